@@ -1,0 +1,62 @@
+// Loops and sums over threads that give the same bits for any number of threads.
+//
+// Floating-point addition is not associative: an OpenMP `reduction` adds per-thread partial sums and so depends on
+// the number of threads. Here a sum is cut into fixed blocks of `sum_block` terms; each block is added by one
+// thread from left to right, and the block sums are added in order. Without OpenMP everything runs serially.
+#pragma once
+#include <algorithm>
+#include <vector>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+namespace almesh {
+
+inline constexpr int sum_block = 1024;
+
+inline int max_threads() {
+#ifdef _OPENMP
+    return omp_get_max_threads();
+#else
+    return 1;
+#endif
+}
+
+// 0 keeps what the environment (OMP_NUM_THREADS) says.
+inline void set_threads([[maybe_unused]] int threads) {
+#ifdef _OPENMP
+    if (threads > 0) omp_set_num_threads(threads);
+#endif
+}
+
+// body(i) for i in [0, n); iterations must write to disjoint places.
+template <class Body>
+void parallel_for(int n, const Body& body) {
+#pragma omp parallel for schedule(static)
+    for (int i = 0; i < n; ++i) body(i);
+}
+
+// Sum of term(i), i in [0, n), in fixed blocks.
+template <class Term>
+double deterministic_sum(int n, const Term& term) {
+    const int blocks = (n + sum_block - 1) / sum_block;
+    if (blocks <= 1) {
+        double sum = 0;
+        for (int i = 0; i < n; ++i) sum += term(i);
+        return sum;
+    }
+    thread_local std::vector<double> partial;  // kept between calls: nothing is allocated inside the Newton loop
+    partial.assign(blocks, 0.0);
+    double* const out = partial.data();
+#pragma omp parallel for schedule(static)
+    for (int b = 0; b < blocks; ++b) {
+        double sum = 0;
+        for (int i = b * sum_block, end = std::min(n, i + sum_block); i < end; ++i) sum += term(i);
+        out[b] = sum;
+    }
+    double sum = 0;
+    for (int b = 0; b < blocks; ++b) sum += out[b];
+    return sum;
+}
+
+}  // namespace almesh

@@ -1,0 +1,56 @@
+// A mesh of simplices (triangles in 2D, tetrahedra in 3D) of Lagrange degree p, with its boundary.
+//
+// The mesh as read may be curved. The ideal mesh of the method is straight-sided: the same vertices, all other nodes
+// at their affine positions (straight_sided()). Data only: built and checked by build_mesh(), changed by
+// raise_degree() and refine().
+#pragma once
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace almesh {
+
+struct PhysicalGroup {
+    int dim = 0, tag = 0;
+    std::string name;
+};
+
+struct Mesh {
+    int dim = 2;     // n, 2 or 3
+    int degree = 1;  // p
+    std::vector<double> x;             // node_count x dim positions, as read
+    std::vector<int> elements;         // element_count x element_nodes() node indices, Gmsh order, det J > 0
+    std::vector<int> faces;            // face_count x face_nodes(): all boundary faces, Gmsh order, oriented outward
+    std::vector<int> face_element;     // element each face belongs to
+    std::vector<int> face_boundary;    // index into boundaries
+    std::vector<std::string> boundaries;  // physical names (or "tag 7" where the file names none)
+
+    // What a mesh file carries besides, so that the result can be written with the input's ids and tags.
+    std::vector<long long> node_id, element_id, face_id;
+    std::vector<int> element_physical, element_entity, face_physical, face_entity;
+    std::vector<PhysicalGroup> groups;
+    int msh_version = 22;  // 22 or 41: the format the mesh came in
+
+    int nodes() const { return static_cast<int>(x.size()) / dim; }
+    int element_nodes() const;
+    int face_nodes() const;
+    int element_count() const { return static_cast<int>(elements.size()) / element_nodes(); }
+    int face_count() const { return static_cast<int>(faces.size()) / face_nodes(); }
+    const int* element(int e) const { return elements.data() + static_cast<std::size_t>(e) * element_nodes(); }
+    const int* face(int f) const { return faces.data() + static_cast<std::size_t>(f) * face_nodes(); }
+    int boundary_index(const std::string& name) const;  // -1 where there is none
+};
+
+// Node positions (node_count x dim) of the ideal mesh: vertices as in x, the others affine.
+std::vector<double> straight_sided(const Mesh& mesh);
+
+// Raises the degree of the elements to `degree` >= mesh.degree. New nodes lie where the element's own map puts
+// them, so a curved mesh keeps its shape. Existing nodes keep their ids where both meshes have them (vertices always).
+Mesh raise_degree(const Mesh& mesh, int degree);
+
+// Splits every element uniformly `times` times (2D: 4 triangles by the edge midpoints; 3D: 8 tetrahedra, the inner
+// octahedron cut along its shortest diagonal). Works on the straight-sided linear mesh; throws InputError for a mesh
+// that is curved. A mesh of degree p is refined as a linear one and raised to p again.
+Mesh refine(const Mesh& mesh, int times);
+
+}  // namespace almesh

@@ -1,0 +1,85 @@
+#include "mesh/quadrature.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace almesh {
+namespace {
+
+struct Line {
+    std::vector<double> x, w;
+};
+
+// m-point Gauss rule on [0, 1] for the weight (1 - x)^alpha, alpha a small integer: Newton on the Jacobi polynomial
+// P_m^(alpha,0), deflated by the roots already found (Karniadakis & Sherwin, app. B).
+Line gauss_jacobi(int m, int alpha) {
+    const auto jacobi = [m, alpha](double t, double& derivative) {  // on [-1, 1]
+        const double a = alpha;
+        double p0 = 1, p1 = 0.5 * (a + (a + 2) * t);
+        if (m == 0) p1 = p0;
+        for (int k = 1; k < m; ++k) {
+            const double a1 = 2 * (k + 1) * (k + a + 1) * (2 * k + a), a2 = (2 * k + a + 1) * a * a,
+                         a3 = (2 * k + a) * (2 * k + a + 1) * (2 * k + a + 2),
+                         a4 = 2 * (k + a) * k * (2 * k + a + 2);
+            const double p2 = ((a2 + a3 * t) * p1 - a4 * p0) / a1;
+            p0 = p1;
+            p1 = p2;
+        }
+        const double b1 = (2 * m + a) * (1 - t * t), b2 = m * (a - (2 * m + a) * t), b3 = 2.0 * (m + a) * m;
+        derivative = (b2 * p1 + b3 * p0) / b1;
+        return p1;
+    };
+    Line rule;
+    std::vector<double> root;
+    for (int k = 0; k < m; ++k) {
+        double t = -std::cos((2 * k + 1) * std::numbers::pi / (2 * m));
+        if (k) t = 0.5 * (t + root.back());
+        double derivative = 1;
+        for (int iteration = 0; iteration < 100; ++iteration) {
+            const double p = jacobi(t, derivative);
+            double deflation = 0;
+            for (double r : root) deflation += 1 / (t - r);
+            const double step = -p / (derivative - deflation * p);
+            t += step;
+            if (std::abs(step) < 1e-16) break;
+        }
+        jacobi(t, derivative);
+        root.push_back(t);
+        rule.x.push_back(0.5 * (1 + t));
+        // On [-1, 1] the weight is 2^(alpha+1) / ((1 - t^2) P'^2); mapping to [0, 1] divides by 2^(alpha+1).
+        rule.w.push_back(1 / ((1 - t * t) * derivative * derivative));
+    }
+    return rule;
+}
+
+}  // namespace
+
+Quadrature simplex_quadrature(int dim, int exactness) {
+    Quadrature q;
+    q.dim = dim;
+    if (exactness <= 1) {
+        q.count = 1;
+        q.xi.assign(dim, 1.0 / (dim + 1));
+        q.weight = {1.0 / (dim == 3 ? 6 : dim)};
+        return q;
+    }
+    // Duffy's map: x_0 = u_0, x_1 = (1 - u_0) u_1, x_2 = (1 - u_0)(1 - u_1) u_2.
+    const int m = exactness / 2 + 1;
+    std::vector<Line> line;
+    for (int k = 0; k < dim; ++k) line.push_back(gauss_jacobi(m, dim - 1 - k));
+    q.count = 1;
+    for (int k = 0; k < dim; ++k) q.count *= m;
+    for (int i = 0; i < q.count; ++i) {
+        double weight = 1, rest = 1;
+        for (int k = 0, index = i; k < dim; ++k, index /= m) {
+            const double u = line[k].x[index % m];
+            weight *= line[k].w[index % m];
+            q.xi.push_back(rest * u);
+            rest *= 1 - u;
+        }
+        q.weight.push_back(weight);
+    }
+    return q;
+}
+
+}  // namespace almesh
