@@ -5,12 +5,13 @@ BUILD     ?= build
 WARNINGS  := -Wall -Wextra -Wpedantic -Wshadow -Werror
 
 # OpenMP where the compiler has it; without it the program builds and runs serially.
-OPENMP    := $(shell printf '\#include <omp.h>\nint main(){return omp_get_max_threads()<1;}' | $(CXX) -fopenmp -x c++ - -o /dev/null 2>/dev/null && echo -fopenmp)
+OPENMP    := $(shell echo 'int main() { return omp_get_max_threads() < 1; }' | \
+               $(CXX) -fopenmp -include omp.h -x c++ - -o /dev/null 2>/dev/null && echo -fopenmp)
 NO_OPENMP := $(if $(OPENMP),,-Wno-unknown-pragmas)
 VERSION   := 0.1.0
 COMMIT    := $(shell git describe --always --dirty --exclude '*' 2>/dev/null || echo unknown)
 
-FLAGS     := -std=c++20 $(CXXFLAGS) $(OPENMP) $(WARNINGS) $(NO_OPENMP) -Isrc
+FLAGS     := -std=c++20 $(CXXFLAGS) $(OPENMP) $(WARNINGS) $(NO_OPENMP) -Isrc -Itests
 SOURCES   := $(shell find src -name '*.cpp' | sort)
 OBJECTS   := $(SOURCES:%.cpp=$(BUILD)/%.o)
 LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(OBJECTS))
@@ -31,6 +32,13 @@ $(BUILD)/almesh: $(OBJECTS)
 $(BUILD)/%.o: %.cpp $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) -MMD -MP -c $< -o $@
+
+# Only this file knows the commit; it is rebuilt when that changes.
+$(BUILD)/src/app/version.o: FLAGS += -DALMESH_VERSION='"$(VERSION)"' -DALMESH_COMMIT='"$(COMMIT)"' -DALMESH_FLAGS='"$(CXXFLAGS) $(OPENMP)"'
+$(BUILD)/src/app/version.o: $(BUILD)/commit
+$(BUILD)/commit: FORCE
+	@mkdir -p $(BUILD)
+	@echo '$(COMMIT)' | cmp -s - $@ || echo '$(COMMIT)' > $@
 
 # Everything is rebuilt when the compiler or its flags change.
 $(BUILD)/flags: FORCE

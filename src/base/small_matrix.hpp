@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 namespace almesh {
 
@@ -9,6 +10,13 @@ template <int n>
 using Vec = std::array<double, n>;
 template <int n>
 using Mat = std::array<std::array<double, n>, n>;
+
+// body(std::integral_constant<int, n>) for n = dim: turns the space dimension into a template argument.
+template <class Body>
+void with_dimension(int dim, const Body& body) {
+    if (dim == 2) body(std::integral_constant<int, 2>());
+    else body(std::integral_constant<int, 3>());
+}
 
 template <int n>
 double frobenius_squared(const Mat<n>& m) {

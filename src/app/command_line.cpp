@@ -1,0 +1,67 @@
+#include "app/command_line.hpp"
+
+#include <new>
+
+#include "app/quality.hpp"
+#include "app/run.hpp"
+#include "app/version.hpp"
+#include "base/error.hpp"
+#include "io/deck.hpp"
+#include "io/deck_keys.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr const char* help =
+    "almesh moves and curves meshes of triangles and tetrahedra without inverting an element.\n"
+    "\n"
+    "  almesh DECK [key=value ...]   run a deck; keys given here replace those of the deck\n"
+    "  almesh quality FILE           certify and measure any Gmsh mesh (MSH 2.2 or 4.1, ASCII)\n"
+    "  almesh --keys                 list the keys of a deck with defaults, legal values and meaning\n"
+    "  almesh --version              version, commit and compiler\n"
+    "  almesh --help                 this text\n"
+    "\n"
+    "A deck is plain text, for instance inputs/circle.deck:\n"
+    "  mesh = meshes/circle.msh\n"
+    "  boundary inner = translate 8 0\n"
+    "  boundary outer = fixed\n"
+    "Results are written to outputs/<deck name>, or to the folder of the key `output`.\n"
+    "Keys on the command line: almesh inputs/circle.deck refine=2 \"boundary inner=translate 4 0\"\n"
+    "\n"
+    "Exit codes: 0 converged and certified valid; 1 usage or deck; 2 mesh, target or output folder;\n"
+    "  3 not converged (the last valid mesh is written); 4 converged but not certified valid;\n"
+    "  5 an `expect` line of the deck does not hold.\n";
+
+ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
+    if (arguments.empty()) throw UsageError("nothing to do: give a deck, or see almesh --help");
+    const std::string& first = arguments[0];
+    const auto print = [out](const std::string& text) {
+        std::fputs(text.c_str(), out);
+        return ExitCode::success;
+    };
+    if (first == "--help" || first == "-h") return print(help);
+    if (first == "--keys") return print(keys_table());
+    if (first == "--version") return print(version() + ", commit " + commit() + "\n" + compiler() + "\n");
+    if (first == "quality") {
+        if (arguments.size() != 2) throw UsageError("quality takes one mesh file: almesh quality FILE");
+        return quality(arguments[1], out);
+    }
+    if (first.starts_with("-")) throw UsageError("unknown option " + first + "; see almesh --help");
+    return run(read_deck(first, {arguments.begin() + 1, arguments.end()}), out);
+}
+
+}  // namespace
+
+int command_line(const std::vector<std::string>& arguments, std::FILE* out, std::FILE* error) {
+    try {
+        return static_cast<int>(dispatch(arguments, out));
+    } catch (const Error& problem) {
+        std::fprintf(error, "almesh: %s\n", problem.what());
+        return static_cast<int>(problem.exit_code);
+    } catch (const std::bad_alloc&) {
+        std::fprintf(error, "almesh: out of memory\n");
+        return static_cast<int>(ExitCode::input);
+    }
+}
+
+}  // namespace almesh

@@ -1,0 +1,84 @@
+#include "app/problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "base/text.hpp"
+#include "boundary/target_check.hpp"
+#include "functional/distortion_energy.hpp"
+#include "io/msh_reader.hpp"
+#include "mesh/build.hpp"
+
+namespace almesh {
+namespace {
+
+std::string hash_of(const std::string& text) {
+    std::uint64_t hash = 14695981039346656037u;  // FNV-1a, 64 bits
+    for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
+    char out[17];
+    std::snprintf(out, sizeof out, "%016llx", static_cast<unsigned long long>(hash));
+    return out;
+}
+
+// One motion per boundary of the mesh; each must have one in the deck.
+std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
+    check_against_mesh(deck, mesh.dim, mesh.boundaries);
+    std::vector<Motion> motions;
+    for (const std::string& name : mesh.boundaries) {
+        const auto it = std::find_if(deck.boundaries.begin(), deck.boundaries.end(),
+                                     [&](const DeckBoundary& boundary) { return boundary.name == name; });
+        if (it == deck.boundaries.end())
+            throw UsageError(deck.path + ": boundary `" + name + "` of the mesh has no motion; add the line `boundary " +
+                             (name.find(' ') == std::string::npos ? name : with_quotes(name)) + " = fixed` (or another motion)");
+        motions.push_back(it->motion);
+    }
+    return motions;
+}
+
+void refuse_invalid_target(const TargetReport& report) {
+    if (report.faults.empty()) return;
+    constexpr std::size_t shown = 10;
+    std::string message = "the target makes the boundary itself invalid at " + std::to_string(report.faults.size()) +
+                          (report.faults.size() == 1 ? " face:" : " faces:");
+    for (std::size_t k = 0; k < std::min(shown, report.faults.size()); ++k) message += "\n  " + report.faults[k].why;
+    if (report.faults.size() > shown) message += "\n  ...";
+    throw InputError(message);
+}
+
+void divide(std::vector<double>& values, double length) {
+    for (double& value : values) value /= length;
+}
+
+}  // namespace
+
+Problem make_problem(const Deck& deck) {
+    Problem problem;
+    const std::string text = read_text_file(deck.mesh);
+    problem.mesh_hash = hash_of(text);
+    problem.mesh = build_mesh(parse_msh(text, deck.mesh), problem.notes);
+    problem.mesh = refine(problem.mesh, deck.refine);
+    if (deck.degree) problem.mesh = raise_degree(problem.mesh, deck.degree);
+    const Mesh& mesh = problem.mesh;
+    if (!deck.wall.empty() && mesh.boundary_index(deck.wall) < 0)
+        throw UsageError("wall: the mesh has no boundary `" + deck.wall + "`");
+
+    problem.target = make_target(mesh, motions_of(deck, mesh));
+    const TargetReport report = check_target(mesh, problem.target.node);
+    refuse_invalid_target(report);
+    problem.notes.insert(problem.notes.end(), report.notes.begin(), report.notes.end());
+
+    problem.ideal = straight_sided(mesh);
+    const double volume = DistortionEnergy(mesh, problem.ideal, {}).domain_volume();
+    problem.length = deck.length_scale.value_or(std::pow(volume, 1.0 / mesh.dim));
+    divide(problem.mesh.x, problem.length);
+    divide(problem.ideal, problem.length);
+    divide(problem.target.node, problem.length);
+    divide(problem.target.sample, problem.length);
+    return problem;
+}
+
+}  // namespace almesh

@@ -1,0 +1,25 @@
+// From the deck to the problem to be solved: the mesh, its target, and both in the run's unit of length.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "boundary/target.hpp"
+#include "io/deck.hpp"
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+struct Problem {
+    Mesh mesh;                  // read, mended, refined, raised; in units of `length`
+    std::vector<double> ideal;  // straight-sided positions, in units of `length`
+    BoundaryTarget target;      // in units of `length`
+    double length = 1;          // of the mesh file, by which positions were divided
+    std::string mesh_hash;      // FNV-1a of the file, to tell which mesh a result came from
+    std::vector<std::string> notes;
+};
+
+// Throws UsageError or InputError for everything that can be wrong before solving, target faces that are invalid
+// themselves included.
+Problem make_problem(const Deck& deck);
+
+}  // namespace almesh

@@ -1,0 +1,148 @@
+#include "app/results.hpp"
+
+#include <sys/resource.h>
+
+#include <cmath>
+
+#include "app/version.hpp"
+#include "base/files.hpp"
+#include "base/parallel.hpp"
+#include "base/text.hpp"
+#include "certify/wall_distance.hpp"
+#include "io/msh_writer.hpp"
+#include "io/vtk.hpp"
+
+namespace almesh {
+namespace {
+
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+
+double peak_memory_mb() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+#ifdef __APPLE__
+    return static_cast<double>(usage.ru_maxrss) / (1024 * 1024);
+#else
+    return static_cast<double>(usage.ru_maxrss) / 1024;
+#endif
+}
+
+std::string short_number(double value, int digits) {
+    std::string text;
+    append(text, value, digits);
+    return text;
+}
+
+Pairs provenance(const Deck& deck, const Problem& problem) {
+    return {{"program", version()}, {"commit", commit()}, {"deck", deck.name}, {"mesh_hash", problem.mesh_hash}};
+}
+
+std::string title(const Deck& deck, const char* what) {
+    return (deck.title.empty() ? deck.name : deck.title) + ", " + what;
+}
+
+std::vector<double> scaled(std::vector<double> values, double factor) {
+    for (double& value : values) value *= factor;
+    return values;
+}
+
+void write_volume(const Deck& deck, const Problem& problem, const char* what, const std::vector<double>& x,
+                  const std::vector<double>& distortion, const std::vector<double>* scaled_jacobian) {
+    const Mesh& mesh = problem.mesh;
+    std::vector<VtkArray> point_data, cell_data = {{"distortion", 1, distortion}};
+    if (!deck.wall.empty())
+        point_data.push_back({"wall_distance", 1, scaled(wall_distance(mesh, x, mesh.boundary_index(deck.wall)), problem.length)});
+    std::vector<double> quality(distortion.size()), id(distortion.size());
+    for (std::size_t e = 0; e < distortion.size(); ++e) {
+        quality[e] = 1 / distortion[e];
+        id[e] = static_cast<double>(mesh.element_id[e]);
+    }
+    cell_data.push_back({"quality", 1, std::move(quality)});
+    if (scaled_jacobian) cell_data.push_back({"min_scaled_jacobian", 1, *scaled_jacobian});
+    cell_data.push_back({"element_id", 1, std::move(id)});
+    write_vtk(deck.output + "/" + what + ".vtk", title(deck, what), mesh.dim, mesh.degree, scaled(x, problem.length),
+              mesh.elements, mesh.dim, point_data, cell_data, provenance(deck, problem));
+}
+
+// Boundary faces on the trace nodes, with the multipliers and the projected constraint.
+void write_boundary(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution) {
+    const Mesh& mesh = problem.mesh;
+    const int dim = mesh.dim, count = static_cast<int>(constraint.nodes().size());
+    std::vector<int> trace(mesh.nodes(), -1), cells;
+    std::vector<double> x, magnitude, boundary;
+    for (int t = 0; t < count; ++t) {
+        trace[constraint.nodes()[t]] = t;
+        double squared = 0;
+        for (int a = 0; a < dim; ++a) {
+            x.push_back(solution.x[static_cast<std::size_t>(constraint.nodes()[t]) * dim + a] * problem.length);
+            squared += std::pow(solution.al.lambda[static_cast<std::size_t>(t) * dim + a], 2);
+        }
+        magnitude.push_back(std::sqrt(squared));
+    }
+    for (int node : mesh.faces) cells.push_back(trace[node]);
+    for (int b : mesh.face_boundary) boundary.push_back(b);
+    const double lambda_unit = std::pow(problem.length, 0.5 * dim);  // of energy / ((u, v) c), see constraint.hpp
+    write_vtk(deck.output + "/boundary.vtk", title(deck, "boundary"), dim, mesh.degree, x, cells, dim - 1,
+              {{"multipliers", dim, scaled(solution.al.lambda, lambda_unit)},
+               {"multiplier_magnitude", 1, scaled(magnitude, lambda_unit)},
+               {"constraint", dim, scaled(constraint.projected_constraint(solution.x), std::pow(problem.length, 2 - 0.5 * dim))}},
+              {{"boundary", 1, boundary}}, provenance(deck, problem));
+}
+
+std::string lines(const Pairs& pairs) {
+    std::string text;
+    for (const auto& [key, value] : pairs) text += key + " = " + value + "\n";
+    return text;
+}
+
+}  // namespace
+
+Summary summarise(const Problem& problem, const Solution& solution) {
+    const Mesh& mesh = problem.mesh;
+    const AlIteration& last = solution.al.iterations.back();
+    const double length = problem.length;
+    return {{"status", to_string(solution.al.status)},
+            {"dimension", std::to_string(mesh.dim)},
+            {"degree", std::to_string(mesh.degree)},
+            {"nodes", std::to_string(mesh.nodes())},
+            {"elements", std::to_string(mesh.element_count())},
+            {"al_iterations", std::to_string(solution.al.iterations.size() - 1)},
+            {"newton_iterations", std::to_string(solution.al.newton_iterations)},
+            {"linear_iterations", std::to_string(solution.al.linear_iterations)},
+            {"constraint_norm", short_number(last.constraint_norm * length, 6)},
+            {"projected_constraint_norm", short_number(last.projected_constraint_norm * length, 6)},
+            {"max_boundary_error", short_number(solution.max_boundary_error * length, 6)},
+            {"gradient_norm", short_number(last.gradient_norm * std::pow(length, mesh.dim - 1), 6)},
+            {"relative_quality", short_number(last.relative_quality, 7)},
+            {"max_distortion", short_number(last.max_distortion, 7)},
+            {"min_scaled_jacobian", short_number(solution.certificate.min_scaled_jacobian, 6)},
+            {"certified_valid", solution.certificate.valid ? "yes" : "no"},
+            {"time_total", short_number(solution.time.total, 4)},
+            {"time_assembly", short_number(solution.time.assembly, 4)},
+            {"time_linear", short_number(solution.time.linear, 4)},
+            {"time_line_search", short_number(solution.time.line_search, 4)},
+            {"threads", std::to_string(max_threads())},
+            {"peak_memory_mb", short_number(peak_memory_mb(), 4)}};
+}
+
+void write_deck(const Deck& deck, const Problem& problem) {
+    std::string text = "# " + version() + ", commit " + commit() + "\n# compiled by " + compiler() + "\n# threads " +
+                       std::to_string(max_threads()) + ", mesh hash " + problem.mesh_hash + "\n";
+    for (const std::string& note : problem.notes) text += "# note: " + note + "\n";
+    write_file(deck.output + "/deck.txt", text + "\n" + resolved(deck));
+}
+
+void write_initial(const Deck& deck, const Problem& problem) {
+    write_volume(deck, problem, "initial", problem.ideal, std::vector<double>(problem.mesh.element_count(), 1.0), nullptr);
+}
+
+void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution,
+                   const History& history, const Summary& summary) {
+    write_volume(deck, problem, "final", solution.x, solution.distortion.element_max, &solution.certificate.lower_bound);
+    write_boundary(deck, problem, constraint, solution);
+    write_msh(deck.output + "/final.msh", problem.mesh, scaled(solution.x, problem.length));
+    write_file(deck.output + "/history.csv", history.csv());
+    write_file(deck.output + "/summary.txt", lines(summary));
+}
+
+}  // namespace almesh

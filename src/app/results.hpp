@@ -1,0 +1,33 @@
+// The files of a run, in the units of the mesh file: what they hold is told in the README under "Results".
+#pragma once
+#include <string>
+#include <vector>
+
+#include "app/problem.hpp"
+#include "boundary/constraint.hpp"
+#include "certify/certificate.hpp"
+#include "io/deck.hpp"
+#include "io/expectation.hpp"
+#include "io/history.hpp"
+#include "optimize/augmented_lagrangian.hpp"
+
+namespace almesh {
+
+// What a run has found, in the run's unit of length (Problem::length).
+struct Solution {
+    std::vector<double> x;  // node_count x dim
+    AlResult al;
+    DistortionStatistics distortion;
+    double max_boundary_error = 0;
+    Certificate certificate;
+    Timings time;
+};
+
+Summary summarise(const Problem& problem, const Solution& solution);
+
+void write_deck(const Deck& deck, const Problem& problem);
+void write_initial(const Deck& deck, const Problem& problem);
+void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution,
+                   const History& history, const Summary& summary);
+
+}  // namespace almesh

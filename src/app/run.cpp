@@ -1,0 +1,146 @@
+#include "app/run.hpp"
+
+#include "app/problem.hpp"
+#include "app/results.hpp"
+#include "base/files.hpp"
+#include "base/parallel.hpp"
+#include "io/terminal.hpp"
+
+namespace almesh {
+namespace {
+
+AugmentedLagrangianParams algorithm_of(const Deck& deck) {
+    AugmentedLagrangianParams params;
+    params.algorithm = deck.algorithm;
+    params.mu0 = deck.mu0;
+    params.omega0 = deck.omega0;
+    params.epsilon0 = deck.epsilon0;
+    params.omega_star = deck.omega_star;
+    params.epsilon_star = deck.epsilon_star;
+    params.max_iterations = deck.max_al_iterations;
+    params.max_newton_iterations = deck.max_newton_iterations;
+    return params;
+}
+
+LinearSolverParams solver_of(const Deck& deck) {
+    LinearSolverParams params;
+    params.kind = deck.solver;
+    params.tolerance = deck.linear_tolerance;
+    params.restart = deck.gmres_restart;
+    params.max_iterations = deck.gmres_max_iterations;
+    return params;
+}
+
+void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem) {
+    const Mesh& mesh = problem.mesh;
+    if (!deck.title.empty()) std::fprintf(out, "%s\n", deck.title.c_str());
+    std::fprintf(out, "%s: %d nodes, %d %s of degree %d, %d boundary faces; %d thread%s\n", deck.mesh.c_str(), mesh.nodes(),
+                 mesh.element_count(), mesh.dim == 2 ? "triangles" : "tetrahedra", mesh.degree, mesh.face_count(),
+                 max_threads(), max_threads() == 1 ? "" : "s");
+    for (const std::string& note : problem.notes) std::fprintf(out, "note: %s\n", note.c_str());
+}
+
+const char* advice(AlStatus status) {
+    switch (status) {
+        case AlStatus::converged: return "converged";
+        case AlStatus::infeasible:
+            return "infeasible: the constraint does not fall although the penalty grows; no valid mesh seems to reach the target";
+        case AlStatus::max_iterations: return "not converged: max_al_iterations reached";
+        case AlStatus::max_newton_iterations: return "not converged: max_newton_iterations reached in a subproblem";
+        case AlStatus::line_search_failed: return "not converged: no step length decreases the energy";
+        case AlStatus::linear_solver_failed: return "not converged: no linear solver gave a descent direction";
+    }
+    return "";
+}
+
+void print_uncertified(std::FILE* out, const Problem& problem, const Solution& solution) {
+    const Certificate& certificate = solution.certificate;
+    if (certificate.uncertified.empty()) return;
+    const Mesh& mesh = problem.mesh;
+    std::fprintf(out, "%zu elements are not certified valid; the worst ten (id, centre, scaled Jacobian >=):\n",
+                 certificate.uncertified.size());
+    for (std::size_t k = 0; k < certificate.uncertified.size() && k < 10; ++k) {
+        const int e = certificate.uncertified[k];
+        std::fprintf(out, "  %lld  (", mesh.element_id[e]);
+        for (int a = 0; a < mesh.dim; ++a) {
+            double centre = 0;
+            for (int v = 0; v <= mesh.dim; ++v)
+                centre += solution.x[static_cast<std::size_t>(mesh.element(e)[v]) * mesh.dim + a] / (mesh.dim + 1);
+            std::fprintf(out, "%s%.6g", a ? ", " : "", centre * problem.length);
+        }
+        std::fprintf(out, ")  %.4g\n", certificate.lower_bound[e]);
+    }
+}
+
+void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
+    const AlIteration& last = solution.al.iterations.back();
+    std::fprintf(out, "%s: %zu AL and %d Newton iterations in %.2f s; |c_D| = %.3g, largest boundary error %.3g\n",
+                 advice(solution.al.status), solution.al.iterations.size() - 1, solution.al.newton_iterations,
+                 solution.time.total, last.constraint_norm * problem.length, solution.max_boundary_error * problem.length);
+    if (solution.al.rounding_floor) std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
+    std::fprintf(out, "%s: scaled Jacobian >= %.4g everywhere; results in %s\n",
+                 solution.certificate.valid ? "certified valid" : "NOT certified valid",
+                 solution.certificate.min_scaled_jacobian, deck.output.c_str());
+}
+
+bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary) {
+    bool hold = true;
+    for (const Expectation& expectation : deck.expectations) {
+        const ExpectationResult result = check(expectation, summary);
+        if (!result.holds) std::fprintf(out, "%s: %s\n", expectation.where.c_str(), result.text.c_str());
+        hold = hold && result.holds;
+    }
+    if (hold && !deck.expectations.empty()) std::fprintf(out, "all %zu expectations of the deck hold\n", deck.expectations.size());
+    return hold;
+}
+
+}  // namespace
+
+ExitCode run(const Deck& deck, std::FILE* out) {
+    // 1. Mesh, target and everything that can be wrong with them; the folder for the results.
+    set_threads(deck.threads);
+    const Problem problem = make_problem(deck);
+    make_folder(deck.output);
+    print_mesh(out, deck, problem);
+    write_deck(deck, problem);
+    write_initial(deck, problem);
+
+    // 2. The functional, Eq. 6.
+    const DistortionEnergy distortion(problem.mesh, problem.ideal,
+                                      {deck.objective, deck.delta, deck.weight_exponent, deck.quadrature});
+    const BoundaryConstraint constraint(problem.mesh, problem.ideal, problem.target, deck.target);
+
+    // 3. Algorithm 1, from the identity map.
+    Solution solution;
+    solution.x = problem.ideal;
+    Terminal terminal(out, problem.mesh.dim, problem.length);
+    History history(problem.mesh.dim, problem.length);
+    AlObserver observer;
+    observer.iteration = [&](const AlIteration& row) {
+        terminal.row(row);
+        history.add(row);
+    };
+    observer.newton_step = [&](int al_iteration, const NewtonStep& step) {
+        terminal.live(al_iteration, step);
+        history.add(al_iteration, step);
+    };
+    terminal.header();
+    Newton newton(problem.mesh, solver_of(deck));
+    solution.al = minimise(distortion, constraint, newton, deck.objective, algorithm_of(deck), solution.x, solution.time, observer);
+
+    // 4. What was reached: certificate, statistics, files.
+    solution.certificate = certify(problem.mesh, solution.x, {.max_bisections = deck.certificate_bisections});
+    solution.distortion = distortion.statistics(solution.x);
+    solution.max_boundary_error = constraint.max_error(solution.x);
+    const Summary summary = summarise(problem, solution);
+    write_results(deck, problem, constraint, solution, history, summary);
+    print_uncertified(out, problem, solution);
+    print_closing(out, deck, problem, solution);
+
+    const bool expected = expectations_hold(out, deck, summary);
+    if (solution.al.status != AlStatus::converged) return ExitCode::not_converged;
+    if (!solution.certificate.valid) return ExitCode::not_certified;
+    return expected ? ExitCode::success : ExitCode::expectation_failed;
+}
+
+}  // namespace almesh

@@ -1,0 +1,97 @@
+#include "base/files.hpp"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include "base/error.hpp"
+
+namespace almesh {
+namespace {
+
+namespace fs = std::filesystem;
+
+using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+[[noreturn]] void cannot(const char* verb, const std::string& path, const std::string& reason) {
+    throw InputError(std::string("cannot ") + verb + " " + path + ": " + reason);
+}
+
+// What may be renamed onto: a regular file, or none yet. /dev/null and its like must stay what they are.
+fs::path writable_target(const std::string& path) {
+    std::error_code error;
+    const fs::path target = fs::weakly_canonical(path, error);
+    if (error) cannot("write to", path, error.message());
+    const fs::file_status status = fs::status(target, error);
+    if (fs::is_directory(status)) cannot("write to", path, "it is a folder");
+    if (fs::exists(status) && !fs::is_regular_file(status)) cannot("write to", path, "it is not a regular file");
+    return target;
+}
+
+bool write_all(const std::string& path, std::string_view content) {
+    File file(std::fopen(path.c_str(), "wb"), std::fclose);
+    if (!file) return false;
+    const bool written = std::fwrite(content.data(), 1, content.size(), file.get()) == content.size();
+    const bool flushed = written && std::fflush(file.get()) == 0;
+    const int reason = errno;
+    const bool closed = std::fclose(file.release()) == 0;  // network disks report a full disk only here
+    if (!flushed) errno = reason;
+    return flushed && closed;
+}
+
+}  // namespace
+
+std::string read_text_file(const std::string& path) {
+    std::error_code error;
+    if (fs::is_directory(path, error)) cannot("read", path, "it is a folder");
+    const File file(std::fopen(path.c_str(), "rb"), std::fclose);
+    if (!file) cannot("read", path, std::strerror(errno));
+    const auto size = fs::file_size(path, error);
+    std::string text(error ? 0 : size, '\0');
+    text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+    for (char rest[4096]; const std::size_t more = std::fread(rest, 1, sizeof rest, file.get());)
+        text.append(rest, more);  // what has no size beforehand, such as a pipe
+    if (std::ferror(file.get())) cannot("read", path, std::strerror(errno));
+    if (text.empty()) cannot("read", path, "it is empty");
+    if (std::memchr(text.data(), '\0', text.size())) cannot("read", path, "it is binary; save it as text (ASCII)");
+    return text;
+}
+
+void write_file(const std::string& path, std::string_view content) {
+    const fs::path target = writable_target(path);
+    const std::string part = target.string() + ".part" + std::to_string(getpid());
+    if (write_all(part, content) && std::rename(part.c_str(), target.c_str()) == 0) return;
+    const std::string reason = std::strerror(errno);
+    std::remove(part.c_str());
+    cannot("write to", path, reason);
+}
+
+void make_folder(const std::string& path) {
+    std::error_code error;
+    fs::create_directories(path, error);
+    if (error) cannot("write to", path, error.message());
+    if (!fs::is_directory(path, error)) cannot("write to", path, "it is not a folder");
+    if (access(path.c_str(), W_OK | X_OK) != 0) cannot("write to", path, std::strerror(errno));
+}
+
+void append(std::string& text, long long number) {
+    char digits[24];
+    text.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
+}
+
+void append(std::string& text, double number) {
+    char digits[32];
+    text.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
+}
+
+void append(std::string& text, double number, int digits) {
+    char shown[32];
+    text.append(shown, std::to_chars(shown, shown + sizeof shown, number, std::chars_format::general, digits).ptr);
+}
+
+}  // namespace almesh

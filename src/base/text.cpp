@@ -1,0 +1,139 @@
+#include "base/text.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace almesh {
+
+std::string_view trim(std::string_view text) {
+    const auto begin = text.find_first_not_of(" \t\r\n");
+    if (begin == std::string_view::npos) return {};
+    return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
+}
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+    std::vector<std::string_view> pieces;
+    for (;;) {
+        const auto end = text.find(separator);
+        pieces.push_back(trim(text.substr(0, end)));
+        if (end == std::string_view::npos) return pieces;
+        text.remove_prefix(end + 1);
+    }
+}
+
+std::vector<std::string_view> words(std::string_view text) {
+    std::vector<std::string_view> result;
+    while (!(text = trim(text)).empty()) {
+        const auto end = std::min(text.find_first_of(" \t"), text.size());
+        result.push_back(text.substr(0, end));
+        text.remove_prefix(end);
+    }
+    return result;
+}
+
+namespace {
+
+template <class Number>
+std::optional<Number> parse_number(std::string_view text) {
+    if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+    Number value{};
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc() || stop != end) return std::nullopt;
+    return value;
+}
+
+std::string lower_case(std::string_view text) {
+    std::string result(text);
+    for (char& c : result)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return result;
+}
+
+}  // namespace
+
+std::optional<double> parse_double(std::string_view text) {
+    const auto value = parse_number<double>(text);
+    return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::optional<int> parse_int(std::string_view text, int lowest, int highest) {
+    const auto value = parse_number<int>(text);
+    return value && *value >= lowest && *value <= highest ? value : std::nullopt;
+}
+
+std::string to_text(double value) {
+    char buffer[32];  // the longest double needs 24 characters
+    return std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general).ptr);
+}
+
+int edit_distance(std::string_view a, std::string_view b) {
+    const std::size_t width = b.size() + 1;
+    std::vector<int> d((a.size() + 1) * width);  // d[i*width + j]: distance of the first i and the first j characters
+    for (std::size_t i = 0; i <= a.size(); ++i)
+        for (std::size_t j = 0; j <= b.size(); ++j) {
+            int& here = d[i * width + j];
+            if (i == 0 || j == 0) {
+                here = static_cast<int>(i + j);
+                continue;
+            }
+            here = std::min(d[(i - 1) * width + j], d[i * width + j - 1]) + 1;
+            here = std::min(here, d[(i - 1) * width + j - 1] + (a[i - 1] != b[j - 1]));
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                here = std::min(here, d[(i - 2) * width + j - 2] + 1);
+        }
+    return d.back();
+}
+
+std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
+    const std::string lower = lower_case(word.substr(0, 100));  // the cost of a pasted novel stays small
+    std::string best;
+    int least = std::numeric_limits<int>::max();
+    for (const std::string& candidate : candidates) {
+        const int distance = edit_distance(lower, lower_case(candidate));
+        if (distance >= least) continue;
+        least = distance;
+        best = candidate;
+    }
+    return best;
+}
+
+std::vector<std::string> wrap(std::string_view text, std::size_t width) {
+    std::vector<std::string> lines;
+    for (const std::string_view word : words(text)) {
+        if (lines.empty() || lines.back().size() + 1 + word.size() > width)
+            lines.emplace_back(word);
+        else
+            (lines.back() += ' ') += word;
+    }
+    return lines;
+}
+
+std::string table_row(const std::vector<std::string>& cells, const std::vector<std::size_t>& width) {
+    std::string row;
+    std::size_t column = 0;
+    for (std::size_t i = 0; i + 1 < cells.size(); ++i) {
+        row += cells[i];
+        column += width[i];
+        row.resize(std::max(row.size() + 1, column), ' ');
+    }
+    const auto lines = wrap(cells.back(), width.back());
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+        if (k > 0) row.append(1, '\n').append(column, ' ');
+        row += lines[k];
+    }
+    return row + "\n";
+}
+
+std::string in_backquotes(std::string_view text) { return std::string("`").append(text).append("`"); }
+
+std::string with_quotes(std::string_view text) { return std::string("\"").append(text).append("\""); }
+
+std::optional<std::string> without_quotes(std::string_view text) {
+    if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
+    if (text.find('"') != std::string_view::npos) return std::nullopt;
+    return std::string(text);
+}
+
+}  // namespace almesh

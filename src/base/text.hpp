@@ -1,0 +1,50 @@
+// Text tools of the deck, the motions and the command line: trimming and splitting, strict number parsing,
+// shortest round-trip number printing, spelling suggestions.
+//
+// Edit distance: optimal string alignment (Levenshtein's insert, delete, replace, plus the swap of two neighbours), by
+// dynamic programming in O(|a| |b|).
+#pragma once
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace almesh {
+
+// Views returned here point into the argument.
+std::string_view trim(std::string_view text);  // without blanks, tabs and line ends at both ends
+std::vector<std::string_view> split(std::string_view text, char separator);  // trimmed pieces, empty ones included
+std::vector<std::string_view> words(std::string_view text);                  // separated by blanks or tabs, none empty
+
+// The number that the whole text spells, or nothing: no blanks or other garbage, no nan, inf or overflow. A leading
+// + is taken.
+std::optional<double> parse_double(std::string_view text);
+std::optional<int> parse_int(std::string_view text, int lowest = std::numeric_limits<int>::min(),
+                             int highest = std::numeric_limits<int>::max());
+
+// Shortest text that parse_double() turns into the same bits, as %g prints it: 0.0005, 1e-08, 841.
+std::string to_text(double value);
+
+int edit_distance(std::string_view a, std::string_view b);
+
+// Candidate of least edit distance to `word`, upper and lower case being the same; the first one of several, "" of
+// none.
+std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
+
+// `text` cut at blanks into lines of at most `width` characters (longer words stand alone).
+std::vector<std::string> wrap(std::string_view text, std::size_t width);
+
+// One row of a table, with its line end: cell i padded to width[i] characters, the last one wrapped within width[i].
+// A cell wider than its column moves the rest of its line to the right by one blank.
+std::string table_row(const std::vector<std::string>& cells, const std::vector<std::size_t>& width);
+
+std::string in_backquotes(std::string_view text);  // a word of the user, as messages show it
+
+// Text in double quotes. There is no escape: the text itself must not hold a double quote.
+std::string with_quotes(std::string_view text);
+
+// What stands inside the quotes, or the text itself where it is not quoted; nothing where a quote stands inside.
+std::optional<std::string> without_quotes(std::string_view text);
+
+}  // namespace almesh

@@ -1,0 +1,206 @@
+#include "boundary/constraint.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.hpp"
+#include "linalg/linear_solver.hpp"
+#include "mesh/lagrange.hpp"
+
+namespace almesh {
+namespace {
+
+// Length of the edge or area of the triangle spanned by the face's vertices.
+double face_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
+    const auto edge = [&](int v, int a) {
+        return ideal[static_cast<std::size_t>(mesh.face(f)[v]) * mesh.dim + a] -
+               ideal[static_cast<std::size_t>(mesh.face(f)[0]) * mesh.dim + a];
+    };
+    if (mesh.dim == 2) return std::hypot(edge(1, 0), edge(1, 1));
+    const double n0 = edge(1, 1) * edge(2, 2) - edge(1, 2) * edge(2, 1), n1 = edge(1, 2) * edge(2, 0) - edge(1, 0) * edge(2, 2),
+                 n2 = edge(1, 0) * edge(2, 1) - edge(1, 1) * edge(2, 0);
+    return 0.5 * std::hypot(n0, n1, n2);
+}
+
+}  // namespace
+
+BoundaryConstraint::BoundaryConstraint(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
+                                       TargetKind kind)
+    : dim_(mesh.dim), kind_(kind), mesh_(mesh), target_(target) {
+    const LagrangeBasis basis(dim_ - 1, mesh.degree);
+    face_values_.resize(static_cast<std::size_t>(target.quadrature.count) * basis.count);
+    for (int q = 0; q < target.quadrature.count; ++q)
+        basis.values(&target.quadrature.xi[q * (dim_ - 1)], &face_values_[static_cast<std::size_t>(q) * basis.count]);
+
+    // |f| / h_f over the volume of the reference face: what a reference integral is multiplied by.
+    std::vector<double> face_weight(mesh.face_count());
+    double one_squared = 0;
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const double measure = face_measure(mesh, ideal, f), h = dim_ == 2 ? measure : std::sqrt(measure);
+        one_squared += measure / h;
+        face_weight[f] = measure / h * (dim_ == 2 ? 1 : 2);
+    }
+    norm_of_one_ = std::sqrt(one_squared);
+    number_trace_nodes();
+    assemble_mass(face_weight);
+    if (kind == TargetKind::exact) project_target(ideal, face_weight);
+    else interpolate_target();
+}
+
+void BoundaryConstraint::number_trace_nodes() {
+    std::vector<int> trace(mesh_.nodes(), -1);
+    nodes_ = mesh_.faces;
+    std::sort(nodes_.begin(), nodes_.end());
+    nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
+    for (std::size_t t = 0; t < nodes_.size(); ++t) trace[nodes_[t]] = static_cast<int>(t);
+    for (int node : mesh_.faces) faces_.push_back(trace[node]);
+    r_.resize(nodes_.size());
+    Mr_.resize(nodes_.size());
+    g_h_.resize(nodes_.size() * dim_);
+}
+
+void BoundaryConstraint::assemble_mass(const std::vector<double>& face_weight) {
+    const int m = mesh_.face_nodes();
+    std::vector<double> reference(m * m, 0.0);  // integrals of N_i N_j over the reference face
+    for (int q = 0; q < target_.quadrature.count; ++q)
+        for (int i = 0; i < m; ++i)
+            for (int j = 0; j < m; ++j)
+                reference[i * m + j] += target_.quadrature.weight[q] * face_values_[static_cast<std::size_t>(q) * m + i] *
+                                        face_values_[static_cast<std::size_t>(q) * m + j];
+    M_ = matrix_of_cells(static_cast<int>(nodes_.size()), 1, faces_, m);
+    for (int f = 0; f < mesh_.face_count(); ++f) {
+        const int* trace = &faces_[static_cast<std::size_t>(f) * m];
+        for (int i = 0; i < m; ++i)
+            for (int j = 0; j < m; ++j) M_.value[M_.find(trace[i], trace[j])] += face_weight[f] * reference[i * m + j];
+    }
+}
+
+// Solves M (g_h - y) = (N, g_D - y): relative to the ideal positions y, a boundary that stays has no rounding error.
+void BoundaryConstraint::project_target(const std::vector<double>& ideal, const std::vector<double>& face_weight) {
+    const int m = mesh_.face_nodes(), points = target_.quadrature.count;
+    LinearSolverParams direct;
+    direct.kind = SolverKind::cholesky;
+    LinearSolver solver(M_, dim_, direct);
+    const auto ideal_at = [&](int t, int a) { return ideal[static_cast<std::size_t>(nodes_[t]) * dim_ + a]; };
+    std::vector<double> right(nodes_.size()), displacement(nodes_.size());
+    for (int a = 0; a < dim_; ++a) {
+        std::fill(right.begin(), right.end(), 0.0);
+        for (int f = 0; f < mesh_.face_count(); ++f) {
+            const int* trace = &faces_[static_cast<std::size_t>(f) * m];
+            for (int q = 0; q < points; ++q) {
+                const double* N = &face_values_[static_cast<std::size_t>(q) * m];
+                double d = target_.sample[(static_cast<std::size_t>(f) * points + q) * dim_ + a];
+                for (int i = 0; i < m; ++i) d -= N[i] * ideal_at(trace[i], a);
+                for (int i = 0; i < m; ++i) right[trace[i]] += face_weight[f] * target_.quadrature.weight[q] * N[i] * d;
+            }
+        }
+        solver.solve(M_, right, displacement);
+        for (std::size_t t = 0; t < nodes_.size(); ++t) g_h_[t * dim_ + a] = ideal_at(static_cast<int>(t), a) + displacement[t];
+    }
+    // floor^2 = sum over faces of the weighted integral of |g_h - g_D|^2.
+    std::vector<double> x(static_cast<std::size_t>(mesh_.nodes()) * dim_);
+    for (std::size_t t = 0; t < nodes_.size(); ++t)
+        for (int a = 0; a < dim_; ++a) x[static_cast<std::size_t>(nodes_[t]) * dim_ + a] = g_h_[t * dim_ + a];
+    double squared = 0;
+    for (int f = 0; f < mesh_.face_count(); ++f)
+        for (int q = 0; q < points; ++q)
+            squared += face_weight[f] * target_.quadrature.weight[q] * squared_difference_at(x, f, q);
+    floor_ = std::sqrt(squared) / norm_of_one_;
+}
+
+void BoundaryConstraint::interpolate_target() {
+    for (std::size_t k = 0; k < faces_.size(); ++k)
+        for (int a = 0; a < dim_; ++a) g_h_[static_cast<std::size_t>(faces_[k]) * dim_ + a] = target_.node[k * dim_ + a];
+}
+
+double BoundaryConstraint::difference(const std::vector<double>& x, int trace_node, int component) const {
+    return x[static_cast<std::size_t>(nodes_[trace_node]) * dim_ + component] -
+           g_h_[static_cast<std::size_t>(trace_node) * dim_ + component];
+}
+
+// |phi - g_D|^2 at a quadrature point of a face.
+double BoundaryConstraint::squared_difference_at(const std::vector<double>& x, int face, int point) const {
+    const int m = mesh_.face_nodes(), points = target_.quadrature.count;
+    double squared = 0;
+    for (int a = 0; a < dim_; ++a) {
+        double d = -target_.sample[(static_cast<std::size_t>(face) * points + point) * dim_ + a];
+        for (int i = 0; i < m; ++i)
+            d += face_values_[static_cast<std::size_t>(point) * m + i] * x[static_cast<std::size_t>(mesh_.face(face)[i]) * dim_ + a];
+        squared += d * d;
+    }
+    return squared;
+}
+
+// sum over components of w^T M (x - g_h); weights: trace nodes x dim, or null for x - g_h itself.
+double BoundaryConstraint::dot_mass_difference(const std::vector<double>& x, const double* weights) const {
+    const int count = static_cast<int>(nodes_.size());
+    double sum = 0;
+    for (int a = 0; a < dim_; ++a) {
+        for (int t = 0; t < count; ++t) r_[t] = difference(x, t, a);
+        multiply(M_, r_.data(), Mr_.data());
+        sum += deterministic_sum(count, [&](int t) { return (weights ? weights[t * dim_ + a] : r_[t]) * Mr_[t]; });
+    }
+    return sum;
+}
+
+double BoundaryConstraint::projected_norm(const std::vector<double>& x) const {
+    return std::sqrt(std::max(0.0, dot_mass_difference(x, nullptr))) / norm_of_one_;
+}
+
+double BoundaryConstraint::norm(const std::vector<double>& x) const { return std::hypot(projected_norm(x), floor_); }
+
+double BoundaryConstraint::max_error(const std::vector<double>& x) const {
+    double squared = 0;
+    if (kind_ == TargetKind::exact) {
+        for (int f = 0; f < mesh_.face_count(); ++f)
+            for (int q = 0; q < target_.quadrature.count; ++q) squared = std::max(squared, squared_difference_at(x, f, q));
+    } else {
+        for (int t = 0; t < static_cast<int>(nodes_.size()); ++t) {
+            double s = 0;
+            for (int a = 0; a < dim_; ++a) s += difference(x, t, a) * difference(x, t, a);
+            squared = std::max(squared, s);
+        }
+    }
+    return std::sqrt(squared);
+}
+
+double BoundaryConstraint::value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) const {
+    const double projected = projected_norm(x);
+    return -dot_mass_difference(x, lambda.data()) / norm_of_one_ + 0.5 * mu * (projected * projected + floor_ * floor_);
+}
+
+void BoundaryConstraint::add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
+                                      std::vector<double>& g) const {
+    const int count = static_cast<int>(nodes_.size());
+    for (int a = 0; a < dim_; ++a) {
+        for (int t = 0; t < count; ++t)
+            r_[t] = (mu * difference(x, t, a) / norm_of_one_ - lambda[static_cast<std::size_t>(t) * dim_ + a]) / norm_of_one_;
+        multiply(M_, r_.data(), Mr_.data());
+        for (int t = 0; t < count; ++t) g[static_cast<std::size_t>(nodes_[t]) * dim_ + a] += Mr_[t];
+    }
+}
+
+void BoundaryConstraint::add_hessian(double mu, BlockCsr& H) const {
+    const double factor = mu / (norm_of_one_ * norm_of_one_);
+    parallel_for(M_.n, [&](int t) {
+        for (int k = M_.row[t]; k < M_.row[t + 1]; ++k) {
+            double* block = H.block(H.find(nodes_[t], nodes_[M_.col[k]]));
+            for (int a = 0; a < dim_; ++a) block[a * dim_ + a] += factor * M_.value[k];
+        }
+    });
+}
+
+void BoundaryConstraint::update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) const {
+    for (int t = 0; t < static_cast<int>(nodes_.size()); ++t)
+        for (int a = 0; a < dim_; ++a)
+            lambda[static_cast<std::size_t>(t) * dim_ + a] -= mu * difference(x, t, a) / norm_of_one_;
+}
+
+std::vector<double> BoundaryConstraint::projected_constraint(const std::vector<double>& x) const {
+    std::vector<double> c(nodes_.size() * dim_);
+    for (std::size_t t = 0; t < nodes_.size(); ++t)
+        for (int a = 0; a < dim_; ++a) c[t * dim_ + a] = difference(x, static_cast<int>(t), a) / norm_of_one_;
+    return c;
+}
+
+}  // namespace almesh

@@ -1,0 +1,49 @@
+// Prescribed motions of a boundary: the Dirichlet data g_D of Eq. (4) of the paper, as a composition of simple steps
+// applied in the order written.
+//
+//   boundary inner = rotate 30 about 0 0; translate 8 0
+//
+// The last three steps (circle, sphere, cylinder) map a point to its closest one on a curved surface: the target of
+// mesh curving. Coordinates in a step are those after the steps before it: the centre of a rotation does not move
+// along. Which steps fit a mesh is known only with its dimension: check_dimension().
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace almesh {
+
+enum class MotionKind { fixed, translate, rotate, scale, circle, sphere, cylinder };
+
+struct MotionStep {
+    MotionKind kind = MotionKind::fixed;
+    double amount = 0;           // rotate: angle in degrees, counter-clockwise; circle, sphere, cylinder: radius
+    std::vector<double> vector;  // translate: displacement; rotate, cylinder: axis; scale: one factor or one per axis
+    std::vector<double> point;   // rotate, scale: fixed point (empty: the origin); circle, sphere: centre;
+                                 // cylinder: a point of the axis
+    bool operator==(const MotionStep&) const = default;
+};
+
+struct Motion {
+    std::vector<MotionStep> steps;  // at least one
+
+    bool operator==(const Motion&) const = default;
+};
+
+// Steps separated by `;`. Throws UsageError (without a place: the deck adds it) naming the step, what is wrong with it
+// and its form.
+Motion parse_motion(std::string_view text);
+
+// Throws UsageError naming the first step that cannot act in `dim` dimensions, and why.
+void check_dimension(const Motion& motion, int dim);
+
+// Moves the point x (dim coordinates); the motion has passed check_dimension(). Returns false, x unchanged, where a
+// projection is undefined: at the centre of the circle or sphere, on the axis of the cylinder.
+bool apply(const Motion& motion, int dim, double* x);
+
+std::string to_string(const Motion& motion);  // parse_motion() gives the same motion again
+
+// The steps, one line each: form and meaning, for the list of keys.
+std::string motion_forms();
+
+}  // namespace almesh

@@ -1,0 +1,91 @@
+#include "boundary/target.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "base/error.hpp"
+#include "mesh/lagrange.hpp"
+
+namespace almesh {
+namespace {
+
+std::string point_text(const double* x, int dim) {
+    std::ostringstream out;
+    out << '(';
+    for (int a = 0; a < dim; ++a) out << (a ? ", " : "") << x[a];
+    out << ')';
+    return out.str();
+}
+
+void move(const Motion& motion, const Mesh& mesh, int boundary, double* x) {
+    const std::vector<double> before(x, x + mesh.dim);
+    if (!apply(motion, mesh.dim, x))
+        throw InputError("boundary " + mesh.boundaries[boundary] + ": the closest point to " +
+                         point_text(before.data(), mesh.dim) + " is not defined (it is the centre or on the axis)");
+    for (int a = 0; a < mesh.dim; ++a)
+        if (!std::isfinite(x[a]))
+            throw InputError("boundary " + mesh.boundaries[boundary] + ": the motion takes " +
+                             point_text(before.data(), mesh.dim) + " to a place that is not finite");
+}
+
+double extent(const Mesh& mesh) {
+    double size = 0;
+    for (double v : mesh.x) size = std::max(size, std::abs(v));
+    return size;
+}
+
+// A node on two boundaries must have one target.
+void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
+    const int dim = mesh.dim, m = mesh.face_nodes();
+    const double tolerance = 1e-6 * extent(mesh);
+    std::vector<int> first(mesh.nodes(), -1);  // face * m + local node that first gave the target
+    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
+        int& seen = first[mesh.faces[k]];
+        if (seen < 0) seen = k;
+        const double* a = &target.node[static_cast<std::size_t>(seen) * dim];
+        const double* b = &target.node[static_cast<std::size_t>(k) * dim];
+        double difference = 0;
+        for (int c = 0; c < dim; ++c) difference = std::max(difference, std::abs(a[c] - b[c]));
+        if (difference <= tolerance) continue;
+        throw InputError("node " + std::to_string(mesh.node_id[mesh.faces[k]]) + " lies on two boundaries whose motions disagree: " +
+                         mesh.boundaries[mesh.face_boundary[seen / m]] + " takes it to " + point_text(a, dim) + ", " +
+                         mesh.boundaries[mesh.face_boundary[k / m]] + " to " + point_text(b, dim));
+    }
+}
+
+}  // namespace
+
+BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion) {
+    const int dim = mesh.dim, m = mesh.face_nodes();
+    for (const Motion& each : motion) check_dimension(each, dim);
+    const LagrangeBasis basis(dim - 1, mesh.degree);
+    BoundaryTarget target;
+    // Exact for N_i N_j and far beyond, so that a smooth g_D is integrated to rounding on a fair mesh.
+    target.quadrature = simplex_quadrature(dim - 1, 2 * mesh.degree + 10);
+    const int points = target.quadrature.count;
+    std::vector<double> N(static_cast<std::size_t>(points) * m);
+    for (int q = 0; q < points; ++q) basis.values(&target.quadrature.xi[q * (dim - 1)], &N[static_cast<std::size_t>(q) * m]);
+
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const int boundary = mesh.face_boundary[f];
+        const auto node_position = [&](int i, int a) { return mesh.x[static_cast<std::size_t>(mesh.face(f)[i]) * dim + a]; };
+        for (int i = 0; i < m; ++i) {
+            double x[3] = {};
+            for (int a = 0; a < dim; ++a) x[a] = node_position(i, a);
+            move(motion[boundary], mesh, boundary, x);
+            target.node.insert(target.node.end(), x, x + dim);
+        }
+        for (int q = 0; q < points; ++q) {
+            double x[3] = {};
+            for (int i = 0; i < m; ++i)
+                for (int a = 0; a < dim; ++a) x[a] += N[static_cast<std::size_t>(q) * m + i] * node_position(i, a);
+            move(motion[boundary], mesh, boundary, x);
+            target.sample.insert(target.sample.end(), x, x + dim);
+        }
+    }
+    check_shared_nodes(mesh, target);
+    return target;
+}
+
+}  // namespace almesh

@@ -1,0 +1,36 @@
+// A target that makes the boundary itself invalid, found before anything is solved for.
+//
+// No mesh can follow a target on which
+//   - a face is folded or degenerate: its normal n(xi), a polynomial of degree (n - 1)(p - 1) bounded in Bezier form,
+//     turns 90 degrees or more away from its mean over the face (an arc seen under up to 180 degrees passes);
+//   - a closed part of the boundary is mirrored, turned inside out or flattened: the area or volume it encloses, the
+//     integral of x . n / dim, changes sign or vanishes;
+//   - faces cross each other, or neighbours are folded flat onto each other;
+//   - distinct nodes fall together.
+// What is so in the initial mesh already (the two sides of a crack) is not a fault. Closed parts that cross each
+// other, such as a body moved through the outer boundary, are noted only: the solver ends with its own status there.
+// In 3D, non-neighbouring faces that overlap within one plane are not found.
+//
+// Cost: O(faces log faces), plus the bisections of faces that come close to each other.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+struct TargetReport {
+    struct Fault {
+        int face;         // index into the mesh's faces
+        std::string why;  // names the face by id and boundary, its centre in the mesh as read, and what is wrong
+    };
+    std::vector<Fault> faults;
+    std::vector<std::string> notes;
+};
+
+// target: face_count x face_nodes x dim positions (BoundaryTarget::node), finite; the first face that holds a node
+// decides where it goes.
+TargetReport check_target(const Mesh& mesh, const std::vector<double>& target);
+
+}  // namespace almesh

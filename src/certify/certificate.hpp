@@ -1,0 +1,36 @@
+// A certificate that every element of the mesh is valid everywhere, not only at sample points.
+//
+// The vertices of an element span a straight-sided simplex with the affine map J_s. Its scaled Jacobian is
+// det J / |det J_s| (Toulorge et al., J. Comput. Phys. 254, 2013; exactly 1 for a straight-sided element), a
+// polynomial of degree n (p - 1) in the reference coordinates. Its Bezier coefficients bound it from below; bisection
+// sharpens the bound. The nodes are first taken to reference coordinates by J_s^{-1}, relative to vertex 0, where a
+// boundary-layer element of ratio 1:50000 is of size one like any other; the coefficients are then products of the
+// Bezier coefficients of dx/dxi. Interpolating det J at the nodes of degree n (p - 1) instead would multiply rounding
+// errors by the condition number of that interpolation, which grows exponentially with the degree.
+//
+// Cost: per element, one product of a node matrix and 2 (n = 2) or 9 (n = 3) products of polynomials; few elements of
+// a sensible mesh need bisection.
+#pragma once
+#include <vector>
+
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+struct CertificateParams {
+    double tolerance = 0.01;    // relative gap allowed between the lower bound and a value of the scaled Jacobian
+    int max_bisections = 2000;  // per element
+};
+
+struct Certificate {
+    double min_scaled_jacobian;       // certified lower bound over all elements
+    bool valid;                       // every element is certified valid: det J > 0 everywhere
+    int undecided;                    // elements proved neither valid nor invalid
+    std::vector<int> uncertified;     // elements that are invalid or undecided, lowest bound first
+    std::vector<double> lower_bound;  // per element; 0 where its vertices span no volume or x is not finite
+};
+
+// x: node_count x dim positions. The bounds account for rounding. Same bits for any number of threads.
+Certificate certify(const Mesh& mesh, const std::vector<double>& x, const CertificateParams& params = {});
+
+}  // namespace almesh

@@ -1,0 +1,17 @@
+// Whether two polynomial patches cross: curves in the plane, triangles in space.
+//
+// Separating axes (Gottschalk, Lin, Manocha, SIGGRAPH 1996) of the flat patches with the same corners are tried on all
+// Bezier points, whose hulls enclose the patches; pairs that are neither apart nor certainly crossing are bisected. Flat
+// patches that penetrate each other by more than both patches deviate from them do cross. Touching, at a shared corner or
+// anywhere else, is not crossing; nor is overlapping in a common plane.
+#pragma once
+#include "certify/patch.hpp"
+
+namespace almesh {
+
+enum class Contact { apart, crossing, undecided };
+
+// Undecided: patches so nearly touching along a line that a few thousand bisections do not tell.
+Contact patch_contact(const Bernstein& basis, const Patch& a, const Patch& b);
+
+}  // namespace almesh

@@ -1,0 +1,36 @@
+// Shape quality of the elements of a mesh, 1 / eta with eta the distortion of the paper's Eq. (1): of the map from the
+// regular simplex (how good the elements are), or from an ideal mesh (how much they have changed).
+//
+// Cost: one Jacobian per element and quadrature point.
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+struct WorstElement {
+    int element;
+    double quality;
+    std::array<double, 3> centre;  // mean of the vertices, dim entries
+};
+
+struct QualityStatistics {
+    std::vector<double> quality;     // per element: least 1 / eta at its quadrature points, 0 where inverted
+    double min, mean;                // over the elements
+    int inverted;                    // elements of quality 0
+    std::array<int, 10> histogram;   // elements with quality in [k / 10, (k + 1) / 10), 1 in the last
+    double min_edge, max_edge;       // straight distances between vertices
+    std::vector<WorstElement> worst; // at most ten, lowest quality first
+};
+
+// x, ideal: node_count x dim positions. mesh_quality: against the regular simplex.
+QualityStatistics mesh_quality(const Mesh& mesh, const std::vector<double>& x);
+QualityStatistics relative_quality(const Mesh& mesh, const std::vector<double>& x, const std::vector<double>& ideal);
+
+// Table of the ten bins: range, number of elements, bar. One line each.
+std::string histogram_text(const QualityStatistics& statistics);
+
+}  // namespace almesh

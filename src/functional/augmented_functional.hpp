@@ -1,0 +1,40 @@
+// The augmented Lagrangian functional (paper, Eq. 6),
+//
+//     E(x) = |M phi - 1|^2 - (lambda, c_D) + penalty/2 |c_D|^2,   phi = sum x_i N_i,
+//
+// as a function of the node positions x, for given multipliers and penalty weight. The distortion term is whichever
+// objective the DistortionEnergy was built with.
+#pragma once
+#include <vector>
+
+#include "boundary/constraint.hpp"
+#include "functional/distortion_energy.hpp"
+
+namespace almesh {
+
+struct AugmentedFunctional {
+    const DistortionEnergy& distortion;
+    const BoundaryConstraint& constraint;
+    std::vector<double> lambda;  // trace nodes x dim
+    double penalty = 0;
+
+    // Infinite where an element is inverted.
+    double energy(const std::vector<double>& x) const {
+        const double value = distortion.energy(x);
+        return std::isfinite(value) ? value + constraint.value(x, lambda, penalty) : value;
+    }
+
+    void gradient(const std::vector<double>& x, std::vector<double>& g) const {
+        std::fill(g.begin(), g.end(), 0.0);
+        distortion.add_gradient(x, g);
+        constraint.add_gradient(x, lambda, penalty, g);
+    }
+
+    void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H) const {
+        std::fill(H.value.begin(), H.value.end(), 0.0);
+        distortion.add_hessian(x, kind, H);
+        constraint.add_hessian(penalty, H);
+    }
+};
+
+}  // namespace almesh

@@ -1,0 +1,307 @@
+#include "functional/distortion_energy.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+#include "mesh/lagrange.hpp"
+
+namespace almesh {
+
+int default_exactness(int degree) { return degree == 1 ? 0 : 3 * degree; }
+
+namespace {
+
+std::vector<double> reference_gradients(const LagrangeBasis& basis, const std::vector<double>& xi) {
+    const int points = static_cast<int>(xi.size()) / basis.dim, stride = basis.count * basis.dim;
+    std::vector<double> dN(static_cast<std::size_t>(points) * stride);
+    for (int q = 0; q < points; ++q) basis.gradients(&xi[q * basis.dim], &dN[static_cast<std::size_t>(q) * stride]);
+    return dN;
+}
+
+std::vector<double> node_points(const LagrangeBasis& basis) {
+    std::vector<double> xi;
+    for (const MultiIndex& a : basis.nodes)
+        for (int k = 1; k <= basis.dim; ++k) xi.push_back(static_cast<double>(a[k]) / basis.degree);
+    return xi;
+}
+
+// First fit, colour after colour: an element takes the colour if none of its nodes has it yet.
+void colour_elements(const Mesh& mesh, std::vector<int>& start, std::vector<int>& order) {
+    const int elements = mesh.element_count(), m = mesh.element_nodes();
+    std::vector<int> rest(elements), later, last_colour(mesh.nodes(), -1);
+    for (int e = 0; e < elements; ++e) rest[e] = e;
+    start = {0};
+    order.clear();
+    for (int colour = 0; !rest.empty(); ++colour) {
+        later.clear();
+        for (int e : rest) {
+            const int* node = mesh.element(e);
+            const bool free = std::none_of(node, node + m, [&](int i) { return last_colour[i] == colour; });
+            (free ? order : later).push_back(e);
+            if (free)
+                for (int i = 0; i < m; ++i) last_colour[node[i]] = colour;
+        }
+        start.push_back(static_cast<int>(order.size()));
+        rest.swap(later);
+    }
+}
+
+}  // namespace
+
+// What is done for one element, for one space dimension.
+template <int n>
+struct DistortionEnergy::Kernel {
+    const DistortionEnergy& of;
+    const int m = of.element_nodes_;
+    Mat<n> ideal_inverse;
+    const int* node = nullptr;
+    std::vector<double>& local;  // m x n positions relative to the element's first node: exact differences
+
+    Kernel(const DistortionEnergy& energy, std::vector<double>& workspace) : of(energy), local(workspace) {
+        local.resize(static_cast<std::size_t>(m) * n);
+    }
+
+    void start(int e, const std::vector<double>& x) {
+        node = &of.elements_[static_cast<std::size_t>(e) * m];
+        const double* inverse = &of.ideal_inverse_[static_cast<std::size_t>(e) * n * n];
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) ideal_inverse[i][j] = inverse[i * n + j];
+        const double* x0 = &x[static_cast<std::size_t>(node[0]) * n];
+        for (int i = 0; i < m; ++i)
+            for (int a = 0; a < n; ++a) local[i * n + a] = x[static_cast<std::size_t>(node[i]) * n + a] - x0[a];
+    }
+
+    // F = J A^{-1}; dN: m x n reference derivatives.
+    Mat<n> deformation_gradient(const double* dN) const {
+        Mat<n> J{};
+        for (int i = 0; i < m; ++i)
+            for (int a = 0; a < n; ++a)
+                for (int k = 0; k < n; ++k) J[a][k] += local[i * n + a] * dN[i * n + k];
+        return multiply<n>(J, ideal_inverse);
+    }
+
+    const double* gradients(int q) const { return &of.gradients_[static_cast<std::size_t>(q) * m * n]; }
+
+    double energy() const {
+        double sum = 0;
+        for (int q = 0; q < of.quadrature_.count; ++q) {
+            const double eta = distortion<n>(deformation_gradient(gradients(q)), of.params_.delta);
+            sum += of.quadrature_.weight[q] * density(eta, of.params_.objective);
+        }
+        return sum;
+    }
+
+    // out: m x n, the element's part of the gradient.
+    void gradient(double* out) const {
+        std::fill(out, out + m * n, 0.0);
+        for (int q = 0; q < of.quadrature_.count; ++q) {
+            const double* dN = gradients(q);
+            Mat<n> P = density_gradient<n>(deformation_gradient(dN), of.params_.delta, of.params_.objective);
+            P = multiply<n>(P, transpose<n>(ideal_inverse));
+            for (int i = 0; i < m; ++i)
+                for (int a = 0; a < n; ++a)
+                    for (int k = 0; k < n; ++k) out[i * n + a] += of.quadrature_.weight[q] * P[a][k] * dN[i * n + k];
+        }
+    }
+
+    // The density's Hessian taken to reference derivatives: B[a n + k][b n + l] = sum over k', l' of
+    // A^{-1}[k][k'] A^{-1}[l][l'] d2f / dF_ak' dF_bl'.
+    Tensor4<n> to_reference(const Tensor4<n>& A) const {
+        Tensor4<n> half{}, B{};
+        for (int r = 0; r < n * n; ++r)
+            for (int b = 0; b < n; ++b)
+                for (int l = 0; l < n; ++l)
+                    for (int l1 = 0; l1 < n; ++l1) half[r][b * n + l] += A[r][b * n + l1] * ideal_inverse[l][l1];
+        for (int a = 0; a < n; ++a)
+            for (int k = 0; k < n; ++k)
+                for (int k1 = 0; k1 < n; ++k1)
+                    for (int c = 0; c < n * n; ++c) B[a * n + k][c] += ideal_inverse[k][k1] * half[a * n + k1][c];
+        return B;
+    }
+
+    // K: m x m blocks of n x n, row-major blocks; only block rows i >= block columns j are filled.
+    void hessian(HessianKind kind, double* K) const {
+        std::fill(K, K + m * m * n * n, 0.0);
+        const bool squared = kind == HessianKind::squared_projected;
+        const Objective objective = squared ? Objective::squared : of.params_.objective;
+        for (int q = 0; q < of.quadrature_.count; ++q) {
+            const double* dN = gradients(q);
+            Tensor4<n> A = density_hessian<n>(deformation_gradient(dN), of.params_.delta, objective,
+                                              kind != HessianKind::full);
+            const Tensor4<n> B = to_reference(A);
+            for (int j = 0; j < m; ++j) {
+                double Bj[n * n][n] = {};  // B applied to the derivatives of N_j
+                for (int r = 0; r < n * n; ++r)
+                    for (int b = 0; b < n; ++b)
+                        for (int l = 0; l < n; ++l) Bj[r][b] += B[r][b * n + l] * dN[j * n + l];
+                for (int i = j; i < m; ++i) {
+                    double* block = K + (i * m + j) * n * n;
+                    for (int a = 0; a < n; ++a)
+                        for (int k = 0; k < n; ++k) {
+                            const double factor = of.quadrature_.weight[q] * dN[i * n + k];
+                            for (int b = 0; b < n; ++b) block[a * n + b] += factor * Bj[a * n + k][b];
+                        }
+                }
+            }
+        }
+    }
+};
+
+DistortionEnergy::DistortionEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
+    : dim_(mesh.dim),
+      element_nodes_(mesh.element_nodes()),
+      element_count_(mesh.element_count()),
+      params_(params),
+      quadrature_(simplex_quadrature(mesh.dim, params.exactness ? params.exactness : default_exactness(mesh.degree))),
+      elements_(mesh.elements),
+      element_value_(mesh.element_count()) {
+    const LagrangeBasis basis(dim_, mesh.degree);
+    gradients_ = reference_gradients(basis, quadrature_.xi);
+    node_gradients_ = reference_gradients(basis, node_points(basis));
+    colour_elements(mesh, colour_start_, coloured_);
+
+    const double simplex_volume = dim_ == 2 ? 0.5 : 1.0 / 6;
+    with_dimension(dim_, [&](auto dimension) {
+        constexpr int n = dimension;
+        for (int e = 0; e < element_count_; ++e) {
+            Mat<n> A;
+            for (int a = 0; a < n; ++a)
+                for (int k = 0; k < n; ++k)
+                    A[a][k] = ideal[static_cast<std::size_t>(mesh.element(e)[k + 1]) * n + a] -
+                              ideal[static_cast<std::size_t>(mesh.element(e)[0]) * n + a];
+            ideal_jacobian_.push_back(determinant(A));
+            for (const auto& row : inverse<n>(A)) ideal_inverse_.insert(ideal_inverse_.end(), row.begin(), row.end());
+        }
+    });
+
+    double weighted_volume = 0;
+    for (double jacobian : ideal_jacobian_) {
+        if (!(jacobian > 0)) throw InputError("the ideal mesh has an element without positive volume");
+        volume_ += jacobian * simplex_volume;
+        weight_.push_back(jacobian * std::pow(jacobian, params_.weight_exponent - 1));
+        weighted_volume += weight_.back() * simplex_volume;
+    }
+    for (double& weight : weight_) weight *= volume_ / weighted_volume;
+}
+
+double DistortionEnergy::energy(const std::vector<double>& x) const {
+    std::atomic<bool> inverted = false;  // one inverted element settles it: the others are skipped
+    with_dimension(dim_, [&](auto dimension) {
+        constexpr int n = dimension;
+#pragma omp parallel
+        {
+            std::vector<double> workspace;
+            Kernel<n> kernel(*this, workspace);
+#pragma omp for schedule(static)
+            for (int e = 0; e < element_count_; ++e) {
+                if (inverted.load(std::memory_order_relaxed)) continue;
+                kernel.start(e, x);
+                element_value_[e] = weight_[e] * kernel.energy();
+                if (!std::isfinite(element_value_[e])) inverted.store(true, std::memory_order_relaxed);
+            }
+        }
+    });
+    if (inverted) return std::numeric_limits<double>::infinity();
+    return deterministic_sum(element_count_, [this](int e) { return element_value_[e]; });
+}
+
+void DistortionEnergy::add_gradient(const std::vector<double>& x, std::vector<double>& g) const {
+    with_dimension(dim_, [&](auto dimension) {
+        constexpr int n = dimension;
+#pragma omp parallel
+        {
+            std::vector<double> workspace, part(static_cast<std::size_t>(element_nodes_) * n);
+            Kernel<n> kernel(*this, workspace);
+            for (std::size_t colour = 0; colour + 1 < colour_start_.size(); ++colour) {
+#pragma omp for schedule(static)
+                for (int k = colour_start_[colour]; k < colour_start_[colour + 1]; ++k) {
+                    const int e = coloured_[k];
+                    kernel.start(e, x);
+                    kernel.gradient(part.data());
+                    for (int i = 0; i < element_nodes_; ++i)
+                        for (int a = 0; a < n; ++a)
+                            g[static_cast<std::size_t>(kernel.node[i]) * n + a] += weight_[e] * part[i * n + a];
+                }
+            }
+        }
+    });
+}
+
+void DistortionEnergy::find_places(const BlockCsr& H) const {
+    if (place_pattern_ == H.col.data()) return;
+    const int m = element_nodes_;
+    place_.resize(static_cast<std::size_t>(element_count_) * m * m);
+    parallel_for(element_count_, [&](int e) {
+        const int* node = &elements_[static_cast<std::size_t>(e) * m];
+        for (int i = 0; i < m; ++i)
+            for (int j = 0; j < m; ++j) place_[(static_cast<std::size_t>(e) * m + i) * m + j] = H.find(node[i], node[j]);
+    });
+    place_pattern_ = H.col.data();
+}
+
+void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H) const {
+    find_places(H);
+    const int m = element_nodes_;
+    with_dimension(dim_, [&](auto dimension) {
+        constexpr int n = dimension;
+#pragma omp parallel
+        {
+            std::vector<double> workspace, K(static_cast<std::size_t>(m) * m * n * n);
+            Kernel<n> kernel(*this, workspace);
+            for (std::size_t colour = 0; colour + 1 < colour_start_.size(); ++colour) {
+#pragma omp for schedule(static)
+                for (int c = colour_start_[colour]; c < colour_start_[colour + 1]; ++c) {
+                    const int e = coloured_[c];
+                    kernel.start(e, x);
+                    kernel.hessian(kind, K.data());
+                    for (int i = 0; i < m; ++i)
+                        for (int j = 0; j <= i; ++j) {
+                            const double* block = &K[(i * m + j) * n * n];
+                            double* lower = H.block(place_[(static_cast<std::size_t>(e) * m + i) * m + j]);
+                            double* upper = H.block(place_[(static_cast<std::size_t>(e) * m + j) * m + i]);
+                            for (int a = 0; a < n; ++a)
+                                for (int b = 0; b < n; ++b) {
+                                    const double value = weight_[e] * block[a * n + b];
+                                    lower[a * n + b] += value;
+                                    if (i != j) upper[b * n + a] += value;
+                                }
+                        }
+                }
+            }
+        }
+    });
+}
+
+DistortionStatistics DistortionEnergy::statistics(const std::vector<double>& x) const {
+    DistortionStatistics result;
+    result.element_max.resize(element_count_);
+    with_dimension(dim_, [&](auto dimension) {
+        constexpr int n = dimension;
+        parallel_for(element_count_, [&](int e) {
+            thread_local std::vector<double> workspace;
+            Kernel<n> kernel(*this, workspace);
+            kernel.start(e, x);
+            double largest = 0, squared = 0;
+            for (int q = 0; q < quadrature_.count; ++q) {
+                const double eta = distortion<n>(kernel.deformation_gradient(kernel.gradients(q)), params_.delta);
+                squared += quadrature_.weight[q] * eta * eta;
+                largest = std::max(largest, eta);
+            }
+            for (int i = 0; i < element_nodes_; ++i) {
+                const double* dN = &node_gradients_[static_cast<std::size_t>(i) * element_nodes_ * n];
+                largest = std::max(largest, distortion<n>(kernel.deformation_gradient(dN), params_.delta));
+            }
+            result.element_max[e] = largest;
+            element_value_[e] = ideal_jacobian_[e] * squared;
+        });
+    });
+    const double squared_norm = deterministic_sum(element_count_, [this](int e) { return element_value_[e]; });
+    result.relative_quality = std::sqrt(volume_ / squared_norm);
+    for (double eta : result.element_max) result.max_distortion = std::max(result.max_distortion, eta);
+    return result;
+}
+
+}  // namespace almesh

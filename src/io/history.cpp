@@ -1,0 +1,51 @@
+#include "io/history.hpp"
+
+#include <cmath>
+
+#include "base/text.hpp"
+
+namespace almesh {
+namespace {
+
+std::string joined(const std::vector<std::string>& cells) {
+    std::string line = cells[0];
+    for (std::size_t k = 1; k < cells.size(); ++k) line += "," + cells[k];
+    return line + "\n";
+}
+
+// Why the step is shorter than one.
+std::string cut_reason(const NewtonStep& step) {
+    if (step.cuts_inverted && step.cuts_decrease) return "inverted element; insufficient decrease";
+    if (step.cuts_inverted) return "inverted element";
+    return step.cuts_decrease ? "insufficient decrease" : "none";
+}
+
+}  // namespace
+
+History::History(int dim, double length) : dim_(dim), length_(length) {
+    text_ = joined({"kind", "al_iteration", "newton_iteration", "energy", "gradient_norm", "constraint_norm",
+                    "projected_constraint_norm", "mu", "omega", "epsilon", "relative_quality", "max_distortion",
+                    "newton_iterations", "newton_status", "update", "step_length", "cuts_inverted", "cuts_decrease",
+                    "cut_reason", "hessian", "solver", "linear_iterations", "seconds"});
+}
+
+void History::add(const AlIteration& row) {
+    const double energy = std::pow(length_, dim_);
+    text_ += joined({"al", std::to_string(row.iteration), "", to_text(row.energy * energy),
+                     to_text(row.gradient_norm * energy / length_), to_text(row.constraint_norm * length_),
+                     to_text(row.projected_constraint_norm * length_), to_text(row.mu * energy / (length_ * length_)),
+                     to_text(row.omega * energy / length_), to_text(row.epsilon * length_ * length_),
+                     to_text(row.relative_quality), to_text(row.max_distortion), std::to_string(row.newton_iterations),
+                     to_string(row.newton_status), to_string(row.update), "", "", "", "", "", "", "", to_text(row.seconds)});
+}
+
+void History::add(int al_iteration, const NewtonStep& step) {
+    const double energy = std::pow(length_, dim_);
+    text_ += joined({"newton", std::to_string(al_iteration), std::to_string(step.iteration), to_text(step.energy * energy),
+                     to_text(step.gradient_norm * energy / length_), "", "", "", "", "", "", "", "", "", "",
+                     to_text(step.step_length), std::to_string(step.cuts_inverted), std::to_string(step.cuts_decrease),
+                     cut_reason(step), to_string(step.hessian), to_string(step.solver),
+                     std::to_string(step.linear_iterations), ""});
+}
+
+}  // namespace almesh

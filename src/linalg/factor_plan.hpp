@@ -1,0 +1,53 @@
+// Everything about a multifrontal factorisation that is known before the numbers: where each block of A goes, how the
+// fronts pass their update matrices on, where all of it lies in memory, which subtrees are independent.
+//
+// Update matrices live on two stacks, those of fronts at even and at odd depth: children are popped from one while
+// their parent's is pushed on the other, so none is ever moved, and all places are known beforehand. The tree is cut
+// into subtrees, each worked on by one thread with stacks of its own, and the top above them, where all threads share
+// the work inside each front. Update matrices of the subtrees' roots are handed over in a place of their own.
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "linalg/assembly_tree.hpp"
+#include "linalg/block_csr.hpp"
+
+namespace almesh {
+
+// Block `block` of A goes to (row, column) of a front, in nodes.
+struct FrontEntry {
+    int block, row, column;
+};
+
+struct FrontRange {
+    int begin, end;
+};
+
+struct FactorPlan {
+    AssemblyTree tree;
+    int d = 1;
+    std::vector<int> child_start, child;      // children of front f: child[child_start[f] .. child_start[f+1])
+    std::vector<int> in_parent;               // like tree.rows: the row's place in the parent front, in nodes
+    std::vector<std::size_t> entry_start;     // fronts + 1 offsets into entries
+    std::vector<FrontEntry> entries;
+    std::vector<FrontRange> subtrees;         // costliest first
+    std::vector<int> top;                     // fronts above the subtrees, children before parents
+
+    // Memory, in doubles.
+    std::vector<std::size_t> panel_at;        // fronts + 1 offsets into the factor
+    std::vector<std::size_t> update_at;       // offset of the update matrix in the shared or a thread's own memory
+    std::vector<char> update_shared;          // 1: in the shared memory
+    std::size_t shared_size = 0, thread_size = 0;
+
+    double factor_entries = 0;                // scalar entries of L, without zeros stored for larger fronts
+    double flops = 0;                         // additions and multiplications for those entries
+
+    int rows(int f) const { return (tree.columns(f) + tree.update_rows(f)) * d; }  // m of the front
+    int pivots(int f) const { return tree.columns(f) * d; }                        // k of the front
+    double bytes(int threads) const;          // all of the above and the factor
+};
+
+// pattern: symmetric, both triangles. order[new] = old: the fill-reducing ordering of its graph.
+FactorPlan plan_factorisation(const BlockCsr& pattern, const Graph& graph, const std::vector<int>& order);
+
+}  // namespace almesh

@@ -1,0 +1,82 @@
+// Solves the symmetric systems A x = b of Newton's method on one fixed pattern, by sparse Cholesky or by GMRES with
+// ILU(0), and knows which of the two suits.
+//
+// `automatic`: Cholesky where the factorisation is cheap, as on 2D meshes, where ILU(0) fails on stretched elements;
+// GMRES where it is dear, as on large 3D meshes. Where GMRES does not converge, the same system goes to Cholesky, and
+// after two such failures in a row all further ones do. Analyses and memory are made when first needed, then kept.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "linalg/block_csr.hpp"
+
+namespace almesh {
+
+enum class SolverKind { automatic, gmres, cholesky };
+
+enum class SolveStatus {
+    converged,
+    max_iterations,         // GMRES
+    stagnated,              // GMRES
+    breakdown,              // numbers that are not finite, or a solution that does not satisfy the system
+    zero_pivot,             // ILU(0)
+    not_positive_definite,  // Cholesky
+    too_large               // the Cholesky factor would not fit the memory
+};
+
+const char* to_string(SolveStatus status);
+const char* to_string(SolverKind kind);
+
+struct LinearSolverParams {
+    SolverKind kind = SolverKind::automatic;
+    double tolerance = 1e-10;        // GMRES: on |b - A x|_2 / |b|_2
+    int restart = 60;                // GMRES: iterations per cycle
+    int max_iterations = 600;        // GMRES: in all cycles
+    double gmres_from_flops = 5e9;   // automatic, 3D: factorisations dearer than this are left to GMRES
+    double memory_limit = 0;         // bytes for the Cholesky factor; 0: the machine's physical memory
+};
+
+struct SolveResult {
+    SolveStatus status = SolveStatus::converged;
+    int iterations = 0;              // GMRES iterations, those of a failed attempt included
+    double relative_residual = 0;    // |b - A x|_2 / |b|_2 of the x returned; 1 where x = 0 is returned
+    SolverKind used = SolverKind::cholesky;         // gmres or cholesky: who made x
+    bool fell_back = false;          // GMRES was tried before, and ended with gmres_status
+    SolveStatus gmres_status = SolveStatus::converged;
+    int bad_node = -1;               // zero_pivot, not_positive_definite: block row of the bad pivot
+};
+
+class LinearSolver {
+public:
+    // pattern: of all matrices to come, symmetric, with all diagonal blocks. dimension: 2 or 3, of the mesh.
+    LinearSolver(const BlockCsr& pattern, int dimension, const LinearSolverParams& params);
+    ~LinearSolver();
+
+    // For inexact Newton methods: the tolerance of GMRES from the next solve on.
+    void set_tolerance(double tolerance);
+
+    // A: symmetric, both triangles stored. b, x: A.size(); x is resized. Unless the status is converged, x is the last
+    // iterate of GMRES (max_iterations, stagnated, breakdown) or zero. GMRES cannot tell whether A is positive definite.
+    SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
+
+    // Scalar entries of the Cholesky factor and operations to compute it; 0 until it has been analysed.
+    double factor_entries() const;
+    double factor_flops() const;
+
+private:
+    struct Iterative;
+    struct Direct;
+    Iterative& iterative(const BlockCsr& A);
+    Direct& direct(const BlockCsr& A);
+    bool gmres_first(const BlockCsr& A);
+    SolveResult solve_iteratively(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
+    SolveResult solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
+
+    int dimension_;
+    LinearSolverParams params_;
+    int failures_ = 0;  // of GMRES in a row
+    std::unique_ptr<Iterative> iterative_;
+    std::unique_ptr<Direct> direct_;
+};
+
+}  // namespace almesh

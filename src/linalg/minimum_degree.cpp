@@ -1,0 +1,54 @@
+#include "linalg/minimum_degree.hpp"
+
+#include <bit>
+#include <cstdint>
+
+namespace almesh {
+
+namespace {
+
+using Word = std::uint64_t;
+
+template <class Body>
+void for_each_bit(const Word* bits, int words, const Body& body) {
+    for (int w = 0; w < words; ++w)
+        for (Word rest = bits[w]; rest; rest &= rest - 1) body(w * 64 + std::countr_zero(rest));
+}
+
+}  // namespace
+
+std::vector<int> minimum_degree(const SmallGraph& graph) {
+    const int words = (graph.size + 63) / 64;
+    std::vector<Word> bits(static_cast<std::size_t>(graph.size) * words, 0);
+    auto row = [&](int v) { return bits.data() + static_cast<std::size_t>(v) * words; };
+    auto clear = [&](int u, int v) { row(u)[v / 64] &= ~(Word(1) << (v % 64)); };
+    for (const auto& [u, v] : graph.edges) {
+        row(u)[v / 64] |= Word(1) << (v % 64);
+        row(v)[u / 64] |= Word(1) << (u % 64);
+    }
+    std::vector<int> degree(graph.size, 0), left(graph.eliminable), order;
+    auto count = [&](int v) {
+        degree[v] = 0;
+        for_each_bit(row(v), words, [&](int u) { degree[v] += graph.weight[u]; });
+    };
+    for (int v = 0; v < graph.eliminable; ++v) count(left[v] = v);
+    while (!left.empty()) {
+        std::size_t best = 0;
+        for (std::size_t k = 1; k < left.size(); ++k)
+            if (degree[left[k]] < degree[left[best]]) best = k;
+        const int pivot = left[best];
+        left.erase(left.begin() + best);
+        order.push_back(pivot);
+        for_each_bit(row(pivot), words, [&](int u) {
+            for (int w = 0; w < words; ++w) row(u)[w] |= row(pivot)[w];
+            clear(u, u);
+            clear(u, pivot);
+        });
+        for_each_bit(row(pivot), words, [&](int u) {
+            if (u < graph.eliminable) count(u);
+        });
+    }
+    return order;
+}
+
+}  // namespace almesh

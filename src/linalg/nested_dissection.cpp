@@ -1,0 +1,123 @@
+#include "linalg/nested_dissection.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "linalg/minimum_degree.hpp"
+#include "linalg/separator.hpp"
+
+namespace almesh {
+
+namespace {
+
+constexpr int leaf_size = 120;         // groups ordered by minimum degree
+constexpr int largest_leaf = 3000;     // beyond this, a piece that cannot be split keeps its order
+constexpr int task_size = 2000;        // pieces that are worth a task of their own
+
+struct Dissection {
+    const CompressedGraph& all;
+    std::vector<int>& order;        // groups; every piece fills its own range
+    std::vector<char> numbered;     // group stands in a separator: it is eliminated after everything still to do
+};
+
+// A piece of the graph: its own copy of the edges inside it, and its groups in the whole graph.
+struct Piece {
+    WeightedGraph graph;
+    std::vector<int> group;
+};
+
+Piece extract(const Piece& from, const std::vector<Part>& part, Part side) {
+    Piece piece;
+    std::vector<int> local(from.group.size(), -1);
+    for (std::size_t v = 0; v < part.size(); ++v)
+        if (part[v] == side) {
+            local[v] = static_cast<int>(piece.group.size());
+            piece.group.push_back(from.group[v]);
+        }
+    for (std::size_t v = 0; v < part.size(); ++v) {
+        if (part[v] != side) continue;
+        for (int k = from.graph.start[v]; k < from.graph.start[v + 1]; ++k)
+            if (const int u = local[from.graph.adjacent[k]]; u >= 0) piece.graph.adjacent.push_back(u);
+        piece.graph.start.push_back(static_cast<int>(piece.graph.adjacent.size()));
+        piece.graph.weight.push_back(from.graph.weight[v]);
+    }
+    piece.graph.edge_weight.assign(piece.graph.adjacent.size(), 1);
+    return piece;
+}
+
+// Minimum degree on the piece with the separators next to it as halo.
+void order_leaf(const Dissection& dissection, const Piece& piece, int first) {
+    SmallGraph small;
+    const int n = small.size = small.eliminable = static_cast<int>(piece.group.size());
+    small.weight = piece.graph.weight;
+    std::vector<std::pair<int, int>> outside;  // (group in the halo, vertex of the piece)
+    const Graph& all = dissection.all.graph;
+    for (int v = 0; v < n; ++v) {
+        for (int k = piece.graph.start[v]; k < piece.graph.start[v + 1]; ++k)
+            small.edges.push_back({v, piece.graph.adjacent[k]});
+        const int g = piece.group[v];
+        for (int k = all.start[g]; k < all.start[g + 1]; ++k)
+            if (dissection.numbered[all.adjacent[k]]) outside.push_back({all.adjacent[k], v});
+    }
+    std::sort(outside.begin(), outside.end());
+    for (std::size_t k = 0; k < outside.size(); ++k) {
+        if (k == 0 || outside[k].first != outside[k - 1].first) {
+            ++small.size;
+            small.weight.push_back(dissection.all.weight[outside[k].first]);
+        }
+        small.edges.push_back({small.size - 1, outside[k].second});
+    }
+    for (int v : minimum_degree(small)) dissection.order[first++] = piece.group[v];
+}
+
+void dissect(Dissection& dissection, const Piece& piece, int first) {
+    const int n = static_cast<int>(piece.group.size());
+    if (n <= leaf_size) return order_leaf(dissection, piece, first);
+    const std::vector<Part> part = find_separator(piece.graph, static_cast<std::uint64_t>(first) * 7919 + n);
+    int count[3] = {0, 0, 0};
+    for (Part p : part) ++count[p];
+    if (count[left] == 0 || count[right] == 0) {
+        if (n <= largest_leaf) return order_leaf(dissection, piece, first);
+        std::copy(piece.group.begin(), piece.group.end(), dissection.order.begin() + first);
+        return;
+    }
+    int last = first + n;
+    for (int v = n - 1; v >= 0; --v)
+        if (part[v] == separator) {
+            dissection.order[--last] = piece.group[v];
+            dissection.numbered[piece.group[v]] = 1;
+        }
+    const Piece sides[2] = {extract(piece, part, left), extract(piece, part, right)};
+#pragma omp task shared(dissection, sides) if (count[left] > task_size)
+    dissect(dissection, sides[0], first);
+    dissect(dissection, sides[1], first + count[left]);
+#pragma omp taskwait
+}
+
+}  // namespace
+
+std::vector<int> nested_dissection(const Graph& graph) {
+    const CompressedGraph compressed = compress(graph);
+    const int groups = compressed.graph.size();
+    std::vector<int> group_order(groups);
+    Dissection dissection{compressed, group_order, std::vector<char>(groups, 0)};
+    Piece whole;
+    whole.graph.start = compressed.graph.start;
+    whole.graph.adjacent = compressed.graph.adjacent;
+    whole.graph.edge_weight.assign(whole.graph.adjacent.size(), 1);
+    whole.graph.weight = compressed.weight;
+    whole.group.resize(groups);
+    std::iota(whole.group.begin(), whole.group.end(), 0);
+#pragma omp parallel
+#pragma omp single
+    dissect(dissection, whole, 0);
+
+    std::vector<int> order;
+    order.reserve(graph.size());
+    for (int g : group_order)
+        order.insert(order.end(), compressed.member.begin() + compressed.member_start[g],
+                     compressed.member.begin() + compressed.member_start[g + 1]);
+    return order;
+}
+
+}  // namespace almesh

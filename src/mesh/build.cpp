@@ -1,0 +1,167 @@
+#include "mesh/build.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/small_matrix.hpp"
+#include "base/text.hpp"
+#include "mesh/build_boundary.hpp"
+#include "mesh/build_messages.hpp"
+#include "mesh/lagrange.hpp"
+
+namespace almesh {
+namespace {
+
+Selection select(const RawMesh& raw) {
+    Selection chosen;
+    for (const RawElement& element : raw.elements) chosen.dim = std::max(chosen.dim, element.dim);
+    if (chosen.dim < 2) refuse(raw, "the mesh has no triangles or tetrahedra");
+    const RawElement* first = nullptr;
+    for (int i = 0; i < static_cast<int>(raw.elements.size()); ++i) {
+        const RawElement& element = raw.elements[i];
+        const bool is_face = element.dim == chosen.dim - 1 && element.physical != 0;
+        if (element.dim != chosen.dim && !is_face) continue;
+        if (!first) first = &element;
+        if (element.degree != first->degree)
+            refuse(raw, element,
+                   "has degree " + std::to_string(element.degree) + ", " + name_of(*first) + " has degree " +
+                       std::to_string(first->degree) + ": all elements and boundary faces need the same one");
+        (is_face ? chosen.faces : chosen.elements).push_back(i);
+    }
+    chosen.degree = first->degree;
+    return chosen;
+}
+
+// Fills x and node_id with the nodes of the elements, in file order. Returns the node index in the mesh of each raw
+// node, -1 for those without element.
+std::vector<int> number_nodes(const RawMesh& raw, const Selection& chosen, Mesh& mesh,
+                              std::vector<std::string>& notes) {
+    std::vector<int> index(raw.nodes.size(), -1);
+    const int count = mesh.element_nodes();
+    for (int i : chosen.elements)
+        for (int k = 0; k < count; ++k) index[raw.element_nodes[raw.elements[i].first + k]] = 0;
+    long long first_unused = 0;
+    int next = 0;
+    for (std::size_t i = 0; i < raw.nodes.size(); ++i) {
+        const RawNode& node = raw.nodes[i];
+        if (index[i] < 0) {
+            if (!first_unused) first_unused = node.id;
+            continue;
+        }
+        index[i] = next++;
+        mesh.node_id.push_back(node.id);
+        mesh.x.insert(mesh.x.end(), node.x, node.x + mesh.dim);
+    }
+    if (first_unused)
+        notes.push_back(counted(raw.nodes.size() - mesh.node_id.size(), "node") +
+                        " without an element dropped, the first with id " + std::to_string(first_unused));
+    return index;
+}
+
+// A 2D mesh has to lie in a plane z = constant, up to rounding.
+void check_flat(const RawMesh& raw, const std::vector<int>& index, std::vector<std::string>& notes) {
+    const RawNode *low = nullptr, *high = nullptr;
+    double size = 0;
+    for (std::size_t i = 0; i < raw.nodes.size(); ++i) {
+        if (index[i] < 0) continue;
+        const RawNode& node = raw.nodes[i];
+        if (!low || node.x[2] < low->x[2]) low = &node;
+        if (!high || node.x[2] > high->x[2]) high = &node;
+        for (double x : node.x) size = std::max(size, std::abs(x));
+    }
+    if (high->x[2] - low->x[2] > 1e-12 * size)
+        refuse(raw, "the triangles form a surface in space, z goes from " + to_text(low->x[2]) + " (node " +
+                        std::to_string(low->id) + ") to " + to_text(high->x[2]) + " (node " + std::to_string(high->id) +
+                        "): a 2D mesh lies in a plane z = constant, a 3D mesh has tetrahedra");
+    if (std::abs(low->x[2]) > 1e-12 * size)
+        notes.push_back("the mesh lies in the plane z = " + to_text(low->x[2]) + ", results are written at z = 0");
+}
+
+// Orientation of the straight-sided element: 1, -1, or 0 where its volume is within the rounding of its coordinates.
+template <int n>
+int orientation(const Mesh& mesh, const int* node) {
+    double size = 0, length = 0;
+    Mat<n> edges;
+    for (int v = 0; v <= n; ++v)
+        for (int k = 0; k < n; ++k) {
+            const double x = mesh.x[static_cast<std::size_t>(node[v]) * n + k];
+            size = std::max(size, std::abs(x));
+            if (v > 0) edges[v - 1][k] = x - mesh.x[static_cast<std::size_t>(node[0]) * n + k];
+        }
+    for (const Vec<n>& edge : edges)
+        for (double d : edge) length = std::max(length, std::abs(d));
+    const double volume = determinant(edges);
+    const double rounding = 8 * std::numeric_limits<double>::epsilon() * (size + length) * std::pow(length, n - 1);
+    if (!(std::abs(volume) > rounding)) return 0;
+    return volume > 0 ? 1 : -1;
+}
+
+// Swaps the last two vertices of negatively oriented elements, with all nodes that belong to them.
+template <int n>
+void orient_elements(const RawMesh& raw, const Selection& chosen, Mesh& mesh, std::vector<std::string>& notes) {
+    const LagrangeBasis basis(n, mesh.degree);
+    MultiIndex swap = {0, 1, 2, 3};
+    std::swap(swap[n - 1], swap[n]);
+    std::vector<int> from(basis.count), before(basis.count);
+    for (int i = 0; i < basis.count; ++i) from[i] = basis.permuted_node(i, swap);
+    std::vector<int> flat, turned;
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        int* const node = mesh.elements.data() + static_cast<std::size_t>(e) * basis.count;
+        const int sign = orientation<n>(mesh, node);
+        if (sign == 0) flat.push_back(e);
+        if (sign >= 0) continue;
+        turned.push_back(e);
+        std::copy_n(node, basis.count, before.begin());
+        for (int i = 0; i < basis.count; ++i) node[i] = before[from[i]];
+    }
+    if (!flat.empty()) {
+        refuse(raw, raw.elements[chosen.elements[flat[0]]],
+               "with the vertices " + node_ids(mesh, mesh.element(flat[0]), n + 1) + " has no volume, the first of " +
+                   counted(flat.size(), "such element"));
+    }
+    if (!turned.empty())
+        notes.push_back(counted(turned.size(), "element") + " with negative orientation turned, the first is element " +
+                        std::to_string(mesh.element_id[turned[0]]));
+}
+
+void fill_elements(const RawMesh& raw, const Selection& chosen, const std::vector<int>& index, Mesh& mesh) {
+    const int count = mesh.element_nodes();
+    mesh.elements.reserve(chosen.elements.size() * count);
+    for (int i : chosen.elements) {
+        const RawElement& element = raw.elements[i];
+        for (int k = 0; k < count; ++k) mesh.elements.push_back(index[raw.element_nodes[element.first + k]]);
+        mesh.element_id.push_back(element.id);
+        mesh.element_physical.push_back(element.physical);
+        mesh.element_entity.push_back(element.entity);
+    }
+}
+
+// An element of a Mesh has one physical tag.
+void note_shared_entities(const RawMesh& raw, int dim, std::vector<std::string>& notes) {
+    for (const RawEntity& entity : raw.entities)
+        if (entity.dim == dim && entity.physical.size() > 1)
+            notes.push_back(dimension_name(dim) + " " + std::to_string(entity.tag) + " is in " +
+                            counted(entity.physical.size(), "physical group") + ", its elements keep the first, tag " +
+                            std::to_string(entity.physical[0]));
+}
+
+}  // namespace
+
+Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes) {
+    const Selection chosen = select(raw);
+    Mesh mesh;
+    mesh.dim = chosen.dim;
+    mesh.degree = chosen.degree;
+    mesh.groups = raw.groups;
+    mesh.msh_version = raw.version;
+    const std::vector<int> index = number_nodes(raw, chosen, mesh, notes);
+    if (mesh.dim == 2) check_flat(raw, index, notes);
+    fill_elements(raw, chosen, index, mesh);
+    note_shared_entities(raw, mesh.dim, notes);
+    with_dimension(mesh.dim, [&](auto n) { orient_elements<n>(raw, chosen, mesh, notes); });
+    fill_boundary(raw, chosen, index, mesh, notes);
+    return mesh;
+}
+
+}  // namespace almesh

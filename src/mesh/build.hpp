@@ -1,0 +1,22 @@
+// Makes a Mesh of what a mesh file holds: mends what has one meaning, refuses what has none.
+//
+// The elements are those of the highest dimension in the file. A face of one element only is a boundary face and needs
+// a face element with a physical tag in the file (mesh/build_boundary.hpp).
+#pragma once
+#include <string>
+#include <vector>
+
+#include "io/msh_reader.hpp"
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+// Mended, each with a line in `notes`: nodes without elements (dropped), negatively oriented elements (turned by
+// swapping two vertices), tagged faces inside the mesh and repeated ones (dropped), elements of several physical groups
+// (the first one kept), a 2D mesh at z != 0.
+// Throws InputError: no triangles or tetrahedra, mixed degrees, a surface in space, elements without volume or there
+// twice, faces of three elements, neighbours that do not share the nodes of their face, boundary faces without a tag or
+// with two, tagged faces without an element.
+Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes);
+
+}  // namespace almesh

@@ -1,0 +1,247 @@
+#include "mesh/build_boundary.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "base/files.hpp"
+#include "base/parallel.hpp"
+#include "mesh/build_messages.hpp"
+#include "mesh/lagrange.hpp"
+
+namespace almesh {
+namespace {
+
+// A face by its vertices in ascending order (-1: none), and whose it is.
+struct Side {
+    std::array<int, 3> vertex;
+    int owner;
+
+    auto operator<=>(const Side&) const = default;
+};
+
+Side side_of(const int* vertex, int count, int owner) {
+    Side side{{-1, -1, -1}, owner};
+    auto& v = side.vertex;
+    std::copy_n(vertex, count, v.begin());
+    if (v[1] < v[0]) std::swap(v[0], v[1]);
+    if (count == 3 && v[2] < v[1]) std::swap(v[1], v[2]);
+    if (v[1] < v[0]) std::swap(v[0], v[1]);
+    return side;
+}
+
+// Ascending. The smallest vertex, in [-1, node_count), picks the bucket; a bucket is small.
+std::vector<Side> sorted_sides(const std::vector<Side>& sides, int node_count) {
+    std::vector<int> start(node_count + 2, 0);
+    for (const Side& side : sides) ++start[side.vertex[0] + 2];
+    for (int i = 0; i <= node_count; ++i) start[i + 1] += start[i];
+    std::vector<int> next(start.begin(), start.end() - 1);
+    std::vector<Side> sorted(sides.size());
+    for (const Side& side : sides) sorted[next[side.vertex[0] + 1]++] = side;
+    parallel_for(node_count + 1, [&](int i) { std::sort(sorted.begin() + start[i], sorted.begin() + start[i + 1]); });
+    return sorted;
+}
+
+// owner: element * (dim + 1) + local vertex opposite the face.
+std::vector<Side> element_sides(const Mesh& mesh) {
+    const int corners = mesh.dim + 1;
+    std::vector<Side> sides(static_cast<std::size_t>(mesh.element_count()) * corners);
+    parallel_for(mesh.element_count(), [&](int e) {
+        for (int v = 0; v < corners; ++v) {
+            const std::array<int, 3> local = outward_face(mesh.dim, v);
+            int vertex[3];
+            for (int k = 0; k < mesh.dim; ++k) vertex[k] = mesh.element(e)[local[k]];
+            sides[static_cast<std::size_t>(e) * corners + v] = side_of(vertex, mesh.dim, e * corners + v);
+        }
+    });
+    return sorted_sides(sides, mesh.nodes());
+}
+
+// owner: index into chosen.faces. A vertex without element has the node index -1.
+std::vector<Side> tagged_sides(const RawMesh& raw, const Selection& chosen, const std::vector<int>& index,
+                               int node_count) {
+    std::vector<Side> sides;
+    for (std::size_t f = 0; f < chosen.faces.size(); ++f) {
+        const int* const node = &raw.element_nodes[raw.elements[chosen.faces[f]].first];
+        int vertex[3];
+        for (int k = 0; k < chosen.dim; ++k) vertex[k] = index[node[k]];
+        sides.push_back(side_of(vertex, chosen.dim, static_cast<int>(f)));
+    }
+    return sorted_sides(sides, node_count);
+}
+
+// Finds the boundary faces and their tags.
+struct BoundaryMatcher {
+    const RawMesh& raw;
+    const Selection& chosen;
+    const std::vector<int>& index;  // node of the mesh by raw node
+    const Mesh& mesh;
+    std::vector<std::vector<int>> face_nodes;  // by opposite vertex: local nodes of the element's face
+    std::vector<int> side_of_face;             // by index into chosen.faces: side of an element, -1: dropped
+    std::vector<int> untagged;                 // sides
+    int inside = 0, repeated = 0;              // tagged faces dropped
+
+    const RawElement& element_of(int side) const { return raw.elements[chosen.elements[side / (mesh.dim + 1)]]; }
+    const RawElement& tagged_face(const Side& side) const { return raw.elements[chosen.faces[side.owner]]; }
+
+    std::vector<int> nodes_of(int side) const {
+        std::vector<int> nodes;
+        for (int local : face_nodes[side % (mesh.dim + 1)]) nodes.push_back(mesh.element(side / (mesh.dim + 1))[local]);
+        std::sort(nodes.begin(), nodes.end());
+        return nodes;
+    }
+
+    void match();
+    void check_elements(const Side* begin, const Side* end) const;
+    void check_tags(const Side* begin, const Side* end) const;
+    void check_face(const Side& tagged, int side) const;
+    [[noreturn]] void refuse_without_element(const Side& tagged) const;
+    [[noreturn]] void refuse_untagged() const;
+};
+
+// Sides [begin, end) have the same vertices.
+void BoundaryMatcher::check_elements(const Side* begin, const Side* end) const {
+    const int corners = mesh.dim + 1;
+    const auto opposite = [&](const Side& s) { return mesh.element(s.owner / corners)[s.owner % corners]; };
+    const Side* const third = begin + std::min<std::ptrdiff_t>(end - begin, 3);  // a bad mesh may have thousands
+    for (const Side* a = begin; a != third; ++a)
+        for (const Side* b = a + 1; b != third; ++b)
+            if (opposite(*a) == opposite(*b))
+                refuse(raw, element_of(b->owner),
+                       "has the vertices of " + name_of(element_of(a->owner)) + ": an element may be in one " +
+                           dimension_name(mesh.dim) + " and one physical group only");
+    if (end - begin > 2)
+        refuse(raw, element_of(begin[2].owner),
+               "is the third at the face with the nodes " + node_ids(mesh, begin->vertex.data(), mesh.dim) +
+                   ", after " + name_of(element_of(begin[0].owner)) + " and " + name_of(element_of(begin[1].owner)));
+    if (end - begin == 2 && mesh.degree > 1 && nodes_of(begin[0].owner) != nodes_of(begin[1].owner))
+        refuse(raw, element_of(begin[1].owner), "and " + name_of(element_of(begin[0].owner)) +
+                                                    " share the vertices of a face, but not its other nodes");
+}
+
+// Tagged faces [begin, end) have the same vertices.
+void BoundaryMatcher::check_tags(const Side* begin, const Side* end) const {
+    for (const Side* other = begin + 1; other < end; ++other)
+        if (tagged_face(*other).physical != tagged_face(*begin).physical)
+            refuse(raw, tagged_face(*other),
+                   "with tag " + std::to_string(tagged_face(*other).physical) + " has the vertices of " +
+                       name_of(tagged_face(*begin)) + " with tag " + std::to_string(tagged_face(*begin).physical) +
+                       ": a boundary face needs exactly one tag");
+}
+
+void BoundaryMatcher::check_face(const Side& tagged, int side) const {
+    const RawElement& face = tagged_face(tagged);
+    const RawEntity* entity = find_entity(raw, face.dim, face.entity);
+    if (entity && entity->physical.size() > 1)
+        refuse(raw, face, "lies on " + dimension_name(face.dim) + " " + std::to_string(entity->tag) +
+                              ", which has the tags " + std::to_string(entity->physical[0]) + " and " +
+                              std::to_string(entity->physical[1]) + ": a boundary face needs exactly one tag");
+    std::vector<int> nodes;
+    for (int k = 0; k < mesh.face_nodes(); ++k) nodes.push_back(index[raw.element_nodes[face.first + k]]);
+    std::sort(nodes.begin(), nodes.end());
+    if (nodes != nodes_of(side))
+        refuse(raw, face, "has the vertices of a face of " + name_of(element_of(side)) + ", but not its other nodes");
+}
+
+void BoundaryMatcher::refuse_without_element(const Side& tagged) const {
+    const RawElement& face = tagged_face(tagged);
+    refuse(raw, face, "with tag " + std::to_string(face.physical) + " is the face of no " +
+                          (mesh.dim == 2 ? "triangle" : "tetrahedron") + ": take it out of its physical group");
+}
+
+void BoundaryMatcher::refuse_untagged() const {
+    const int corners = mesh.dim + 1, first = *std::min_element(untagged.begin(), untagged.end());
+    const std::array<int, 3> local = outward_face(mesh.dim, first % corners);
+    int vertex[3];
+    std::string centre;
+    for (int k = 0; k < mesh.dim; ++k) vertex[k] = mesh.element(first / corners)[local[k]];
+    for (int a = 0; a < mesh.dim; ++a) {
+        double sum = 0;
+        for (int k = 0; k < mesh.dim; ++k) sum += mesh.x[static_cast<std::size_t>(vertex[k]) * mesh.dim + a];
+        if (a) centre += ", ";
+        append(centre, sum / mesh.dim, 6);
+    }
+    const std::string what = dimension_name(mesh.dim - 1);
+    refuse(raw, "an untagged boundary: " + counted(untagged.size(), "boundary face") + " without a physical " + what +
+                    ", the first has the nodes " + node_ids(mesh, vertex, mesh.dim) + " and the centre (" + centre +
+                    "); put every boundary " + what + " into a Physical " + (mesh.dim == 2 ? "Curve" : "Surface") +
+                    " of the .geo file and mesh again, without -save_all");
+}
+
+// Walks over the sides of the elements and the tagged faces, both ascending by their vertices.
+void BoundaryMatcher::match() {
+    const std::vector<Side> sides = element_sides(mesh);
+    const std::vector<Side> tagged = tagged_sides(raw, chosen, index, mesh.nodes());
+    side_of_face.assign(chosen.faces.size(), -1);
+    const auto run_end = [](const Side* s, const Side* last, const std::array<int, 3>& vertex) {
+        while (s != last && s->vertex == vertex) ++s;
+        return s;
+    };
+    const Side *t = tagged.data(), *const t_last = t + tagged.size(), *const s_last = sides.data() + sides.size();
+    for (const Side *s = sides.data(), *s_end; s != s_last; s = s_end) {
+        s_end = run_end(s, s_last, s->vertex);
+        check_elements(s, s_end);
+        if (t != t_last && t->vertex < s->vertex) refuse_without_element(*t);
+        const Side* const t_end = run_end(t, t_last, s->vertex);
+        check_tags(t, t_end);
+        const int tags = static_cast<int>(t_end - t);
+        if (s_end - s == 2) {
+            inside += tags;
+        } else if (tags == 0) {
+            untagged.push_back(s->owner);
+        } else {
+            check_face(*t, s->owner);
+            side_of_face[t->owner] = s->owner;
+            repeated += tags - 1;
+        }
+        t = t_end;
+    }
+    if (t != t_last) refuse_without_element(*t);
+    if (!untagged.empty()) refuse_untagged();
+}
+
+std::string boundary_name(const RawMesh& raw, int dim, int tag) {
+    for (const PhysicalGroup& group : raw.groups)
+        if (group.dim == dim && group.tag == tag) return group.name;
+    return "tag " + std::to_string(tag);
+}
+
+// The boundary faces in file order, as their elements see them.
+void fill_faces(const BoundaryMatcher& matcher, Mesh& mesh) {
+    std::vector<int> known;  // physical tags met, with the boundary of each
+    std::vector<int> boundary_of;
+    for (std::size_t f = 0; f < matcher.side_of_face.size(); ++f) {
+        const int side = matcher.side_of_face[f];
+        if (side < 0) continue;
+        const RawElement& face = matcher.raw.elements[matcher.chosen.faces[f]];
+        const int e = side / (mesh.dim + 1);
+        for (int local : matcher.face_nodes[side % (mesh.dim + 1)]) mesh.faces.push_back(mesh.element(e)[local]);
+        auto it = std::find(known.begin(), known.end(), face.physical);
+        if (it == known.end()) {
+            const std::string name = boundary_name(matcher.raw, face.dim, face.physical);
+            if (mesh.boundary_index(name) < 0) mesh.boundaries.push_back(name);
+            boundary_of.push_back(mesh.boundary_index(name));
+            it = known.insert(known.end(), face.physical);
+        }
+        mesh.face_element.push_back(e);
+        mesh.face_boundary.push_back(boundary_of[it - known.begin()]);
+        mesh.face_id.push_back(face.id);
+        mesh.face_physical.push_back(face.physical);
+        mesh.face_entity.push_back(face.entity);
+    }
+}
+
+}  // namespace
+
+void fill_boundary(const RawMesh& raw, const Selection& chosen, const std::vector<int>& index, Mesh& mesh,
+                   std::vector<std::string>& notes) {
+    const LagrangeBasis basis(mesh.dim, mesh.degree);
+    BoundaryMatcher matcher{raw, chosen, index, mesh, {}, {}, {}, 0, 0};
+    for (int v = 0; v <= mesh.dim; ++v) matcher.face_nodes.push_back(basis.face_nodes(v));
+    matcher.match();
+    if (matcher.inside) notes.push_back(counted(matcher.inside, "tagged face") + " inside the mesh dropped");
+    if (matcher.repeated) notes.push_back(counted(matcher.repeated, "repeated boundary face") + " dropped");
+    fill_faces(matcher, mesh);
+}
+
+}  // namespace almesh

@@ -1,0 +1,33 @@
+#include "mesh/mesh.hpp"
+
+#include <algorithm>
+
+#include "mesh/lagrange.hpp"
+
+namespace almesh {
+
+int Mesh::element_nodes() const { return simplex_node_count(dim, degree); }
+int Mesh::face_nodes() const { return simplex_node_count(dim - 1, degree); }
+
+int Mesh::boundary_index(const std::string& name) const {
+    const auto it = std::find(boundaries.begin(), boundaries.end(), name);
+    return it == boundaries.end() ? -1 : static_cast<int>(it - boundaries.begin());
+}
+
+std::vector<double> straight_sided(const Mesh& mesh) {
+    std::vector<double> y = mesh.x;
+    const LagrangeBasis basis(mesh.dim, mesh.degree);
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        const int* node = mesh.element(e);
+        for (int i = mesh.dim + 1; i < basis.count; ++i)
+            for (int a = 0; a < mesh.dim; ++a) {
+                double position = 0;
+                for (int v = 0; v <= mesh.dim; ++v)
+                    position += basis.nodes[i][v] * mesh.x[static_cast<std::size_t>(node[v]) * mesh.dim + a];
+                y[static_cast<std::size_t>(node[i]) * mesh.dim + a] = position / mesh.degree;
+            }
+    }
+    return y;
+}
+
+}  // namespace almesh

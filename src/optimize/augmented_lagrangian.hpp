@@ -1,0 +1,81 @@
+// The augmented Lagrangian method (paper, Algorithm 1): a sequence of subproblems min E_{lambda, mu}, between which
+// either the multipliers lambda or the penalty mu are updated, until the boundary constraint holds.
+//
+// Three schedules:
+//   paper     Algorithm 1 in the only consistent reading: penalty weight mu in E to match the update
+//             lambda - mu c_D, tolerances that tighten as m grows, and both tests must hold at the end
+//             (Nocedal & Wright, Alg. 17.4).
+//   literal   Algorithm 1 exactly as printed (penalty weight mu^2, the loop ends when one test holds, eps and omega
+//             grow with m), for teaching: the README tells what goes wrong.
+//   adaptive  lambda after every subproblem; mu times 10 whenever |c_D| fell by less than a factor 10.
+//
+// The penalty is given in units of |1|^2: mu |c_D|^2 = (mu / |1|^2) times the weighted integral of |phi - g_D|^2, and
+// with the weight 1/h that integral scales like the distortion term, whatever the unit of length and the number of
+// boundary faces. All lengths are in the unit the caller has chosen for x; see length_scale in the table of deck keys.
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "optimize/newton.hpp"
+
+namespace almesh {
+
+enum class Algorithm { adaptive, paper, literal };
+
+struct AugmentedLagrangianParams {
+    Algorithm algorithm = Algorithm::adaptive;
+    double mu0 = 300;             // first penalty, in units of |1|^2
+    double omega0 = 1e-2;         // tolerance of |grad E| in the first subproblem
+    double epsilon0 = 1e-3;       // tolerance of |P c_D|^2 that decides between the updates
+    double omega_star = 1e-8;     // final tolerance of |grad E|
+    double epsilon_star = 1e-16;  // final tolerance of |P c_D|^2
+    int max_iterations = 50;
+    int max_newton_iterations = 200;
+};
+
+enum class AlStatus {
+    converged,
+    max_iterations,
+    infeasible,  // the constraint stopped falling while the penalty grew: no valid mesh reaches the target
+    max_newton_iterations,
+    line_search_failed,
+    linear_solver_failed
+};
+const char* to_string(AlStatus status);
+
+enum class AlUpdate { none, multipliers, penalty, both };
+const char* to_string(AlUpdate update);
+
+// One row of the history; row 0 is the initial mesh.
+struct AlIteration {
+    int iteration = 0;
+    double constraint_norm = 0;            // |c_D|
+    double projected_constraint_norm = 0;  // |P c_D|
+    double energy = 0, gradient_norm = 0;
+    double mu = 0, omega = 0, epsilon = 0;  // used in this iteration
+    double relative_quality = 0, max_distortion = 0;
+    int newton_iterations = 0;
+    NewtonStatus newton_status = NewtonStatus::converged;
+    AlUpdate update = AlUpdate::none;  // decided after this iteration
+    double seconds = 0;
+};
+
+struct AlResult {
+    AlStatus status = AlStatus::converged;
+    std::vector<AlIteration> iterations;
+    std::vector<double> lambda;  // trace nodes x dim
+    int newton_iterations = 0, linear_iterations = 0;
+    bool rounding_floor = false;  // |grad E| ended at its rounding floor above omega_star
+};
+
+struct AlObserver {
+    std::function<void(const AlIteration&)> iteration;
+    std::function<void(int al_iteration, const NewtonStep&)> newton_step;
+};
+
+// x: node_count x dim, the identity map on entry (a valid mesh), the last accepted iterate on return.
+AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& constraint, Newton& newton,
+                  Objective objective, const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time,
+                  const AlObserver& observer);
+
+}  // namespace almesh

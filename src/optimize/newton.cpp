@@ -1,0 +1,145 @@
+#include "optimize/newton.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/vector_ops.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double sufficient_decrease = 1e-4;  // c1
+constexpr double smallest_step = 1e-14;
+constexpr double energy_rounding = 1e-14;  // relative error of a sum of element energies
+
+// The next Hessian to try where `kind` gave no descent direction; false where there is none.
+bool fall_back(HessianKind& kind) {
+    if (kind == HessianKind::squared_projected) return false;
+    kind = kind == HessianKind::full ? HessianKind::projected : HessianKind::squared_projected;
+    return true;
+}
+
+}  // namespace
+
+const char* to_string(NewtonStatus status) {
+    switch (status) {
+        case NewtonStatus::converged: return "converged";
+        case NewtonStatus::rounding_floor: return "rounding_floor";
+        case NewtonStatus::max_iterations: return "max_newton_iterations";
+        case NewtonStatus::line_search_failed: return "line_search_failed";
+        case NewtonStatus::linear_solver_failed: return "linear_solver_failed";
+    }
+    return "";
+}
+
+const char* to_string(HessianKind kind) {
+    switch (kind) {
+        case HessianKind::full: return "full";
+        case HessianKind::projected: return "projected";
+        case HessianKind::squared_projected: return "squared_projected";
+    }
+    return "";
+}
+
+Newton::Newton(const Mesh& mesh, const LinearSolverParams& linear)
+    : H_(matrix_of_cells(mesh.nodes(), mesh.dim, mesh.elements, mesh.element_nodes())),
+      solver_(H_, mesh.dim, linear),
+      g_(mesh.x.size()),
+      minus_g_(mesh.x.size()),
+      d_(mesh.x.size()),
+      trial_(mesh.x.size()) {}
+
+// Solves H d = -grad E, weakening the Hessian until d is a descent direction. Names what it used in `step`.
+bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonStep& step, Timings& time) {
+    for (std::size_t i = 0; i < g_.size(); ++i) minus_g_[i] = -g_[i];
+    do {
+        {
+            const TimeAdder adder(time.assembly);
+            E.hessian(x, step.hessian, H_);
+        }
+        const TimeAdder adder(time.linear);
+        const SolveResult solve = solver_.solve(H_, minus_g_, d_);
+        step.linear_iterations += solve.iterations;
+        step.solver = solve.used;
+        if (solve.status == SolveStatus::converged && dot(g_, d_) < 0) return true;
+    } while (fall_back(step.hessian));
+    return false;
+}
+
+// Backtracks along d_; on success x and energy are those of the accepted step.
+bool Newton::line_search(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step, bool& by_rounding) {
+    const double slope = dot(g_, d_), noise = energy_rounding * std::abs(energy);
+    for (double t = 1; t >= smallest_step;) {
+        for (std::size_t i = 0; i < x.size(); ++i) trial_[i] = x[i] + t * d_[i];
+        const double trial_energy = E.energy(trial_);
+        const bool decreases = trial_energy <= energy + sufficient_decrease * t * slope;
+        by_rounding = !decreases && -t * slope <= noise && std::abs(trial_energy - energy) <= noise;
+        if (decreases || by_rounding) {
+            x.swap(trial_);
+            energy = trial_energy;
+            step.step_length = t;
+            return true;
+        }
+        if (!std::isfinite(trial_energy)) {
+            ++step.cuts_inverted;
+            t *= 0.5;
+            continue;
+        }
+        ++step.cuts_decrease;  // minimiser of the parabola through E(x), its slope and E(x + t d), safeguarded
+        const double parabola = -slope * t * t / (2 * (trial_energy - energy - t * slope));
+        t = std::clamp(parabola, 0.1 * t, 0.5 * t);
+    }
+    return false;
+}
+
+NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& params, std::vector<double>& x,
+                              Timings& time, const NewtonObserver& observe) {
+    const auto evaluate_gradient = [&] {
+        const TimeAdder adder(time.assembly);
+        E.gradient(x, g_);
+        return norm_2(g_);
+    };
+    NewtonResult result;
+    result.energy = E.energy(x);
+    result.gradient_norm = evaluate_gradient();
+    HessianKind kind = params.first;
+    while (result.gradient_norm > params.omega) {
+        if (result.iterations == params.max_iterations) {
+            result.status = NewtonStatus::max_iterations;
+            return result;
+        }
+        NewtonStep step;
+        step.iteration = ++result.iterations;
+        step.hessian = kind;
+        bool found = false, by_rounding = false;
+        for (;;) {
+            if (!find_direction(E, x, step, time)) {
+                result.status = NewtonStatus::linear_solver_failed;
+                return result;
+            }
+            {
+                const TimeAdder adder(time.line_search);
+                found = line_search(E, x, result.energy, step, by_rounding);
+            }
+            if (found || !fall_back(step.hessian)) break;
+        }
+        if (!found) {
+            result.status = NewtonStatus::line_search_failed;
+            return result;
+        }
+        const double before = result.gradient_norm;
+        result.gradient_norm = step.gradient_norm = evaluate_gradient();
+        result.linear_iterations += step.linear_iterations;
+        result.full_step = step.step_length == 1;
+        step.energy = result.energy;
+        if (observe) observe(step);
+        if (by_rounding && result.gradient_norm > 0.5 * before && result.gradient_norm > params.omega) {
+            result.status = NewtonStatus::rounding_floor;
+            return result;
+        }
+        kind = result.full_step ? HessianKind::full : HessianKind::projected;
+    }
+    return result;
+}
+
+}  // namespace almesh

@@ -1,0 +1,77 @@
+// Newton's method with backtracking for one subproblem of the augmented Lagrangian method: minimise E(x) for given
+// multipliers and penalty until |grad E| <= omega.
+//
+// Direction. Far from the minimum the Hessian is indefinite; each step uses one of three (HessianKind): the projected
+// one until a full step has been accepted, then the full one, whose convergence is quadratic; back to the projected one
+// when the full one is not positive definite. The Hessian of the objective (eta - 1)^2 vanishes at the identity, so the
+// very first step takes that of eta^2.
+//
+// Step length. Backtracking from 1 until the sufficient-decrease (first Wolfe) condition
+//     E(x + t d) <= E(x) + c1 t grad E . d,   c1 = 1e-4   (Nocedal & Wright, Alg. 3.1)
+// holds. E is infinite for an inverted element, so every accepted iterate is a valid mesh.
+//
+// Rounding. When the decrease that a step promises is below the rounding error of E, energies can no longer be compared:
+// the step is taken if E stays the same to rounding, and the iteration ends as `rounding_floor` when such a step does
+// not reduce |grad E|.
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "base/stopwatch.hpp"
+#include "functional/augmented_functional.hpp"
+#include "linalg/linear_solver.hpp"
+
+namespace almesh {
+
+enum class NewtonStatus { converged, rounding_floor, max_iterations, line_search_failed, linear_solver_failed };
+const char* to_string(NewtonStatus status);
+const char* to_string(HessianKind kind);
+
+struct NewtonParams {
+    double omega = 1e-8;
+    int max_iterations = 200;
+    HessianKind first = HessianKind::projected;  // of the first step
+};
+
+// One row of the history: the step that led from one iterate to the next.
+struct NewtonStep {
+    int iteration = 0;         // 1, 2, ...
+    double energy = 0;         // after the step
+    double gradient_norm = 0;  // after the step
+    double step_length = 0;    // t
+    int cuts_inverted = 0;     // trial lengths refused because an element was inverted
+    int cuts_decrease = 0;     // trial lengths refused because E did not decrease enough
+    HessianKind hessian = HessianKind::projected;
+    int linear_iterations = 0;
+    SolverKind solver = SolverKind::automatic;
+};
+
+struct NewtonResult {
+    NewtonStatus status = NewtonStatus::converged;
+    int iterations = 0;
+    int linear_iterations = 0;
+    double energy = 0, gradient_norm = 0;
+    bool full_step = false;  // the last step had length one
+};
+
+using NewtonObserver = std::function<void(const NewtonStep&)>;
+
+class Newton {
+   public:
+    // The pattern of the Hessian, the linear solver and all work arrays are set up once for all subproblems.
+    Newton(const Mesh& mesh, const LinearSolverParams& linear);
+
+    // x: node_count x dim; enters with finite energy, leaves as the last accepted iterate.
+    NewtonResult minimise(const AugmentedFunctional& E, const NewtonParams& params, std::vector<double>& x, Timings& time,
+                          const NewtonObserver& observe);
+
+   private:
+    BlockCsr H_;
+    LinearSolver solver_;
+    std::vector<double> g_, minus_g_, d_, trial_;
+
+    bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonStep& step, Timings& time);
+    bool line_search(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step, bool& by_rounding);
+};
+
+}  // namespace almesh

@@ -1,0 +1,100 @@
+#include "base/files.hpp"
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+
+#include "base/error.hpp"
+
+using namespace almesh;
+namespace fs = std::filesystem;
+
+namespace {
+
+// A folder of its own for each test, removed at its end.
+struct Scratch {
+    fs::path folder = fs::temp_directory_path() / ("almesh_files_test_" + std::to_string(getpid()));
+    Scratch() { fs::create_directories(folder); }
+    ~Scratch() { fs::remove_all(folder); }
+    std::string operator/(const std::string& name) const { return (folder / name).string(); }
+};
+
+template <class Number, class... Digits>
+std::string shown(Number number, Digits... digits) {
+    std::string text;
+    append(text, number, digits...);
+    return text;
+}
+
+std::string message_of_reading(const std::string& path) {
+    try {
+        read_text_file(path);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+}  // namespace
+
+TEST_CASE("a written file reads back, and is replaced as a whole") {
+    const Scratch scratch;
+    const std::string path = scratch / "a.txt";
+    write_file(path, "one\n");
+    CHECK(read_text_file(path) == "one\n");
+    const std::string large(100000, 'x');
+    write_file(path, large);
+    CHECK(read_text_file(path) == large);
+    CHECK(std::distance(fs::directory_iterator(scratch.folder), fs::directory_iterator()) == 1);  // no .part left
+}
+
+TEST_CASE("writing through a symbolic link keeps the link") {
+    const Scratch scratch;
+    write_file(scratch / "real.txt", "old");
+    fs::create_symlink("real.txt", scratch / "link.txt");
+    write_file(scratch / "link.txt", "new");
+    CHECK(fs::is_symlink(scratch / "link.txt"));
+    CHECK(read_text_file(scratch / "real.txt") == "new");
+}
+
+TEST_CASE("what cannot be read is named with its reason") {
+    const Scratch scratch;
+    CHECK(message_of_reading(scratch / "none") == "cannot read " + scratch / "none" + ": No such file or directory");
+    CHECK(message_of_reading(scratch.folder.string()) == "cannot read " + scratch.folder.string() + ": it is a folder");
+    write_file(scratch / "empty", "");
+    CHECK(message_of_reading(scratch / "empty") == "cannot read " + scratch / "empty" + ": it is empty");
+    write_file(scratch / "binary", std::string_view("a\0b", 3));
+    CHECK(message_of_reading(scratch / "binary").find("it is binary") != std::string::npos);
+}
+
+TEST_CASE("what cannot be written leaves nothing behind") {
+    const Scratch scratch;
+    CHECK_THROWS_AS(write_file(scratch / "no/such/folder/a.txt", "x"), InputError);
+    CHECK_THROWS_AS(write_file(scratch.folder.string(), "x"), InputError);
+    CHECK_THROWS_WITH_AS(write_file("/dev/null", "x"), "cannot write to /dev/null: it is not a regular file",
+                         InputError);
+    CHECK(fs::is_character_file("/dev/null"));
+    CHECK(fs::is_empty(scratch.folder));
+}
+
+TEST_CASE("folders are made with those above them") {
+    const Scratch scratch;
+    make_folder(scratch / "a/b/c");
+    make_folder(scratch / "a/b/c");
+    CHECK(fs::is_directory(scratch / "a/b/c"));
+    write_file(scratch / "file", "x");
+    CHECK_THROWS_AS(make_folder(scratch / "file"), InputError);
+    CHECK_THROWS_AS(make_folder(scratch / "file/below"), InputError);
+}
+
+TEST_CASE("numbers are appended shortest, or with the digits asked for") {
+    CHECK(shown(-9223372036854775807LL) == "-9223372036854775807");
+    CHECK(shown(0.1) == "0.1");
+    CHECK(shown(1.0 / 3, 9) == "0.333333333");
+    CHECK(shown(1e300, 9) == "1e+300");
+    for (const double value : {1.0 / 3, 5e-324, -std::numeric_limits<double>::max(), 0.1 + 0.2})
+        CHECK(std::strtod(shown(value).c_str(), nullptr) == value);
+}

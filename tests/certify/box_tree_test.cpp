@@ -1,0 +1,70 @@
+#include "certify/box_tree.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+using namespace almesh;
+
+namespace {
+
+std::vector<Box> some_boxes(int count, int dim) {
+    std::vector<Box> boxes;
+    for (int i = 0; i < count; ++i) {
+        std::vector<double> corners;
+        for (int a = 0; a < 2 * dim; ++a) corners.push_back(std::sin(12.9898 * i + 4.1 * (a % dim)) + 0.1 * std::sin(i + a));
+        boxes.push_back(box_of_points(corners.data(), 2, dim));
+    }
+    return boxes;
+}
+
+}  // namespace
+
+TEST_CASE("the tree finds the boxes that a plain loop finds") {
+    for (int dim = 2; dim <= 3; ++dim)
+        for (int count : {0, 1, 2, 3, 17, 500}) {
+            const std::vector<Box> boxes = some_boxes(count, dim);
+            const BoxTree tree(boxes);
+            for (const Box& query : some_boxes(20, dim)) {
+                std::set<int> expected, found;
+                for (int i = 0; i < count; ++i)
+                    if (overlap(boxes[i], query)) expected.insert(i);
+                int reported = 0;
+                tree.visit_overlapping(query, [&](int i) { found.insert(i), ++reported; });
+                CHECK(found == expected);
+                CHECK(reported == static_cast<int>(expected.size()));
+            }
+        }
+}
+
+TEST_CASE("the tree finds the nearest box without looking at most of them") {
+    const std::vector<Box> boxes = some_boxes(2000, 3);
+    const BoxTree tree(boxes);
+    const double infinity = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 20; ++k) {
+        const double p[3] = {2 * std::sin(k), 2 * std::cos(3.0 * k), std::sin(5.0 * k)};
+        double expected = infinity;
+        for (const Box& box : boxes) expected = std::min(expected, squared_distance(box, p, 3));
+        int looked_at = 0;
+        const double found = tree.nearest_squared(p, 3, infinity, [&](int i) {
+            ++looked_at;
+            return squared_distance(boxes[i], p, 3);
+        });
+        CHECK(found == expected);
+        CHECK(looked_at < 200);
+    }
+    CHECK(BoxTree({}).nearest_squared(boxes[0].low.data(), 3, infinity, [](int) { return 0.0; }) == infinity);
+}
+
+TEST_CASE("touching boxes overlap, and equal boxes do not unbalance the tree") {
+    const double a[4] = {0, 0, 1, 1}, b[4] = {1, 1, 2, 2}, c[4] = {1.0001, 0, 2, 2};
+    CHECK(overlap(box_of_points(a, 2, 2), box_of_points(b, 2, 2)));
+    CHECK_FALSE(overlap(box_of_points(a, 2, 2), box_of_points(c, 2, 2)));
+    const BoxTree tree(std::vector<Box>(1000, box_of_points(a, 2, 2)));
+    int found = 0;
+    tree.visit_overlapping(box_of_points(b, 2, 2), [&](int) { ++found; });
+    CHECK(found == 1000);
+}

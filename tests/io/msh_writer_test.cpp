@@ -1,0 +1,156 @@
+#include "io/msh_writer.hpp"
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "base/error.hpp"
+#include "mesh/build.hpp"
+#include "support/sample_mesh.hpp"
+
+using namespace almesh;
+
+namespace {
+
+Mesh sample(int dim, int degree, int version) {
+    RawMesh raw = SampleMesh(dim, degree, 2).raw;
+    raw.version = version;
+    std::vector<std::string> notes;
+    return build_mesh(raw, notes);
+}
+
+// Positions whose decimals are long.
+std::vector<double> moved(const Mesh& mesh) {
+    std::vector<double> x = mesh.x;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += 1e-3 * std::sin(static_cast<double>(i)) / 3;
+    return x;
+}
+
+Mesh read_back(const std::string& text) {
+    std::vector<std::string> notes;
+    Mesh mesh = build_mesh(parse_msh(text, "written.msh"), notes);
+    CHECK(notes.empty());
+    return mesh;
+}
+
+// Node ids of each cell by the cell's id.
+std::map<long long, std::vector<long long>> cells_by_id(const Mesh& mesh, const std::vector<int>& node,
+                                                        const std::vector<long long>& id) {
+    std::map<long long, std::vector<long long>> cells;
+    const std::size_t size = node.size() / id.size();
+    for (std::size_t k = 0; k < node.size(); ++k) cells[id[k / size]].push_back(mesh.node_id[node[k]]);
+    return cells;
+}
+
+std::map<long long, std::pair<int, int>> tags_by_id(const std::vector<long long>& id, const std::vector<int>& physical,
+                                                    const std::vector<int>& entity) {
+    std::map<long long, std::pair<int, int>> tags;
+    for (std::size_t k = 0; k < id.size(); ++k) tags[id[k]] = {physical[k], entity[k]};
+    return tags;
+}
+
+std::map<long long, std::vector<double>> positions_by_id(const Mesh& mesh, const std::vector<double>& x) {
+    std::map<long long, std::vector<double>> positions;
+    for (std::size_t k = 0; k < x.size(); ++k) positions[mesh.node_id[k / mesh.dim]].push_back(x[k]);
+    return positions;
+}
+
+}  // namespace
+
+TEST_CASE("what is written reads back with the same ids, tags, names and bits") {
+    for (int version : {22, 41})
+        for (int dim : {2, 3})
+            for (int degree = 1; degree <= (dim == 2 ? 7 : 4); ++degree) {
+                CAPTURE(version);
+                CAPTURE(dim);
+                CAPTURE(degree);
+                const Mesh mesh = sample(dim, degree, version);
+                const std::vector<double> x = moved(mesh);
+                const Mesh back = read_back(msh_text(mesh, x));
+                CHECK(back.msh_version == version);
+                CHECK(back.degree == degree);
+                CHECK(positions_by_id(back, back.x) == positions_by_id(mesh, x));
+                CHECK(cells_by_id(back, back.elements, back.element_id) ==
+                      cells_by_id(mesh, mesh.elements, mesh.element_id));
+                CHECK(cells_by_id(back, back.faces, back.face_id) == cells_by_id(mesh, mesh.faces, mesh.face_id));
+                CHECK(tags_by_id(back.element_id, back.element_physical, back.element_entity) ==
+                      tags_by_id(mesh.element_id, mesh.element_physical, mesh.element_entity));
+                CHECK(tags_by_id(back.face_id, back.face_physical, back.face_entity) ==
+                      tags_by_id(mesh.face_id, mesh.face_physical, mesh.face_entity));
+                REQUIRE(back.groups.size() == 2);
+                CHECK(back.groups[0].name == "left");
+                CHECK(back.groups[1].dim == dim);
+                if (version == 22) CHECK(back.node_id == mesh.node_id);  // and the same order
+            }
+}
+
+TEST_CASE("an MSH 2.2 file to the letter") {
+    RawMesh raw;
+    raw.nodes = {{1, {0, 0, 0}, 0}, {4, {0.1, 0, 0}, 0}, {2, {0, 1e-5, 0}, 0}};
+    for (int k = 0; k < 3; ++k) append_element(raw, 1, 7, {k, (k + 1) % 3});
+    append_element(raw, 2, 0, {0, 1, 2});
+    raw.groups = {{1, 7, "the wall"}};
+    std::vector<std::string> notes;
+    const Mesh mesh = build_mesh(raw, notes);
+    CHECK(msh_text(mesh, mesh.x) == R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+1
+1 7 "the wall"
+$EndPhysicalNames
+$Nodes
+3
+1 0 0 0
+4 0.1 0 0
+2 0 1e-05 0
+$EndNodes
+$Elements
+4
+1 1 2 7 0 1 4
+2 1 2 7 0 4 2
+3 1 2 7 0 2 1
+4 2 2 0 0 1 4 2
+$EndElements
+)");
+}
+
+TEST_CASE("in MSH 4.1 each entity has one physical tag, and each node is listed once, on the boundary first") {
+    Mesh mesh = sample(2, 2, 41);
+    std::fill(mesh.face_entity.begin(), mesh.face_entity.end(), 5);  // two boundaries in one entity, as in MSH 2.2
+    const RawMesh raw = parse_msh(msh_text(mesh, mesh.x), "written.msh");
+    REQUIRE(raw.entities.size() == 3);
+    CHECK(raw.entities[0].tag == 5);
+    CHECK(raw.entities[0].physical == std::vector<int>{1});
+    CHECK(raw.entities[1].tag == 6);
+    CHECK(raw.entities[1].physical == std::vector<int>{2});
+    CHECK(raw.entities[2].dim == 2);
+    CHECK(raw.nodes.size() == static_cast<std::size_t>(mesh.nodes()));
+    for (std::size_t i = 0; i < raw.nodes.size(); ++i) {
+        const double x = raw.nodes[i].x[0], y = raw.nodes[i].x[1];
+        CHECK((x == 0 || x == 1 || y == 0 || y == 1) == (i < 16));
+    }
+    const Mesh back = read_back(msh_text(mesh, mesh.x));
+    CHECK(tags_by_id(back.face_id, back.face_physical, back.face_physical) ==
+          tags_by_id(mesh.face_id, mesh.face_physical, mesh.face_physical));
+}
+
+TEST_CASE("elements without a physical group stay without one") {
+    for (int version : {22, 41}) {
+        Mesh mesh = sample(3, 1, version);
+        std::fill(mesh.element_physical.begin(), mesh.element_physical.end(), 0);
+        CHECK(read_back(msh_text(mesh, mesh.x)).element_physical == mesh.element_physical);
+    }
+}
+
+TEST_CASE("to a file, and to a place where none can be") {
+    const Mesh mesh = sample(2, 1, 22);
+    const auto path = std::filesystem::temp_directory_path() / ("almesh_msh_writer_test_" + std::to_string(getpid()));
+    write_msh(path.string(), mesh, mesh.x);
+    CHECK(read_msh(path.string()).nodes.size() == 9);
+    std::filesystem::remove(path);
+    CHECK_THROWS_AS(write_msh("/no/such/folder/a.msh", mesh, mesh.x), InputError);
+}

@@ -1,0 +1,121 @@
+#include "io/vtk.hpp"
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <numeric>
+
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "mesh/lagrange.hpp"
+
+using namespace almesh;
+
+namespace {
+
+// One simplex of its own nodes, no data.
+std::string one_cell(int dim, int degree) {
+    std::vector<int> cell(simplex_node_count(dim, degree));
+    std::iota(cell.begin(), cell.end(), 0);
+    return vtk_text("", 3, degree, std::vector<double>(3 * cell.size(), 0.0), cell, dim, {}, {}, {});
+}
+
+std::string with_data(const std::vector<VtkArray>& point_data, const std::vector<VtkArray>& cell_data) {
+    return vtk_text("t", 2, 1, {0, 0, 1, 0, 0, 1}, {0, 1, 2}, 2, point_data, cell_data, {});
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+// As VTK 9.1 evaluates its own cells.
+TEST_CASE("node orders of VTK's tetrahedra") {
+    CHECK(vtk_node_order(3, 1) == std::vector<int>{0, 1, 2, 3});
+    CHECK(vtk_node_order(3, 2) == std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 9, 8});
+    CHECK(vtk_node_order(3, 3) ==
+          std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 10, 15, 14, 13, 12, 17, 19, 18, 16});
+    CHECK(vtk_node_order(3, 4) == std::vector<int>{0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11,
+                                                   12, 15, 14, 13, 21, 20, 19, 18, 17, 16, 25, 26,
+                                                   27, 33, 31, 32, 28, 29, 30, 22, 23, 24, 34});
+}
+
+TEST_CASE("node orders are Gmsh's for lines and triangles, and permutations for all") {
+    for (int dim = 1; dim <= 3; ++dim)
+        for (int degree = 1; degree <= 7; ++degree) {
+            std::vector<int> order = vtk_node_order(dim, degree);
+            CHECK(order.size() == static_cast<std::size_t>(simplex_node_count(dim, degree)));
+            if (dim < 3) CHECK(std::is_sorted(order.begin(), order.end()));
+            std::sort(order.begin(), order.end());
+            for (std::size_t i = 0; i < order.size(); ++i) CHECK(order[i] == static_cast<int>(i));
+        }
+}
+
+TEST_CASE("cell types by dimension and degree") {
+    const int types[3][4] = {{3, 21, 68, 68}, {5, 22, 69, 69}, {10, 24, 71, 71}};
+    for (int dim = 1; dim <= 3; ++dim)
+        for (int degree = 1; degree <= 4; ++degree)
+            CHECK(contains(one_cell(dim, degree),
+                           "\nCELL_TYPES 1\n" + std::to_string(types[dim - 1][degree - 1]) + "\n"));
+    CHECK(contains(one_cell(3, 2), "\nCELLS 1 11\n10 0 1 2 3 4 5 6 7 9 8\n"));
+}
+
+TEST_CASE("a file to the letter") {
+    const std::string text =
+        vtk_text("two lines\nof title", 2, 1, {0, 0, 1, 0, 0.1, 1e-17}, {0, 1, 2}, 2,
+                 {{"move", 2, {1, 2, 3, 4, 5, 6}}}, {{"eta", 1, {1.0 / 3}}}, {{"the deck", "mu = 50 %\nend"}});
+    CHECK(text == R"(# vtk DataFile Version 3.0
+two lines
+ASCII
+DATASET UNSTRUCTURED_GRID
+FIELD FieldData 1
+the%20deck 1 1 string
+mu%20=%2050%20%25%0Aend
+POINTS 3 double
+0 0 0
+1 0 0
+0.1 1e-17 0
+CELLS 1 4
+3 0 1 2
+CELL_TYPES 1
+5
+POINT_DATA 3
+VECTORS move double
+1 2 0
+3 4 0
+5 6 0
+CELL_DATA 1
+SCALARS eta double 1
+LOOKUP_TABLE default
+0.333333333
+)");
+}
+
+TEST_CASE("no inf or nan, which readers would turn into 0") {
+    const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+    const std::string text = with_data({{"eta", 1, {inf, -inf, nan}}}, {});
+    CHECK(contains(text, "LOOKUP_TABLE default\n1e+300\n-1e+300\n1e+300\n"));
+    CHECK_FALSE(contains(text, "inf"));
+    CHECK_FALSE(contains(text, "nan"));
+}
+
+TEST_CASE("names are encoded, 3-vectors written as they are") {
+    CHECK(contains(with_data({}, {{"max eta \"e\"", 1, {2}}}), "SCALARS max%20eta%20%22e%22 double 1\n"));
+    CHECK(contains(with_data({}, {{"v", 3, {1, 2, 3}}}), "VECTORS v double\n1 2 3\n"));
+    CHECK_FALSE(contains(with_data({}, {}), "_DATA"));
+}
+
+TEST_CASE("the title is one line of at most 255 characters") {
+    const std::string text = vtk_text(std::string(300, 'a'), 2, 1, {}, {}, 2, {}, {}, {});
+    CHECK(contains(text, "\n" + std::string(255, 'a') + "\nASCII\n"));
+}
+
+TEST_CASE("to a file, and to a place where none can be") {
+    const auto path = std::filesystem::temp_directory_path() / ("almesh_vtk_test_" + std::to_string(getpid()));
+    write_vtk(path.string(), "t", 2, 1, {0, 0, 1, 0, 0, 1}, {0, 1, 2}, 2, {}, {}, {});
+    CHECK(read_text_file(path.string()) == with_data({}, {}));
+    std::filesystem::remove(path);
+    CHECK_THROWS_AS(write_vtk("/no/such/folder/a.vtk", "t", 2, 1, {}, {}, 2, {}, {}, {}), InputError);
+}

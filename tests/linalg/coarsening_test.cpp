@@ -1,0 +1,59 @@
+#include "linalg/coarsening.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "linalg/graph.hpp"
+#include "matrices.hpp"
+
+using namespace almesh;
+
+namespace {
+
+WeightedGraph weighted(const Graph& graph) {
+    return {graph.start, graph.adjacent, std::vector<int>(graph.adjacent.size(), 1), std::vector<int>(graph.size(), 1)};
+}
+
+}  // namespace
+
+TEST_CASE("coarsening merges pairs of neighbours and keeps all weights") {
+    WeightedGraph fine = weighted(graph_of(random_spd(900, 1, grid(30, 30))));
+    for (int level = 0; level < 3; ++level) {
+        const Coarsening step = coarsen(fine, 100, 11);
+        const WeightedGraph& coarse = step.graph;
+        CHECK(coarse.size() < 0.7 * fine.size());
+        CHECK(std::accumulate(coarse.weight.begin(), coarse.weight.end(), 0) == 900);
+        std::vector<int> weight(coarse.size(), 0), members(coarse.size(), 0);
+        std::map<std::pair<int, int>, int> edges, expected;
+        for (int v = 0; v < fine.size(); ++v) {
+            const int c = step.coarse_of[v];
+            weight[c] += fine.weight[v];
+            ++members[c];
+            for (int k = fine.start[v]; k < fine.start[v + 1]; ++k)
+                if (const int h = step.coarse_of[fine.adjacent[k]]; h != c) expected[{c, h}] += fine.edge_weight[k];
+        }
+        for (int c = 0; c < coarse.size(); ++c)
+            for (int k = coarse.start[c]; k < coarse.start[c + 1]; ++k) {
+                CHECK(edges.count({c, coarse.adjacent[k]}) == 0);
+                edges[{c, coarse.adjacent[k]}] = coarse.edge_weight[k];
+            }
+        CHECK(weight == coarse.weight);
+        CHECK(*std::max_element(members.begin(), members.end()) == 2);
+        CHECK(edges == expected);
+        fine = coarse;
+    }
+}
+
+TEST_CASE("heavy edges are preferred, and too heavy pairs are not made") {
+    // A path with weights 1 9 1 9 1: the heavy edges are a perfect matching.
+    const Graph line = graph_of(random_spd(6, 1, path(6)));
+    WeightedGraph graph = weighted(line);
+    for (int v = 0; v < 6; ++v)
+        for (int k = graph.start[v]; k < graph.start[v + 1]; ++k)
+            graph.edge_weight[k] = (std::min(v, graph.adjacent[k]) % 2) ? 1 : 9;
+    CHECK(coarsen(graph, 2, 1).coarse_of == std::vector<int>{0, 0, 1, 1, 2, 2});
+    CHECK(coarsen(graph, 1, 1).graph.size() == 6);
+}

@@ -1,0 +1,201 @@
+#include "linalg/linear_solver.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+#include <string>
+
+#include "base/parallel.hpp"
+#include "matrices.hpp"
+
+using namespace almesh;
+
+namespace {
+
+LinearSolverParams params_of(SolverKind kind) {
+    LinearSolverParams params;
+    params.kind = kind;
+    return params;
+}
+
+BlockCsr with_diagonal(BlockCsr A, int node, double value) {
+    double* block = A.block(A.find(node, node));
+    std::fill_n(block, A.d * A.d, 0.0);
+    for (int r = 0; r < A.d; ++r) block[r * A.d + r] = value;
+    return A;
+}
+
+}  // namespace
+
+TEST_CASE("2D goes to Cholesky, dear 3D systems to GMRES, cheap ones to Cholesky") {
+    const BlockCsr A = random_spd(125, 2, grid_3d(5));
+    const std::vector<double> b = random_vector(A.size());
+    std::vector<double> x;
+    LinearSolverParams params;
+    CHECK(LinearSolver(A, 2, params).solve(A, b, x).used == SolverKind::cholesky);
+    CHECK(LinearSolver(A, 3, params).solve(A, b, x).used == SolverKind::cholesky);
+    params.gmres_from_flops = 100;
+    CHECK(LinearSolver(A, 2, params).solve(A, b, x).used == SolverKind::cholesky);
+    const SolveResult result = LinearSolver(A, 3, params).solve(A, b, x);
+    CHECK(result.used == SolverKind::gmres);
+    CHECK(result.status == SolveStatus::converged);
+    CHECK(result.iterations > 0);
+    CHECK_FALSE(result.fell_back);
+}
+
+TEST_CASE("both solvers find the same solution, and say how good it is") {
+    for (int d = 1; d <= 3; ++d) {
+        const BlockCsr A = random_spd(400, d, grid(20, 20));
+        const std::vector<double> expected = random_vector(A.size());
+        std::vector<double> b(A.size()), x;
+        multiply(A, expected.data(), b.data());
+        for (SolverKind kind : {SolverKind::gmres, SolverKind::cholesky}) {
+            const SolveResult result = LinearSolver(A, 2, params_of(kind)).solve(A, b, x);
+            CHECK(result.status == SolveStatus::converged);
+            CHECK(result.used == kind);
+            CHECK(result.relative_residual <= 1e-10);
+            CHECK(max_difference(x, expected) < 1e-8);
+        }
+    }
+}
+
+TEST_CASE("the tolerance of GMRES can be changed between solves") {
+    const BlockCsr A = random_spd(400, 2, grid(20, 20), 1e-2);
+    const std::vector<double> b = random_vector(A.size());
+    std::vector<double> x;
+    LinearSolver solver(A, 2, params_of(SolverKind::gmres));
+    const int exact = solver.solve(A, b, x).iterations;
+    solver.set_tolerance(1e-2);
+    const SolveResult loose = solver.solve(A, b, x);
+    CHECK(loose.iterations < exact);
+    CHECK(loose.relative_residual <= 1e-2);
+    CHECK(loose.relative_residual > 1e-10);
+}
+
+TEST_CASE("where GMRES fails Cholesky takes over, and the result says so") {
+    const BlockCsr A = random_spd(400, 2, grid(20, 20), 1e-3);
+    const std::vector<double> b = random_vector(A.size());
+    std::vector<double> x;
+    LinearSolverParams params = params_of(SolverKind::gmres);
+    params.max_iterations = 1;
+    LinearSolver solver(A, 2, params);
+    for (int repeat = 0; repeat < 3; ++repeat) {
+        const SolveResult result = solver.solve(A, b, x);
+        CHECK(result.status == SolveStatus::converged);
+        CHECK(result.used == SolverKind::cholesky);
+        CHECK(result.fell_back);
+        CHECK(result.gmres_status == SolveStatus::max_iterations);
+        CHECK(result.iterations == 1);
+        CHECK(scaled_residual(A, x, b) < 1e-15);
+    }
+}
+
+TEST_CASE("automatic stops trying GMRES after two failures in a row") {
+    const BlockCsr A = random_spd(125, 3, grid_3d(5), 1e-3);
+    const std::vector<double> b = random_vector(A.size());
+    std::vector<double> x;
+    LinearSolverParams params;
+    params.gmres_from_flops = 100;
+    params.max_iterations = 1;
+    LinearSolver solver(A, 3, params);
+    CHECK(solver.solve(A, b, x).fell_back);
+    CHECK(solver.solve(A, b, x).fell_back);
+    const SolveResult third = solver.solve(A, b, x);
+    CHECK_FALSE(third.fell_back);
+    CHECK(third.used == SolverKind::cholesky);
+    CHECK(third.status == SolveStatus::converged);
+}
+
+TEST_CASE("not_positive_definite is a result, with the node, x = 0 and no silent step") {
+    const BlockCsr A = random_spd(100, 2, grid(10, 10)), bad = with_diagonal(A, 42, -1);
+    const std::vector<double> b = random_vector(A.size());
+    std::vector<double> x;
+    LinearSolver solver(A, 2, {});
+    const SolveResult result = solver.solve(bad, b, x);
+    CHECK(result.status == SolveStatus::not_positive_definite);
+    CHECK(result.bad_node == 42);
+    CHECK(result.relative_residual == 1);
+    CHECK(x == std::vector<double>(A.size(), 0.0));
+    CHECK(solver.solve(A, b, x).status == SolveStatus::converged);
+}
+
+TEST_CASE("a singular pivot block in ILU(0) is reported with its node") {
+    BlockCsr A = random_spd(30, 2, path(30));
+    for (int k = A.row[11]; k < A.row[12]; ++k) std::fill_n(A.block(k), 4, 0.0);
+    for (int i : {10, 12}) std::fill_n(A.block(A.find(i, 11)), 4, 0.0);
+    std::vector<double> x;
+    LinearSolverParams params = params_of(SolverKind::gmres);
+    params.memory_limit = 1;  // no way out
+    const SolveResult result = LinearSolver(A, 2, params).solve(A, random_vector(60), x);
+    CHECK(result.status == SolveStatus::zero_pivot);
+    CHECK(result.bad_node == 11);
+    CHECK(result.used == SolverKind::gmres);
+}
+
+TEST_CASE("a factor too large for the memory: refused if asked for, else left to GMRES") {
+    const BlockCsr A = random_spd(400, 2, grid(20, 20));
+    const std::vector<double> b = random_vector(A.size());
+    std::vector<double> x;
+    LinearSolverParams params;
+    params.memory_limit = 1000;
+    const SolveResult automatic = LinearSolver(A, 2, params).solve(A, b, x);
+    CHECK(automatic.status == SolveStatus::converged);
+    CHECK(automatic.used == SolverKind::gmres);
+    params.kind = SolverKind::cholesky;
+    CHECK(LinearSolver(A, 2, params).solve(A, b, x).status == SolveStatus::too_large);
+    params.kind = SolverKind::gmres;
+    params.max_iterations = 1;
+    const SolveResult stuck = LinearSolver(A, 2, params).solve(A, b, x);
+    CHECK(stuck.status == SolveStatus::max_iterations);
+    CHECK_FALSE(stuck.fell_back);
+}
+
+TEST_CASE("numbers that are not finite never come back as a solution") {
+    const BlockCsr A = random_spd(100, 2, grid(10, 10));
+    std::vector<double> b = random_vector(A.size()), x;
+    b[5] = std::numeric_limits<double>::quiet_NaN();
+    for (SolverKind kind : {SolverKind::automatic, SolverKind::gmres, SolverKind::cholesky}) {
+        const SolveResult result = LinearSolver(A, 2, params_of(kind)).solve(A, b, x);
+        CHECK(result.status == SolveStatus::breakdown);
+        CHECK(x == std::vector<double>(A.size(), 0.0));
+    }
+}
+
+TEST_CASE("zero right-hand sides and empty systems") {
+    const BlockCsr A = random_spd(25, 2, grid(5, 5)), empty = matrix_of_cells(0, 2, {}, 2);
+    std::vector<double> x;
+    for (SolverKind kind : {SolverKind::automatic, SolverKind::gmres, SolverKind::cholesky}) {
+        CHECK(LinearSolver(A, 2, params_of(kind)).solve(A, std::vector<double>(50, 0.0), x).status ==
+              SolveStatus::converged);
+        CHECK(x == std::vector<double>(50, 0.0));
+        CHECK(LinearSolver(empty, 2, params_of(kind)).solve(empty, {}, x).status == SolveStatus::converged);
+    }
+}
+
+TEST_CASE("every status and kind has a name") {
+    for (SolveStatus status :
+         {SolveStatus::converged, SolveStatus::max_iterations, SolveStatus::stagnated, SolveStatus::breakdown,
+          SolveStatus::zero_pivot, SolveStatus::not_positive_definite, SolveStatus::too_large})
+        CHECK(std::string(to_string(status)) != "");
+    CHECK(std::string(to_string(SolverKind::automatic)) == "automatic");
+    CHECK(std::string(to_string(SolverKind::gmres)) == "gmres");
+    CHECK(std::string(to_string(SolverKind::cholesky)) == "cholesky");
+}
+
+TEST_CASE("the same bits for any number of threads, both solvers") {
+    const BlockCsr A = random_spd(8000, 3, grid_3d(20), 1e-2);
+    const std::vector<double> b = random_vector(A.size());
+    const int before = max_threads();
+    for (SolverKind kind : {SolverKind::gmres, SolverKind::cholesky}) {
+        std::vector<double> first, x;
+        LinearSolver solver(A, 3, params_of(kind));
+        set_threads(1);
+        CHECK(solver.solve(A, b, first).status == SolveStatus::converged);
+        for (int threads : {2, 3, 5}) {
+            set_threads(threads);
+            solver.solve(A, b, x);
+            CHECK(x == first);
+        }
+    }
+    set_threads(before);
+}

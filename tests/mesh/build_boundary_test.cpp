@@ -1,0 +1,197 @@
+#include "mesh/build_boundary.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+#include "base/small_matrix.hpp"
+#include "mesh/build.hpp"
+#include "support/sample_mesh.hpp"
+
+using namespace almesh;
+using doctest::Approx;
+using doctest::Contains;
+
+namespace {
+
+using Strings = std::vector<std::string>;
+
+// Two triangles on the unit square, 1-2-3 and 1-3-4, elements 5 and 6; the edges 1 to 4 have tag 7.
+RawMesh square() {
+    RawMesh raw;
+    raw.path = "square.msh";
+    raw.nodes = {{1, {0, 0, 0}, 5}, {2, {1, 0, 0}, 6}, {3, {1, 1, 0}, 7}, {4, {0, 1, 0}, 8}};
+    for (int k = 0; k < 4; ++k) append_element(raw, 1, 7, {k, (k + 1) % 4});
+    append_element(raw, 2, 9, {0, 1, 2});
+    append_element(raw, 2, 9, {0, 2, 3});
+    return raw;
+}
+
+void check_refused(const RawMesh& raw, const char* message) {
+    Strings notes;
+    CHECK_THROWS_WITH_AS(build_mesh(raw, notes), Contains(message), InputError);
+}
+
+const double* position(const Mesh& mesh, int node) { return mesh.x.data() + static_cast<std::size_t>(node) * mesh.dim; }
+
+// Volume of the simplex over face f with the given apex: positive where the apex is behind the face.
+double volume_behind(const Mesh& mesh, int f, const double* apex) {
+    const int* v = mesh.face(f);
+    const auto d = [&](int k, int a) { return position(mesh, v[k])[a] - apex[a]; };
+    if (mesh.dim == 2) return determinant(Mat<2>{{{d(0, 0), d(0, 1)}, {d(1, 0), d(1, 1)}}}) / 2;
+    return determinant(
+               Mat<3>{{{d(0, 0), d(0, 1), d(0, 2)}, {d(1, 0), d(1, 1), d(1, 2)}, {d(2, 0), d(2, 1), d(2, 2)}}}) /
+           6;
+}
+
+}  // namespace
+
+TEST_CASE("boundary faces look outward, whatever way the file turns them") {
+    for (int dim : {2, 3})
+        for (int degree = 1; degree <= 5; ++degree) {
+            CAPTURE(dim);
+            CAPTURE(degree);
+            Strings notes;
+            const Mesh mesh = build_mesh(SampleMesh(dim, degree, 2, true).raw, notes);
+            REQUIRE(mesh.face_count() == (dim == 2 ? 8 : 48));
+            const double centre[3] = {0.5, 0.5, 0.5};
+            const std::vector<MultiIndex> order = gmsh_node_order(dim - 1, degree);
+            double sum = 0, bend = 0;
+            for (int f = 0; f < mesh.face_count(); ++f) {
+                CHECK(volume_behind(mesh, f, centre) > 0);
+                sum += volume_behind(mesh, f, centre);
+                const int* element = mesh.element(mesh.face_element[f]);
+                for (int i = 0; i < mesh.face_nodes(); ++i) {
+                    CHECK(std::count(element, element + mesh.element_nodes(), mesh.face(f)[i]) == 1);
+                    for (int a = 0; a < dim; ++a) {
+                        double difference = position(mesh, mesh.face(f)[i])[a];
+                        for (int v = 0; v < dim; ++v)
+                            difference -= order[i][v] * position(mesh, mesh.face(f)[v])[a] / degree;
+                        bend = std::max(bend, std::abs(difference));
+                    }
+                }
+            }
+            CHECK(sum == Approx(1).epsilon(1e-14));  // divergence theorem: the faces close
+            CHECK(bend < 1e-15);
+        }
+}
+
+TEST_CASE("faces keep ids, tags and names") {
+    for (int dim : {2, 3}) {
+        Strings notes;
+        const RawMesh raw = SampleMesh(dim, 2, 2).raw;
+        const Mesh mesh = build_mesh(raw, notes);
+        CHECK(mesh.boundaries == (raw.elements[0].physical == 1 ? Strings{"left", "tag 2"} : Strings{"tag 2", "left"}));
+        for (int f = 0; f < mesh.face_count(); ++f) {
+            const bool left = mesh.boundaries[mesh.face_boundary[f]] == "left";
+            CHECK(mesh.face_id[f] == f + 1);
+            CHECK(mesh.face_physical[f] == (left ? 1 : 2));
+            CHECK(mesh.face_entity[f] == (left ? 21 : 22));
+            for (int i = 0; i < mesh.face_nodes(); ++i)
+                if (left) CHECK(position(mesh, mesh.face(f)[i])[0] == 0);
+        }
+    }
+}
+
+TEST_CASE("two tags of one name are one boundary") {
+    RawMesh raw = square();
+    raw.elements[2].physical = 8;
+    raw.groups = {{1, 7, "wall"}, {1, 8, "wall"}, {2, 7, "not this one"}};
+    Strings notes;
+    const Mesh mesh = build_mesh(raw, notes);
+    CHECK(mesh.boundaries == Strings{"wall"});
+    CHECK(mesh.face_physical == std::vector<int>{7, 7, 8, 7});
+}
+
+TEST_CASE("a boundary without a tag is refused with what to do") {
+    RawMesh raw = square();
+    raw.elements[1].physical = 0;
+    check_refused(
+        raw,
+        "square.msh: an untagged boundary: 1 boundary face without a physical curve, the first has the "
+        "nodes 2, 3 and the centre (1, 0.5); put every boundary curve into a Physical Curve of the .geo file");
+    raw = SampleMesh(3, 1, 1).raw;
+    for (RawElement& element : raw.elements)
+        if (element.dim == 2) element.physical = 0;
+    check_refused(raw, "12 boundary faces without a physical surface");
+}
+
+TEST_CASE("a tagged face of no element is refused") {
+    RawMesh raw = square();
+    append_element(raw, 1, 7, {1, 3});
+    check_refused(raw, "square.msh:1006: element 7 with tag 7 is the face of no triangle");
+    raw = square();
+    raw.nodes.push_back({5, {2, 2, 0}, 9});
+    append_element(raw, 1, 7, {4, 3});  // node 5 belongs to no element
+    check_refused(raw, "element 7 with tag 7 is the face of no triangle");
+}
+
+TEST_CASE("a boundary face has one tag") {
+    RawMesh raw = square();
+    append_element(raw, 1, 8, {1, 0});
+    check_refused(raw, "square.msh:1006: element 7 with tag 8 has the vertices of element 1 (line 1000) with tag 7");
+    raw.elements.back().physical = 7;
+    Strings notes;
+    CHECK(build_mesh(raw, notes).face_id == std::vector<long long>{1, 2, 3, 4});
+    CHECK(notes == Strings{"1 repeated boundary face dropped"});
+
+    raw = square();
+    raw.elements[3].entity = 4;
+    raw.entities = {{1, 4, {7, 8}}};
+    check_refused(raw, "square.msh:1003: element 4 lies on curve 4, which has the tags 7 and 8");
+}
+
+TEST_CASE("tagged faces inside the mesh are dropped") {
+    RawMesh raw = square();
+    append_element(raw, 1, 8, {0, 2});
+    Strings notes;
+    CHECK(build_mesh(raw, notes).face_count() == 4);
+    CHECK(notes == Strings{"1 tagged face inside the mesh dropped"});
+}
+
+TEST_CASE("elements there twice and faces of three elements are refused") {
+    RawMesh raw = square();
+    append_element(raw, 2, 9, {2, 0, 1});
+    check_refused(raw, "square.msh:1006: element 7 has the vertices of element 5 (line 1004)");
+    raw = square();
+    raw.nodes.push_back({5, {0.2, 0.8, 0}, 9});
+    append_element(raw, 2, 9, {0, 2, 4});
+    check_refused(raw,
+                  "element 7 is the third at the face with the nodes 1, 3, after element 5 (line 1004) and element 6");
+}
+
+TEST_CASE("neighbours and their boundary share all nodes of a face") {
+    // Two P2 triangles: the node in the middle of the diagonal, or of the first edge, gets a copy.
+    for (bool boundary : {false, true}) {
+        RawMesh raw = SampleMesh(2, 2, 1).raw;
+        const int copy = static_cast<int>(raw.nodes.size());
+        const RawElement& changed = boundary ? raw.elements.front() : raw.elements.back();
+        const auto begin = raw.element_nodes.begin() + static_cast<std::ptrdiff_t>(changed.first);
+        const auto node = boundary ? begin + 2 : std::find_if(begin, begin + 6, [&](int i) {
+            return raw.nodes[i].x[0] == 0.5 && raw.nodes[i].x[1] == 0.5;
+        });
+        raw.nodes.push_back(raw.nodes[*node]);
+        raw.nodes.back().id = 9999;
+        *node = copy;
+        check_refused(raw,
+                      boundary ? "has the vertices of a face of element" : "share the vertices of a face, but not");
+    }
+}
+
+TEST_CASE("the same mesh for any number of threads") {
+    Strings notes;
+    const RawMesh raw = SampleMesh(3, 1, 6, true).raw;
+    const int before = max_threads();
+    set_threads(1);
+    const Mesh mesh = build_mesh(raw, notes);
+    for (int threads : {2, 3, 5}) {
+        set_threads(threads);
+        const Mesh other = build_mesh(raw, notes);
+        CHECK(other.elements == mesh.elements);
+        CHECK(other.faces == mesh.faces);
+        CHECK(other.face_element == mesh.face_element);
+    }
+    set_threads(before);
+}

@@ -1,0 +1,179 @@
+#include "mesh/build.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/small_matrix.hpp"
+#include "mesh/lagrange.hpp"
+#include "support/sample_mesh.hpp"
+
+using namespace almesh;
+using doctest::Approx;
+using doctest::Contains;
+
+namespace {
+
+Mesh build_quietly(const RawMesh& raw) {
+    std::vector<std::string> notes;
+    Mesh mesh = build_mesh(raw, notes);
+    CHECK(notes.empty());
+    return mesh;
+}
+
+template <int n>
+double volume(const Mesh& mesh, int e) {
+    Mat<n> edges;
+    for (int v = 1; v <= n; ++v)
+        for (int k = 0; k < n; ++k)
+            edges[v - 1][k] = mesh.x[mesh.element(e)[v] * n + k] - mesh.x[mesh.element(e)[0] * n + k];
+    return determinant(edges) / (n == 2 ? 2 : 6);
+}
+
+double volume_of(const Mesh& mesh, int e) { return mesh.dim == 2 ? volume<2>(mesh, e) : volume<3>(mesh, e); }
+
+// Largest distance of a node from its affine position in an element.
+double bend(const Mesh& mesh) {
+    double largest = 0;
+    const std::vector<MultiIndex> order = gmsh_node_order(mesh.dim, mesh.degree);
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int i = 0; i < mesh.element_nodes(); ++i)
+            for (int a = 0; a < mesh.dim; ++a) {
+                double difference = mesh.x[mesh.element(e)[i] * mesh.dim + a];
+                for (int v = 0; v <= mesh.dim; ++v)
+                    difference -= order[i][v] * mesh.x[mesh.element(e)[v] * mesh.dim + a] / mesh.degree;
+                largest = std::max(largest, std::abs(difference));
+            }
+    return largest;
+}
+
+// Two triangles on the unit square, 1-2-3 and 1-3-4, with all four edges tagged; small enough to spoil by hand.
+RawMesh square() {
+    RawMesh raw;
+    raw.path = "square.msh";
+    raw.nodes = {{1, {0, 0, 0}, 5}, {2, {1, 0, 0}, 6}, {3, {1, 1, 0}, 7}, {4, {0, 1, 0}, 8}};
+    for (int k = 0; k < 4; ++k) append_element(raw, 1, 7, {k, (k + 1) % 4});
+    append_element(raw, 2, 9, {0, 1, 2});
+    append_element(raw, 2, 9, {0, 2, 3});
+    return raw;
+}
+
+std::string note_of(const RawMesh& raw) {
+    std::vector<std::string> notes;
+    build_mesh(raw, notes);
+    REQUIRE(notes.size() == 1);
+    return notes[0];
+}
+
+void check_refused(const RawMesh& raw, const char* message) {
+    std::vector<std::string> notes;
+    CHECK_THROWS_WITH_AS(build_mesh(raw, notes), Contains(message), InputError);
+}
+
+}  // namespace
+
+TEST_CASE("meshes of every dimension and degree come out with volume 1, ids and tags") {
+    for (int dim : {2, 3})
+        for (int degree = 1; degree <= (dim == 2 ? 7 : 5); ++degree) {
+            CAPTURE(dim);
+            CAPTURE(degree);
+            const RawMesh raw = SampleMesh(dim, degree, 2).raw;
+            const Mesh mesh = build_quietly(raw);
+            CHECK(mesh.dim == dim);
+            CHECK(mesh.degree == degree);
+            CHECK(mesh.nodes() == std::pow(2 * degree + 1, dim));
+            CHECK(mesh.element_count() == (dim == 2 ? 8 : 48));
+            double sum = 0;
+            for (int e = 0; e < mesh.element_count(); ++e) sum += volume_of(mesh, e);
+            CHECK(sum == Approx(1).epsilon(1e-14));
+            CHECK(bend(mesh) < 1e-15);
+            const std::size_t faces = mesh.face_count();
+            for (int e = 0; e < mesh.element_count(); ++e) {
+                CHECK(mesh.element_id[e] == raw.elements[faces + e].id);
+                CHECK(mesh.element_physical[e] == 9);
+                CHECK(mesh.element_entity[e] == 29);
+            }
+            for (int i = 0; i < mesh.nodes(); ++i) CHECK(mesh.node_id[i] == 10 + 3 * i);
+            CHECK(mesh.groups.size() == 2);
+        }
+}
+
+TEST_CASE("negatively oriented elements are turned with all their nodes") {
+    for (int dim : {2, 3})
+        for (int degree = 1; degree <= 5; ++degree) {
+            CAPTURE(dim);
+            CAPTURE(degree);
+            std::vector<std::string> notes;
+            const Mesh mesh = build_mesh(SampleMesh(dim, degree, 2, true).raw, notes);
+            for (int e = 0; e < mesh.element_count(); ++e) CHECK(volume_of(mesh, e) > 0);
+            CHECK(bend(mesh) < 1e-15);
+            REQUIRE(notes.size() == 1);
+            const std::string first = dim == 2 ? "10" : "50";
+            CHECK(notes[0] == (dim == 2 ? "4" : "24") + std::string(" elements with negative orientation turned, the "
+                                                                    "first is element ") + first);
+        }
+}
+
+TEST_CASE("nodes without an element are dropped") {
+    RawMesh raw = square();
+    raw.nodes.insert(raw.nodes.begin(), {77, {5, 5, 3}, 4});
+    for (int& node : raw.element_nodes) ++node;
+    CHECK(note_of(raw) == "1 node without an element dropped, the first with id 77");
+    std::vector<std::string> notes;
+    const Mesh mesh = build_mesh(raw, notes);
+    CHECK(mesh.node_id == std::vector<long long>{1, 2, 3, 4});
+    CHECK(mesh.x == std::vector<double>{0, 0, 1, 0, 1, 1, 0, 1});
+    CHECK(mesh.elements == std::vector<int>{0, 1, 2, 0, 2, 3});
+}
+
+TEST_CASE("a 2D mesh lies in a plane z = constant") {
+    RawMesh raw = square();
+    for (RawNode& node : raw.nodes) node.x[2] = 0.5;
+    CHECK(note_of(raw) == "the mesh lies in the plane z = 0.5, results are written at z = 0");
+    raw.nodes[2].x[2] = 0.75;
+    check_refused(raw, "square.msh: the triangles form a surface in space, z goes from 0.5 (node 1) to 0.75 (node 3)");
+}
+
+TEST_CASE("stretched elements pass, flat ones do not") {
+    for (double height : {2e-5, 1e-10, 1e-14}) {
+        RawMesh raw = square();
+        for (RawNode& node : raw.nodes) node.x[1] *= height;
+        CHECK(build_quietly(raw).element_count() == 2);
+        RawMesh cube = SampleMesh(3, 1, 1).raw;
+        for (RawNode& node : cube.nodes) node.x[2] *= height;
+        CHECK(build_quietly(cube).element_count() == 6);
+    }
+    RawMesh raw = square();
+    for (RawNode& node : raw.nodes) node.x[1] = node.x[0] / 3 + (node.id == 4) * 0.7;
+    check_refused(raw,
+                  "square.msh:1004: element 5 with the vertices 1, 2, 3 has no volume, the first of 1 such element");
+    raw.nodes[3].x[0] = 0.1;
+    raw.nodes[3].x[1] = 0.1 / 3;
+    check_refused(raw, "has no volume, the first of 2 such elements");
+    RawMesh cube = SampleMesh(3, 2, 1).raw;
+    for (RawNode& node : cube.nodes) node.x[2] = 0.3 * node.x[0] + 0.1 * node.x[1];
+    check_refused(cube, "has no volume, the first of 6 such elements");
+}
+
+TEST_CASE("what makes no mesh of one degree is refused") {
+    RawMesh raw = square();
+    raw.elements.resize(4);
+    check_refused(raw, "square.msh: the mesh has no triangles or tetrahedra");
+    raw = SampleMesh(2, 2, 1).raw;
+    append_element(raw, 1, 1, {0, 1});
+    check_refused(raw, "sample.msh:1006: element 7 has degree 1, element 1 (line 1000) has degree 2");
+}
+
+TEST_CASE("elements of several physical groups keep the first") {
+    RawMesh raw = square();
+    raw.entities = {{1, 4, {7}}, {2, 1, {9, 10}}, {3, 1, {1, 2}}};
+    CHECK(note_of(raw) == "surface 1 is in 2 physical groups, its elements keep the first, tag 9");
+}
+
+TEST_CASE("points, and lines of a mesh of tetrahedra, do not matter") {
+    RawMesh raw = SampleMesh(3, 2, 1).raw;
+    append_element(raw, 0, 1, {0});
+    append_element(raw, 1, 1, {0, 1});
+    CHECK(build_quietly(raw).face_count() == 12);
+}

@@ -1,0 +1,103 @@
+#include "mesh/lagrange.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+using namespace almesh;
+
+namespace {
+
+std::vector<double> node_point(const LagrangeBasis& basis, int i) {
+    std::vector<double> xi;
+    for (int k = 1; k <= basis.dim; ++k) xi.push_back(static_cast<double>(basis.nodes[i][k]) / basis.degree);
+    return xi;
+}
+
+}  // namespace
+
+TEST_CASE("basis functions are one at their node and zero at the others") {
+    for (int dim = 1; dim <= 3; ++dim)
+        for (int degree = 1; degree <= 7; ++degree) {
+            const LagrangeBasis basis(dim, degree);
+            std::vector<double> N(basis.count);
+            for (int i = 0; i < basis.count; ++i) {
+                basis.values(node_point(basis, i).data(), N.data());
+                for (int j = 0; j < basis.count; ++j) CHECK(N[j] == doctest::Approx(i == j).epsilon(1e-12).scale(1));
+            }
+        }
+}
+
+TEST_CASE("basis functions sum to one, their gradients to zero, and gradients have slope 2") {
+    for (int dim = 1; dim <= 3; ++dim)
+        for (int degree = 1; degree <= 6; ++degree) {
+            const LagrangeBasis basis(dim, degree);
+            std::vector<double> N(basis.count), plus(basis.count), minus(basis.count), dN(basis.count * dim);
+            const double xi[3] = {0.21, 0.33, 0.17};
+            basis.values(xi, N.data());
+            basis.gradients(xi, dN.data());
+            CHECK(std::accumulate(N.begin(), N.end(), 0.0) == doctest::Approx(1));
+            for (int k = 0; k < dim; ++k) {
+                double sum = 0, error[2] = {0, 0};
+                for (int i = 0; i < basis.count; ++i) sum += dN[i * dim + k];
+                CHECK(std::abs(sum) < 1e-11);
+                for (int level = 0; level < 2; ++level) {
+                    const double t = 1e-2 / (1 + level);
+                    double up[3] = {xi[0], xi[1], xi[2]}, down[3] = {xi[0], xi[1], xi[2]};
+                    up[k] += t;
+                    down[k] -= t;
+                    basis.values(up, plus.data());
+                    basis.values(down, minus.data());
+                    for (int i = 0; i < basis.count; ++i)
+                        error[level] = std::max(error[level], std::abs((plus[i] - minus[i]) / (2 * t) - dN[i * dim + k]));
+                }
+                if (degree >= 3) CHECK(std::log2(error[0] / error[1]) == doctest::Approx(2).epsilon(0.05));
+                else CHECK(error[0] < 1e-12);  // central differences are exact for quadratics
+            }
+        }
+}
+
+TEST_CASE("node order is Gmsh's") {
+    // From the figures of the Gmsh manual, "Node ordering": triangle10 and tetrahedron10.
+    const std::vector<MultiIndex> triangle = {{3, 0, 0, 0}, {0, 3, 0, 0}, {0, 0, 3, 0}, {2, 1, 0, 0}, {1, 2, 0, 0},
+                                              {0, 2, 1, 0}, {0, 1, 2, 0}, {1, 0, 2, 0}, {2, 0, 1, 0}, {1, 1, 1, 0}};
+    CHECK(gmsh_node_order(2, 3) == triangle);
+    const std::vector<MultiIndex> tetrahedron = {{2, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 2, 0}, {0, 0, 0, 2}, {1, 1, 0, 0},
+                                                 {0, 1, 1, 0}, {1, 0, 1, 0}, {1, 0, 0, 1}, {0, 0, 1, 1}, {0, 1, 0, 1}};
+    CHECK(gmsh_node_order(3, 2) == tetrahedron);
+}
+
+TEST_CASE("every lattice point stands exactly once in the order") {
+    for (int dim = 1; dim <= 3; ++dim)
+        for (int degree = 1; degree <= 7; ++degree) {
+            auto nodes = gmsh_node_order(dim, degree);
+            CHECK(static_cast<int>(nodes.size()) == simplex_node_count(dim, degree));
+            for (const MultiIndex& a : nodes) CHECK(std::accumulate(a.begin(), a.end(), 0) == degree);
+            std::sort(nodes.begin(), nodes.end());
+            CHECK(std::adjacent_find(nodes.begin(), nodes.end()) == nodes.end());
+        }
+}
+
+TEST_CASE("face nodes are the nodes with a zero barycentric entry") {
+    for (int dim = 2; dim <= 3; ++dim)
+        for (int degree = 1; degree <= 5; ++degree) {
+            const LagrangeBasis basis(dim, degree);
+            for (int opposite = 0; opposite <= dim; ++opposite) {
+                const std::vector<int> face = basis.face_nodes(opposite);
+                CHECK(static_cast<int>(face.size()) == simplex_node_count(dim - 1, degree));
+                for (int i : face) CHECK(basis.nodes[i][opposite] == 0);
+            }
+        }
+}
+
+TEST_CASE("swapping two vertices maps each node to its mirror image") {
+    const LagrangeBasis basis(3, 4);
+    for (int i = 0; i < basis.count; ++i) {
+        const int j = basis.permuted_node(i, {1, 0, 2, 3});
+        CHECK(basis.nodes[j][0] == basis.nodes[i][1]);
+        CHECK(basis.nodes[j][2] == basis.nodes[i][2]);
+        CHECK(basis.permuted_node(j, {1, 0, 2, 3}) == i);
+    }
+}

@@ -1,0 +1,126 @@
+#include "support/meshes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "mesh/lagrange.hpp"
+
+namespace almesh::test {
+
+Mesh linear_mesh(int dim, std::vector<double> x, std::vector<int> elements, const BoundaryName& name) {
+    Mesh mesh;
+    mesh.dim = dim;
+    mesh.degree = 1;
+    mesh.x = std::move(x);
+    mesh.elements = std::move(elements);
+    std::map<std::set<int>, std::vector<std::pair<int, int>>> uses;  // face vertices -> (element, opposite vertex)
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int v = 0; v <= dim; ++v) {
+            std::set<int> face(mesh.element(e), mesh.element(e) + dim + 1);
+            face.erase(mesh.element(e)[v]);
+            uses[face].push_back({e, v});
+        }
+    for (const auto& [vertices, use] : uses) {
+        if (use.size() != 1) continue;
+        const auto [e, v] = use[0];
+        const std::array<int, 3> local = outward_face(dim, v);
+        std::vector<double> centre(dim, 0.0);
+        for (int k = 0; k < dim; ++k) {
+            const int node = mesh.element(e)[local[k]];
+            mesh.faces.push_back(node);
+            for (int a = 0; a < dim; ++a) centre[a] += mesh.x[node * dim + a] / dim;
+        }
+        mesh.face_element.push_back(e);
+        const std::string boundary = name(centre.data());
+        if (mesh.boundary_index(boundary) < 0) {
+            mesh.boundaries.push_back(boundary);
+            mesh.groups.push_back({dim - 1, static_cast<int>(mesh.boundaries.size()), boundary});
+        }
+        mesh.face_boundary.push_back(mesh.boundary_index(boundary));
+        mesh.face_physical.push_back(mesh.face_boundary.back() + 1);
+        mesh.face_entity.push_back(mesh.face_boundary.back() + 1);
+        mesh.face_id.push_back(static_cast<long long>(mesh.face_id.size()) + 1);
+    }
+    for (int i = 0; i < mesh.nodes(); ++i) mesh.node_id.push_back(i + 1);
+    for (int e = 0; e < mesh.element_count(); ++e) mesh.element_id.push_back(static_cast<long long>(mesh.face_id.size()) + e + 1);
+    mesh.element_physical.assign(mesh.element_count(), 100);
+    mesh.element_entity.assign(mesh.element_count(), 1);
+    mesh.groups.push_back({dim, 100, "domain"});
+    return mesh;
+}
+
+Mesh square_mesh(int k) {
+    std::vector<double> x;
+    for (int j = 0; j <= k; ++j)
+        for (int i = 0; i <= k; ++i) x.insert(x.end(), {static_cast<double>(i) / k, static_cast<double>(j) / k});
+    std::vector<int> elements;
+    for (int j = 0; j < k; ++j)
+        for (int i = 0; i < k; ++i) {
+            const int a = j * (k + 1) + i, b = a + 1, c = a + k + 2, d = a + k + 1;
+            elements.insert(elements.end(), {a, b, c, a, c, d});
+        }
+    return linear_mesh(2, x, elements, [](const double* p) -> std::string {
+        return p[0] == 0 ? "left" : p[0] == 1 ? "right" : p[1] == 0 ? "bottom" : "top";
+    });
+}
+
+Mesh cube_mesh(int k) {
+    std::vector<double> x;
+    for (int l = 0; l <= k; ++l)
+        for (int j = 0; j <= k; ++j)
+            for (int i = 0; i <= k; ++i)
+                x.insert(x.end(), {static_cast<double>(i) / k, static_cast<double>(j) / k, static_cast<double>(l) / k});
+    // Kuhn's six tetrahedra: the paths from corner 0 to corner 7 along the axes.
+    constexpr int paths[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}};
+    const int step[3] = {1, k + 1, (k + 1) * (k + 1)};
+    std::vector<int> elements;
+    for (int l = 0; l < k; ++l)
+        for (int j = 0; j < k; ++j)
+            for (int i = 0; i < k; ++i)
+                for (int path = 0; path < 6; ++path) {
+                    int node = l * step[2] + j * step[1] + i;
+                    std::array<int, 4> t = {node, 0, 0, 0};
+                    for (int s = 0; s < 3; ++s) t[s + 1] = node += step[paths[path][s]];
+                    if (path >= 3) std::swap(t[2], t[3]);  // odd paths are negatively oriented
+                    elements.insert(elements.end(), t.begin(), t.end());
+                }
+    return linear_mesh(3, x, elements, [](const double* p) -> std::string {
+        return p[2] == 0 ? "bottom" : p[2] == 1 ? "top" : "sides";
+    });
+}
+
+Mesh ring_mesh(int around, int layers, double outer) {
+    std::vector<double> x;
+    for (int l = 0; l <= layers; ++l)
+        for (int i = 0; i < around; ++i) {
+            const double r = std::pow(outer, static_cast<double>(l) / layers), angle = 2 * std::numbers::pi * i / around;
+            x.insert(x.end(), {r * std::cos(angle), r * std::sin(angle)});
+        }
+    std::vector<int> elements;
+    for (int l = 0; l < layers; ++l)
+        for (int i = 0; i < around; ++i) {
+            const int a = l * around + i, b = l * around + (i + 1) % around, c = b + around, d = a + around;
+            elements.insert(elements.end(), {a, d, c, a, c, b});
+        }
+    const double middle = 0.5 * (1 + outer);
+    return linear_mesh(2, x, elements, [middle](const double* p) -> std::string {
+        return std::hypot(p[0], p[1]) < middle ? "inner" : "outer";
+    });
+}
+
+std::vector<double> wavy(const std::vector<double>& x, int dim, double amplitude) {
+    std::vector<double> y = x;
+    for (std::size_t i = 0; i < x.size(); i += dim)
+        for (int a = 0; a < dim; ++a) {
+            double phase = a;
+            for (int b = 0; b < dim; ++b) phase += (2 + a + 2 * b) * x[i + b];
+            y[i + a] += amplitude * std::sin(phase);
+        }
+    return y;
+}
+
+}  // namespace almesh::test

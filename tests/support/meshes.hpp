@@ -1,0 +1,29 @@
+// Meshes built in code for the tests.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mesh/mesh.hpp"
+
+namespace almesh::test {
+
+// Names the boundary that a face belongs to from the face's centre.
+using BoundaryName = std::function<std::string(const double* centre)>;
+
+// A linear mesh with its boundary faces found and named; ids count from 1.
+Mesh linear_mesh(int dim, std::vector<double> x, std::vector<int> elements, const BoundaryName& name);
+
+// Unit square, k x k cells of two triangles; boundaries left, right, bottom, top.
+Mesh square_mesh(int k);
+
+// Unit cube, k x k x k cells of six tetrahedra; boundaries bottom, top, sides.
+Mesh cube_mesh(int k);
+
+// Ring 1 <= r <= outer with `around` cells around and `layers` layers of geometric growth; boundaries inner, outer.
+Mesh ring_mesh(int around, int layers, double outer);
+
+// Positions moved by a smooth map that keeps the elements valid: x + amplitude sin(...) in each component.
+std::vector<double> wavy(const std::vector<double>& x, int dim, double amplitude);
+
+}  // namespace almesh::test
