@@ -69,6 +69,7 @@ Problem make_problem(const Deck& deck) {
     problem.target = make_target(mesh, motions_of(deck, mesh));
     const TargetReport report = check_target(mesh, problem.target.node);
     refuse_invalid_target(report);
+    problem.target_crosses = !report.notes.empty();
     problem.notes.insert(problem.notes.end(), report.notes.begin(), report.notes.end());
 
     problem.ideal = straight_sided(mesh);

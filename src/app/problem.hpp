@@ -15,6 +15,7 @@ struct Problem {
     BoundaryTarget target;      // in units of `length`
     double length = 1;          // of the mesh file, by which positions were divided
     std::string mesh_hash;      // FNV-1a of the file, to tell which mesh a result came from
+    bool target_crosses = false;  // closed parts of the target boundary cross each other: no valid mesh reaches it
     std::vector<std::string> notes;
 };
 

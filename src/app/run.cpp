@@ -44,7 +44,7 @@ const char* advice(AlStatus status) {
     switch (status) {
         case AlStatus::converged: return "converged";
         case AlStatus::infeasible:
-            return "infeasible: the constraint does not fall although the penalty grows; no valid mesh seems to reach the target";
+            return "infeasible: no valid mesh seems to reach the target; the last valid one is written";
         case AlStatus::max_iterations: return "not converged: max_al_iterations reached";
         case AlStatus::max_newton_iterations: return "not converged: max_newton_iterations reached in a subproblem";
         case AlStatus::line_search_failed: return "not converged: no step length decreases the energy";
@@ -127,6 +127,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     terminal.header();
     Newton newton(problem.mesh, solver_of(deck));
     solution.al = minimise(distortion, constraint, newton, deck.objective, algorithm_of(deck), solution.x, solution.time, observer);
+    if (solution.al.status != AlStatus::converged && problem.target_crosses) solution.al.status = AlStatus::infeasible;
 
     // 4. What was reached: certificate, statistics, files.
     solution.certificate = certify(problem.mesh, solution.x, {.max_bisections = deck.certificate_bisections});

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -65,30 +64,6 @@ double largest_side(const Box& box) {
     return std::max({box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2]});
 }
 
-// Faces that are degenerate or folded; returns a flag per face.
-std::vector<char> check_faces(const Mesh& mesh, const Surface& target, TargetReport& report) {
-    const PatchNormal form(mesh.dim, mesh.degree);
-    std::vector<char> bad(mesh.face_count(), 0);
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        const std::array<std::vector<double>, 3> n = form.coefficients(target.patches[f]);
-        Point mean;  // the mean of a polynomial is that of its Bezier coefficients
-        for (int c = 0; c < 3; ++c) mean[c] = std::accumulate(n[c].begin(), n[c].end(), 0.0) / form.basis().count;
-        const double size = largest_side(box_of(target.patches[f])), squared = dot(mean, mean);
-        if (!(std::sqrt(squared) > degenerate * std::pow(size, mesh.dim - 1))) {
-            report.faults.push_back({f, face_name(mesh, f) + ": the target collapses the face to nothing"});
-            bad[f] = 1;
-            continue;
-        }
-        std::vector<double> along(form.basis().count);
-        for (int a = 0; a < form.basis().count; ++a)
-            along[a] = (n[0][a] * mean[0] + n[1][a] * mean[1] + n[2][a] * mean[2]) / squared;
-        if (polynomial_minimum(form.basis(), along.data(), 0.01, 500).upper > smallest_normal) continue;
-        report.faults.push_back({f, face_name(mesh, f) + ": the target folds the face back on itself"});
-        bad[f] = 1;
-    }
-    return bad;
-}
-
 // Closed part of the boundary that each face belongs to: faces are joined by shared vertices.
 std::vector<int> closed_parts(const Mesh& mesh) {
     std::vector<int> parent(mesh.nodes());
@@ -129,34 +104,70 @@ std::vector<ClosedPart> describe(const Mesh& mesh, const std::vector<int>& part)
     return parts;
 }
 
+// What the checks below share.
+struct Check {
+    const Mesh& mesh;
+    PatchBasis basis;
+    Surface initial, target;
+    std::vector<int> part;          // per face
+    std::vector<ClosedPart> parts;
+    std::vector<char> bad;          // per face: folded or degenerate, passed over by the later checks
+    TargetReport report;
+
+    void add_fault(int f, const std::string& what) { report.faults.push_back({f, face_name(mesh, f) + ": " + what}); }
+    long long id_of_node(int i) const { return mesh.node_id.empty() ? i : mesh.node_id[i]; }
+};
+
+void check_faces(Check& check) {
+    const PatchNormal form(check.mesh.dim, check.mesh.degree);
+    const int count = form.basis().count;
+    std::vector<double> along(count);
+    for (int f = 0; f < check.mesh.face_count(); ++f) {
+        const Patch& patch = check.target.patches[f];
+        const std::array<std::vector<double>, 3> n = form.coefficients(patch);
+        Point mean;  // the mean of a polynomial is that of its Bezier coefficients
+        for (int c = 0; c < 3; ++c) mean[c] = std::accumulate(n[c].begin(), n[c].end(), 0.0) / count;
+        const double squared = dot(mean, mean);
+        check.bad[f] = 1;
+        if (!(std::sqrt(squared) > degenerate * std::pow(largest_side(box_of(patch)), check.mesh.dim - 1))) {
+            check.add_fault(f, "the target collapses the face to nothing");
+            continue;
+        }
+        for (int a = 0; a < count; ++a) along[a] = dot({n[0][a], n[1][a], n[2][a]}, mean) / squared;
+        check.bad[f] = polynomial_minimum(form.basis(), along.data(), 0.01, 500).upper <= smallest_normal;
+        if (check.bad[f]) check.add_fault(f, "the target folds the face back on itself");
+    }
+}
+
 // Area or volume enclosed by each closed part, positive where the domain is inside it. Relative to the part's first
 // node, so that small parts far from the origin keep their digits.
-std::vector<double> enclosed(const Mesh& mesh, const Surface& surface, const std::vector<int>& part,
-                             const std::vector<ClosedPart>& parts) {
-    const PatchNormal form(mesh.dim, mesh.degree);
-    std::vector<double> sum(parts.size(), 0.0);
-    for (int f = 0; f < mesh.face_count(); ++f)
-        sum[part[f]] += form.cone(surface.patches[f], surface.patches[parts[part[f]].first_face].point(0));
+std::vector<double> enclosed(const Check& check, const Surface& surface) {
+    const PatchNormal form(check.mesh.dim, check.mesh.degree);
+    std::vector<double> sum(check.parts.size(), 0.0);
+    for (int f = 0; f < check.mesh.face_count(); ++f) {
+        const ClosedPart& part = check.parts[check.part[f]];
+        sum[check.part[f]] += form.cone(surface.patches[f], surface.patches[part.first_face].point(0));
+    }
     return sum;
 }
 
-void check_closed_parts(const Mesh& mesh, const Surface& initial, const Surface& target, const std::vector<int>& part,
-                        const std::vector<ClosedPart>& parts, TargetReport& report) {
-    const std::vector<double> before = enclosed(mesh, initial, part, parts), after = enclosed(mesh, target, part, parts);
-    std::vector<double> size(parts.size(), 0.0);
+void check_closed_parts(Check& check) {
+    const Mesh& mesh = check.mesh;
+    const std::vector<double> before = enclosed(check, check.initial), after = enclosed(check, check.target);
+    std::vector<double> size(check.parts.size(), 0.0);
     for (int f = 0; f < mesh.face_count(); ++f) {
-        const Point d = target.patches[f].point(0) - target.patches[parts[part[f]].first_face].point(0);
-        size[part[f]] = std::max(size[part[f]], std::sqrt(dot(d, d)));
+        const int k = check.part[f];
+        const Point d = check.target.patches[f].point(0) - check.target.patches[check.parts[k].first_face].point(0);
+        size[k] = std::max(size[k], std::sqrt(dot(d, d)));
     }
-    for (std::size_t k = 0; k < parts.size(); ++k) {
+    for (std::size_t k = 0; k < check.parts.size(); ++k) {
         const bool flat = std::abs(after[k]) <= degenerate * std::pow(size[k], mesh.dim);
         if (!flat && (before[k] > 0) == (after[k] > 0)) continue;
-        std::ostringstream why;
-        why << face_name(mesh, parts[k].first_face) << ": the target "
-            << (flat ? "flattens" : "mirrors or turns inside out") << " the closed boundary made of "
-            << parts[k].boundaries << (mesh.dim == 2 ? " (signed area " : " (signed volume ") << before[k] << " becomes "
-            << after[k] << ')';
-        report.faults.push_back({parts[k].first_face, why.str()});
+        std::ostringstream what;
+        what << "the target " << (flat ? "flattens" : "mirrors or turns inside out") << " the closed boundary made of "
+             << check.parts[k].boundaries << " (signed " << (mesh.dim == 2 ? "area " : "volume ") << before[k]
+             << " becomes " << after[k] << ')';
+        check.add_fault(check.parts[k].first_face, what.str());
     }
 }
 
@@ -193,114 +204,121 @@ bool folded_flat(const Bernstein& basis, const Patch& f, const Patch& g,
         return std::any_of(shared.begin(), shared.end(), [&](const std::array<int, 2>& corner) {
             return closed(leaving_corner(basis, f, corner[0]), leaving_corner(basis, g, corner[1]));
         });
-    return closed(leaving_edge(basis, f, shared[0][0], shared[1][0]), leaving_edge(basis, g, shared[0][1], shared[1][1]));
+    return closed(leaving_edge(basis, f, shared[0][0], shared[1][0]),
+                  leaving_edge(basis, g, shared[0][1], shared[1][1]));
 }
 
-// Neighbours folded onto each other, faces of one closed part that cross; a note for each two parts that do.
-void check_pairs(const Mesh& mesh, const PatchBasis& basis, const Surface& initial, const Surface& target,
-                 const std::vector<char>& bad, const std::vector<int>& part, const std::vector<ClosedPart>& parts,
-                 TargetReport& report) {
+// Faces f and g whose boxes overlap. Neighbours are tested for being folded onto each other; in 3D they meet along a
+// curve, where no test for crossing can be strict. Two closed parts that cross give one note.
+void check_pair(Check& check, int f, int g, std::set<std::pair<int, int>>& noted) {
+    const Bernstein& basis = check.basis.bernstein;
+    const std::vector<Patch>&before = check.initial.patches, &after = check.target.patches;
+    const std::vector<std::array<int, 2>> shared = shared_corners(check.mesh, f, g);
+    const bool neighbours = static_cast<int>(shared.size()) >= check.mesh.dim - 1;
+    if (neighbours && folded_flat(basis, after[f], after[g], shared) &&
+        !folded_flat(basis, before[f], before[g], shared))
+        return check.add_fault(f, "the target folds it flat onto " + face_name(check.mesh, g));
+    if (neighbours && check.mesh.dim == 3) return;
+    const std::pair<int, int> two_parts = std::minmax(check.part[f], check.part[g]);
+    if (noted.contains(two_parts) || patch_contact(basis, after[f], after[g]) != Contact::crossing) return;
+    if (check.part[f] == check.part[g]) {
+        if (patch_contact(basis, before[f], before[g]) != Contact::crossing)
+            check.add_fault(f, "in the target it crosses " + face_name(check.mesh, g));
+        return;
+    }
+    noted.insert(two_parts);
+    check.report.notes.push_back("in the target, the closed boundary made of " + check.parts[check.part[f]].boundaries +
+                                 " crosses the one made of " + check.parts[check.part[g]].boundaries + ": " +
+                                 face_name(check.mesh, f) + " and " + face_name(check.mesh, g));
+}
+
+void check_pairs(Check& check) {
     std::vector<Box> boxes;
-    for (const Patch& patch : target.patches) boxes.push_back(box_of(patch));
+    for (const Patch& patch : check.target.patches) boxes.push_back(box_of(patch));
     const BoxTree tree(boxes);
     std::set<std::pair<int, int>> noted;
-    const auto check = [&](int f, int g) {
-        const Patch &patch_f = target.patches[f], &patch_g = target.patches[g];
-        const std::vector<std::array<int, 2>> shared = shared_corners(mesh, f, g);
-        const bool neighbours = static_cast<int>(shared.size()) >= mesh.dim - 1;
-        if (neighbours && folded_flat(basis.bernstein, patch_f, patch_g, shared) &&
-            !folded_flat(basis.bernstein, initial.patches[f], initial.patches[g], shared)) {
-            report.faults.push_back({f, face_name(mesh, f) + ": the target folds it flat onto " + face_name(mesh, g)});
-            return;
-        }
-        if (neighbours && mesh.dim == 3) return;  // they meet along a curve: no test for crossing can be strict there
-        const std::pair<int, int> two_parts = std::minmax(part[f], part[g]);
-        if (part[f] != part[g] && noted.contains(two_parts)) return;
-        if (patch_contact(basis.bernstein, patch_f, patch_g) != Contact::crossing) return;
-        if (part[f] == part[g]) {
-            if (patch_contact(basis.bernstein, initial.patches[f], initial.patches[g]) != Contact::crossing)
-                report.faults.push_back({f, face_name(mesh, f) + ": in the target it crosses " + face_name(mesh, g)});
-            return;
-        }
-        noted.insert(two_parts);
-        report.notes.push_back("in the target, the closed boundary made of " + parts[part[f]].boundaries +
-                               " crosses the one made of " + parts[part[g]].boundaries + ": " + face_name(mesh, f) +
-                               " and " + face_name(mesh, g));
-    };
-    for (int f = 0; f < mesh.face_count(); ++f) {
+    for (int f = 0; f < check.mesh.face_count(); ++f) {
+        if (check.bad[f]) continue;
         std::vector<int> later;
         tree.visit_overlapping(boxes[f], [&](int g) {
-            if (g > f && !bad[f] && !bad[g]) later.push_back(g);
+            if (g > f && !check.bad[g]) later.push_back(g);
         });
         std::sort(later.begin(), later.end());
-        for (int g : later) check(f, g);
+        for (int g : later) check_pair(check, f, g, noted);
     }
 }
 
-// Distinct nodes of one closed part that the target puts in one place.
-void check_nodes(const Mesh& mesh, const Surface& initial, const Surface& target, const std::vector<char>& bad,
-                 const std::vector<int>& part, TargetReport& report) {
-    struct BoundaryNode {
-        int node, face;
-        double size;  // of its smallest face in the target
-    };
+struct BoundaryNode {
+    int node, face;
+    double size;  // of the smallest face in the target that holds it
+};
+
+std::vector<BoundaryNode> boundary_nodes(const Check& check) {
     std::vector<BoundaryNode> nodes;
-    std::vector<int> place(mesh.nodes(), -1);
-    for (int f = 0; f < mesh.face_count(); ++f)
-        for (int i = 0; i < mesh.face_nodes(); ++i) {
-            int& at = place[mesh.face(f)[i]];
-            const double size = largest_side(box_of(target.patches[f]));
+    std::vector<int> place(check.mesh.nodes(), -1);
+    for (int f = 0; f < check.mesh.face_count(); ++f) {
+        const double size = largest_side(box_of(check.target.patches[f]));
+        for (int i = 0; i < check.mesh.face_nodes(); ++i) {
+            int& at = place[check.mesh.face(f)[i]];
             if (at < 0) {
                 at = static_cast<int>(nodes.size());
-                nodes.push_back({mesh.face(f)[i], f, size});
+                nodes.push_back({check.mesh.face(f)[i], f, size});
             }
             nodes[at].size = std::min(nodes[at].size, size);
         }
-    std::vector<Box> boxes;
-    for (const BoundaryNode& b : nodes) boxes.push_back(box_of_points(&target.x[static_cast<std::size_t>(b.node) * mesh.dim], 1, mesh.dim));
+    }
+    return nodes;
+}
+
+// Distinct nodes of one closed part that the target puts in one place.
+void check_nodes(Check& check) {
+    const std::vector<BoundaryNode> nodes = boundary_nodes(check);
+    std::vector<Box> boxes, before;
+    for (const BoundaryNode& b : nodes) {
+        const std::size_t at = static_cast<std::size_t>(b.node) * check.mesh.dim;
+        boxes.push_back(box_of_points(&check.target.x[at], 1, check.mesh.dim));
+        before.push_back(box_of_points(&check.initial.x[at], 1, check.mesh.dim));
+    }
     const BoxTree tree(boxes);
-    const auto apart = [&](const std::vector<double>& x, int a, int b) {
-        double squared = 0;
-        for (int c = 0; c < mesh.dim; ++c) {
-            const double d = x[static_cast<std::size_t>(a) * mesh.dim + c] - x[static_cast<std::size_t>(b) * mesh.dim + c];
-            squared += d * d;
-        }
-        return std::sqrt(squared);
+    const auto distance = [](const std::vector<Box>& points, int k, int l) {
+        return std::sqrt(squared_distance(points[k], points[l].low.data(), 3));
     };
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
+    for (int k = 0; k < static_cast<int>(nodes.size()); ++k) {
         const BoundaryNode& a = nodes[k];
-        Box around = boxes[k];
         const double tolerance = same_place * a.size;
-        for (int c = 0; c < mesh.dim; ++c) {
+        Box around = boxes[k];
+        for (int c = 0; c < check.mesh.dim; ++c) {
             around.low[c] -= tolerance;
             around.high[c] += tolerance;
         }
         tree.visit_overlapping(around, [&](int l) {
             const BoundaryNode& b = nodes[l];
-            if (l <= static_cast<int>(k) || part[a.face] != part[b.face] || (bad[a.face] && bad[b.face])) return;
-            if (apart(target.x, a.node, b.node) > tolerance || apart(initial.x, a.node, b.node) <= tolerance) return;
-            report.faults.push_back({b.face, face_name(mesh, b.face) + ": the target puts its node " +
-                                                 std::to_string(mesh.node_id.empty() ? b.node : mesh.node_id[b.node]) +
-                                                 " where node " +
-                                                 std::to_string(mesh.node_id.empty() ? a.node : mesh.node_id[a.node]) + " is"});
+            if (l <= k || check.part[a.face] != check.part[b.face] || (check.bad[a.face] && check.bad[b.face])) return;
+            if (distance(boxes, k, l) > tolerance || distance(before, k, l) <= tolerance) return;
+            check.add_fault(b.face, "the target puts its node " + std::to_string(check.id_of_node(b.node)) +
+                                        " where node " + std::to_string(check.id_of_node(a.node)) + " is");
         });
     }
 }
 
 }  // namespace
 
-TargetReport check_target(const Mesh& mesh, const std::vector<double>& target_nodes) {
+TargetReport check_target(const Mesh& mesh, const std::vector<double>& target) {
     const PatchBasis basis(mesh.dim - 1, mesh.degree);
-    const Surface initial = make_surface(mesh, basis, mesh.x);
-    const Surface target = make_surface(mesh, basis, node_targets(mesh, target_nodes));
-    TargetReport report;
-    const std::vector<char> bad = check_faces(mesh, target, report);
     const std::vector<int> part = closed_parts(mesh);
-    const std::vector<ClosedPart> parts = describe(mesh, part);
-    check_closed_parts(mesh, initial, target, part, parts, report);
-    check_pairs(mesh, basis, initial, target, bad, part, parts, report);
-    check_nodes(mesh, initial, target, bad, part, report);
-    return report;
+    Check check{mesh,
+                basis,
+                make_surface(mesh, basis, mesh.x),
+                make_surface(mesh, basis, node_targets(mesh, target)),
+                part,
+                describe(mesh, part),
+                std::vector<char>(mesh.face_count(), 0),
+                {}};
+    check_faces(check);
+    check_closed_parts(check);
+    check_pairs(check);
+    check_nodes(check);
+    return check.report;
 }
 
 }  // namespace almesh

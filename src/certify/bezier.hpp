@@ -31,8 +31,8 @@ private:
     std::vector<std::vector<int>> rows_;
 };
 
-// For each index a of degree `degree`, the places of a + e_0, .., a + e_dim among those of degree + 1: what a polynomial
-// of that degree is averaged from (de Casteljau) or is the derivative of. Size simplex_node_count x (dim + 1).
+// For each index a of degree `degree`, the places of a + e_0, .., a + e_dim among those of degree + 1: the coefficients
+// that de Casteljau's step averages, and whose differences are the derivatives. simplex_node_count x (dim + 1).
 std::vector<int> raised_places(int dim, int degree);
 
 // count x count matrix M: the coefficients of the polynomial with nodal values v are c = M v. Each Lagrange function

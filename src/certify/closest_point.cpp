@@ -97,16 +97,22 @@ bool FaceProjector::feasible_step(const Model& model, const Barycentric& l, Bary
         step = {-d0 - d1, d0, d1};
         if (!leaves(0) && !leaves(1) && !leaves(2)) return d0 != 0 || d1 != 0;
     }
-    for (int k = 0; k < 3; ++k) {  // along the sides that l lies on
+    Barycentric best{};
+    double gained = 0;
+    for (int k = 0; k < 3; ++k) {  // along the sides that l lies on; all where the face is degenerate
         if (l[k] != 0 && det > 0) continue;
         const int i = (k + 1) % 3, j = (k + 2) % 3;
         const double d = step_along(model.g, model.H, (j == 1) - (i == 1), (j == 2) - (i == 2));
         step = {};
         step[i] = -d;
         step[j] = d;
-        if (d != 0 && !leaves(i) && !leaves(j)) return true;
+        const double gain = -(model.g[0] * step[1] + model.g[1] * step[2]);
+        if (gain <= gained || leaves(i) || leaves(j)) continue;
+        best = step;
+        gained = gain;
     }
-    return false;
+    step = best;
+    return gained > 0;
 }
 
 double FaceProjector::squared_distance(const Point* control, const Point& x, Barycentric l,

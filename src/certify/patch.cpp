@@ -13,9 +13,11 @@ Patch make_patch(const PatchBasis& basis, const double* nodes, int dim) {
     Patch patch;
     for (std::vector<double>& component : patch.c) component.assign(count, 0.0);
     for (int b = 0; b < count; ++b)
-        for (int a = 0; a < dim; ++a)
-            for (int i = 0; i < count; ++i)  // relative to node 0: stretched faces may lie far from the origin
-                patch.c[a][b] += basis.to_bezier[static_cast<std::size_t>(b) * count + i] * (nodes[i * dim + a] - nodes[a]);
+        for (int i = 0; i < count; ++i) {
+            const double weight = basis.to_bezier[static_cast<std::size_t>(b) * count + i];
+            for (int a = 0; a < dim; ++a)  // relative to node 0: stretched faces may lie far from the origin
+                patch.c[a][b] += weight * (nodes[i * dim + a] - nodes[a]);
+        }
     for (int b = 0; b < count; ++b)
         for (int a = 0; a < dim; ++a)
             patch.c[a][b] = b <= basis.bernstein.dim ? nodes[b * dim + a] : patch.c[a][b] + nodes[a];

@@ -1,5 +1,5 @@
-// One face of a mesh as a polynomial patch in Bezier form: a curve (m = 1 parameter) in the plane, a triangle (m = 2) in
-// space. The patch lies in the convex hull of its Bezier points and has its corners among them.
+// One face of a mesh as a polynomial patch in Bezier form: a curve (m = 1 parameter) in the plane, a triangle (m = 2)
+// in space. The patch lies in the convex hull of its Bezier points and has its corners among them.
 #pragma once
 #include <array>
 #include <utility>

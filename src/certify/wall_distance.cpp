@@ -118,8 +118,9 @@ std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x
         for (int i = block * block_nodes; i < std::min(count, (block + 1) * block_nodes); ++i) {
             if (on_wall[i]) continue;
             const double* const point = &x[static_cast<std::size_t>(i) * mesh.dim];
-            distance[i] = std::sqrt(tree.nearest_squared(point, mesh.dim, std::numeric_limits<double>::max(),
-                                                         [&](int k) { return squared_distance(wall, wall.pieces[k], point, work); }));
+            const auto to_piece = [&](int k) { return squared_distance(wall, wall.pieces[k], point, work); };
+            const double far = std::numeric_limits<double>::max();
+            distance[i] = std::sqrt(tree.nearest_squared(point, mesh.dim, far, to_piece));
         }
     });
     return distance;

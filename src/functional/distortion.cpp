@@ -143,7 +143,8 @@ SingularValues<3> singular_values(const Mat<3>& F) {
 
 template <int n>
 Tensor4<n> density_hessian(const Mat<n>& F, double delta, Objective objective, bool projected) {
-    const auto [U, V, s] = singular_values(F);
+    const SingularValues<n> svd = singular_values(F);
+    const Vec<n>& s = svd.s;
     double S = 0, D = 1;
     for (double v : s) {
         S += v * v;
@@ -175,7 +176,7 @@ Tensor4<n> density_hessian(const Mat<n>& F, double delta, Objective objective, b
     if (projected) drop_negative_eigenvalues<n>(scaling);
 
     // Modes as vectors of n*n entries: mode[i][j] = u_i v_j^T.
-    const auto mode = [&U = U, &V = V](int i, int j, int entry) { return U[entry / n][i] * V[entry % n][j]; };
+    const auto mode = [&svd](int i, int j, int entry) { return svd.U[entry / n][i] * svd.V[entry % n][j]; };
     Tensor4<n> A{};
     for (int i = 0; i < n; ++i) {
         std::array<double, n * n> image{};  // scaling applied to the mode u_i v_i^T

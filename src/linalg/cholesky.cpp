@@ -14,7 +14,7 @@ namespace almesh {
 
 namespace {
 
-constexpr double parallel_front = 3e6;  // operations from which a front is worth a team of threads
+constexpr double parallel_front = 2e7;  // operations from which a front is worth a team of threads
 
 int thread_number() {
 #ifdef _OPENMP
@@ -56,14 +56,18 @@ struct ExtendAdd {
         const int ld = update_ld(child.m, child.k);
         const double* const from = child.update + static_cast<std::size_t>(j) * ld + child.k - update_row(child.k);
         const int target = runs[r].target + j - runs[r].begin;
-        double* const to = target < parent.k
-                               ? parent.panel + static_cast<std::size_t>(target) * front_ld(parent.m)
-                               : parent.update + static_cast<std::size_t>(target - parent.k) * update_ld(parent.m, parent.k) -
-                                     update_row(parent.k);
+        double* const to = column_of_parent(target);
         for (int begin = j; r < runs.size(); ++r, begin = r < runs.size() ? runs[r].begin : 0) {
             double* const run_to = to + runs[r].target - runs[r].begin;
             for (int i = begin; i < runs[r].end; ++i) run_to[i] += from[i];
         }
+    }
+
+    // Such that row i of the front stands at [i].
+    double* column_of_parent(int j) const {
+        if (j < parent.k) return parent.panel + static_cast<std::size_t>(j) * front_ld(parent.m);
+        const std::size_t ld = update_ld(parent.m, parent.k);
+        return parent.update + (j - parent.k) * ld - update_row(parent.k);
     }
 
     // Columns that go to the parent's pivots (panel) or to its update matrix.
@@ -212,20 +216,21 @@ void Cholesky::solve_backward_one(int f, double* x) {
 }
 
 void Cholesky::solve(const double* b, double* x) {
-    const int d = plan_.d, n = static_cast<int>(plan_.tree.order.size());
-    const int subtrees = static_cast<int>(plan_.subtrees.size());
-    for (int i = 0; i < n; ++i)
-        std::copy_n(b + static_cast<std::size_t>(plan_.tree.order[i]) * d, d, permuted_.data() + static_cast<std::size_t>(i) * d);
+    const std::size_t d = plan_.d;
+    const std::vector<int>& order = plan_.tree.order;
+    const std::vector<FrontRange>& ranges = plan_.subtrees;
+    const int subtrees = static_cast<int>(ranges.size());
+    double* const y = permuted_.data();
+    for (std::size_t i = 0; i < order.size(); ++i) std::copy_n(b + order[i] * d, d, y + i * d);
 #pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
     for (int s = 0; s < subtrees; ++s)
-        for (int f = plan_.subtrees[s].begin; f < plan_.subtrees[s].end; ++f) solve_forward_one(f, permuted_.data());
-    for (int f : plan_.top) solve_forward_one(f, permuted_.data());
-    for (std::size_t k = plan_.top.size(); k-- > 0;) solve_backward_one(plan_.top[k], permuted_.data());
+        for (int f = ranges[s].begin; f < ranges[s].end; ++f) solve_forward_one(f, y);
+    for (int f : plan_.top) solve_forward_one(f, y);
+    for (std::size_t k = plan_.top.size(); k-- > 0;) solve_backward_one(plan_.top[k], y);
 #pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
     for (int s = 0; s < subtrees; ++s)
-        for (int f = plan_.subtrees[s].end - 1; f >= plan_.subtrees[s].begin; --f) solve_backward_one(f, permuted_.data());
-    for (int i = 0; i < n; ++i)
-        std::copy_n(permuted_.data() + static_cast<std::size_t>(i) * d, d, x + static_cast<std::size_t>(plan_.tree.order[i]) * d);
+        for (int f = ranges[s].end - 1; f >= ranges[s].begin; --f) solve_backward_one(f, y);
+    for (std::size_t i = 0; i < order.size(); ++i) std::copy_n(y + i * d, d, x + order[i] * d);
 }
 
 }  // namespace almesh

@@ -21,11 +21,15 @@ constexpr int lanes = 2, tile_columns = 4;
 #endif
 constexpr int grid = 8;                           // rows and columns of tiles start at multiples of this
 constexpr int packs = lanes == 2 ? 2 : 3;         // registers per column of the largest tile
-typedef double Pack __attribute__((vector_size(lanes * sizeof(double)), aligned(sizeof(double)), may_alias));
+typedef double Pack __attribute__((vector_size(lanes * sizeof(double))));
+typedef double PackInMemory __attribute__((vector_size(lanes * sizeof(double)), aligned(sizeof(double)), may_alias));
 
 constexpr int block_columns = 128;                // columns eliminated before the rest of a large front is updated
 constexpr int block_rows = 192;                   // rows and columns of the pieces that threads share out
 constexpr int packing_size = 160;                 // fronts of more rows are worth copying operands into packed form
+
+inline Pack load(const double* from) { return *reinterpret_cast<const PackInMemory*>(from); }
+inline void store(Pack value, double* to) { *reinterpret_cast<PackInMemory*>(to) = value; }
 
 // Operand of a tile: entry (row r, column k) at data[k * ld + r].
 struct Operand {
@@ -35,7 +39,8 @@ struct Operand {
 
 // sum = A B', `rows` lanes-wide packs x tile_columns, over `depth` columns of A and B.
 template <int rows>
-inline __attribute__((always_inline)) void accumulate(Operand a, Operand b, int depth, Pack (&sum)[tile_columns][rows]) {
+inline __attribute__((always_inline)) void accumulate(Operand a, Operand b, int depth,
+                                                      Pack (&sum)[tile_columns][rows]) {
 #pragma GCC unroll 8
     for (int c = 0; c < tile_columns; ++c)
 #pragma GCC unroll 3
@@ -44,7 +49,7 @@ inline __attribute__((always_inline)) void accumulate(Operand a, Operand b, int 
     for (int k = 0; k < depth; ++k, pa += a.ld, pb += b.ld) {
         Pack column[rows];
 #pragma GCC unroll 3
-        for (int r = 0; r < rows; ++r) column[r] = *reinterpret_cast<const Pack*>(pa + r * lanes);
+        for (int r = 0; r < rows; ++r) column[r] = load(pa + r * lanes);
 #pragma GCC unroll 8
         for (int c = 0; c < tile_columns; ++c)
 #pragma GCC unroll 3
@@ -56,7 +61,7 @@ enum class Store { negative, subtract };
 
 // C <- -A B' or C <- C - A B' in the columns [c_begin, c_end) of the tile.
 template <int rows>
-void multiply_tile(Operand a, Operand b, int depth, double* C, std::size_t ldc, int c_begin, int c_end, Store store) {
+void multiply_tile(Operand a, Operand b, int depth, double* C, std::size_t ldc, int c_begin, int c_end, Store how) {
     Pack sum[tile_columns][rows];
     accumulate<rows>(a, b, depth, sum);
 #pragma GCC unroll 8
@@ -64,21 +69,21 @@ void multiply_tile(Operand a, Operand b, int depth, double* C, std::size_t ldc, 
         if (c < c_begin || c >= c_end) continue;
 #pragma GCC unroll 3
         for (int r = 0; r < rows; ++r) {
-            Pack& target = *reinterpret_cast<Pack*>(C + c * ldc + r * lanes);
-            target = store == Store::negative ? -sum[c][r] : target - sum[c][r];
+            double* const target = C + c * ldc + r * lanes;
+            store(how == Store::negative ? -sum[c][r] : load(target) - sum[c][r], target);
         }
     }
 }
 
 // The same for any number of rows that is a multiple of `lanes`; step: distance from one row tile of A to the next.
 void multiply_strip(int row_count, Operand a, std::size_t step, Operand b, int depth, double* C, std::size_t ldc,
-                    int c_begin, int c_end, Store store) {
+                    int c_begin, int c_end, Store how) {
     constexpr int full = packs * lanes;
     int r = 0;
     for (; r + full <= row_count; r += full, a.data += step)
-        multiply_tile<packs>(a, b, depth, C + r, ldc, c_begin, c_end, store);
+        multiply_tile<packs>(a, b, depth, C + r, ldc, c_begin, c_end, how);
     for (; r + lanes <= row_count; r += lanes, a.data += lanes)
-        multiply_tile<1>(a, b, depth, C + r, ldc, c_begin, c_end, store);
+        multiply_tile<1>(a, b, depth, C + r, ldc, c_begin, c_end, how);
 }
 
 // Cholesky of w <= grid columns of `grid` rows, lower triangle. Returns -1 or the bad column.
@@ -103,7 +108,7 @@ inline __attribute__((always_inline)) void solve_corner(int w, const double* L, 
     for (int r = 0; r < row_count; r += lanes) {
         Pack x[grid] = {};
 #pragma GCC unroll 8
-        for (int j = 0; j < w; ++j) x[j] = *reinterpret_cast<const Pack*>(X + j * ldx + r);
+        for (int j = 0; j < w; ++j) x[j] = load(X + j * ldx + r);
 #pragma GCC unroll 8
         for (int j = 0; j < w; ++j) {
             x[j] *= inverse[j];
@@ -111,7 +116,7 @@ inline __attribute__((always_inline)) void solve_corner(int w, const double* L, 
             for (int c = j + 1; c < w; ++c) x[c] -= x[j] * L[j * ldl + c];
         }
 #pragma GCC unroll 8
-        for (int j = 0; j < w; ++j) *reinterpret_cast<Pack*>(X + j * ldx + r) = x[j];
+        for (int j = 0; j < w; ++j) store(x[j], X + j * ldx + r);
     }
 }
 
@@ -170,13 +175,13 @@ struct Piece {
 
 // C <- C - L L' or -L L' in one piece; L: columns [j0, j1) of the panel, C(i, j) at C[j * ldc + i].
 void update_piece(const double* L, std::size_t ld, int depth, const Piece& piece, double* C, std::size_t ldc,
-                  bool pack, Store store) {
+                  bool pack, Store how) {
     thread_local std::vector<double> packed_rows, packed_columns;  // kept between calls
     constexpr int full = packs * lanes;
     const int c_grid = piece.c_begin / grid * grid, c_count = piece.c_end - c_grid, rows = piece.r_end - piece.r_begin;
     if (pack) {
-        packed_rows.resize(static_cast<std::size_t>(block_rows) * 2 * depth);
-        packed_columns.resize(static_cast<std::size_t>(block_rows) * 2 * depth);
+        packed_rows.resize(static_cast<std::size_t>(block_rows) * depth);
+        packed_columns.resize(static_cast<std::size_t>(block_rows) * depth);
         pack_rows<full>(L + piece.r_begin, ld, rows, depth, packed_rows.data());
         pack_rows<tile_columns>(L + c_grid, ld, (c_count + grid - 1) / grid * grid, depth, packed_columns.data());
     }
@@ -193,16 +198,16 @@ void update_piece(const double* L, std::size_t ld, int depth, const Piece& piece
             const int height = std::min(full, rows - r);
             const Operand a = pack ? Operand{packed_rows.data() + static_cast<std::size_t>(r) * depth, full}
                                    : Operand{L + piece.r_begin + r, ld};
-            multiply_strip(height, a, full, b, depth, target + r, ldc, c_begin, c_end, store);
+            multiply_strip(height, a, full, b, depth, target + r, ldc, c_begin, c_end, how);
         }
     }
 }
 
 // The lower triangle of columns [c_begin, c_end) down to row_end, cut into pieces.
 void update_lower(const double* L, std::size_t ld, int depth, int c_begin, int c_end, int row_end, double* C,
-                  std::size_t ldc, bool parallel, Store store) {
+                  std::size_t ldc, bool parallel, Store how) {
     const int first = c_begin / grid * grid, size = row_end - first;
-    if (size <= packing_size) return update_piece(L, ld, depth, {c_begin, c_end, first, row_end}, C, ldc, false, store);
+    if (size <= packing_size) return update_piece(L, ld, depth, {c_begin, c_end, first, row_end}, C, ldc, false, how);
     const int column_pieces = (c_end - first + block_rows - 1) / block_rows;
     const int row_pieces = (size + block_rows - 1) / block_rows;
     share_out(column_pieces * row_pieces, parallel && size > 2 * block_rows, [&](int i) {
@@ -211,7 +216,7 @@ void update_lower(const double* L, std::size_t ld, int depth, int c_begin, int c
         const int c0 = first + c * block_rows, r0 = first + r * block_rows;
         update_piece(L, ld, depth,
                      {std::max(c_begin, c0), std::min(c_end, c0 + block_rows), r0, std::min(row_end, r0 + block_rows)},
-                     C, ldc, true, store);
+                     C, ldc, true, how);
     });
 }
 
@@ -262,7 +267,7 @@ void solve_backward(const Front& front, double* w) {
         double rest = w[j];
         for (int l = j + 1; l < i; ++l) rest -= column[l] * w[l];
         for (; i < front.m; i += lanes)
-            sum += *reinterpret_cast<const Pack*>(column + i) * *reinterpret_cast<const Pack*>(w + i);
+            sum += load(column + i) * load(w + i);
         for (int l = 0; l < lanes; ++l) rest -= sum[l];
         w[j] = rest / column[j];
     }

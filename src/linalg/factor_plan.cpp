@@ -9,7 +9,7 @@ namespace almesh {
 namespace {
 
 constexpr double subtree_share = 1.0 / 16;  // largest part of all work that one subtree may hold
-constexpr double smallest_cost = 2e6;       // less work than this is one subtree: threads would cost more
+constexpr double smallest_cost = 2e7;       // less work than this is one subtree: threads would cost more
 
 void find_children(FactorPlan& plan) {
     const int fronts = plan.tree.fronts();

@@ -68,8 +68,10 @@ std::vector<int> group_equal_neighbourhoods(const Graph& graph, int& groups) {
         for (int k = graph.start[v]; k < graph.start[v + 1]; ++k) {
             const int u = graph.adjacent[k];
             if (group[u] >= 0 || hash[u] != hash[v] || graph.degree(u) != graph.degree(v)) continue;
-            const auto first = graph.adjacent.begin() + graph.start[u], last = graph.adjacent.begin() + graph.start[u + 1];
-            if (std::all_of(first, last, [&](int w) { return mark[w] == v; })) group[u] = group[v];
+            const auto list = graph.adjacent.begin();
+            const bool equal = std::all_of(list + graph.start[u], list + graph.start[u + 1],
+                                           [&](int w) { return mark[w] == v; });
+            if (equal) group[u] = group[v];
         }
     }
     return group;

@@ -44,7 +44,10 @@ bool invert(double* a) {
         for (int i = k + 1; i < d; ++i)
             if (std::abs(a[i * d + k]) > std::abs(a[p * d + k])) p = i;
         if (!(std::abs(a[p * d + k]) > 1e-15 * largest) || !std::isfinite(a[p * d + k])) return false;
-        for (int j = 0; j < d && p != k; ++j) std::swap(a[p * d + j], a[k * d + j]), std::swap(inv[p * d + j], inv[k * d + j]);
+        for (int j = 0; j < d && p != k; ++j) {
+            std::swap(a[p * d + j], a[k * d + j]);
+            std::swap(inv[p * d + j], inv[k * d + j]);
+        }
         const double pivot = 1 / a[k * d + k];
         for (int j = 0; j < d; ++j) a[k * d + j] *= pivot, inv[k * d + j] *= pivot;
         for (int i = 0; i < d; ++i) {

@@ -32,7 +32,7 @@ struct LinearSolverParams {
     double tolerance = 1e-10;        // GMRES: on |b - A x|_2 / |b|_2
     int restart = 60;                // GMRES: iterations per cycle
     int max_iterations = 600;        // GMRES: in all cycles
-    double gmres_from_flops = 5e9;   // automatic, 3D: factorisations dearer than this are left to GMRES
+    double gmres_from_flops = 1e11;  // automatic, 3D: factorisations dearer than this are left to GMRES
     double memory_limit = 0;         // bytes for the Cholesky factor; 0: the machine's physical memory
 };
 
@@ -48,15 +48,17 @@ struct SolveResult {
 
 class LinearSolver {
 public:
-    // pattern: of all matrices to come, symmetric, with all diagonal blocks. dimension: 2 or 3, of the mesh.
+    // pattern: of all matrices to come, symmetric, with all diagonal blocks. dimension: 2 or 3, of the mesh. Takes no
+    // time: the pattern is analysed by the first solve that needs it.
     LinearSolver(const BlockCsr& pattern, int dimension, const LinearSolverParams& params);
     ~LinearSolver();
 
     // For inexact Newton methods: the tolerance of GMRES from the next solve on.
     void set_tolerance(double tolerance);
 
-    // A: symmetric, both triangles stored. b, x: A.size(); x is resized. Unless the status is converged, x is the last
-    // iterate of GMRES (max_iterations, stagnated, breakdown) or zero. GMRES cannot tell whether A is positive definite.
+    // A: symmetric, both triangles stored. b, x: A.size(); x is resized. Unless the status is converged, x is the
+    // last iterate of GMRES (max_iterations, stagnated, breakdown) or zero. Converged GMRES does not mean that A is
+    // positive definite.
     SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
 
     // Scalar entries of the Cholesky factor and operations to compute it; 0 until it has been analysed.

@@ -10,9 +10,9 @@ namespace almesh {
 
 namespace {
 
-constexpr int leaf_size = 120;         // groups ordered by minimum degree
+constexpr int leaf_size = 120;        // groups ordered by minimum degree
 constexpr int largest_leaf = 3000;     // beyond this, a piece that cannot be split keeps its order
-constexpr int task_size = 2000;        // pieces that are worth a task of their own
+[[maybe_unused]] constexpr int task_size = 2000;  // pieces that are worth a task of their own
 
 struct Dissection {
     const CompressedGraph& all;

@@ -61,7 +61,7 @@ private:
     };
 
     void weigh();
-    void start_pass();
+    void start_pass(Direction direction);
     void collect_boundary();
     void update_boundary();
     void enter_separator(int v);
@@ -70,7 +70,7 @@ private:
     void move(int v, Part side);
     void undo();
     bool pass(Direction direction);
-    int choose(Direction direction);
+    int choose();
 
     const WeightedGraph& graph_;
     std::vector<Part> part_;
@@ -80,6 +80,7 @@ private:
     std::vector<int> version_[2];             // of the only valid candidate of the vertex; 0: none
     std::vector<Candidate> queue_[2];         // heaps by gain, the newest first among equals; outdated ones are skipped
     int clock_ = 0, pass_ = 0;
+    bool open_[2] = {true, true};             // sides to which this pass moves vertices
     long long weight_[3] = {0, 0, 0};
     int slack_ = 0;                           // weight of the heaviest vertex: a split cannot be evener than that
     std::vector<Move> moves_;
@@ -96,7 +97,9 @@ void Split::weigh() {
 }
 
 // Forgets the moves and candidates of the pass before; versions and pass numbers only grow, so old ones never match.
-void Split::start_pass() {
+void Split::start_pass(Direction direction) {
+    open_[left] = direction != to_right;
+    open_[right] = direction != to_left;
     queue_[left].clear();
     queue_[right].clear();
     moves_.clear();
@@ -119,7 +122,7 @@ void Split::update_boundary() {
 }
 
 void Split::push(int v, int side) {
-    if (last_pass_[v] == pass_) return;
+    if (!open_[side] || last_pass_[v] == pass_) return;
     version_[side][v] = ++clock_;
     queue_[side].push_back({graph_.weight[v] - pull_[side][v], clock_, v});
     std::push_heap(queue_[side].begin(), queue_[side].end());
@@ -197,7 +200,7 @@ void Split::undo() {
 void Split::grow(std::minstd_rand& random) {
     std::fill(part_.begin(), part_.end(), right);
     weigh();
-    start_pass();
+    start_pass(to_left);
     const long long total = weight_[right];
     const int n = graph_.size();
     while (2 * weight_[left] < total - weight_[separator]) {
@@ -218,8 +221,8 @@ void Split::grow(std::minstd_rand& random) {
 
 // Side of the next move, -1 if there is none: the one of the larger gain if both are open and it does not grow too
 // heavy, the lighter one among equals.
-int Split::choose(Direction direction) {
-    const bool open[2] = {direction != to_right && best(left) >= 0, direction != to_left && best(right) >= 0};
+int Split::choose() {
+    const bool open[2] = {best(left) >= 0, best(right) >= 0};
     if (!open[left] && !open[right]) return -1;
     int side = weight_[left] <= weight_[right] ? left : right;
     const int other = 1 - side;
@@ -232,14 +235,14 @@ int Split::choose(Direction direction) {
 
 // One pass: every vertex moves at most once, uphill too, and the best state on the way is kept. True if it improved.
 bool Split::pass(Direction direction) {
-    start_pass();
+    start_pass(direction);
     for (int v : boundary_) enter_separator(v);
     const auto first_cost = cost();
     auto best_cost = first_cost;
     std::size_t best_moves = 0;
     const std::size_t patience = std::min<std::size_t>(300, 2 * boundary_.size() + 20);
     while (moves_.size() < best_moves + patience) {
-        const int side = choose(direction);
+        const int side = choose();
         if (side < 0) break;
         move(queue_[side].front().vertex, static_cast<Part>(side));
         if (cost() < best_cost) {
@@ -277,8 +280,8 @@ std::vector<Part> split_coarsest(const WeightedGraph& graph, std::uint64_t seed)
     return best;
 }
 
-// Separator of a graph that has been coarsened `depth` times. Some levels down, the graph is small enough to try several
-// ways of coarsening it further; the best separator is carried on.
+// Separator of a graph that has been coarsened `depth` times. Some levels down, the graph is small enough to try
+// several ways of coarsening it further; the best separator is carried on.
 std::vector<Part> separate(const WeightedGraph& graph, int heaviest, int depth, std::uint64_t seed) {
     if (graph.size() <= coarsest_size) return split_coarsest(graph, seed);
     const Coarsening coarse = coarsen(graph, heaviest, seed);

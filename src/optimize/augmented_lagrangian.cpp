@@ -51,11 +51,10 @@ AlUpdate update_adaptive(double constraint, double previous_constraint, Schedule
     return AlUpdate::both;
 }
 
-// The constraint stands still (to 10 %) for three updates in a row although each raised the penalty.
-bool is_infeasible(const std::vector<AlIteration>& rows) {
-    constexpr std::size_t stalled = 3;
-    if (rows.size() < stalled + 2) return false;
-    for (std::size_t k = rows.size() - stalled; k < rows.size(); ++k)
+// The constraint stands still (to 10 %) for `updates` iterations in a row although each had a larger penalty.
+bool constraint_stalls(const std::vector<AlIteration>& rows, std::size_t updates) {
+    if (rows.size() < updates + 2) return false;
+    for (std::size_t k = rows.size() - updates; k < rows.size(); ++k)
         if (rows[k].mu <= rows[k - 1].mu ||
             rows[k].projected_constraint_norm < 0.9 * rows[k - 1].projected_constraint_norm)
             return false;
@@ -149,8 +148,8 @@ AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& 
 
         bool done = true;
         if (literal ? constrained || stationary : constrained && stationary) result.status = AlStatus::converged;
+        else if (constraint_stalls(result.iterations, usable ? 3 : 1)) result.status = AlStatus::infeasible;
         else if (!usable) result.status = failure_of(solved.status);
-        else if (is_infeasible(result.iterations)) result.status = AlStatus::infeasible;
         else if (k == params.max_iterations) result.status = AlStatus::max_iterations;
         else done = false;
         if (!done) {

@@ -15,7 +15,8 @@ std::vector<Box> some_boxes(int count, int dim) {
     std::vector<Box> boxes;
     for (int i = 0; i < count; ++i) {
         std::vector<double> corners;
-        for (int a = 0; a < 2 * dim; ++a) corners.push_back(std::sin(12.9898 * i + 4.1 * (a % dim)) + 0.1 * std::sin(i + a));
+        for (int a = 0; a < 2 * dim; ++a)
+            corners.push_back(std::sin(12.9898 * i + 4.1 * (a % dim)) + 0.1 * std::sin(i + a));
         boxes.push_back(box_of_points(corners.data(), 2, dim));
     }
     return boxes;

@@ -31,8 +31,7 @@ TEST_CASE("regular simplices of any size have quality one") {
 }
 
 TEST_CASE("quality of right simplices is the closed form of Eq. (1)") {
-    // Right isosceles triangle: |F|^2 = 1 + (1 - 1/2)^2 4/3 = 4/3 + ..., quality sqrt(3)/2; corner tetrahedron of the
-    // cube: |F|^2 = 9/4, det F = sqrt 2, so 1/eta = 3 * 2^(1/3) / (9/4) ... = 2^(1/3) * 2/3.
+    // F maps the regular simplex to the unit one. Triangle: |F|^2 = 8/3, det F = 2/sqrt 3; tetrahedron: 9/2 and sqrt 2.
     const Mesh triangle = single(2, {0, 0, 1, 0, 0, 1});
     CHECK(mesh_quality(triangle, triangle.x).min == doctest::Approx(std::sqrt(0.75)));
     const Mesh tetrahedron = single(3, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1});

@@ -17,8 +17,16 @@ FactorPlan plan_of(const BlockCsr& A) {
     return plan_factorisation(A, graph, nested_dissection(graph));
 }
 
+// Row of the matrix (new numbering) at a place of front f.
+int row_at(const FactorPlan& plan, int f, int place) {
+    const int columns = plan.tree.columns(f);
+    return place < columns ? plan.tree.first[f] + place : plan.tree.rows[plan.tree.row_start[f] + place - columns];
+}
+
 struct Range {
     std::size_t begin, end;
+    bool operator==(const Range&) const = default;
+    bool apart(const Range& other) const { return end <= other.begin || other.end <= begin || begin == end; }
 };
 
 }  // namespace
@@ -49,23 +57,16 @@ TEST_CASE("every block of the lower triangle goes to one place of one front, tha
     const std::vector<int> position = inverse(plan.tree.order);
     CHECK(plan.entries.size() == static_cast<std::size_t>((A.blocks() + A.n) / 2));
     for (int f = 0; f < plan.tree.fronts(); ++f) {
-        auto row_of = [&](int place) {
-            const int columns = plan.tree.columns(f);
-            return place < columns ? plan.tree.first[f] + place : plan.tree.rows[plan.tree.row_start[f] + place - columns];
-        };
         for (std::size_t e = plan.entry_start[f]; e < plan.entry_start[f + 1]; ++e) {
             const FrontEntry& entry = plan.entries[e];
-            const int i = static_cast<int>(std::upper_bound(A.row.begin(), A.row.end(), entry.block) - A.row.begin()) - 1;
-            CHECK(row_of(entry.column) == position[i]);
-            CHECK(row_of(entry.row) == position[A.col[entry.block]]);
+            const auto next_row = std::upper_bound(A.row.begin(), A.row.end(), entry.block);
+            CHECK(row_at(plan, f, entry.column) == position[next_row - A.row.begin() - 1]);
+            CHECK(row_at(plan, f, entry.row) == position[A.col[entry.block]]);
             CHECK(entry.column < plan.tree.columns(f));
         }
         if (const int p = plan.tree.parent[f]; p >= 0)
-            for (std::size_t k = plan.tree.row_start[f]; k < plan.tree.row_start[f + 1]; ++k) {
-                const int place = plan.in_parent[k], columns = plan.tree.columns(p);
-                CHECK(plan.tree.rows[k] == (place < columns ? plan.tree.first[p] + place
-                                                            : plan.tree.rows[plan.tree.row_start[p] + place - columns]));
-            }
+            for (std::size_t k = plan.tree.row_start[f]; k < plan.tree.row_start[f + 1]; ++k)
+                CHECK(plan.tree.rows[k] == row_at(plan, p, plan.in_parent[k]));
     }
 }
 
@@ -104,13 +105,12 @@ TEST_CASE("update matrices that are needed at the same time never overlap") {
         const Range own = range(f);
         CHECK(own.end <= (plan.update_shared[f] ? plan.shared_size : plan.thread_size));
         std::vector<Range>& memory = live[static_cast<int>(plan.update_shared[f])];
-        for (const Range& other : memory) CHECK((own.end <= other.begin || other.end <= own.begin || own.begin == own.end));
+        for (const Range& other : memory) CHECK(own.apart(other));
         memory.push_back(own);
         for (int k = plan.child_start[f]; k < plan.child_start[f + 1]; ++k) {
             const int c = plan.child[k];
             std::vector<Range>& from = live[static_cast<int>(plan.update_shared[c])];
-            const std::size_t at = range(c).begin, end = range(c).end;
-            const auto it = std::find_if(from.begin(), from.end(), [&](const Range& r) { return r.begin == at && r.end == end; });
+            const auto it = std::find(from.begin(), from.end(), range(c));
             REQUIRE(it != from.end());
             from.erase(it);
         }

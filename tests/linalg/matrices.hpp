@@ -27,7 +27,10 @@ inline BlockCsr random_spd(int n, int d, const Edges& edges, double excess = 0.1
             }
     for (int i = 0; i < n; ++i)
         for (int r = 0; r < d; ++r)
-            for (int c = 0; c < r; ++c) A.block(A.find(i, i))[r * d + c] = A.block(A.find(i, i))[c * d + r] = uniform(random);
+            for (int c = 0; c < r; ++c) {
+                double* const block = A.block(A.find(i, i));
+                block[r * d + c] = block[c * d + r] = uniform(random);
+            }
     for (int i = 0; i < n; ++i)
         for (int r = 0; r < d; ++r) {
             double sum = excess;
@@ -99,12 +102,12 @@ inline Edges random_edges(int n, int count, unsigned seed) {
 inline std::vector<int> quartic_cells(int nx, int ny) {
     std::vector<int> cells;
     const int width = 4 * nx + 1;
-    for (int y = 0; y < ny; ++y)
-        for (int x = 0; x < nx; ++x)
+    for (int y = 0; y < 4 * ny; y += 4)
+        for (int x = 0; x < 4 * nx; x += 4)
             for (int upper = 0; upper < 2; ++upper)
                 for (int j = 0; j <= 4; ++j)
                     for (int i = 0; i + j <= 4; ++i)
-                        cells.push_back(upper ? (4 * y + 4 - j) * width + 4 * x + 4 - i : (4 * y + j) * width + 4 * x + i);
+                        cells.push_back(upper ? (y + 4 - j) * width + x + 4 - i : (y + j) * width + x + i);
     return cells;
 }
 

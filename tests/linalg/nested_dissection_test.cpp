@@ -20,9 +20,11 @@ TEST_CASE("nested dissection of anything is a permutation") {
     Edges parts = grid(20, 20);
     for (const auto& [i, j] : complete(200)) parts.push_back({i + 450, j + 450});
     const std::vector<BlockCsr> matrices = {
-        random_spd(1, 1, {}),           random_spd(500, 1, {}),          random_spd(1000, 1, path(1000)),
-        random_spd(1000, 1, star(1000)), random_spd(300, 1, complete(300)), random_spd(700, 1, parts),
-        random_spd(2500, 2, grid(50, 50)), random_spd(1000, 3, grid_3d(10)), random_spd(800, 1, random_edges(800, 3000, 4))};
+        random_spd(1, 1, {}),              random_spd(500, 1, {}),
+        random_spd(1000, 1, path(1000)),   random_spd(1000, 1, star(1000)),
+        random_spd(300, 1, complete(300)), random_spd(700, 1, parts),
+        random_spd(2500, 2, grid(50, 50)), random_spd(1000, 3, grid_3d(10)),
+        random_spd(800, 1, random_edges(800, 3000, 4))};
     for (const BlockCsr& A : matrices) {
         const std::vector<int> order = nested_dissection(graph_of(A));
         CHECK(order.size() == static_cast<std::size_t>(A.n));

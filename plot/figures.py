@@ -1,0 +1,51 @@
+#!/usr/bin/python3
+"""Draws outputs/figures/*.png, the counterparts of the paper's Figures 1-10 and the README's picture, from outputs/<deck>/.
+
+  plot/figures.py [name ...]     all, or those named: fig01 ... fig10, readme
+
+Ends with exit code 1 where a run is missing, which it names; the other figures are drawn. Needs numpy and matplotlib.
+"""
+import sys
+
+import aircraft_figures
+import circle_figures
+import convergence_figures
+import curving_figures
+import readme_figure
+import runs
+import style
+
+FIGURES = {
+    "fig01": circle_figures.fig01,
+    "fig02": convergence_figures.fig02,
+    "fig03": convergence_figures.fig03,
+    "fig04": curving_figures.fig04,
+    "fig05": curving_figures.fig05,
+    "fig06": convergence_figures.fig06,
+    "fig07": aircraft_figures.fig07,
+    "fig08": aircraft_figures.fig08,
+    "fig09": aircraft_figures.fig09,
+    "fig10": convergence_figures.fig10,
+    "readme": readme_figure.readme,
+}
+
+
+def main(names):
+    unknown = [name for name in names if name not in FIGURES]
+    if unknown:
+        print(f"no figure `{unknown[0]}`: there are {', '.join(FIGURES)}", file=sys.stderr)
+        return 1
+    style.apply()
+    missing = False
+    for name in names or FIGURES:
+        try:
+            FIGURES[name]()
+            print(f"outputs/figures/{name}.png")
+        except runs.MissingRun as error:
+            print(f"{name} not drawn: {error}", file=sys.stderr)
+            missing = True
+    return 1 if missing else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,21 @@
+"""readme.png: the circle before and after, and the curved boundary layer, without words."""
+import circle_figures
+import curving_figures
+import runs
+import style
+from style import plt
+from vtk_mesh import read_vtk
+
+
+def readme():
+    initial, final = (read_vtk(runs.path_of("circle", f"{name}.vtk")) for name in ("initial", "final"))
+    curved = read_vtk(runs.path_of("curving", "final.vtk"))
+    fig = plt.figure(figsize=(12, 4.35))
+    axes = [fig.add_axes((k / 3 + 0.005, 0.01, 1 / 3 - 0.01, 0.91)) for k in range(3)]
+    norm = style.linear(1, final.cell_data["distortion"].max())
+    window = style.window_around(3.2, 0, 11.5)
+    for ax, mesh, title in ((axes[0], initial, "initial mesh"), (axes[1], final, "inner circle moved by 8, η ≤ 2.74")):
+        circle_figures.draw(ax, mesh, norm, 0.25)
+        style.picture(ax, window, title)
+    curving_figures.by_distance(axes[2], curved, style.window_around(0.8, 0.8, 0.7), "boundary layer curved in degree 4", 0.35, 2)
+    style.save(fig, "readme")

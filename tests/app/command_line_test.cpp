@@ -1,0 +1,125 @@
+#include "app/command_line.hpp"
+
+#include <doctest/doctest.h>
+
+#include "io/deck_keys.hpp"
+#include "support/meshes.hpp"
+#include "support/program.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+// A square of 4 x 4 cells with `count` of its inner nodes moved so far that elements turn over.
+Mesh tangled_square(int count) {
+    Mesh mesh = square_mesh(4);
+    for (int i = 0, moved = 0; i < mesh.nodes() && moved < count; ++i) {
+        double* const p = &mesh.x[2 * i];
+        if (p[0] == 0 || p[0] == 1 || p[1] == 0 || p[1] == 1) continue;
+        p[0] += 0.4;
+        ++moved;
+    }
+    return mesh;
+}
+
+int count_lines_after(const std::string& text, const std::string& start) {
+    int count = 0;
+    for (const std::string& line : pieces(text.substr(text.find(start)), '\n')) count += line.starts_with("  ");
+    return count;
+}
+
+}  // namespace
+
+TEST_CASE("--help tells usage and exit codes") {
+    for (const char* option : {"--help", "-h"}) {
+        const Outcome outcome = almesh_with({option});
+        CHECK(outcome.code == 0);
+        CHECK(outcome.error.empty());
+        for (const char* part : {"almesh DECK", "almesh quality FILE", "--keys", "--version", "Exit codes", "boundary inner"})
+            CHECK(has(outcome.out, part));
+    }
+}
+
+TEST_CASE("--keys lists every key, motion and quantity within 100 columns") {
+    const Outcome outcome = almesh_with({"--keys"});
+    CHECK(outcome.code == 0);
+    for (const DeckKey& key : deck_keys()) CHECK(has(outcome.out, "\n" + key.name + " "));
+    for (const char* part : {"boundary NAME", "expect QUANTITY", "translate DX DY", "certified_valid"})
+        CHECK(has(outcome.out, part));
+    for (const std::string& line : pieces(outcome.out, '\n')) CHECK(line.size() <= 100);
+}
+
+TEST_CASE("--version tells program, commit and compiler") {
+    const Outcome outcome = almesh_with({"--version"});
+    CHECK(outcome.code == 0);
+    CHECK(has(outcome.out, "almesh "));
+    CHECK(has(outcome.out, "commit "));
+    CHECK(has(outcome.out, "++ "));
+}
+
+TEST_CASE("wrong command lines end with code 1 and a hint, and print nothing else") {
+    for (const auto& [arguments, message] :
+         std::vector<std::pair<std::vector<std::string>, std::string>>{{{}, "--help"},
+                                                                       {{"--hlep"}, "unknown option --hlep"},
+                                                                       {{"-x"}, "unknown option -x"},
+                                                                       {{"quality"}, "almesh quality FILE"},
+                                                                       {{"quality", "a", "b"}, "almesh quality FILE"},
+                                                                       {{"no/such.deck"}, "no/such.deck"}}) {
+        const Outcome outcome = almesh_with(arguments);
+        CHECK(outcome.code == 1);
+        CHECK(outcome.out.empty());
+        CHECK(outcome.error.starts_with("almesh: "));
+        CHECK(has(outcome.error, message));
+        CHECK(outcome.error.ends_with('\n'));
+    }
+}
+
+TEST_CASE("quality of a valid mesh") {
+    const TemporaryFolder folder;
+    for (const Mesh& mesh : {square_mesh(3), raise_degree(ring_mesh(8, 2, 3), 3), cube_mesh(2)}) {
+        const Outcome outcome = almesh_with({"quality", folder.write("mesh.msh", msh_of(mesh))});
+        CHECK(outcome.code == 0);
+        CHECK(outcome.error.empty());
+        CHECK(has(outcome.out, std::to_string(mesh.nodes()) + " nodes, " + std::to_string(mesh.element_count()) +
+                                   (mesh.dim == 2 ? " triangles" : " tetrahedra")));
+        CHECK(has(outcome.out, "of degree " + std::to_string(mesh.degree)));
+        CHECK(has(outcome.out, "all elements certified valid"));
+        CHECK(count_lines_after(outcome.out, "worst elements") == 10);
+    }
+}
+
+TEST_CASE("quality of a regular triangle is one") {
+    const TemporaryFolder folder;
+    const Mesh mesh = linear_mesh(2, {0, 0, 1, 0, 0.5, 0.8660254037844386}, {0, 1, 2}, [](const double*) { return "rim"; });
+    const Outcome outcome = almesh_with({"quality", folder.write("mesh.msh", msh_of(mesh))});
+    CHECK(has(outcome.out, "min 1, mean 1; edges 1 to 1"));
+    CHECK(has(outcome.out, "0.9 - 1.0         1"));
+}
+
+TEST_CASE("quality of a mesh with inverted elements: code 4, and the first ten by id") {
+    const TemporaryFolder folder;
+    Mesh curved = raise_degree(square_mesh(1), 2);  // only the curved inside of the element is inverted
+    for (int i = 0; i < curved.nodes(); ++i)
+        if (curved.x[2 * i] == 0.5 && curved.x[2 * i + 1] == 0) curved.x[2 * i + 1] = 0.4;
+    for (const auto& [mesh, bad] : {std::pair(tangled_square(1), 2), std::pair(curved, 1)}) {
+        const Outcome outcome = almesh_with({"quality", folder.write("bad.msh", msh_of(mesh))});
+        CHECK(outcome.code == 4);
+        CHECK(has(outcome.out, std::to_string(bad) + " elements NOT certified valid"));
+        CHECK(count_lines_after(outcome.out, "NOT certified") == bad);
+    }
+    const Outcome many = almesh_with({"quality", folder.write("bad.msh", msh_of(tangled_square(9)))});
+    CHECK(many.code == 4);
+    CHECK(has(many.out, "NOT certified valid"));
+    CHECK(count_lines_after(many.out, "NOT certified") <= 10);
+}
+
+TEST_CASE("quality of what is no mesh: code 2, naming the file") {
+    const TemporaryFolder folder;
+    for (const std::string& path : {folder.path("none.msh"), folder.path(), folder.write("empty.msh", ""),
+                                    folder.write("text.msh", "a deck = here\n")}) {
+        const Outcome outcome = almesh_with({"quality", path});
+        CHECK(outcome.code == 2);
+        CHECK(has(outcome.error, path));
+    }
+}

@@ -1,0 +1,42 @@
+// Patches built in code for the tests of this folder.
+#pragma once
+#include <cmath>
+#include <vector>
+
+#include "certify/patch.hpp"
+
+namespace almesh::test {
+
+// Patch of degree p through the points map(l), l the nodes of the reference face.
+template <class Map>
+Patch interpolated(const PatchBasis& basis, int dim, const Map& map) {
+    std::vector<double> nodes;
+    for (const MultiIndex& a : basis.bernstein.index) {
+        const Point x = map(1.0 * a[1] / basis.bernstein.degree, 1.0 * a[2] / basis.bernstein.degree);
+        nodes.insert(nodes.end(), x.begin(), x.begin() + dim);
+    }
+    return make_patch(basis, nodes.data(), dim);
+}
+
+inline Patch segment(const PatchBasis& basis, Point a, Point b) {
+    return interpolated(basis, 2, [&](double t, double) {
+        return Point{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), 0};
+    });
+}
+
+inline Patch triangle(const PatchBasis& basis, Point a, Point b, Point c) {
+    return interpolated(basis, 3, [&](double s, double t) {
+        Point x = a;
+        for (int k = 0; k < 3; ++k) x[k] += s * (b[k] - a[k]) + t * (c[k] - a[k]);
+        return x;
+    });
+}
+
+// An arc of a circle of radius r from angle a to angle b.
+inline Patch arc(const PatchBasis& basis, double r, double a, double b) {
+    return interpolated(basis, 2, [&](double t, double) {
+        return Point{r * std::cos(a + t * (b - a)), r * std::sin(a + t * (b - a)), 0};
+    });
+}
+
+}  // namespace almesh::test

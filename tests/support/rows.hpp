@@ -1,0 +1,24 @@
+// Text cut into cells, for files of rows.
+#pragma once
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace almesh::test {
+
+inline std::vector<std::string> pieces(const std::string& text, char separator) {
+    std::vector<std::string> result;
+    std::istringstream in(text);
+    for (std::string piece; std::getline(in, piece, separator);) result.push_back(piece);
+    if (text.ends_with(separator) && separator != '\n') result.emplace_back();
+    return result;
+}
+
+// Line by line, cells separated by commas.
+inline std::vector<std::vector<std::string>> csv_rows(const std::string& text) {
+    std::vector<std::vector<std::string>> rows;
+    for (const std::string& line : pieces(text, '\n')) rows.push_back(pieces(line, ','));
+    return rows;
+}
+
+}  // namespace almesh::test
