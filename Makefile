@@ -18,13 +18,18 @@ LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(OBJECTS))
 TESTS     := $(shell find tests -name '*.cpp' | sort)
 TEST_OBJECTS := $(TESTS:%.cpp=$(BUILD)/%.o)
 
+# The decks of the paper; aircraft-squared states its outcome whatever it is.
+PAPER     := circle circle-refined-1 circle-refined-2 circle-refined-3 circle-refined-4 circle-printed \
+             curving curving-printed aircraft aircraft-weighted aircraft-squared
+PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import numpy, matplotlib' 2>/dev/null && echo $(p))) python3)
+
 .DEFAULT_GOAL := all
-.PHONY: all run help test asan clean FORCE
+.PHONY: all run help test doctest asan paper figures meshes clean FORCE
 
 all: almesh ## build the program ./almesh
 
 almesh: $(BUILD)/almesh
-	cp $< $@
+	cp $< $@.new && mv -f $@.new $@
 
 $(BUILD)/almesh: $(OBJECTS)
 	$(CXX) $(FLAGS) $^ -o $@
@@ -53,6 +58,30 @@ test: doctest almesh $(BUILD)/tests ## run every test (installs doctest where it
 
 $(BUILD)/tests: $(TEST_OBJECTS) $(LIBRARY)
 	$(CXX) $(FLAGS) $^ -o $@
+
+doctest:
+	@CXX='$(CXX)' .ci/install-doctest
+
+asan: ## the same tests under the address and undefined-behaviour sanitizers
+	$(MAKE) BUILD=build-asan CXXFLAGS='-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all' build-asan-tests
+
+.PHONY: build-asan-tests
+build-asan-tests: doctest $(BUILD)/tests
+	$(BUILD)/tests
+
+paper: almesh ## run the paper's decks, compare with its tables: outputs/paper/tables.md
+	@for deck in $(PAPER); do \
+	  ./almesh inputs/$$deck.deck; code=$$?; echo; \
+	  if [ $$code -ne 0 ] && ! { [ $$deck = aircraft-squared ] && [ $$code -eq 3 ]; }; then \
+	    echo "make paper: inputs/$$deck.deck ended with exit code $$code"; exit 1; fi; \
+	done
+	python3 plot/paper_tables.py
+
+figures: ## draw the counterparts of the paper's figures from outputs/ (Python with numpy and matplotlib)
+	$(PYTHON) plot/figures.py
+
+meshes: ## make the meshes again (gmsh 4.8)
+	inputs/meshes/generate.sh
 
 clean: ## remove what was built
 	rm -rf build build-* almesh

@@ -64,7 +64,7 @@ def surface_panel(ax, boundary, magnitude, norm, view, title):
     colours[:, :3] *= brightness[:, None]
     style.polygons(ax, shapes, line_width=0.15, line=colours, face=colours)
     low, high = shapes.reshape(-1, 2).min(axis=0), shapes.reshape(-1, 2).max(axis=0)
-    half = 0.52 * (high - low).max()
+    half = 0.52 * max(high[0] - low[0], (high[1] - low[1]) / 0.75)
     style.picture(ax, style.window_around(*(0.5 * (low + high)), half, 0.75 * half), title, frame=False)
 
 

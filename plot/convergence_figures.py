@@ -34,7 +34,7 @@ def constraint_norm(figure):
     ax.plot(*zip(*row.stated), "D", markersize=5, color=style.PAPER, markerfacecolor="none", zorder=1, linestyle="none",
             label="paper, orders of magnitude in the text")
     ax.set_xlabel("augmented Lagrangian iteration")
-    ax.set_ylabel(r"constraint norm $\|c_D\|_{\partial M}$")
+    ax.set_ylabel(r"constraint norm $\Vert c_D\Vert_{\partial M}$")
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.grid(True, which="major", linewidth=0.3, alpha=0.5)
     ax.margins(x=0.06, y=0.07)

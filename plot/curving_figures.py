@@ -4,7 +4,7 @@ import numpy as np
 import runs
 import style
 from style import plt
-from vtk_mesh import curves, inner_faces, outlines, read_vtk, refined_triangles, thickness, touching
+from vtk_mesh import boundary_edges, curves, inner_faces, outlines, read_vtk, refined_triangles, thickness, touching
 
 WHOLE = style.window_around(0, 0, 21.6)
 LAYER = style.window_around(0, 0, 3.6)
@@ -20,19 +20,15 @@ def detail(half_width, outwards):
     return style.window_around(*((1 + outwards * half_width) * EDGE_MIDDLE), half_width)
 
 
-def by_distance(ax, mesh, window, title, line_width=0.25, levels=0):
+def by_distance(ax, mesh, window, title, line_width=0.25, levels=0, norm=NORM):
     """The distance inside the elements, the wall's own zero in the least colour, and the outlines that can be told apart."""
     points, distance, triangles = refined_triangles(mesh, "wall_distance", window, 8, levels + 1)
-    ax.tripcolor(*points.T, triangles, np.maximum(distance, NORM.vmin), norm=NORM, cmap=style.DISTANCE, shading="gouraud",
+    ax.tripcolor(*points.T, triangles, np.maximum(distance, norm.vmin), norm=norm, cmap=style.DISTANCE, shading="gouraud",
                  rasterized=True)
     chosen = touching(mesh, window)
     chosen = chosen[thickness(mesh, chosen) > THINNEST * (window[1] - window[0])]
     style.mesh_lines(ax, outlines(mesh, chosen, 16 * 2**levels), line_width, (1, 1, 1, 0.55))
     style.picture(ax, window, title)
-
-
-def wall_line(ax, boundary, **line):
-    style.polylines(ax, [curve for curve in curves(boundary, 512)], **line)
 
 
 def fig04():
@@ -51,7 +47,7 @@ def multipliers(ax, final, boundary, window, length):
     """The multipliers at the wall's nodes as arrows, the longest of the given length."""
     style.mesh_lines(ax, outlines(final, touching(final, window), 8), 0.2, (0.11, 0.15, 0.20, 0.2))
     nodes = np.unique(inner_faces(boundary))
-    wall_line(ax, boundary, line_width=1.1)
+    style.polylines(ax, curves(boundary, 512), 1.1)
     style.arrows(ax, boundary.points[nodes, :2], boundary.point_data["multipliers"][nodes, :2], length, 0.005)
     style.picture(ax, window, "(c) Lagrange multipliers on the boundary nodes")
 
@@ -66,8 +62,7 @@ def fig05():
     by_distance(axes[1], final, WALL, "(b) optimised: curved")
     multipliers(axes[2], final, boundary, WALL, 0.3)
     by_distance(axes[3], final, details[0], "(d) optimised, detail 0.5 wide; dashed: initial wall", 0.35, 2)
-    straight = initial.points[initial.cells[:, :3]][..., :2]
-    style.polylines(axes[3], wall_edges(straight), 1.0, style.ACCENT, "dashed")
+    style.polylines(axes[3], boundary_edges(initial), 1.0, style.ACCENT, "dashed")
     by_distance(axes[4], final, details[1], "(d) detail 0.04 wide", 0.35, 4)
     by_distance(axes[5], final, details[2], "(d) detail 0.001 wide: the thinnest layers", 0.35, 7)
     for ax, window in zip((axes[1], axes[3], axes[4]), details):
@@ -75,9 +70,3 @@ def fig05():
     style.colour_bar(fig, fig.add_axes((0.935, 0.2, 0.014, 0.55)), NORM, style.DISTANCE, "(e) distance to the wall", TICKS,
                      [f"$10^{{{round(np.log10(tick))}}}$" for tick in TICKS])
     style.save(fig, "fig05")
-
-
-def wall_edges(triangles):
-    """Edges of straight triangles (count x 3 x 2) with both ends on the unit circle."""
-    edges = np.concatenate([triangles[:, [a, (a + 1) % 3]] for a in range(3)])
-    return edges[np.all(np.abs(np.linalg.norm(edges, axis=2) - 1) < 1e-9, axis=1)]

@@ -173,6 +173,13 @@ def curves(mesh, n):
     return np.einsum("ga,cax->cgx", basis, mesh.points[mesh.cells][..., :2])
 
 
+def boundary_edges(mesh):
+    """Edges of one triangle only, straight from vertex to vertex: edges x 2 x 2."""
+    edges = np.concatenate([mesh.cells[:, [a, (a + 1) % 3]] for a in range(3)])
+    edges, count = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
+    return mesh.points[edges[count == 1]][..., :2]
+
+
 def touching(mesh, window):
     """Cells whose nodes' box meets the window (x0, x1, y0, y1)."""
     return np.flatnonzero(touches(mesh.points[mesh.cells][..., :2], window))

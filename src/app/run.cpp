@@ -45,6 +45,7 @@ const char* advice(AlStatus status) {
         case AlStatus::converged: return "converged";
         case AlStatus::infeasible:
             return "infeasible: no valid mesh seems to reach the target; the last valid one is written";
+        case AlStatus::ended_as_printed: return "not converged: the loop as printed ended with one of its two tests met";
         case AlStatus::max_iterations: return "not converged: max_al_iterations reached";
         case AlStatus::max_newton_iterations: return "not converged: max_newton_iterations reached in a subproblem";
         case AlStatus::line_search_failed: return "not converged: no step length decreases the energy";

@@ -14,6 +14,9 @@ namespace almesh {
 
 inline constexpr int sum_block = 1024;
 
+// Loops with less work than this (in simple loop bodies) stay on one thread: starting a team costs more.
+inline constexpr int parallel_work = 10000;
+
 inline int max_threads() {
 #ifdef _OPENMP
     return omp_get_max_threads();
@@ -29,10 +32,10 @@ inline void set_threads([[maybe_unused]] int threads) {
 #endif
 }
 
-// body(i) for i in [0, n); iterations must write to disjoint places.
+// body(i) for i in [0, n), each about `work` simple operations; iterations must write to disjoint places.
 template <class Body>
-void parallel_for(int n, const Body& body) {
-#pragma omp parallel for schedule(static)
+void parallel_for(int n, const Body& body, [[maybe_unused]] double work = 10) {
+#pragma omp parallel for schedule(static) if (n * work >= 10.0 * parallel_work)
     for (int i = 0; i < n; ++i) body(i);
 }
 
@@ -48,7 +51,7 @@ double deterministic_sum(int n, const Term& term) {
     thread_local std::vector<double> partial;  // kept between calls: nothing is allocated inside the Newton loop
     partial.assign(blocks, 0.0);
     double* const out = partial.data();
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (n >= parallel_work)
     for (int b = 0; b < blocks; ++b) {
         double sum = 0;
         for (int i = b * sum_block, end = std::min(n, i + sum_block); i < end; ++i) sum += term(i);

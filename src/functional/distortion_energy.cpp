@@ -158,6 +158,7 @@ DistortionEnergy::DistortionEnergy(const Mesh& mesh, const std::vector<double>& 
       quadrature_(simplex_quadrature(mesh.dim, params.exactness ? params.exactness : default_exactness(mesh.degree))),
       elements_(mesh.elements),
       element_value_(mesh.element_count()) {
+    is_large_ = static_cast<double>(element_count_) * quadrature_.count * element_nodes_ >= parallel_work;
     const LagrangeBasis basis(dim_, mesh.degree);
     gradients_ = reference_gradients(basis, quadrature_.xi);
     node_gradients_ = reference_gradients(basis, node_points(basis));
@@ -191,7 +192,7 @@ double DistortionEnergy::energy(const std::vector<double>& x) const {
     std::atomic<bool> inverted = false;  // one inverted element settles it: the others are skipped
     with_dimension(dim_, [&](auto dimension) {
         constexpr int n = dimension;
-#pragma omp parallel
+#pragma omp parallel if (is_large_)
         {
             std::vector<double> workspace;
             Kernel<n> kernel(*this, workspace);
@@ -211,7 +212,7 @@ double DistortionEnergy::energy(const std::vector<double>& x) const {
 void DistortionEnergy::add_gradient(const std::vector<double>& x, std::vector<double>& g) const {
     with_dimension(dim_, [&](auto dimension) {
         constexpr int n = dimension;
-#pragma omp parallel
+#pragma omp parallel if (is_large_)
         {
             std::vector<double> workspace, part(static_cast<std::size_t>(element_nodes_) * n);
             Kernel<n> kernel(*this, workspace);
@@ -247,7 +248,7 @@ void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kin
     const int m = element_nodes_;
     with_dimension(dim_, [&](auto dimension) {
         constexpr int n = dimension;
-#pragma omp parallel
+#pragma omp parallel if (is_large_)
         {
             std::vector<double> workspace, K(static_cast<std::size_t>(m) * m * n * n);
             Kernel<n> kernel(*this, workspace);

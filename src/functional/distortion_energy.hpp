@@ -72,6 +72,7 @@ class DistortionEnergy {
     std::vector<double> weight_;          // element, w_e det A
     std::vector<int> colour_start_, coloured_;  // elements by colour
     double volume_ = 0;
+    bool is_large_;  // worth more than one thread
     mutable std::vector<double> element_value_;  // element, energies before they are summed
     mutable std::vector<int> place_;             // element x node x node: block of H
     mutable const void* place_pattern_ = nullptr;

@@ -74,6 +74,7 @@ const char* to_string(AlStatus status) {
         case AlStatus::converged: return "converged";
         case AlStatus::max_iterations: return "max_al_iterations";
         case AlStatus::infeasible: return "infeasible";
+        case AlStatus::ended_as_printed: return "ended_as_printed";
         case AlStatus::max_newton_iterations: return "max_newton_iterations";
         case AlStatus::line_search_failed: return "line_search_failed";
         case AlStatus::linear_solver_failed: return "linear_solver_failed";
@@ -117,7 +118,9 @@ AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& 
     for (;;) {
         E.penalty = literal ? s.mu * s.mu : s.mu;
         NewtonParams newton_params;
-        newton_params.omega = literal ? s.omega : std::max(s.omega, params.omega_star);
+        newton_params.omega = s.omega;
+        newton_params.omega_star = literal ? 0 : params.omega_star;
+        if (params.algorithm == Algorithm::adaptive) newton_params.wanted_reduction = 0.1;
         newton_params.max_iterations = params.max_newton_iterations;
         const bool first = result.iterations.size() == 1;
         newton_params.first = !first                                ? HessianKind::full
@@ -147,7 +150,8 @@ AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& 
         const bool stationary = solved.gradient_norm <= params.omega_star || result.rounding_floor;
 
         bool done = true;
-        if (literal ? constrained || stationary : constrained && stationary) result.status = AlStatus::converged;
+        if (constrained && stationary) result.status = AlStatus::converged;
+        else if (literal && (constrained || stationary)) result.status = AlStatus::ended_as_printed;
         else if (constraint_stalls(result.iterations, usable ? 3 : 1)) result.status = AlStatus::infeasible;
         else if (!usable) result.status = failure_of(solved.status);
         else if (k == params.max_iterations) result.status = AlStatus::max_iterations;

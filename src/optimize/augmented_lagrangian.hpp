@@ -36,7 +36,8 @@ struct AugmentedLagrangianParams {
 enum class AlStatus {
     converged,
     max_iterations,
-    infeasible,  // the constraint stopped falling while the penalty grew: no valid mesh reaches the target
+    infeasible,        // the constraint stopped falling while the penalty grew: no valid mesh reaches the target
+    ended_as_printed,  // literal: the loop as printed ends when one of its two tests holds, and only one did
     max_newton_iterations,
     line_search_failed,
     linear_solver_failed

@@ -102,8 +102,9 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
     NewtonResult result;
     result.energy = E.energy(x);
     result.gradient_norm = evaluate_gradient();
+    const double omega = std::max(std::min(params.omega, params.wanted_reduction * result.gradient_norm), params.omega_star);
     HessianKind kind = params.first;
-    while (result.gradient_norm > params.omega) {
+    while (result.gradient_norm > omega) {
         if (result.iterations == params.max_iterations) {
             result.status = NewtonStatus::max_iterations;
             return result;
@@ -133,7 +134,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         result.full_step = step.step_length == 1;
         step.energy = result.energy;
         if (observe) observe(step);
-        if (by_rounding && result.gradient_norm > 0.5 * before && result.gradient_norm > params.omega) {
+        if (by_rounding && result.gradient_norm > 0.5 * before && result.gradient_norm > omega) {
             result.status = NewtonStatus::rounding_floor;
             return result;
         }

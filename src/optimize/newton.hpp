@@ -28,7 +28,9 @@ const char* to_string(NewtonStatus status);
 const char* to_string(HessianKind kind);
 
 struct NewtonParams {
-    double omega = 1e-8;
+    double omega = 1e-8;           // tolerance of |grad E| ...
+    double wanted_reduction = 1;   // ... lowered to this part of |grad E| at the start, so that a step is made,
+    double omega_star = 0;         // ... but not below this
     int max_iterations = 200;
     HessianKind first = HessianKind::projected;  // of the first step
 };

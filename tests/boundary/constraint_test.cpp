@@ -222,7 +222,8 @@ TEST_CASE("the same bits for any number of threads") {
         const std::vector<double> x = wavy(c.ideal, 2, 1e-3), lambda = random_numbers(c.constraint.size(), 6);
         std::vector<double> result(x.size(), 0.0);
         c.constraint.add_gradient(x, lambda, 7, result);
-        result.insert(result.end(), {c.constraint.floor(), c.constraint.norm(x), c.constraint.value(x, lambda, 7)});
+        result.insert(result.end(), {c.constraint.floor(), c.constraint.norm(x), c.constraint.max_error(x)});
+        result.push_back(c.constraint.value(x, lambda, 7));
         return result;
     };
     const auto results = for_threads(run);

@@ -1,0 +1,43 @@
+// The small decks of the paper, from the repository's top folder, where `make test` runs.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "io/deck.hpp"
+#include "support/program.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+TEST_CASE("the small decks of the paper hold what they expect") {
+    if (!std::filesystem::is_directory("inputs")) {
+        MESSAGE("no folder inputs here: run the tests from the repository's top folder");
+        return;
+    }
+    for (const char* name : {"circle", "circle-refined-1", "circle-refined-2", "circle-printed", "curving", "curving-printed"}) {
+        CAPTURE(name);
+        const TemporaryFolder folder;
+        const std::string deck = std::string("inputs/") + name + ".deck";
+        CHECK(read_deck(deck).expectations.size() >= 5);
+        const Outcome outcome = almesh_with({deck, "output=" + folder.path("out"), "threads=1"});
+        CAPTURE(outcome.out);
+        CHECK(outcome.code == 0);
+        CHECK(outcome.error.empty());
+        CHECK(has(outcome.out, "expectations of the deck hold"));
+    }
+}
+
+TEST_CASE("every deck in inputs can be read, and its mesh is there") {
+    if (!std::filesystem::is_directory("inputs")) return;
+    int decks = 0;
+    for (const auto& entry : std::filesystem::directory_iterator("inputs")) {
+        if (entry.path().extension() != ".deck") continue;
+        ++decks;
+        CAPTURE(entry.path().string());
+        const Deck deck = read_deck(entry.path().string());
+        CHECK(std::filesystem::is_regular_file(deck.mesh));
+        CHECK(!deck.title.empty());
+        CHECK(deck.boundaries.size() >= 2);
+    }
+    CHECK(decks >= 11);
+}

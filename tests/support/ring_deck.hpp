@@ -1,0 +1,28 @@
+// A folder with ring.msh and ring.deck, a small run of the program.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "support/meshes.hpp"
+#include "support/program.hpp"
+
+namespace almesh::test {
+
+struct RingDeck {
+    TemporaryFolder folder;
+    std::string deck, output;
+
+    explicit RingDeck(const Mesh& mesh = ring_mesh(12, 3, 6), const std::string& more = "threads = 1\n") {
+        output = folder.path("results");
+        folder.write("ring.msh", msh_of(mesh));
+        deck = folder.write("ring.deck", "title = A ring\nmesh = ring.msh\noutput = " + output +
+                                             "\nboundary inner = translate 2 0\nboundary outer = fixed\n" + more);
+    }
+
+    Outcome run(std::vector<std::string> settings = {}) const {
+        settings.insert(settings.begin(), deck);
+        return almesh_with(settings);
+    }
+};
+
+}  // namespace almesh::test
