@@ -37,9 +37,11 @@ def legend(fig, place):
 
 def fig07():
     fig = plt.figure(figsize=(10.4, 6.5))
-    fig.suptitle("Fig. 7 of the paper: aircraft moved by two of its lengths, cut along the fuselage, coloured by distortion", y=0.97)
+    fig.suptitle("Fig. 7 of the paper: aircraft moved by two of its lengths, cut along the fuselage, coloured by distortion",
+                 y=0.97)
     window = style.window_around(0.5 * MOTION, 0, 10)
-    for k, (name, title) in enumerate([("initial", "(a) initial (the far field is a sphere of radius 30)"), ("final", "(b) optimised")]):
+    panels = [("initial", "(a) initial (the far field is a sphere of radius 30)"), ("final", "(b) optimised")]
+    for k, (name, title) in enumerate(panels):
         ax = fig.add_axes((0.02 + 0.485 * k, 0.12, 0.475, 0.76))
         panel(ax, name, window, title, 0.25)
         style.show_detail(ax, style.window_around(MOTION * k, 0, 1.9), "Fig. 8")

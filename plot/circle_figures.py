@@ -25,12 +25,14 @@ def multipliers(ax, mesh, boundary, length):
 
 
 def fig01():
-    initial, final, boundary = (read_vtk(runs.path_of("circle", f"{name}.vtk")) for name in ("initial", "final", "boundary"))
+    initial, final, boundary = (read_vtk(runs.path_of("circle", f"{name}.vtk"))
+                                for name in ("initial", "final", "boundary"))
     worst = final.cell_data["distortion"].max()
     norm = style.linear(1, worst)
 
     fig = plt.figure(figsize=(9.2, 9.4))
-    fig.suptitle("Fig. 1 of the paper: a circle moved by 8 in a mesh of non-uniform size, coloured by distortion", y=0.98)
+    fig.suptitle("Fig. 1 of the paper: a circle moved by 8 in a mesh of non-uniform size, coloured by distortion",
+                 y=0.98)
     places = [(0.03, 0.5), (0.465, 0.5), (0.03, 0.04), (0.465, 0.04)]
     a, b, c, d = (fig.add_axes((x, y, 0.42, 0.411)) for x, y in places)
     draw(a, initial, norm, 0.25)
@@ -43,6 +45,6 @@ def fig01():
     multipliers(d, final, boundary, 0.9)
     style.picture(d, MULTIPLIERS, "(d) Lagrange multipliers on the moved boundary")
     ticks = [1, 1.5, 2, 2.5, worst] if worst > 2.6 else np.linspace(1, worst, 5)
-    style.colour_bar(fig, fig.add_axes((0.91, 0.2, 0.016, 0.55)), norm, style.DISTORTION, "(e) distortion η of the element (largest)",
-                     ticks, [f"{tick:.3g}" for tick in ticks])
+    style.colour_bar(fig, fig.add_axes((0.91, 0.2, 0.016, 0.55)), norm, style.DISTORTION,
+                     "(e) largest distortion η in the element", ticks, [f"{tick:.3g}" for tick in ticks])
     style.save(fig, "fig01")

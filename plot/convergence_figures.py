@@ -1,4 +1,4 @@
-"""Figures 2, 6 and 10: constraint norm over the augmented Lagrangian iterations. Figure 3: times of the refined circle."""
+"""Figures 2, 6 and 10: constraint norm over the augmented Lagrangian iterations. Figure 3: times."""
 from matplotlib.ticker import MaxNLocator
 
 import runs

@@ -21,10 +21,10 @@ def detail(half_width, outwards):
 
 
 def by_distance(ax, mesh, window, title, line_width=0.25, levels=0, norm=NORM):
-    """The distance inside the elements, the wall's own zero in the least colour, and the outlines that can be told apart."""
+    """The distance inside the elements, zero in the least colour, and the outlines that can be told apart."""
     points, distance, triangles = refined_triangles(mesh, "wall_distance", window, 8, levels + 1)
-    ax.tripcolor(*points.T, triangles, np.maximum(distance, norm.vmin), norm=norm, cmap=style.DISTANCE, shading="gouraud",
-                 rasterized=True)
+    ax.tripcolor(*points.T, triangles, np.maximum(distance, norm.vmin), norm=norm, cmap=style.DISTANCE,
+                 shading="gouraud", rasterized=True)
     chosen = touching(mesh, window)
     chosen = chosen[thickness(mesh, chosen) > THINNEST * (window[1] - window[0])]
     style.mesh_lines(ax, outlines(mesh, chosen, 16 * 2**levels), line_width, (1, 1, 1, 0.55))
@@ -53,7 +53,8 @@ def multipliers(ax, final, boundary, window, length):
 
 
 def fig05():
-    initial, final, boundary = (read_vtk(runs.path_of("curving", f"{name}.vtk")) for name in ("initial", "final", "boundary"))
+    initial, final, boundary = (read_vtk(runs.path_of("curving", f"{name}.vtk"))
+                                for name in ("initial", "final", "boundary"))
     details = [detail(0.25, 0.45), detail(0.02, 0.5), detail(5e-4, 0.5)]
     fig = plt.figure(figsize=(12.6, 8.9))
     fig.suptitle("Fig. 5 of the paper: boundary layer curved in degree 4, coloured by the distance to the wall", y=0.978)
@@ -67,6 +68,6 @@ def fig05():
     by_distance(axes[5], final, details[2], "(d) detail 0.001 wide: the thinnest layers", 0.35, 7)
     for ax, window in zip((axes[1], axes[3], axes[4]), details):
         style.show_detail(ax, window)
-    style.colour_bar(fig, fig.add_axes((0.935, 0.2, 0.014, 0.55)), NORM, style.DISTANCE, "(e) distance to the wall", TICKS,
-                     [f"$10^{{{round(np.log10(tick))}}}$" for tick in TICKS])
+    style.colour_bar(fig, fig.add_axes((0.935, 0.2, 0.014, 0.55)), NORM, style.DISTANCE,
+                     "(e) distance to the wall", TICKS, [f"$10^{{{round(np.log10(tick))}}}$" for tick in TICKS])
     style.save(fig, "fig05")

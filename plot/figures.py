@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws outputs/figures/*.png, the counterparts of the paper's Figures 1-10 and the README's picture, from outputs/<deck>/.
+"""Draws outputs/figures/*.png from outputs/<deck>/: the counterparts of the paper's Figures 1-10, the README's picture.
 
   plot/figures.py [name ...]     all, or those named: fig01 ... fig10, readme
 
@@ -7,13 +7,17 @@ Ends with exit code 1 where a run is missing, which it names; the other figures 
 """
 import sys
 
-import aircraft_figures
-import circle_figures
-import convergence_figures
-import curving_figures
-import readme_figure
-import runs
-import style
+try:
+    import aircraft_figures
+    import circle_figures
+    import convergence_figures
+    import curving_figures
+    import readme_figure
+    import runs
+    import style
+except ModuleNotFoundError as error:
+    sys.exit(f"{error}: the figures need numpy and matplotlib "
+             "(Debian: apt-get install python3-numpy python3-matplotlib, and run with /usr/bin/python3)")
 
 FIGURES = {
     "fig01": circle_figures.fig01,

@@ -75,6 +75,15 @@ def check_al_iterations(checks, deck, paper, what, at_most=False):
     checks.add(deck, f"al_iterations ({what})", expected, str(got), near)
 
 
+def check_program(checks):
+    """All runs must be of one build: tables that mix several are of none."""
+    programs = {}
+    for deck in CONVERGING + STATED:
+        programs.setdefault(runs.deck_lines(deck)[0].lstrip("# "), []).append(deck)
+    got = "; ".join(f"{program} ({', '.join(decks)})" for program, decks in programs.items())
+    checks.add("all decks", "program", "the same: run `make paper`", got, len(programs) == 1)
+
+
 def check_table1(checks):
     for row in TABLE1:
         summary = runs.summary(row.deck)
@@ -88,12 +97,9 @@ def check_table1(checks):
 
 def check_table2(checks):
     for row in TABLE2:
-        for k, (paper, got) in enumerate(zip(row.quality, padded_quality(row.deck, len(row.quality)))):
-            near = abs(got - paper) <= QUALITY_TOLERANCE
-            checks.add(row.deck, f"relative_quality (Table 2, column {k})", f"= {paper} +- {QUALITY_TOLERANCE}",
-                       f"{got:.4f}", near)
+        check_quality(checks, row.deck, row.quality[-1], "Table 2, last column")
     for row in CONVERGENCE[1:]:
-        # The paper gives the aircraft's nine as the cost of the run: fewer is no drift.
+        # The aircraft's nine is an upper bound: with another mesh and mu0 fewer iterations are no drift.
         check_al_iterations(checks, row.deck, row.al_iterations, f"Fig. {row.figure}", at_most=row.figure == 10)
 
 
@@ -102,10 +108,7 @@ def all_checks():
     for deck in CONVERGING:
         check_deck(checks, deck)
     check_expectations(checks, STATED[0])
-    programs = {deck: runs.deck_lines(deck)[0].lstrip("# ") for deck in CONVERGING + STATED}
-    for deck, program in programs.items():
-        if program != programs["circle"]:
-            checks.add(deck, "program", f"= {programs['circle']} as in circle", program, False)
+    check_program(checks)
     check_table1(checks)
     check_table2(checks)
     return checks
@@ -142,13 +145,14 @@ def table1():
     for row in TABLE1:
         ours = runs.summary(row.deck)
         nodes = f"{row.nodes} [^nodes]" if row.nodes == MISPRINTED_NODES else row.nodes
-        rows.append((row.deck, row.elements, ours["elements"], nodes, ours["nodes"], row.time, three(ours["time_total"]),
-                     row.quality, f"{float(ours['relative_quality']):.4f}", row.al_iterations, ours["al_iterations"],
-                     ours["newton_iterations"]))
-    header = ["deck", "elements, paper", "ours", "nodes, paper", "ours", "time (s), paper", "ours", "quality, paper", "ours",
-              "AL iterations, paper", "ours", "Newton steps, ours"]
-    note = (f"[^nodes]: Refining the row above once more (105088 triangles, 52704 nodes, 320 boundary edges) adds a node "
-            f"per edge: 52704 + (3 · 105088 + 320)/2 = {NODES_MEANT}. The paper's {MISPRINTED_NODES} cannot be that mesh.\n")
+        rows.append((f"`{row.deck}`", row.elements, ours["elements"], nodes, ours["nodes"], row.time,
+                     three(ours["time_total"]), row.quality, f"{float(ours['relative_quality']):.4f}",
+                     row.al_iterations, ours["al_iterations"], ours["newton_iterations"]))
+    header = ["deck", "elements, paper", "ours", "nodes, paper", "ours", "time (s), paper", "ours",
+              "quality, paper", "ours", "AL iterations, paper", "ours", "Newton steps, ours"]
+    note = (f"[^nodes]: Refining the row above once more (105088 triangles, 52704 nodes, 320 boundary edges) adds a "
+            f"node per edge: 52704 + (3 · 105088 + 320)/2 = {NODES_MEANT}. The paper's {MISPRINTED_NODES} cannot be "
+            "that mesh.\n")
     return markdown(header, rows) + "\n" + note
 
 
@@ -170,8 +174,8 @@ def figure3():
 
 def convergence(row):
     updates = {"mu": "● penalty", "lambda": "○ multipliers", "-": ""}
-    rows = [(al["al_iteration"], three(al["projected_constraint_norm"]), three(al["constraint_norm"]), three(al["mu"]),
-             al["newton_iterations"], updates.get(al["update"], al["update"]), three(al["seconds"]))
+    rows = [(al["al_iteration"], three(al["projected_constraint_norm"]), three(al["constraint_norm"]),
+             three(al["mu"]), al["newton_iterations"], updates.get(al["update"], al["update"]), three(al["seconds"]))
             for al in runs.al_rows(row.deck)]
     header = ["AL iteration", "projected norm", "norm", "μ", "Newton steps", "then updated", "time (s)"]
     return f"The paper: {row.text}.\n\n" + markdown(header, rows)
@@ -194,32 +198,39 @@ def checked(checks):
     return markdown(["deck", "quantity", "expected", "got", "holds"], rows)
 
 
+def convergence_sections():
+    start = float(runs.al_rows("aircraft")[0]["constraint_norm"])
+    notes = {6: "The circle is no polynomial of degree 4: the norm ends at the best approximation error of the target, "
+                "and convergence is judged on the projected norm.",
+             10: f"The norm of Eq. (6) runs over the whole boundary, far field included, and starts at {start:.3g}; "
+                 "4, the displacement, is what it would be if the aircraft were the whole boundary."}
+    for row in CONVERGENCE:
+        yield f"## Figure {row.figure}: constraint norm, `{row.deck}`"
+        yield convergence(row)
+        if row.figure in notes:
+            yield notes[row.figure]
+
+
 def document(checks):
     curving, aircraft = runs.summary("curving"), runs.summary("aircraft")
-    start = float(runs.al_rows("aircraft")[0]["constraint_norm"])
     sections = [
         "# The paper's tables and the data of its figures",
-        f"Written by plot/paper_tables.py. {provenance()} Times are wall-clock and of different machines: compare their growth.",
+        f"Written by plot/paper_tables.py. {provenance()} Times are wall-clock and of different machines: compare "
+        "their growth.",
         "## Table 1: the circle, refined", table1(),
         "## Table 2: relative quality over the AL iterations",
-        "Padded with the last value, as in the paper.", table2(),
-        "## Figure 3: times of the refined circle", figure3()]
-    for row in CONVERGENCE:
-        sections += [f"## Figure {row.figure}: constraint norm, `{row.deck}`", convergence(row)]
-        if row.figure == 6:
-            sections.append("The circle is no polynomial of degree 4: the norm ends at the best approximation error of the target, "
-                            "and convergence is judged on the projected norm.")
-        if row.figure == 10:
-            sections.append(f"The norm of Eq. (6) runs over the whole boundary, far field included, and starts at {start:.3g}; "
-                            "the paper's 4 is the displacement itself, the norm over the aircraft alone.")
-    sections += [
+        "Padded with the last value, as in the paper. The value after the first iteration depends on μ0, which the "
+        "paper does not state: only the last column is checked.", table2(),
+        "## Figure 3: times of the refined circle", figure3(),
+        *convergence_sections(),
         "## Eq. (5) as printed, element weights, and the aircraft with ∫η²",
-        "The tables of the paper come from ∫η²; the decks `-printed` and `aircraft` minimise ∫(η − 1)², Eq. (5). "
-        f"The paper's largest distortion of the circle is {CIRCLE_MAX_DISTORTION}. `aircraft-squared` need not converge.",
+        "The paper's quality of the circle is that of ∫η², which `circle` and `curving` minimise; the decks `-printed`, "
+        "`aircraft` and `aircraft-weighted` minimise ∫(η − 1)², Eq. (5). The paper's largest distortion of the circle "
+        f"is {CIRCLE_MAX_DISTORTION}. `aircraft-squared` is stated whatever it ends with.",
         outcomes(["circle", "circle-printed", "curving", "curving-printed", "aircraft", "aircraft-weighted", *STATED]),
         f"Sizes: the boundary layer has the paper's {CURVING_SIZE[0]} vertices and {CURVING_SIZE[1]} triangles "
-        f"({curving['nodes']} nodes in degree 4); the aircraft has {aircraft['nodes']} nodes and {aircraft['elements']} tetrahedra, "
-        f"the paper's {AIRCRAFT_SIZE[0]} and {AIRCRAFT_SIZE[1]}.",
+        f"({curving['nodes']} nodes in degree 4); the aircraft has {aircraft['nodes']} nodes and "
+        f"{aircraft['elements']} tetrahedra, the paper's {AIRCRAFT_SIZE[0]} and {AIRCRAFT_SIZE[1]}.",
         "## What was checked",
         "The `expect` lines of the decks, and the paper's values: quality to "
         f"{QUALITY_TOLERANCE}, AL iterations to {AL_TOLERANCE} (the aircraft: at most the paper's).",
@@ -227,16 +238,20 @@ def document(checks):
     return "\n\n".join(section.rstrip("\n") for section in sections) + "\n"
 
 
-def main():
-    missing = []
+def missing_runs():
+    """One message per deck that lacks a file."""
+    messages = []
     for deck in CONVERGING + STATED:
-        for file in ("summary.txt", "history.csv", "deck.txt"):
-            try:
+        try:
+            for file in ("summary.txt", "history.csv", "deck.txt"):
                 runs.path_of(deck, file)
-            except runs.MissingRun as error:
-                missing.append(str(error))
-                break
-    if missing:
+        except runs.MissingRun as error:
+            messages.append(str(error))
+    return messages
+
+
+def main():
+    if missing := missing_runs():
         print("\n".join(missing), file=sys.stderr)
         return 1
     checks = all_checks()

@@ -1,4 +1,4 @@
-"""Pictures of three-dimensional meshes with 2D tools: cuts of tetrahedra by a plane, and surfaces seen from a camera."""
+"""Three-dimensional meshes drawn with 2D tools: cuts of tetrahedra by a plane, and surfaces seen from a camera."""
 import numpy as np
 
 

@@ -1,7 +1,7 @@
 """Reader of the program's legacy VTK files, and the points and outlines of curved simplices for drawing.
 
-Simplices of any degree p in VTK order: for lines and triangles vertices, edges (01, 12, 20), then recursively the inside.
-Of tetrahedra only the four vertices, first in any order, are of use here.
+Simplices of any degree p in VTK order: of lines and triangles the vertices, the edges (01, 12, 20), then recursively
+the inside. Of tetrahedra only the four vertices, first in any order, are of use here.
 """
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -85,7 +85,8 @@ def read_vtk(path):
 def lattice(dim, p):
     """Barycentric multi-indices (sum p) of the nodes of a simplex, VTK order: nodes x (dim + 1). dim 3: any order."""
     if dim == 3:
-        return np.array([(i, j, k, p - i - j - k) for i in range(p + 1) for j in range(p + 1 - i) for k in range(p + 1 - i - j)])
+        return np.array([(i, j, k, p - i - j - k)
+                         for i in range(p + 1) for j in range(p + 1 - i) for k in range(p + 1 - i - j)])
     if p == 0:
         return np.zeros((1, dim + 1), int)
     nodes = [p * row for row in np.eye(dim + 1, dtype=int)]
@@ -108,7 +109,7 @@ def shape_functions(dim, p, barycentric):
 
 
 def touches(points, window, margin=0.0):
-    """Whether the box of each group of points (groups x points x 2), grown by margin of its size, meets the window."""
+    """Whether the box of each group of points (groups x points x 2), grown by `margin` of its size, meets the window."""
     low, high = points.min(axis=1), points.max(axis=1)
     grow = margin * (high - low).max(axis=1, keepdims=True)
     x0, x1, y0, y1 = window
@@ -117,17 +118,17 @@ def touches(points, window, margin=0.0):
 
 
 def pieces(mesh, window, levels):
-    """Parts of the triangles near the window: halved `levels` times, those outside dropped each time.
+    """Parts of the triangles near the window: edges halved `levels` times, the parts outside dropped each time.
 
     Returns the cell of each part and its corners in the cell's barycentric coordinates (parts x 3 x 3).
     """
-    # Corners of the four halves of a triangle in its own barycentric coordinates.
-    halves = 0.5 * np.array([[[2, 0, 0], [1, 1, 0], [1, 0, 1]], [[1, 1, 0], [0, 2, 0], [0, 1, 1]],
-                             [[1, 0, 1], [0, 1, 1], [0, 0, 2]], [[0, 1, 1], [1, 0, 1], [1, 1, 0]]])
+    # Corners of the quarters of a triangle in its own barycentric coordinates.
+    quarters = 0.5 * np.array([[[2, 0, 0], [1, 1, 0], [1, 0, 1]], [[1, 1, 0], [0, 2, 0], [0, 1, 1]],
+                               [[1, 0, 1], [0, 1, 1], [0, 0, 2]], [[0, 1, 1], [1, 0, 1], [1, 1, 0]]])
     cells = touching(mesh, window)
     corners = np.tile(np.eye(3), (len(cells), 1, 1))
     for _ in range(levels):
-        corners = np.einsum("hij,cjk->chik", halves, corners).reshape(-1, 3, 3)
+        corners = np.einsum("qij,cjk->cqik", quarters, corners).reshape(-1, 3, 3)
         cells = np.repeat(cells, 4)
         near = touches(positions(mesh, cells, corners, mesh.points[:, :2]), window, margin=0.1)
         cells, corners = cells[near], corners[near]
@@ -135,16 +136,17 @@ def pieces(mesh, window, levels):
 
 
 def positions(mesh, cells, barycentric, nodal):
-    """Nodal values (nodes x k) interpolated in the cells at barycentric points (cells x points x 3): cells x points x k."""
+    """Nodal values (nodes x k) interpolated at barycentric points (cells x points x 3): cells x points x k."""
     count = barycentric.shape[1]
     basis = shape_functions(2, mesh.degree, barycentric.reshape(-1, 3)).reshape(-1, count, mesh.cells.shape[1])
     return np.einsum("cga,cak->cgk", basis, nodal[mesh.cells[cells]])
 
 
 def refined_triangles(mesh, name, window, n, levels=0):
-    """The triangles near the window split finely: points (count x 2), the point data `name` there, triangles (count x 3).
+    """The triangles near the window split finely.
 
-    Every part of `levels` halvings gets n^2 triangles: in all, edges of n 2^levels straight segments.
+    Returns points (count x 2), the point data `name` there, and triangles (count x 3). Every part of `levels` halvings
+    gets n^2 triangles: in all, an edge has n 2^levels straight segments.
     """
     grid = [(i, j, n - i - j) for j in range(n + 1) for i in range(n + 1 - j)]
     at = {index[:2]: place for place, index in enumerate(grid)}
@@ -163,7 +165,8 @@ def outlines(mesh, chosen, n):
     t = np.arange(n)[:, None] / n
     corner = np.eye(3)
     barycentric = np.vstack([(1 - t) * corner[a] + t * corner[(a + 1) % 3] for a in range(3)])
-    return np.einsum("ga,cax->cgx", shape_functions(2, mesh.degree, barycentric), mesh.points[mesh.cells[chosen]][..., :2])
+    basis = shape_functions(2, mesh.degree, barycentric)
+    return np.einsum("ga,cax->cgx", basis, mesh.points[mesh.cells[chosen]][..., :2])
 
 
 def curves(mesh, n):
@@ -196,5 +199,6 @@ def thickness(mesh, chosen):
 def inner_faces(boundary):
     """Faces of the boundary that the others surround: the moved circle, the wall, the aircraft."""
     label = boundary.cell_data["boundary"]
-    extent = {b: np.ptp(boundary.points[boundary.cells[label == b]].reshape(-1, 3), axis=0).max() for b in np.unique(label)}
+    extent = {b: np.ptp(boundary.points[boundary.cells[label == b]].reshape(-1, 3), axis=0).max()
+              for b in np.unique(label)}
     return boundary.cells[label == min(extent, key=extent.get)]

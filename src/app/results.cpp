@@ -8,7 +8,7 @@
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
-#include "certify/wall_distance.hpp"
+#include "geometry/wall_distance.hpp"
 #include "io/msh_writer.hpp"
 #include "io/vtk.hpp"
 

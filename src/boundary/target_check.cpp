@@ -7,8 +7,8 @@
 #include <set>
 #include <sstream>
 
-#include "certify/patch_contact.hpp"
-#include "certify/patch_normal.hpp"
+#include "geometry/patch_contact.hpp"
+#include "geometry/patch_normal.hpp"
 
 namespace almesh {
 namespace {

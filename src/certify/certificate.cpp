@@ -6,7 +6,7 @@
 
 #include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
-#include "certify/bezier.hpp"
+#include "geometry/bezier.hpp"
 
 namespace almesh {
 namespace {

@@ -319,12 +319,6 @@ void MshReader::elements_4_1(long long blocks, long long count) {
 
 }  // namespace
 
-const RawEntity* find_entity(const RawMesh& mesh, int dim, int tag) {
-    const auto before = [](const RawEntity& a, const std::pair<int, int>& b) { return std::pair(a.dim, a.tag) < b; };
-    const auto it = std::lower_bound(mesh.entities.begin(), mesh.entities.end(), std::pair(dim, tag), before);
-    return it != mesh.entities.end() && it->dim == dim && it->tag == tag ? &*it : nullptr;
-}
-
 RawMesh parse_msh(std::string_view text, const std::string& path) {
     MshReader reader{TextScanner(text, path), {}, {}, {}, false};
     reader.mesh.path = path;

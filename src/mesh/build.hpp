@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "io/msh_reader.hpp"
+#include "mesh/raw_mesh.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "io/msh_reader.hpp"
+#include "mesh/raw_mesh.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "certify/high_order.hpp"
+#include "support/high_order.hpp"
 #include "mesh/lagrange.hpp"
 #include "support/meshes.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
-#include "certify/high_order.hpp"
+#include "support/high_order.hpp"
 #include "mesh/lagrange.hpp"
 #include "support/meshes.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "certify/high_order.hpp"
+#include "support/high_order.hpp"
 #include "support/meshes.hpp"
 
 using namespace almesh;

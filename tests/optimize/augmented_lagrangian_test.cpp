@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "certify/certificate.hpp"
 #include "support/meshes.hpp"
@@ -158,7 +159,7 @@ TEST_CASE("as printed, the loop ends as soon as one test holds") {
     params.omega0 = params.omega_star;
     std::vector<double> x;
     const AlResult result = problem.solve(params, x);
-    CHECK(result.status == AlStatus::converged);
+    CHECK(result.status == AlStatus::ended_as_printed);
     CHECK(result.iterations.size() == 2);
     CHECK(problem.constraint.projected_norm(x) > 1e3 * std::sqrt(params.epsilon_star));
     std::vector<double> y;
@@ -299,6 +300,7 @@ TEST_CASE("every status and update has a name of its own") {
     CHECK(std::string(to_string(AlStatus::converged)) == "converged");
     CHECK(std::string(to_string(AlStatus::max_iterations)) == "max_al_iterations");
     CHECK(std::string(to_string(AlStatus::infeasible)) == "infeasible");
+    CHECK(std::string(to_string(AlStatus::ended_as_printed)) == "ended_as_printed");
     CHECK(std::string(to_string(AlStatus::max_newton_iterations)) == "max_newton_iterations");
     CHECK(std::string(to_string(AlStatus::line_search_failed)) == "line_search_failed");
     CHECK(std::string(to_string(AlStatus::linear_solver_failed)) == "linear_solver_failed");

@@ -19,9 +19,10 @@ struct RingDeck {
                                              "\nboundary inner = translate 2 0\nboundary outer = fixed\n" + more);
     }
 
-    Outcome run(std::vector<std::string> settings = {}) const {
-        settings.insert(settings.begin(), deck);
-        return almesh_with(settings);
+    Outcome run(const std::vector<std::string>& settings = {}) const {
+        std::vector<std::string> arguments = {deck};
+        for (const std::string& setting : settings) arguments.push_back(setting);
+        return almesh_with(arguments);
     }
 };
 

@@ -1,4 +1,4 @@
-#include "certify/box_tree.hpp"
+#include "geometry/box_tree.hpp"
 
 #include <doctest/doctest.h>
 

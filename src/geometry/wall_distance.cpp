@@ -1,4 +1,4 @@
-#include "certify/wall_distance.hpp"
+#include "geometry/wall_distance.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "certify/closest_point.hpp"
+#include "geometry/closest_point.hpp"
 
 namespace almesh {
 namespace {

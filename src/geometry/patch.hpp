@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "certify/bezier.hpp"
-#include "certify/box_tree.hpp"
+#include "geometry/bezier.hpp"
+#include "geometry/box_tree.hpp"
 
 namespace almesh {
 

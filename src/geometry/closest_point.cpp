@@ -1,4 +1,4 @@
-#include "certify/closest_point.hpp"
+#include "geometry/closest_point.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "certify/bezier.hpp"
+#include "geometry/bezier.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "certify/patch.hpp"
+#include "geometry/patch.hpp"
 
 namespace almesh::test {
 

@@ -5,7 +5,7 @@
 // Where flat patches penetrate each other by more than the curved ones deviate from them, the curved ones cross.
 // Touching, at a shared corner or anywhere else, is not crossing; nor is overlapping in a common plane.
 #pragma once
-#include "certify/patch.hpp"
+#include "geometry/patch.hpp"
 
 namespace almesh {
 

@@ -7,7 +7,7 @@
 #pragma once
 #include <vector>
 
-#include "certify/patch.hpp"
+#include "geometry/patch.hpp"
 
 namespace almesh {
 

@@ -1,4 +1,4 @@
-#include "certify/patch_normal.hpp"
+#include "geometry/patch_normal.hpp"
 
 namespace almesh {
 

@@ -1,4 +1,4 @@
-#include "certify/patch_contact.hpp"
+#include "geometry/patch_contact.hpp"
 
 #include <algorithm>
 #include <cmath>

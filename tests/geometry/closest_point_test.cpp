@@ -1,10 +1,10 @@
-#include "certify/closest_point.hpp"
+#include "geometry/closest_point.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 
-#include "certify/patches.hpp"
+#include "support/patches.hpp"
 
 using namespace almesh;
 using namespace almesh::test;

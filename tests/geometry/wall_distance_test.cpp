@@ -1,4 +1,4 @@
-#include "certify/wall_distance.hpp"
+#include "geometry/wall_distance.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "certify/high_order.hpp"
+#include "support/high_order.hpp"
 #include "mesh/lagrange.hpp"
 #include "support/meshes.hpp"
 

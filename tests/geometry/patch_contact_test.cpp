@@ -1,10 +1,10 @@
-#include "certify/patch_contact.hpp"
+#include "geometry/patch_contact.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 
-#include "certify/patches.hpp"
+#include "support/patches.hpp"
 
 using namespace almesh;
 using namespace almesh::test;

@@ -1,4 +1,4 @@
-#include "certify/patch.hpp"
+#include "geometry/patch.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // (3D). Outward for the boundary faces of a mesh; its length is the measure of the face per measure of the reference
 // face. Bezier coefficients from products of those of the derivatives, hence exact up to rounding.
 #pragma once
-#include "certify/patch.hpp"
+#include "geometry/patch.hpp"
 
 namespace almesh {
 

@@ -1,4 +1,4 @@
-#include "certify/high_order.hpp"
+#include "support/high_order.hpp"
 
 #include <map>
 

@@ -1,0 +1,46 @@
+// What a mesh file holds, before build_mesh() makes a Mesh of it: elements of every dimension with their ids, tags and
+// lines in the file.
+#pragma once
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+struct RawNode {
+    long long id;
+    double x[3];
+    int line;
+};
+
+struct RawElement {
+    long long id;
+    std::size_t first;  // its nodes are element_nodes[first ...), in Gmsh's order
+    int line;
+    int dim, degree;  // a point has dimension 0 and degree 1
+    int physical;     // tag of its physical group, the first one of several; 0: none
+    int entity;       // tag of its elementary entity; 0: none
+};
+
+// An elementary entity of MSH 4.1 with all its physical groups.
+struct RawEntity {
+    int dim, tag;
+    std::vector<int> physical;
+};
+
+struct RawMesh {
+    std::string path;
+    int version = 22;  // 22 or 41
+    std::vector<RawNode> nodes;
+    std::vector<RawElement> elements;
+    std::vector<int> element_nodes;  // indices into nodes
+    std::vector<PhysicalGroup> groups;
+    std::vector<RawEntity> entities;  // ascending by (dim, tag); empty for MSH 2.2
+};
+
+// Entity (dim, tag), or nullptr where the file lists none.
+const RawEntity* find_entity(const RawMesh& mesh, int dim, int tag);
+
+}  // namespace almesh
