@@ -59,10 +59,10 @@ test: doctest ## run every test, built with warnings as errors (installs doctest
 asan: doctest ## the same tests under the address and undefined-behaviour sanitizers
 	$(MAKE) BUILD=build-asan WERROR=-Werror CXXFLAGS='-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all' run-tests
 
-run-tests: $(BUILD)/tests
-	$(BUILD)/tests
+run-tests: $(BUILD)/almesh-tests
+	$(BUILD)/almesh-tests
 
-$(BUILD)/tests: $(TEST_OBJECTS) $(LIBRARY)
+$(BUILD)/almesh-tests: $(TEST_OBJECTS) $(LIBRARY)
 	$(CXX) $(FLAGS) $^ -o $@
 
 doctest:

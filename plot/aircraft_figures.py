@@ -32,13 +32,13 @@ def panel(ax, name, window, title, line_width):
 def legend(fig, place):
     worst = max(cut("final")[1])
     style.colour_bar(fig, fig.add_axes(place), NORM, style.DISTORTION,
-                     f"(c) distortion η of the element, logarithmic; largest on the cut {worst:.3g}", TICKS, extend="max")
+                     f"(c) distortion η of the element, logarithmic; largest on the cut {worst:.3g}", TICKS,
+                     extend="max")
 
 
 def fig07():
     fig = plt.figure(figsize=(10.4, 6.5))
-    fig.suptitle("Fig. 7 of the paper: aircraft moved by two of its lengths, cut along the fuselage, coloured by distortion",
-                 y=0.97)
+    fig.suptitle("Fig. 7 of the paper: an aircraft moved by two of its lengths, cut, coloured by distortion", y=0.97)
     window = style.window_around(0.5 * MOTION, 0, 10)
     panels = [("initial", "(a) initial (the far field is a sphere of radius 30)"), ("final", "(b) optimised")]
     for k, (name, title) in enumerate(panels):

@@ -57,7 +57,7 @@ def fig10():
 def fig03():
     elements = [row.elements for row in TABLE1]
     ours = [float(runs.summary(row.deck)["time_total"]) for row in TABLE1]
-    threads = runs.summary(TABLE1[0].deck)["threads"]
+    threads = ", ".join(sorted({runs.summary(row.deck)["threads"] for row in TABLE1}))
 
     fig, ax = plt.subplots(figsize=(5.6, 4.2), layout="constrained")
     ax.set_title("Fig. 3 of the paper: times of the refined circle", fontsize=10.5)

@@ -36,7 +36,8 @@ def fig04():
     fig = plt.figure(figsize=(10.4, 5.75))
     fig.suptitle("Fig. 4 of the paper: initial linear mesh with a boundary layer around the inner circle", y=0.97)
     axes = [fig.add_axes((0.015 + 0.49 * k, 0.02, 0.48, 0.48 * 10.4 / 5.75)) for k in range(2)]
-    for ax, window, title in zip(axes, (WHOLE, LAYER), ("(a) full view", "(b) detail: 42 layers, the first 1e-5 thick")):
+    titles = ("(a) full view", "(b) detail: 42 layers, the first 1e-5 thick")
+    for ax, window, title in zip(axes, (WHOLE, LAYER), titles):
         style.polygons(ax, outlines(initial, touching(initial, window), 1), line_width=0.3)
         style.picture(ax, window, title)
     style.show_detail(axes[0], LAYER, "b")
@@ -57,7 +58,7 @@ def fig05():
                                 for name in ("initial", "final", "boundary"))
     details = [detail(0.25, 0.45), detail(0.02, 0.5), detail(5e-4, 0.5)]
     fig = plt.figure(figsize=(12.6, 8.9))
-    fig.suptitle("Fig. 5 of the paper: boundary layer curved in degree 4, coloured by the distance to the wall", y=0.978)
+    fig.suptitle("Fig. 5 of the paper: boundary layer curved in degree 4, coloured by wall distance", y=0.978)
     axes = [fig.add_axes((0.015 + 0.305 * (k % 3), 0.49 - 0.47 * (k // 3), 0.295, 0.4175)) for k in range(6)]
     by_distance(axes[0], initial, WALL, "(a) initial: straight")
     by_distance(axes[1], final, WALL, "(b) optimised: curved")

@@ -14,7 +14,8 @@ def readme():
     axes = [fig.add_axes((k / 3 + 0.005, 0.01, 1 / 3 - 0.01, 0.91)) for k in range(3)]
     norm = style.linear(1, final.cell_data["distortion"].max())
     window = style.window_around(3.2, 0, 11.5)
-    for ax, mesh, title in ((axes[0], initial, "initial mesh"), (axes[1], final, f"inner circle moved by 8: η ≤ {norm.vmax:.3g}")):
+    titles = ("initial mesh", f"inner circle moved by 8: η ≤ {norm.vmax:.3g}")
+    for ax, mesh, title in zip(axes, (initial, final), titles):
         circle_figures.draw(ax, mesh, norm, 0.25)
         style.picture(ax, window, title)
     curving_figures.by_distance(axes[2], curved, style.window_around(0.76, 0.76, 0.56),

@@ -79,7 +79,7 @@ def read_vtk(path):
     return mesh
 
 
-# --------------------------------------------------------------------------------------------------------- Lagrange cells
+# ---------------------------------------------------------------------------------------------------- Lagrange cells
 
 @lru_cache
 def lattice(dim, p):
@@ -109,7 +109,7 @@ def shape_functions(dim, p, barycentric):
 
 
 def touches(points, window, margin=0.0):
-    """Whether the box of each group of points (groups x points x 2), grown by `margin` of its size, meets the window."""
+    """Whether the box of each group of points (groups x points x 2), grown by margin of its size, meets the window."""
     low, high = points.min(axis=1), points.max(axis=1)
     grow = margin * (high - low).max(axis=1, keepdims=True)
     x0, x1, y0, y1 = window
@@ -145,7 +145,7 @@ def positions(mesh, cells, barycentric, nodal):
 def refined_triangles(mesh, name, window, n, levels=0):
     """The triangles near the window split finely.
 
-    Returns points (count x 2), the point data `name` there, and triangles (count x 3). Every part of `levels` halvings
+    Returns points (count x 2), the point data `name` there, triangles (count x 3). Every part of `levels` halvings
     gets n^2 triangles: in all, an edge has n 2^levels straight segments.
     """
     grid = [(i, j, n - i - j) for j in range(n + 1) for i in range(n + 1 - j)]

@@ -63,9 +63,6 @@ Problem make_problem(const Deck& deck) {
     problem.mesh = refine(problem.mesh, deck.refine);
     if (deck.degree) problem.mesh = raise_degree(problem.mesh, deck.degree);
     const Mesh& mesh = problem.mesh;
-    if (!deck.wall.empty() && mesh.boundary_index(deck.wall) < 0)
-        throw UsageError("wall: the mesh has no boundary `" + deck.wall + "`");
-
     problem.target = make_target(mesh, motions_of(deck, mesh));
     const TargetReport report = check_target(mesh, problem.target.node);
     refuse_invalid_target(report);

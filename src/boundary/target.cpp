@@ -35,10 +35,22 @@ double extent(const Mesh& mesh) {
     return size;
 }
 
-// A node on two boundaries must have one target.
+double face_size(const Mesh& mesh, int f) {
+    double squared = 0;
+    for (int v = 1; v < mesh.dim; ++v) {
+        double edge = 0;
+        for (int a = 0; a < mesh.dim; ++a)
+            edge += std::pow(mesh.x[static_cast<std::size_t>(mesh.face(f)[v]) * mesh.dim + a] -
+                                 mesh.x[static_cast<std::size_t>(mesh.face(f)[0]) * mesh.dim + a], 2);
+        squared = std::max(squared, edge);
+    }
+    return std::sqrt(squared);
+}
+
+// A node on two boundaries must have one target, to a small part of the faces around it.
 void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
     const int dim = mesh.dim, m = mesh.face_nodes();
-    const double tolerance = 1e-6 * extent(mesh);
+    const double rounding = 1e-14 * extent(mesh);
     std::vector<int> first(mesh.nodes(), -1);  // face * m + local node that first gave the target
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
         int& seen = first[mesh.faces[k]];
@@ -47,7 +59,8 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
         const double* b = &target.node[static_cast<std::size_t>(k) * dim];
         double difference = 0;
         for (int c = 0; c < dim; ++c) difference = std::max(difference, std::abs(a[c] - b[c]));
-        if (difference <= tolerance) continue;
+        const double tolerance = 1e-6 * std::min(face_size(mesh, seen / m), face_size(mesh, k / m));
+        if (difference <= tolerance + rounding) continue;
         throw InputError("node " + std::to_string(mesh.node_id[mesh.faces[k]]) + " lies on two boundaries whose motions disagree: " +
                          mesh.boundaries[mesh.face_boundary[seen / m]] + " takes it to " + point_text(a, dim) + ", " +
                          mesh.boundaries[mesh.face_boundary[k / m]] + " to " + point_text(b, dim));

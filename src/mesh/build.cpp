@@ -97,32 +97,34 @@ int orientation(const Mesh& mesh, const int* node) {
     return volume > 0 ? 1 : -1;
 }
 
-// Swaps the last two vertices of negatively oriented elements, with all nodes that belong to them.
-template <int n>
-void orient_elements(const RawMesh& raw, const Selection& chosen, Mesh& mesh, std::vector<std::string>& notes) {
-    const LagrangeBasis basis(n, mesh.degree);
+// Swaps the last two vertices of the given elements, with all nodes that belong to them.
+void turn(Mesh& mesh, const std::vector<int>& turned) {
+    const LagrangeBasis basis(mesh.dim, mesh.degree);
     MultiIndex swap = {0, 1, 2, 3};
-    std::swap(swap[n - 1], swap[n]);
+    std::swap(swap[mesh.dim - 1], swap[mesh.dim]);
     std::vector<int> from(basis.count), before(basis.count);
     for (int i = 0; i < basis.count; ++i) from[i] = basis.permuted_node(i, swap);
-    std::vector<int> flat, turned;
-    for (int e = 0; e < mesh.element_count(); ++e) {
+    for (int e : turned) {
         int* const node = mesh.elements.data() + static_cast<std::size_t>(e) * basis.count;
-        const int sign = orientation<n>(mesh, node);
-        if (sign == 0) flat.push_back(e);
-        if (sign >= 0) continue;
-        turned.push_back(e);
         std::copy_n(node, basis.count, before.begin());
         for (int i = 0; i < basis.count; ++i) node[i] = before[from[i]];
     }
-    if (!flat.empty()) {
+}
+
+// Elements whose straight-sided form is negatively oriented. Refuses those without volume.
+template <int n>
+std::vector<int> negative_elements(const RawMesh& raw, const Selection& chosen, const Mesh& mesh) {
+    std::vector<int> flat, negative;
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        const int sign = orientation<n>(mesh, mesh.element(e));
+        if (sign == 0) flat.push_back(e);
+        if (sign < 0) negative.push_back(e);
+    }
+    if (!flat.empty())
         refuse(raw, raw.elements[chosen.elements[flat[0]]],
                "with the vertices " + node_ids(mesh, mesh.element(flat[0]), n + 1) + " has no volume, the first of " +
                    counted(flat.size(), "such element"));
-    }
-    if (!turned.empty())
-        notes.push_back(counted(turned.size(), "element") + " with negative orientation turned, the first is element " +
-                        std::to_string(mesh.element_id[turned[0]]));
+    return negative;
 }
 
 void fill_elements(const RawMesh& raw, const Selection& chosen, const std::vector<int>& index, Mesh& mesh) {
@@ -137,6 +139,17 @@ void fill_elements(const RawMesh& raw, const Selection& chosen, const std::vecto
     }
 }
 
+// The given elements, or all others, whichever are fewer.
+std::vector<int> minority(const Mesh& mesh, const std::vector<int>& elements) {
+    if (2 * static_cast<int>(elements.size()) <= mesh.element_count()) return elements;
+    std::vector<int> others;
+    for (int e = 0, k = 0; e < mesh.element_count(); ++e) {
+        if (k < static_cast<int>(elements.size()) && elements[k] == e) ++k;
+        else others.push_back(e);
+    }
+    return others;
+}
+
 // An element of a Mesh has one physical tag.
 void note_shared_entities(const RawMesh& raw, int dim, std::vector<std::string>& notes) {
     for (const RawEntity& entity : raw.entities)
@@ -148,7 +161,7 @@ void note_shared_entities(const RawMesh& raw, int dim, std::vector<std::string>&
 
 }  // namespace
 
-Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes) {
+Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds) {
     const Selection chosen = select(raw);
     Mesh mesh;
     mesh.dim = chosen.dim;
@@ -159,8 +172,19 @@ Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes) {
     if (mesh.dim == 2) check_flat(raw, index, notes);
     fill_elements(raw, chosen, index, mesh);
     note_shared_entities(raw, mesh.dim, notes);
-    with_dimension(mesh.dim, [&](auto n) { orient_elements<n>(raw, chosen, mesh, notes); });
-    fill_boundary(raw, chosen, index, mesh, notes);
+    std::vector<int> turned;
+    with_dimension(mesh.dim, [&](auto n) { turned = negative_elements<n>(raw, chosen, mesh); });
+    turn(mesh, turned);
+    const FoldedPairs folded = fill_boundary(raw, chosen, index, mesh, notes);
+    if (folded.count && folds == Folds::refuse)
+        refuse(raw, raw.elements[chosen.elements[folded.second]],
+               "lies on the same side of their common face as " + name_of(raw.elements[chosen.elements[folded.first]]) +
+                   ", the first of " + counted(folded.count, "such pair") +
+                   ": the mesh folds over itself; `almesh quality` lists its inverted elements");
+    if (folded.count) turn(mesh, minority(mesh, turned));
+    else if (!turned.empty())
+        notes.push_back(counted(turned.size(), "element") + " with negative orientation turned, the first is element " +
+                        std::to_string(mesh.element_id[turned[0]]));
     return mesh;
 }
 

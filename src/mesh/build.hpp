@@ -11,12 +11,19 @@
 
 namespace almesh {
 
+// What to do with a mesh that folds over itself: elements that lie on the same side of the face they share, because
+// one of them is inverted.
+enum class Folds {
+    refuse,
+    keep  // with the orientation that most elements have in the file, so that the others count as inverted
+};
+
 // Mended, each with a line in `notes`: nodes without elements (dropped), negatively oriented elements (turned by
 // swapping two vertices), tagged faces inside the mesh and repeated ones (dropped), elements of several physical groups
 // (the first one kept), a 2D mesh at z != 0.
 // Throws InputError: no triangles or tetrahedra, mixed degrees, a surface in space, elements without volume or there
 // twice, faces of three elements, neighbours that do not share the nodes of their face, boundary faces without a tag or
-// with two, tagged faces without an element.
-Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes);
+// with two, tagged faces without an element, and folds unless they are kept.
+Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds = Folds::refuse);
 
 }  // namespace almesh

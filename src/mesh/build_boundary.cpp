@@ -80,6 +80,7 @@ struct BoundaryMatcher {
     std::vector<int> side_of_face;             // by index into chosen.faces: side of an element, -1: dropped
     std::vector<int> untagged;                 // sides
     int inside = 0, repeated = 0;              // tagged faces dropped
+    FoldedPairs folded;
 
     const RawElement& element_of(int side) const { return raw.elements[chosen.elements[side / (mesh.dim + 1)]]; }
     const RawElement& tagged_face(const Side& side) const { return raw.elements[chosen.faces[side.owner]]; }
@@ -95,6 +96,7 @@ struct BoundaryMatcher {
     void check_elements(const Side* begin, const Side* end) const;
     void check_tags(const Side* begin, const Side* end) const;
     void check_face(const Side& tagged, int side) const;
+    bool is_even(const Side& side) const;
     [[noreturn]] void refuse_without_element(const Side& tagged) const;
     [[noreturn]] void refuse_untagged() const;
 };
@@ -117,6 +119,17 @@ void BoundaryMatcher::check_elements(const Side* begin, const Side* end) const {
     if (end - begin == 2 && mesh.degree > 1 && nodes_of(begin[0].owner) != nodes_of(begin[1].owner))
         refuse(raw, element_of(begin[1].owner), "and " + name_of(element_of(begin[0].owner)) +
                                                     " share the vertices of a face, but not its other nodes");
+}
+
+// Whether the outward face visits its vertices in an even permutation of their ascending order. Two elements on
+// opposite sides of a face visit it in opposite senses.
+bool BoundaryMatcher::is_even(const Side& side) const {
+    const int corners = mesh.dim + 1;
+    const std::array<int, 3> local = outward_face(mesh.dim, side.owner % corners);
+    const auto vertex = [&](int k) { return mesh.element(side.owner / corners)[local[k]]; };
+    bool even = vertex(0) < vertex(1);
+    if (mesh.dim == 3) even = (even == (vertex(1) < vertex(2))) == (vertex(0) < vertex(2));
+    return even;
 }
 
 // Tagged faces [begin, end) have the same vertices.
@@ -187,6 +200,10 @@ void BoundaryMatcher::match() {
         const int tags = static_cast<int>(t_end - t);
         if (s_end - s == 2) {
             inside += tags;
+            if (is_even(s[0]) == is_even(s[1]) && folded.count++ == 0) {
+                folded.first = s[0].owner / (mesh.dim + 1);
+                folded.second = s[1].owner / (mesh.dim + 1);
+            }
         } else if (tags == 0) {
             untagged.push_back(s->owner);
         } else {
@@ -233,15 +250,16 @@ void fill_faces(const BoundaryMatcher& matcher, Mesh& mesh) {
 
 }  // namespace
 
-void fill_boundary(const RawMesh& raw, const Selection& chosen, const std::vector<int>& index, Mesh& mesh,
-                   std::vector<std::string>& notes) {
+FoldedPairs fill_boundary(const RawMesh& raw, const Selection& chosen, const std::vector<int>& index, Mesh& mesh,
+                          std::vector<std::string>& notes) {
     const LagrangeBasis basis(mesh.dim, mesh.degree);
-    BoundaryMatcher matcher{raw, chosen, index, mesh, {}, {}, {}, 0, 0};
+    BoundaryMatcher matcher{raw, chosen, index, mesh, {}, {}, {}, 0, 0, {}};
     for (int v = 0; v <= mesh.dim; ++v) matcher.face_nodes.push_back(basis.face_nodes(v));
     matcher.match();
     if (matcher.inside) notes.push_back(counted(matcher.inside, "tagged face") + " inside the mesh dropped");
     if (matcher.repeated) notes.push_back(counted(matcher.repeated, "repeated boundary face") + " dropped");
     fill_faces(matcher, mesh);
+    return matcher.folded;
 }
 
 }  // namespace almesh

@@ -18,9 +18,14 @@ struct Selection {
     std::vector<int> faces;     // of dimension dim - 1 with a physical tag
 };
 
+// Pairs of elements on the same side of the face they share: none in a valid mesh.
+struct FoldedPairs {
+    int count = 0, first = -1, second = -1;  // elements of the first pair found
+};
+
 // Fills all that Mesh says of faces; the nodes and elements are there already. index: node of the mesh by raw node, -1:
 // none. Adds to `notes`; throws InputError where faces, elements and tags do not go together (see build_mesh()).
-void fill_boundary(const RawMesh& raw, const Selection& chosen, const std::vector<int>& index, Mesh& mesh,
-                   std::vector<std::string>& notes);
+FoldedPairs fill_boundary(const RawMesh& raw, const Selection& chosen, const std::vector<int>& index, Mesh& mesh,
+                          std::vector<std::string>& notes);
 
 }  // namespace almesh

@@ -51,11 +51,12 @@ AlUpdate update_adaptive(double constraint, double previous_constraint, Schedule
     return AlUpdate::both;
 }
 
-// The constraint stands still (to 10 %) for `updates` iterations in a row although each had a larger penalty.
-bool constraint_stalls(const std::vector<AlIteration>& rows, std::size_t updates) {
+// The constraint stands still (to 10 %) for `updates` iterations in a row although each had a larger penalty. Below
+// `weak` the penalty is no match for the distortion, and standing still tells nothing.
+bool constraint_stalls(const std::vector<AlIteration>& rows, std::size_t updates, double weak) {
     if (rows.size() < updates + 2) return false;
     for (std::size_t k = rows.size() - updates; k < rows.size(); ++k)
-        if (rows[k].mu <= rows[k - 1].mu ||
+        if (rows[k].mu <= rows[k - 1].mu || rows[k - 1].mu < weak ||
             rows[k].projected_constraint_norm < 0.9 * rows[k - 1].projected_constraint_norm)
             return false;
     return true;
@@ -96,7 +97,7 @@ AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& 
                   Objective objective, const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time,
                   const AlObserver& observer) {
     const bool literal = params.algorithm == Algorithm::literal;
-    const double mu0 = params.mu0 * constraint.norm_of_one() * constraint.norm_of_one();
+    const double one_squared = constraint.norm_of_one() * constraint.norm_of_one(), mu0 = params.mu0 * one_squared;
     Schedule s = {m0, mu0, params.omega0, params.epsilon0};
     AugmentedFunctional E{distortion, constraint, std::vector<double>(constraint.size(), 0.0), 0};
     AlResult result;
@@ -137,7 +138,7 @@ AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& 
         row.energy = solved.energy;
         row.gradient_norm = solved.gradient_norm;
         row.mu = s.mu;
-        row.omega = newton_params.omega;
+        row.omega = std::max(newton_params.omega, newton_params.omega_star);
         row.epsilon = s.epsilon;
         row.newton_iterations = solved.iterations;
         row.newton_status = solved.status;
@@ -152,7 +153,7 @@ AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& 
         bool done = true;
         if (constrained && stationary) result.status = AlStatus::converged;
         else if (literal && (constrained || stationary)) result.status = AlStatus::ended_as_printed;
-        else if (constraint_stalls(result.iterations, usable ? 3 : 1)) result.status = AlStatus::infeasible;
+        else if (constraint_stalls(result.iterations, usable ? 3 : 1, one_squared)) result.status = AlStatus::infeasible;
         else if (!usable) result.status = failure_of(solved.status);
         else if (k == params.max_iterations) result.status = AlStatus::max_iterations;
         else done = false;

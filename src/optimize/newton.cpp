@@ -73,8 +73,8 @@ bool Newton::line_search(const AugmentedFunctional& E, std::vector<double>& x, d
         for (std::size_t i = 0; i < x.size(); ++i) trial_[i] = x[i] + t * d_[i];
         const double trial_energy = E.energy(trial_);
         const bool decreases = trial_energy <= energy + sufficient_decrease * t * slope;
-        by_rounding = !decreases && -t * slope <= noise && std::abs(trial_energy - energy) <= noise;
-        if (decreases || by_rounding) {
+        by_rounding = -t * slope <= noise;
+        if (decreases || (by_rounding && std::abs(trial_energy - energy) <= noise)) {
             x.swap(trial_);
             energy = trial_energy;
             step.step_length = t;

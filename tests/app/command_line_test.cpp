@@ -14,15 +14,11 @@ using namespace almesh::test;
 
 namespace {
 
-// A square of 4 x 4 cells with `count` of its inner nodes moved so far that elements turn over.
+// A square of 8 x 8 cells, `count` of its inner nodes, no neighbours, moved so far that elements turn over.
 Mesh tangled_square(int count) {
-    Mesh mesh = square_mesh(4);
-    for (int i = 0, moved = 0; i < mesh.nodes() && moved < count; ++i) {
-        double* const p = &mesh.x[2 * i];
-        if (p[0] == 0 || p[0] == 1 || p[1] == 0 || p[1] == 1) continue;
-        p[0] += 0.4;
-        ++moved;
-    }
+    Mesh mesh = square_mesh(8);
+    for (int j = 2; j < 8; j += 2)
+        for (int i = 2; i < 8 && count > 0; i += 2, --count) mesh.x[2 * (9 * j + i)] += 0.2;
     return mesh;
 }
 
@@ -107,6 +103,7 @@ TEST_CASE("quality of a mesh with inverted elements: code 4, and the first ten b
     Mesh curved = raise_degree(square_mesh(1), 2);  // only the curved inside of the element is inverted
     for (int i = 0; i < curved.nodes(); ++i)
         if (curved.x[2 * i] == 0.5 && curved.x[2 * i + 1] == 0) curved.x[2 * i + 1] = 0.4;
+    REQUIRE(certify(tangled_square(9), tangled_square(9).x).uncertified.size() > 10);
     for (const Mesh& mesh : {curved, tangled_square(1), tangled_square(9)}) {
         const std::size_t bad = certify(mesh, mesh.x).uncertified.size();
         REQUIRE(bad > 0);

@@ -312,6 +312,23 @@ TEST_CASE("a motion that no valid mesh can follow: code 3, and a valid mesh is w
         }
 }
 
+// delta > 0 regularises: inverted elements have a finite distortion, and the target is reached through them.
+TEST_CASE("converged but not certified: code 4, and the worst ten elements by id and centre") {
+    const RingDeck ring;
+    const Outcome outcome = ring.run({"delta=1", "boundary inner=translate 40 0"});
+    CHECK(outcome.code == 4);
+    CHECK(has(outcome.out, "NOT certified valid"));
+    CHECK(has(outcome.out, "elements are not certified valid; the worst ten"));
+    CHECK(summary_of(ring.output).at("status") == "converged");
+    CHECK(summary_of(ring.output).at("certified_valid") == "no");
+    CHECK(number(summary_of(ring.output), "min_scaled_jacobian") < 0);
+    const auto lines = pieces(outcome.out, '\n');
+    CHECK(std::count_if(lines.begin(), lines.end(), [](const std::string& line) {
+              return line.starts_with("  ") && has(line, "  (") && has(line, ")  -");
+          }) == 10);
+    CHECK(!has(text_of(ring.output + "/final.vtk"), "nan"));
+}
+
 TEST_CASE("too few iterations: code 3 with the reason, and a valid mesh is written") {
     const RingDeck ring;
     for (const auto& [setting, status] : {std::pair("max_al_iterations=1", "max_al_iterations"),

@@ -229,6 +229,22 @@ TEST_CASE("a target that no valid mesh reaches is infeasible, and the mesh stays
         }
 }
 
+TEST_CASE("a first penalty that is far too weak is no sign of infeasibility") {
+    for (Algorithm algorithm : {Algorithm::adaptive, Algorithm::paper})
+        for (Objective objective : objectives)
+            for (double mu0 : {1e-2, 1e-4, 1e-6}) {
+                const Minimisation problem(ring_mesh(12, 3, 6), {{"inner", "translate 2 0"}}, objective);
+                AugmentedLagrangianParams params = with(algorithm);
+                params.mu0 = mu0;
+                std::vector<double> x;
+                const AlResult result = problem.solve(params, x);
+                CAPTURE(static_cast<int>(algorithm));
+                CAPTURE(static_cast<int>(objective));
+                CAPTURE(mu0);
+                CHECK(std::string(to_string(result.status)) == "converged");
+            }
+}
+
 TEST_CASE("limits of iterations end the run with their status") {
     const Minimisation problem = moved_ring(Objective::squared);
     std::vector<double> x;
