@@ -1,5 +1,7 @@
 #include "functional/distortion.hpp"
 
+#include <numbers>
+
 namespace almesh {
 namespace {
 
@@ -36,20 +38,6 @@ void jacobi_eigen(Mat<n> A, Vec<n>& lambda, Mat<n>& Q) {
             }
     }
     for (int i = 0; i < n; ++i) lambda[i] = A[i][i];
-}
-
-// The nearest positive semidefinite matrix in the Frobenius norm.
-template <int n>
-void drop_negative_eigenvalues(Mat<n>& M) {
-    Vec<n> lambda;
-    Mat<n> Q;
-    jacobi_eigen<n>(M, lambda, Q);
-    if (*std::min_element(lambda.begin(), lambda.end()) >= 0) return;
-    for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) {
-            M[i][j] = 0;
-            for (int k = 0; k < n; ++k) M[i][j] += std::max(lambda[k], 0.0) * Q[i][k] * Q[j][k];
-        }
 }
 
 Vec<3> column(const Mat<3>& m, int j) { return {m[0][j], m[1][j], m[2][j]}; }
@@ -142,7 +130,7 @@ SingularValues<3> singular_values(const Mat<3>& F) {
 }
 
 template <int n>
-Tensor4<n> density_hessian(const Mat<n>& F, double delta, Objective objective, bool projected) {
+DensityHessian<n> density_hessian(const Mat<n>& F, double delta, Objective objective) {
     const SingularValues<n> svd = singular_values(F);
     const Vec<n>& s = svd.s;
     double S = 0, D = 1;
@@ -153,19 +141,17 @@ Tensor4<n> density_hessian(const Mat<n>& F, double delta, Objective objective, b
     const auto [r, r1, r2] = determinant_factor<n>(D, delta);
     const double f1 = density_derivative(S * r, objective), f2 = 2;
 
-    Vec<n> D_i, eta_i;  // first derivatives with respect to the singular values
-    for (int i = 0; i < n; ++i) {
-        D_i[i] = 1;
-        for (int k = 0; k < n; ++k)
-            if (k != i) D_i[i] *= s[k];
-        eta_i[i] = 2 * s[i] * r + S * r1 * D_i[i];
-    }
     const auto product_without = [&s](int i, int j) {
         double K = 1;
         for (int k = 0; k < n; ++k)
             if (k != i && k != j) K *= s[k];
         return K;
     };
+    Vec<n> D_i, eta_i;  // first derivatives with respect to the singular values
+    for (int i = 0; i < n; ++i) {
+        D_i[i] = product_without(i, i);
+        eta_i[i] = 2 * s[i] * r + S * r1 * D_i[i];
+    }
     Mat<n> scaling;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) {
@@ -173,39 +159,36 @@ Tensor4<n> density_hessian(const Mat<n>& F, double delta, Objective objective, b
             eta_ij += i == j ? 2 * r : S * r1 * product_without(i, j);
             scaling[i][j] = f2 * eta_i[i] * eta_i[j] + f1 * eta_ij;
         }
-    if (projected) drop_negative_eigenvalues<n>(scaling);
 
-    // Modes as vectors of n*n entries: mode[i][j] = u_i v_j^T.
-    const auto mode = [&svd](int i, int j, int entry) { return svd.U[entry / n][i] * svd.V[entry % n][j]; };
-    Tensor4<n> A{};
-    for (int i = 0; i < n; ++i) {
-        std::array<double, n * n> image{};  // scaling applied to the mode u_i v_i^T
-        for (int j = 0; j < n; ++j)
-            for (int l = 0; l < n * n; ++l) image[l] += scaling[i][j] * mode(j, j, l);
-        for (int k = 0; k < n * n; ++k)
-            for (int l = 0; l < n * n; ++l) A[k][l] += mode(i, i, k) * image[l];
+    DensityHessian<n> H;
+    Vec<n> value;
+    Mat<n> Q;
+    jacobi_eigen<n>(scaling, value, Q);
+    int m = 0;
+    for (int k = 0; k < n; ++k, ++m) {  // sum over i of Q_ik u_i v_i^T
+        H.value[m] = value[k];
+        for (int a = 0; a < n; ++a)
+            for (int b = 0; b < n; ++b) {
+                H.mode[m][a][b] = 0;
+                for (int i = 0; i < n; ++i) H.mode[m][a][b] += Q[i][k] * svd.U[a][i] * svd.V[b][i];
+            }
     }
     for (int i = 0; i < n; ++i)
-        for (int j = i + 1; j < n; ++j) {
+        for (int j = i + 1; j < n; ++j, m += 2) {
             const double K = product_without(i, j);
-            double flip = f1 * (2 * r - S * r1 * K), twist = f1 * (2 * r + S * r1 * K);
-            if (projected) {
-                flip = std::max(flip, 0.0);
-                twist = std::max(twist, 0.0);
-            }
-            std::array<double, n * n> plus, minus;
-            for (int k = 0; k < n * n; ++k) {
-                plus[k] = mode(i, j, k) + mode(j, i, k);
-                minus[k] = mode(i, j, k) - mode(j, i, k);
-            }
-            for (int k = 0; k < n * n; ++k)
-                for (int l = 0; l < n * n; ++l)
-                    A[k][l] += 0.5 * (flip * plus[k] * plus[l] + twist * minus[k] * minus[l]);
+            H.value[m] = f1 * (2 * r - S * r1 * K);
+            H.value[m + 1] = f1 * (2 * r + S * r1 * K);
+            for (int a = 0; a < n; ++a)
+                for (int b = 0; b < n; ++b) {
+                    const double ij = svd.U[a][i] * svd.V[b][j], ji = svd.U[a][j] * svd.V[b][i];
+                    H.mode[m][a][b] = std::numbers::sqrt2 / 2 * (ij + ji);
+                    H.mode[m + 1][a][b] = std::numbers::sqrt2 / 2 * (ij - ji);
+                }
         }
-    return A;
+    return H;
 }
 
-template Tensor4<2> density_hessian<2>(const Mat<2>&, double, Objective, bool);
-template Tensor4<3> density_hessian<3>(const Mat<3>&, double, Objective, bool);
+template DensityHessian<2> density_hessian<2>(const Mat<2>&, double, Objective);
+template DensityHessian<3> density_hessian<3>(const Mat<3>&, double, Objective);
 
 }  // namespace almesh

@@ -12,7 +12,8 @@
 //     twist modes  (u_i v_j^T - u_j v_i^T)/sqrt 2:  f' (2 r + S r' K_ij)
 //     scaling modes u_i v_i^T: the n x n matrix  f'' eta_i eta_j + f' eta_ij
 // (Smith, de Goes, Kim, "Analytic eigensystems for isotropic distortion energies", ACM TOG 38, 2019, written without
-// divisions by s_i - s_j). Dropping the negative eigenvalues gives the projected Hessian, positive semidefinite.
+// divisions by s_i - s_j). So the n*n eigenvalues and eigenvectors of the Hessian are known in closed form but for the
+// small scaling matrix; with the negative eigenvalues dropped it is the projected, positive semidefinite one.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -86,11 +87,16 @@ Mat<n> density_gradient(const Mat<n>& F, double delta, Objective objective) {
     return P;
 }
 
+// Spectral form of the density's Hessian: d2f / dF_ij dF_kl = sum over m of value[m] mode[m]_ij mode[m]_kl, with
+// orthonormal modes.
 template <int n>
-using Tensor4 = std::array<std::array<double, n * n>, n * n>;  // [i*n + j][k*n + l] = d2f / dF_ij dF_kl
+struct DensityHessian {
+    std::array<double, n * n> value;
+    std::array<Mat<n>, n * n> mode;
+};
 
-// Second derivative of the density; `projected` drops its negative eigenvalues. F must have finite distortion.
+// F must have finite distortion.
 template <int n>
-Tensor4<n> density_hessian(const Mat<n>& F, double delta, Objective objective, bool projected);
+DensityHessian<n> density_hessian(const Mat<n>& F, double delta, Objective objective);
 
 }  // namespace almesh

@@ -58,10 +58,15 @@ struct DistortionEnergy::Kernel {
     const int m = of.element_nodes_;
     Mat<n> ideal_inverse;
     const int* node = nullptr;
-    std::vector<double>& local;  // m x n positions relative to the element's first node: exact differences
+    double* const local;  // m x n positions relative to the element's first node: exact differences
+    double* const modes;  // n*n x m n: the modes of the Hessian applied to the derivatives of the basis
 
-    Kernel(const DistortionEnergy& energy, std::vector<double>& workspace) : of(energy), local(workspace) {
-        local.resize(static_cast<std::size_t>(m) * n);
+    Kernel(const DistortionEnergy& energy, std::vector<double>& workspace)
+        : of(energy), local(resized(workspace, (1 + n * n) * m * n)), modes(local + m * n) {}
+
+    static double* resized(std::vector<double>& workspace, std::size_t size) {
+        workspace.resize(size);
+        return workspace.data();
     }
 
     void start(int e, const std::vector<double>& x) {
@@ -107,43 +112,38 @@ struct DistortionEnergy::Kernel {
         }
     }
 
-    // The density's Hessian taken to reference derivatives: B[a n + k][b n + l] = sum over k', l' of
-    // A^{-1}[k][k'] A^{-1}[l][l'] d2f / dF_ak' dF_bl'.
-    Tensor4<n> to_reference(const Tensor4<n>& A) const {
-        Tensor4<n> half{}, B{};
-        for (int r = 0; r < n * n; ++r)
-            for (int b = 0; b < n; ++b)
-                for (int l = 0; l < n; ++l)
-                    for (int l1 = 0; l1 < n; ++l1) half[r][b * n + l] += A[r][b * n + l1] * ideal_inverse[l][l1];
-        for (int a = 0; a < n; ++a)
-            for (int k = 0; k < n; ++k)
-                for (int k1 = 0; k1 < n; ++k1)
-                    for (int c = 0; c < n * n; ++c) B[a * n + k][c] += ideal_inverse[k][k1] * half[a * n + k1][c];
-        return B;
-    }
-
-    // K: m x m blocks of n x n, row-major blocks; only block rows i >= block columns j are filled.
-    void hessian(HessianKind kind, double* K) const {
-        std::fill(K, K + m * m * n * n, 0.0);
+    // K: (m n) x (m n), row-major, component a of node i in row i n + a; columns up to the diagonal block are filled.
+    // Each mode of the density's Hessian adds value b b^T, with b the mode applied to the derivatives of the N_i.
+    void hessian(HessianKind kind, double* K) {
+        const int size = m * n;
+        std::fill(K, K + size * size, 0.0);
         const bool squared = kind == HessianKind::squared_projected;
         const Objective objective = squared ? Objective::squared : of.params_.objective;
         for (int q = 0; q < of.quadrature_.count; ++q) {
             const double* dN = gradients(q);
-            Tensor4<n> A = density_hessian<n>(deformation_gradient(dN), of.params_.delta, objective,
-                                              kind != HessianKind::full);
-            const Tensor4<n> B = to_reference(A);
-            for (int j = 0; j < m; ++j) {
-                double Bj[n * n][n] = {};  // B applied to the derivatives of N_j
-                for (int r = 0; r < n * n; ++r)
-                    for (int b = 0; b < n; ++b)
-                        for (int l = 0; l < n; ++l) Bj[r][b] += B[r][b * n + l] * dN[j * n + l];
-                for (int i = j; i < m; ++i) {
-                    double* block = K + (i * m + j) * n * n;
-                    for (int a = 0; a < n; ++a)
-                        for (int k = 0; k < n; ++k) {
-                            const double factor = of.quadrature_.weight[q] * dN[i * n + k];
-                            for (int b = 0; b < n; ++b) block[a * n + b] += factor * Bj[a * n + k][b];
-                        }
+            DensityHessian<n> A = density_hessian<n>(deformation_gradient(dN), of.params_.delta, objective);
+            if (kind != HessianKind::full)
+                for (double& value : A.value) value = std::max(value, 0.0);
+            for (int mode = 0; mode < n * n; ++mode) {
+                const Mat<n> B = multiply<n>(A.mode[mode], transpose<n>(ideal_inverse));
+                double* b = &modes[mode * size];
+                for (int i = 0; i < m; ++i)
+                    for (int a = 0; a < n; ++a) {
+                        double sum = 0;
+                        for (int k = 0; k < n; ++k) sum += B[a][k] * dN[i * n + k];
+                        b[i * n + a] = sum;
+                    }
+            }
+            for (int r = 0; r < size; ++r) {
+                double factor[n * n];
+                for (int mode = 0; mode < n * n; ++mode)
+                    factor[mode] = of.quadrature_.weight[q] * A.value[mode] * modes[mode * size + r];
+                double* row = K + r * size;
+                const int end = (r / n + 1) * n;
+                for (int c = 0; c < end; ++c) {
+                    double sum = row[c];
+                    for (int mode = 0; mode < n * n; ++mode) sum += factor[mode] * modes[mode * size + c];
+                    row[c] = sum;
                 }
             }
         }
@@ -260,12 +260,12 @@ void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kin
                     kernel.hessian(kind, K.data());
                     for (int i = 0; i < m; ++i)
                         for (int j = 0; j <= i; ++j) {
-                            const double* block = &K[(i * m + j) * n * n];
+                            const double* block = &K[(i * m * n + j) * n];
                             double* lower = H.block(place_[(static_cast<std::size_t>(e) * m + i) * m + j]);
                             double* upper = H.block(place_[(static_cast<std::size_t>(e) * m + j) * m + i]);
                             for (int a = 0; a < n; ++a)
                                 for (int b = 0; b < n; ++b) {
-                                    const double value = weight_[e] * block[a * n + b];
+                                    const double value = weight_[e] * block[a * m * n + b];
                                     lower[a * n + b] += value;
                                     if (i != j) upper[b * n + a] += value;
                                 }
