@@ -18,6 +18,11 @@ LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(OBJECTS))
 TESTS     := $(shell find tests -name '*.cpp' | sort)
 TEST_OBJECTS := $(TESTS:%.cpp=$(BUILD)/%.o)
 
+# Threads that wait sleep: spinning ones are slow on a machine with other work to do.
+export OMP_WAIT_POLICY ?= passive
+# Compile on all cores.
+MAKEFLAGS += -j$(shell nproc 2>/dev/null || sysctl -n hw.ncpu 2>/dev/null || echo 2)
+
 # The decks of the paper; aircraft-squared states its outcome whatever it is.
 PAPER     := circle circle-refined-1 circle-refined-2 circle-refined-3 circle-refined-4 circle-printed \
              curving curving-printed aircraft aircraft-weighted aircraft-squared

@@ -39,6 +39,15 @@ std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
     return motions;
 }
 
+// With fewer points than |F|^2 needs, the energy does not see some motions of the nodes inside an element.
+void check_quadrature(const Deck& deck, int degree) {
+    const int least = 2 * (degree - 1);
+    if (deck.quadrature == 0 || deck.quadrature >= least) return;
+    throw UsageError(deck.given.at("quadrature") + ": quadrature = " + std::to_string(deck.quadrature) +
+                     " is too low for elements of degree " + std::to_string(degree) + ": at least " + std::to_string(least) +
+                     ", or 0");
+}
+
 void refuse_invalid_target(const TargetReport& report) {
     if (report.faults.empty()) return;
     constexpr std::size_t shown = 10;
@@ -63,6 +72,7 @@ Problem make_problem(const Deck& deck) {
     problem.mesh = refine(problem.mesh, deck.refine);
     if (deck.degree) problem.mesh = raise_degree(problem.mesh, deck.degree);
     const Mesh& mesh = problem.mesh;
+    check_quadrature(deck, mesh.degree);
     problem.target = make_target(mesh, motions_of(deck, mesh));
     const TargetReport report = check_target(mesh, problem.target.node);
     refuse_invalid_target(report);

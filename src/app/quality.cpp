@@ -1,5 +1,6 @@
 #include "app/quality.hpp"
 
+#include "app/uncertified.hpp"
 #include "certify/certificate.hpp"
 #include "certify/quality.hpp"
 #include "io/msh_reader.hpp"
@@ -32,16 +33,10 @@ ExitCode quality(const std::string& mesh_path, std::FILE* out) {
     }
 
     const Certificate certificate = certify(mesh, mesh.x);
-    std::fprintf(out, "\nscaled Jacobian >= %.6g everywhere: ", certificate.min_scaled_jacobian);
-    if (certificate.valid) {
-        std::fprintf(out, "all elements certified valid\n");
-        return ExitCode::success;
-    }
-    std::fprintf(out, "%zu elements NOT certified valid (id, scaled Jacobian >=):\n", certificate.uncertified.size());
-    for (std::size_t k = 0; k < certificate.uncertified.size() && k < 10; ++k)
-        std::fprintf(out, "  %lld  %.4g\n", mesh.element_id[certificate.uncertified[k]],
-                     certificate.lower_bound[certificate.uncertified[k]]);
-    return ExitCode::not_certified;
+    std::fprintf(out, "\nscaled Jacobian >= %.6g everywhere", certificate.min_scaled_jacobian);
+    std::fprintf(out, certificate.valid ? ": all elements certified valid\n" : "\n");
+    print_uncertified(out, mesh, mesh.x, 1, certificate);
+    return certificate.valid ? ExitCode::success : ExitCode::not_certified;
 }
 
 }  // namespace almesh

@@ -2,6 +2,7 @@
 
 #include "app/problem.hpp"
 #include "app/results.hpp"
+#include "app/uncertified.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "io/terminal.hpp"
@@ -52,25 +53,6 @@ const char* advice(AlStatus status) {
         case AlStatus::linear_solver_failed: return "not converged: no linear solver gave a descent direction";
     }
     return "";
-}
-
-void print_uncertified(std::FILE* out, const Problem& problem, const Solution& solution) {
-    const Certificate& certificate = solution.certificate;
-    if (certificate.uncertified.empty()) return;
-    const Mesh& mesh = problem.mesh;
-    std::fprintf(out, "%zu elements are not certified valid; the worst ten (id, centre, scaled Jacobian >=):\n",
-                 certificate.uncertified.size());
-    for (std::size_t k = 0; k < certificate.uncertified.size() && k < 10; ++k) {
-        const int e = certificate.uncertified[k];
-        std::fprintf(out, "  %lld  (", mesh.element_id[e]);
-        for (int a = 0; a < mesh.dim; ++a) {
-            double centre = 0;
-            for (int v = 0; v <= mesh.dim; ++v)
-                centre += solution.x[static_cast<std::size_t>(mesh.element(e)[v]) * mesh.dim + a] / (mesh.dim + 1);
-            std::fprintf(out, "%s%.6g", a ? ", " : "", centre * problem.length);
-        }
-        std::fprintf(out, ")  %.4g\n", certificate.lower_bound[e]);
-    }
 }
 
 void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
@@ -136,7 +118,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     solution.max_boundary_error = constraint.max_error(solution.x);
     const Summary summary = summarise(problem, solution);
     write_results(deck, problem, constraint, solution, history, summary);
-    print_uncertified(out, problem, solution);
+    print_uncertified(out, problem.mesh, solution.x, problem.length, solution.certificate);
     print_closing(out, deck, problem, solution);
 
     const bool expected = expectations_hold(out, deck, summary);

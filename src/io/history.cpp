@@ -26,7 +26,7 @@ History::History(int dim, double length) : dim_(dim), length_(length) {
     text_ = joined({"kind", "al_iteration", "newton_iteration", "energy", "gradient_norm", "constraint_norm",
                     "projected_constraint_norm", "mu", "omega", "epsilon", "relative_quality", "max_distortion",
                     "newton_iterations", "newton_status", "update", "step_length", "cuts_inverted", "cuts_decrease",
-                    "cut_reason", "hessian", "solver", "linear_iterations", "seconds"});
+                    "cut_reason", "hessian", "solver", "fallback", "linear_iterations", "seconds"});
 }
 
 void History::add(const AlIteration& row) {
@@ -36,7 +36,7 @@ void History::add(const AlIteration& row) {
                      to_text(row.projected_constraint_norm * length_), to_text(row.mu * energy / (length_ * length_)),
                      to_text(row.omega * energy / length_), to_text(row.epsilon * length_ * length_),
                      to_text(row.relative_quality), to_text(row.max_distortion), std::to_string(row.newton_iterations),
-                     to_string(row.newton_status), to_string(row.update), "", "", "", "", "", "", "", to_text(row.seconds)});
+                     to_string(row.newton_status), to_string(row.update), "", "", "", "", "", "", "", "", to_text(row.seconds)});
 }
 
 void History::add(int al_iteration, const NewtonStep& step) {
@@ -45,6 +45,7 @@ void History::add(int al_iteration, const NewtonStep& step) {
                      to_text(step.gradient_norm * energy / length_), "", "", "", "", "", "", "", "", "", "",
                      to_text(step.step_length), std::to_string(step.cuts_inverted), std::to_string(step.cuts_decrease),
                      cut_reason(step), to_string(step.hessian), to_string(step.solver),
+                     step.fallback == SolveStatus::converged ? "" : std::string("gmres ") + to_string(step.fallback),
                      std::to_string(step.linear_iterations), ""});
 }
 

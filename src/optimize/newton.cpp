@@ -61,6 +61,7 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
         const SolveResult solve = solver_.solve(H_, minus_g_, d_);
         step.linear_iterations += solve.iterations;
         step.solver = solve.used;
+        if (solve.fell_back) step.fallback = solve.gmres_status;
         if (solve.status == SolveStatus::converged && dot(g_, d_) < 0) return true;
     } while (fall_back(step.hessian));
     return false;

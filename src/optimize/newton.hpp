@@ -45,7 +45,8 @@ struct NewtonStep {
     int cuts_decrease = 0;     // trial lengths refused because E did not decrease enough
     HessianKind hessian = HessianKind::projected;
     int linear_iterations = 0;
-    SolverKind solver = SolverKind::automatic;
+    SolverKind solver = SolverKind::automatic;  // who made the direction
+    SolveStatus fallback = SolveStatus::converged;  // how GMRES failed before Cholesky took over
 };
 
 struct NewtonResult {

@@ -37,7 +37,8 @@ TEST_CASE("--help tells usage and exit codes") {
         const Outcome outcome = almesh_with({option});
         CHECK(outcome.code == 0);
         CHECK(outcome.error.empty());
-        for (const char* part : {"almesh DECK", "almesh quality FILE", "--keys", "--version", "Exit codes", "boundary inner"})
+        for (const char* part :
+             {"almesh DECK", "almesh quality FILE", "--keys", "--version", "Exit codes", "boundary inner"})
             CHECK(has(outcome.out, part));
     }
 }
@@ -92,7 +93,8 @@ TEST_CASE("quality of a valid mesh") {
 
 TEST_CASE("quality of a regular triangle is one") {
     const TemporaryFolder folder;
-    const Mesh mesh = linear_mesh(2, {0, 0, 1, 0, 0.5, 0.8660254037844386}, {0, 1, 2}, [](const double*) { return "rim"; });
+    const Mesh mesh =
+        linear_mesh(2, {0, 0, 1, 0, 0.5, 0.8660254037844386}, {0, 1, 2}, [](const double*) { return "rim"; });
     const Outcome outcome = almesh_with({"quality", folder.write("mesh.msh", msh_of(mesh))});
     CHECK(has(outcome.out, "min 1, mean 1; edges 1 to 1"));
     CHECK(has(outcome.out, "0.9 - 1.0         1"));

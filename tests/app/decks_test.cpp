@@ -14,7 +14,8 @@ TEST_CASE("the small decks of the paper hold what they expect") {
         MESSAGE("no folder inputs here: run the tests from the repository's top folder");
         return;
     }
-    for (const char* name : {"circle", "circle-refined-1", "circle-refined-2", "circle-printed", "curving", "curving-printed"}) {
+    for (const char* name :
+         {"circle", "circle-refined-1", "circle-refined-2", "circle-printed", "curving", "curving-printed"}) {
         CAPTURE(name);
         const TemporaryFolder folder;
         const std::string deck = std::string("inputs/") + name + ".deck";
@@ -25,6 +26,17 @@ TEST_CASE("the small decks of the paper hold what they expect") {
         CHECK(outcome.error.empty());
         CHECK(has(outcome.out, "expectations of the deck hold"));
     }
+}
+
+TEST_CASE("the decks of the lessons hold what they expect, and curving works in 3D") {
+    if (!std::filesystem::is_directory("inputs")) return;
+    const TemporaryFolder folder;
+    const std::string output = "output=" + folder.path("out");
+    CHECK(almesh_with({"inputs/channel-bump.deck", output}).code == 0);
+    CHECK(almesh_with({"inputs/sphere-shell.deck", output, "degree=2"}).code == 0);
+    const Outcome literal = almesh_with({"inputs/circle-literal.deck", output});
+    CHECK(literal.code == 3);
+    CHECK(has(literal.out, "expectations of the deck hold"));
 }
 
 TEST_CASE("every deck in inputs can be read, and its mesh is there") {

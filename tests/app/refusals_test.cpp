@@ -93,14 +93,23 @@ TEST_CASE("mesh files whose contents cannot be meant: code 2 with file and line"
         check_refused(run_on(good.substr(0, good.find("$Elements"))), 2, {"ring.msh", "$Elements"});
     }
     const std::string good = msh_of(ring_mesh(8, 1, 2)), nodes = "$Nodes\n16\n", first = nodes + "1 1 0 0\n";
-    check_refused(run_on(replaced(good, nodes, "$Nodes\n2000000000\n")), 2, {"ring.msh:", "announces 2000000000 nodes, only 16"});
-    check_refused(run_on(replaced(good, nodes, "$Nodes\n15\n")), 2, {"ring.msh:", "$Nodes holds more than it announces"});
+    check_refused(run_on(replaced(good, nodes, "$Nodes\n2000000000\n")), 2,
+                  {"ring.msh:", "announces 2000000000 nodes, only 16"});
+    check_refused(run_on(replaced(good, nodes, "$Nodes\n15\n")), 2,
+                  {"ring.msh:", "$Nodes holds more than it announces"});
     check_refused(run_on(replaced(good, first, nodes + "2 1 0 0\n")), 2, {"ring.msh:", "node id 2 is there twice"});
     check_refused(run_on(replaced(good, first, nodes + "1 nan 0 0\n")), 2, {"ring.msh:"});
-    check_refused(run_on(replaced(good, first, nodes + "99 1 0 0\n")), 2, {"ring.msh:", "node 1, which is not in $Nodes"});
-    check_refused(run_on("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n"
-                         "$Elements\n1\n1 3 2 1 1 1 2 3 4\n$EndElements\n"),
-                  2, {"ring.msh:13: ", "quadrangle"});
+    check_refused(run_on(replaced(good, first, nodes + "99 1 0 0\n")), 2,
+                  {"ring.msh:", "node 1, which is not in $Nodes"});
+    check_refused(
+        run_on("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n"
+               "$Elements\n1\n1 3 2 1 1 1 2 3 4\n$EndElements\n"),
+        2, {"ring.msh:13: ", "quadrangle"});
+}
+
+TEST_CASE("a quadrature that cannot see the nodes inside an element: code 1, naming the line") {
+    const RingDeck ring(ring_mesh(8, 2, 4));
+    check_refused(ring.run({"degree=3", "quadrature=1"}), 1, {"command line: quadrature = 1", "degree 3", "at least 4"});
 }
 
 // All boundary nodes are where they should be, but an inner one lies outside its neighbours.
@@ -120,13 +129,15 @@ TEST_CASE("targets that make the boundary itself invalid: code 2, naming faces b
     const double* const end = &folded.x[2 * folded.face(bad)[0]];
     for (int a = 0; a < 2; ++a) middle[a] = 0.05 * middle[a] + 0.95 * end[a];
     const RingDeck ring(folded);
-    check_refused(ring.run(), 2, {"the target makes the boundary itself invalid at 1 face", "folds the face back",
-                                  "face " + std::to_string(folded.face_id[bad]) + " of inner"});
+    check_refused(ring.run(), 2,
+                  {"the target makes the boundary itself invalid at 1 face", "folds the face back",
+                   "face " + std::to_string(folded.face_id[bad]) + " of inner"});
     CHECK(!std::filesystem::exists(ring.output));
 
     // Onto the closest points of a circle elsewhere: the whole inner boundary falls on one side of that.
     const RingDeck far;
-    check_refused(far.run({"boundary inner=circle 9 0 1"}), 2, {"the target makes the boundary itself invalid", "of inner at ("});
+    check_refused(far.run({"boundary inner=circle 9 0 1"}), 2,
+                  {"the target makes the boundary itself invalid", "of inner at ("});
 }
 
 TEST_CASE("a projection that is not defined, or boundaries that are torn apart: code 2") {
@@ -134,10 +145,13 @@ TEST_CASE("a projection that is not defined, or boundaries that are torn apart: 
     check_refused(ring.run({"boundary inner=circle 1 0 1"}), 2, {"boundary inner", "(1, 0)", "not defined"});
     const TemporaryFolder folder;
     folder.write("square.msh", msh_of(square_mesh(2)));
-    const std::string deck = folder.write("square.deck", "mesh = square.msh\noutput = " + folder.path("out") +
-                                                             "\nboundary left = translate -1 0\nboundary right = fixed\n"
-                                                             "boundary top = fixed\nboundary bottom = fixed\n");
-    check_refused(almesh_with({deck}), 2, {"node 1 lies on two boundaries whose motions disagree", "left to (-1, 0)", "bottom takes it to (0, 0)"});
+    const std::string deck =
+        folder.write("square.deck", "mesh = square.msh\noutput = " + folder.path("out") +
+                                        "\nboundary left = translate -1 0\nboundary right = fixed\n"
+                                        "boundary top = fixed\nboundary bottom = fixed\n");
+    check_refused(
+        almesh_with({deck}), 2,
+        {"node 1 lies on two boundaries whose motions disagree", "left to (-1, 0)", "bottom takes it to (0, 0)"});
 }
 
 TEST_CASE("an output folder that cannot be made: code 2, before anything is solved") {

@@ -24,7 +24,10 @@ struct Case {
     BoundaryConstraint constraint;
 
     Case(const Mesh& any, const std::map<std::string, std::string>& motions, TargetKind kind)
-        : mesh(any), ideal(straight_sided(mesh)), target(target_of(mesh, motions)), constraint(mesh, ideal, target, kind) {}
+        : mesh(any),
+          ideal(straight_sided(mesh)),
+          target(target_of(mesh, motions)),
+          constraint(mesh, ideal, target, kind) {}
 };
 
 std::vector<double> random_numbers(std::size_t count, int seed) {
@@ -159,7 +162,8 @@ TEST_CASE("a nodal target is reached at the nodes") {
 
 TEST_CASE("the largest error of a polygon is its sagitta, at the nodes that of the worst node") {
     const Case exact = circle_case(8, 1, TargetKind::exact);
-    CHECK(exact.constraint.max_error(exact.ideal) == doctest::Approx(5 * (1 - std::cos(std::numbers::pi / 8))).epsilon(1e-13));
+    CHECK(exact.constraint.max_error(exact.ideal) ==
+          doctest::Approx(5 * (1 - std::cos(std::numbers::pi / 8))).epsilon(1e-13));
     const Case nodal = circle_case(8, 1, TargetKind::nodal);
     CHECK(nodal.constraint.max_error(nodal.ideal) < 1e-14);
     std::vector<double> x = nodal.ideal;
@@ -171,7 +175,8 @@ TEST_CASE("the largest error of a polygon is its sagitta, at the nodes that of t
 TEST_CASE("value, gradient and Hessian belong together: the functional is exactly quadratic") {
     const Case ring = circle_case(7, 3, TargetKind::exact);
     const std::string spin = "scale 1 1 1.5 about 0 0 1; rotate 20 axis 1 1 0";
-    const Case cube(raise_degree(cube_mesh(1), 2), {{"top", spin}, {"bottom", spin}, {"sides", spin}}, TargetKind::nodal);
+    const Case cube(raise_degree(cube_mesh(1), 2), {{"top", spin}, {"bottom", spin}, {"sides", spin}},
+                    TargetKind::nodal);
     for (const Case* c : {&ring, &cube}) {
         const std::vector<double> x = wavy(c->ideal, c->mesh.dim, 0.05), v = random_numbers(x.size(), 1),
                                   lambda = random_numbers(c->constraint.size(), 2);
@@ -213,7 +218,8 @@ TEST_CASE("the multiplier update is lambda - mu c_D at every node, and makes the
     std::vector<double> with_penalty(x.size(), 0.0), with_multipliers(x.size(), 0.0);
     c.constraint.add_gradient(x, before, mu, with_penalty);
     c.constraint.add_gradient(x, lambda, 0, with_multipliers);
-    for (std::size_t i = 0; i < x.size(); ++i) CHECK(with_penalty[i] == doctest::Approx(with_multipliers[i]).epsilon(1e-12));
+    for (std::size_t i = 0; i < x.size(); ++i)
+        CHECK(with_penalty[i] == doctest::Approx(with_multipliers[i]).epsilon(1e-12));
 }
 
 TEST_CASE("the same bits for any number of threads") {

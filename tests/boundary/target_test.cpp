@@ -95,16 +95,14 @@ TEST_CASE("fixed keeps the curved boundary of the file, which the ideal mesh has
         }
     CHECK(bulge > 0.1);
     for (const char* boundary : {"inner", "outer"})
-        for_points(mesh, target, boundary, [](const double* x, const double* g) {
-            CHECK(std::hypot(x[0] - g[0], x[1] - g[1]) < 1e-15);
-        });
+        for_points(mesh, target, boundary,
+                   [](const double* x, const double* g) { CHECK(std::hypot(x[0] - g[0], x[1] - g[1]) < 1e-15); });
 }
 
 TEST_CASE("motions act on the boundary as the file has it") {
     const Mesh mesh = curved_ring();
-    for_points(mesh, target_of(mesh, {{"inner", "scale 2"}}), "inner", [](const double* x, const double* g) {
-        CHECK(std::hypot(g[0] - 2 * x[0], g[1] - 2 * x[1]) < 1e-15);
-    });
+    for_points(mesh, target_of(mesh, {{"inner", "scale 2"}}), "inner",
+               [](const double* x, const double* g) { CHECK(std::hypot(g[0] - 2 * x[0], g[1] - 2 * x[1]) < 1e-15); });
 }
 
 TEST_CASE("two boundaries that send a shared node to different places are refused by id and name") {
@@ -131,7 +129,8 @@ TEST_CASE("motions that disagree are refused wherever the mesh lies and however 
 }
 
 TEST_CASE("a projection that is undefined at a node names boundary and point") {
-    CHECK(has(error_of(ring_mesh(8, 2, 3), {{"inner", "circle 1 0 1"}}), "input: boundary inner: the closest point to (1, 0)"));
+    CHECK(has(error_of(ring_mesh(8, 2, 3), {{"inner", "circle 1 0 1"}}),
+              "input: boundary inner: the closest point to (1, 0)"));
     CHECK(has(error_of(cube_mesh(1), {{"top", "sphere 1 1 1 2"}}), "input: boundary top"));
 }
 

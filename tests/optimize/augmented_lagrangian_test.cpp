@@ -142,7 +142,8 @@ TEST_CASE("as printed, the multipliers have next to no effect; read consistently
         const AlResult literal = problem.solve(printed, x), consistent = problem.solve(read, x);
         REQUIRE(literal.iterations.size() == 5);
         REQUIRE(consistent.iterations.size() >= 4);
-        CHECK(literal.iterations[1].constraint_norm == doctest::Approx(consistent.iterations[1].constraint_norm).epsilon(1e-6));
+        CHECK(literal.iterations[1].constraint_norm ==
+              doctest::Approx(consistent.iterations[1].constraint_norm).epsilon(1e-6));
         for (int k = 2; k <= 3; ++k) {
             CHECK(literal.iterations[k - 1].update == AlUpdate::multipliers);
             CHECK(consistent.iterations[k - 1].update == AlUpdate::multipliers);
@@ -189,12 +190,13 @@ TEST_CASE("a curved target: the projected constraint vanishes, the whole one end
     const std::map<std::string, std::string> onto_circles = {{"inner", "circle 0 0 1"}, {"outer", "circle 0 0 3"}};
     const Mesh mesh = raise_degree(ring_mesh(10, 3, 3), 3);
     for (Objective objective : objectives) {
-        const Minimisation exact(mesh, onto_circles, objective), nodal(mesh, onto_circles, objective, TargetKind::nodal);
+        const Minimisation exact(mesh, onto_circles, objective),
+            nodal(mesh, onto_circles, objective, TargetKind::nodal);
         std::vector<double> x;
         CHECK(exact.solve(with(Algorithm::adaptive), x).status == AlStatus::converged);
         CHECK(exact.constraint.projected_norm(x) <= 1e-8);
         CHECK(exact.constraint.floor() > 1e-5);
-        CHECK(exact.constraint.norm(x) == doctest::Approx(exact.constraint.floor()).epsilon(1e-5));
+        CHECK(exact.constraint.norm(x) == doctest::Approx(exact.constraint.floor()).epsilon(1e-9));
         CHECK(nodal.solve(with(Algorithm::adaptive), x).status == AlStatus::converged);
         CHECK(nodal.constraint.norm(x) <= 1e-8);
     }
@@ -203,7 +205,8 @@ TEST_CASE("a curved target: the projected constraint vanishes, the whole one end
 TEST_CASE("a cube stretched to twice its height") {
     const std::string stretch = "scale 1 1 2";
     for (Objective objective : objectives) {
-        const Minimisation problem(cube_mesh(3), {{"top", stretch}, {"sides", stretch}, {"bottom", stretch}}, objective);
+        const Minimisation problem(cube_mesh(3), {{"top", stretch}, {"sides", stretch}, {"bottom", stretch}},
+                                   objective);
         std::vector<double> x;
         CHECK(problem.solve(with(Algorithm::adaptive), x).status == AlStatus::converged);
         CHECK(problem.constraint.max_error(x) < 1e-6);

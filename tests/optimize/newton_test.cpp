@@ -76,8 +76,10 @@ TEST_CASE("the end game is quadratic") {
             // Order of convergence from three gradient norms in a row, full steps all, above rounding.
             double order = 0;
             for (std::size_t k = 2; k < r.steps.size(); ++k) {
-                const double a = r.steps[k - 2].gradient_norm, b = r.steps[k - 1].gradient_norm, c = r.steps[k].gradient_norm;
-                if (c > 1e-12 && b < 0.1 && r.steps[k].hessian == HessianKind::full) order = std::log(c / b) / std::log(b / a);
+                const double a = r.steps[k - 2].gradient_norm, b = r.steps[k - 1].gradient_norm,
+                             c = r.steps[k].gradient_norm;
+                if (c > 1e-12 && b < 0.1 && r.steps[k].hessian == HessianKind::full)
+                    order = std::log(c / b) / std::log(b / a);
             }
             CAPTURE(degree);
             CHECK(order > 1.7);
@@ -97,7 +99,8 @@ TEST_CASE("energies never increase, and every accepted iterate is a valid mesh")
             CHECK(step.energy <= before * (1 + 1e-14));
             before = step.energy;
             inverted += step.cuts_inverted;
-            const Run part = run(problem, E, {.omega = 1e-8, .max_iterations = step.iteration, .first = first_of(objective)});
+            const Run part =
+                run(problem, E, {.omega = 1e-8, .max_iterations = step.iteration, .first = first_of(objective)});
             CHECK(part.result.energy == step.energy);
             CHECK(certify(problem.mesh, part.x).valid);
         }
@@ -157,7 +160,8 @@ TEST_CASE("a tolerance below rounding ends at the rounding floor, for any penalt
             CAPTURE(mu);
             CAPTURE(r.result.gradient_norm);
             CAPTURE(std::string(to_string(r.result.status)));
-            const bool ended = r.result.status == NewtonStatus::rounding_floor || r.result.status == NewtonStatus::converged;
+            const bool ended =
+                r.result.status == NewtonStatus::rounding_floor || r.result.status == NewtonStatus::converged;
             CHECK(ended);
             CHECK(r.result.iterations < 60);
             CHECK(r.result.gradient_norm < 1e-10 * std::max(1.0, mu));
@@ -186,7 +190,8 @@ TEST_CASE("a functional without a minimum ends with a status, on a valid mesh") 
 }
 
 TEST_CASE("GMRES and Cholesky lead to the same minimum") {
-    const Minimisation problem{cube_mesh(3), {{"top", "scale 1 1 1.2"}, {"sides", "scale 1 1 1.2"}}, Objective::squared};
+    const Minimisation problem{
+        cube_mesh(3), {{"top", "scale 1 1 1.2"}, {"sides", "scale 1 1 1.2"}}, Objective::squared};
     const AugmentedFunctional E = problem.functional(300);
     LinearSolverParams gmres, cholesky;
     gmres.kind = SolverKind::gmres;

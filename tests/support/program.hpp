@@ -60,6 +60,11 @@ inline std::map<std::string, std::string> summary_of(const std::string& folder) 
     return {lines.begin(), lines.end()};
 }
 
+// A decimal or count of the summary.
+inline double number(const std::map<std::string, std::string>& summary, const std::string& key) {
+    return parse_double(summary.at(key)).value();
+}
+
 // Cells of a history without the column of times.
 inline std::vector<std::vector<std::string>> history_without_times(const std::string& folder) {
     auto rows = csv_rows(text_of(folder + "/history.csv"));
