@@ -79,7 +79,7 @@ paper: almesh ## run the paper's decks, compare with its tables: outputs/paper/t
 	  if [ $$code -ne 0 ] && ! { [ $$deck = aircraft-squared ] && [ $$code -eq 3 ]; }; then \
 	    echo "make paper: inputs/$$deck.deck ended with exit code $$code"; exit 1; fi; \
 	done
-	python3 plot/paper_tables.py
+	$(PYTHON) plot/paper_tables.py
 
 figures: ## draw the counterparts of the paper's figures from outputs/ (Python with numpy and matplotlib)
 	$(PYTHON) plot/figures.py

@@ -1,5 +1,6 @@
 #include "app/command_line.hpp"
 
+#include <exception>
 #include <new>
 
 #include "app/quality.hpp"
@@ -29,7 +30,7 @@ constexpr const char* help =
     "Keys on the command line: almesh inputs/circle.deck refine=2 \"boundary inner=translate 4 0\"\n"
     "\n"
     "Exit codes: 0 converged and certified valid; 1 usage or deck; 2 mesh, target or output folder;\n"
-    "  3 not converged (the last valid mesh is written); 4 converged but not certified valid;\n"
+    "  3 not converged (the last mesh is written); 4 converged but not certified valid;\n"
     "  5 an `expect` line of the deck does not hold.\n";
 
 ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
@@ -60,6 +61,9 @@ int command_line(const std::vector<std::string>& arguments, std::FILE* out, std:
         return static_cast<int>(problem.exit_code);
     } catch (const std::bad_alloc&) {
         std::fprintf(error, "almesh: out of memory\n");
+        return static_cast<int>(ExitCode::input);
+    } catch (const std::exception& unexpected) {
+        std::fprintf(error, "almesh: unexpected error: %s\n", unexpected.what());
         return static_cast<int>(ExitCode::input);
     }
 }

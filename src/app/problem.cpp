@@ -9,7 +9,6 @@
 #include "base/files.hpp"
 #include "base/text.hpp"
 #include "boundary/target_check.hpp"
-#include "functional/distortion_energy.hpp"
 #include "io/msh_reader.hpp"
 #include "mesh/build.hpp"
 
@@ -80,8 +79,7 @@ Problem make_problem(const Deck& deck) {
     problem.notes.insert(problem.notes.end(), report.notes.begin(), report.notes.end());
 
     problem.ideal = straight_sided(mesh);
-    const double volume = DistortionEnergy(mesh, problem.ideal, {}).domain_volume();
-    problem.length = deck.length_scale.value_or(std::pow(volume, 1.0 / mesh.dim));
+    problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal), 1.0 / mesh.dim));
     divide(problem.mesh.x, problem.length);
     divide(problem.ideal, problem.length);
     divide(problem.target.node, problem.length);

@@ -137,11 +137,10 @@ void write_initial(const Deck& deck, const Problem& problem) {
 }
 
 void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution,
-                   const History& history, const Summary& summary) {
+                   const Summary& summary) {
     write_volume(deck, problem, "final", solution.x, solution.distortion.element_max, &solution.certificate.lower_bound);
     write_boundary(deck, problem, constraint, solution);
     write_msh(deck.output + "/final.msh", problem.mesh, scaled(solution.x, problem.length));
-    write_file(deck.output + "/history.csv", history.csv());
     write_file(deck.output + "/summary.txt", lines(summary));
 }
 

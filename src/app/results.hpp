@@ -8,7 +8,6 @@
 #include "certify/certificate.hpp"
 #include "io/deck.hpp"
 #include "io/expectation.hpp"
-#include "io/history.hpp"
 #include "optimize/augmented_lagrangian.hpp"
 
 namespace almesh {
@@ -21,6 +20,7 @@ struct Solution {
     double max_boundary_error = 0;
     Certificate certificate;
     Timings time;
+    int fallbacks = 0;  // Newton steps in which GMRES failed and Cholesky took over
 };
 
 Summary summarise(const Problem& problem, const Solution& solution);
@@ -28,6 +28,6 @@ Summary summarise(const Problem& problem, const Solution& solution);
 void write_deck(const Deck& deck, const Problem& problem);
 void write_initial(const Deck& deck, const Problem& problem);
 void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution,
-                   const History& history, const Summary& summary);
+                   const Summary& summary);
 
 }  // namespace almesh

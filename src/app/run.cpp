@@ -5,6 +5,7 @@
 #include "app/uncertified.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
+#include "io/history.hpp"
 #include "io/terminal.hpp"
 
 namespace almesh {
@@ -46,6 +47,7 @@ const char* advice(AlStatus status) {
         case AlStatus::converged: return "converged";
         case AlStatus::infeasible:
             return "infeasible: no valid mesh seems to reach the target; the last valid one is written";
+        case AlStatus::rounding_floor: return "not converged: |grad E| ended at its rounding floor, above omega0; mu0 may be too large";
         case AlStatus::ended_as_printed: return "not converged: the loop as printed ended with one of its two tests met";
         case AlStatus::max_iterations: return "not converged: max_al_iterations reached";
         case AlStatus::max_newton_iterations: return "not converged: max_newton_iterations reached in a subproblem";
@@ -60,7 +62,9 @@ void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, con
     std::fprintf(out, "%s: %zu AL and %d Newton iterations in %.2f s; |c_D| = %.3g, largest boundary error %.3g\n",
                  advice(solution.al.status), solution.al.iterations.size() - 1, solution.al.newton_iterations,
                  solution.time.total, last.constraint_norm * problem.length, solution.max_boundary_error * problem.length);
-    if (solution.al.rounding_floor) std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
+    if (last.newton_status == NewtonStatus::rounding_floor) std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
+    if (solution.fallbacks)
+        std::fprintf(out, "GMRES failed in %d Newton steps, which were solved by Cholesky (history.csv tells why)\n", solution.fallbacks);
     std::fprintf(out, "%s: scaled Jacobian >= %.4g everywhere; results in %s\n",
                  solution.certificate.valid ? "certified valid" : "NOT certified valid",
                  solution.certificate.min_scaled_jacobian, deck.output.c_str());
@@ -102,14 +106,16 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     observer.iteration = [&](const AlIteration& row) {
         terminal.row(row);
         history.add(row);
+        write_file(deck.output + "/history.csv", history.csv());  // long runs can be followed, and leave a trace
     };
     observer.newton_step = [&](int al_iteration, const NewtonStep& step) {
         terminal.live(al_iteration, step);
         history.add(al_iteration, step);
+        solution.fallbacks += step.fallback != SolveStatus::converged;
     };
     terminal.header();
-    Newton newton(problem.mesh, solver_of(deck));
-    solution.al = minimise(distortion, constraint, newton, deck.objective, algorithm_of(deck), solution.x, solution.time, observer);
+    Newton newton(distortion, solver_of(deck));
+    solution.al = minimise(distortion, constraint, newton, algorithm_of(deck), solution.x, solution.time, observer);
     if (solution.al.status != AlStatus::converged && problem.target_crosses) solution.al.status = AlStatus::infeasible;
 
     // 4. What was reached: certificate, statistics, files.
@@ -117,7 +123,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     solution.distortion = distortion.statistics(solution.x);
     solution.max_boundary_error = constraint.max_error(solution.x);
     const Summary summary = summarise(problem, solution);
-    write_results(deck, problem, constraint, solution, history, summary);
+    write_results(deck, problem, constraint, solution, summary);
     print_uncertified(out, problem.mesh, solution.x, problem.length, solution.certificate);
     print_closing(out, deck, problem, solution);
 

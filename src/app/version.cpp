@@ -8,7 +8,7 @@ std::string commit() { return ALMESH_COMMIT; }
 
 std::string compiler() {
 #ifdef __clang__
-    return std::string("clang++ ") + __clang_version__ + ALMESH_FLAGS;
+    return std::string("clang++ ") + __clang_version__ + " " + ALMESH_FLAGS;
 #else
     return std::string("g++ ") + __VERSION__ + " " + ALMESH_FLAGS;
 #endif

@@ -11,7 +11,7 @@ enum class ExitCode {
     success = 0,            // converged, every element certified valid
     usage = 1,              // command line or deck
     input = 2,              // mesh, target or output folder
-    not_converged = 3,      // the best mesh so far is written
+    not_converged = 3,      // the last mesh is written
     not_certified = 4,      // converged, but some element could not be certified valid
     expectation_failed = 5  // an `expect` line of the deck does not hold
 };

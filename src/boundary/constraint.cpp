@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "linalg/linear_solver.hpp"
+#include "linalg/cholesky.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {
@@ -78,9 +79,9 @@ void BoundaryConstraint::assemble_mass(const std::vector<double>& face_weight) {
 // Solves M (g_h - y) = (N, g_D - y): relative to the ideal positions y, a boundary that stays has no rounding error.
 void BoundaryConstraint::project_target(const std::vector<double>& ideal, const std::vector<double>& face_weight) {
     const int m = mesh_.face_nodes(), points = target_.quadrature.count;
-    LinearSolverParams direct;
-    direct.kind = SolverKind::cholesky;
-    LinearSolver solver(M_, dim_, direct);
+    Cholesky factorisation(M_);
+    if (factorisation.factor(M_).status != CholeskyStatus::factored)
+        throw InputError("the mass matrix of the boundary cannot be factored: a boundary face is degenerate or memory is short");
     const auto ideal_at = [&](int t, int a) { return ideal[static_cast<std::size_t>(nodes_[t]) * dim_ + a]; };
     std::vector<double> right(nodes_.size()), displacement(nodes_.size());
     for (int a = 0; a < dim_; ++a) {
@@ -94,7 +95,7 @@ void BoundaryConstraint::project_target(const std::vector<double>& ideal, const 
                 for (int i = 0; i < m; ++i) right[trace[i]] += face_weight[f] * target_.quadrature.weight[q] * N[i] * d;
             }
         }
-        solver.solve(M_, right, displacement);
+        factorisation.solve(right.data(), displacement.data());
         for (std::size_t t = 0; t < nodes_.size(); ++t) g_h_[t * dim_ + a] = ideal_at(static_cast<int>(t), a) + displacement[t];
     }
     // floor^2 = sum over faces of the weighted integral of |g_h - g_D|^2.
@@ -109,7 +110,7 @@ void BoundaryConstraint::project_target(const std::vector<double>& ideal, const 
 }
 
 void BoundaryConstraint::interpolate_target() {
-    for (std::size_t k = 0; k < faces_.size(); ++k)
+    for (std::size_t k = faces_.size(); k-- > 0;)  // the first face that holds a node decides, as in target_check
         for (int a = 0; a < dim_; ++a) g_h_[static_cast<std::size_t>(faces_[k]) * dim_ + a] = target_.node[k * dim_ + a];
 }
 
@@ -144,7 +145,8 @@ double BoundaryConstraint::dot_mass_difference(const std::vector<double>& x, con
 }
 
 double BoundaryConstraint::projected_norm(const std::vector<double>& x) const {
-    return std::sqrt(std::max(0.0, dot_mass_difference(x, nullptr))) / norm_of_one_;
+    const double squared = dot_mass_difference(x, nullptr);
+    return std::sqrt(squared < 0 ? 0 : squared) / norm_of_one_;  // rounding may be negative; nan stays nan
 }
 
 double BoundaryConstraint::norm(const std::vector<double>& x) const { return std::hypot(projected_norm(x), floor_); }

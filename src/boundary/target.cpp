@@ -1,6 +1,7 @@
 #include "boundary/target.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
 
@@ -19,7 +20,8 @@ std::string point_text(const double* x, int dim) {
 }
 
 void move(const Motion& motion, const Mesh& mesh, int boundary, double* x) {
-    const std::vector<double> before(x, x + mesh.dim);
+    std::array<double, 3> before{};
+    std::copy_n(x, mesh.dim, before.begin());
     if (!apply(motion, mesh.dim, x))
         throw InputError("boundary " + mesh.boundaries[boundary] + ": the closest point to " +
                          point_text(before.data(), mesh.dim) + " is not defined (it is the centre or on the axis)");

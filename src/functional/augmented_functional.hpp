@@ -5,6 +5,8 @@
 // as a function of the node positions x, for given multipliers and penalty weight. The distortion term is whichever
 // objective the DistortionEnergy was built with.
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "boundary/constraint.hpp"
@@ -18,7 +20,7 @@ struct AugmentedFunctional {
     std::vector<double> lambda;  // trace nodes x dim
     double penalty = 0;
 
-    // Infinite where an element is inverted.
+    // Infinite where an element is inverted at a quadrature point (unless the distortion is regularised).
     double energy(const std::vector<double>& x) const {
         const double value = distortion.energy(x);
         return std::isfinite(value) ? value + constraint.value(x, lambda, penalty) : value;

@@ -42,7 +42,8 @@ struct DeterminantFactor {
 
 template <int n>
 double determinant_factor_value(double D, double delta) {
-    const double sigma = delta > 0 ? 0.5 * (D + std::sqrt(D * D + 4 * delta * delta)) : D;
+    const double w = std::sqrt(D * D + 4 * delta * delta);
+    const double sigma = D > 0 ? 0.5 * (D + w) : 2 * delta * delta / (w - D);  // the same without cancellation
     if constexpr (n == 2) return 1 / (2 * sigma);
     const double root = std::cbrt(sigma);
     return 1 / (3 * root * root);
@@ -56,7 +57,7 @@ DeterminantFactor<n> determinant_factor(double D, double delta) {
     return {r, r1, -2.0 / n * (r1 / w - r * D / (w * w * w))};
 }
 
-// eta(F); infinite where delta = 0 and det F <= 0 (or F is not finite).
+// eta(F); infinite where delta = 0 and det F is not positive (nan included).
 template <int n>
 double distortion(const Mat<n>& F, double delta) {
     const double D = determinant(F);

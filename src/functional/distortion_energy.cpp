@@ -1,5 +1,6 @@
 #include "functional/distortion_energy.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -26,6 +27,22 @@ std::vector<double> node_points(const LagrangeBasis& basis) {
     for (const MultiIndex& a : basis.nodes)
         for (int k = 1; k <= basis.dim; ++k) xi.push_back(static_cast<double>(a[k]) / basis.degree);
     return xi;
+}
+
+// Elements of degree p > 1 fold at vertices and edges first, where the quadrature has no points: a part `node_part` of
+// the weight goes to the nodes, where the distortion then stops them as it does inside.
+constexpr double node_part = 0.001;
+
+void add_node_points(const LagrangeBasis& basis, Quadrature& quadrature) {
+    double volume = 0;
+    for (double& weight : quadrature.weight) {
+        volume += weight;
+        weight *= 1 - node_part;
+    }
+    const std::vector<double> xi = node_points(basis);
+    quadrature.xi.insert(quadrature.xi.end(), xi.begin(), xi.end());
+    quadrature.weight.insert(quadrature.weight.end(), basis.count, node_part * volume / basis.count);
+    quadrature.count += basis.count;
 }
 
 // First fit, colour after colour: an element takes the colour if none of its nodes has it yet.
@@ -60,13 +77,16 @@ struct DistortionEnergy::Kernel {
     const int* node = nullptr;
     double* const local;  // m x n positions relative to the element's first node: exact differences
     double* const modes;  // n*n x m n: the modes of the Hessian applied to the derivatives of the basis
+    double* const matrix;  // (m n) x (m n): room for the element's gradient or Hessian
 
-    Kernel(const DistortionEnergy& energy, std::vector<double>& workspace)
-        : of(energy), local(resized(workspace, (1 + n * n) * m * n)), modes(local + m * n) {}
+    explicit Kernel(const DistortionEnergy& energy)
+        : of(energy), local(workspace((1 + n * n + m * n) * m * n)), modes(local + m * n), matrix(modes + n * n * m * n) {}
 
-    static double* resized(std::vector<double>& workspace, std::size_t size) {
-        workspace.resize(size);
-        return workspace.data();
+    // Kept by each thread between calls: nothing is allocated inside the Newton loop.
+    static double* workspace(std::size_t size) {
+        thread_local std::vector<double> values;
+        if (values.size() < size) values.resize(size);
+        return values.data();
     }
 
     void start(int e, const std::vector<double>& x) {
@@ -160,6 +180,7 @@ DistortionEnergy::DistortionEnergy(const Mesh& mesh, const std::vector<double>& 
       element_value_(mesh.element_count()) {
     is_large_ = static_cast<double>(element_count_) * quadrature_.count * element_nodes_ >= parallel_work;
     const LagrangeBasis basis(dim_, mesh.degree);
+    if (mesh.degree > 1) add_node_points(basis, quadrature_);
     gradients_ = reference_gradients(basis, quadrature_.xi);
     node_gradients_ = reference_gradients(basis, node_points(basis));
     colour_elements(mesh, colour_start_, coloured_);
@@ -174,15 +195,25 @@ DistortionEnergy::DistortionEnergy(const Mesh& mesh, const std::vector<double>& 
                     A[a][k] = ideal[static_cast<std::size_t>(mesh.element(e)[k + 1]) * n + a] -
                               ideal[static_cast<std::size_t>(mesh.element(e)[0]) * n + a];
             ideal_jacobian_.push_back(determinant(A));
+            if (!(ideal_jacobian_.back() > 0))
+                throw InputError("element " + std::to_string(mesh.element_id[e]) + " of the ideal mesh has no positive volume");
             for (const auto& row : inverse<n>(A)) ideal_inverse_.insert(ideal_inverse_.end(), row.begin(), row.end());
         }
     });
 
+    pattern_ = matrix_of_cells(mesh.nodes(), dim_, elements_, element_nodes_);
+    const int m = element_nodes_;
+    place_.resize(static_cast<std::size_t>(element_count_) * m * m);
+    parallel_for(element_count_, [&](int e) {
+        const int* node = mesh.element(e);
+        for (int i = 0; i < m; ++i)
+            for (int j = 0; j < m; ++j) place_[(static_cast<std::size_t>(e) * m + i) * m + j] = pattern_.find(node[i], node[j]);
+    });
+
     double weighted_volume = 0;
     for (double jacobian : ideal_jacobian_) {
-        if (!(jacobian > 0)) throw InputError("the ideal mesh has an element without positive volume");
         volume_ += jacobian * simplex_volume;
-        weight_.push_back(jacobian * std::pow(jacobian, params_.weight_exponent - 1));
+        weight_.push_back(std::pow(jacobian, params_.weight_exponent));
         weighted_volume += weight_.back() * simplex_volume;
     }
     for (double& weight : weight_) weight *= volume_ / weighted_volume;
@@ -194,8 +225,7 @@ double DistortionEnergy::energy(const std::vector<double>& x) const {
         constexpr int n = dimension;
 #pragma omp parallel if (is_large_)
         {
-            std::vector<double> workspace;
-            Kernel<n> kernel(*this, workspace);
+            Kernel<n> kernel(*this);
 #pragma omp for schedule(static)
             for (int e = 0; e < element_count_; ++e) {
                 if (inverted.load(std::memory_order_relaxed)) continue;
@@ -214,14 +244,14 @@ void DistortionEnergy::add_gradient(const std::vector<double>& x, std::vector<do
         constexpr int n = dimension;
 #pragma omp parallel if (is_large_)
         {
-            std::vector<double> workspace, part(static_cast<std::size_t>(element_nodes_) * n);
-            Kernel<n> kernel(*this, workspace);
+            Kernel<n> kernel(*this);
+            double* const part = kernel.matrix;
             for (std::size_t colour = 0; colour + 1 < colour_start_.size(); ++colour) {
 #pragma omp for schedule(static)
                 for (int k = colour_start_[colour]; k < colour_start_[colour + 1]; ++k) {
                     const int e = coloured_[k];
                     kernel.start(e, x);
-                    kernel.gradient(part.data());
+                    kernel.gradient(part);
                     for (int i = 0; i < element_nodes_; ++i)
                         for (int a = 0; a < n; ++a)
                             g[static_cast<std::size_t>(kernel.node[i]) * n + a] += weight_[e] * part[i * n + a];
@@ -231,33 +261,20 @@ void DistortionEnergy::add_gradient(const std::vector<double>& x, std::vector<do
     });
 }
 
-void DistortionEnergy::find_places(const BlockCsr& H) const {
-    if (place_pattern_ == H.col.data()) return;
-    const int m = element_nodes_;
-    place_.resize(static_cast<std::size_t>(element_count_) * m * m);
-    parallel_for(element_count_, [&](int e) {
-        const int* node = &elements_[static_cast<std::size_t>(e) * m];
-        for (int i = 0; i < m; ++i)
-            for (int j = 0; j < m; ++j) place_[(static_cast<std::size_t>(e) * m + i) * m + j] = H.find(node[i], node[j]);
-    });
-    place_pattern_ = H.col.data();
-}
-
 void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H) const {
-    find_places(H);
     const int m = element_nodes_;
     with_dimension(dim_, [&](auto dimension) {
         constexpr int n = dimension;
 #pragma omp parallel if (is_large_)
         {
-            std::vector<double> workspace, K(static_cast<std::size_t>(m) * m * n * n);
-            Kernel<n> kernel(*this, workspace);
+            Kernel<n> kernel(*this);
+            double* const K = kernel.matrix;
             for (std::size_t colour = 0; colour + 1 < colour_start_.size(); ++colour) {
 #pragma omp for schedule(static)
                 for (int c = colour_start_[colour]; c < colour_start_[colour + 1]; ++c) {
                     const int e = coloured_[c];
                     kernel.start(e, x);
-                    kernel.hessian(kind, K.data());
+                    kernel.hessian(kind, K);
                     for (int i = 0; i < m; ++i)
                         for (int j = 0; j <= i; ++j) {
                             const double* block = &K[(i * m * n + j) * n];
@@ -282,22 +299,21 @@ DistortionStatistics DistortionEnergy::statistics(const std::vector<double>& x) 
     with_dimension(dim_, [&](auto dimension) {
         constexpr int n = dimension;
         parallel_for(element_count_, [&](int e) {
-            thread_local std::vector<double> workspace;
-            Kernel<n> kernel(*this, workspace);
+            Kernel<n> kernel(*this);
             kernel.start(e, x);
             double largest = 0, squared = 0;
             for (int q = 0; q < quadrature_.count; ++q) {
-                const double eta = distortion<n>(kernel.deformation_gradient(kernel.gradients(q)), params_.delta);
+                const double eta = distortion<n>(kernel.deformation_gradient(kernel.gradients(q)), 0);
                 squared += quadrature_.weight[q] * eta * eta;
                 largest = std::max(largest, eta);
             }
             for (int i = 0; i < element_nodes_; ++i) {
                 const double* dN = &node_gradients_[static_cast<std::size_t>(i) * element_nodes_ * n];
-                largest = std::max(largest, distortion<n>(kernel.deformation_gradient(dN), params_.delta));
+                largest = std::max(largest, distortion<n>(kernel.deformation_gradient(dN), 0));
             }
             result.element_max[e] = largest;
             element_value_[e] = ideal_jacobian_[e] * squared;
-        });
+        }, quadrature_.count * element_nodes_ * 10.0);
     });
     const double squared_norm = deterministic_sum(element_count_, [this](int e) { return element_value_[e]; });
     result.relative_quality = std::sqrt(volume_ / squared_norm);

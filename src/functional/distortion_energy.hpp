@@ -27,7 +27,8 @@ struct DistortionParams {
     int exactness = 0;           // of the quadrature; 0: default_exactness(degree)
 };
 
-// One point for constant F (p = 1); for p > 1 exact for |F|^2 times a polynomial of degree p.
+// One point for constant F (p = 1); 3 p for p > 1, more than |F|^2 (degree 2 p - 2) needs. For p > 1 a thousandth of the
+// weight goes to the element's nodes: see add_node_points().
 int default_exactness(int degree);
 
 enum class HessianKind {
@@ -36,8 +37,9 @@ enum class HessianKind {
     squared_projected  // positive semidefinite part for f = eta^2: the Hessian of Eq. 5 vanishes at the identity
 };
 
+// Of eta itself, without regularisation: infinite for inverted elements.
 struct DistortionStatistics {
-    double relative_quality = 0;      // q = |1| / |M phi|
+    double relative_quality = 0;      // q = |1| / |M phi|, norms over the ideal mesh
     double max_distortion = 0;        // over quadrature points and element nodes
     std::vector<double> element_max;  // per element
 };
@@ -51,7 +53,8 @@ class DistortionEnergy {
     double energy(const std::vector<double>& x) const;
     // Adds to g (node_count x dim); x must have finite energy.
     void add_gradient(const std::vector<double>& x, std::vector<double>& g) const;
-    // Adds to H, whose pattern holds matrix_of_cells(elements).
+    BlockCsr hessian_pattern() const { return pattern_; }  // all values zero
+    // Adds to H, which has the pattern above.
     void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H) const;
 
     DistortionStatistics statistics(const std::vector<double>& x) const;
@@ -74,10 +77,8 @@ class DistortionEnergy {
     double volume_ = 0;
     bool is_large_;  // worth more than one thread
     mutable std::vector<double> element_value_;  // element, energies before they are summed
-    mutable std::vector<int> place_;             // element x node x node: block of H
-    mutable const void* place_pattern_ = nullptr;
-
-    void find_places(const BlockCsr& H) const;
+    BlockCsr pattern_;
+    std::vector<int> place_;  // element x node x node: block of the pattern
 };
 
 }  // namespace almesh

@@ -41,7 +41,7 @@ struct Deck {
     double delta = 0;
     double weight_exponent = 1;
     Algorithm algorithm = Algorithm::adaptive;
-    double mu0 = 300;
+    double mu0 = 1000;
     double omega0 = 1e-2;
     double epsilon0 = 1e-3;
     double omega_star = 1e-8;

@@ -31,6 +31,12 @@ History::History(int dim, double length) : dim_(dim), length_(length) {
 
 void History::add(const AlIteration& row) {
     const double energy = std::pow(length_, dim_);
+    if (row.iteration == 0) {  // the initial mesh: nothing was minimised yet
+        text_ += joined({"al", "0", "", "", "", to_text(row.constraint_norm * length_),
+                         to_text(row.projected_constraint_norm * length_), "", "", "", to_text(row.relative_quality),
+                         to_text(row.max_distortion), "", "", "", "", "", "", "", "", "", "", "", to_text(row.seconds)});
+        return;
+    }
     text_ += joined({"al", std::to_string(row.iteration), "", to_text(row.energy * energy),
                      to_text(row.gradient_norm * energy / length_), to_text(row.constraint_norm * length_),
                      to_text(row.projected_constraint_norm * length_), to_text(row.mu * energy / (length_ * length_)),

@@ -19,7 +19,7 @@ constexpr int tetrahedron_faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {3, 1,
 
 // The vertices' multi-indices are `corner`; appends all nodes of the simplex they span, at lattice distance p.
 void append_nodes(int dim, int p, const std::array<MultiIndex, 4>& corner, std::vector<MultiIndex>& out) {
-    // a + (b - a) * step / p, and the same towards two and three vertices at once: lattice points inside.
+    // `steps` lattice steps from a towards b.
     const auto towards = [p](const MultiIndex& a, const MultiIndex& b, int steps) {
         MultiIndex r = a;
         for (int k = 0; k < 4; ++k) r[k] += (b[k] - a[k]) / p * steps;
@@ -36,14 +36,11 @@ void append_nodes(int dim, int p, const std::array<MultiIndex, 4>& corner, std::
     // The interior of the face (a, b, c) is a triangle of degree p - 3, one lattice step inside each edge.
     const auto append_interior = [&](int a, int b, int c) {
         if (p < 3) return;
-        const auto inner = [&](int u, int v, int w) {
-            return towards(towards(corner[u], corner[v], 1), towards(corner[u], corner[w], 1), 0);
-        };
         std::array<MultiIndex, 4> in{};
         const int vertex[3] = {a, b, c};
         for (int k = 0; k < 3; ++k) {
             const int u = vertex[k], v = vertex[(k + 1) % 3], w = vertex[(k + 2) % 3];
-            MultiIndex r = inner(u, v, w);
+            MultiIndex r = towards(corner[u], corner[v], 1);
             for (int m = 0; m < 4; ++m) r[m] += (corner[w][m] - corner[u][m]) / p;
             in[k] = r;
         }

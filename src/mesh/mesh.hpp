@@ -44,13 +44,17 @@ struct Mesh {
 // Node positions (node_count x dim) of the ideal mesh: vertices as in x, the others affine.
 std::vector<double> straight_sided(const Mesh& mesh);
 
+// Volume of the straight-sided mesh with the vertex positions y (node_count x dim).
+double volume(const Mesh& mesh, const std::vector<double>& y);
+
 // Raises the degree of the elements to `degree` >= mesh.degree. New nodes lie where the element's own map puts
-// them, so a curved mesh keeps its shape. Existing nodes keep their ids where both meshes have them (vertices always).
+// them, so a curved mesh keeps its shape. Vertices keep their ids, other nodes get ids after the largest one.
 Mesh raise_degree(const Mesh& mesh, int degree);
 
 // Splits every element uniformly `times` times (2D: 4 triangles by the edge midpoints; 3D: 8 tetrahedra, the inner
 // octahedron cut along its shortest diagonal). Works on the straight-sided linear mesh; throws InputError for a mesh
-// that is curved. A mesh of degree p is refined as a linear one and raised to p again.
+// that is curved, and where the result is beyond the range of int. A mesh of degree p is refined as a linear one and
+// raised to p again. Vertices keep their ids, elements and faces are numbered anew.
 Mesh refine(const Mesh& mesh, int times);
 
 }  // namespace almesh

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <string>
 #include <unordered_map>
 
 #include "base/error.hpp"
@@ -11,13 +13,20 @@
 namespace almesh {
 namespace {
 
+// Sizes and indices are int.
+void check_size(double entries, const char* what) {
+    if (entries < std::numeric_limits<int>::max()) return;
+    throw InputError(std::string(what) + ": the mesh would have " + std::to_string(static_cast<long long>(entries)) +
+                     " element nodes, more than this program can number");
+}
+
 // A lattice node by the vertices it lies between: (vertex, barycentric entry) for each non-zero entry, by vertex.
 // Two elements that share a face find the same key for each node on it.
 using NodeKey = std::array<int, 8>;
 
 struct NodeKeyHash {
     std::size_t operator()(const NodeKey& key) const {
-        std::size_t h = 1469598103934665603u;  // FNV-1a
+        std::size_t h = 14695981039346656037u;  // as FNV-1a, by whole ints
         for (int k : key) h = (h ^ static_cast<std::size_t>(k)) * 1099511628211u;
         return h;
     }
@@ -49,9 +58,9 @@ int opposite_vertex(const Mesh& mesh, int f) {
     return -1;
 }
 
-// Nodes that the file did not have get the ids after its largest one.
-void append_node_ids(Mesh& mesh) {
-    long long next = mesh.node_id.empty() ? 0 : *std::max_element(mesh.node_id.begin(), mesh.node_id.end());
+// New nodes get the ids after the largest one of the mesh they come from.
+void append_node_ids(const Mesh& from, Mesh& mesh) {
+    long long next = from.node_id.empty() ? 0 : *std::max_element(from.node_id.begin(), from.node_id.end());
     while (static_cast<int>(mesh.node_id.size()) < mesh.nodes()) mesh.node_id.push_back(++next);
 }
 
@@ -221,7 +230,7 @@ Mesh refine_once(const Mesh& mesh) {
     for (long long& face_id : fine.face_id) face_id = ++id;
     fine.element_id.resize(fine.element_count());
     for (long long& element_id : fine.element_id) element_id = ++id;
-    append_node_ids(fine);
+    append_node_ids(mesh, fine);
     return fine;
 }
 
@@ -234,6 +243,7 @@ Mesh raise_degree(const Mesh& mesh, int degree) {
                          std::to_string(degree));
     const int dim = mesh.dim;
     const LagrangeBasis coarse(dim, mesh.degree), fine(dim, degree);
+    check_size(static_cast<double>(mesh.element_count()) * fine.count, "degree");
     std::vector<double> N(static_cast<std::size_t>(fine.count) * coarse.count);  // coarse basis at the fine nodes
     for (int i = 0; i < fine.count; ++i) {
         double xi[3] = {0, 0, 0};
@@ -269,7 +279,7 @@ Mesh raise_degree(const Mesh& mesh, int degree) {
     for (int f = 0; f < mesh.face_count(); ++f)
         for (int local : fine.face_nodes(opposite_vertex(mesh, f)))
             raised.faces.push_back(raised.element(mesh.face_element[f])[local]);
-    append_node_ids(raised);
+    append_node_ids(mesh, raised);
     return raised;
 }
 
@@ -278,6 +288,7 @@ Mesh refine(const Mesh& mesh, int times) {
     if (!is_straight(mesh))
         throw InputError("refine: the mesh is curved; only straight-sided meshes are refined (drop `refine` or give "
                          "the linear mesh)");
+    check_size(mesh.element_count() * std::pow(1 << mesh.dim, times) * mesh.element_nodes(), "refine");
     Mesh fine = linear_part(mesh);
     for (int k = 0; k < times; ++k) fine = refine_once(fine);
     return raise_degree(fine, mesh.degree);

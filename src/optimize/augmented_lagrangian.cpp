@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace almesh {
 namespace {
@@ -42,11 +43,13 @@ AlUpdate update_literal(const AugmentedLagrangianParams& p, double mu0, double s
     return AlUpdate::penalty;
 }
 
-constexpr double wanted_reduction = 0.1;  // of |c_D| per iteration, else the penalty grows
+constexpr double wanted_reduction = 0.1;  // of |c_D| per iteration, else the penalty grows tenfold
 
-AlUpdate update_adaptive(double constraint, double previous_constraint, Schedule& s) {
-    s.omega *= 0.1;
-    if (constraint <= wanted_reduction * previous_constraint) return AlUpdate::multipliers;
+// A constraint that holds already leaves only the final tolerance to be met.
+AlUpdate update_adaptive(const AugmentedLagrangianParams& p, double constraint, double previous_constraint, Schedule& s) {
+    const bool holds = constraint * constraint <= p.epsilon_star;
+    s.omega *= holds ? 0.01 : 0.1;
+    if (holds || constraint <= wanted_reduction * previous_constraint) return AlUpdate::multipliers;
     s.mu *= 10;
     return AlUpdate::both;
 }
@@ -68,6 +71,52 @@ AlStatus failure_of(NewtonStatus status) {
     return AlStatus::linear_solver_failed;
 }
 
+NewtonParams subproblem(const AugmentedLagrangianParams& p, const Schedule& s, bool first) {
+    NewtonParams newton;
+    newton.omega = s.omega;
+    newton.omega_star = p.algorithm == Algorithm::literal ? 0 : p.omega_star;
+    newton.wanted_reduction = p.algorithm == Algorithm::adaptive ? 0.1 : 1;
+    newton.max_iterations = p.max_newton_iterations;
+    newton.first = first ? HessianKind::squared_projected : HessianKind::full;
+    return newton;
+}
+
+// Line 7 and what else can end the loop after the last of `rows`; nothing while it goes on. weak: |1|^2, the penalty
+// below which a standing constraint tells nothing.
+std::optional<AlStatus> verdict(const AugmentedLagrangianParams& p, const std::vector<AlIteration>& rows, double weak) {
+    const AlIteration& row = rows.back();
+    const bool literal = p.algorithm == Algorithm::literal;
+    const bool at_floor = row.newton_status == NewtonStatus::rounding_floor;
+    const bool usable = at_floor || row.newton_status == NewtonStatus::converged;
+    const bool constrained = row.projected_constraint_norm * row.projected_constraint_norm <= p.epsilon_star;
+    const bool stationary = row.gradient_norm <= p.omega_star || (at_floor && row.gradient_norm <= p.omega0);
+    if (constrained && stationary) return AlStatus::converged;
+    if (literal && (constrained || stationary)) return AlStatus::ended_as_printed;
+    if (constrained && at_floor) return AlStatus::rounding_floor;
+    if (constraint_stalls(rows, usable ? 3 : 1, weak)) return AlStatus::infeasible;
+    if (!usable) return failure_of(row.newton_status);
+    if (row.iteration == p.max_iterations) return AlStatus::max_iterations;
+    return std::nullopt;
+}
+
+// Lines 9-21 after the last of `rows`.
+AlUpdate update(const AugmentedLagrangianParams& p, const std::vector<AlIteration>& rows, double mu0, Schedule& s) {
+    const double c = rows.back().projected_constraint_norm;
+    if (p.algorithm == Algorithm::paper) return update_paper(p, mu0, c * c, s);
+    if (p.algorithm == Algorithm::literal) return update_literal(p, mu0, c * c, s);
+    return update_adaptive(p, c, rows[rows.size() - 2].projected_constraint_norm, s);
+}
+
+AlIteration measure(const DistortionEnergy& distortion, const BoundaryConstraint& constraint, const std::vector<double>& x) {
+    AlIteration row;
+    row.projected_constraint_norm = constraint.projected_norm(x);
+    row.constraint_norm = std::hypot(row.projected_constraint_norm, constraint.floor());
+    const DistortionStatistics statistics = distortion.statistics(x);
+    row.relative_quality = statistics.relative_quality;
+    row.max_distortion = statistics.max_distortion;
+    return row;
+}
+
 }  // namespace
 
 const char* to_string(AlStatus status) {
@@ -75,6 +124,7 @@ const char* to_string(AlStatus status) {
         case AlStatus::converged: return "converged";
         case AlStatus::max_iterations: return "max_al_iterations";
         case AlStatus::infeasible: return "infeasible";
+        case AlStatus::rounding_floor: return "rounding_floor";
         case AlStatus::ended_as_printed: return "ended_as_printed";
         case AlStatus::max_newton_iterations: return "max_newton_iterations";
         case AlStatus::line_search_failed: return "line_search_failed";
@@ -94,83 +144,49 @@ const char* to_string(AlUpdate update) {
 }
 
 AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& constraint, Newton& newton,
-                  Objective objective, const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time,
-                  const AlObserver& observer) {
-    const bool literal = params.algorithm == Algorithm::literal;
+                  const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time, const AlObserver& observer) {
+    const Stopwatch watch;
     const double one_squared = constraint.norm_of_one() * constraint.norm_of_one(), mu0 = params.mu0 * one_squared;
-    Schedule s = {m0, mu0, params.omega0, params.epsilon0};
-    AugmentedFunctional E{distortion, constraint, std::vector<double>(constraint.size(), 0.0), 0};
     AlResult result;
-    Stopwatch watch;
+    std::vector<AlIteration>& rows = result.iterations;
+    rows.push_back(measure(distortion, constraint, x));
+    if (observer.iteration) observer.iteration(rows.back());
 
-    const auto record = [&](AlIteration row) {
-        row.iteration = static_cast<int>(result.iterations.size());
-        row.constraint_norm = constraint.norm(x);
-        row.projected_constraint_norm = constraint.projected_norm(x);
-        const DistortionStatistics statistics = distortion.statistics(x);
-        row.relative_quality = statistics.relative_quality;
-        row.max_distortion = statistics.max_distortion;
-        row.seconds = watch.seconds();
-        result.iterations.push_back(row);
-    };
-    record({});
-    if (observer.iteration) observer.iteration(result.iterations.back());
-
-    for (;;) {
-        E.penalty = literal ? s.mu * s.mu : s.mu;
-        NewtonParams newton_params;
-        newton_params.omega = s.omega;
-        newton_params.omega_star = literal ? 0 : params.omega_star;
-        if (params.algorithm == Algorithm::adaptive) newton_params.wanted_reduction = 0.1;
-        newton_params.max_iterations = params.max_newton_iterations;
-        const bool first = result.iterations.size() == 1;
-        newton_params.first = !first                                ? HessianKind::full
-                              : objective == Objective::deviation ? HessianKind::squared_projected
-                                                                  : HessianKind::projected;
-        const int k = static_cast<int>(result.iterations.size());
-        const NewtonResult solved = newton.minimise(E, newton_params, x, time, [&](const NewtonStep& step) {
+    AugmentedFunctional E{distortion, constraint, std::vector<double>(constraint.size(), 0.0), 0};  // lambda = 0
+    Schedule s = {m0, mu0, params.omega0, params.epsilon0};
+    for (int k = 1;; ++k) {
+        E.penalty = params.algorithm == Algorithm::literal ? s.mu * s.mu : s.mu;
+        const NewtonResult solved = newton.minimise(E, subproblem(params, s, k == 1), x, time, [&](const NewtonStep& step) {
             if (observer.newton_step) observer.newton_step(k, step);
         });
         result.newton_iterations += solved.iterations;
         result.linear_iterations += solved.linear_iterations;
 
-        AlIteration row;
+        AlIteration row = measure(distortion, constraint, x);
+        row.iteration = k;
         row.energy = solved.energy;
         row.gradient_norm = solved.gradient_norm;
         row.mu = s.mu;
-        row.omega = std::max(newton_params.omega, newton_params.omega_star);
+        row.omega = solved.omega;
         row.epsilon = s.epsilon;
         row.newton_iterations = solved.iterations;
         row.newton_status = solved.status;
-        record(row);
-        AlIteration& current = result.iterations.back();
-        const double c = current.projected_constraint_norm;
-        const bool usable = solved.status == NewtonStatus::converged || solved.status == NewtonStatus::rounding_floor;
-        const bool constrained = c * c <= params.epsilon_star;
-        result.rounding_floor = solved.status == NewtonStatus::rounding_floor && solved.gradient_norm > params.omega_star;
-        const bool stationary = solved.gradient_norm <= params.omega_star || result.rounding_floor;
+        row.seconds = watch.seconds();
+        rows.push_back(row);
 
-        bool done = true;
-        if (constrained && stationary) result.status = AlStatus::converged;
-        else if (literal && (constrained || stationary)) result.status = AlStatus::ended_as_printed;
-        else if (constraint_stalls(result.iterations, usable ? 3 : 1, one_squared)) result.status = AlStatus::infeasible;
-        else if (!usable) result.status = failure_of(solved.status);
-        else if (k == params.max_iterations) result.status = AlStatus::max_iterations;
-        else done = false;
-        if (!done) {
+        const std::optional<AlStatus> end = verdict(params, rows, one_squared);
+        if (!end) {
             const double mu = s.mu;
-            if (params.algorithm == Algorithm::adaptive)
-                current.update = update_adaptive(c, result.iterations[k - 1].projected_constraint_norm, s);
-            else if (params.algorithm == Algorithm::paper) current.update = update_paper(params, mu0, c * c, s);
-            else current.update = update_literal(params, mu0, c * c, s);
-            if (current.update != AlUpdate::penalty) constraint.update_multipliers(x, mu, E.lambda);
+            rows.back().update = update(params, rows, mu0, s);
+            if (rows.back().update != AlUpdate::penalty) constraint.update_multipliers(x, mu, E.lambda);
         }
-        if (observer.iteration) observer.iteration(current);
-        if (done) break;
+        if (observer.iteration) observer.iteration(rows.back());
+        if (!end) continue;
+        result.status = *end;
+        result.lambda = std::move(E.lambda);
+        time.total += watch.seconds();
+        return result;
     }
-    result.lambda = std::move(E.lambda);
-    time.total += watch.seconds();
-    return result;
 }
 
 }  // namespace almesh

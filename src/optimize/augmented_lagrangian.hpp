@@ -24,7 +24,7 @@ enum class Algorithm { adaptive, paper, literal };
 
 struct AugmentedLagrangianParams {
     Algorithm algorithm = Algorithm::adaptive;
-    double mu0 = 300;             // first penalty, in units of |1|^2
+    double mu0 = 1000;            // first penalty, in units of |1|^2
     double omega0 = 1e-2;         // tolerance of |grad E| in the first subproblem
     double epsilon0 = 1e-3;       // tolerance of |P c_D|^2 that decides between the updates
     double omega_star = 1e-8;     // final tolerance of |grad E|
@@ -37,6 +37,7 @@ enum class AlStatus {
     converged,
     max_iterations,
     infeasible,        // the constraint stopped falling while the penalty grew: no valid mesh reaches the target
+    rounding_floor,    // the constraint holds, but rounding ended |grad E| above omega0 (a penalty beyond all measure)
     ended_as_printed,  // literal: the loop as printed ends when one of its two tests holds, and only one did
     max_newton_iterations,
     line_search_failed,
@@ -53,7 +54,7 @@ struct AlIteration {
     double constraint_norm = 0;            // |c_D|
     double projected_constraint_norm = 0;  // |P c_D|
     double energy = 0, gradient_norm = 0;
-    double mu = 0, omega = 0, epsilon = 0;  // used in this iteration
+    double mu = 0, omega = 0, epsilon = 0;  // used in this iteration; omega: the tolerance of the subproblem
     double relative_quality = 0, max_distortion = 0;
     int newton_iterations = 0;
     NewtonStatus newton_status = NewtonStatus::converged;
@@ -66,7 +67,6 @@ struct AlResult {
     std::vector<AlIteration> iterations;
     std::vector<double> lambda;  // trace nodes x dim
     int newton_iterations = 0, linear_iterations = 0;
-    bool rounding_floor = false;  // |grad E| ended at its rounding floor above omega_star
 };
 
 struct AlObserver {
@@ -76,7 +76,6 @@ struct AlObserver {
 
 // x: node_count x dim, the identity map on entry (a valid mesh), the last accepted iterate on return.
 AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& constraint, Newton& newton,
-                  Objective objective, const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time,
-                  const AlObserver& observer);
+                  const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time, const AlObserver& observer);
 
 }  // namespace almesh

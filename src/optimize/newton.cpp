@@ -41,13 +41,13 @@ const char* to_string(HessianKind kind) {
     return "";
 }
 
-Newton::Newton(const Mesh& mesh, const LinearSolverParams& linear)
-    : H_(matrix_of_cells(mesh.nodes(), mesh.dim, mesh.elements, mesh.element_nodes())),
-      solver_(H_, mesh.dim, linear),
-      g_(mesh.x.size()),
-      minus_g_(mesh.x.size()),
-      d_(mesh.x.size()),
-      trial_(mesh.x.size()) {}
+Newton::Newton(const DistortionEnergy& distortion, const LinearSolverParams& linear)
+    : H_(distortion.hessian_pattern()),
+      solver_(H_, H_.d, linear),
+      g_(H_.size()),
+      minus_g_(H_.size()),
+      d_(H_.size()),
+      trial_(H_.size()) {}
 
 // Solves H d = -grad E, weakening the Hessian until d is a descent direction. Names what it used in `step`.
 bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonStep& step, Timings& time) {
@@ -61,7 +61,7 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
         const SolveResult solve = solver_.solve(H_, minus_g_, d_);
         step.linear_iterations += solve.iterations;
         step.solver = solve.used;
-        if (solve.fell_back) step.fallback = solve.gmres_status;
+        step.fallback = solve.fell_back ? solve.gmres_status : SolveStatus::converged;
         if (solve.status == SolveStatus::converged && dot(g_, d_) < 0) return true;
     } while (fall_back(step.hessian));
     return false;
@@ -70,12 +70,12 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
 // Backtracks along d_; on success x and energy are those of the accepted step.
 bool Newton::line_search(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step, bool& by_rounding) {
     const double slope = dot(g_, d_), noise = energy_rounding * std::abs(energy);
+    by_rounding = -slope <= noise;
     for (double t = 1; t >= smallest_step;) {
         for (std::size_t i = 0; i < x.size(); ++i) trial_[i] = x[i] + t * d_[i];
         const double trial_energy = E.energy(trial_);
         const bool decreases = trial_energy <= energy + sufficient_decrease * t * slope;
-        by_rounding = -t * slope <= noise;
-        if (decreases || (by_rounding && std::abs(trial_energy - energy) <= noise)) {
+        if (decreases || (by_rounding && t == 1 && std::abs(trial_energy - energy) <= noise)) {
             x.swap(trial_);
             energy = trial_energy;
             step.step_length = t;
@@ -103,9 +103,10 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
     NewtonResult result;
     result.energy = E.energy(x);
     result.gradient_norm = evaluate_gradient();
-    const double omega = std::max(std::min(params.omega, params.wanted_reduction * result.gradient_norm), params.omega_star);
+    const double wanted = params.wanted_reduction < 1 ? params.wanted_reduction * result.gradient_norm : params.omega;
+    const double omega = result.omega = std::max(std::min(params.omega, wanted), params.omega_star);
     HessianKind kind = params.first;
-    while (result.gradient_norm > omega) {
+    while (!(result.gradient_norm <= omega)) {
         if (result.iterations == params.max_iterations) {
             result.status = NewtonStatus::max_iterations;
             return result;
@@ -116,6 +117,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         bool found = false, by_rounding = false;
         for (;;) {
             if (!find_direction(E, x, step, time)) {
+                result.linear_iterations += step.linear_iterations;
                 result.status = NewtonStatus::linear_solver_failed;
                 return result;
             }
@@ -125,21 +127,20 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
             }
             if (found || !fall_back(step.hessian)) break;
         }
+        result.linear_iterations += step.linear_iterations;
         if (!found) {
             result.status = NewtonStatus::line_search_failed;
             return result;
         }
         const double before = result.gradient_norm;
         result.gradient_norm = step.gradient_norm = evaluate_gradient();
-        result.linear_iterations += step.linear_iterations;
-        result.full_step = step.step_length == 1;
         step.energy = result.energy;
         if (observe) observe(step);
         if (by_rounding && result.gradient_norm > 0.5 * before && result.gradient_norm > omega) {
             result.status = NewtonStatus::rounding_floor;
             return result;
         }
-        kind = result.full_step ? HessianKind::full : HessianKind::projected;
+        kind = step.step_length == 1 ? HessianKind::full : HessianKind::projected;
     }
     return result;
 }

@@ -1,18 +1,19 @@
 // Newton's method with backtracking for one subproblem of the augmented Lagrangian method: minimise E(x) for given
 // multipliers and penalty until |grad E| <= omega.
 //
-// Direction. Far from the minimum the Hessian is indefinite; each step uses one of three (HessianKind): the projected
-// one until a full step has been accepted, then the full one, whose convergence is quadratic; back to the projected one
-// when the full one is not positive definite. The Hessian of the objective (eta - 1)^2 vanishes at the identity, so the
-// very first step takes that of eta^2.
+// Direction. Far from the minimum the Hessian is indefinite; each step uses one of three (HessianKind): the full one,
+// whose convergence is quadratic, after a step of length one, the projected one after a step that was cut, and whenever
+// the full one is found not to be positive definite (by Cholesky) or gives no descent direction. The Hessian of the
+// objective (eta - 1)^2 vanishes at the identity, so there the very first step takes that of eta^2.
 //
 // Step length. Backtracking from 1 until the sufficient-decrease (first Wolfe) condition
 //     E(x + t d) <= E(x) + c1 t grad E . d,   c1 = 1e-4   (Nocedal & Wright, Alg. 3.1)
-// holds. E is infinite for an inverted element, so every accepted iterate is a valid mesh.
+// holds. E is infinite for an element inverted at a quadrature point, so every accepted iterate is a valid mesh (unless
+// the distortion is regularised, delta > 0).
 //
-// Rounding. When the decrease that a step promises is below the rounding error of E, energies can no longer be compared:
-// the step is taken if E stays the same to rounding, and the iteration ends as `rounding_floor` when such a step does
-// not reduce |grad E|.
+// Rounding. When the decrease that the full step promises is below the rounding error of E, energies can no longer be
+// compared: the full step is taken if E stays the same to rounding, and the iteration ends as `rounding_floor` when it
+// does not halve |grad E|.
 #pragma once
 #include <functional>
 #include <vector>
@@ -29,7 +30,7 @@ const char* to_string(HessianKind kind);
 
 struct NewtonParams {
     double omega = 1e-8;           // tolerance of |grad E| ...
-    double wanted_reduction = 1;   // ... lowered to this part of |grad E| at the start, so that a step is made,
+    double wanted_reduction = 1;   // ... if less than 1: lowered to this part of |grad E| at the start, so that a step is made,
     double omega_star = 0;         // ... but not below this
     int max_iterations = 200;
     HessianKind first = HessianKind::projected;  // of the first step
@@ -54,7 +55,7 @@ struct NewtonResult {
     int iterations = 0;
     int linear_iterations = 0;
     double energy = 0, gradient_norm = 0;
-    bool full_step = false;  // the last step had length one
+    double omega = 0;  // the tolerance that was used
 };
 
 using NewtonObserver = std::function<void(const NewtonStep&)>;
@@ -62,7 +63,7 @@ using NewtonObserver = std::function<void(const NewtonStep&)>;
 class Newton {
    public:
     // The pattern of the Hessian, the linear solver and all work arrays are set up once for all subproblems.
-    Newton(const Mesh& mesh, const LinearSolverParams& linear);
+    Newton(const DistortionEnergy& distortion, const LinearSolverParams& linear);
 
     // x: node_count x dim; enters with finite energy, leaves as the last accepted iterate.
     NewtonResult minimise(const AugmentedFunctional& E, const NewtonParams& params, std::vector<double>& x, Timings& time,

@@ -103,7 +103,7 @@ TEST_CASE("the history belongs to the summary") {
             continue;
         }
         CHECK(rows[k][column("al_iteration")] == std::to_string(++al));
-        announced += *parse_int(rows[k][column("newton_iterations")]);
+        if (al > 0) announced += *parse_int(rows[k][column("newton_iterations")]);  // row 0 is the initial mesh
     }
     const auto summary = summary_of(ring.output);
     CHECK(std::to_string(al) == summary.at("al_iterations"));

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -127,6 +128,24 @@ TEST_CASE("raising the degree keeps the shape of a curved mesh") {
     }
     CHECK_THROWS_AS(raise_degree(quintic, 2), InputError);
     CHECK_THROWS_AS(refine(quadratic, 1), InputError);
+}
+
+TEST_CASE("new nodes never take an id of the mesh they come from") {
+    Mesh quadratic = raise_degree(square_mesh(1), 2);
+    for (long long& id : quadratic.node_id) id += 1000;
+    const long long largest = *std::max_element(quadratic.node_id.begin(), quadratic.node_id.end());
+    const Mesh quartic = raise_degree(quadratic, 4);
+    for (int i = 0; i < quartic.nodes(); ++i) {
+        const bool kept = std::find(quadratic.node_id.begin(), quadratic.node_id.end(), quartic.node_id[i]) != quadratic.node_id.end();
+        CHECK((kept || quartic.node_id[i] > largest));
+        if (!kept) continue;
+        const auto at = std::find(quadratic.node_id.begin(), quadratic.node_id.end(), quartic.node_id[i]) - quadratic.node_id.begin();
+        for (int a = 0; a < 2; ++a) CHECK(quartic.x[2 * i + a] == quadratic.x[2 * at + a]);
+    }
+}
+
+TEST_CASE("a mesh beyond the range of int is refused, not made") {
+    CHECK_THROWS_AS(refine(cube_mesh(1), 9), InputError);  // 6 * 8^9 tetrahedra
 }
 
 TEST_CASE("refining a straight mesh of degree p refines its linear part") {

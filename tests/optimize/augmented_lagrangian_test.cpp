@@ -285,7 +285,7 @@ TEST_CASE("a gradient tolerance below rounding is said to be so, and the run con
     std::vector<double> x;
     const AlResult result = problem.solve(params, x);
     CHECK(result.status == AlStatus::converged);
-    CHECK(result.rounding_floor);
+    CHECK(result.iterations.back().newton_status == NewtonStatus::rounding_floor);
     CHECK(problem.constraint.projected_norm(x) <= 1e-8);
 }
 

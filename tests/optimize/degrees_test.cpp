@@ -39,3 +39,13 @@ TEST_CASE("the top of a cube is moved and turned, degrees 1 to 4") {
         check_solved(problem);
     }
 }
+
+// Between the points of a quadrature an element can fold unseen; the nodes among the points stop it.
+TEST_CASE("a large motion in high degree stays valid, both objectives") {
+    for (int degree : {2, 4, 6})
+        for (const Objective objective : objectives) {
+            const Mesh mesh = raise_degree(ring_mesh(16, 4, 8), degree);
+            const Minimisation problem(mesh, {{"inner", "translate 4.5 0"}}, objective);
+            check_solved(problem);
+        }
+}

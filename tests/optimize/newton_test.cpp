@@ -25,7 +25,7 @@ Run run(const Minimisation& problem, const AugmentedFunctional& E, const NewtonP
         const LinearSolverParams& linear = {}) {
     Run run;
     run.x = problem.ideal;
-    Newton newton(problem.mesh, linear);
+    Newton newton(problem.distortion, linear);
     Timings time;
     run.result = newton.minimise(E, params, run.x, time, [&](const NewtonStep& step) { run.steps.push_back(step); });
     return run;

@@ -35,9 +35,9 @@ struct Minimisation {
     AlResult solve(const AugmentedLagrangianParams& params, std::vector<double>& x, const AlObserver& observer = {},
                    const LinearSolverParams& linear = {}) const {
         x = ideal;
-        Newton newton(mesh, linear);
+        Newton newton(distortion, linear);
         Timings time;
-        return almesh::minimise(distortion, constraint, newton, objective, params, x, time, observer);
+        return almesh::minimise(distortion, constraint, newton, params, x, time, observer);
     }
 };
 
