@@ -130,6 +130,8 @@ def markdown(header, rows):
 
 def three(text):
     """Three significant digits, for times and norms."""
+    if not text:  # row 0 of the history: nothing was minimised yet
+        return ""
     value = float(text)
     return f"{value:.1e}" if 0 < abs(value) < 1e-2 or abs(value) >= 1e5 else f"{value:.3g}"
 
