@@ -4,5 +4,9 @@
 #include <cstdio>
 
 #include "app/command_line.hpp"
+#include "base/interrupt.hpp"
 
-int main(int argc, char** argv) { return almesh::command_line({argv + 1, argv + argc}, stdout, stderr); }
+int main(int argc, char** argv) {
+    almesh::catch_interrupts();
+    return almesh::command_line({argv + 1, argv + argc}, stdout, stderr);
+}

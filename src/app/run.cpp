@@ -52,6 +52,7 @@ const char* advice(AlStatus status) {
         case AlStatus::max_iterations: return "not converged: max_al_iterations reached";
         case AlStatus::max_newton_iterations: return "not converged: max_newton_iterations reached in a subproblem";
         case AlStatus::line_search_failed: return "not converged: no step length decreases the energy";
+        case AlStatus::interrupted: return "interrupted: the last mesh is written";
         case AlStatus::linear_solver_failed: return "not converged: no linear solver gave a descent direction";
     }
     return "";
@@ -116,7 +117,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     terminal.header();
     Newton newton(distortion, solver_of(deck));
     solution.al = minimise(distortion, constraint, newton, algorithm_of(deck), solution.x, solution.time, observer);
-    if (solution.al.status != AlStatus::converged && problem.target_crosses) solution.al.status = AlStatus::infeasible;
+    if (problem.target_crosses && solution.al.status != AlStatus::converged && solution.al.status != AlStatus::interrupted) solution.al.status = AlStatus::infeasible;
 
     // 4. What was reached: certificate, statistics, files.
     solution.certificate = certify(problem.mesh, solution.x, {.max_bisections = deck.certificate_bisections});

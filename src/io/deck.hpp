@@ -18,6 +18,7 @@
 
 #include "boundary/constraint.hpp"
 #include "boundary/motion.hpp"
+#include "certify/certificate.hpp"
 #include "io/expectation.hpp"
 #include "optimize/augmented_lagrangian.hpp"
 
@@ -41,20 +42,20 @@ struct Deck {
     double delta = 0;
     double weight_exponent = 1;
     Algorithm algorithm = Algorithm::adaptive;
-    double mu0 = 1000;
-    double omega0 = 1e-2;
-    double epsilon0 = 1e-3;
-    double omega_star = 1e-8;
-    double epsilon_star = 1e-16;
+    double mu0 = AugmentedLagrangianParams().mu0;
+    double omega0 = AugmentedLagrangianParams().omega0;
+    double epsilon0 = AugmentedLagrangianParams().epsilon0;
+    double omega_star = AugmentedLagrangianParams().omega_star;
+    double epsilon_star = AugmentedLagrangianParams().epsilon_star;
     std::optional<double> length_scale;
-    int max_al_iterations = 50;
-    int max_newton_iterations = 200;
+    int max_al_iterations = AugmentedLagrangianParams().max_iterations;
+    int max_newton_iterations = AugmentedLagrangianParams().max_newton_iterations;
     SolverKind solver = SolverKind::automatic;
-    double linear_tolerance = 1e-10;
-    int gmres_restart = 60;
-    int gmres_max_iterations = 600;
+    double linear_tolerance = LinearSolverParams().tolerance;
+    int gmres_restart = LinearSolverParams().restart;
+    int gmres_max_iterations = LinearSolverParams().max_iterations;
     int quadrature = 0;
-    int certificate_bisections = 2000;
+    int certificate_bisections = CertificateParams().max_bisections;
     std::string wall;  // boundary name, "" for none
     int threads = 0;
 

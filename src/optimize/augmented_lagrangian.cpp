@@ -68,6 +68,7 @@ bool constraint_stalls(const std::vector<AlIteration>& rows, std::size_t updates
 AlStatus failure_of(NewtonStatus status) {
     if (status == NewtonStatus::max_iterations) return AlStatus::max_newton_iterations;
     if (status == NewtonStatus::line_search_failed) return AlStatus::line_search_failed;
+    if (status == NewtonStatus::interrupted) return AlStatus::interrupted;
     return AlStatus::linear_solver_failed;
 }
 
@@ -93,7 +94,8 @@ std::optional<AlStatus> verdict(const AugmentedLagrangianParams& p, const std::v
     if (constrained && stationary) return AlStatus::converged;
     if (literal && (constrained || stationary)) return AlStatus::ended_as_printed;
     if (constrained && at_floor) return AlStatus::rounding_floor;
-    if (constraint_stalls(rows, usable ? 3 : 1, weak)) return AlStatus::infeasible;
+    const bool failed = !usable && row.newton_status != NewtonStatus::interrupted;
+    if (constraint_stalls(rows, failed ? 1 : 3, weak)) return AlStatus::infeasible;
     if (!usable) return failure_of(row.newton_status);
     if (row.iteration == p.max_iterations) return AlStatus::max_iterations;
     return std::nullopt;
@@ -129,6 +131,7 @@ const char* to_string(AlStatus status) {
         case AlStatus::max_newton_iterations: return "max_newton_iterations";
         case AlStatus::line_search_failed: return "line_search_failed";
         case AlStatus::linear_solver_failed: return "linear_solver_failed";
+        case AlStatus::interrupted: return "interrupted";
     }
     return "";
 }

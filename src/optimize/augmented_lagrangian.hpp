@@ -41,7 +41,8 @@ enum class AlStatus {
     ended_as_printed,  // literal: the loop as printed ends when one of its two tests holds, and only one did
     max_newton_iterations,
     line_search_failed,
-    linear_solver_failed
+    linear_solver_failed,
+    interrupted  // by a signal
 };
 const char* to_string(AlStatus status);
 

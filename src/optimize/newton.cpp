@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/interrupt.hpp"
 #include "linalg/vector_ops.hpp"
 
 namespace almesh {
@@ -28,6 +29,7 @@ const char* to_string(NewtonStatus status) {
         case NewtonStatus::max_iterations: return "max_newton_iterations";
         case NewtonStatus::line_search_failed: return "line_search_failed";
         case NewtonStatus::linear_solver_failed: return "linear_solver_failed";
+        case NewtonStatus::interrupted: return "interrupted";
     }
     return "";
 }
@@ -109,6 +111,10 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
     while (!(result.gradient_norm <= omega)) {
         if (result.iterations == params.max_iterations) {
             result.status = NewtonStatus::max_iterations;
+            return result;
+        }
+        if (interrupted()) {
+            result.status = NewtonStatus::interrupted;
             return result;
         }
         NewtonStep step;

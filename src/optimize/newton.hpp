@@ -24,7 +24,7 @@
 
 namespace almesh {
 
-enum class NewtonStatus { converged, rounding_floor, max_iterations, line_search_failed, linear_solver_failed };
+enum class NewtonStatus { converged, rounding_floor, max_iterations, line_search_failed, linear_solver_failed, interrupted };
 const char* to_string(NewtonStatus status);
 const char* to_string(HessianKind kind);
 

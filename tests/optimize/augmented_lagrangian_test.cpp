@@ -328,3 +328,20 @@ TEST_CASE("every status and update has a name of its own") {
     CHECK(std::string(to_string(AlUpdate::penalty)) == "mu");
     CHECK(std::string(to_string(AlUpdate::both)) == "lambda+mu");
 }
+
+// mu0 is in units of |1|^2 = the sum of |f|/h: twice the faces, twice the penalty, the same balance with the distortion.
+TEST_CASE("the number of boundary faces does not change what a motion costs") {
+    for (const Objective objective : objectives) {
+        std::vector<int> al, newton;
+        for (int around : {24, 48, 96}) {
+            const Minimisation problem(ring_mesh(around, around / 4, 8), {{"inner", "translate 3 0"}}, objective);
+            std::vector<double> x;
+            const AlResult result = problem.solve({}, x);
+            CHECK(result.status == AlStatus::converged);
+            al.push_back(static_cast<int>(result.iterations.size()) - 1);
+            newton.push_back(result.newton_iterations);
+        }
+        CHECK(*std::max_element(al.begin(), al.end()) - *std::min_element(al.begin(), al.end()) <= 1);
+        CHECK(*std::max_element(newton.begin(), newton.end()) - *std::min_element(newton.begin(), newton.end()) <= 1);
+    }
+}
