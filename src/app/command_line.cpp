@@ -3,6 +3,7 @@
 #include <exception>
 #include <new>
 
+#include "app/linsolve.hpp"
 #include "app/quality.hpp"
 #include "app/run.hpp"
 #include "app/version.hpp"
@@ -18,6 +19,8 @@ constexpr const char* help =
     "\n"
     "  almesh DECK [key=value ...]   run a deck; keys given here replace those of the deck\n"
     "  almesh quality FILE           certify and measure any Gmsh mesh (MSH 2.2 or 4.1, ASCII)\n"
+    "  almesh linsolve A.mtx [b.mtx] [solver=cholesky|gmres] [threads=N] [block=1|2|3]\n"
+    "                                solve a symmetric system in Matrix Market format and time it\n"
     "  almesh --keys                 list the keys of a deck with defaults, legal values and meaning\n"
     "  almesh --version              version, commit and compiler\n"
     "  almesh --help                 this text\n"
@@ -47,6 +50,7 @@ ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
         if (arguments.size() != 2) throw UsageError("quality takes one mesh file: almesh quality FILE");
         return quality(arguments[1], out);
     }
+    if (first == "linsolve") return linsolve({arguments.begin() + 1, arguments.end()}, out);
     if (first.starts_with("-")) throw UsageError("unknown option " + first + "; see almesh --help");
     return run(read_deck(first, {arguments.begin() + 1, arguments.end()}), out);
 }

@@ -6,6 +6,7 @@
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "io/history.hpp"
+#include "io/matrix_market.hpp"
 #include "io/terminal.hpp"
 
 namespace almesh {
@@ -71,6 +72,17 @@ void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, con
                  solution.certificate.min_scaled_jacobian, deck.output.c_str());
 }
 
+// Has the system of one Newton step written, for `almesh linsolve`. Where the Hessian of that step was weakened, the last
+// one stays.
+void write_system(const Deck& deck, Newton& newton, const History& history) {
+    if (deck.write_system == 0) return;
+    newton.observe_systems([&deck, &history](const BlockCsr& A, const std::vector<double>& b) {
+        if (history.newton_steps() + 1 != deck.write_system) return;
+        write_file(deck.output + "/A.mtx", matrix_market_text(A));
+        write_file(deck.output + "/b.mtx", matrix_market_text(b));
+    });
+}
+
 bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary) {
     bool hold = true;
     for (const Expectation& expectation : deck.expectations) {
@@ -116,6 +128,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     };
     terminal.header();
     Newton newton(distortion, solver_of(deck));
+    write_system(deck, newton, history);
     solution.al = minimise(distortion, constraint, newton, algorithm_of(deck), solution.x, solution.time, observer);
     if (problem.target_crosses && solution.al.status != AlStatus::converged && solution.al.status != AlStatus::interrupted) solution.al.status = AlStatus::infeasible;
 

@@ -56,6 +56,7 @@ struct Deck {
     int gmres_max_iterations = LinearSolverParams().max_iterations;
     int quadrature = 0;
     int certificate_bisections = CertificateParams().max_bisections;
+    int write_system = 0;
     std::string wall;  // boundary name, "" for none
     int threads = 0;
 

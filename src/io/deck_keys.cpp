@@ -56,6 +56,8 @@ std::vector<DeckKey> make_table() {
         {"quadrature", &Deck::quadrature, {0, 40}, "Polynomial degree integrated exactly; 0: chosen by the degree."},
         {"certificate_bisections", &Deck::certificate_bisections, {0, 1000000},
          "Bisections at most to certify an element valid."},
+        {"write_system", &Deck::write_system, {0, 1000000},
+         "Newton step, counted from 1 over all subproblems, whose linear system is written as A.mtx and b.mtx; 0: none."},
         {"wall", TextField{&Deck::wall, "boundary name"}, no_range,
          "Boundary whose distance is written with the results; \"\": none."},
         {"threads", &Deck::threads, {0, 1024}, "Threads; 0: all, or what OMP_NUM_THREADS says."},

@@ -46,6 +46,7 @@ void History::add(const AlIteration& row) {
 }
 
 void History::add(int al_iteration, const NewtonStep& step) {
+    ++newton_steps_;
     const double energy = std::pow(length_, dim_);
     text_ += joined({"newton", std::to_string(al_iteration), std::to_string(step.iteration), to_text(step.energy * energy),
                      to_text(step.gradient_norm * energy / length_), "", "", "", "", "", "", "", "", "", "",

@@ -15,11 +15,13 @@ class History {
     void add(const AlIteration& row);
     void add(int al_iteration, const NewtonStep& step);
     const std::string& csv() const { return text_; }
+    int newton_steps() const { return newton_steps_; }
 
    private:
     int dim_;
     double length_;
     std::string text_;
+    int newton_steps_ = 0;
 };
 
 }  // namespace almesh

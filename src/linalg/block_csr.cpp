@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/parallel.hpp"
 
@@ -81,12 +82,15 @@ double scaled_residual(const BlockCsr& A, const std::vector<double>& x, const st
     std::vector<double> r(b.size());
     multiply(A, x.data(), r.data());
     double residual = 0, x_max = 0, b_max = 0;
+    bool finite = true;
     for (std::size_t i = 0; i < b.size(); ++i) {
+        finite = finite && std::isfinite(r[i]) && std::isfinite(x[i]);
         residual = std::max(residual, std::abs(r[i] - b[i]));
         x_max = std::max(x_max, std::abs(x[i]));
         b_max = std::max(b_max, std::abs(b[i]));
     }
     const double scale = norm_1(A) * x_max + b_max;
+    if (!finite || !std::isfinite(scale)) return std::numeric_limits<double>::quiet_NaN();
     return scale > 0 ? residual / scale : residual;
 }
 

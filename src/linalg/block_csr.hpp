@@ -34,7 +34,8 @@ void multiply(const BlockCsr& A, const double* x, double* y);
 
 double norm_1(const BlockCsr& A);  // largest column sum of absolute values
 
-// |Ax - b|_inf / (|A|_1 |x|_inf + |b|_inf): a few machine epsilons for a backward-stable solve (CSparse).
+// |Ax - b|_inf / (|A|_1 |x|_inf + |b|_inf): a few machine epsilons for a backward-stable solve (CSparse); nan
+// where a number is not finite.
 double scaled_residual(const BlockCsr& A, const std::vector<double>& x, const std::vector<double>& b);
 
 }  // namespace almesh

@@ -157,4 +157,22 @@ std::vector<int> reverse_cuthill_mckee(const Graph& graph) {
     return order;
 }
 
+BlockCsr permuted_pattern(const BlockCsr& A, const std::vector<int>& order, std::vector<int>& source) {
+    const std::vector<int> position = inverse(order);
+    BlockCsr B;
+    B.n = A.n;
+    B.d = A.d;
+    B.row.assign(1, 0);
+    for (int v : order) {
+        const std::size_t begin = source.size();
+        for (int k = A.row[v]; k < A.row[v + 1]; ++k) source.push_back(k);
+        std::sort(source.begin() + begin, source.end(),
+                  [&](int a, int b) { return position[A.col[a]] < position[A.col[b]]; });
+        for (std::size_t k = begin; k < source.size(); ++k) B.col.push_back(position[A.col[source[k]]]);
+        B.row.push_back(static_cast<int>(source.size()));
+    }
+    B.value.resize(A.value.size());
+    return B;
+}
+
 }  // namespace almesh

@@ -49,25 +49,6 @@ SolveStatus status_of(GmresStatus status) {
     return SolveStatus::breakdown;
 }
 
-// The pattern of A with rows and columns renumbered; source[k]: the block of A that block k comes from.
-BlockCsr permuted_pattern(const BlockCsr& A, const std::vector<int>& order, std::vector<int>& source) {
-    const std::vector<int> position = inverse(order);
-    BlockCsr B;
-    B.n = A.n;
-    B.d = A.d;
-    B.row.assign(1, 0);
-    for (int v : order) {
-        const std::size_t begin = source.size();
-        for (int k = A.row[v]; k < A.row[v + 1]; ++k) source.push_back(k);
-        std::sort(source.begin() + begin, source.end(),
-                  [&](int a, int b) { return position[A.col[a]] < position[A.col[b]]; });
-        for (std::size_t k = begin; k < source.size(); ++k) B.col.push_back(position[A.col[source[k]]]);
-        B.row.push_back(static_cast<int>(source.size()));
-    }
-    B.value.resize(A.value.size());
-    return B;
-}
-
 double norm_inf(const BlockCsr& A) {
     double largest = 0;
     for (int i = 0; i < A.n; ++i)

@@ -59,6 +59,7 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
             const TimeAdder adder(time.assembly);
             E.hessian(x, step.hessian, H_);
         }
+        if (observe_system_) observe_system_(H_, minus_g_);
         const TimeAdder adder(time.linear);
         const SolveResult solve = solver_.solve(H_, minus_g_, d_);
         step.linear_iterations += solve.iterations;

@@ -16,6 +16,7 @@
 // does not halve |grad E|.
 #pragma once
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "base/stopwatch.hpp"
@@ -59,11 +60,15 @@ struct NewtonResult {
 };
 
 using NewtonObserver = std::function<void(const NewtonStep&)>;
+using SystemObserver = std::function<void(const BlockCsr& A, const std::vector<double>& b)>;
 
 class Newton {
    public:
     // The pattern of the Hessian, the linear solver and all work arrays are set up once for all subproblems.
     Newton(const DistortionEnergy& distortion, const LinearSolverParams& linear);
+
+    // Called with every linear system A d = b before it is solved.
+    void observe_systems(SystemObserver observer) { observe_system_ = std::move(observer); }
 
     // x: node_count x dim; enters with finite energy, leaves as the last accepted iterate.
     NewtonResult minimise(const AugmentedFunctional& E, const NewtonParams& params, std::vector<double>& x, Timings& time,
@@ -73,6 +78,7 @@ class Newton {
     BlockCsr H_;
     LinearSolver solver_;
     std::vector<double> g_, minus_g_, d_, trial_;
+    SystemObserver observe_system_;
 
     bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonStep& step, Timings& time);
     bool line_search(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step, bool& by_rounding);

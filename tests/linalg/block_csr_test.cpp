@@ -56,3 +56,12 @@ TEST_CASE("products have the same bits for any number of threads") {
     }
     set_threads(before);
 }
+
+TEST_CASE("the scaled residual does not take what is not a number for a solution") {
+    BlockCsr A = matrix_of_cells(2, 1, {0, 1}, 2);
+    A.value = {2, 1, 1, 2};
+    CHECK(scaled_residual(A, {1, 1}, {3, 3}) == 0);
+    CHECK(std::isnan(scaled_residual(A, {NAN, 1}, {3, 3})));
+    CHECK(std::isnan(scaled_residual(A, {1, 1}, {INFINITY, 3})));
+    CHECK(std::isnan(scaled_residual(A, {1e308, 1e308}, {3, 3})));
+}

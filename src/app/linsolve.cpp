@@ -1,0 +1,176 @@
+#include "app/linsolve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.hpp"
+#include "base/stopwatch.hpp"
+#include "base/text.hpp"
+#include "io/matrix_market.hpp"
+#include "linalg/cholesky.hpp"
+#include "linalg/gmres.hpp"
+#include "linalg/graph.hpp"
+#include "linalg/ilu0.hpp"
+#include "linalg/linear_solver.hpp"
+#include "linalg/vector_ops.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double refuse_above = 1e-8;  // scaled residual at which x no longer counts as a solution
+constexpr int most_threads = 1024;
+
+struct Options {
+    std::string matrix, right;  // paths; right may be empty
+    SolverKind solver = SolverKind::cholesky;
+    int threads = 0, block = 1;
+};
+
+void set_option(Options& options, const std::string& key, const std::string& value) {
+    const auto integer = [&](int highest) {
+        const std::optional<int> number = parse_int(value, 1, highest);
+        if (!number)
+            throw UsageError(key + " takes an integer in 1.." + std::to_string(highest) + ", not " +
+                             in_backquotes(value));
+        return *number;
+    };
+    if (key == "threads") {
+        options.threads = integer(most_threads);
+    } else if (key == "block") {
+        options.block = integer(3);
+    } else if (key == "solver") {
+        if (value != "cholesky" && value != "gmres")
+            throw UsageError("solver takes cholesky or gmres, not " + in_backquotes(value));
+        options.solver = value == "gmres" ? SolverKind::gmres : SolverKind::cholesky;
+    } else {
+        throw UsageError("linsolve has no key " + in_backquotes(key) + "; there are solver, threads and block");
+    }
+}
+
+Options options_of(const std::vector<std::string>& arguments) {
+    Options options;
+    for (const std::string& argument : arguments) {
+        const auto equals = argument.find('=');
+        if (equals != std::string::npos) set_option(options, argument.substr(0, equals), argument.substr(equals + 1));
+        else if (options.matrix.empty()) options.matrix = argument;
+        else if (options.right.empty()) options.right = argument;
+        else throw UsageError("linsolve takes a matrix and at most one right-hand side");
+    }
+    if (options.matrix.empty())
+        throw UsageError("linsolve takes a matrix: almesh linsolve A.mtx [b.mtx] [solver=cholesky|gmres] [threads=N] "
+                         "[block=1|2|3]");
+    return options;
+}
+
+bool all_finite(const std::vector<double>& v) {
+    return std::all_of(v.begin(), v.end(), [](double value) { return std::isfinite(value); });
+}
+
+// Rows as the file counts them, from 1.
+std::string rows_of_node(const BlockCsr& A, int node) {
+    const std::string first = std::to_string(node * A.d + 1);
+    return A.d == 1 ? "row " + first : "rows " + first + " to " + std::to_string((node + 1) * A.d);
+}
+
+void print_time(std::FILE* out, const char* what, double seconds) { std::fprintf(out, "%-16s%.4g s\n", what, seconds); }
+
+bool solve_by_cholesky(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, std::FILE* out) {
+    const Stopwatch analysis;
+    Cholesky cholesky(A);
+    const double analysis_time = analysis.seconds();
+    std::fprintf(out, "nnz(L)          %.0f\nflops           %.4g\n", cholesky.factor_entries(), cholesky.flops());
+    print_time(out, "analysis", analysis_time);
+
+    const Stopwatch factorisation;
+    const CholeskyResult factored = cholesky.factor(A);
+    const double factor_time = factorisation.seconds();
+    if (factored.status == CholeskyStatus::too_large) {
+        std::fprintf(out, "not solved: the factorisation takes %.3g GB, more than the machine's memory\n",
+                     cholesky.predicted_bytes() / 1e9);
+        return false;
+    }
+    if (factored.status == CholeskyStatus::not_positive_definite) {
+        std::fprintf(out, "not solved: the matrix is not positive definite, the pivot of %s is not positive\n",
+                     rows_of_node(A, factored.bad_node).c_str());
+        return false;
+    }
+    std::fprintf(out, "factorisation   %.4g s, %.4g GF/s\n", factor_time, cholesky.flops() / factor_time / 1e9);
+
+    const Stopwatch solve;
+    cholesky.solve(b.data(), x.data());
+    print_time(out, "solve", solve.seconds());
+    return true;
+}
+
+const char* reason(GmresStatus status) {
+    switch (status) {
+        case GmresStatus::converged: return "converged";
+        case GmresStatus::max_iterations: return "too many iterations";
+        case GmresStatus::stagnated: return "stagnated";
+        case GmresStatus::breakdown: return "breakdown: the matrix is singular, or a number was not finite";
+    }
+    return "";
+}
+
+bool solve_by_gmres(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, std::FILE* out) {
+    const Stopwatch renumbering;
+    const std::vector<int> order = reverse_cuthill_mckee(graph_of(A));
+    std::vector<int> source;
+    BlockCsr B = permuted_pattern(A, order, source);
+    for (int k = 0; k < B.blocks(); ++k) std::copy_n(A.block(source[k]), A.d * A.d, B.block(k));
+    print_time(out, "renumbering", renumbering.seconds());
+
+    const Stopwatch preconditioner;
+    Ilu0 ilu(B);
+    const Ilu0Result factored = ilu.factor(B);
+    print_time(out, "ILU(0)", preconditioner.seconds());
+    if (factored.status == Ilu0Status::zero_pivot) {
+        std::fprintf(out, "not solved: ILU(0) met a zero pivot in %s\n",
+                     rows_of_node(A, order[factored.bad_row]).c_str());
+        return false;
+    }
+
+    std::vector<double> right(b.size()), y(b.size());
+    for (int i = 0; i < A.n; ++i) std::copy_n(&b[order[i] * A.d], A.d, &right[i * A.d]);
+    const Stopwatch iteration;
+    Gmres gmres(B.size(), {});
+    const GmresResult solved = gmres.solve(B, &ilu, right.data(), y.data());
+    print_time(out, "solve", iteration.seconds());
+    for (int i = 0; i < A.n; ++i) std::copy_n(&y[i * A.d], A.d, &x[order[i] * A.d]);
+    std::fprintf(out, "iterations      %d\n", solved.iterations);
+    if (solved.status == GmresStatus::converged) return true;
+    std::fprintf(out, "not solved: %s, |b - Ax|/|b| = %.3g\n", reason(solved.status), solved.relative_residual);
+    return false;
+}
+
+// With b = A (1, ..., 1) where no file gives it.
+std::vector<double> right_hand_side(const BlockCsr& A, const Options& options) {
+    if (!options.right.empty()) return read_matrix_market_vector(options.right, A.size());
+    std::vector<double> b(A.size());
+    multiply(A, std::vector<double>(A.size(), 1.0).data(), b.data());
+    if (!all_finite(b)) throw InputError(options.matrix + ": the row sums overflow; scale the matrix");
+    return b;
+}
+
+}  // namespace
+
+ExitCode linsolve(const std::vector<std::string>& arguments, std::FILE* out) {
+    const Options options = options_of(arguments);
+    set_threads(options.threads);
+    const BlockCsr A = read_matrix_market(options.matrix, options.block);
+    const std::vector<double> b = right_hand_side(A, options);
+    const auto zeros = std::count(A.value.begin(), A.value.end(), 0.0);
+    std::fprintf(out, "%s: %d unknowns in %d nodes\n", options.matrix.c_str(), A.size(), A.n);
+    std::fprintf(out, "nnz(A)          %lld\n", static_cast<long long>(A.value.size()) - static_cast<long long>(zeros));
+    std::fprintf(out, "solver          %s, threads %d\n", to_string(options.solver), max_threads());
+
+    std::vector<double> x(A.size(), 0.0);
+    const bool solved = options.solver == SolverKind::gmres ? solve_by_gmres(A, b, x, out)
+                                                            : solve_by_cholesky(A, b, x, out);
+    const double residual = scaled_residual(A, x, b);
+    std::fprintf(out, "scaled residual %.3g%s\n", residual, solved ? "" : " of the last x");
+    if (solved && !(residual <= refuse_above)) std::fprintf(out, "not solved: the residual is too large\n");
+    return solved && residual <= refuse_above ? ExitCode::success : ExitCode::not_converged;
+}
+
+}  // namespace almesh

@@ -1,0 +1,16 @@
+// `almesh linsolve A.mtx`: the linear solvers alone, on any symmetric matrix in Matrix Market format.
+#pragma once
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+
+namespace almesh {
+
+// arguments: A.mtx [b.mtx] [solver=cholesky|gmres] [threads=N] [block=1|2|3]. Without b.mtx, b = A (1, ..., 1). Prints
+// sizes, times and the scaled residual to `out`. success: solved, else not_converged, with the reason printed. Throws
+// UsageError and InputError.
+ExitCode linsolve(const std::vector<std::string>& arguments, std::FILE* out);
+
+}  // namespace almesh

@@ -1,0 +1,142 @@
+#include "app/linsolve.hpp"
+
+#include <doctest/doctest.h>
+
+#include "base/parallel.hpp"
+#include "io/matrix_market.hpp"
+#include "linalg/matrices.hpp"
+#include "support/program.hpp"
+#include "support/ring_deck.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+const std::string header = "%%MatrixMarket matrix coordinate real symmetric\n";
+
+// The number after `name` at the start of a line.
+double printed(const std::string& text, const std::string& name) {
+    for (const std::string& line : pieces(text, '\n'))
+        if (line.starts_with(name + " ")) return std::stod(line.substr(name.size()));
+    FAIL("no line of " << name);
+    return 0;
+}
+
+}  // namespace
+
+TEST_CASE("linsolve: both solvers solve a positive definite matrix, whatever the blocks") {
+    const TemporaryFolder folder;
+    const BlockCsr A = random_spd(48, 2, grid(6, 8));
+    const std::string path = folder.write("A.mtx", matrix_market_text(A));
+    for (const char* block : {"block=1", "block=2", "block=3"}) {
+        const Outcome direct = almesh_with({"linsolve", path, block});
+        CHECK(direct.code == 0);
+        CHECK(has(direct.out, "A.mtx: 96 unknowns in " + std::to_string(96 / (block[6] - '0')) + " nodes"));
+        CHECK(printed(direct.out, "nnz(A)") == A.value.size());
+        CHECK(printed(direct.out, "nnz(L)") >= 96);
+        for (const char* part : {"\nflops ", "\nanalysis ", "\nfactorisation ", " GF/s\n", "\nsolve "})
+            CHECK(has(direct.out, part));
+        CHECK(printed(direct.out, "scaled residual") < 1e-14);
+
+        const Outcome iterative = almesh_with({"linsolve", path, block, "solver=gmres"});
+        CHECK(iterative.code == 0);
+        CHECK(printed(iterative.out, "iterations") > 0);
+        CHECK(printed(iterative.out, "scaled residual") < 1e-10);
+    }
+}
+
+TEST_CASE("linsolve: the right-hand side of a file") {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        almesh_with({"linsolve", folder.write("A.mtx", header + "3 3 5\n1 1 2\n2 1 -1\n2 2 2\n3 2 -1\n3 3 2\n"),
+                     folder.write("b.mtx", "%%MatrixMarket matrix array real general\n3 1\n1\n0\n1\n"),
+                     "solver=gmres"});
+    CHECK(outcome.code == 0);
+    CHECK(printed(outcome.out, "nnz(A)") == 7);
+    CHECK(printed(outcome.out, "iterations") == 1);  // ILU(0) of a tridiagonal matrix is LU
+}
+
+TEST_CASE("linsolve: threads are those asked for") {
+    const TemporaryFolder folder;
+    const std::string path = folder.write("A.mtx", matrix_market_text(random_spd(20, 1, grid(4, 5))));
+    const int before = max_threads();
+    const Outcome outcome = almesh_with({"linsolve", path, "threads=2"});
+    CHECK(outcome.code == 0);
+    CHECK(has(outcome.out, "threads " + std::to_string(max_threads()) + "\n"));
+#ifdef _OPENMP
+    CHECK(max_threads() == 2);
+#endif
+    set_threads(before);
+}
+
+TEST_CASE("linsolve: an indefinite matrix ends with code 3 and names its row") {
+    const TemporaryFolder folder;
+    const std::string path = folder.write("A.mtx", header + "4 4 4\n1 1 1\n2 2 1\n3 3 -1\n4 4 1\n");
+    const Outcome single = almesh_with({"linsolve", path});
+    CHECK(single.code == 3);
+    CHECK(has(single.out, "not solved: the matrix is not positive definite, the pivot of row 3 is not positive\n"));
+    CHECK(has(single.out, "\nscaled residual "));
+    CHECK(has(almesh_with({"linsolve", path, "block=2"}).out, "the pivot of rows 3 to 4 is not positive\n"));
+    CHECK(almesh_with({"linsolve", path, "solver=gmres"}).code == 0);
+}
+
+TEST_CASE("linsolve: what GMRES cannot solve ends with code 3") {
+    const TemporaryFolder folder;
+    const Outcome pivot = almesh_with({"linsolve", folder.write("Z.mtx", header + "2 2 1\n2 1 1\n"), "solver=gmres"});
+    CHECK(pivot.code == 3);
+    CHECK(has(pivot.out, "not solved: ILU(0) met a zero pivot in row "));
+
+    // Far from definite: ILU(0) is worse than nothing.
+    BlockCsr A = random_spd(900, 1, grid(30, 30));
+    for (int i = 0; i < A.n; ++i) A.value[A.find(i, i)] = 1e-3;
+    const Outcome outcome =
+        almesh_with({"linsolve", folder.write("A.mtx", matrix_market_text(A)), "solver=gmres"});
+    CHECK(outcome.code == 3);
+    CHECK(has(outcome.out, "not solved: "));
+    CHECK(has(outcome.out, "\nscaled residual "));
+}
+
+TEST_CASE("linsolve: overflow is no solution") {
+    const TemporaryFolder folder;
+    const Outcome sums =
+        almesh_with({"linsolve", folder.write("A.mtx", header + "2 2 3\n1 1 1e308\n2 1 1e308\n2 2 1e308\n")});
+    CHECK(sums.code == 2);
+    CHECK(has(sums.error, "A.mtx: the row sums overflow"));
+    const Outcome solution =
+        almesh_with({"linsolve", folder.write("B.mtx", header + "1 1 1\n1 1 1e-200\n"),
+                     folder.write("b.mtx", "%%MatrixMarket matrix array real general\n1 1\n1e200\n")});
+    CHECK(solution.code == 3);
+    CHECK(has(solution.out, "not solved: the residual is too large"));
+}
+
+TEST_CASE("linsolve: wrong command lines and files") {
+    const TemporaryFolder folder;
+    const std::string path = folder.write("A.mtx", header + "1 1 1\n1 1 1\n");
+    for (const auto& [arguments, code, message] : std::vector<std::tuple<std::vector<std::string>, int, std::string>>{
+             {{}, 1, "almesh linsolve A.mtx"},
+             {{"a", "b", "c"}, 1, "at most one right-hand side"},
+             {{path, "solver=lu"}, 1, "solver takes cholesky or gmres, not `lu`"},
+             {{path, "threads=0"}, 1, "threads takes an integer in 1..1024, not `0`"},
+             {{path, "block=4"}, 1, "block takes an integer in 1..3, not `4`"},
+             {{path, "block=2"}, 1, "block=2 does not divide the 1 rows of "},
+             {{path, "blok=2"}, 1, "linsolve has no key `blok`"},
+             {{"no/such.mtx"}, 2, "no/such.mtx"},
+             {{path, path}, 2, "A.mtx:1: expected `%%MatrixMarket matrix array real general`"}}) {
+        std::vector<std::string> all{"linsolve"};
+        all.insert(all.end(), arguments.begin(), arguments.end());
+        const Outcome outcome = almesh_with(all);
+        CHECK(outcome.code == code);
+        CHECK(has(outcome.error, message));
+    }
+}
+
+TEST_CASE("the system of a Newton step is written and solved again") {
+    const RingDeck ring;
+    REQUIRE(ring.run({"write_system=2"}).code == 0);
+    const Outcome outcome = almesh_with({"linsolve", ring.output + "/A.mtx", ring.output + "/b.mtx", "block=2"});
+    CHECK(outcome.code == 0);
+    CHECK(has(outcome.out, std::to_string(2 * mesh_of(ring.output + "/final.msh").nodes()) + " unknowns"));
+    REQUIRE(ring.run({"write_system=0", "output=" + ring.folder.path("other")}).code == 0);
+    CHECK(!std::filesystem::exists(ring.folder.path("other") + "/A.mtx"));
+}
