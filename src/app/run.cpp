@@ -47,7 +47,7 @@ const char* advice(AlStatus status) {
     switch (status) {
         case AlStatus::converged: return "converged";
         case AlStatus::infeasible:
-            return "infeasible: no valid mesh seems to reach the target; the last valid one is written";
+            return "infeasible: no valid mesh seems to reach the target; the last mesh is written";
         case AlStatus::rounding_floor: return "not converged: |grad E| ended at its rounding floor, above omega0; mu0 may be too large";
         case AlStatus::ended_as_printed: return "not converged: the loop as printed ended with one of its two tests met";
         case AlStatus::max_iterations: return "not converged: max_al_iterations reached";
@@ -130,7 +130,8 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     Newton newton(distortion, solver_of(deck));
     write_system(deck, newton, history);
     solution.al = minimise(distortion, constraint, newton, algorithm_of(deck), solution.x, solution.time, observer);
-    if (problem.target_crosses && solution.al.status != AlStatus::converged && solution.al.status != AlStatus::interrupted) solution.al.status = AlStatus::infeasible;
+    const bool failed = solution.al.status != AlStatus::converged && solution.al.status != AlStatus::interrupted;
+    if (failed && problem.target_crosses) solution.al.status = AlStatus::infeasible;
 
     // 4. What was reached: certificate, statistics, files.
     solution.certificate = certify(problem.mesh, solution.x, {.max_bisections = deck.certificate_bisections});

@@ -210,6 +210,8 @@ DistortionEnergy::DistortionEnergy(const Mesh& mesh, const std::vector<double>& 
             for (int j = 0; j < m; ++j) place_[(static_cast<std::size_t>(e) * m + i) * m + j] = pattern_.find(node[i], node[j]);
     });
 
+    pattern_.value = std::vector<double>();  // gives the memory back
+
     double weighted_volume = 0;
     for (double jacobian : ideal_jacobian_) {
         volume_ += jacobian * simplex_volume;
@@ -217,6 +219,12 @@ DistortionEnergy::DistortionEnergy(const Mesh& mesh, const std::vector<double>& 
         weighted_volume += weight_.back() * simplex_volume;
     }
     for (double& weight : weight_) weight *= volume_ / weighted_volume;
+}
+
+BlockCsr DistortionEnergy::hessian_pattern() const {
+    BlockCsr H = pattern_;
+    H.value.assign(H.col.size() * H.d * H.d, 0.0);
+    return H;
 }
 
 double DistortionEnergy::energy(const std::vector<double>& x) const {

@@ -53,7 +53,7 @@ class DistortionEnergy {
     double energy(const std::vector<double>& x) const;
     // Adds to g (node_count x dim); x must have finite energy.
     void add_gradient(const std::vector<double>& x, std::vector<double>& g) const;
-    BlockCsr hessian_pattern() const { return pattern_; }  // all values zero
+    BlockCsr hessian_pattern() const;  // all values zero
     // Adds to H, which has the pattern above.
     void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H) const;
 
@@ -77,7 +77,7 @@ class DistortionEnergy {
     double volume_ = 0;
     bool is_large_;  // worth more than one thread
     mutable std::vector<double> element_value_;  // element, energies before they are summed
-    BlockCsr pattern_;
+    BlockCsr pattern_;        // without values
     std::vector<int> place_;  // element x node x node: block of the pattern
 };
 

@@ -45,7 +45,7 @@ AlUpdate update_literal(const AugmentedLagrangianParams& p, double mu0, double s
 
 constexpr double wanted_reduction = 0.1;  // of |c_D| per iteration, else the penalty grows tenfold
 
-// A constraint that holds already leaves only the final tolerance to be met.
+// Where the constraint holds already only |grad E| has to follow: its tolerance falls faster, the penalty stays.
 AlUpdate update_adaptive(const AugmentedLagrangianParams& p, double constraint, double previous_constraint, Schedule& s) {
     const bool holds = constraint * constraint <= p.epsilon_star;
     s.omega *= holds ? 0.01 : 0.1;
