@@ -12,11 +12,11 @@ namespace almesh {
 
 namespace {
 
-constexpr int coarsest_size = 100;    // vertices at which coarsening stops
-constexpr int growings = 5;           // seeds tried on the coarsest graph
+constexpr int coarsest_size = 70;     // vertices at which coarsening stops
+constexpr int growings = 3;           // seeds tried on the coarsest graph
 constexpr int branching_depth = 3;    // levels of coarsening before several ways are tried
-constexpr int branches = 5;           // ways tried
-constexpr int passes = 12;            // Fiduccia-Mattheyses passes per level, at most
+constexpr int branches = 3;           // ways tried
+constexpr int passes = 8;             // Fiduccia-Mattheyses passes per level, at most
 constexpr double largest_side = 0.6;  // of the weight outside the separator
 
 // A split under improvement. Moving v from the separator to side t pulls its neighbours on the other side into the
@@ -139,14 +139,17 @@ void Split::enter_separator(int v) {
     push(v, right);
 }
 
-// Vertex of the largest gain towards a side, -1 if there is none.
+// Vertex of the largest gain towards a side, -1 if there is none. A gain that has become smaller since the candidate
+// was pushed sends it back into the queue.
 int Split::best(int side) {
     auto& queue = queue_[side];
     while (!queue.empty()) {
-        const Candidate& top = queue.front();
-        if (version_[side][top.vertex] == top.version && part_[top.vertex] == separator) return top.vertex;
+        const Candidate top = queue.front();
+        const bool valid = version_[side][top.vertex] == top.version && part_[top.vertex] == separator;
+        if (valid && top.gain == graph_.weight[top.vertex] - pull_[side][top.vertex]) return top.vertex;
         std::pop_heap(queue.begin(), queue.end());
         queue.pop_back();
+        if (valid) push(top.vertex, side);
     }
     return -1;
 }
@@ -161,8 +164,7 @@ void Split::move(int v, Part side) {
     for (int k = graph_.start[v]; k < graph_.start[v + 1]; ++k) {
         const int u = graph_.adjacent[k];
         if (part_[u] == separator) {
-            pull_[other][u] += graph_.weight[v];
-            push(u, other);
+            pull_[other][u] += graph_.weight[v];  // a smaller gain, which best() notices
         } else if (part_[u] == other) {
             part_[u] = separator;
             weight_[other] -= graph_.weight[u];
@@ -240,7 +242,7 @@ bool Split::pass(Direction direction) {
     const auto first_cost = cost();
     auto best_cost = first_cost;
     std::size_t best_moves = 0;
-    const std::size_t patience = std::min<std::size_t>(300, 2 * boundary_.size() + 20);
+    const std::size_t patience = std::min<std::size_t>(300, boundary_.size() + 20);
     while (moves_.size() < best_moves + patience) {
         const int side = choose();
         if (side < 0) break;

@@ -19,12 +19,12 @@ WeightedGraph weighted(const Graph& graph) {
 
 }  // namespace
 
-TEST_CASE("coarsening merges pairs of neighbours and keeps all weights") {
+TEST_CASE("coarsening merges up to three neighbours and keeps all weights") {
     WeightedGraph fine = weighted(graph_of(random_spd(900, 1, grid(30, 30))));
     for (int level = 0; level < 3; ++level) {
         const Coarsening step = coarsen(fine, 100, 11);
         const WeightedGraph& coarse = step.graph;
-        CHECK(coarse.size() < 0.7 * fine.size());
+        CHECK(coarse.size() < 0.5 * fine.size());
         CHECK(std::accumulate(coarse.weight.begin(), coarse.weight.end(), 0) == 900);
         std::vector<int> weight(coarse.size(), 0), members(coarse.size(), 0);
         std::map<std::pair<int, int>, int> edges, expected;
@@ -41,13 +41,13 @@ TEST_CASE("coarsening merges pairs of neighbours and keeps all weights") {
                 edges[{c, coarse.adjacent[k]}] = coarse.edge_weight[k];
             }
         CHECK(weight == coarse.weight);
-        CHECK(*std::max_element(members.begin(), members.end()) == 2);
+        CHECK(*std::max_element(members.begin(), members.end()) == 3);
         CHECK(edges == expected);
         fine = coarse;
     }
 }
 
-TEST_CASE("heavy edges are preferred, and too heavy pairs are not made") {
+TEST_CASE("heavy edges are preferred, and too heavy groups are not made") {
     // A path with weights 1 9 1 9 1: the heavy edges are a perfect matching.
     const Graph line = graph_of(random_spd(6, 1, path(6)));
     WeightedGraph graph = weighted(line);
