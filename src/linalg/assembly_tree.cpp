@@ -51,6 +51,14 @@ std::vector<int> compose(const std::vector<int>& middle_to_old, const std::vecto
     return result;
 }
 
+// The forest with its vertices renumbered, order[new] = old.
+std::vector<int> renumbered(const std::vector<int>& parent, const std::vector<int>& order) {
+    const std::vector<int> position = inverse(order);
+    std::vector<int> result(parent.size());
+    for (std::size_t k = 0; k < result.size(); ++k) result[k] = parent[order[k]] < 0 ? -1 : position[parent[order[k]]];
+    return result;
+}
+
 // Entries of each column of L: column j gets one for every row i whose subtree, the paths from the entries of row i
 // of A up to i, holds j.
 std::vector<int> count_columns(const Graph& graph, const std::vector<int>& order, const std::vector<int>& parent) {
@@ -215,8 +223,9 @@ std::vector<int> elimination_tree(const Graph& graph, const std::vector<int>& or
 }
 
 AssemblyTree build_assembly_tree(const Graph& graph, const std::vector<int>& start_order, int d) {
-    const std::vector<int> order = compose(start_order, postorder(elimination_tree(graph, start_order)));
-    const std::vector<int> parent = elimination_tree(graph, order), count = count_columns(graph, order, parent);
+    const std::vector<int> start_parent = elimination_tree(graph, start_order), post = postorder(start_parent);
+    const std::vector<int> order = compose(start_order, post), parent = renumbered(start_parent, post);
+    const std::vector<int> count = count_columns(graph, order, parent);
     std::vector<int> supernode_of;
     std::vector<Supernode> supernodes = find_supernodes(parent, count, supernode_of);
     const std::vector<int> merged_into = merge_supernodes(supernodes, d);

@@ -3,30 +3,17 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
-#include <utility>
 
 namespace almesh {
 
 Graph graph_of(const BlockCsr& A) {
-    std::vector<std::pair<int, int>> edges;
-    edges.reserve(A.col.size() * 2);
-    for (int i = 0; i < A.n; ++i)
-        for (int k = A.row[i]; k < A.row[i + 1]; ++k)
-            if (A.col[k] != i) edges.push_back({i, A.col[k]});
-
-    // Counting sort by the second vertex, both directions, keeps every list ascending once repeats are removed.
     Graph graph;
-    graph.start.assign(A.n + 1, 0);
-    std::vector<int> next(A.n + 1, 0);
-    for (const auto& [i, j] : edges) ++next[i + 1], ++next[j + 1];
-    std::partial_sum(next.begin(), next.end(), next.begin());
-    std::vector<int> both(edges.size() * 2), begin = next;
-    for (const auto& [i, j] : edges) both[next[i]++] = j, both[next[j]++] = i;
-    for (int v = 0; v < A.n; ++v) {
-        const auto first = both.begin() + begin[v], last = both.begin() + begin[v + 1];
-        std::sort(first, last);
-        graph.adjacent.insert(graph.adjacent.end(), first, std::unique(first, last));
-        graph.start[v + 1] = static_cast<int>(graph.adjacent.size());
+    graph.start.reserve(A.n + 1);
+    graph.adjacent.reserve(A.col.size());
+    for (int i = 0; i < A.n; ++i) {
+        for (int k = A.row[i]; k < A.row[i + 1]; ++k)
+            if (A.col[k] != i) graph.adjacent.push_back(A.col[k]);
+        graph.start.push_back(static_cast<int>(graph.adjacent.size()));
     }
     return graph;
 }

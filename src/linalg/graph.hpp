@@ -17,7 +17,7 @@ struct Graph {
     int degree(int v) const { return start[v + 1] - start[v]; }
 };
 
-// Graph of the pattern of A + A': one vertex per block row.
+// One vertex per block row of A, whose pattern is symmetric.
 Graph graph_of(const BlockCsr& A);
 
 std::vector<int> inverse(const std::vector<int>& order);
