@@ -61,29 +61,44 @@ void divide(std::vector<double>& values, double length) {
     for (double& value : values) value /= length;
 }
 
+// Fills mesh, ideal mesh and target from the base mesh, refined `times` times and raised, in units of the file.
+void discretise(const Deck& deck, const Mesh& base, int times, Problem& problem) {
+    problem.mesh = refine(base, times);
+    if (deck.degree) problem.mesh = raise_degree(problem.mesh, deck.degree);
+    problem.target = make_target(problem.mesh, motions_of(deck, problem.mesh));
+    problem.ideal = straight_sided(problem.mesh);
+}
+
+void change_unit(Problem& problem) {
+    divide(problem.mesh.x, problem.length);
+    divide(problem.ideal, problem.length);
+    divide(problem.target.node, problem.length);
+    divide(problem.target.sample, problem.length);
+}
+
 }  // namespace
 
 Problem make_problem(const Deck& deck) {
     Problem problem;
     const std::string text = read_text_file(deck.mesh);
     problem.mesh_hash = hash_of(text);
-    problem.mesh = build_mesh(parse_msh(text, deck.mesh), problem.notes);
-    problem.mesh = refine(problem.mesh, deck.refine);
-    if (deck.degree) problem.mesh = raise_degree(problem.mesh, deck.degree);
-    const Mesh& mesh = problem.mesh;
-    check_quadrature(deck, mesh.degree);
-    problem.target = make_target(mesh, motions_of(deck, mesh));
-    const TargetReport report = check_target(mesh, problem.target.node);
+    problem.base = build_mesh(parse_msh(text, deck.mesh), problem.notes);
+    check_quadrature(deck, std::max(deck.degree, problem.base.degree));
+    discretise(deck, problem.base, deck.refine, problem);
+    const TargetReport report = check_target(problem.mesh, problem.target.node);
     refuse_invalid_target(report);
     problem.target_crosses = !report.notes.empty();
     problem.notes.insert(problem.notes.end(), report.notes.begin(), report.notes.end());
+    problem.length = deck.length_scale.value_or(std::pow(volume(problem.mesh, problem.ideal), 1.0 / problem.mesh.dim));
+    change_unit(problem);
+    return problem;
+}
 
-    problem.ideal = straight_sided(mesh);
-    problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal), 1.0 / mesh.dim));
-    divide(problem.mesh.x, problem.length);
-    divide(problem.ideal, problem.length);
-    divide(problem.target.node, problem.length);
-    divide(problem.target.sample, problem.length);
+Problem coarser_problem(const Deck& deck, const Problem& fine, int times) {
+    Problem problem;
+    problem.length = fine.length;
+    discretise(deck, fine.base, times, problem);
+    change_unit(problem);
     return problem;
 }
 

@@ -10,6 +10,7 @@
 namespace almesh {
 
 struct Problem {
+    Mesh base;                  // as read and mended
     Mesh mesh;                  // read, mended, refined, raised; in units of `length`
     std::vector<double> ideal;  // straight-sided positions, in units of `length`
     BoundaryTarget target;      // in units of `length`
@@ -22,5 +23,8 @@ struct Problem {
 // Throws UsageError or InputError for everything that can be wrong before solving, target faces that are invalid
 // themselves included.
 Problem make_problem(const Deck& deck);
+
+// Mesh and target of `fine` refined `times` times instead, in the same unit of length; the target is not checked again.
+Problem coarser_problem(const Deck& deck, const Problem& fine, int times);
 
 }  // namespace almesh

@@ -108,6 +108,7 @@ Summary summarise(const Problem& problem, const Solution& solution) {
             {"elements", std::to_string(mesh.element_count())},
             {"al_iterations", std::to_string(solution.al.iterations.size() - 1)},
             {"newton_iterations", std::to_string(solution.al.newton_iterations)},
+            {"coarse_newton_iterations", std::to_string(solution.coarse_newton_iterations)},
             {"linear_iterations", std::to_string(solution.al.linear_iterations)},
             {"constraint_norm", short_number(last.constraint_norm * length, 6)},
             {"projected_constraint_norm", short_number(last.projected_constraint_norm * length, 6)},
@@ -117,6 +118,11 @@ Summary summarise(const Problem& problem, const Solution& solution) {
             {"max_distortion", short_number(last.max_distortion, 7)},
             {"min_scaled_jacobian", short_number(solution.certificate.min_scaled_jacobian, 6)},
             {"certified_valid", solution.certificate.valid ? "yes" : "no"},
+            {"time_run", short_number(solution.phases.run, 4)},
+            {"time_setup", short_number(solution.phases.setup, 4)},
+            {"time_coarse", short_number(solution.phases.coarse, 4)},
+            {"time_certify", short_number(solution.phases.certify, 4)},
+            {"time_write", short_number(solution.phases.write, 4)},
             {"time_total", short_number(solution.time.total, 4)},
             {"time_assembly", short_number(solution.time.assembly, 4)},
             {"time_linear", short_number(solution.time.linear, 4)},
@@ -136,12 +142,12 @@ void write_initial(const Deck& deck, const Problem& problem) {
     write_volume(deck, problem, "initial", problem.ideal, std::vector<double>(problem.mesh.element_count(), 1.0), nullptr);
 }
 
-void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution,
-                   const Summary& summary) {
+void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution) {
     write_volume(deck, problem, "final", solution.x, solution.distortion.element_max, &solution.certificate.lower_bound);
     write_boundary(deck, problem, constraint, solution);
     write_msh(deck.output + "/final.msh", problem.mesh, scaled(solution.x, problem.length));
-    write_file(deck.output + "/summary.txt", lines(summary));
 }
+
+void write_summary(const Deck& deck, const Summary& summary) { write_file(deck.output + "/summary.txt", lines(summary)); }
 
 }  // namespace almesh

@@ -12,6 +12,15 @@
 
 namespace almesh {
 
+// Seconds of a run outside the iterations on the deck's own mesh; with them they add up to the run.
+struct PhaseTimes {
+    double setup = 0;    // mesh, target and its checks, functional, pattern and ordering of the matrix
+    double coarse = 0;   // coarser meshes: part of Timings::total
+    double certify = 0;  // certificate and statistics
+    double write = 0;    // files of results, but for history.csv and summary.txt
+    double run = 0;      // the whole
+};
+
 // What a run has found, in the run's unit of length (Problem::length).
 struct Solution {
     std::vector<double> x;  // node_count x dim
@@ -19,7 +28,9 @@ struct Solution {
     DistortionStatistics distortion;
     double max_boundary_error = 0;
     Certificate certificate;
-    Timings time;
+    Timings time;           // total: of the coarse stages and the iterations
+    PhaseTimes phases;
+    int coarse_newton_iterations = 0;  // on the coarser meshes
     int fallbacks = 0;  // Newton steps in which GMRES failed and Cholesky took over
 };
 
@@ -27,7 +38,7 @@ Summary summarise(const Problem& problem, const Solution& solution);
 
 void write_deck(const Deck& deck, const Problem& problem);
 void write_initial(const Deck& deck, const Problem& problem);
-void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution,
-                   const Summary& summary);
+void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution);
+void write_summary(const Deck& deck, const Summary& summary);
 
 }  // namespace almesh

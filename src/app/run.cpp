@@ -1,5 +1,6 @@
 #include "app/run.hpp"
 
+#include "app/continuation.hpp"
 #include "app/problem.hpp"
 #include "app/results.hpp"
 #include "app/uncertified.hpp"
@@ -61,8 +62,11 @@ const char* advice(AlStatus status) {
 
 void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
     const AlIteration& last = solution.al.iterations.back();
-    std::fprintf(out, "%s: %zu AL and %d Newton iterations in %.2f s; |c_D| = %.3g, largest boundary error %.3g\n",
-                 advice(solution.al.status), solution.al.iterations.size() - 1, solution.al.newton_iterations,
+    const std::string coarse = solution.coarse_newton_iterations
+                                   ? " (and " + std::to_string(solution.coarse_newton_iterations) + " on coarser meshes)"
+                                   : "";
+    std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s; |c_D| = %.3g, largest boundary error %.3g\n",
+                 advice(solution.al.status), solution.al.iterations.size() - 1, solution.al.newton_iterations, coarse.c_str(),
                  solution.time.total, last.constraint_norm * problem.length, solution.max_boundary_error * problem.length);
     if (last.newton_status == NewtonStatus::rounding_floor) std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
     if (solution.fallbacks)
@@ -98,23 +102,36 @@ bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary)
 
 ExitCode run(const Deck& deck, std::FILE* out) {
     // 1. Mesh, target and everything that can be wrong with them; the folder for the results.
+    const Stopwatch watch;
     set_threads(deck.threads);
     const Problem problem = make_problem(deck);
     make_folder(deck.output);
     print_mesh(out, deck, problem);
-    write_deck(deck, problem);
-    write_initial(deck, problem);
+    Solution solution;
+    {
+        const TimeAdder adder(solution.phases.write);
+        write_deck(deck, problem);
+        write_initial(deck, problem);
+    }
 
-    // 2. The functional, Eq. 6.
+    // 2. The solution on coarser meshes, where the deck starts from there.
+    Terminal terminal(out, problem.mesh.dim, problem.length);
+    History history(problem.mesh.dim, problem.length);
+    terminal.header();
+    const CoarseSolution coarse =
+        solve_coarser(deck, problem, algorithm_of(deck), solver_of(deck), solution.time, [&](const CoarseStage& stage) {
+            terminal.row(stage);
+            history.add(stage);
+            solution.coarse_newton_iterations += stage.newton_iterations;
+        });
+    solution.phases.coarse = solution.time.total;
+
+    // 3. The functional, Eq. 6.
     const DistortionEnergy distortion(problem.mesh, problem.ideal,
                                       {deck.objective, deck.delta, deck.weight_exponent, deck.quadrature});
     const BoundaryConstraint constraint(problem.mesh, problem.ideal, problem.target, deck.target);
 
-    // 3. Algorithm 1, from the identity map.
-    Solution solution;
-    solution.x = problem.ideal;
-    Terminal terminal(out, problem.mesh.dim, problem.length);
-    History history(problem.mesh.dim, problem.length);
+    // 4. Algorithm 1, from the coarse solution or the identity map.
     AlObserver observer;
     observer.iteration = [&](const AlIteration& row) {
         terminal.row(row);
@@ -126,19 +143,28 @@ ExitCode run(const Deck& deck, std::FILE* out) {
         history.add(al_iteration, step);
         solution.fallbacks += step.fallback != SolveStatus::converged;
     };
-    terminal.header();
+    const AlStart start = start_from(coarse, problem, distortion, constraint, solution.x);
     Newton newton(distortion, solver_of(deck));
     write_system(deck, newton, history);
-    solution.al = minimise(distortion, constraint, newton, algorithm_of(deck), solution.x, solution.time, observer);
+    solution.phases.setup = watch.seconds() - solution.phases.coarse - solution.phases.write;
+    solution.al = minimise(distortion, constraint, newton, algorithm_of(deck), solution.x, solution.time, observer, start);
     const bool failed = solution.al.status != AlStatus::converged && solution.al.status != AlStatus::interrupted;
     if (failed && problem.target_crosses) solution.al.status = AlStatus::infeasible;
 
-    // 4. What was reached: certificate, statistics, files.
-    solution.certificate = certify(problem.mesh, solution.x, {.max_bisections = deck.certificate_bisections});
-    solution.distortion = distortion.statistics(solution.x);
-    solution.max_boundary_error = constraint.max_error(solution.x);
+    // 5. What was reached: certificate, statistics, files.
+    {
+        const TimeAdder adder(solution.phases.certify);
+        solution.certificate = certify(problem.mesh, solution.x, {.max_bisections = deck.certificate_bisections});
+        solution.distortion = distortion.statistics(solution.x);
+        solution.max_boundary_error = constraint.max_error(solution.x);
+    }
+    {
+        const TimeAdder adder(solution.phases.write);
+        write_results(deck, problem, constraint, solution);
+    }
+    solution.phases.run = watch.seconds();
     const Summary summary = summarise(problem, solution);
-    write_results(deck, problem, constraint, solution, summary);
+    write_summary(deck, summary);
     print_uncertified(out, problem.mesh, solution.x, problem.length, solution.certificate);
     print_closing(out, deck, problem, solution);
 

@@ -30,6 +30,8 @@ struct DeckBoundary {
     std::string where;  // "circle.deck:12" or "command line"
 };
 
+enum class Start { automatic, identity, coarse };
+
 struct Deck {
     // The keys, with their defaults; an empty optional is `auto`.
     std::string mesh;    // path as seen from the current folder
@@ -42,6 +44,7 @@ struct Deck {
     double delta = 0;
     double weight_exponent = 1;
     Algorithm algorithm = Algorithm::adaptive;
+    Start start = Start::automatic;
     double mu0 = AugmentedLagrangianParams().mu0;
     double omega0 = AugmentedLagrangianParams().omega0;
     double epsilon0 = AugmentedLagrangianParams().epsilon0;

@@ -38,6 +38,9 @@ std::vector<DeckKey> make_table() {
          "alpha: an element weighs |e|^alpha in the integral; 1: the paper's, 0: all elements alike."},
         {"algorithm", choice<Algorithm, &Deck::algorithm>({"adaptive", "paper", "literal"}), no_range,
          "Augmented Lagrangian schedule: multipliers at every step, Algorithm 1 as corrected, or as printed."},
+        {"start", choice<Start, &Deck::start>({"auto", "identity", "coarse"}), no_range,
+         "First iterate: the ideal mesh, or with refine > 0 the solution on the mesh refined less, found the same way; "
+         "auto: coarse with algorithm = adaptive, else identity."},
         {"mu0", &Deck::mu0, positive, "First penalty mu, in units of |1|^2, the sum of |f|/h over the boundary faces."},
         {"omega0", &Deck::omega0, positive, "Tolerance of the gradient norm |grad E| in the first subproblem."},
         {"epsilon0", &Deck::epsilon0, positive, "First tolerance of the squared constraint norm: above it Algorithm 1 raises mu, below it updates lambda."},

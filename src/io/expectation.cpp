@@ -19,7 +19,7 @@ struct Quantity {
     Kind kind;
 };
 
-constexpr std::array<Quantity, 22> quantities = {{
+constexpr std::array<Quantity, 28> quantities = {{
     {"status", Kind::word},
     {"dimension", Kind::count},
     {"degree", Kind::count},
@@ -27,6 +27,7 @@ constexpr std::array<Quantity, 22> quantities = {{
     {"elements", Kind::count},
     {"al_iterations", Kind::count},
     {"newton_iterations", Kind::count},
+    {"coarse_newton_iterations", Kind::count},
     {"linear_iterations", Kind::count},
     {"constraint_norm", Kind::decimal},
     {"projected_constraint_norm", Kind::decimal},
@@ -36,6 +37,11 @@ constexpr std::array<Quantity, 22> quantities = {{
     {"max_distortion", Kind::decimal},
     {"min_scaled_jacobian", Kind::decimal},
     {"certified_valid", Kind::word},
+    {"time_run", Kind::decimal},
+    {"time_setup", Kind::decimal},
+    {"time_coarse", Kind::decimal},
+    {"time_certify", Kind::decimal},
+    {"time_write", Kind::decimal},
     {"time_total", Kind::decimal},
     {"time_assembly", Kind::decimal},
     {"time_linear", Kind::decimal},

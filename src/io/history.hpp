@@ -1,10 +1,10 @@
-// history.csv: one row per augmented Lagrangian iteration (kind `al`, row 0 the initial mesh) and, before it, one per
-// Newton iteration of its subproblem (kind `newton`), in the order they happened. Columns that a kind does not have are
-// empty.
+// history.csv: one row per augmented Lagrangian iteration (kind `al`, row 0 the mesh at the start) and, before it, one per
+// Newton iteration of its subproblem (kind `newton`), in the order they happened; first of all one per coarser mesh (kind
+// `coarse`: its last iteration, all its Newton steps). Columns that a kind does not have are empty.
 #pragma once
 #include <string>
 
-#include "optimize/augmented_lagrangian.hpp"
+#include "optimize/coarse_stage.hpp"
 
 namespace almesh {
 
@@ -12,6 +12,7 @@ class History {
    public:
     // Lengths in rows are multiplied by `length`, energies by length^dim: the run's unit to the mesh's.
     History(int dim, double length);
+    void add(const CoarseStage& stage);
     void add(const AlIteration& row);
     void add(int al_iteration, const NewtonStep& step);
     const std::string& csv() const { return text_; }
@@ -21,6 +22,8 @@ class History {
     int dim_;
     double length_;
     std::string text_;
+    void add(const std::string& kind, const AlIteration& row, int newton_iterations, const std::string& update,
+             const std::string& nodes);
     int newton_steps_ = 0;
 };
 

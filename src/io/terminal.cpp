@@ -18,6 +18,14 @@ void Terminal::header() {
                  "update", "Newton", "time");
 }
 
+void Terminal::row(const CoarseStage& stage) {
+    std::fprintf(out_, "%3d  %9.3e  %9.2e  %8.6f  %9.4g  %8.2e  %-9s  %6d  %7.2fs  %d nodes%s\n", stage.last.iteration,
+                 stage.last.constraint_norm * length_, stage.last.gradient_norm * gradient_unit_, stage.last.relative_quality,
+                 stage.last.max_distortion, stage.last.mu * mu_unit_, "coarse", stage.newton_iterations, stage.last.seconds,
+                 stage.nodes, stage.status == AlStatus::converged ? "" : ", not used");
+    std::fflush(out_);
+}
+
 void Terminal::row(const AlIteration& it) {
     clear_live_line();
     if (it.iteration == 0)

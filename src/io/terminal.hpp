@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-#include "optimize/augmented_lagrangian.hpp"
+#include "optimize/coarse_stage.hpp"
 
 namespace almesh {
 
@@ -14,6 +14,7 @@ class Terminal {
     Terminal(std::FILE* out, int dim, double length);
 
     void header();
+    void row(const CoarseStage& stage);
     void row(const AlIteration& iteration);
     void live(int al_iteration, const NewtonStep& step);  // nothing where out is no terminal
 

@@ -54,7 +54,8 @@ Mesh raise_degree(const Mesh& mesh, int degree);
 // Splits every element uniformly `times` times (2D: 4 triangles by the edge midpoints; 3D: 8 tetrahedra, the inner
 // octahedron cut along its shortest diagonal). Works on the straight-sided linear mesh; throws InputError for a mesh
 // that is curved, and where the result is beyond the range of int. A mesh of degree p is refined as a linear one and
-// raised to p again. Vertices keep their ids, elements and faces are numbered anew.
+// raised to p again. Vertices keep their ids, elements and faces are numbered anew: those that element e is split into
+// lie together, from e * 2^(n times).
 Mesh refine(const Mesh& mesh, int times);
 
 }  // namespace almesh

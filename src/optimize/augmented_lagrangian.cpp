@@ -147,19 +147,22 @@ const char* to_string(AlUpdate update) {
 }
 
 AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& constraint, Newton& newton,
-                  const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time, const AlObserver& observer) {
+                  const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time, const AlObserver& observer,
+                  const AlStart& start) {
     const Stopwatch watch;
-    const double one_squared = constraint.norm_of_one() * constraint.norm_of_one(), mu0 = params.mu0 * one_squared;
+    const double one_squared = constraint.norm_of_one() * constraint.norm_of_one();
+    const double mu0 = (start.mu > 0 ? start.mu : params.mu0) * one_squared;
     AlResult result;
     std::vector<AlIteration>& rows = result.iterations;
     rows.push_back(measure(distortion, constraint, x));
     if (observer.iteration) observer.iteration(rows.back());
 
-    AugmentedFunctional E{distortion, constraint, std::vector<double>(constraint.size(), 0.0), 0};  // lambda = 0
+    AugmentedFunctional E{distortion, constraint, start.lambda, 0};
+    E.lambda.resize(constraint.size());
     Schedule s = {m0, mu0, params.omega0, params.epsilon0};
     for (int k = 1;; ++k) {
         E.penalty = params.algorithm == Algorithm::literal ? s.mu * s.mu : s.mu;
-        const NewtonResult solved = newton.minimise(E, subproblem(params, s, k == 1), x, time, [&](const NewtonStep& step) {
+        const NewtonResult solved = newton.minimise(E, subproblem(params, s, k == 1 && start.lambda.empty()), x, time, [&](const NewtonStep& step) {
             if (observer.newton_step) observer.newton_step(k, step);
         });
         result.newton_iterations += solved.iterations;

@@ -75,8 +75,15 @@ struct AlObserver {
     std::function<void(int al_iteration, const NewtonStep&)> newton_step;
 };
 
-// x: node_count x dim, the identity map on entry (a valid mesh), the last accepted iterate on return.
+// Where the method starts: by default without knowledge, else from what a run on a coarser mesh has found.
+struct AlStart {
+    std::vector<double> lambda;  // trace nodes x dim; empty: zero
+    double mu = 0;               // in units of |1|^2; 0: mu0
+};
+
+// x: node_count x dim, a valid mesh on entry (the identity map or a better guess), the last accepted iterate on return.
 AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& constraint, Newton& newton,
-                  const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time, const AlObserver& observer);
+                  const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time, const AlObserver& observer,
+                  const AlStart& start = {});
 
 }  // namespace almesh

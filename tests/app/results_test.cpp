@@ -54,6 +54,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "elements",
                                            "al_iterations",
                                            "newton_iterations",
+                                           "coarse_newton_iterations",
                                            "linear_iterations",
                                            "constraint_norm",
                                            "projected_constraint_norm",
@@ -63,6 +64,11 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "max_distortion",
                                            "min_scaled_jacobian",
                                            "certified_valid",
+                                           "time_run",
+                                           "time_setup",
+                                           "time_coarse",
+                                           "time_certify",
+                                           "time_write",
                                            "time_total",
                                            "time_assembly",
                                            "time_linear",
@@ -85,6 +91,10 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
     CHECK(number(summary, "relative_quality") < 1);
     CHECK(number(summary, "peak_memory_mb") > 1);
     CHECK(number(summary, "time_total") >= number(summary, "time_assembly") + number(summary, "time_linear"));
+    const double phases = number(summary, "time_setup") + number(summary, "time_total") + number(summary, "time_certify") +
+                          number(summary, "time_write");
+    CHECK(number(summary, "time_run") == doctest::Approx(phases).epsilon(0.01).scale(1));
+    CHECK(summary.at("coarse_newton_iterations") == "0");
 }
 
 TEST_CASE("the history belongs to the summary") {

@@ -82,6 +82,25 @@ TEST_CASE("an augmented Lagrangian row, in the mesh's units") {
     }
 }
 
+TEST_CASE("a coarser mesh gives one row: its last iteration, all its Newton steps, its nodes") {
+    History history(2, 2);
+    CoarseStage stage{841, AlStatus::converged, al_row(), 9};
+    history.add(stage);
+    auto cells = last_row(history);
+    CHECK(cells["kind"] == "coarse");
+    CHECK(cells["al_iteration"] == "3");
+    CHECK(cells["constraint_norm"] == "1");
+    CHECK(cells["mu"] == "300");
+    CHECK(cells["newton_iterations"] == "9");
+    CHECK(cells["update"] == "finer mesh");
+    CHECK(cells["nodes"] == "841");
+    CHECK(cells["seconds"] == "1.5");
+    CHECK(history.newton_steps() == 0);  // they count those on the deck's own mesh
+    stage.status = AlStatus::infeasible;
+    history.add(stage);
+    CHECK(last_row(history)["update"] == "dropped");
+}
+
 TEST_CASE("a Newton row, in the mesh's units, says why its step was cut") {
     History history(3, 2);
     NewtonStep step = newton_row();
@@ -122,7 +141,7 @@ TEST_CASE("rows stand in the order they were added, below one header, all of its
     history.add(al_row());
     const auto rows = csv_rows(history.csv());
     REQUIRE(rows.size() == 5);
-    for (const auto& row : rows) CHECK(row.size() == 24);
+    for (const auto& row : rows) CHECK(row.size() == 25);
     CHECK(rows[1][0] == "al");
     CHECK(rows[2][0] == "newton");
     CHECK(rows[3][0] == "newton");

@@ -52,6 +52,21 @@ std::string contents(std::FILE* file) {
 
 }  // namespace
 
+TEST_CASE("a coarser mesh has a row with its nodes, and says where it was not used") {
+    std::FILE* file = std::tmpfile();
+    REQUIRE(file);
+    Terminal terminal(file, 2, 1);
+    CoarseStage stage{841, AlStatus::converged, row_after(2), 9};
+    terminal.row(stage);
+    stage.status = AlStatus::infeasible;
+    terminal.row(stage);
+    const auto lines = pieces(contents(file), '\n');
+    REQUIRE(lines.size() == 2);
+    CHECK(lines[0] == "  2  5.000e-01   3.00e-03  1.000000          1  3.20e+02  coarse          9     1.25s  841 nodes");
+    CHECK(lines[1] == lines[0] + ", not used");
+    std::fclose(file);
+}
+
 TEST_CASE("redirected output is plain rows below a header, without live lines or control characters") {
     std::FILE* file = std::tmpfile();
     REQUIRE(file);
@@ -97,10 +112,13 @@ TEST_CASE("on a terminal one line follows the Newton steps and gives way to the 
     terminal.live(3, newton_step());
     terminal.row(row_after(3));
     std::fflush(file);
-    char buffer[4096];
-    const auto count = read(master, buffer, sizeof buffer);
-    REQUIRE(count > 0);
-    const std::string text(buffer, static_cast<std::size_t>(count));
+    std::string text;
+    while (text.find('\n') == std::string::npos) {  // each flush may arrive on its own
+        char buffer[4096];
+        const auto count = read(master, buffer, sizeof buffer);
+        REQUIRE(count > 0);
+        text.append(buffer, static_cast<std::size_t>(count));
+    }
     std::fclose(file);
     close(master);
     const auto live = text.find("Newton 4"), row = text.find("5.000e-01");
