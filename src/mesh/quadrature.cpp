@@ -1,7 +1,10 @@
 #include "mesh/quadrature.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "mesh/quadrature_table.hpp"
 
 namespace almesh {
 namespace {
@@ -52,18 +55,10 @@ Line gauss_jacobi(int m, int alpha) {
     return rule;
 }
 
-}  // namespace
-
-Quadrature simplex_quadrature(int dim, int exactness) {
+// Duffy's map: x_0 = u_0, x_1 = (1 - u_0) u_1, x_2 = (1 - u_0)(1 - u_1) u_2.
+Quadrature conical_product(int dim, int exactness) {
     Quadrature q;
     q.dim = dim;
-    if (exactness <= 1) {
-        q.count = 1;
-        q.xi.assign(dim, 1.0 / (dim + 1));
-        q.weight = {1.0 / (dim == 3 ? 6 : dim)};
-        return q;
-    }
-    // Duffy's map: x_0 = u_0, x_1 = (1 - u_0) u_1, x_2 = (1 - u_0)(1 - u_1) u_2.
     const int m = exactness / 2 + 1;
     std::vector<Line> line;
     for (int k = 0; k < dim; ++k) line.push_back(gauss_jacobi(m, dim - 1 - k));
@@ -80,6 +75,42 @@ Quadrature simplex_quadrature(int dim, int exactness) {
         q.weight.push_back(weight);
     }
     return q;
+}
+
+// Barycentric coordinates of one point, ascending.
+std::vector<double> first_point(const Orbit& orbit) {
+    const char last = orbit.pattern.back();
+    const auto repeats = std::count(orbit.pattern.begin(), orbit.pattern.end(), last);
+    double rest = 1;
+    for (char letter : orbit.pattern)
+        if (letter != last) rest -= orbit.free[letter - 'a'];
+    std::vector<double> point;
+    for (char letter : orbit.pattern)
+        point.push_back(letter == last ? rest / static_cast<double>(repeats) : orbit.free[letter - 'a']);
+    std::sort(point.begin(), point.end());
+    return point;
+}
+
+Quadrature all_points(const SymmetricRule& rule) {
+    Quadrature q;
+    q.dim = rule.dim;
+    const double volume = rule.dim == 2 ? 1.0 / 2 : 1.0 / 6;
+    for (const Orbit& orbit : rule.orbits) {
+        std::vector<double> point = first_point(orbit);
+        do {
+            q.xi.insert(q.xi.end(), point.begin(), point.end() - 1);
+            q.weight.push_back(orbit.weight * volume);
+        } while (std::next_permutation(point.begin(), point.end()));
+    }
+    q.count = static_cast<int>(q.weight.size());
+    return q;
+}
+
+}  // namespace
+
+Quadrature simplex_quadrature(int dim, int exactness) {
+    const SymmetricRule* rule = symmetric_rule(dim, exactness);
+    return rule ? all_points(*rule) : conical_product(dim, exactness);
 }
 
 }  // namespace almesh
