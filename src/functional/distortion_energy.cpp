@@ -11,7 +11,7 @@
 
 namespace almesh {
 
-int default_exactness(int degree) { return degree == 1 ? 0 : 3 * degree; }
+int default_exactness(int degree) { return degree == 1 ? 0 : 2 * degree + 2; }
 
 namespace {
 
