@@ -15,8 +15,10 @@ FLAGS     := -std=c++20 $(CXXFLAGS) $(OPENMP) $(WARNINGS) $(WERROR) $(NO_OPENMP)
 SOURCES   := $(shell find src -name '*.cpp' | sort)
 OBJECTS   := $(SOURCES:%.cpp=$(BUILD)/%.o)
 LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(OBJECTS))
-TESTS     := $(shell find tests -name '*.cpp' | sort)
+TESTS     := $(shell find tests -name '*.cpp' -not -path 'tests/bench/*' | sort)
 TEST_OBJECTS := $(TESTS:%.cpp=$(BUILD)/%.o)
+BENCH     := $(shell find tests/bench -name '*.cpp' | sort) $(wildcard tests/support/plain_assembly.cpp)
+BENCH_OBJECTS := $(BENCH:%.cpp=$(BUILD)/%.o)
 
 # Threads that wait sleep: spinning ones are slow on a machine with other work to do.
 export OMP_WAIT_POLICY ?= passive
@@ -29,7 +31,7 @@ PAPER     := circle circle-refined-1 circle-refined-2 circle-refined-3 circle-re
 PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import numpy, matplotlib' 2>/dev/null && echo $(p))) python3)
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests doctest asan paper figures meshes clean FORCE
+.PHONY: all run help test run-tests doctest asan bench paper figures meshes clean FORCE
 
 all: almesh ## build the program ./almesh
 
@@ -70,6 +72,12 @@ run-tests: $(BUILD)/almesh-tests
 $(BUILD)/almesh-tests: $(TEST_OBJECTS) $(LIBRARY)
 	$(CXX) $(FLAGS) $^ -o $@
 
+bench: almesh $(BUILD)/almesh-bench ## time kernels and decks against the machine's limits: outputs/bench.csv (QUICK=1: the cheap ones)
+	$(BUILD)/almesh-bench $(if $(QUICK),quick)
+
+$(BUILD)/almesh-bench: $(BENCH_OBJECTS) $(LIBRARY)
+	$(CXX) $(FLAGS) $^ -o $@
+
 doctest:
 	@CXX='$(CXX)' .ci/install-doctest
 
@@ -93,4 +101,4 @@ clean: ## remove what was built
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
--include $(OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d)
+-include $(OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d) $(BENCH_OBJECTS:.o=.d)

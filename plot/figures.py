@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""Draws outputs/figures/*.png from outputs/<deck>/: the counterparts of the paper's Figures 1-10, the README's picture.
+"""Draws outputs/figures/*.png from outputs/<deck>/: the counterparts of the paper's Figures 1-10, the README's picture;
+from outputs/bench.csv, where there is one: the growth of time and memory, the shares of the stages.
 
-  plot/figures.py [name ...]     all, or those named: fig01 ... fig10, readme
+  plot/figures.py [name ...]     all, or those named: fig01 ... fig10, readme, scaling, splits
 
 Ends with exit code 1 where a run is missing, which it names; the other figures are drawn. Needs numpy and matplotlib.
 """
@@ -9,6 +10,7 @@ import sys
 
 try:
     import aircraft_figures
+    import bench_figures
     import circle_figures
     import convergence_figures
     import curving_figures
@@ -31,6 +33,8 @@ FIGURES = {
     "fig09": aircraft_figures.fig09,
     "fig10": convergence_figures.fig10,
     "readme": readme_figure.readme,
+    "scaling": bench_figures.scaling,
+    "splits": bench_figures.splits,
 }
 
 
@@ -48,6 +52,8 @@ def main(names):
         except runs.MissingRun as error:
             print(f"{name} not drawn: {error}", file=sys.stderr)
             missing = True
+        except runs.NoBench as error:
+            print(f"{name} left out: {error}")
     return 1 if missing else 0
 
 

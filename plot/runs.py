@@ -1,4 +1,5 @@
-"""What a run leaves in outputs/<deck>/: summary.txt, history.csv and deck.txt. Standard library only."""
+"""What a run leaves in outputs/<deck>/: summary.txt, history.csv and deck.txt; what `make bench` leaves in
+outputs/bench.csv. Standard library only."""
 import csv
 from pathlib import Path
 
@@ -7,6 +8,10 @@ OUTPUTS = Path(__file__).resolve().parent.parent / "outputs"
 
 class MissingRun(Exception):
     """A file of a run is not there; the text says which deck to run."""
+
+
+class NoBench(Exception):
+    """outputs/bench.csv is not there, or not what it takes."""
 
 
 def path_of(deck, file):
@@ -47,3 +52,20 @@ def expectations(deck):
             quantity, relation, value, *tolerance = line.split()[1:]
             found.append((quantity, relation, value, tolerance[1] if tolerance else ""))
     return found
+
+
+def bench(group):
+    """The rows of one group of outputs/bench.csv, [{"name": text, "threads": number, quantity: number, ...}]. Raises NoBench."""
+    path = OUTPUTS / "bench.csv"
+    if not path.exists():
+        raise NoBench("outputs/bench.csv is missing: `make bench` writes it")
+    rows = {}
+    with path.open(newline="") as file:
+        for entry in csv.DictReader(file):
+            if entry["group"] == group:
+                row = rows.setdefault((entry["name"], entry["threads"]),
+                                      {"name": entry["name"], "threads": float(entry["threads"])})
+                row[entry["quantity"]] = float(entry["value"])
+    if not rows:
+        raise NoBench(f"outputs/bench.csv has no rows of `{group}`")
+    return list(rows.values())

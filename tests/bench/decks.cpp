@@ -1,0 +1,135 @@
+#include "bench/decks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "bench/deck_run.hpp"
+#include "bench/timing.hpp"
+
+namespace almesh::bench {
+namespace {
+
+struct BenchDeck {
+    const char* name;
+    bool cheap;
+};
+
+// aircraft-squared is left out: its hundreds of steps are those of aircraft over again.
+constexpr std::array<BenchDeck, 13> decks = {{{"circle", true},
+                                              {"circle-refined-1", true},
+                                              {"circle-refined-2", true},
+                                              {"circle-refined-3", false},
+                                              {"circle-refined-4", false},
+                                              {"circle-printed", true},
+                                              {"circle-literal", true},
+                                              {"curving", true},
+                                              {"curving-printed", true},
+                                              {"channel-bump", true},
+                                              {"sphere-shell", true},
+                                              {"aircraft", false},
+                                              {"aircraft-weighted", false}}};
+
+constexpr int most_runs = 5;
+constexpr double budget = 6;  // seconds for the repetitions of one deck
+
+std::string threads_setting(int threads) { return "threads=" + std::to_string(threads); }
+
+// The median run by wall time.
+const DeckRun& median_run(std::vector<DeckRun>& runs) {
+    std::sort(runs.begin(), runs.end(), [](const DeckRun& a, const DeckRun& b) { return a.wall < b.wall; });
+    return runs[runs.size() / 2];
+}
+
+// Every time_<stage> of the summary as a share of the whole run; time_total, time_run and time_coarse sum up others. What no stage
+// owns is setting up, writing files and ending.
+void add_split(Table& table, const std::string& name, int threads, const DeckRun& run) {
+    double rest = run.wall;
+    for (const auto& [key, seconds] : run.summary) {
+        if (!key.starts_with("time_") || key == "time_total" || key == "time_run" || key == "time_coarse") continue;
+        table.add("split", name, threads, key.substr(5), 100 * seconds / run.wall, "%");
+        rest -= seconds;
+    }
+    table.add("split", name, threads, "rest", 100 * rest / run.wall, "%");
+    table.add("split", name, threads, "whole run", run.wall, "s");
+}
+
+void add_deck(Table& table, const std::string& name, int threads, const DeckRun& run) {
+    table.add("deck", name, threads, "Newton", run.summary.at("newton_iterations"));
+    table.add("deck", name, threads, "GMRES", run.summary.at("linear_iterations"));
+    table.add("deck", name, threads, "minimisation", run.summary.at("time_total"), "s");
+    table.add("deck", name, threads, "whole run", run.wall, "s");
+    table.add("deck", name, threads, "peak memory", run.peak_memory / 1e6, "MB");
+}
+
+// Runs with 1 and with all threads take turns, so that other work on the machine meets both alike.
+void measure_deck(const std::string& name, const Machine& machine, Table& table) {
+    std::vector<std::vector<DeckRun>> runs(machine.threads.size());
+    std::vector<double> ratios;
+    for (const Stopwatch all; ratios.empty() || (ratios.size() < most_runs && all.seconds() < budget);) {
+        for (std::size_t t = 0; t < runs.size(); ++t) runs[t].push_back(run_deck(name, {threads_setting(machine.threads[t])}));
+        ratios.push_back(runs.front().back().wall / runs.back().back().wall);
+    }
+    for (std::size_t t = 0; t < runs.size(); ++t) {
+        const DeckRun& run = median_run(runs[t]);
+        add_deck(table, name, machine.threads[t], run);
+        add_split(table, name, machine.threads[t], run);
+    }
+    table.add("deck", name, machine.threads.back(), "speed-up", median(ratios));
+}
+
+// Exponent of the straight line through the points on logarithmic axes.
+double fitted_exponent(const std::vector<double>& x, const std::vector<double>& y) {
+    double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        mean_x += std::log(x[i]) / static_cast<double>(x.size());
+        mean_y += std::log(y[i]) / static_cast<double>(x.size());
+    }
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        xx += std::pow(std::log(x[i]) - mean_x, 2);
+        xy += (std::log(x[i]) - mean_x) * (std::log(y[i]) - mean_y);
+    }
+    return xy / xx;
+}
+
+}  // namespace
+
+void measure_decks(const Machine& machine, bool quick, Table& table) {
+    for (const BenchDeck& deck : decks)
+        if (deck.cheap || !quick) measure_deck(deck.name, machine, table);
+    table.print("deck", "Decks, each a process of its own; speed-up: one thread over all, runs taking turns");
+    table.print("split", "Shares of the whole run");
+}
+
+void measure_scaling(bool quick, Table& table) {
+    std::vector<double> unknowns, seconds, memory;
+    for (int level = 1; level <= (quick ? 4 : 6); ++level) {
+        const std::string refine = "refine=" + std::to_string(level - 1), name = "circle level " + std::to_string(level);
+        std::vector<DeckRun> runs;
+        for (const Stopwatch all; runs.empty() || (runs.size() < most_runs && all.seconds() < budget);)
+            runs.push_back(run_deck("circle", {refine}));
+        const DeckRun& run = median_run(runs);
+        const int threads = static_cast<int>(run.summary.at("threads"));
+        unknowns.push_back(2 * run.summary.at("nodes"));
+        seconds.push_back(run.wall);
+        memory.push_back(run.peak_memory);
+        table.add("scaling", name, threads, "unknowns", unknowns.back());
+        table.add("scaling", name, threads, "elements", run.summary.at("elements"));
+        table.add("scaling", name, threads, "Newton", run.summary.at("newton_iterations"));
+        table.add("scaling", name, threads, "minimisation", run.summary.at("time_total"), "s");
+        table.add("scaling", name, threads, "time", run.wall, "s");
+        table.add("scaling", name, threads, "time per unknown", 1e6 * run.wall / unknowns.back(), "us");
+        table.add("scaling", name, threads, "peak memory", run.peak_memory / 1e6, "MB");
+    }
+    table.print("scaling", "The circle refined");
+    // Table 1 of the paper: nodes, seconds.
+    const std::vector<double> paper_nodes = {841, 3324, 13216, 52704, 210816}, paper_times = {1.11, 3.56, 14.29, 101.94, 546.66};
+    const double ours = fitted_exponent(unknowns, seconds), paper = fitted_exponent(paper_nodes, paper_times);
+    table.add("exponent", "almesh", 0, "time", ours);
+    table.add("exponent", "almesh", 0, "memory", fitted_exponent(unknowns, memory));
+    table.add("exponent", "paper", 0, "time", paper);
+    std::printf("time grows as n^%.3f, memory as n^%.3f; the paper's times as n^%.3f\n", ours, fitted_exponent(unknowns, memory), paper);
+}
+
+}  // namespace almesh::bench

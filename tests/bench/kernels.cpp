@@ -1,0 +1,173 @@
+#include "bench/kernels.hpp"
+
+#include <cmath>
+#include <cstdint>
+
+#include "base/parallel.hpp"
+#include "bench/newton_system.hpp"
+#include "bench/timing.hpp"
+#include "linalg/cholesky.hpp"
+#include "linalg/graph.hpp"
+#include "linalg/ilu0.hpp"
+#if __has_include("support/plain_assembly.hpp")
+#include "support/plain_assembly.hpp"
+#endif
+
+namespace almesh::bench {
+namespace {
+
+constexpr double budget = 0.4;  // seconds per kernel
+
+// A rate, and its share of the machine's limit.
+void add_rate(Table& table, const std::string& group, const std::string& name, int threads, const std::string& quantity,
+              double rate, const char* unit, double limit) {
+    table.add(group, name, threads, quantity, rate / 1e9, unit);
+    table.add(group, name, threads, quantity + " of limit", 100 * rate / limit, "%");
+}
+
+// ------------------------------------------------------------------------------------------------------- dense fronts
+
+// Diagonally dominant, so that no pivot fails.
+void fill(std::vector<double>& panel, const Front& front) {
+    std::uint32_t state = 1;
+    for (int j = 0; j < front.k; ++j)
+        for (int i = 0; i < front.m; ++i) {
+            state = state * 1664525u + 1013904223u;
+            panel[static_cast<std::size_t>(j) * front_ld(front.m) + i] = i == j ? front.m : state * 0x1p-32 - 0.5;
+        }
+}
+
+// Multiplications and additions of the first k columns of a Cholesky factorisation of order m.
+double flops_of_front(int m, int k) {
+    double flops = 0;
+    for (int j = 0; j < k; ++j) flops += static_cast<double>(m - j) * (m - j);
+    return flops;
+}
+
+void measure_front(int m, int k, const Machine& machine, Table& table) {
+    std::vector<double> panel(panel_size(m, k)), update(update_size(m, k)), smallest(k, 0.0);
+    const Front front = {m, k, panel.data(), update.data()};
+    const std::string name = "front " + std::to_string(m) + " x " + std::to_string(k);
+    for (std::size_t t = 0; t < machine.threads.size(); ++t) {
+        set_threads(machine.threads[t]);
+        const double seconds = median_seconds(
+            budget, [&] { fill(panel, front); }, [&] { factor_front(front, smallest.data(), machine.threads[t] > 1); });
+        add_rate(table, "dense", name, machine.threads[t], "factor", flops_of_front(m, k) / seconds, "GF/s", machine.peak[t]);
+    }
+}
+
+// ---------------------------------------------------------------------------------------------------- sparse matrices
+
+void measure_cholesky(const std::string& name, const NewtonSystem& system, const Machine& machine, Table& table) {
+    std::vector<double> x(system.b.size());
+    for (std::size_t t = 0; t < machine.threads.size(); ++t) {
+        const int threads = machine.threads[t];
+        set_threads(threads);
+        const Stopwatch analysis;
+        Cholesky cholesky(system.A);
+        table.add("cholesky", name, threads, "n", system.A.size());
+        table.add("cholesky", name, threads, "nnz(L)", cholesky.factor_entries());
+        table.add("cholesky", name, threads, "analysis", analysis.seconds(), "s");
+        cholesky.factor(system.A);  // allocates
+        const double factor = median_seconds(budget, [&] { cholesky.factor(system.A); });
+        const double solve = median_seconds(budget, [&] { cholesky.solve(system.b.data(), x.data()); });
+        table.add("cholesky", name, threads, "factor time", factor, "s");
+        add_rate(table, "cholesky", name, threads, "factor", cholesky.flops() / factor, "GF/s", machine.peak[t]);
+        table.add("cholesky", name, threads, "solve time", solve, "s");
+        // L is read twice, forward and backward.
+        add_rate(table, "cholesky", name, threads, "solve", 16 * cholesky.factor_entries() / solve, "GB/s", machine.bandwidth[t]);
+    }
+}
+
+double bytes_of(const BlockCsr& A) { return 8.0 * static_cast<double>(A.value.size()) + 4.0 * A.blocks() + 4.0 * A.n; }
+
+// The matrix in the numbering that ILU(0) is used with.
+BlockCsr renumbered(const BlockCsr& A) {
+    std::vector<int> source;
+    BlockCsr B = permuted_pattern(A, reverse_cuthill_mckee(graph_of(A)), source);
+    for (int k = 0; k < B.blocks(); ++k) std::copy_n(A.block(source[k]), A.d * A.d, B.block(k));
+    return B;
+}
+
+void measure_products(const std::string& name, const NewtonSystem& system, const Machine& machine, Table& table) {
+    const BlockCsr B = renumbered(system.A);
+    std::vector<double> x(B.size(), 1.0), y(B.size());
+    Ilu0 ilu(B);
+    for (std::size_t t = 0; t < machine.threads.size(); ++t) {
+        const int threads = machine.threads[t];
+        set_threads(threads);
+        const double product = median_seconds(budget, [&] { multiply(B, x.data(), y.data()); });
+        const double factor = median_seconds(budget, [&] { ilu.factor(B); });
+        const double solve = median_seconds(budget, [&] { y = x; }, [&] { ilu.solve(y.data()); });
+        const double vectors = 16.0 * B.size();
+        add_rate(table, "sparse", name, threads, "A x", (bytes_of(B) + vectors) / product, "GB/s", machine.bandwidth[t]);
+        table.add("sparse", name, threads, "ILU(0) factor", factor, "s");
+        add_rate(table, "sparse", name, threads, "ILU(0) solve", (bytes_of(B) + vectors) / solve, "GB/s", machine.bandwidth[t]);
+    }
+}
+
+// ----------------------------------------------------------------------------------------------------------- assembly
+
+// Energy, gradient and Hessians of any class that assembles the distortion, ns per element.
+template <class Assembly>
+void time_assembly(const std::string& name, const Assembly& assembly, NewtonSystem& system, int threads, Table& table) {
+    const std::vector<double>& x = system.problem.ideal;
+    const double elements = system.problem.mesh.element_count();
+    std::vector<double> g(x.size());
+    double energy = 0;
+    const auto add = [&](const char* what, const auto& body) {
+        table.add("assembly", name, threads, what, 1e9 * median_seconds(budget, body) / elements, "ns/element");
+    };
+    add("energy", [&] { energy += assembly.energy(x); });
+    add("gradient", [&] { assembly.add_gradient(x, g); });
+    add("full Hessian", [&] { assembly.add_hessian(x, HessianKind::full, system.A); });
+    add("projected", [&] { assembly.add_hessian(x, HessianKind::projected, system.A); });
+    if (!std::isfinite(energy)) std::printf("%s: the energy of the ideal mesh is not finite\n", name.c_str());
+}
+
+void measure_assembly(const std::string& name, NewtonSystem& system, const Machine& machine, Table& table) {
+    const double elements = system.problem.mesh.element_count();
+    for (int threads : machine.threads) {
+        set_threads(threads);
+        time_assembly(name, system.distortion, system, threads, table);
+        const double statistics = median_seconds(budget, [&] { system.distortion.statistics(system.problem.ideal); });
+        table.add("assembly", name, threads, "statistics", 1e9 * statistics / elements, "ns/element");
+    }
+#if __has_include("support/plain_assembly.hpp")
+    const test::PlainAssembly plain(system.problem.mesh, system.problem.ideal, system.params);
+    time_assembly(name + " plain", plain, system, 1, table);
+#endif
+}
+
+struct Case {
+    const char *name, *deck;
+    std::vector<std::string> settings;
+    bool cheap;
+};
+
+}  // namespace
+
+void measure_kernels(const Machine& machine, bool quick, Table& table) {
+    measure_front(256, 256, machine, table);
+    measure_front(2048, 2048, machine, table);
+    measure_front(2048, 256, machine, table);
+    table.print("dense", "Dense fronts, against the peak");
+
+    const std::vector<Case> cases = {{"circle level 3", "circle", {"refine=2"}, true},
+                                     {"circle level 5", "circle", {"refine=4"}, false},
+                                     {"curving P4", "curving", {}, true},
+                                     {"shell P3", "sphere-shell", {}, true},
+                                     {"aircraft", "aircraft", {}, false}};
+    for (const Case& chosen : cases) {
+        if (quick && !chosen.cheap) continue;
+        NewtonSystem system(chosen.deck, chosen.settings);
+        measure_cholesky(chosen.name, system, machine, table);
+        measure_products(chosen.name, system, machine, table);
+        measure_assembly(chosen.name, system, machine, table);
+    }
+    table.print("cholesky", "Sparse Cholesky of the first Newton matrix, factorisation against the peak, solve against the bandwidth");
+    table.print("sparse", "Passes over the matrix, against the bandwidth");
+    table.print("assembly", "Assembly of the distortion");
+}
+
+}  // namespace almesh::bench

@@ -1,0 +1,70 @@
+#include "bench/machine.hpp"
+
+#include "base/parallel.hpp"
+#include "bench/timing.hpp"
+
+namespace almesh::bench {
+namespace {
+
+// As in linalg/dense_kernels.cpp.
+#ifdef __AVX512F__
+constexpr int lanes = 8;
+#elif defined(__AVX__)
+constexpr int lanes = 4;
+#else
+constexpr int lanes = 2;
+#endif
+typedef double Pack __attribute__((vector_size(lanes * sizeof(double))));
+
+constexpr int chains = 12;  // independent sums: more than latency times the units of today's processors
+constexpr int rounds = 20'000'000;
+
+// Runs `rounds` multiply-adds on each chain; the result keeps the compiler from leaving them out.
+double multiply_add() {
+    Pack sum[chains];
+    for (int c = 0; c < chains; ++c) sum[c] = Pack{} + 1.0 + 0.01 * c;
+    const Pack factor = Pack{} + 0.999999, term = Pack{} + 1e-6;
+    for (int k = 0; k < rounds; ++k)
+#pragma GCC unroll 12
+        for (int c = 0; c < chains; ++c) sum[c] = sum[c] * factor + term;
+    double total = 0;
+    for (int c = 0; c < chains; ++c)
+        for (int lane = 0; lane < lanes; ++lane) total += sum[c][lane];
+    return total;
+}
+
+double peak(int threads) {
+    std::vector<double> result(threads);
+    const double seconds = median_seconds(0.5, [&] {
+#pragma omp parallel for schedule(static, 1)
+        for (int t = 0; t < threads; ++t) result[t] = multiply_add();
+    });
+    return 2.0 * lanes * chains * rounds * threads / seconds;
+}
+
+constexpr int triad_size = 8'000'000;  // entries of each of the three arrays, 64 MB
+
+double bandwidth() {
+    std::vector<double> a(triad_size), b(triad_size, 1.0), c(triad_size, 2.0);
+    const double seconds = median_seconds(0.5, [&] { parallel_for(triad_size, [&](int i) { a[i] = b[i] + 3.0 * c[i]; }); });
+    return 32.0 * triad_size / seconds;
+}
+
+}  // namespace
+
+Machine measure_machine(Table& table) {
+    Machine machine;
+    machine.threads = {1};
+    if (max_threads() > 1) machine.threads.push_back(max_threads());
+    for (int threads : machine.threads) {
+        set_threads(threads);
+        machine.peak.push_back(peak(threads));
+        machine.bandwidth.push_back(bandwidth());
+        table.add("machine", "limits", threads, "peak", machine.peak.back() / 1e9, "GF/s");
+        table.add("machine", "limits", threads, "bandwidth", machine.bandwidth.back() / 1e9, "GB/s");
+    }
+    table.print("machine", "The machine's own limits");
+    return machine;
+}
+
+}  // namespace almesh::bench
