@@ -11,7 +11,7 @@ NO_OPENMP := $(if $(OPENMP),,-Wno-unknown-pragmas)
 VERSION   := 0.1.0
 COMMIT    := $(shell git describe --always --dirty --exclude '*' 2>/dev/null || echo unknown)
 
-FLAGS     := -std=c++20 $(CXXFLAGS) $(OPENMP) $(WARNINGS) $(WERROR) $(NO_OPENMP) -Isrc -Itests
+FLAGS     := -std=c++20 -fno-math-errno $(CXXFLAGS) $(OPENMP) $(WARNINGS) $(WERROR) $(NO_OPENMP) -Isrc -Itests
 SOURCES   := $(shell find src -name '*.cpp' | sort)
 OBJECTS   := $(SOURCES:%.cpp=$(BUILD)/%.o)
 LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(OBJECTS))

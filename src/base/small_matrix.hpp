@@ -1,4 +1,5 @@
-// Fixed-size n x n matrices, n = 2 or 3, for the deformation gradient F and its kin. Row-major: m[row][column].
+// Fixed-size n x n matrices, n = 2 or 3, for the deformation gradient F and its kin. Row-major: m[row][column]. T is
+// double, or Lanes (base/lanes.hpp) for as many matrices at once.
 #pragma once
 #include <array>
 #include <cmath>
@@ -6,10 +7,10 @@
 
 namespace almesh {
 
-template <int n>
-using Vec = std::array<double, n>;
-template <int n>
-using Mat = std::array<std::array<double, n>, n>;
+template <int n, class T = double>
+using Vec = std::array<T, n>;
+template <int n, class T = double>
+using Mat = std::array<std::array<T, n>, n>;
 
 // body(std::integral_constant<int, n>) for n = dim: turns the space dimension into a template argument.
 template <class Body>
@@ -18,26 +19,32 @@ void with_dimension(int dim, const Body& body) {
     else body(std::integral_constant<int, 3>());
 }
 
-template <int n>
-double frobenius_squared(const Mat<n>& m) {
-    double s = 0;
+template <int n, class T = double>
+T frobenius_squared(const Mat<n, T>& m) {
+    T s{};
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) s += m[i][j] * m[i][j];
     return s;
 }
 
-inline double determinant(const Mat<2>& m) { return m[0][0] * m[1][1] - m[0][1] * m[1][0]; }
+template <class T>
+T determinant(const Mat<2, T>& m) { return m[0][0] * m[1][1] - m[0][1] * m[1][0]; }
 
-inline double determinant(const Mat<3>& m) {
+template <class T>
+T determinant(const Mat<3, T>& m) {
     return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
 // Cofactor matrix C = det(m) m^{-T}: the derivative of det(m), defined for singular m too.
-inline Mat<2> cofactor(const Mat<2>& m) { return {{{m[1][1], -m[1][0]}, {-m[0][1], m[0][0]}}}; }
+template <class T>
+Mat<2, T> cofactor(const Mat<2, T>& m) {
+    return {{{m[1][1], -m[1][0]}, {-m[0][1], m[0][0]}}};
+}
 
-inline Mat<3> cofactor(const Mat<3>& m) {
-    Mat<3> c;
+template <class T>
+Mat<3, T> cofactor(const Mat<3, T>& m) {
+    Mat<3, T> c;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
             const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
@@ -46,17 +53,17 @@ inline Mat<3> cofactor(const Mat<3>& m) {
     return c;
 }
 
-template <int n>
-Mat<n> transpose(const Mat<n>& m) {
-    Mat<n> t;
+template <int n, class T = double>
+Mat<n, T> transpose(const Mat<n, T>& m) {
+    Mat<n, T> t;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) t[i][j] = m[j][i];
     return t;
 }
 
-template <int n>
-Mat<n> multiply(const Mat<n>& a, const Mat<n>& b) {
-    Mat<n> c{};
+template <int n, class T = double>
+Mat<n, T> multiply(const Mat<n, T>& a, const Mat<n, T>& b) {
+    Mat<n, T> c{};
     for (int i = 0; i < n; ++i)
         for (int k = 0; k < n; ++k)
             for (int j = 0; j < n; ++j) c[i][j] += a[i][k] * b[k][j];

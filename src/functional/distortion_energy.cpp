@@ -8,26 +8,13 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "mesh/lagrange.hpp"
+#include "mesh/quadrature.hpp"
 
 namespace almesh {
 
 int default_exactness(int degree) { return degree == 1 ? 0 : 2 * degree + 2; }
 
 namespace {
-
-std::vector<double> reference_gradients(const LagrangeBasis& basis, const std::vector<double>& xi) {
-    const int points = static_cast<int>(xi.size()) / basis.dim, stride = basis.count * basis.dim;
-    std::vector<double> dN(static_cast<std::size_t>(points) * stride);
-    for (int q = 0; q < points; ++q) basis.gradients(&xi[q * basis.dim], &dN[static_cast<std::size_t>(q) * stride]);
-    return dN;
-}
-
-std::vector<double> node_points(const LagrangeBasis& basis) {
-    std::vector<double> xi;
-    for (const MultiIndex& a : basis.nodes)
-        for (int k = 1; k <= basis.dim; ++k) xi.push_back(static_cast<double>(a[k]) / basis.degree);
-    return xi;
-}
 
 // Elements of degree p > 1 fold at vertices and edges first, where the quadrature has no points: a part `node_part` of
 // the weight goes to the nodes, where the distortion then stops them as it does inside.
@@ -39,186 +26,91 @@ void add_node_points(const LagrangeBasis& basis, Quadrature& quadrature) {
         volume += weight;
         weight *= 1 - node_part;
     }
-    const std::vector<double> xi = node_points(basis);
-    quadrature.xi.insert(quadrature.xi.end(), xi.begin(), xi.end());
+    for (const MultiIndex& a : basis.nodes)
+        for (int k = 1; k <= basis.dim; ++k) quadrature.xi.push_back(static_cast<double>(a[k]) / basis.degree);
     quadrature.weight.insert(quadrature.weight.end(), basis.count, node_part * volume / basis.count);
     quadrature.count += basis.count;
 }
 
-// First fit, colour after colour: an element takes the colour if none of its nodes has it yet.
-void colour_elements(const Mesh& mesh, std::vector<int>& start, std::vector<int>& order) {
-    const int elements = mesh.element_count(), m = mesh.element_nodes();
-    std::vector<int> rest(elements), later, last_colour(mesh.nodes(), -1);
-    for (int e = 0; e < elements; ++e) rest[e] = e;
-    start = {0};
-    order.clear();
-    for (int colour = 0; !rest.empty(); ++colour) {
-        later.clear();
-        for (int e : rest) {
-            const int* node = mesh.element(e);
-            const bool free = std::none_of(node, node + m, [&](int i) { return last_colour[i] == colour; });
-            (free ? order : later).push_back(e);
-            if (free)
-                for (int i = 0; i < m; ++i) last_colour[node[i]] = colour;
-        }
-        start.push_back(static_cast<int>(order.size()));
-        rest.swap(later);
-    }
+ReferenceElement reference_element(const LagrangeBasis& basis, int exactness) {
+    Quadrature quadrature = simplex_quadrature(basis.dim, exactness ? exactness : default_exactness(basis.degree));
+    if (basis.degree > 1) add_node_points(basis, quadrature);
+    ReferenceElement element{basis.count, quadrature.count, quadrature.weight, {}};
+    const std::size_t stride = static_cast<std::size_t>(basis.count) * basis.dim;
+    element.gradients.resize(stride * quadrature.count);
+    for (int q = 0; q < quadrature.count; ++q)
+        basis.gradients(&quadrature.xi[q * basis.dim], &element.gradients[stride * q]);
+    return element;
+}
+
+template <int n>
+Mat<n> ideal_edges(const Mesh& mesh, int e, const std::vector<double>& ideal) {
+    Mat<n> A;
+    for (int a = 0; a < n; ++a)
+        for (int k = 0; k < n; ++k)
+            A[a][k] = ideal[static_cast<std::size_t>(mesh.element(e)[k + 1]) * n + a] -
+                      ideal[static_cast<std::size_t>(mesh.element(e)[0]) * n + a];
+    return A;
 }
 
 }  // namespace
 
-// What is done for one element, for one space dimension.
-template <int n>
-struct DistortionEnergy::Kernel {
-    const DistortionEnergy& of;
-    const int m = of.element_nodes_;
-    Mat<n> ideal_inverse;
-    const int* node = nullptr;
-    double* const local;  // m x n positions relative to the element's first node: exact differences
-    double* const modes;  // n*n x m n: the modes of the Hessian applied to the derivatives of the basis
-    double* const matrix;  // (m n) x (m n): room for the element's gradient or Hessian
-
-    explicit Kernel(const DistortionEnergy& energy)
-        : of(energy), local(workspace((1 + n * n + m * n) * m * n)), modes(local + m * n), matrix(modes + n * n * m * n) {}
-
-    // Kept by each thread between calls: nothing is allocated inside the Newton loop.
-    static double* workspace(std::size_t size) {
-        thread_local std::vector<double> values;
-        if (values.size() < size) values.resize(size);
-        return values.data();
-    }
-
-    void start(int e, const std::vector<double>& x) {
-        node = &of.elements_[static_cast<std::size_t>(e) * m];
-        const double* inverse = &of.ideal_inverse_[static_cast<std::size_t>(e) * n * n];
-        for (int i = 0; i < n; ++i)
-            for (int j = 0; j < n; ++j) ideal_inverse[i][j] = inverse[i * n + j];
-        const double* x0 = &x[static_cast<std::size_t>(node[0]) * n];
-        for (int i = 0; i < m; ++i)
-            for (int a = 0; a < n; ++a) local[i * n + a] = x[static_cast<std::size_t>(node[i]) * n + a] - x0[a];
-    }
-
-    // F = J A^{-1}; dN: m x n reference derivatives.
-    Mat<n> deformation_gradient(const double* dN) const {
-        Mat<n> J{};
-        for (int i = 0; i < m; ++i)
-            for (int a = 0; a < n; ++a)
-                for (int k = 0; k < n; ++k) J[a][k] += local[i * n + a] * dN[i * n + k];
-        return multiply<n>(J, ideal_inverse);
-    }
-
-    const double* gradients(int q) const { return &of.gradients_[static_cast<std::size_t>(q) * m * n]; }
-
-    double energy() const {
-        double sum = 0;
-        for (int q = 0; q < of.quadrature_.count; ++q) {
-            const double eta = distortion<n>(deformation_gradient(gradients(q)), of.params_.delta);
-            sum += of.quadrature_.weight[q] * density(eta, of.params_.objective);
-        }
-        return sum;
-    }
-
-    // out: m x n, the element's part of the gradient.
-    void gradient(double* out) const {
-        std::fill(out, out + m * n, 0.0);
-        for (int q = 0; q < of.quadrature_.count; ++q) {
-            const double* dN = gradients(q);
-            Mat<n> P = density_gradient<n>(deformation_gradient(dN), of.params_.delta, of.params_.objective);
-            P = multiply<n>(P, transpose<n>(ideal_inverse));
-            for (int i = 0; i < m; ++i)
-                for (int a = 0; a < n; ++a)
-                    for (int k = 0; k < n; ++k) out[i * n + a] += of.quadrature_.weight[q] * P[a][k] * dN[i * n + k];
-        }
-    }
-
-    // K: (m n) x (m n), row-major, component a of node i in row i n + a; columns up to the diagonal block are filled.
-    // Each mode of the density's Hessian adds value b b^T, with b the mode applied to the derivatives of the N_i.
-    void hessian(HessianKind kind, double* K) {
-        const int size = m * n;
-        std::fill(K, K + size * size, 0.0);
-        const bool squared = kind == HessianKind::squared_projected;
-        const Objective objective = squared ? Objective::squared : of.params_.objective;
-        for (int q = 0; q < of.quadrature_.count; ++q) {
-            const double* dN = gradients(q);
-            DensityHessian<n> A = density_hessian<n>(deformation_gradient(dN), of.params_.delta, objective);
-            if (kind != HessianKind::full)
-                for (double& value : A.value) value = std::max(value, 0.0);
-            for (int mode = 0; mode < n * n; ++mode) {
-                const Mat<n> B = multiply<n>(A.mode[mode], transpose<n>(ideal_inverse));
-                double* b = &modes[mode * size];
-                for (int i = 0; i < m; ++i)
-                    for (int a = 0; a < n; ++a) {
-                        double sum = 0;
-                        for (int k = 0; k < n; ++k) sum += B[a][k] * dN[i * n + k];
-                        b[i * n + a] = sum;
-                    }
-            }
-            for (int r = 0; r < size; ++r) {
-                double factor[n * n];
-                for (int mode = 0; mode < n * n; ++mode)
-                    factor[mode] = of.quadrature_.weight[q] * A.value[mode] * modes[mode * size + r];
-                double* row = K + r * size;
-                const int end = (r / n + 1) * n;
-                for (int c = 0; c < end; ++c) {
-                    double sum = row[c];
-                    for (int mode = 0; mode < n * n; ++mode) sum += factor[mode] * modes[mode * size + c];
-                    row[c] = sum;
-                }
-            }
-        }
-    }
-};
-
 DistortionEnergy::DistortionEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
     : dim_(mesh.dim),
-      element_nodes_(mesh.element_nodes()),
       element_count_(mesh.element_count()),
       params_(params),
-      quadrature_(simplex_quadrature(mesh.dim, params.exactness ? params.exactness : default_exactness(mesh.degree))),
-      elements_(mesh.elements),
-      element_value_(mesh.element_count()) {
-    is_large_ = static_cast<double>(element_count_) * quadrature_.count * element_nodes_ >= parallel_work;
-    const LagrangeBasis basis(dim_, mesh.degree);
-    if (mesh.degree > 1) add_node_points(basis, quadrature_);
-    gradients_ = reference_gradients(basis, quadrature_.xi);
-    node_gradients_ = reference_gradients(basis, node_points(basis));
-    colour_elements(mesh, colour_start_, coloured_);
+      reference_(reference_element(LagrangeBasis(mesh.dim, mesh.degree), params.exactness)),
+      chunks_(chunk_elements(mesh)),
+      chunk_value_(chunks_.count()),
+      pattern_(matrix_of_cells(mesh.nodes(), mesh.dim, mesh.elements, mesh.element_nodes())) {
+    is_large_ = static_cast<double>(element_count_) * reference_.points * reference_.nodes >= parallel_work;
+    pattern_.value = std::vector<double>();  // gives the memory back
+    set_geometry(mesh, ideal);
+    set_places();
+}
 
-    const double simplex_volume = dim_ == 2 ? 0.5 : 1.0 / 6;
+void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>& ideal) {
+    const int m = reference_.nodes, batches = (element_count_ + lanes - 1) / lanes;
+    nodes_.resize(static_cast<std::size_t>(batches) * lanes * m);
+    ideal_inverse_.resize(static_cast<std::size_t>(batches) * dim_ * dim_);
+    ideal_jacobian_.resize(batches);
+    weight_.resize(batches);
+    std::atomic<int> flat = element_count_;  // first element without volume
     with_dimension(dim_, [&](auto dimension) {
         constexpr int n = dimension;
-        for (int e = 0; e < element_count_; ++e) {
-            Mat<n> A;
-            for (int a = 0; a < n; ++a)
-                for (int k = 0; k < n; ++k)
-                    A[a][k] = ideal[static_cast<std::size_t>(mesh.element(e)[k + 1]) * n + a] -
-                              ideal[static_cast<std::size_t>(mesh.element(e)[0]) * n + a];
-            ideal_jacobian_.push_back(determinant(A));
-            if (!(ideal_jacobian_.back() > 0))
-                throw InputError("element " + std::to_string(mesh.element_id[e]) + " of the ideal mesh has no positive volume");
-            for (const auto& row : inverse<n>(A)) ideal_inverse_.insert(ideal_inverse_.end(), row.begin(), row.end());
-        }
+        parallel_for(batches * lanes, [&](int k) {
+            const int e = chunks_.order[std::min(k, element_count_ - 1)], batch = k / lanes, lane = k % lanes;
+            std::copy_n(mesh.element(e), m, &nodes_[static_cast<std::size_t>(k) * m]);
+            const Mat<n> A = ideal_edges<n>(mesh, e, ideal);
+            const double jacobian = determinant(A);
+            if (!(jacobian > 0))
+                for (int first = flat; e < first && !flat.compare_exchange_weak(first, e);) {}
+            const Mat<n> inverse_of_A = inverse<n>(A);
+            for (int i = 0; i < n; ++i)
+                for (int j = 0; j < n; ++j)
+                    ideal_inverse_[static_cast<std::size_t>(batch) * n * n + i * n + j][lane] = inverse_of_A[i][j];
+            ideal_jacobian_[batch][lane] = k < element_count_ ? jacobian : 0;
+            weight_[batch][lane] = k < element_count_ ? std::pow(jacobian, params_.weight_exponent) : 0;
+        });
     });
+    if (flat < element_count_)
+        throw InputError("element " + std::to_string(mesh.element_id[flat]) + " of the ideal mesh has no positive volume");
 
-    pattern_ = matrix_of_cells(mesh.nodes(), dim_, elements_, element_nodes_);
-    const int m = element_nodes_;
+    const double simplex_volume = dim_ == 2 ? 0.5 : 1.0 / 6;
+    volume_ = simplex_volume * deterministic_sum(batches, [this](int k) { return sum_of_lanes(ideal_jacobian_[k]); });
+    const double weighted = simplex_volume * deterministic_sum(batches, [this](int k) { return sum_of_lanes(weight_[k]); });
+    for (Lanes& weight : weight_) weight *= volume_ / weighted;
+}
+
+void DistortionEnergy::set_places() {
+    const int m = reference_.nodes;
     place_.resize(static_cast<std::size_t>(element_count_) * m * m);
-    parallel_for(element_count_, [&](int e) {
-        const int* node = mesh.element(e);
+    parallel_for(element_count_, [&](int k) {
+        const int* const node = &nodes_[static_cast<std::size_t>(k) * m];
+        int* place = &place_[static_cast<std::size_t>(k) * m * m];
         for (int i = 0; i < m; ++i)
-            for (int j = 0; j < m; ++j) place_[(static_cast<std::size_t>(e) * m + i) * m + j] = pattern_.find(node[i], node[j]);
-    });
-
-    pattern_.value = std::vector<double>();  // gives the memory back
-
-    double weighted_volume = 0;
-    for (double jacobian : ideal_jacobian_) {
-        volume_ += jacobian * simplex_volume;
-        weight_.push_back(std::pow(jacobian, params_.weight_exponent));
-        weighted_volume += weight_.back() * simplex_volume;
-    }
-    for (double& weight : weight_) weight *= volume_ / weighted_volume;
+            for (int j = 0; j < m; ++j) *place++ = pattern_.find(node[i], node[j]);
+    }, 10.0 * m * m);
 }
 
 BlockCsr DistortionEnergy::hessian_pattern() const {
@@ -227,77 +119,100 @@ BlockCsr DistortionEnergy::hessian_pattern() const {
     return H;
 }
 
-double DistortionEnergy::energy(const std::vector<double>& x) const {
-    std::atomic<bool> inverted = false;  // one inverted element settles it: the others are skipped
-    with_dimension(dim_, [&](auto dimension) {
-        constexpr int n = dimension;
+// body(batch of elements, its number) for the batches of a chunk, in order.
+template <int n, class Body>
+void DistortionEnergy::every_batch(int chunk, const std::vector<double>& x, const Body& body) const {
+    ElementBatch<n> elements(reference_);
+    const int end = std::min(element_count_, (chunk + 1) * chunks_.size);
+    for (int k = chunk * chunks_.size; k < end; k += lanes) {
+        const int batch = k / lanes;
+        elements.start(&nodes_[static_cast<std::size_t>(k) * reference_.nodes], x,
+                       reinterpret_cast<const Mat<n, Lanes>&>(ideal_inverse_[static_cast<std::size_t>(batch) * n * n]));
+        body(elements, batch);
+    }
+}
+
+// body(chunk): those of one colour in parallel, the colours in order.
+template <class Body>
+void DistortionEnergy::every_colour(const Body& body) const {
 #pragma omp parallel if (is_large_)
-        {
-            Kernel<n> kernel(*this);
-#pragma omp for schedule(static)
-            for (int e = 0; e < element_count_; ++e) {
-                if (inverted.load(std::memory_order_relaxed)) continue;
-                kernel.start(e, x);
-                element_value_[e] = weight_[e] * kernel.energy();
-                if (!std::isfinite(element_value_[e])) inverted.store(true, std::memory_order_relaxed);
-            }
+    for (int colour = 0; colour < chunks_.colours(); ++colour) {
+#pragma omp for schedule(dynamic, 1)
+        for (int c = chunks_.colour_start[colour]; c < chunks_.colour_start[colour + 1]; ++c) body(chunks_.coloured[c]);
+    }
+}
+
+double DistortionEnergy::energy(const std::vector<double>& x) const {
+    std::atomic<bool> inverted = false;  // one inverted element settles it: the other chunks are skipped
+    with_dimension(dim_, [&](auto dimension) {
+#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
+        for (int chunk = 0; chunk < chunks_.count(); ++chunk) {
+            if (inverted.load(std::memory_order_relaxed)) continue;
+            Lanes sum{};
+            every_batch<dimension()>(chunk, x, [&](const auto& elements, int batch) {
+                sum += weight_[batch] * elements.energy(params_.delta, params_.objective);
+            });
+            chunk_value_[chunk] = sum_of_lanes(sum);
+            if (!std::isfinite(chunk_value_[chunk])) inverted.store(true, std::memory_order_relaxed);
         }
     });
     if (inverted) return std::numeric_limits<double>::infinity();
-    return deterministic_sum(element_count_, [this](int e) { return element_value_[e]; });
+    return deterministic_sum(chunks_.count(), [this](int c) { return chunk_value_[c]; });
 }
 
 void DistortionEnergy::add_gradient(const std::vector<double>& x, std::vector<double>& g) const {
+    const int m = reference_.nodes;
     with_dimension(dim_, [&](auto dimension) {
         constexpr int n = dimension;
-#pragma omp parallel if (is_large_)
-        {
-            Kernel<n> kernel(*this);
-            double* const part = kernel.matrix;
-            for (std::size_t colour = 0; colour + 1 < colour_start_.size(); ++colour) {
-#pragma omp for schedule(static)
-                for (int k = colour_start_[colour]; k < colour_start_[colour + 1]; ++k) {
-                    const int e = coloured_[k];
-                    kernel.start(e, x);
-                    kernel.gradient(part);
-                    for (int i = 0; i < element_nodes_; ++i)
+        every_colour([&](int chunk) {
+            every_batch<n>(chunk, x, [&](auto& elements, int batch) {
+                const Lanes* const part = elements.gradient(params_.delta, params_.objective, weight_[batch]);
+                const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
+                for (int lane = 0; lane < count; ++lane) {
+                    const int* const node = &nodes_[static_cast<std::size_t>(first + lane) * m];
+                    for (int i = 0; i < m; ++i)
                         for (int a = 0; a < n; ++a)
-                            g[static_cast<std::size_t>(kernel.node[i]) * n + a] += weight_[e] * part[i * n + a];
+                            g[static_cast<std::size_t>(node[i]) * n + a] += part[i * n + a][lane];
                 }
-            }
-        }
+            });
+        });
     });
 }
 
+namespace {
+
+// Adds one lane of the blocks (i, j), j <= i, of m nodes to H and their transposes to the places (j, i).
+template <int n>
+void add_element(const Lanes* part, int lane, int m, const int* place, BlockCsr& H) {
+    for (int i = 0; i < m; ++i)
+        for (int j = 0; j <= i; ++j, part += n * n) {
+            double* const lower = H.block(place[i * m + j]);
+            double* const upper = H.block(place[j * m + i]);
+            for (int a = 0; a < n; ++a)
+                for (int b = 0; b < n; ++b) {
+                    const double value = part[a * n + b][lane];
+                    lower[a * n + b] += value;
+                    if (i != j) upper[b * n + a] += value;
+                }
+        }
+}
+
+}  // namespace
+
 void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H) const {
-    const int m = element_nodes_;
+    const int m = reference_.nodes;
+    const bool projected = kind != HessianKind::full;
+    const Objective objective = kind == HessianKind::squared_projected ? Objective::squared : params_.objective;
     with_dimension(dim_, [&](auto dimension) {
         constexpr int n = dimension;
-#pragma omp parallel if (is_large_)
-        {
-            Kernel<n> kernel(*this);
-            double* const K = kernel.matrix;
-            for (std::size_t colour = 0; colour + 1 < colour_start_.size(); ++colour) {
-#pragma omp for schedule(static)
-                for (int c = colour_start_[colour]; c < colour_start_[colour + 1]; ++c) {
-                    const int e = coloured_[c];
-                    kernel.start(e, x);
-                    kernel.hessian(kind, K);
-                    for (int i = 0; i < m; ++i)
-                        for (int j = 0; j <= i; ++j) {
-                            const double* block = &K[(i * m * n + j) * n];
-                            double* lower = H.block(place_[(static_cast<std::size_t>(e) * m + i) * m + j]);
-                            double* upper = H.block(place_[(static_cast<std::size_t>(e) * m + j) * m + i]);
-                            for (int a = 0; a < n; ++a)
-                                for (int b = 0; b < n; ++b) {
-                                    const double value = weight_[e] * block[a * m * n + b];
-                                    lower[a * n + b] += value;
-                                    if (i != j) upper[b * n + a] += value;
-                                }
-                        }
-                }
-            }
-        }
+        every_colour([&](int chunk) {
+            every_batch<n>(chunk, x, [&](auto& elements, int batch) {
+                const Lanes* const part = elements.hessian(params_.delta, objective, projected, weight_[batch]);
+                const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
+                for (int lane = 0; lane < count; ++lane)
+                    add_element<n>(part, lane, m, &place_[static_cast<std::size_t>(first + lane) * m * m], H);
+            });
+        });
     });
 }
 
@@ -305,25 +220,23 @@ DistortionStatistics DistortionEnergy::statistics(const std::vector<double>& x) 
     DistortionStatistics result;
     result.element_max.resize(element_count_);
     with_dimension(dim_, [&](auto dimension) {
-        constexpr int n = dimension;
-        parallel_for(element_count_, [&](int e) {
-            Kernel<n> kernel(*this);
-            kernel.start(e, x);
-            double largest = 0, squared = 0;
-            for (int q = 0; q < quadrature_.count; ++q) {
-                const double eta = distortion<n>(kernel.deformation_gradient(kernel.gradients(q)), 0);
-                squared += quadrature_.weight[q] * eta * eta;
-                largest = std::max(largest, eta);
-            }
-            for (int i = 0; i < element_nodes_; ++i) {
-                const double* dN = &node_gradients_[static_cast<std::size_t>(i) * element_nodes_ * n];
-                largest = std::max(largest, distortion<n>(kernel.deformation_gradient(dN), 0));
-            }
-            result.element_max[e] = largest;
-            element_value_[e] = ideal_jacobian_[e] * squared;
-        }, quadrature_.count * element_nodes_ * 10.0);
+        parallel_for(chunks_.count(), [&](int chunk) {
+            Lanes sum{};
+            every_batch<dimension()>(chunk, x, [&](const auto& elements, int batch) {
+                Lanes largest{}, squared{};
+                for (int q = 0; q < reference_.points; ++q) {
+                    const Lanes eta = elements.distortion_at(q);
+                    squared += reference_.weight[q] * eta * eta;
+                    largest = max(largest, eta);
+                }
+                sum += select(ideal_jacobian_[batch] > 0, ideal_jacobian_[batch] * squared, Lanes{});  // not 0 infinity
+                const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
+                for (int lane = 0; lane < count; ++lane) result.element_max[chunks_.order[first + lane]] = largest[lane];
+            });
+            chunk_value_[chunk] = sum_of_lanes(sum);
+        }, is_large_ ? parallel_work : 0);
     });
-    const double squared_norm = deterministic_sum(element_count_, [this](int e) { return element_value_[e]; });
+    const double squared_norm = deterministic_sum(chunks_.count(), [this](int c) { return chunk_value_[c]; });
     result.relative_quality = std::sqrt(volume_ / squared_norm);
     for (double eta : result.element_max) result.max_distortion = std::max(result.max_distortion, eta);
     return result;

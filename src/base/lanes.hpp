@@ -1,0 +1,66 @@
+// Arithmetic on `lanes` numbers at once, one per element of a batch, by way of the vector extension that g++ and clang++
+// share: + - * / and the comparisons act lane by lane, a number stands for the same in all lanes. This file adds what
+// the extension has no operator for, and the same functions of a single double, so that a formula is written once for
+// both.
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+namespace almesh {
+
+// The registers of the machine the code is compiled for: AVX-512, AVX, or what every 64-bit processor has.
+#if defined(__AVX512F__)
+inline constexpr int lanes = 8;
+#elif defined(__AVX__)
+inline constexpr int lanes = 4;
+#else
+inline constexpr int lanes = 2;
+#endif
+
+typedef double Lanes __attribute__((vector_size(lanes * sizeof(double))));
+typedef std::int64_t LaneBits __attribute__((vector_size(lanes * sizeof(double))));  // comparisons: all bits or none
+
+inline Lanes in_all_lanes(double value) { return Lanes{} + value; }
+
+inline Lanes select(LaneBits condition, Lanes yes, Lanes no) { return condition ? yes : no; }
+inline double select(bool condition, double yes, double no) { return condition ? yes : no; }
+
+inline bool any(LaneBits condition) {
+    std::int64_t bits = 0;
+    for (int l = 0; l < lanes; ++l) bits |= condition[l];
+    return bits != 0;
+}
+
+inline double sum_of_lanes(Lanes v) {
+    double sum = 0;
+    for (int l = 0; l < lanes; ++l) sum += v[l];
+    return sum;
+}
+
+inline Lanes abs(Lanes v) { return select(v < 0, -v, v); }
+inline Lanes max(Lanes a, Lanes b) { return select(a < b, b, a); }
+
+// Compiles to one instruction where the compiler need not set errno (-fno-math-errno).
+inline Lanes sqrt(Lanes v) {
+    Lanes root;
+    for (int l = 0; l < lanes; ++l) root[l] = std::sqrt(v[l]);
+    return root;
+}
+inline double sqrt(double v) { return std::sqrt(v); }
+
+// v^{-1/3} for normal v > 0, to a few units in the last place; anything else gives a number without meaning. The bits of
+// a double are nearly its logarithm: minus a third of them is the first guess, at most 3.5 % off, and two steps of order
+// four for y^{-3} = v follow.
+inline Lanes inverse_cbrt(Lanes v) {
+    constexpr double guess = 6142611753438024704.0;  // 4/3 of the bits of 1, less what the largest error is least for
+    const Lanes bits = __builtin_convertvector(reinterpret_cast<LaneBits>(v), Lanes);
+    Lanes y = reinterpret_cast<Lanes>(__builtin_convertvector(guess - bits * (1.0 / 3), LaneBits));
+    for (int step = 0; step < 2; ++step) {
+        const Lanes h = 1 - v * y * y * y;
+        y += y * h * (1.0 / 3 + h * (2.0 / 9 + h * (14.0 / 81)));
+    }
+    return y;
+}
+inline double inverse_cbrt(double v) { return 1 / std::cbrt(v); }
+
+}  // namespace almesh

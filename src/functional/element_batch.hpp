@@ -1,0 +1,204 @@
+// Energy, gradient and Hessian of `lanes` elements at once, each element in its own lane: all arrays here are structures
+// of lanes, so that every formula is that of one element.
+//
+// Derivatives of the basis are those on the reference element, the same for all elements: the density is differentiated
+// with respect to J = sum x_i (grad N_i)^T = F A instead of F, which costs nothing (density_hessian.hpp). The Hessian's
+// block of nodes i and j is then a sum over the points q and the directions k, l
+//
+//     K_ij = sum_q sum_k dN_i/dxi_k T_jk,   T_jk = sum_l C_kl dN_j/dxi_l,   C_kl: n x n blocks of second derivatives,
+//
+// n + n/(m-i) multiplications per entry and point. Points are taken in blocks, so that a tile of K stays in registers
+// while it gathers a block's share. For linear elements dN_i/dxi_k is the unit matrix but for the first node, whose
+// derivatives are minus the sum of the others': K is C itself, bordered by minus its row sums.
+#pragma once
+#include <vector>
+
+#include "functional/density_hessian.hpp"
+
+namespace almesh {
+
+// Quadrature on the reference element with the derivatives of the basis.
+struct ReferenceElement {
+    int nodes = 0;                  // m
+    int points = 0;
+    std::vector<double> weight;     // points
+    std::vector<double> gradients;  // points x nodes x dim, dN_i/dxi_k
+};
+
+// Place of block (i, j), j <= i, in an element's Hessian.
+constexpr int block_place(int i, int j) { return i * (i + 1) / 2 + j; }
+
+template <int n>
+class ElementBatch {
+   public:
+    explicit ElementBatch(const ReferenceElement& reference)
+        : of_(reference), m_(reference.nodes), size_(m_ * n), position_(workspace(room())) {
+        gradient_ = position_ + size_;
+        hessian_ = gradient_ + size_;
+        second_ = hessian_ + block_place(m_, 0) * n * n;
+        applied_ = second_ + point_block * n * n * n * n;
+    }
+
+    // node: lanes x m nodes of the elements, x: nodes x n. ideal_inverse: A^{-1} of the elements.
+    void start(const int* node, const std::vector<double>& x, const Mat<n, Lanes>& ideal_inverse) {
+        ideal_inverse_ = ideal_inverse;
+        for (int i = 0; i < m_; ++i)
+            for (int l = 0; l < lanes; ++l) {
+                const double* const xi = &x[static_cast<std::size_t>(node[l * m_ + i]) * n];
+                for (int a = 0; a < n; ++a) position_[i * n + a][l] = xi[a];
+            }
+        for (int i = m_ - 1; i >= 0; --i)  // relative to the element's first node: exact differences
+            for (int a = 0; a < n; ++a) position_[i * n + a] -= position_[a];
+    }
+
+    Lanes distortion_at(int q) const { return distortion<n>(multiply<n>(jacobian(q), ideal_inverse_), 0); }
+
+    // Per unit of det A; infinite or nan for an inverted element.
+    Lanes energy(double delta, Objective objective) const {
+        Lanes sum{};
+        for (int q = 0; q < of_.points; ++q)
+            sum += of_.weight[q] * density(distortion<n>(multiply<n>(jacobian(q), ideal_inverse_), delta), objective);
+        return sum;
+    }
+
+    // m x n, times `factor`.
+    const Lanes* gradient(double delta, Objective objective, Lanes factor) {
+        const Mat<n, Lanes> turned = transpose<n>(ideal_inverse_);
+        std::fill_n(gradient_, size_, Lanes{});
+        for (int q = 0; q < of_.points; ++q) {
+            const Mat<n, Lanes> F = multiply<n>(jacobian(q), ideal_inverse_);
+            const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F, delta, objective), turned);
+            const Lanes weight = factor * of_.weight[q];
+            const double* const dN = gradients(q);
+            for (int i = 0; i < m_; ++i)
+                for (int a = 0; a < n; ++a) {
+                    Lanes sum = P[a][0] * dN[i * n];
+                    for (int k = 1; k < n; ++k) sum += P[a][k] * dN[i * n + k];
+                    gradient_[i * n + a] += weight * sum;
+                }
+        }
+        return gradient_;
+    }
+
+    // n x n blocks (i, j), j <= i, at block_place(i, j), times `factor`.
+    const Lanes* hessian(double delta, Objective objective, bool projected, Lanes factor) {
+        if (m_ == n + 1) {
+            border(second_derivatives(0, delta, objective, projected, factor));
+            return hessian_;
+        }
+        std::fill_n(hessian_, block_place(m_, 0) * n * n, Lanes{});
+        for (int q = 0; q < of_.points; q += point_block) {
+            const int count = std::min(point_block, of_.points - q);
+            for (int k = 0; k < count; ++k)
+                tensor(k) = second_derivatives(q + k, delta, objective, projected, factor);
+            for (int j = 0; j < m_; ++j) {
+                apply_to_node(j, q, count);
+                int i = j;
+                for (; i + tile_rows <= m_; i += tile_rows) add_blocks<tile_rows>(i, j, q, count);
+                for (; i < m_; ++i) add_blocks<1>(i, j, q, count);
+            }
+        }
+        return hessian_;
+    }
+
+   private:
+    static constexpr int point_block = 8;               // points whose tensors fit the innermost cache
+    static constexpr int tile_rows = n == 2 ? 5 : 3;    // blocks K_ij of one j that fit the registers
+
+    const ReferenceElement& of_;
+    const int m_, size_;
+    Mat<n, Lanes> ideal_inverse_;
+    Lanes* const position_;  // m x n, relative to the first node
+    Lanes* gradient_;        // m x n
+    Lanes* hessian_;         // m (m + 1) / 2 blocks
+    Lanes* second_;          // point_block tensors C
+    Lanes* applied_;         // point_block x n x n x n: T_jk for the current j
+
+    std::size_t room() const {
+        return 2 * size_ + block_place(m_, 0) * n * n + point_block * (n * n * n * n + n * n * n);
+    }
+
+    // Kept by each thread between calls: nothing is allocated inside the Newton loop.
+    static Lanes* workspace(std::size_t size) {
+        thread_local std::vector<Lanes> values;
+        if (values.size() < size) values.resize(size);
+        return values.data();
+    }
+
+    const double* gradients(int q) const { return &of_.gradients[static_cast<std::size_t>(q) * size_]; }
+    Tensor<n>& tensor(int k) { return reinterpret_cast<Tensor<n>*>(second_)[k]; }
+
+    Mat<n, Lanes> jacobian(int q) const {
+        Mat<n, Lanes> J;
+        if (m_ == n + 1) {
+            for (int a = 0; a < n; ++a)
+                for (int k = 0; k < n; ++k) J[a][k] = position_[(k + 1) * n + a];
+            return J;
+        }
+        J = {};
+        const double* const dN = gradients(q);
+        for (int i = 1; i < m_; ++i)  // the first node is the origin
+            for (int a = 0; a < n; ++a)
+                for (int k = 0; k < n; ++k) J[a][k] += position_[i * n + a] * dN[i * n + k];
+        return J;
+    }
+
+    Tensor<n> second_derivatives(int q, double delta, Objective objective, bool projected, Lanes factor) const {
+        const Mat<n, Lanes> F = multiply<n>(jacobian(q), ideal_inverse_);
+        return in_element_coordinates<n>(frame_hessian<n>(F, delta, objective, projected), ideal_inverse_,
+                                      factor * of_.weight[q]);
+    }
+
+    // Linear elements.
+    void border(const Tensor<n>& C) {
+        for (int a = 0; a < n; ++a)
+            for (int b = 0; b < n; ++b) {
+                Lanes corner{};
+                for (int k = 0; k < n; ++k) {
+                    Lanes row{};
+                    for (int l = 0; l < n; ++l) {
+                        row += C[k][l][a][b];
+                        if (l <= k) hessian_[block_place(k + 1, l + 1) * n * n + a * n + b] = C[k][l][a][b];
+                    }
+                    hessian_[block_place(k + 1, 0) * n * n + a * n + b] = -row;
+                    corner += row;
+                }
+                hessian_[a * n + b] = corner;
+            }
+    }
+
+    // T_jk for the points q, q + 1, ..., q + count - 1.
+    void apply_to_node(int j, int q, int count) {
+        for (int point = 0; point < count; ++point) {
+            const double* const dN = gradients(q + point) + j * n;
+            const Tensor<n>& C = tensor(point);
+            Lanes* T = applied_ + point * n * n * n;
+            for (int k = 0; k < n; ++k)
+                for (int a = 0; a < n; ++a)
+                    for (int b = 0; b < n; ++b) {
+                        Lanes sum = C[k][0][a][b] * dN[0];
+                        for (int l = 1; l < n; ++l) sum += C[k][l][a][b] * dN[l];
+                        *T++ = sum;
+                    }
+        }
+    }
+
+    // Adds a block of points to the blocks (i, j), ..., (i + rows - 1, j).
+    template <int rows>
+    void add_blocks(int i, int j, int q, int count) {
+        Lanes sum[rows][n * n];
+        for (int r = 0; r < rows; ++r)
+            for (int e = 0; e < n * n; ++e) sum[r][e] = hessian_[block_place(i + r, j) * n * n + e];
+        const Lanes* T = applied_;
+        for (int point = 0; point < count; ++point) {
+            const double* const dN = gradients(q + point) + i * n;
+            for (int k = 0; k < n; ++k, T += n * n)
+                for (int e = 0; e < n * n; ++e)
+                    for (int r = 0; r < rows; ++r) sum[r][e] += T[e] * dN[r * n + k];
+        }
+        for (int r = 0; r < rows; ++r)
+            for (int e = 0; e < n * n; ++e) hessian_[block_place(i + r, j) * n * n + e] = sum[r][e];
+    }
+};
+
+}  // namespace almesh
