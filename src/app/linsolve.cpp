@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
@@ -12,6 +13,7 @@
 #include "linalg/graph.hpp"
 #include "linalg/ilu0.hpp"
 #include "linalg/linear_solver.hpp"
+#include "linalg/ordering.hpp"
 #include "linalg/vector_ops.hpp"
 
 namespace almesh {
@@ -23,8 +25,16 @@ constexpr int most_threads = 1024;
 struct Options {
     std::string matrix, right;  // paths; right may be empty
     SolverKind solver = SolverKind::cholesky;
+    std::optional<Ordering> ordering;
     int threads = 0, block = 1;
 };
+
+Ordering ordering_of(const std::string& name) {
+    for (Ordering ordering : {Ordering::nested_dissection, Ordering::minimum_degree, Ordering::reverse_cuthill_mckee,
+                              Ordering::natural})
+        if (name == to_string(ordering)) return ordering;
+    throw UsageError("ordering takes nested_dissection, minimum_degree, rcm or natural, not " + in_backquotes(name));
+}
 
 void set_option(Options& options, const std::string& key, const std::string& value) {
     const auto integer = [&](int highest) {
@@ -42,8 +52,11 @@ void set_option(Options& options, const std::string& key, const std::string& val
         if (value != "cholesky" && value != "gmres")
             throw UsageError("solver takes cholesky or gmres, not " + in_backquotes(value));
         options.solver = value == "gmres" ? SolverKind::gmres : SolverKind::cholesky;
+    } else if (key == "ordering") {
+        options.ordering = ordering_of(value);
     } else {
-        throw UsageError("linsolve has no key " + in_backquotes(key) + "; there are solver, threads and block");
+        throw UsageError("linsolve has no key " + in_backquotes(key) +
+                         "; there are solver, ordering, threads and block");
     }
 }
 
@@ -57,8 +70,8 @@ Options options_of(const std::vector<std::string>& arguments) {
         else throw UsageError("linsolve takes a matrix and at most one right-hand side");
     }
     if (options.matrix.empty())
-        throw UsageError("linsolve takes a matrix: almesh linsolve A.mtx [b.mtx] [solver=cholesky|gmres] [threads=N] "
-                         "[block=1|2|3]");
+        throw UsageError("linsolve takes a matrix: almesh linsolve A.mtx [b.mtx] [solver=cholesky|gmres] "
+                         "[ordering=nested_dissection|minimum_degree|rcm|natural] [threads=N] [block=1|2|3]");
     return options;
 }
 
@@ -74,19 +87,33 @@ std::string rows_of_node(const BlockCsr& A, int node) {
 
 void print_time(std::FILE* out, const char* what, double seconds) { std::fprintf(out, "%-16s%.4g s\n", what, seconds); }
 
-bool solve_by_cholesky(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, std::FILE* out) {
+// What the analysis knows, before any memory for the factor is taken.
+void print_analysis(std::FILE* out, const Cholesky& cholesky, double entries_of_A, double seconds) {
+    std::fprintf(out, "nnz(L)          %.0f\n", cholesky.factor_entries());
+    std::fprintf(out, "fill            %.4g times the lower triangle of A\n", cholesky.factor_entries() / entries_of_A);
+    std::fprintf(out, "flops           %.4g\n", cholesky.flops());
+    std::fprintf(out, "memory          %.4g GB\n", cholesky.predicted_bytes() / 1e9);
+    print_time(out, "analysis", seconds);
+}
+
+bool solve_by_cholesky(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, Ordering ordering,
+                       std::FILE* out) {
+    if (ordering == Ordering::minimum_degree && A.n > largest_minimum_degree)
+        throw UsageError("ordering=minimum_degree takes at most " + std::to_string(largest_minimum_degree) +
+                         " nodes, the matrix has " + std::to_string(A.n) + "; use nested_dissection");
     const Stopwatch analysis;
-    Cholesky cholesky(A);
-    const double analysis_time = analysis.seconds();
-    std::fprintf(out, "nnz(L)          %.0f\nflops           %.4g\n", cholesky.factor_entries(), cholesky.flops());
-    print_time(out, "analysis", analysis_time);
+    CholeskyParams params;
+    params.ordering = ordering;
+    Cholesky cholesky(A, params);
+    print_analysis(out, cholesky, (static_cast<double>(A.value.size()) + A.size()) / 2, analysis.seconds());
 
     const Stopwatch factorisation;
     const CholeskyResult factored = cholesky.factor(A);
     const double factor_time = factorisation.seconds();
     if (factored.status == CholeskyStatus::too_large) {
-        std::fprintf(out, "not solved: the factorisation takes %.3g GB, more than the machine's memory\n",
-                     cholesky.predicted_bytes() / 1e9);
+        std::fprintf(out, "not solved: the factorisation takes %.3g GB, more than the machine's memory; use %s\n",
+                     cholesky.predicted_bytes() / 1e9,
+                     ordering == Ordering::nested_dissection ? "solver=gmres" : "ordering=nested_dissection");
         return false;
     }
     if (factored.status == CholeskyStatus::not_positive_definite) {
@@ -98,7 +125,9 @@ bool solve_by_cholesky(const BlockCsr& A, const std::vector<double>& b, std::vec
 
     const Stopwatch solve;
     cholesky.solve(b.data(), x.data());
-    print_time(out, "solve", solve.seconds());
+    const double solve_time = solve.seconds();  // every entry of L is read twice
+    std::fprintf(out, "solve           %.4g s, %.4g GB/s\n", solve_time,
+                 2 * sizeof(double) * cholesky.factor_entries() / solve_time / 1e9);
     return true;
 }
 
@@ -112,9 +141,13 @@ const char* reason(GmresStatus status) {
     return "";
 }
 
-bool solve_by_gmres(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, std::FILE* out) {
+bool solve_by_gmres(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, Ordering ordering,
+                    std::FILE* out) {
+    if (ordering != Ordering::reverse_cuthill_mckee && ordering != Ordering::natural)
+        throw UsageError(std::string("ordering=") + to_string(ordering) +
+                         " is for solver=cholesky; ILU(0) of solver=gmres takes rcm or natural");
     const Stopwatch renumbering;
-    const std::vector<int> order = reverse_cuthill_mckee(graph_of(A));
+    const std::vector<int> order = order_vertices(graph_of(A), ordering);
     std::vector<int> source;
     BlockCsr B = permuted_pattern(A, order, source);
     for (int k = 0; k < B.blocks(); ++k) std::copy_n(A.block(source[k]), A.d * A.d, B.block(k));
@@ -162,11 +195,14 @@ ExitCode linsolve(const std::vector<std::string>& arguments, std::FILE* out) {
     const auto zeros = std::count(A.value.begin(), A.value.end(), 0.0);
     std::fprintf(out, "%s: %d unknowns in %d nodes\n", options.matrix.c_str(), A.size(), A.n);
     std::fprintf(out, "nnz(A)          %lld\n", static_cast<long long>(A.value.size()) - static_cast<long long>(zeros));
+    const bool iterative = options.solver == SolverKind::gmres;
+    const Ordering ordering = options.ordering.value_or(iterative ? Ordering::reverse_cuthill_mckee
+                                                                  : Ordering::nested_dissection);
     std::fprintf(out, "solver          %s, threads %d\n", to_string(options.solver), max_threads());
+    std::fprintf(out, "ordering        %s\n", to_string(ordering));
 
     std::vector<double> x(A.size(), 0.0);
-    const bool solved = options.solver == SolverKind::gmres ? solve_by_gmres(A, b, x, out)
-                                                            : solve_by_cholesky(A, b, x, out);
+    const bool solved = iterative ? solve_by_gmres(A, b, x, ordering, out) : solve_by_cholesky(A, b, x, ordering, out);
     const double residual = scaled_residual(A, x, b);
     std::fprintf(out, "scaled residual %.3g%s\n", residual, solved ? "" : " of the last x");
     if (solved && !(residual <= refuse_above)) std::fprintf(out, "not solved: the residual is too large\n");

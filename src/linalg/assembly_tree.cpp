@@ -59,21 +59,44 @@ std::vector<int> renumbered(const std::vector<int>& parent, const std::vector<in
     return result;
 }
 
-// Entries of each column of L: column j gets one for every row i whose subtree, the paths from the entries of row i
-// of A up to i, holds j.
+// Root of the tree that vertex v has been joined to so far, all vertices on the way shortened to it.
+int find_root(std::vector<int>& ancestor, int v) {
+    int root = v;
+    while (ancestor[root] != root) root = ancestor[root];
+    for (int next; v != root; v = next) {
+        next = ancestor[v];
+        ancestor[v] = root;
+    }
+    return root;
+}
+
+// Entries of each column of L. Column j has one for every row i whose row subtree, the paths from the entries of row i
+// of A up to i, holds j. Each subtree is counted as +1 at its leaves and -1 where two paths meet, then summed up the
+// tree (Gilbert, Ng & Peyton, SIAM J. Matrix Anal. Appl. 15, 1994). The columns are in postorder, so j is a new leaf
+// of row i if no earlier one lies below it, and two paths meet where j's predecessor has been joined to.
 std::vector<int> count_columns(const Graph& graph, const std::vector<int>& order, const std::vector<int>& parent) {
     const int n = graph.size();
     const std::vector<int> position = inverse(order);
-    std::vector<int> count(n, 1), mark(n, -1);
-    for (int i = 0; i < n; ++i) {
-        mark[i] = i;
-        const int v = order[i];
-        for (int k = graph.start[v]; k < graph.start[v + 1]; ++k)
-            for (int j = position[graph.adjacent[k]]; j < i && mark[j] != i; j = parent[j]) {
-                ++count[j];
-                mark[j] = i;
-            }
+    std::vector<int> first(n), count(n, 0), ancestor(n), last_leaf(n, -1);  // first: lowest vertex of the subtree
+    std::iota(first.begin(), first.end(), 0);
+    std::iota(ancestor.begin(), ancestor.end(), 0);
+    for (int j = 0; j < n; ++j) {
+        if (first[j] == j) ++count[j];
+        if (const int p = parent[j]; p >= 0) {
+            first[p] = std::min(first[p], first[j]);
+            --count[p];
+        }
+        for (int v = order[j], k = graph.start[v]; k < graph.start[v + 1]; ++k) {
+            const int i = position[graph.adjacent[k]], leaf = i > j ? last_leaf[i] : j;
+            if (leaf >= first[j]) continue;
+            ++count[j];
+            if (leaf >= 0) --count[find_root(ancestor, leaf)];
+            last_leaf[i] = j;
+        }
+        if (parent[j] >= 0) ancestor[j] = parent[j];
     }
+    for (int j = 0; j < n; ++j)
+        if (parent[j] >= 0) count[parent[j]] += count[j];
     return count;
 }
 

@@ -1,9 +1,10 @@
 // What the elimination of a sparse symmetric matrix will look like, found from its graph alone: elimination tree,
 // entries of L, supernodes, and the assembly tree whose vertices are the fronts of the multifrontal method.
 //
-// Elimination tree: Liu's algorithm with path compression. Entries per column: by walking the row subtrees, O(entries
-// of L on the graph). Supernodes: fundamental ones, then merged with their parents where that stores few zeros
-// (Liu, SIAM J. Matrix Anal. Appl. 11, 1990; Davis, Direct Methods for Sparse Linear Systems, 2006, chapter 4).
+// Elimination tree: Liu's algorithm with path compression. Entries per column: from the leaves of the row subtrees, in
+// nearly O(edges), so that the size of a hopeless factor is known at once. Supernodes: fundamental ones, then merged
+// with their parents where that stores few zeros (Liu, SIAM J. Matrix Anal. Appl. 11, 1990; Davis, Direct Methods for
+// Sparse Linear Systems, 2006, chapter 4).
 // Columns are vertices of the graph here: the d scalar columns of a node stay together.
 #pragma once
 #include <cstddef>

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "base/parallel.hpp"
-#include "linalg/nested_dissection.hpp"
 
 namespace almesh {
 
@@ -28,9 +27,9 @@ double physical_memory() {
     return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-FactorPlan plan_with_nested_dissection(const BlockCsr& pattern) {
+FactorPlan plan_in_order(const BlockCsr& pattern, Ordering ordering) {
     const Graph graph = graph_of(pattern);
-    return plan_factorisation(pattern, graph, nested_dissection(graph));
+    return plan_factorisation(pattern, graph, order_vertices(graph, ordering));
 }
 
 // Rows of an update matrix that stay next to each other in the parent front; scalar, counted from its first row.
@@ -87,7 +86,7 @@ struct ExtendAdd {
 }  // namespace
 
 Cholesky::Cholesky(const BlockCsr& pattern, const CholeskyParams& params)
-    : params_(params), plan_(plan_with_nested_dissection(pattern)) {
+    : params_(params), plan_(plan_in_order(pattern, params.ordering)) {
     for (int f = 0; f < plan_.tree.fronts(); ++f) largest_front_ = std::max(largest_front_, plan_.rows(f));
 }
 

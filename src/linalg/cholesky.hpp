@@ -2,7 +2,7 @@
 // Liu, SIAM Review 34, 1992): every front of the assembly tree gathers its columns of A and the update matrices of its
 // children, eliminates its columns by dense kernels and passes its own update matrix on.
 //
-// Analysis (nested dissection of the node graph) once per pattern, then any number of factorisations. Parallel over
+// Analysis (ordering of the node graph, by default nested dissection) once per pattern, then any number of factorisations. Parallel over
 // independent subtrees and inside the large fronts above them; same bits for any number of threads.
 #pragma once
 #include <memory>
@@ -11,6 +11,7 @@
 #include "linalg/block_csr.hpp"
 #include "linalg/dense_kernels.hpp"
 #include "linalg/factor_plan.hpp"
+#include "linalg/ordering.hpp"
 
 namespace almesh {
 
@@ -18,6 +19,7 @@ struct CholeskyParams {
     double memory_limit = 0;       // bytes the factorisation may take; 0: the machine's physical memory
     double smallest_pivot = 1e-14;  // a pivot must exceed this times the diagonal entry of A it began as: what is
                                    // left of it would otherwise be rounding
+    Ordering ordering = Ordering::nested_dissection;
 };
 
 enum class CholeskyStatus { factored, not_positive_definite, too_large };

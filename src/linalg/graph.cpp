@@ -92,6 +92,15 @@ CompressedGraph compress(const Graph& graph) {
     return result;
 }
 
+std::vector<int> expand(const CompressedGraph& compressed, const std::vector<int>& group_order) {
+    std::vector<int> order;
+    order.reserve(compressed.member.size());
+    const auto member = compressed.member.begin();
+    for (int g : group_order)
+        order.insert(order.end(), member + compressed.member_start[g], member + compressed.member_start[g + 1]);
+    return order;
+}
+
 namespace {
 
 // Appends the component of `root` to `order` in Cuthill-McKee order and returns how many levels it has; mark[v] =

@@ -33,6 +33,9 @@ struct CompressedGraph {
 };
 CompressedGraph compress(const Graph& graph);
 
+// The vertices in the order of their groups.
+std::vector<int> expand(const CompressedGraph& compressed, const std::vector<int>& group_order);
+
 // Reverse Cuthill-McKee: a breadth-first numbering from an end vertex of each component, neighbours by ascending
 // degree, reversed. Keeps neighbours close in number, which makes ILU(0) accurate (George & Liu, Computer Solution
 // of Large Sparse Positive Definite Systems, 1981, ch. 4). Returns order[new] = old. O(edges log degree).

@@ -111,13 +111,7 @@ std::vector<int> nested_dissection(const Graph& graph) {
 #pragma omp parallel
 #pragma omp single
     dissect(dissection, whole, 0);
-
-    std::vector<int> order;
-    order.reserve(graph.size());
-    for (int g : group_order)
-        order.insert(order.end(), compressed.member.begin() + compressed.member_start[g],
-                     compressed.member.begin() + compressed.member_start[g + 1]);
-    return order;
+    return expand(compressed, group_order);
 }
 
 }  // namespace almesh

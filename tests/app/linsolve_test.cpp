@@ -35,7 +35,8 @@ TEST_CASE("linsolve: both solvers solve a positive definite matrix, whatever the
         CHECK(has(direct.out, "A.mtx: 96 unknowns in " + std::to_string(96 / (block[6] - '0')) + " nodes"));
         CHECK(printed(direct.out, "nnz(A)") == A.value.size());
         CHECK(printed(direct.out, "nnz(L)") >= 96);
-        for (const char* part : {"\nflops ", "\nanalysis ", "\nfactorisation ", " GF/s\n", "\nsolve "})
+        for (const char* part : {"\nordering        nested_dissection\n", "\nfill ", "\nflops ", "\nmemory ", "\nanalysis ",
+                                 "\nfactorisation ", " GF/s\n", "\nsolve ", " GB/s\n"})
             CHECK(has(direct.out, part));
         CHECK(printed(direct.out, "scaled residual") < 1e-14);
 
@@ -44,6 +45,42 @@ TEST_CASE("linsolve: both solvers solve a positive definite matrix, whatever the
         CHECK(printed(iterative.out, "iterations") > 0);
         CHECK(printed(iterative.out, "scaled residual") < 1e-10);
     }
+}
+
+TEST_CASE("linsolve: every ordering gives the solution, rcm and natural with more fill") {
+    const TemporaryFolder folder;
+    const std::string path = folder.write("A.mtx", matrix_market_text(random_spd(2500, 1, grid(50, 50))));
+    const double least = printed(almesh_with({"linsolve", path}).out, "nnz(L)");
+    for (const char* name : {"minimum_degree", "rcm", "natural"}) {
+        const Outcome outcome = almesh_with({"linsolve", path, std::string("ordering=") + name});
+        CHECK(outcome.code == 0);
+        CHECK(has(outcome.out, std::string("ordering        ") + name + "\n"));
+        CHECK(printed(outcome.out, "nnz(L)") > (name == std::string("minimum_degree") ? 0.9 : 1.3) * least);
+        CHECK(printed(outcome.out, "scaled residual") < 1e-14);
+    }
+    for (const char* name : {"rcm", "natural"})
+        CHECK(almesh_with({"linsolve", path, "solver=gmres", std::string("ordering=") + name}).code == 0);
+}
+
+TEST_CASE("linsolve: minimum degree of a large matrix is refused") {
+    const TemporaryFolder folder;
+    std::string text = header + "40001 40001 40001\n";
+    for (int i = 1; i <= 40001; ++i) text += std::to_string(i) + " " + std::to_string(i) + " 1\n";
+    const std::string path = folder.write("A.mtx", text);
+    const Outcome outcome = almesh_with({"linsolve", path, "ordering=minimum_degree"});
+    CHECK(outcome.code == 1);
+    CHECK(has(outcome.error, "takes at most 40000 nodes, the matrix has 40001; use nested_dissection"));
+}
+
+TEST_CASE("linsolve: a factor that cannot fit is refused with its size, and what to do is said") {
+    const TemporaryFolder folder;
+    std::string text = header + "600000 600000 1199999\n";  // an arrow the wrong way round: L is full
+    for (int i = 1; i <= 600000; ++i) text += std::to_string(i) + " 1 1\n";
+    for (int i = 2; i <= 600000; ++i) text += std::to_string(i) + " " + std::to_string(i) + " 1e6\n";
+    const Outcome outcome = almesh_with({"linsolve", folder.write("A.mtx", text), "ordering=natural"});
+    CHECK(outcome.code == 3);
+    CHECK(has(outcome.out, "not solved: the factorisation takes "));
+    CHECK(has(outcome.out, " GB, more than the machine's memory; use ordering=nested_dissection\n"));
 }
 
 TEST_CASE("linsolve: the right-hand side of a file") {
@@ -117,6 +154,8 @@ TEST_CASE("linsolve: wrong command lines and files") {
              {{}, 1, "almesh linsolve A.mtx"},
              {{"a", "b", "c"}, 1, "at most one right-hand side"},
              {{path, "solver=lu"}, 1, "solver takes cholesky or gmres, not `lu`"},
+             {{path, "ordering=amd"}, 1, "ordering takes nested_dissection, minimum_degree, rcm or natural, not `amd`"},
+             {{path, "solver=gmres", "ordering=minimum_degree"}, 1, "ILU(0) of solver=gmres takes rcm or natural"},
              {{path, "threads=0"}, 1, "threads takes an integer in 1..1024, not `0`"},
              {{path, "block=4"}, 1, "block takes an integer in 1..3, not `4`"},
              {{path, "block=2"}, 1, "block=2 does not divide the 1 rows of "},
