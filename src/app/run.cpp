@@ -87,6 +87,12 @@ void write_system(const Deck& deck, Newton& newton, const History& history) {
     });
 }
 
+void print_refusal(std::FILE* out, double bytes) {
+    if (bytes == 0) return;
+    std::fprintf(out, "the Cholesky factor takes %.3g GB, more than this machine's memory: solve with solver=gmres, or take a "
+                 "coarser mesh\n", bytes / 1e9);
+}
+
 bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary) {
     bool hold = true;
     for (const Expectation& expectation : deck.expectations) {
@@ -167,6 +173,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     write_summary(deck, summary);
     print_uncertified(out, problem.mesh, solution.x, problem.length, solution.certificate);
     print_closing(out, deck, problem, solution);
+    if (solution.al.status == AlStatus::linear_solver_failed) print_refusal(out, newton.linear_solver().refused_bytes());
 
     const bool expected = expectations_hold(out, deck, summary);
     if (solution.al.status != AlStatus::converged) return ExitCode::not_converged;

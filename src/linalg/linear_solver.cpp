@@ -109,6 +109,10 @@ void LinearSolver::set_tolerance(double tolerance) {
 double LinearSolver::factor_entries() const { return direct_ ? direct_->cholesky.factor_entries() : 0; }
 double LinearSolver::factor_flops() const { return direct_ ? direct_->cholesky.flops() : 0; }
 
+double LinearSolver::refused_bytes() const {
+    return direct_ && !direct_->cholesky.fits() ? direct_->cholesky.predicted_bytes() : 0;
+}
+
 LinearSolver::Iterative& LinearSolver::iterative(const BlockCsr& A) {
     if (!iterative_)
         iterative_ = std::make_unique<Iterative>(

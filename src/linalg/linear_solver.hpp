@@ -65,6 +65,9 @@ public:
     double factor_entries() const;
     double factor_flops() const;
 
+    // Bytes of the factorisation if it has been analysed and does not fit the memory, else 0.
+    double refused_bytes() const;
+
 private:
     struct Iterative;
     struct Direct;

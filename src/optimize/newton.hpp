@@ -70,6 +70,8 @@ class Newton {
     // Called with every linear system A d = b before it is solved.
     void observe_systems(SystemObserver observer) { observe_system_ = std::move(observer); }
 
+    const LinearSolver& linear_solver() const { return solver_; }
+
     // x: node_count x dim; enters with finite energy, leaves as the last accepted iterate.
     NewtonResult minimise(const AugmentedFunctional& E, const NewtonParams& params, std::vector<double>& x, Timings& time,
                           const NewtonObserver& observe);

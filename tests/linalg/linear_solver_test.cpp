@@ -142,7 +142,13 @@ TEST_CASE("a factor too large for the memory: refused if asked for, else left to
     CHECK(automatic.status == SolveStatus::converged);
     CHECK(automatic.used == SolverKind::gmres);
     params.kind = SolverKind::cholesky;
-    CHECK(LinearSolver(A, 2, params).solve(A, b, x).status == SolveStatus::too_large);
+    LinearSolver refused(A, 2, params);
+    CHECK(refused.refused_bytes() == 0);  // not analysed yet
+    CHECK(refused.solve(A, b, x).status == SolveStatus::too_large);
+    CHECK(refused.refused_bytes() > 8 * refused.factor_entries());
+    LinearSolver fitting(A, 2, {});
+    CHECK(fitting.solve(A, b, x).status == SolveStatus::converged);
+    CHECK(fitting.refused_bytes() == 0);
     params.kind = SolverKind::gmres;
     params.max_iterations = 1;
     const SolveResult stuck = LinearSolver(A, 2, params).solve(A, b, x);
