@@ -182,7 +182,7 @@ CholeskyResult Cholesky::factor(const BlockCsr& A) {
     return {CholeskyStatus::factored, -1};
 }
 
-void Cholesky::solve_forward_one(int f, double* x) {
+void Cholesky::solve_forward_one(int f, double* x, bool parallel) {
     thread_local std::vector<double> work;
     const Front L = front(f, 0);
     const int d = plan_.d;
@@ -195,12 +195,12 @@ void Cholesky::solve_forward_one(int f, double* x) {
         for (std::size_t i = begin; i < end; ++i)
             for (int r = 0; r < d; ++r) work[plan_.in_parent[i] * d + r] += passed_on_[i * d + r];
     }
-    solve_forward(L, work.data());
+    solve_forward(L, work.data(), parallel);
     std::copy_n(work.data(), L.k, own);
     std::copy(work.begin() + L.k, work.begin() + L.m, passed_on_.begin() + plan_.tree.row_start[f] * d);
 }
 
-void Cholesky::solve_backward_one(int f, double* x) {
+void Cholesky::solve_backward_one(int f, double* x, bool parallel) {
     thread_local std::vector<double> work;
     const Front L = front(f, 0);
     const int d = plan_.d;
@@ -210,7 +210,7 @@ void Cholesky::solve_backward_one(int f, double* x) {
     double* to = work.data() + L.k;
     for (std::size_t i = plan_.tree.row_start[f]; i < plan_.tree.row_start[f + 1]; ++i, to += d)
         std::copy_n(x + static_cast<std::size_t>(plan_.tree.rows[i]) * d, d, to);
-    solve_backward(L, work.data());
+    solve_backward(L, work.data(), parallel);
     std::copy_n(work.data(), L.k, own);
 }
 
@@ -218,18 +218,18 @@ void Cholesky::solve(const double* b, double* x) {
     const std::size_t d = plan_.d;
     const std::vector<int>& order = plan_.tree.order;
     const std::vector<FrontRange>& ranges = plan_.subtrees;
-    const int subtrees = static_cast<int>(ranges.size());
+    const int subtrees = static_cast<int>(ranges.size()), nodes = static_cast<int>(order.size());
     double* const y = permuted_.data();
-    for (std::size_t i = 0; i < order.size(); ++i) std::copy_n(b + order[i] * d, d, y + i * d);
+    parallel_for(nodes, [&](int i) { std::copy_n(b + order[i] * d, d, y + i * d); });
 #pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
     for (int s = 0; s < subtrees; ++s)
-        for (int f = ranges[s].begin; f < ranges[s].end; ++f) solve_forward_one(f, y);
-    for (int f : plan_.top) solve_forward_one(f, y);
-    for (std::size_t k = plan_.top.size(); k-- > 0;) solve_backward_one(plan_.top[k], y);
+        for (int f = ranges[s].begin; f < ranges[s].end; ++f) solve_forward_one(f, y, false);
+    for (int f : plan_.top) solve_forward_one(f, y, true);
+    for (std::size_t k = plan_.top.size(); k-- > 0;) solve_backward_one(plan_.top[k], y, true);
 #pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
     for (int s = 0; s < subtrees; ++s)
-        for (int f = ranges[s].end - 1; f >= ranges[s].begin; --f) solve_backward_one(f, y);
-    for (std::size_t i = 0; i < order.size(); ++i) std::copy_n(y + i * d, d, x + order[i] * d);
+        for (int f = ranges[s].end - 1; f >= ranges[s].begin; --f) solve_backward_one(f, y, false);
+    parallel_for(nodes, [&](int i) { std::copy_n(y + i * d, d, x + order[i] * d); });
 }
 
 }  // namespace almesh

@@ -52,8 +52,8 @@ private:
     Front front(int f, int thread);
     int factor_one(const BlockCsr& A, int f, int thread, bool parallel);
     void gather_entries(const BlockCsr& A, int f, const Front& target);
-    void solve_forward_one(int f, double* x);
-    void solve_backward_one(int f, double* x);
+    void solve_forward_one(int f, double* x, bool parallel);
+    void solve_backward_one(int f, double* x, bool parallel);
 
     CholeskyParams params_;
     FactorPlan plan_;

@@ -26,6 +26,9 @@ typedef double PackInMemory __attribute__((vector_size(lanes * sizeof(double)), 
 
 constexpr int block_columns = 128;                // columns eliminated before the rest of a large front is updated
 constexpr int block_rows = 192;                   // rows and columns of the pieces that threads share out
+constexpr int solve_columns = 64;                 // columns solved for before the rest of a right-hand side is updated
+constexpr int solve_rows = 512;                   // rows of it that one thread updates at a time
+constexpr int solve_parallel = 1500;              // fewer rows than this are not worth waking threads for
 constexpr int packing_size = 160;                 // fronts of more rows are worth copying operands into packed form
 
 inline Pack load(const double* from) { return *reinterpret_cast<const PackInMemory*>(from); }
@@ -220,6 +223,41 @@ void update_lower(const double* L, std::size_t ld, int depth, int c_begin, int c
     });
 }
 
+// w[i] -= L(i, j0 .. j1-1) x in rows [begin, end), x = w[j0 .. j1-1]. Four columns at a time: w is read and written
+// once for four entries of L, which then come at the speed of memory.
+void subtract_columns(const double* panel, std::size_t ld, int j0, int j1, int begin, int end, double* w) {
+    int j = j0;
+    for (; j + 4 <= j1; j += 4) {
+        const double *const a = panel + j * ld, *const b = a + ld, *const c = b + ld, *const d = c + ld;
+        const double x[4] = {w[j], w[j + 1], w[j + 2], w[j + 3]};
+        for (int i = begin; i < end; ++i) w[i] -= (a[i] * x[0] + b[i] * x[1]) + (c[i] * x[2] + d[i] * x[3]);
+    }
+    for (; j < j1; ++j) {
+        const double* const a = panel + j * ld;
+        const double x = w[j];
+        for (int i = begin; i < end; ++i) w[i] -= a[i] * x;
+    }
+}
+
+// w[j] -= L(begin .. m-1, j)' w for `count` columns from j on.
+template <int count>
+void subtract_products(const double* panel, std::size_t ld, int j, int begin, int m, double* w) {
+    const double* const columns = panel + j * ld;
+    Pack sum[count] = {};
+    int i = begin;
+    for (; i + lanes <= m; i += lanes) {
+        const Pack y = load(w + i);
+#pragma GCC unroll 4
+        for (int c = 0; c < count; ++c) sum[c] += load(columns + c * ld + i) * y;
+    }
+    for (int c = 0; c < count; ++c) {
+        double total = 0;
+        for (int r = i; r < m; ++r) total += columns[c * ld + r] * w[r];
+        for (int l = 0; l < lanes; ++l) total += sum[c][l];
+        w[j + c] -= total;
+    }
+}
+
 }  // namespace
 
 int factor_front(const Front& front, const double* smallest, bool parallel) {
@@ -249,27 +287,37 @@ int factor_front(const Front& front, const double* smallest, bool parallel) {
     return -1;
 }
 
-void solve_forward(const Front& front, double* w) {
+void solve_forward(const Front& front, double* w, bool parallel) {
     const std::size_t ld = front_ld(front.m);
-    for (int j = 0; j < front.k; ++j) {
-        const double* const column = front.panel + j * ld;
-        const double x = w[j] /= column[j];
-        for (int i = j + 1; i < front.m; ++i) w[i] -= column[i] * x;
+    for (int j0 = 0; j0 < front.k; j0 += solve_columns) {
+        const int j1 = std::min(front.k, j0 + solve_columns);
+        for (int j = j0; j < j1; ++j) {
+            const double* const column = front.panel + j * ld;
+            const double x = w[j] /= column[j];
+            for (int i = j + 1; i < j1; ++i) w[i] -= column[i] * x;
+        }
+        const int rows = front.m - j1, pieces = (rows + solve_rows - 1) / solve_rows;
+        share_out(pieces, parallel && rows > solve_parallel, [&](int i) {
+            const int begin = j1 + i * solve_rows;
+            subtract_columns(front.panel, ld, j0, j1, begin, std::min(front.m, begin + solve_rows), w);
+        });
     }
 }
 
-void solve_backward(const Front& front, double* w) {
+void solve_backward(const Front& front, double* w, bool parallel) {
     const std::size_t ld = front_ld(front.m);
-    for (int j = front.k - 1; j >= 0; --j) {
-        const double* const column = front.panel + j * ld;
-        Pack sum{};
-        int i = front.m - (front.m - j - 1) / lanes * lanes;
-        double rest = w[j];
-        for (int l = j + 1; l < i; ++l) rest -= column[l] * w[l];
-        for (; i < front.m; i += lanes)
-            sum += load(column + i) * load(w + i);
-        for (int l = 0; l < lanes; ++l) rest -= sum[l];
-        w[j] = rest / column[j];
+    for (int j1 = front.k, j0; j1 > 0; j1 = j0) {
+        j0 = (j1 - 1) / solve_columns * solve_columns;
+        share_out((j1 - j0) / 4, parallel && front.m - j1 > solve_parallel, [&](int i) {
+            subtract_products<4>(front.panel, ld, j0 + 4 * i, j1, front.m, w);
+        });
+        for (int j = j0 + (j1 - j0) / 4 * 4; j < j1; ++j) subtract_products<1>(front.panel, ld, j, j1, front.m, w);
+        for (int j = j1 - 1; j >= j0; --j) {
+            const double* const column = front.panel + j * ld;
+            double rest = w[j];
+            for (int i = j + 1; i < j1; ++i) rest -= column[i] * w[i];
+            w[j] = rest / column[j];
+        }
     }
 }
 

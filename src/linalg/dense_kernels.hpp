@@ -30,10 +30,10 @@ constexpr std::size_t update_size(int m, int k) { return static_cast<std::size_t
 // of threads of its own (not to be called so from inside one).
 int factor_front(const Front& front, const double* smallest, bool parallel);
 
-// w (length m): w1 <- L11^{-1} w1, w2 <- w2 - L21 w1.
-void solve_forward(const Front& front, double* w);
+// w (length m): w1 <- L11^{-1} w1, w2 <- w2 - L21 w1. parallel: as above.
+void solve_forward(const Front& front, double* w, bool parallel);
 
 // w1 <- L11^{-T} (w1 - L21' w2).
-void solve_backward(const Front& front, double* w);
+void solve_backward(const Front& front, double* w, bool parallel);
 
 }  // namespace almesh

@@ -95,20 +95,20 @@ TEST_CASE("the first bad pivot is named: not positive, too small, not a number")
 }
 
 TEST_CASE("triangular solves with the columns of a front") {
-    const std::pair<int, int> shapes[] = {{1, 1}, {9, 4}, {40, 40}, {77, 31}};
+    const std::pair<int, int> shapes[] = {{1, 1}, {9, 4}, {40, 40}, {77, 31}, {150, 67}, {700, 130}};
     for (const auto& [m, k] : shapes) {
         Example example(m, k);
         REQUIRE(factor_front(example.front(), example.smallest.data(), false) == -1);
         const std::vector<double> start = random_vector(m);
         std::vector<double> w = start;
-        solve_forward(example.front(), w.data());
+        solve_forward(example.front(), w.data(), false);
         for (int i = 0; i < m; ++i) {  // L11 w1 = start1, w2 + L21 w1 = start2
             double sum = i < k ? 0 : w[i];
             for (int j = 0; j < std::min(i + 1, k); ++j) sum += example.L(i, j) * w[j];
             CHECK(sum == doctest::Approx(start[i]).epsilon(1e-12));
         }
         w = start;
-        solve_backward(example.front(), w.data());
+        solve_backward(example.front(), w.data(), false);
         for (int j = 0; j < k; ++j) {  // L11' w1 + L21' w2 = start1
             double sum = 0;
             for (int i = j; i < m; ++i) sum += example.L(i, j) * w[i];
@@ -130,6 +130,29 @@ TEST_CASE("the same bits alone and with any number of threads") {
                 const bool same = j < 300 ? example.L(i, j) == first.L(i, j) : example.U(i, j) == first.U(i, j);
                 if (!same) FAIL_CHECK(i << ' ' << j);
             }
+    }
+    set_threads(before);
+}
+
+TEST_CASE("solves with a tall front: the same bits alone and with any number of threads") {
+    Front front{3000, 133, nullptr, nullptr};
+    std::vector<double> panel(panel_size(front.m, front.k)), start = random_vector(front.m);
+    const std::vector<double> random = random_vector(static_cast<int>(panel.size()));
+    for (std::size_t i = 0; i < panel.size(); ++i) panel[i] = random[i] / front.m;
+    for (int j = 0; j < front.k; ++j) panel[static_cast<std::size_t>(j) * front_ld(front.m) + j] = 1.5;
+    front.panel = panel.data();
+    std::vector<double> forward = start, backward = start;
+    solve_forward(front, forward.data(), false);
+    solve_backward(front, backward.data(), false);
+    const int before = max_threads();
+    for (int threads : {1, 2, 3, 8}) {
+        set_threads(threads);
+        std::vector<double> w = start;
+        solve_forward(front, w.data(), true);
+        CHECK(w == forward);
+        w = start;
+        solve_backward(front, w.data(), true);
+        CHECK(w == backward);
     }
     set_threads(before);
 }
