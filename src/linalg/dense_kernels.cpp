@@ -26,6 +26,7 @@ typedef double PackInMemory __attribute__((vector_size(lanes * sizeof(double)), 
 
 constexpr int block_columns = 128;                // columns eliminated before the rest of a large front is updated
 constexpr int block_rows = 192;                   // rows and columns of the pieces that threads share out
+constexpr int short_front = 300;                  // rows up to which solves go column by column
 constexpr int solve_columns = 64;                 // columns solved for before the rest of a right-hand side is updated
 constexpr int solve_rows = 512;                   // rows of it that one thread updates at a time
 constexpr int solve_parallel = 1500;              // fewer rows than this are not worth waking threads for
@@ -258,6 +259,24 @@ void subtract_products(const double* panel, std::size_t ld, int j, int begin, in
     }
 }
 
+// Short fronts, column by column: there is little to save.
+void solve_forward_short(const Front& front, double* w) {
+    const std::size_t ld = front_ld(front.m);
+    for (int j = 0; j < front.k; ++j) {
+        const double* const column = front.panel + j * ld;
+        const double x = w[j] /= column[j];
+        for (int i = j + 1; i < front.m; ++i) w[i] -= column[i] * x;
+    }
+}
+
+void solve_backward_short(const Front& front, double* w) {
+    const std::size_t ld = front_ld(front.m);
+    for (int j = front.k - 1; j >= 0; --j) {
+        subtract_products<1>(front.panel, ld, j, j + 1, front.m, w);
+        w[j] /= front.panel[j * ld + j];
+    }
+}
+
 }  // namespace
 
 int factor_front(const Front& front, const double* smallest, bool parallel) {
@@ -288,6 +307,7 @@ int factor_front(const Front& front, const double* smallest, bool parallel) {
 }
 
 void solve_forward(const Front& front, double* w, bool parallel) {
+    if (front.m <= short_front) return solve_forward_short(front, w);
     const std::size_t ld = front_ld(front.m);
     for (int j0 = 0; j0 < front.k; j0 += solve_columns) {
         const int j1 = std::min(front.k, j0 + solve_columns);
@@ -305,6 +325,7 @@ void solve_forward(const Front& front, double* w, bool parallel) {
 }
 
 void solve_backward(const Front& front, double* w, bool parallel) {
+    if (front.m <= short_front) return solve_backward_short(front, w);
     const std::size_t ld = front_ld(front.m);
     for (int j1 = front.k, j0; j1 > 0; j1 = j0) {
         j0 = (j1 - 1) / solve_columns * solve_columns;
