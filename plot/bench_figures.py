@@ -46,14 +46,14 @@ def splits():
     threads = max(row["threads"] for row in rows)
     rows = [row for row in rows if row["threads"] == threads][::-1]
     stages = [key for key in rows[0] if key not in ("name", "threads", "whole run")]
-    colours = plt.get_cmap("tab20")(np.linspace(0, 1, len(stages)))
+    colours = [*plt.get_cmap("viridis")(np.linspace(0.15, 0.95, len(stages) - 1)), style.PAPER]  # grey: the rest
 
     fig, ax = plt.subplots(figsize=(8.6, 0.5 + 0.32 * len(rows)), layout="constrained")
     ax.set_title(f"Where a run spends its time, {threads:.0f} thread{'' if threads == 1 else 's'}", fontsize=10.5)
     left = np.zeros(len(rows))
     for stage, colour in zip(stages, colours):
         share = np.array([row.get(stage, 0.0) for row in rows])
-        ax.barh(range(len(rows)), share, left=left, color=colour, height=0.7, label=stage)
+        ax.barh(range(len(rows)), share, left=left, color=colour, height=0.7, label=stage.replace("_", " "))
         left += share
     ax.set_yticks(range(len(rows)), [f"{row['name']}, {row['whole run']:.3g} s" for row in rows])
     ax.set_xlim(0, 100)

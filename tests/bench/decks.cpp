@@ -42,8 +42,8 @@ const DeckRun& median_run(std::vector<DeckRun>& runs) {
     return runs[runs.size() / 2];
 }
 
-// Every time_<stage> of the summary as a share of the whole run; time_total, time_run and time_coarse sum up others. What no stage
-// owns is setting up, writing files and ending.
+// Every time_<stage> of the summary as a share of the whole run; time_total, time_run and time_coarse sum up others. What
+// no stage owns is setting up, writing files and ending.
 void add_split(Table& table, const std::string& name, int threads, const DeckRun& run) {
     double rest = run.wall;
     for (const auto& [key, seconds] : run.summary) {
@@ -78,6 +78,10 @@ void measure_deck(const std::string& name, const Machine& machine, Table& table)
     }
     table.add("deck", name, machine.threads.back(), "speed-up", median(ratios));
 }
+
+// Table 1 of the paper: nodes, seconds.
+const std::vector<double> paper_nodes = {841, 3324, 13216, 52704, 210816};
+const std::vector<double> paper_times = {1.11, 3.56, 14.29, 101.94, 546.66};
 
 // Exponent of the straight line through the points on logarithmic axes.
 double fitted_exponent(const std::vector<double>& x, const std::vector<double>& y) {
@@ -123,13 +127,12 @@ void measure_scaling(bool quick, Table& table) {
         table.add("scaling", name, threads, "peak memory", run.peak_memory / 1e6, "MB");
     }
     table.print("scaling", "The circle refined");
-    // Table 1 of the paper: nodes, seconds.
-    const std::vector<double> paper_nodes = {841, 3324, 13216, 52704, 210816}, paper_times = {1.11, 3.56, 14.29, 101.94, 546.66};
-    const double ours = fitted_exponent(unknowns, seconds), paper = fitted_exponent(paper_nodes, paper_times);
-    table.add("exponent", "almesh", 0, "time", ours);
-    table.add("exponent", "almesh", 0, "memory", fitted_exponent(unknowns, memory));
+    const double time = fitted_exponent(unknowns, seconds), space = fitted_exponent(unknowns, memory);
+    const double paper = fitted_exponent(paper_nodes, paper_times);
+    table.add("exponent", "almesh", 0, "time", time);
+    table.add("exponent", "almesh", 0, "memory", space);
     table.add("exponent", "paper", 0, "time", paper);
-    std::printf("time grows as n^%.3f, memory as n^%.3f; the paper's times as n^%.3f\n", ours, fitted_exponent(unknowns, memory), paper);
+    std::printf("time grows as n^%.3f, memory as n^%.3f; the paper's times as n^%.3f\n", time, space, paper);
 }
 
 }  // namespace almesh::bench

@@ -20,6 +20,8 @@ void add_once(std::vector<std::string>& list, const std::string& text) {
 
 std::string heading(const Entry& entry) { return entry.quantity + (entry.unit.empty() ? "" : " " + entry.unit); }
 
+int width(const std::string& column) { return std::max(9, static_cast<int>(column.size())); }
+
 std::string label(const Entry& entry) { return entry.name + ", " + std::to_string(entry.threads); }
 
 }  // namespace
@@ -37,14 +39,14 @@ void Table::print(const std::string& group, const std::string& title) const {
         add_once(lines, label(entry));
     }
     std::printf("\n%s\n%-36s", title.c_str(), "name, threads");
-    for (const std::string& column : columns) std::printf("  %*s", std::max(9, static_cast<int>(column.size())), column.c_str());
+    for (const std::string& column : columns) std::printf("  %*s", width(column), column.c_str());
     for (const std::string& line : lines) {
         std::printf("\n%-36s", line.c_str());
         for (const std::string& column : columns) {
             std::string cell;
             for (const Entry& entry : entries_)
                 if (entry.group == group && label(entry) == line && heading(entry) == column) cell = number(entry.value);
-            std::printf("  %*s", std::max(9, static_cast<int>(column.size())), cell.c_str());
+            std::printf("  %*s", width(column), cell.c_str());
         }
     }
     std::printf("\n");

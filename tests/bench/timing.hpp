@@ -1,6 +1,8 @@
-// Repeats what is measured and takes the median: on a machine with other work to do the mean tells little.
+// Repeats what is measured. Whole runs are told by their median, kernels and limits by their best time: other work on the
+// machine can only add to it, and a limit is what the machine can do at best.
 #pragma once
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "base/stopwatch.hpp"
@@ -15,20 +17,21 @@ inline double median(std::vector<double> values) {
 
 // Seconds of body(), after prepare() each time: at least three times, and until both have taken `budget` seconds.
 template <class Prepare, class Body>
-double median_seconds(double budget, const Prepare& prepare, const Body& body) {
-    std::vector<double> times;
-    for (const Stopwatch all; times.size() < 3 || all.seconds() < budget;) {
+double best_seconds(double budget, const Prepare& prepare, const Body& body) {
+    double best = std::numeric_limits<double>::infinity();
+    int count = 0;
+    for (const Stopwatch all; count < 3 || all.seconds() < budget; ++count) {
         prepare();
         const Stopwatch watch;
         body();
-        times.push_back(watch.seconds());
+        best = std::min(best, watch.seconds());
     }
-    return median(times);
+    return best;
 }
 
 template <class Body>
-double median_seconds(double budget, const Body& body) {
-    return median_seconds(budget, [] {}, body);
+double best_seconds(double budget, const Body& body) {
+    return best_seconds(budget, [] {}, body);
 }
 
 }  // namespace almesh::bench
