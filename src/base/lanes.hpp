@@ -5,6 +5,7 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace almesh {
 
@@ -35,6 +36,27 @@ inline double sum_of_lanes(Lanes v) {
     double sum = 0;
     for (int l = 0; l < lanes; ++l) sum += v[l];
     return sum;
+}
+
+// Exchanges off-diagonal blocks of `step` lanes: a_i keeps its place where bit `step` of i is 0, and b_i where it is 1.
+template <int step, int... l>
+void exchange_blocks(Lanes& a, Lanes& b, std::integer_sequence<int, l...>) {
+    const Lanes first = a, second = b;
+#ifdef __clang__
+    a = __builtin_shufflevector(first, second, (l & step ? l - step + lanes : l)...);
+    b = __builtin_shufflevector(first, second, (l & step ? l + lanes : l + step)...);
+#else
+    a = __builtin_shuffle(first, second, LaneBits{(l & step ? l - step + lanes : l)...});
+    b = __builtin_shuffle(first, second, LaneBits{(l & step ? l + lanes : l + step)...});
+#endif
+}
+
+// Transposes lanes x lanes numbers: row i is rows[i]. log2(lanes) rounds of exchanges.
+template <int step = lanes / 2>
+void transpose_lanes(Lanes (&rows)[lanes]) {
+    for (int i = 0; i < lanes; ++i)
+        if (!(i & step)) exchange_blocks<step>(rows[i], rows[i + step], std::make_integer_sequence<int, lanes>());
+    if constexpr (step > 1) transpose_lanes<step / 2>(rows);
 }
 
 inline Lanes abs(Lanes v) { return select(v < 0, -v, v); }

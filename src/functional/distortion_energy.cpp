@@ -166,38 +166,17 @@ void DistortionEnergy::add_gradient(const std::vector<double>& x, std::vector<do
         constexpr int n = dimension;
         every_colour([&](int chunk) {
             every_batch<n>(chunk, x, [&](auto& elements, int batch) {
-                const Lanes* const part = elements.gradient(params_.delta, params_.objective, weight_[batch]);
-                const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
-                for (int lane = 0; lane < count; ++lane) {
-                    const int* const node = &nodes_[static_cast<std::size_t>(first + lane) * m];
+                const double* part = elements.gradient(params_.delta, params_.objective, weight_[batch]);
+                const int first = batch * lanes, end = std::min(first + lanes, element_count_);
+                for (int k = first; k < end; ++k, part += elements.stride(m * n)) {
+                    const int* const node = &nodes_[static_cast<std::size_t>(k) * m];
                     for (int i = 0; i < m; ++i)
-                        for (int a = 0; a < n; ++a)
-                            g[static_cast<std::size_t>(node[i]) * n + a] += part[i * n + a][lane];
+                        for (int a = 0; a < n; ++a) g[static_cast<std::size_t>(node[i]) * n + a] += part[i * n + a];
                 }
             });
         });
     });
 }
-
-namespace {
-
-// Adds one lane of the blocks (i, j), j <= i, of m nodes to H and their transposes to the places (j, i).
-template <int n>
-void add_element(const Lanes* part, int lane, int m, const int* place, BlockCsr& H) {
-    for (int i = 0; i < m; ++i)
-        for (int j = 0; j <= i; ++j, part += n * n) {
-            double* const lower = H.block(place[i * m + j]);
-            double* const upper = H.block(place[j * m + i]);
-            for (int a = 0; a < n; ++a)
-                for (int b = 0; b < n; ++b) {
-                    const double value = part[a * n + b][lane];
-                    lower[a * n + b] += value;
-                    if (i != j) upper[b * n + a] += value;
-                }
-        }
-}
-
-}  // namespace
 
 void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H) const {
     const int m = reference_.nodes;
@@ -207,10 +186,19 @@ void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kin
         constexpr int n = dimension;
         every_colour([&](int chunk) {
             every_batch<n>(chunk, x, [&](auto& elements, int batch) {
-                const Lanes* const part = elements.hessian(params_.delta, objective, projected, weight_[batch]);
                 const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
-                for (int lane = 0; lane < count; ++lane)
-                    add_element<n>(part, lane, m, &place_[static_cast<std::size_t>(first + lane) * m * m], H);
+                const int* place = &place_[static_cast<std::size_t>(first) * m * m];
+                // On their way from memory while the numbers to add are computed.
+                for (int k = 0; k < count * m * m; ++k) __builtin_prefetch(H.block(place[k]), 1);
+                const double* part = elements.hessian(params_.delta, objective, projected, weight_[batch]);
+                for (int k = 0; k < count; ++k, part += elements.stride(m * m * n * n), place += m * m) {
+                    for (int ij = 0; ij < m * m; ++ij) {
+                        double* const block = H.block(place[ij]);
+                        double sum[n * n];  // first all, then stored: the compiler need not fear that they overlap
+                        for (int entry = 0; entry < n * n; ++entry) sum[entry] = block[entry] + part[ij * n * n + entry];
+                        std::copy_n(sum, n * n, block);
+                    }
+                }
             });
         });
     });

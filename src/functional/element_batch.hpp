@@ -25,9 +25,6 @@ struct ReferenceElement {
     std::vector<double> gradients;  // points x nodes x dim, dN_i/dxi_k
 };
 
-// Place of block (i, j), j <= i, in an element's Hessian.
-constexpr int block_place(int i, int j) { return i * (i + 1) / 2 + j; }
-
 template <int n>
 class ElementBatch {
    public:
@@ -35,7 +32,8 @@ class ElementBatch {
         : of_(reference), m_(reference.nodes), size_(m_ * n), position_(workspace(room())) {
         gradient_ = position_ + size_;
         hessian_ = gradient_ + size_;
-        second_ = hessian_ + block_place(m_, 0) * n * n;
+        separate_ = hessian_ + entries();
+        second_ = separate_ + entries();
         applied_ = second_ + point_block * n * n * n * n;
     }
 
@@ -61,8 +59,8 @@ class ElementBatch {
         return sum;
     }
 
-    // m x n, times `factor`.
-    const Lanes* gradient(double delta, Objective objective, Lanes factor) {
+    // The gradient of each element after the other, times `factor`: lanes x stride(m n), component a of node i at i n + a.
+    const double* gradient(double delta, Objective objective, Lanes factor) {
         const Mat<n, Lanes> turned = transpose<n>(ideal_inverse_);
         std::fill_n(gradient_, size_, Lanes{});
         for (int q = 0; q < of_.points; ++q) {
@@ -77,16 +75,17 @@ class ElementBatch {
                     gradient_[i * n + a] += weight * sum;
                 }
         }
-        return gradient_;
+        return separated(gradient_, size_);
     }
 
-    // n x n blocks (i, j), j <= i, at block_place(i, j), times `factor`.
-    const Lanes* hessian(double delta, Objective objective, bool projected, Lanes factor) {
+    // The Hessian of each element after the other, times `factor`: lanes x stride(m n m n), blocks (i, j) of n x n numbers
+    // row by row, both triangles.
+    const double* hessian(double delta, Objective objective, bool projected, Lanes factor) {
         if (m_ == n + 1) {
             border(second_derivatives(0, delta, objective, projected, factor));
-            return hessian_;
+            return separated(hessian_, size_ * size_);
         }
-        std::fill_n(hessian_, block_place(m_, 0) * n * n, Lanes{});
+        std::fill_n(hessian_, size_ * size_, Lanes{});
         for (int q = 0; q < of_.points; q += point_block) {
             const int count = std::min(point_block, of_.points - q);
             for (int k = 0; k < count; ++k)
@@ -98,8 +97,15 @@ class ElementBatch {
                 for (; i < m_; ++i) add_blocks<1>(i, j, q, count);
             }
         }
-        return hessian_;
+        for (int i = 0; i < m_; ++i)
+            for (int j = 0; j < i; ++j)
+                for (int a = 0; a < n; ++a)
+                    for (int b = 0; b < n; ++b) block(j, i)[b * n + a] = block(i, j)[a * n + b];
+        return separated(hessian_, size_ * size_);
     }
+
+    // Distance from one element to the next where each has `count` numbers: whole registers.
+    static std::size_t stride(int count) { return (count + lanes - 1) / lanes * lanes; }
 
    private:
     static constexpr int point_block = 8;               // points whose tensors fit the innermost cache
@@ -110,12 +116,27 @@ class ElementBatch {
     Mat<n, Lanes> ideal_inverse_;
     Lanes* const position_;  // m x n, relative to the first node
     Lanes* gradient_;        // m x n
-    Lanes* hessian_;         // m (m + 1) / 2 blocks
+    Lanes* hessian_;         // m x m blocks of n x n
+    Lanes* separate_;        // the gradient or Hessian, element after element
     Lanes* second_;          // point_block tensors C
     Lanes* applied_;         // point_block x n x n x n: T_jk for the current j
 
     std::size_t room() const {
-        return 2 * size_ + block_place(m_, 0) * n * n + point_block * (n * n * n * n + n * n * n);
+        return 2 * size_ + 2 * entries() + point_block * (n * n * n * n + n * n * n);
+    }
+    std::size_t entries() const { return stride(size_ * size_); }
+    Lanes* block(int i, int j) { return hessian_ + (i * m_ + j) * n * n; }
+
+    // `count` numbers of each lane after those of the lane before. What follows `count` up to the stride is of no meaning.
+    const double* separated(const Lanes* numbers, int count) {
+        const std::size_t registers = stride(count) / lanes;
+        for (std::size_t k = 0; k < registers; ++k) {
+            Lanes rows[lanes];
+            for (int r = 0; r < lanes; ++r) rows[r] = numbers[k * lanes + r];
+            transpose_lanes(rows);
+            for (int l = 0; l < lanes; ++l) separate_[l * registers + k] = rows[l];
+        }
+        return reinterpret_cast<const double*>(separate_);
     }
 
     // Kept by each thread between calls: nothing is allocated inside the Newton loop.
@@ -158,12 +179,12 @@ class ElementBatch {
                     Lanes row{};
                     for (int l = 0; l < n; ++l) {
                         row += C[k][l][a][b];
-                        if (l <= k) hessian_[block_place(k + 1, l + 1) * n * n + a * n + b] = C[k][l][a][b];
+                        block(k + 1, l + 1)[a * n + b] = C[k][l][a][b];
                     }
-                    hessian_[block_place(k + 1, 0) * n * n + a * n + b] = -row;
+                    block(k + 1, 0)[a * n + b] = block(0, k + 1)[b * n + a] = -row;
                     corner += row;
                 }
-                hessian_[a * n + b] = corner;
+                block(0, 0)[a * n + b] = corner;
             }
     }
 
@@ -188,7 +209,7 @@ class ElementBatch {
     void add_blocks(int i, int j, int q, int count) {
         Lanes sum[rows][n * n];
         for (int r = 0; r < rows; ++r)
-            for (int e = 0; e < n * n; ++e) sum[r][e] = hessian_[block_place(i + r, j) * n * n + e];
+            for (int e = 0; e < n * n; ++e) sum[r][e] = block(i + r, j)[e];
         const Lanes* T = applied_;
         for (int point = 0; point < count; ++point) {
             const double* const dN = gradients(q + point) + i * n;
@@ -197,7 +218,7 @@ class ElementBatch {
                     for (int r = 0; r < rows; ++r) sum[r][e] += T[e] * dN[r * n + k];
         }
         for (int r = 0; r < rows; ++r)
-            for (int e = 0; e < n * n; ++e) hessian_[block_place(i + r, j) * n * n + e] = sum[r][e];
+            for (int e = 0; e < n * n; ++e) block(i + r, j)[e] = sum[r][e];
     }
 };
 

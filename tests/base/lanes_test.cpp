@@ -28,6 +28,15 @@ TEST_CASE("every lane is worked on by itself") {
     CHECK(sum_of_lanes(v) == lanes * (lanes - 1) / 2 - lanes);
 }
 
+TEST_CASE("rows of lanes are transposed") {
+    Lanes rows[lanes];
+    for (int i = 0; i < lanes; ++i)
+        for (int l = 0; l < lanes; ++l) rows[i][l] = 10 * i + l;
+    transpose_lanes(rows);
+    for (int i = 0; i < lanes; ++i)
+        for (int l = 0; l < lanes; ++l) CHECK(rows[i][l] == 10 * l + i);
+}
+
 TEST_CASE("any sees the first and the last lane") {
     const Lanes v = counting();
     CHECK(any(v < 0));
