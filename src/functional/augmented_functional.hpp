@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/parallel.hpp"
 #include "boundary/constraint.hpp"
 #include "functional/distortion_energy.hpp"
 
@@ -33,7 +34,7 @@ struct AugmentedFunctional {
     }
 
     void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H) const {
-        std::fill(H.value.begin(), H.value.end(), 0.0);
+        parallel_for(H.n, [&H](int i) { std::fill(H.block(H.row[i]), H.block(H.row[i + 1]), 0.0); });
         distortion.add_hessian(x, kind, H);
         constraint.add_hessian(penalty, H);
     }

@@ -62,9 +62,8 @@ DistortionEnergy::DistortionEnergy(const Mesh& mesh, const std::vector<double>& 
       reference_(reference_element(LagrangeBasis(mesh.dim, mesh.degree), params.exactness)),
       chunks_(chunk_elements(mesh)),
       chunk_value_(chunks_.count()),
-      pattern_(matrix_of_cells(mesh.nodes(), mesh.dim, mesh.elements, mesh.element_nodes())) {
+      pattern_(pattern_of_cells(mesh.nodes(), mesh.dim, mesh.elements, mesh.element_nodes())) {
     is_large_ = static_cast<double>(element_count_) * reference_.points * reference_.nodes >= parallel_work;
-    pattern_.value = std::vector<double>();  // gives the memory back
     set_geometry(mesh, ideal);
     set_places();
 }

@@ -14,33 +14,61 @@ int BlockCsr::find(int i, int j) const {
     return it != end && *it == j ? static_cast<int>(it - col.begin()) : -1;
 }
 
-BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes) {
-    const int cell_count = cell_nodes ? static_cast<int>(cells.size()) / cell_nodes : 0;
-    std::vector<int> start(n + 1, 0), cell_of(cells.size());  // cells around each node, in CSR form
-    for (int node : cells) ++start[node + 1];
-    for (int i = 0; i < n; ++i) start[i + 1] += start[i];
-    std::vector<int> next(start.begin(), start.end() - 1);
-    for (int c = 0; c < cell_count; ++c)
-        for (int a = 0; a < cell_nodes; ++a) cell_of[next[cells[c * cell_nodes + a]]++] = c;
+namespace {
 
+// The cells around each node: those of node i are cell[start[i]] .. cell[start[i+1]-1], ascending.
+struct NodeCells {
+    std::vector<int> start, cell;
+};
+
+NodeCells cells_of_nodes(int n, const std::vector<int>& cells, int cell_nodes) {
+    NodeCells around{std::vector<int>(n + 1, 0), std::vector<int>(cells.size())};
+    for (int node : cells) ++around.start[node + 1];
+    for (int i = 0; i < n; ++i) around.start[i + 1] += around.start[i];
+    std::vector<int> next(around.start.begin(), around.start.end() - 1);
+    const int cell_count = cell_nodes ? static_cast<int>(cells.size()) / cell_nodes : 0;
+    for (int c = 0; c < cell_count; ++c)
+        for (int a = 0; a < cell_nodes; ++a) around.cell[next[cells[static_cast<std::size_t>(c) * cell_nodes + a]]++] = c;
+    return around;
+}
+
+constexpr int row_block = 4096;  // rows whose columns one thread collects at a time
+
+}  // namespace
+
+BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes) {
+    const NodeCells around = cells_of_nodes(n, cells, cell_nodes);
     BlockCsr A;
     A.n = n;
     A.d = d;
     A.row.assign(n + 1, 0);
-    std::vector<int> last_row(n, -1);  // last_row[j] == i: column j already stands in row i
-    for (int i = 0; i < n; ++i) {
-        const int begin = static_cast<int>(A.col.size());
-        A.col.push_back(i);
-        last_row[i] = i;
-        for (int k = start[i]; k < start[i + 1]; ++k)
-            for (int a = 0; a < cell_nodes; ++a) {
-                const int j = cells[cell_of[k] * cell_nodes + a];
-                if (last_row[j] != i) A.col.push_back(j);
-                last_row[j] = i;
+    const int blocks = (n + row_block - 1) / row_block;
+    std::vector<std::vector<int>> columns(blocks);  // of each block of rows
+    parallel_for(blocks, [&](int block) {
+        std::vector<int>& found = columns[block];
+        std::vector<int> row;
+        for (int i = block * row_block, end = std::min(n, i + row_block); i < end; ++i) {
+            row.assign(1, i);
+            for (int k = around.start[i]; k < around.start[i + 1]; ++k) {
+                const int* const cell = &cells[static_cast<std::size_t>(around.cell[k]) * cell_nodes];
+                row.insert(row.end(), cell, cell + cell_nodes);
             }
-        std::sort(A.col.begin() + begin, A.col.end());
-        A.row[i + 1] = static_cast<int>(A.col.size());
-    }
+            std::sort(row.begin(), row.end());
+            row.erase(std::unique(row.begin(), row.end()), row.end());
+            found.insert(found.end(), row.begin(), row.end());
+            A.row[i + 1] = static_cast<int>(row.size());
+        }
+    }, 100.0 * row_block);
+    for (int i = 0; i < n; ++i) A.row[i + 1] += A.row[i];
+    A.col.resize(A.row[n]);
+    parallel_for(blocks, [&](int block) {
+        std::copy(columns[block].begin(), columns[block].end(), A.col.begin() + A.row[block * row_block]);
+    }, 100.0 * row_block);
+    return A;
+}
+
+BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes) {
+    BlockCsr A = pattern_of_cells(n, d, cells, cell_nodes);
     A.value.assign(A.col.size() * d * d, 0.0);
     return A;
 }

@@ -26,7 +26,10 @@ struct BlockCsr {
 };
 
 // Pattern in which all nodes of a cell are neighbours: the union over all cells of cell x cell, plus the diagonal.
-// cells: cell_count x cell_nodes node indices in [0, n). Values are zero.
+// cells: cell_count x cell_nodes node indices in [0, n). Without values: A.value is empty.
+BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes);
+
+// The same with all values zero.
 BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes);
 
 // y = A x (x, y: n*d). Same bits for any number of threads.

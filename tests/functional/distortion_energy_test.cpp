@@ -172,18 +172,25 @@ TEST_CASE("an ideal element without volume is refused") {
     CHECK_THROWS_AS(DistortionEnergy(mesh, flat, {}), InputError);
 }
 
-TEST_CASE("energy, gradient and Hessian have the same bits for any number of threads") {
-    const Case c = deformed(square_mesh(40), 1, 0.005);
-    const DistortionEnergy E(c.mesh, c.ideal, {});
+TEST_CASE("energy, gradient, Hessian and statistics have the same bits for any number of threads") {
     const int before = max_threads();
-    set_threads(1);
-    const double energy = E.energy(c.x);
-    const std::vector<double> g = gradient(E, c.x), h = hessian(E, c.mesh, c.x, HessianKind::projected).value;
-    for (int threads : {2, 3, 5}) {
-        set_threads(threads);
-        CHECK(E.energy(c.x) == energy);
-        CHECK(gradient(E, c.x) == g);
-        CHECK(hessian(E, c.mesh, c.x, HessianKind::projected).value == h);
+    for (const Case& c : {deformed(square_mesh(40), 1, 0.005), deformed(square_mesh(7), 4, 0.01), deformed(cube_mesh(8), 1, 0.01)}) {
+        const DistortionEnergy E(c.mesh, c.ideal, {});
+        set_threads(1);
+        const double energy = E.energy(c.x);
+        const std::vector<double> g = gradient(E, c.x), h = hessian(E, c.mesh, c.x, HessianKind::projected).value;
+        const DistortionStatistics statistics = E.statistics(c.x);
+        CHECK(std::isfinite(energy));
+        for (int threads : {2, 3, 8}) {
+            set_threads(threads);
+            CHECK(E.energy(c.x) == energy);
+            CHECK(gradient(E, c.x) == g);
+            CHECK(hessian(E, c.mesh, c.x, HessianKind::projected).value == h);
+            CHECK(E.statistics(c.x).relative_quality == statistics.relative_quality);
+            CHECK(E.statistics(c.x).element_max == statistics.element_max);
+            // Set up by that many threads: the same energy of the same mesh.
+            CHECK(DistortionEnergy(c.mesh, c.ideal, {}).energy(c.x) == energy);
+        }
     }
     set_threads(before);
 }

@@ -21,6 +21,28 @@ TEST_CASE("the pattern of two triangles: rows ascending, without repeats, the di
     CHECK(matrix_of_cells(0, 2, {}, 3).blocks() == 0);
 }
 
+TEST_CASE("the pattern of many rows is that of every pair of neighbours, for any number of threads") {
+    const int k = 100, n = k * k;  // more rows than one thread takes at a time
+    std::vector<int> cells;
+    for (int j = 0; j + 1 < k; ++j)
+        for (int i = 0; i + 1 < k; ++i) cells.insert(cells.end(), {j * k + i, j * k + i + 1, (j + 1) * k + i + 1, (j + 1) * k + i});
+    const int before = max_threads();
+    for (int threads : {1, 2, 3, 8}) {
+        set_threads(threads);
+        const BlockCsr A = pattern_of_cells(n, 2, cells, 4);
+        CHECK(A.value.empty());
+        CHECK(A.blocks() == (3 * k - 2) * (3 * k - 2));
+        bool right = true;
+        for (int i = 0; i < n; ++i)
+            for (int m = A.row[i]; m < A.row[i + 1]; ++m) {
+                const int j = A.col[m];
+                right = right && std::abs(i % k - j % k) <= 1 && std::abs(i / k - j / k) <= 1 && (m == A.row[i] || A.col[m - 1] < j);
+            }
+        CHECK(right);
+    }
+    set_threads(before);
+}
+
 TEST_CASE("products and norms are those of the dense matrix, d = 1, 2, 3") {
     for (int d = 1; d <= 3; ++d) {
         const BlockCsr A = random_spd(30, d, random_edges(30, 60, 7));
