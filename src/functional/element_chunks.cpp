@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -27,14 +28,14 @@ int chunk_size(int elements) {
 std::vector<std::pair<std::uint64_t, int>> places_on_curve(const Mesh& mesh) {
     constexpr int bits = 21;
     const int n = mesh.dim;
-    std::vector<double> least(n, 0.0), most(n, 0.0);
+    std::vector<double> least(n, std::numeric_limits<double>::max()), most(n, std::numeric_limits<double>::lowest());
     for (std::size_t i = 0; i < mesh.x.size(); ++i) {
-        least[i % n] = std::min(i < static_cast<std::size_t>(n) ? mesh.x[i] : least[i % n], mesh.x[i]);
-        most[i % n] = std::max(i < static_cast<std::size_t>(n) ? mesh.x[i] : most[i % n], mesh.x[i]);
+        least[i % n] = std::min(least[i % n], mesh.x[i]);
+        most[i % n] = std::max(most[i % n], mesh.x[i]);
     }
     double width = 0;
     for (int a = 0; a < n; ++a) width = std::max(width, most[a] - least[a]);
-    const double cells = ((1 << bits) - 1) / (width * (n + 1));
+    const double cells = width > 0 ? ((1 << bits) - 1) / (width * (n + 1)) : 0;  // per sum of n + 1 coordinates
 
     std::vector<std::pair<std::uint64_t, int>> places(mesh.element_count());
     parallel_for(mesh.element_count(), [&](int e) {

@@ -34,7 +34,7 @@ TEST_CASE("rows of lanes are transposed") {
         for (int l = 0; l < lanes; ++l) rows[i][l] = 10 * i + l;
     transpose_lanes(rows);
     for (int i = 0; i < lanes; ++i)
-        for (int l = 0; l < lanes; ++l) CHECK(rows[i][l] == 10 * l + i);
+        for (int l = 0; l < lanes; ++l) CHECK(double(rows[i][l]) == 10 * l + i);
 }
 
 TEST_CASE("any sees the first and the last lane") {

@@ -41,3 +41,16 @@ TEST_CASE("a mesh of some size has chunks for many threads") {
     CHECK(chunks.count() >= 100);
     CHECK(chunks.colours() <= 8);
 }
+
+TEST_CASE("elements in an order without rhyme are put into one where chunks have few neighbours") {
+    for (Mesh mesh : {square_mesh(40), cube_mesh(10)}) {
+        const std::vector<int> ordered = mesh.elements;
+        const int m = mesh.element_nodes(), count = mesh.element_count();
+        for (int e = 0; e < count; ++e)  // 1009 and the number of elements have no common divisor
+            std::copy_n(&ordered[static_cast<long long>(e) * 1009 % count * m], m, &mesh.elements[e * m]);
+        const ElementChunks chunks = chunk_elements(mesh);
+        CHECK(chunks.count() >= 100);
+        CHECK(chunks.colours() <= (mesh.dim == 2 ? 12 : 40));
+        CHECK(std::set<int>(chunks.order.begin(), chunks.order.end()).size() == static_cast<std::size_t>(count));
+    }
+}
