@@ -46,6 +46,8 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
     return values;
 }
 
+VtkFormat format_of(const Deck& deck) { return deck.vtk == VtkOutput::binary ? VtkFormat::binary : VtkFormat::ascii; }
+
 void write_volume(const Deck& deck, const Problem& problem, const char* what, const std::vector<double>& x,
                   const std::vector<double>& distortion, const std::vector<double>* scaled_jacobian) {
     const Mesh& mesh = problem.mesh;
@@ -61,7 +63,7 @@ void write_volume(const Deck& deck, const Problem& problem, const char* what, co
     if (scaled_jacobian) cell_data.push_back({"min_scaled_jacobian", 1, *scaled_jacobian});
     cell_data.push_back({"element_id", 1, std::move(id)});
     write_vtk(deck.output + "/" + what + ".vtk", title(deck, what), mesh.dim, mesh.degree, scaled(x, problem.length),
-              mesh.elements, mesh.dim, point_data, cell_data, provenance(deck, problem));
+              mesh.elements, mesh.dim, point_data, cell_data, provenance(deck, problem), format_of(deck));
 }
 
 // Boundary faces on the trace nodes, with the multipliers and the projected constraint.
@@ -86,7 +88,7 @@ void write_boundary(const Deck& deck, const Problem& problem, const BoundaryCons
               {{"multipliers", dim, scaled(solution.al.lambda, lambda_unit)},
                {"multiplier_magnitude", 1, scaled(magnitude, lambda_unit)},
                {"constraint", dim, scaled(constraint.projected_constraint(solution.x), std::pow(problem.length, 2 - 0.5 * dim))}},
-              {{"boundary", 1, boundary}}, provenance(deck, problem));
+              {{"boundary", 1, boundary}}, provenance(deck, problem), format_of(deck));
 }
 
 std::string lines(const Pairs& pairs) {
@@ -139,13 +141,15 @@ void write_deck(const Deck& deck, const Problem& problem) {
 }
 
 void write_initial(const Deck& deck, const Problem& problem) {
+    if (deck.vtk == VtkOutput::none) return;
     write_volume(deck, problem, "initial", problem.ideal, std::vector<double>(problem.mesh.element_count(), 1.0), nullptr);
 }
 
 void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution) {
+    write_msh(deck.output + "/final.msh", problem.mesh, scaled(solution.x, problem.length));
+    if (deck.vtk == VtkOutput::none) return;
     write_volume(deck, problem, "final", solution.x, solution.distortion.element_max, &solution.certificate.lower_bound);
     write_boundary(deck, problem, constraint, solution);
-    write_msh(deck.output + "/final.msh", problem.mesh, scaled(solution.x, problem.length));
 }
 
 void write_summary(const Deck& deck, const Summary& summary) { write_file(deck.output + "/summary.txt", lines(summary)); }

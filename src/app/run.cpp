@@ -1,5 +1,7 @@
 #include "app/run.hpp"
 
+#include <optional>
+
 #include "app/continuation.hpp"
 #include "app/problem.hpp"
 #include "app/results.hpp"
@@ -150,10 +152,11 @@ ExitCode run(const Deck& deck, std::FILE* out) {
         solution.fallbacks += step.fallback != SolveStatus::converged;
     };
     const AlStart start = start_from(coarse, problem, distortion, constraint, solution.x);
-    Newton newton(distortion, solver_of(deck));
-    write_system(deck, newton, history);
+    std::optional<Newton> newton(std::in_place, distortion, solver_of(deck));
+    write_system(deck, *newton, history);
     solution.phases.setup = watch.seconds() - solution.phases.coarse - solution.phases.write;
-    solution.al = minimise(distortion, constraint, newton, algorithm_of(deck), solution.x, solution.time, observer, start);
+    solution.al = minimise(distortion, constraint, *newton, algorithm_of(deck), solution.x, solution.time, observer, start);
+    newton.reset();  // the factor is the largest thing in memory
     const bool failed = solution.al.status != AlStatus::converged && solution.al.status != AlStatus::interrupted;
     if (failed && problem.target_crosses) solution.al.status = AlStatus::infeasible;
 

@@ -31,6 +31,7 @@ struct DeckBoundary {
 };
 
 enum class Start { automatic, identity, coarse };
+enum class VtkOutput { ascii, binary, none };
 
 struct Deck {
     // The keys, with their defaults; an empty optional is `auto`.
@@ -60,6 +61,7 @@ struct Deck {
     int quadrature = 0;
     int certificate_bisections = CertificateParams().max_bisections;
     int write_system = 0;
+    VtkOutput vtk = VtkOutput::ascii;
     std::string wall;  // boundary name, "" for none
     int threads = 0;
 

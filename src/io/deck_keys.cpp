@@ -61,6 +61,8 @@ std::vector<DeckKey> make_table() {
          "Bisections at most to certify an element valid."},
         {"write_system", &Deck::write_system, {0, 1000000},
          "Newton step, counted from 1 over all subproblems, whose linear system is written as A.mtx and b.mtx; 0: none."},
+        {"vtk", choice<VtkOutput, &Deck::vtk>({"ascii", "binary", "none"}), no_range,
+         "Format of the VTK files: text, or binary, which is faster to write and read; or none of them."},
         {"wall", TextField{&Deck::wall, "boundary name"}, no_range,
          "Boundary whose distance is written with the results; \"\": none."},
         {"threads", &Deck::threads, {0, 1024}, "Threads; 0: all, or what OMP_NUM_THREADS says."},

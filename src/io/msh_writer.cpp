@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/files.hpp"
+#include "base/text_rows.hpp"
 #include "io/msh_types.hpp"
 
 namespace almesh {
@@ -64,18 +65,18 @@ void append_header(std::string& text, const Mesh& mesh) {
 
 void append_body_2_2(std::string& text, const Mesh& mesh, const std::vector<double>& x) {
     text += "$Nodes\n" + std::to_string(mesh.nodes()) + "\n";
-    for (int i = 0; i < mesh.nodes(); ++i) {
-        append(text, mesh.node_id[i]);
-        text += ' ';
-        append_position(text, mesh, x, i);
-    }
+    append_rows(text, mesh.nodes(), [&](std::string& part, int i) {
+        append(part, mesh.node_id[i]);
+        part += ' ';
+        append_position(part, mesh, x, i);
+    });
     text += "$EndNodes\n$Elements\n" + std::to_string(mesh.face_count() + mesh.element_count()) + "\n";
     for (const Cells& cells : {faces_of(mesh), elements_of(mesh)}) {
         const int type = msh_type(cells.dim, mesh.degree);
-        for (int c = 0; c < cells.count; ++c) {
-            append_row(text, {cells.id[c], type, 2, cells.physical[c], cells.entity[c]});
-            append_cell_nodes(text, mesh, cells, c);
-        }
+        append_rows(text, cells.count, [&](std::string& part, int c) {
+            append_row(part, {cells.id[c], type, 2, cells.physical[c], cells.entity[c]});
+            append_cell_nodes(part, mesh, cells, c);
+        });
     }
     text += "$EndElements\n";
 }
@@ -161,9 +162,10 @@ void append_body_4_1(std::string& text, const Mesh& mesh, const std::vector<doub
     append_row(text, {faces + elements, mesh.nodes(), *node_low, *node_high});
     for (const auto& of_dim : blocks)
         for (const Block& block : of_dim) {
-            append_row(text, {block.dim, block.entity, 0, static_cast<long long>(block.nodes.size())});
-            for (int i : block.nodes) append_row(text, {mesh.node_id[i]});
-            for (int i : block.nodes) append_position(text, mesh, x, i);
+            const int count = static_cast<int>(block.nodes.size());
+            append_row(text, {block.dim, block.entity, 0, count});
+            append_rows(text, count, [&](std::string& part, int k) { append_row(part, {mesh.node_id[block.nodes[k]]}); });
+            append_rows(text, count, [&](std::string& part, int k) { append_position(part, mesh, x, block.nodes[k]); });
         }
 
     std::vector<long long> id = mesh.face_id;
@@ -173,12 +175,12 @@ void append_body_4_1(std::string& text, const Mesh& mesh, const std::vector<doub
     append_row(text, {faces + elements, static_cast<long long>(id.size()), *id_low, *id_high});
     for (int k : {0, 1})
         for (const Block& block : blocks[k]) {
-            append_row(text, {block.dim, block.entity, msh_type(block.dim, mesh.degree),
-                              static_cast<long long>(block.cells.size())});
-            for (int c : block.cells) {
-                append_row(text, {cells[k].id[c]});
-                append_cell_nodes(text, mesh, cells[k], c);
-            }
+            const int count = static_cast<int>(block.cells.size());
+            append_row(text, {block.dim, block.entity, msh_type(block.dim, mesh.degree), count});
+            append_rows(text, count, [&](std::string& part, int j) {
+                append_row(part, {cells[k].id[block.cells[j]]});
+                append_cell_nodes(part, mesh, cells[k], block.cells[j]);
+            });
         }
     text += "$EndElements\n";
 }

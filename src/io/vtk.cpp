@@ -1,9 +1,12 @@
 #include "io/vtk.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "base/files.hpp"
+#include "base/text_rows.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {
@@ -60,45 +63,82 @@ std::string encoded(const std::string& text) {
     return result;
 }
 
-void append_data(std::string& text, double value) {
-    constexpr double large = 1e300;
-    append(text, std::isfinite(value) ? value : value < 0 ? -large : large, 9);
+// Appends numbers to the file's text in its format.
+struct VtkNumbers {
+    bool binary;
+
+    void integer(std::string& text, int value, char separator) const {
+        if (binary) return big_endian(text, static_cast<std::uint32_t>(value));
+        append(text, static_cast<long long>(value));
+        text += separator;
+    }
+    void position(std::string& text, double value, char separator) const {
+        if (binary) return big_endian(text, std::bit_cast<std::uint64_t>(value));
+        append(text, value);
+        text += separator;
+    }
+    void data(std::string& text, double value, char separator) const {
+        constexpr double large = 1e300;
+        if (!std::isfinite(value)) value = value < 0 ? -large : large;
+        if (binary) return big_endian(text, std::bit_cast<std::uint64_t>(value));
+        append(text, value, 9);
+        text += separator;
+    }
+    // Behind an array: in binary it is the only line end.
+    void end(std::string& text) const {
+        if (binary) text += '\n';
+    }
+
+   private:
+    template <class Unsigned>
+    static void big_endian(std::string& text, Unsigned bits) {
+        char bytes[sizeof bits];
+        for (std::size_t k = sizeof bits; k-- > 0; bits >>= 8) bytes[k] = static_cast<char>(bits & 0xff);
+        text.append(bytes, sizeof bytes);
+    }
+};
+
+// A binary string is not encoded, but begins with its length: 6 bits behind the bits 11, or 14 behind 10 (vtkDataWriter).
+void append_string(std::string& text, const std::string& value, bool binary) {
+    constexpr std::size_t longest = 16383;
+    const std::string shown = binary ? value.substr(0, longest) : encoded(value);
+    if (binary && shown.size() >= 64) text += static_cast<char>(0x80 | (shown.size() >> 8));
+    if (binary) text += static_cast<char>(shown.size() < 64 ? 0xc0 | shown.size() : shown.size() & 0xff);
+    text += shown + "\n";
 }
 
-void append_array(std::string& text, const VtkArray& array) {
+void append_array(std::string& text, const VtkArray& array, const VtkNumbers& numbers) {
     if (array.components == 1) text += "SCALARS " + encoded(array.name) + " double 1\nLOOKUP_TABLE default\n";
     else text += "VECTORS " + encoded(array.name) + " double\n";
     const int shown = array.components == 1 ? 1 : 3;
-    for (std::size_t i = 0; i < array.value.size(); i += array.components)
-        for (int k = 0; k < shown; ++k) {
-            if (k < array.components) append_data(text, array.value[i + k]);
-            else text += '0';
-            text += k + 1 < shown ? ' ' : '\n';
-        }
+    append_rows(text, static_cast<int>(array.value.size()) / array.components, [&](std::string& part, int i) {
+        const double* const value = &array.value[static_cast<std::size_t>(i) * array.components];
+        for (int k = 0; k < shown; ++k) numbers.data(part, k < array.components ? value[k] : 0.0, k + 1 < shown ? ' ' : '\n');
+    });
+    numbers.end(text);
 }
 
-void append_arrays(std::string& text, const std::string& kind, std::size_t count, const std::vector<VtkArray>& arrays) {
+void append_arrays(std::string& text, const std::string& kind, std::size_t count, const std::vector<VtkArray>& arrays,
+                   const VtkNumbers& numbers) {
     if (arrays.empty()) return;
     text += kind + std::to_string(count) + "\n";
-    for (const VtkArray& array : arrays) append_array(text, array);
+    for (const VtkArray& array : arrays) append_array(text, array, numbers);
 }
 
-void append_cells(std::string& text, const std::vector<int>& cells, int cell_dim, int degree) {
+void append_cells(std::string& text, const std::vector<int>& cells, int cell_dim, int degree, const VtkNumbers& numbers) {
     const std::vector<int> order = vtk_node_order(cell_dim, degree);
-    const std::size_t count = cells.size() / order.size();
-    text += "CELLS " + std::to_string(count) + " " + std::to_string(count * (order.size() + 1)) + "\n";
-    const std::string size = std::to_string(order.size());
-    for (std::size_t c = 0; c < count; ++c) {
-        text += size;
-        for (int local : order) {
-            text += ' ';
-            append(text, static_cast<long long>(cells[c * order.size() + local]));
-        }
-        text += '\n';
-    }
-    const std::string type = std::to_string(vtk_cell_type(cell_dim, degree)) + "\n";
+    const int nodes = static_cast<int>(order.size()), count = static_cast<int>(cells.size() / order.size());
+    text += "CELLS " + std::to_string(count) + " " + std::to_string(static_cast<long long>(count) * (nodes + 1)) + "\n";
+    append_rows(text, count, [&](std::string& part, int c) {
+        numbers.integer(part, nodes, ' ');
+        for (int k = 0; k < nodes; ++k)
+            numbers.integer(part, cells[static_cast<std::size_t>(c) * nodes + order[k]], k + 1 < nodes ? ' ' : '\n');
+    });
+    numbers.end(text);
+    const int type = vtk_cell_type(cell_dim, degree);
     text += "CELL_TYPES " + std::to_string(count) + "\n";
-    for (std::size_t c = 0; c < count; ++c) text += type;
+    append_rows(text, count, [&](std::string& part, int) { numbers.integer(part, type, '\n'); });
+    numbers.end(text);
 }
 
 }  // namespace
@@ -113,29 +153,34 @@ std::vector<int> vtk_node_order(int cell_dim, int degree) {
 std::string vtk_text(const std::string& title, int dim, int degree, const std::vector<double>& positions,
                      const std::vector<int>& cells, int cell_dim, const std::vector<VtkArray>& point_data,
                      const std::vector<VtkArray>& cell_data,
-                     const std::vector<std::pair<std::string, std::string>>& provenance) {
+                     const std::vector<std::pair<std::string, std::string>>& provenance, VtkFormat format) {
+    const VtkNumbers numbers{format == VtkFormat::binary};
     std::string text = "# vtk DataFile Version 3.0\n" + title.substr(0, std::min<std::size_t>(title.find('\n'), 255));
-    text += "\nASCII\nDATASET UNSTRUCTURED_GRID\n";
+    text += numbers.binary ? "\nBINARY\n" : "\nASCII\n";
+    text += "DATASET UNSTRUCTURED_GRID\n";
     if (!provenance.empty()) text += "FIELD FieldData " + std::to_string(provenance.size()) + "\n";
-    for (const auto& [name, value] : provenance) text += encoded(name) + " 1 1 string\n" + encoded(value) + "\n";
-    const std::size_t nodes = positions.size() / dim;
+    for (const auto& [name, value] : provenance) {
+        text += encoded(name) + " 1 1 string\n";
+        append_string(text, value, numbers.binary);
+    }
+    const int nodes = static_cast<int>(positions.size()) / dim;
     text += "POINTS " + std::to_string(nodes) + " double\n";
-    for (std::size_t i = 0; i < nodes; ++i)
-        for (int a = 0; a < 3; ++a) {
-            append(text, a < dim ? positions[i * dim + a] : 0.0);
-            text += a < 2 ? ' ' : '\n';
-        }
-    append_cells(text, cells, cell_dim, degree);
-    append_arrays(text, "POINT_DATA ", nodes, point_data);
-    append_arrays(text, "CELL_DATA ", cells.size() / simplex_node_count(cell_dim, degree), cell_data);
+    append_rows(text, nodes, [&](std::string& part, int i) {
+        for (int a = 0; a < 3; ++a)
+            numbers.position(part, a < dim ? positions[static_cast<std::size_t>(i) * dim + a] : 0.0, a < 2 ? ' ' : '\n');
+    });
+    numbers.end(text);
+    append_cells(text, cells, cell_dim, degree, numbers);
+    append_arrays(text, "POINT_DATA ", nodes, point_data, numbers);
+    append_arrays(text, "CELL_DATA ", cells.size() / simplex_node_count(cell_dim, degree), cell_data, numbers);
     return text;
 }
 
 void write_vtk(const std::string& path, const std::string& title, int dim, int degree,
                const std::vector<double>& positions, const std::vector<int>& cells, int cell_dim,
                const std::vector<VtkArray>& point_data, const std::vector<VtkArray>& cell_data,
-               const std::vector<std::pair<std::string, std::string>>& provenance) {
-    write_file(path, vtk_text(title, dim, degree, positions, cells, cell_dim, point_data, cell_data, provenance));
+               const std::vector<std::pair<std::string, std::string>>& provenance, VtkFormat format) {
+    write_file(path, vtk_text(title, dim, degree, positions, cells, cell_dim, point_data, cell_data, provenance, format));
 }
 
 }  // namespace almesh

@@ -99,25 +99,32 @@ bool is_straight(const Mesh& mesh) {
     return difference <= 1e-12 * size;
 }
 
-// Midpoint nodes by edge, appended to x.
+// Midpoint nodes by edge, appended to x. The edges hang in a chain on the lower one of their two vertices, which in most
+// meshes has a handful: found in a few steps, without hashing.
 class Midpoints {
    public:
-    Midpoints(int dim, std::vector<double>& x) : dim_(dim), x_(x) {}
+    Midpoints(int dim, std::vector<double>& x)
+        : dim_(dim), vertices_(static_cast<int>(x.size()) / dim), x_(x), first_(vertices_, -1) {}
 
     int operator()(int a, int b) {
-        const long long key = (static_cast<long long>(std::min(a, b)) << 32) | std::max(a, b);
-        const auto [it, is_new] = node_.try_emplace(key, static_cast<int>(x_.size()) / dim_);
-        if (is_new)
-            for (int k = 0; k < dim_; ++k)
-                x_.push_back(0.5 * (x_[static_cast<std::size_t>(a) * dim_ + k] +
-                                    x_[static_cast<std::size_t>(b) * dim_ + k]));
-        return it->second;
+        const int low = std::min(a, b), high = std::max(a, b);
+        for (int k = first_[low]; k >= 0; k = edges_[k].next)
+            if (edges_[k].high == high) return vertices_ + k;
+        edges_.push_back({high, first_[low]});
+        first_[low] = static_cast<int>(edges_.size()) - 1;
+        for (int k = 0; k < dim_; ++k)
+            x_.push_back(0.5 * (x_[static_cast<std::size_t>(a) * dim_ + k] + x_[static_cast<std::size_t>(b) * dim_ + k]));
+        return vertices_ + first_[low];
     }
 
    private:
-    int dim_;
+    struct Edge {
+        int high, next;  // higher vertex; next edge with the same lower one, -1: none
+    };
+    int dim_, vertices_;
     std::vector<double>& x_;
-    std::unordered_map<long long, int> node_;
+    std::vector<int> first_;  // per vertex: its last edge
+    std::vector<Edge> edges_;
 };
 
 double distance_squared(const std::vector<double>& x, int a, int b, int dim) {
@@ -182,6 +189,8 @@ Mesh refine_once(const Mesh& mesh) {
     fine.elements.clear();
     fine.faces.clear();
     fine.face_element.clear();
+    fine.elements.reserve(mesh.elements.size() * children_count);
+    fine.x.reserve(mesh.x.size() << dim);
     Midpoints mid(dim, fine.x);
     const auto repeat = [](const auto& from, int times) {
         std::decay_t<decltype(from)> to;

@@ -41,6 +41,17 @@ TEST_CASE("a run prints its table and writes all files") {
     CHECK(!has(text_of(ring.output + "/final.vtk"), "wall_distance"));
 }
 
+TEST_CASE("VTK files in binary, and none") {
+    const RingDeck ring;
+    REQUIRE(ring.run({"vtk=binary"}).code == 0);
+    for (const char* name : {"initial.vtk", "final.vtk", "boundary.vtk"})
+        CHECK(has(text_of(ring.output + "/" + name), "\nBINARY\n"));
+    std::filesystem::remove_all(ring.output);
+    REQUIRE(ring.run({"vtk=none"}).code == 0);
+    for (const auto& entry : std::filesystem::directory_iterator(ring.output)) CHECK(entry.path().extension() != ".vtk");
+    CHECK(std::filesystem::exists(ring.output + "/final.msh"));
+}
+
 TEST_CASE("the summary has every quantity in its order, with values that belong together") {
     const RingDeck ring;
     REQUIRE(ring.run().code == 0);
