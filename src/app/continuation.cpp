@@ -16,6 +16,7 @@ double square(double v) { return v * v; }
 constexpr double coarse_constraint = 1e-3, coarse_gradient = 0.03;
 
 constexpr double penalty_growth = 10, largest_start_penalty = 1e6;  // from mesh to mesh; in units of |1|^2
+
 AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Problem& problem, const DistortionEnergy& distortion,
                                    const BoundaryConstraint& constraint) {
     const int dim = problem.mesh.dim;

@@ -47,6 +47,12 @@ void check_quadrature(const Deck& deck, int degree) {
                      ", or 0");
 }
 
+// Algorithm 1 as printed weighs the penalty mu^2: the mu of a coarser mesh would mean something else.
+void check_start(const Deck& deck) {
+    if (deck.start != Start::coarse || deck.algorithm != Algorithm::literal) return;
+    throw UsageError(deck.given.at("start") + ": start = coarse does not go with algorithm = literal; take start = identity");
+}
+
 void refuse_invalid_target(const TargetReport& report) {
     if (report.faults.empty()) return;
     constexpr std::size_t shown = 10;
@@ -80,6 +86,7 @@ void change_unit(Problem& problem) {
 
 Problem make_problem(const Deck& deck) {
     Problem problem;
+    check_start(deck);
     const std::string text = read_text_file(deck.mesh);
     problem.mesh_hash = hash_of(text);
     problem.base = build_mesh(parse_msh(text, deck.mesh), problem.notes);

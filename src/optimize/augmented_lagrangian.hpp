@@ -49,7 +49,7 @@ const char* to_string(AlStatus status);
 enum class AlUpdate { none, multipliers, penalty, both };
 const char* to_string(AlUpdate update);
 
-// One row of the history; row 0 is the initial mesh.
+// One row of the history; row 0 is the mesh at the start.
 struct AlIteration {
     int iteration = 0;
     double constraint_norm = 0;            // |c_D|

@@ -149,15 +149,20 @@ TEST_CASE("which decks start coarse") {
     CHECK(!starts_coarse(deck));  // not refined
     deck.refine = 1;
     CHECK(starts_coarse(deck));
-    for (Algorithm algorithm : {Algorithm::paper, Algorithm::literal}) {
-        deck.algorithm = algorithm;
-        CHECK(!starts_coarse(deck));  // the paper's tables
-    }
+    deck.algorithm = Algorithm::paper;
+    CHECK(!starts_coarse(deck));  // the paper's tables
     deck.start = Start::coarse;
     CHECK(starts_coarse(deck));
     deck.algorithm = Algorithm::adaptive;
     deck.start = Start::identity;
     CHECK(!starts_coarse(deck));
+}
+
+TEST_CASE("the algorithm as printed does not start coarse") {
+    const RingDeck ring;
+    const Outcome outcome = ring.run({"refine=1", "algorithm=literal", "start=coarse"});
+    CHECK(outcome.code == 1);
+    CHECK(has(outcome.error, "command line: start = coarse does not go with algorithm = literal"));
 }
 
 TEST_CASE("where the coarse mesh fails, the next one starts from the identity map") {
