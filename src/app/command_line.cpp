@@ -19,7 +19,7 @@ constexpr const char* help =
     "\n"
     "  almesh DECK [key=value ...]   run a deck; keys given here replace those of the deck\n"
     "  almesh quality FILE           certify and measure any Gmsh mesh (MSH 2.2 or 4.1, ASCII)\n"
-    "  almesh linsolve A.mtx [b.mtx] [solver=cholesky|gmres] [threads=N] [block=1|2|3]\n"
+    "  almesh linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] [threads=N] [block=1|2|3]\n"
     "                 [ordering=nested_dissection|minimum_degree|rcm|natural]\n"
     "                                solve a symmetric system in Matrix Market format and time it\n"
     "  almesh --keys                 list the keys of a deck with defaults, legal values and meaning\n"

@@ -9,8 +9,8 @@
 #include "base/text.hpp"
 #include "io/matrix_market.hpp"
 #include "linalg/cholesky.hpp"
+#include "linalg/conjugate_gradients.hpp"
 #include "linalg/gmres.hpp"
-#include "linalg/graph.hpp"
 #include "linalg/ilu0.hpp"
 #include "linalg/linear_solver.hpp"
 #include "linalg/ordering.hpp"
@@ -49,9 +49,9 @@ void set_option(Options& options, const std::string& key, const std::string& val
     } else if (key == "block") {
         options.block = integer(3);
     } else if (key == "solver") {
-        if (value != "cholesky" && value != "gmres")
-            throw UsageError("solver takes cholesky or gmres, not " + in_backquotes(value));
-        options.solver = value == "gmres" ? SolverKind::gmres : SolverKind::cholesky;
+        if (value != "cholesky" && value != "cg" && value != "gmres")
+            throw UsageError("solver takes cholesky, cg or gmres, not " + in_backquotes(value));
+        options.solver = value == "cg" ? SolverKind::cg : value == "gmres" ? SolverKind::gmres : SolverKind::cholesky;
     } else if (key == "ordering") {
         options.ordering = ordering_of(value);
     } else {
@@ -70,8 +70,12 @@ Options options_of(const std::vector<std::string>& arguments) {
         else throw UsageError("linsolve takes a matrix and at most one right-hand side");
     }
     if (options.matrix.empty())
-        throw UsageError("linsolve takes a matrix: almesh linsolve A.mtx [b.mtx] [solver=cholesky|gmres] "
+        throw UsageError("linsolve takes a matrix: almesh linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] "
                          "[ordering=nested_dissection|minimum_degree|rcm|natural] [threads=N] [block=1|2|3]");
+    const bool fills = options.ordering == Ordering::nested_dissection || options.ordering == Ordering::minimum_degree;
+    if (fills && options.solver != SolverKind::cholesky)
+        throw UsageError(std::string("ordering=") + to_string(*options.ordering) +
+                         " is for solver=cholesky; ILU(0) of solver=" + to_string(options.solver) + " takes rcm or natural");
     return options;
 }
 
@@ -113,7 +117,7 @@ bool solve_by_cholesky(const BlockCsr& A, const std::vector<double>& b, std::vec
     if (factored.status == CholeskyStatus::too_large) {
         std::fprintf(out, "not solved: the factorisation takes %.3g GB, more than the machine's memory; use %s\n",
                      cholesky.predicted_bytes() / 1e9,
-                     ordering == Ordering::nested_dissection ? "solver=gmres" : "ordering=nested_dissection");
+                     ordering == Ordering::nested_dissection ? "solver=cg" : "ordering=nested_dissection");
         return false;
     }
     if (factored.status == CholeskyStatus::not_positive_definite) {
@@ -141,39 +145,58 @@ const char* reason(GmresStatus status) {
     return "";
 }
 
-bool solve_by_gmres(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, Ordering ordering,
-                    std::FILE* out) {
-    if (ordering != Ordering::reverse_cuthill_mckee && ordering != Ordering::natural)
-        throw UsageError(std::string("ordering=") + to_string(ordering) +
-                         " is for solver=cholesky; ILU(0) of solver=gmres takes rcm or natural");
-    const Stopwatch renumbering;
-    const std::vector<int> order = order_vertices(graph_of(A), ordering);
-    std::vector<int> source;
-    BlockCsr B = permuted_pattern(A, order, source);
-    for (int k = 0; k < B.blocks(); ++k) std::copy_n(A.block(source[k]), A.d * A.d, B.block(k));
-    print_time(out, "renumbering", renumbering.seconds());
+const char* reason(CgStatus status) {
+    switch (status) {
+        case CgStatus::converged: return "converged";
+        case CgStatus::max_iterations: return "too many iterations";
+        case CgStatus::stagnated: return "stagnated";
+        case CgStatus::not_positive_definite: return "the matrix is not positive definite";
+        case CgStatus::breakdown: return "breakdown: a number was not finite";
+    }
+    return "";
+}
 
+// In its own order of domains, or in the one asked for, which leaves it one domain and one thread.
+Ilu0 incomplete_factor(const BlockCsr& A, std::optional<Ordering> ordering) {
+    if (!ordering) return Ilu0(A);
+    return Ilu0(A, {order_vertices(graph_of(A), *ordering), {0, A.n}});
+}
+
+// By conjugate gradients or GMRES, whichever `solver` is.
+template <class Solver>
+bool solve_iteratively(Solver solver, const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
+                       std::optional<Ordering> ordering, std::FILE* out) {
+    const Stopwatch analysis;
+    Ilu0 ilu = incomplete_factor(A, ordering);
+    print_time(out, "analysis", analysis.seconds());
     const Stopwatch preconditioner;
-    Ilu0 ilu(B);
-    const Ilu0Result factored = ilu.factor(B);
+    const Ilu0Result factored = ilu.factor(A);
     print_time(out, "ILU(0)", preconditioner.seconds());
-    if (factored.status == Ilu0Status::zero_pivot) {
-        std::fprintf(out, "not solved: ILU(0) met a zero pivot in %s\n",
-                     rows_of_node(A, order[factored.bad_row]).c_str());
+    if (factored.status == Ilu0Status::not_positive_definite) {
+        std::fprintf(out, "not solved: ILU(0) met a pivot that is not positive in %s\n",
+                     rows_of_node(A, factored.bad_row).c_str());
         return false;
     }
-
-    std::vector<double> right(b.size()), y(b.size());
-    for (int i = 0; i < A.n; ++i) std::copy_n(&b[order[i] * A.d], A.d, &right[i * A.d]);
     const Stopwatch iteration;
-    Gmres gmres(B.size(), {});
-    const GmresResult solved = gmres.solve(B, &ilu, right.data(), y.data());
+    const auto solved = solver.solve(A, &ilu, b.data(), x.data());
     print_time(out, "solve", iteration.seconds());
-    for (int i = 0; i < A.n; ++i) std::copy_n(&y[i * A.d], A.d, &x[order[i] * A.d]);
     std::fprintf(out, "iterations      %d\n", solved.iterations);
-    if (solved.status == GmresStatus::converged) return true;
+    if (solved.status == decltype(solved.status)::converged) return true;
     std::fprintf(out, "not solved: %s, |b - Ax|/|b| = %.3g\n", reason(solved.status), solved.relative_residual);
     return false;
+}
+
+bool solve_by(const Options& options, const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, std::FILE* out) {
+    const std::optional<Ordering> ordering = options.ordering;
+    if (options.solver == SolverKind::cg) return solve_iteratively(ConjugateGradients(A.size(), {}), A, b, x, ordering, out);
+    if (options.solver == SolverKind::gmres) return solve_iteratively(Gmres(A.size(), {}), A, b, x, ordering, out);
+    return solve_by_cholesky(A, b, x, ordering.value_or(Ordering::nested_dissection), out);
+}
+
+// What the output calls it where none is asked for.
+const char* ordering_name(const Options& options) {
+    if (options.ordering) return to_string(*options.ordering);
+    return options.solver == SolverKind::cholesky ? to_string(Ordering::nested_dissection) : "domains (rcm inside each)";
 }
 
 // With b = A (1, ..., 1) where no file gives it.
@@ -195,14 +218,11 @@ ExitCode linsolve(const std::vector<std::string>& arguments, std::FILE* out) {
     const auto zeros = std::count(A.value.begin(), A.value.end(), 0.0);
     std::fprintf(out, "%s: %d unknowns in %d nodes\n", options.matrix.c_str(), A.size(), A.n);
     std::fprintf(out, "nnz(A)          %lld\n", static_cast<long long>(A.value.size()) - static_cast<long long>(zeros));
-    const bool iterative = options.solver == SolverKind::gmres;
-    const Ordering ordering = options.ordering.value_or(iterative ? Ordering::reverse_cuthill_mckee
-                                                                  : Ordering::nested_dissection);
     std::fprintf(out, "solver          %s, threads %d\n", to_string(options.solver), max_threads());
-    std::fprintf(out, "ordering        %s\n", to_string(ordering));
+    std::fprintf(out, "ordering        %s\n", ordering_name(options));
 
     std::vector<double> x(A.size(), 0.0);
-    const bool solved = iterative ? solve_by_gmres(A, b, x, ordering, out) : solve_by_cholesky(A, b, x, ordering, out);
+    const bool solved = solve_by(options, A, b, x, out);
     const double residual = scaled_residual(A, x, b);
     std::fprintf(out, "scaled residual %.3g%s\n", residual, solved ? "" : " of the last x");
     if (solved && !(residual <= refuse_above)) std::fprintf(out, "not solved: the residual is too large\n");

@@ -31,7 +31,7 @@ struct Solution {
     Timings time;           // total: of the coarse stages and the iterations
     PhaseTimes phases;
     int coarse_newton_iterations = 0;  // on the coarser meshes
-    int fallbacks = 0;  // Newton steps in which GMRES failed and Cholesky took over
+    int fallbacks = 0;  // Newton steps in which an iterative solver failed and Cholesky took over
 };
 
 Summary summarise(const Problem& problem, const Solution& solution);

@@ -72,7 +72,7 @@ void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, con
                  solution.time.total, last.constraint_norm * problem.length, solution.max_boundary_error * problem.length);
     if (last.newton_status == NewtonStatus::rounding_floor) std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
     if (solution.fallbacks)
-        std::fprintf(out, "GMRES failed in %d Newton steps, which were solved by Cholesky (history.csv tells why)\n", solution.fallbacks);
+        std::fprintf(out, "the iterative solver failed in %d Newton steps, which were solved by Cholesky (history.csv tells why)\n", solution.fallbacks);
     std::fprintf(out, "%s: scaled Jacobian >= %.4g everywhere; results in %s\n",
                  solution.certificate.valid ? "certified valid" : "NOT certified valid",
                  solution.certificate.min_scaled_jacobian, deck.output.c_str());
@@ -152,7 +152,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
         solution.fallbacks += step.fallback != SolveStatus::converged;
     };
     const AlStart start = start_from(coarse, problem, distortion, constraint, solution.x);
-    std::optional<Newton> newton(std::in_place, distortion, solver_of(deck));
+    std::optional<Newton> newton(std::in_place, distortion, solver_of(deck), deck.forcing);
     write_system(deck, *newton, history);
     solution.phases.setup = watch.seconds() - solution.phases.coarse - solution.phases.write;
     solution.al = minimise(distortion, constraint, *newton, algorithm_of(deck), solution.x, solution.time, observer, start);

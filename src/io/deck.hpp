@@ -55,6 +55,7 @@ struct Deck {
     int max_al_iterations = AugmentedLagrangianParams().max_iterations;
     int max_newton_iterations = AugmentedLagrangianParams().max_newton_iterations;
     SolverKind solver = SolverKind::automatic;
+    Forcing forcing = Forcing::automatic;
     double linear_tolerance = LinearSolverParams().tolerance;
     int gmres_restart = LinearSolverParams().restart;
     int gmres_max_iterations = LinearSolverParams().max_iterations;

@@ -62,7 +62,7 @@ void History::add(int al_iteration, const NewtonStep& step) {
                      to_text(step.gradient_norm * energy / length_), "", "", "", "", "", "", "", "", "", "",
                      to_text(step.step_length), std::to_string(step.cuts_inverted), std::to_string(step.cuts_decrease),
                      cut_reason(step), to_string(step.hessian), to_string(step.solver),
-                     step.fallback == SolveStatus::converged ? "" : std::string("gmres ") + to_string(step.fallback),
+                     step.fallback == SolveStatus::converged ? "" : to_string(step.fallback),
                      std::to_string(step.linear_iterations), "", ""});
 }
 

@@ -76,8 +76,8 @@ BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_n
 namespace {
 
 template <int d>
-void multiply_blocks(const BlockCsr& A, const double* x, double* y) {
-    parallel_for(A.n, [&](int i) {
+void multiply_blocks(const BlockCsr& A, int begin, int end, const double* x, double* y) {
+    for (int i = begin; i < end; ++i) {
         double sum[d] = {};
         for (int k = A.row[i]; k < A.row[i + 1]; ++k) {
             const double* block = A.block(k);
@@ -86,15 +86,21 @@ void multiply_blocks(const BlockCsr& A, const double* x, double* y) {
                 for (int c = 0; c < d; ++c) sum[r] += block[r * d + c] * xj[c];
         }
         for (int r = 0; r < d; ++r) y[static_cast<std::size_t>(i) * d + r] = sum[r];
-    });
+    }
 }
 
 }  // namespace
 
+void multiply_rows(const BlockCsr& A, int begin, int end, const double* x, double* y) {
+    if (A.d == 1) multiply_blocks<1>(A, begin, end, x, y);
+    if (A.d == 2) multiply_blocks<2>(A, begin, end, x, y);
+    if (A.d == 3) multiply_blocks<3>(A, begin, end, x, y);
+}
+
 void multiply(const BlockCsr& A, const double* x, double* y) {
-    if (A.d == 1) multiply_blocks<1>(A, x, y);
-    if (A.d == 2) multiply_blocks<2>(A, x, y);
-    if (A.d == 3) multiply_blocks<3>(A, x, y);
+    constexpr int rows = 128;
+    parallel_for((A.n + rows - 1) / rows,
+                 [&](int b) { multiply_rows(A, b * rows, std::min(A.n, (b + 1) * rows), x, y); }, 10 * rows);
 }
 
 double norm_1(const BlockCsr& A) {

@@ -35,6 +35,9 @@ BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_n
 // y = A x (x, y: n*d). Same bits for any number of threads.
 void multiply(const BlockCsr& A, const double* x, double* y);
 
+// Block rows begin .. end-1 of it, by the calling thread alone.
+void multiply_rows(const BlockCsr& A, int begin, int end, const double* x, double* y);
+
 double norm_1(const BlockCsr& A);  // largest column sum of absolute values
 
 // |Ax - b|_inf / (|A|_1 |x|_inf + |b|_inf): a few machine epsilons for a backward-stable solve (CSparse); nan

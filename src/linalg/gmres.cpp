@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "linalg/stagnation.hpp"
 #include "linalg/vector_ops.hpp"
 
 namespace almesh {
@@ -20,9 +21,9 @@ Gmres::Gmres(int size, const GmresParams& params) : size_(size), params_(params)
 
 // v_{k+1} <- A M^{-1} v_k, orthogonalised against v_0 .. v_k. Fills column k of H above its last entry and returns
 // that one, |v_{k+1}|.
-double Gmres::extend(const BlockCsr& A, const Ilu0* M, int k) {
-    copy(size_, V(k), work_.data());
-    if (M) M->solve(work_.data());
+double Gmres::extend(const BlockCsr& A, Ilu0* M, int k) {
+    if (M) M->solve(V(k), work_.data());
+    else copy(size_, V(k), work_.data());
     double* const w = V(k + 1);
     multiply(A, work_.data(), w);
     const double before = norm_2(size_, w);
@@ -57,8 +58,9 @@ bool Gmres::rotate(int k, double below) {
 }
 
 // One cycle from the residual in v_0, already normalised, of length beta. On return k columns are usable.
-Gmres::Cycle Gmres::cycle(const BlockCsr& A, const Ilu0* M, double beta, double target, int& iterations, int& k) {
+Gmres::Cycle Gmres::cycle(const BlockCsr& A, Ilu0* M, double beta, double target, int& iterations, int& k) {
     rotated_[0] = beta;
+    StagnationTest progress{beta};
     for (k = 0; k < params_.restart && iterations < params_.max_iterations;) {
         const double below = extend(A, M, k);
         ++iterations;
@@ -67,23 +69,24 @@ Gmres::Cycle Gmres::cycle(const BlockCsr& A, const Ilu0* M, double beta, double 
         ++k;
         if (std::abs(rotated_[k]) <= target) return Cycle::small_residual;
         if (below == 0) return Cycle::space_ended;
+        if (progress.stagnates(std::abs(rotated_[k]))) return Cycle::stagnated;
     }
     return Cycle::full;
 }
 
 // x += M^{-1} (v_0 .. v_{k-1}) y with R y = rotated
-void Gmres::update(const Ilu0* M, int k, double* x) {
+void Gmres::update(Ilu0* M, int k, double* x) {
     for (int i = k - 1; i >= 0; --i) {
         for (int j = i + 1; j < k; ++j) rotated_[i] -= H(i, j) * rotated_[j];
         rotated_[i] /= H(i, i);
     }
     fill(size_, 0, work_.data());
     for (int i = 0; i < k; ++i) axpy(size_, rotated_[i], V(i), work_.data());
-    if (M) M->solve(work_.data());
+    if (M) M->solve(work_.data(), work_.data());
     axpy(size_, 1, work_.data(), x);
 }
 
-GmresResult Gmres::solve(const BlockCsr& A, const Ilu0* M, const double* b, double* x) {
+GmresResult Gmres::solve(const BlockCsr& A, Ilu0* M, const double* b, double* x) {
     fill(size_, 0, x);
     const double b_norm = norm_2(size_, b);
     if (!std::isfinite(b_norm)) return {GmresStatus::breakdown, 0, b_norm};
@@ -112,7 +115,7 @@ GmresResult Gmres::solve(const BlockCsr& A, const Ilu0* M, const double* b, doub
         if (residual <= target) continue;
         if (end == Cycle::not_finite || end == Cycle::space_ended)
             return {GmresStatus::breakdown, iterations, residual / b_norm};
-        if (residual > 0.9 * before && (end == Cycle::small_residual || k == params_.restart))
+        if (end == Cycle::stagnated || (residual > 0.9 * before && (end == Cycle::small_residual || k == params_.restart)))
             return {GmresStatus::stagnated, iterations, residual / b_norm};
     }
 }

@@ -21,7 +21,7 @@ struct GmresParams {
 enum class GmresStatus {
     converged,
     max_iterations,
-    stagnated,  // a whole cycle took less than a tenth off the residual
+    stagnated,  // stagnation.hpp, a whole cycle took less than a tenth off the residual, or a tolerance below rounding
     breakdown   // a number was not finite, or the Krylov space ended without holding the solution (A is singular)
 };
 
@@ -39,14 +39,14 @@ public:
 
     // Solves A x = b from x_0 = 0; M preconditions, nullptr for none. Allocates nothing. Whatever the status, x is the
     // last iterate, zero if that is not finite. Sizes: b, x: A.size().
-    GmresResult solve(const BlockCsr& A, const Ilu0* M, const double* b, double* x);
+    GmresResult solve(const BlockCsr& A, Ilu0* M, const double* b, double* x);
 
 private:
-    enum class Cycle { small_residual, space_ended, full, not_finite };
-    Cycle cycle(const BlockCsr& A, const Ilu0* M, double beta, double target, int& iterations, int& k);
-    double extend(const BlockCsr& A, const Ilu0* M, int k);
+    enum class Cycle { small_residual, space_ended, full, stagnated, not_finite };
+    Cycle cycle(const BlockCsr& A, Ilu0* M, double beta, double target, int& iterations, int& k);
+    double extend(const BlockCsr& A, Ilu0* M, int k);
     bool rotate(int k, double below);
-    void update(const Ilu0* M, int k, double* x);
+    void update(Ilu0* M, int k, double* x);
     double* V(int k) { return basis_.data() + static_cast<std::size_t>(k) * size_; }
     double& H(int i, int k) { return hessenberg_[k * (params_.restart + 1) + i]; }
 

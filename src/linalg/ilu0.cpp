@@ -3,117 +3,193 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <cstddef>
 
 namespace almesh {
 
 namespace {
 
-// c -= a b
-template <int d>
-void subtract_product(const double* a, const double* b, double* c) {
-    for (int i = 0; i < d; ++i)
-        for (int k = 0; k < d; ++k)
-            for (int j = 0; j < d; ++j) c[i * d + j] -= a[i * d + k] * b[k * d + j];
+// y += sign * B x
+template <int d, int sign, class Number>
+void add_product(const Number* B, const double* x, double* y) {
+    for (int r = 0; r < d; ++r)
+        for (int c = 0; c < d; ++c) y[r] += sign * static_cast<double>(B[r * d + c]) * x[c];
 }
 
-// a <- a b
-template <int d>
-void multiply_right(double* a, const double* b) {
-    double product[d * d] = {};
-    for (int i = 0; i < d; ++i)
-        for (int k = 0; k < d; ++k)
-            for (int j = 0; j < d; ++j) product[i * d + j] += a[i * d + k] * b[k * d + j];
-    std::copy(product, product + d * d, a);
+// y += sign * B' x
+template <int d, int sign, class Number>
+void add_product_transposed(const Number* B, const double* x, double* y) {
+    for (int r = 0; r < d; ++r)
+        for (int c = 0; c < d; ++c) y[c] += sign * static_cast<double>(B[r * d + c]) * x[r];
 }
 
-// y -= a x
-template <int d>
-void subtract_product_vector(const double* a, const double* x, double* y) {
-    for (int i = 0; i < d; ++i)
-        for (int j = 0; j < d; ++j) y[i] -= a[i * d + j] * x[j];
+// T -= A B'
+template <int d, class Number>
+void subtract_product_transposed(const double* A, const Number* B, double* T) {
+    for (int r = 0; r < d; ++r)
+        for (int c = 0; c < d; ++c)
+            for (int k = 0; k < d; ++k) T[r * d + c] -= A[r * d + k] * static_cast<double>(B[c * d + k]);
 }
 
-// a <- a^{-1} by Gauss-Jordan with row exchanges; false if a is singular to working precision or not finite.
+// inverse <- C^{-1} where D = C C', C lower triangular. False if D is not positive definite or not finite.
 template <int d>
-bool invert(double* a) {
-    double largest = 0, inv[d * d] = {};
-    for (int i = 0; i < d * d; ++i) largest = std::max(largest, std::abs(a[i]));
-    for (int i = 0; i < d; ++i) inv[i * d + i] = 1;
-    for (int k = 0; k < d; ++k) {
-        int p = k;
-        for (int i = k + 1; i < d; ++i)
-            if (std::abs(a[i * d + k]) > std::abs(a[p * d + k])) p = i;
-        if (!(std::abs(a[p * d + k]) > 1e-15 * largest) || !std::isfinite(a[p * d + k])) return false;
-        for (int j = 0; j < d && p != k; ++j) {
-            std::swap(a[p * d + j], a[k * d + j]);
-            std::swap(inv[p * d + j], inv[k * d + j]);
+bool inverse_of_cholesky(const double* D, double* inverse) {
+    double C[d * d] = {};
+    for (int j = 0; j < d; ++j)
+        for (int i = j; i < d; ++i) {
+            double sum = D[i * d + j];
+            for (int k = 0; k < j; ++k) sum -= C[i * d + k] * C[j * d + k];
+            // A pivot below this part of its diagonal entry is rounding.
+            if (i == j && !(sum > 1e-14 * D[i * d + i] && std::isfinite(sum))) return false;
+            C[i * d + j] = i == j ? std::sqrt(sum) : sum / C[j * d + j];
         }
-        const double pivot = 1 / a[k * d + k];
-        for (int j = 0; j < d; ++j) a[k * d + j] *= pivot, inv[k * d + j] *= pivot;
-        for (int i = 0; i < d; ++i) {
-            const double factor = a[i * d + k];
-            for (int j = 0; j < d && i != k; ++j) {
-                a[i * d + j] -= factor * a[k * d + j];
-                inv[i * d + j] -= factor * inv[k * d + j];
-            }
+    std::fill_n(inverse, d * d, 0.0);
+    for (int j = 0; j < d; ++j)
+        for (int i = j; i < d; ++i) {
+            double sum = i == j;
+            for (int k = j; k < i; ++k) sum -= C[i * d + k] * inverse[k * d + j];
+            inverse[i * d + j] = sum / C[i * d + i];
         }
-    }
-    std::copy(inv, inv + d * d, a);
-    return std::all_of(inv, inv + d * d, [](double v) { return std::isfinite(v); });
+    return std::isfinite(inverse[(d - 1) * d]);
 }
 
 }  // namespace
 
-Ilu0::Ilu0(const BlockCsr& pattern) : LU_(pattern), diagonal_(pattern.n), place_(pattern.n, -1) {
-    for (int i = 0; i < pattern.n; ++i) diagonal_[i] = pattern.find(i, i);
+Ilu0::Ilu0(const BlockCsr& pattern) : Ilu0(pattern, cut_into_domains(graph_of(pattern))) {}
+
+Ilu0::Ilu0(const BlockCsr& pattern, Domains domains) : d_(pattern.d), domains_(std::move(domains)) {
+    const std::vector<int>& order = domains_.order;
+    const std::vector<int> position = inverse(order);
+    for (int i = 0; i < pattern.n; ++i) {
+        const int v = order[i];
+        const std::size_t begin = source_.size();
+        for (int k = pattern.row[v]; k < pattern.row[v + 1]; ++k)
+            if (position[pattern.col[k]] < i) source_.push_back(k);
+        std::sort(source_.begin() + begin, source_.end(),
+                  [&](int a, int b) { return position[pattern.col[a]] < position[pattern.col[b]]; });
+        for (std::size_t k = begin; k < source_.size(); ++k) col_.push_back(position[pattern.col[source_[k]]]);
+        row_.push_back(static_cast<int>(col_.size()));
+        longest_ = std::max(longest_, row_[i + 1] - row_[i]);
+        diagonal_.push_back(pattern.find(v, v));
+    }
+    const std::size_t n = pattern.n, block = static_cast<std::size_t>(d_) * d_;
+    L_.resize(col_.size() * block);
+    C_inverse_.resize(n * block);
+    y_.resize(n * d_);
+    row_of_.resize(domains_.start.size() * longest_ * block);
+    bad_.resize(domains_.start.size());
+}
+
+// Rows begin .. end-1, whose columns must be done or among them. T: one row of blocks. Returns the bad row, or -1.
+template <int d>
+int Ilu0::factor_rows(const BlockCsr& A, int begin, int end, double* T) {
+    constexpr int block = d * d;
+    for (int i = begin; i < end; ++i) {
+        // T_ij = C_i L_ij, from A_ij = sum over k < j of T_ik L_jk' C_j' + T_ij C_j'
+        for (int k = row_[i]; k < row_[i + 1]; ++k) {
+            const int j = col_[k];
+            double* const Tj = T + (k - row_[i]) * block;
+            std::fill_n(Tj, block, 0.0);
+            subtract_product_transposed<d>(A.block(source_[k]), C_inverse_.data() + static_cast<std::size_t>(j) * block, Tj);
+            for (int e = 0; e < block; ++e) Tj[e] = -Tj[e];
+            for (int a = row_[i], b = row_[j]; a < k && b < row_[j + 1];) {
+                const int left = col_[a], right = col_[b];
+                if (left == right)
+                    subtract_product_transposed<d>(T + (a - row_[i]) * block, L_.data() + static_cast<std::size_t>(b) * block, Tj);
+                a += left <= right;
+                b += right <= left;
+            }
+        }
+        double D[block];
+        std::copy_n(A.block(diagonal_[i]), block, D);
+        for (int k = 0; k < row_[i + 1] - row_[i]; ++k)
+            subtract_product_transposed<d>(T + k * block, T + k * block, D);
+        double* const C_inverse = C_inverse_.data() + static_cast<std::size_t>(i) * block;
+        if (!inverse_of_cholesky<d>(D, C_inverse)) return i;
+        for (int k = row_[i]; k < row_[i + 1]; ++k) {
+            double Lk[block] = {};
+            for (int r = 0; r < d; ++r)
+                for (int s = 0; s <= r; ++s)
+                    for (int c = 0; c < d; ++c) Lk[r * d + c] += C_inverse[r * d + s] * T[(k - row_[i]) * block + s * d + c];
+            std::copy_n(Lk, block, L_.data() + static_cast<std::size_t>(k) * block);
+        }
+    }
+    return -1;
 }
 
 template <int d>
-Ilu0Result Ilu0::factor_blocks(const BlockCsr& A) {
-    std::copy(A.value.begin(), A.value.end(), LU_.value.begin());
-    for (int i = 0; i < LU_.n; ++i) {
-        for (int k = LU_.row[i]; k < LU_.row[i + 1]; ++k) place_[LU_.col[k]] = k;
-        for (int k = LU_.row[i]; k < diagonal_[i]; ++k) {
-            const int m = LU_.col[k];
-            multiply_right<d>(LU_.block(k), LU_.block(diagonal_[m]));
-            for (int l = diagonal_[m] + 1; l < LU_.row[m + 1]; ++l) {
-                const int target = place_[LU_.col[l]];
-                if (target >= 0) subtract_product<d>(LU_.block(k), LU_.block(l), LU_.block(target));
-            }
-        }
-        for (int k = LU_.row[i]; k < LU_.row[i + 1]; ++k) place_[LU_.col[k]] = -1;
-        if (!invert<d>(LU_.block(diagonal_[i]))) return {Ilu0Status::zero_pivot, i};
-    }
-    return {Ilu0Status::factored, -1};
+void Ilu0::factor_blocks(const BlockCsr& A) {
+    const int domains = domains_.count();
+    const std::size_t row = static_cast<std::size_t>(longest_) * d * d;
+#pragma omp parallel for schedule(static) if (domains > 1)
+    for (int k = 0; k < domains; ++k)
+        bad_[k] = factor_rows<d>(A, domains_.start[k], domains_.start[k + 1], row_of_.data() + k * row);
+    bad_[domains] = -1;
+    if (std::all_of(bad_.begin(), bad_.end(), [](int bad) { return bad < 0; }))
+        bad_[domains] = factor_rows<d>(A, domains_.start.back(), static_cast<int>(diagonal_.size()),
+                                       row_of_.data() + domains * row);
 }
 
 Ilu0Result Ilu0::factor(const BlockCsr& A) {
-    if (LU_.d == 1) return factor_blocks<1>(A);
-    if (LU_.d == 2) return factor_blocks<2>(A);
-    return factor_blocks<3>(A);
+    if (d_ == 1) factor_blocks<1>(A);
+    if (d_ == 2) factor_blocks<2>(A);
+    if (d_ == 3) factor_blocks<3>(A);
+    for (int bad : bad_)
+        if (bad >= 0) return {Ilu0Status::not_positive_definite, domains_.order[bad]};
+    return {Ilu0Status::factored, -1};
+}
+
+// y_i = C_i^{-1} r_i - sum over j < i of L_ij y_j
+template <int d>
+void Ilu0::sweep_forward(int begin, int end, const double* r) {
+    for (int i = begin; i < end; ++i) {
+        double sum[d] = {};
+        add_product<d, 1>(C_inverse_.data() + static_cast<std::size_t>(i) * d * d,
+                          r + static_cast<std::size_t>(domains_.order[i]) * d, sum);
+        for (int k = row_[i]; k < row_[i + 1]; ++k)
+            add_product<d, -1>(L_.data() + static_cast<std::size_t>(k) * d * d,
+                               y_.data() + static_cast<std::size_t>(col_[k]) * d, sum);
+        std::copy_n(sum, d, y_.data() + static_cast<std::size_t>(i) * d);
+    }
+}
+
+// y_i -= sum over j > i of L_ji' y_j, by columns of L' as they become known; z_i = C_i^{-T} y_i
+template <int d>
+void Ilu0::sweep_backward(int begin, int end, double* z) {
+    for (int i = end - 1; i >= begin; --i) {
+        const double* const y = y_.data() + static_cast<std::size_t>(i) * d;
+        for (int k = row_[i]; k < row_[i + 1]; ++k)
+            add_product_transposed<d, -1>(L_.data() + static_cast<std::size_t>(k) * d * d, y,
+                                          y_.data() + static_cast<std::size_t>(col_[k]) * d);
+        double sum[d] = {};
+        add_product_transposed<d, 1>(C_inverse_.data() + static_cast<std::size_t>(i) * d * d, y, sum);
+        std::copy_n(sum, d, z + static_cast<std::size_t>(domains_.order[i]) * d);
+    }
 }
 
 template <int d>
-void Ilu0::solve_blocks(double* x) const {
-    for (int i = 0; i < LU_.n; ++i) {
-        double* xi = x + static_cast<std::size_t>(i) * d;
-        for (int k = LU_.row[i]; k < diagonal_[i]; ++k)
-            subtract_product_vector<d>(LU_.block(k), x + static_cast<std::size_t>(LU_.col[k]) * d, xi);
+void Ilu0::sweep(const double* r, double* z) {
+    const int n = static_cast<int>(diagonal_.size()), domains = domains_.count(), first = domains_.start.back();
+#pragma omp for schedule(static)
+    for (int k = 0; k < domains; ++k) sweep_forward<d>(domains_.start[k], domains_.start[k + 1], r);
+#pragma omp single
+    {
+        sweep_forward<d>(first, n, r);
+        sweep_backward<d>(first, n, z);
     }
-    for (int i = LU_.n - 1; i >= 0; --i) {
-        double* xi = x + static_cast<std::size_t>(i) * d;
-        for (int k = diagonal_[i] + 1; k < LU_.row[i + 1]; ++k)
-            subtract_product_vector<d>(LU_.block(k), x + static_cast<std::size_t>(LU_.col[k]) * d, xi);
-        double y[d] = {};
-        subtract_product_vector<d>(LU_.block(diagonal_[i]), xi, y);
-        for (int r = 0; r < d; ++r) xi[r] = -y[r];
-    }
+#pragma omp for schedule(static)
+    for (int k = 0; k < domains; ++k) sweep_backward<d>(domains_.start[k], domains_.start[k + 1], z);
 }
 
-void Ilu0::solve(double* x) const {
-    if (LU_.d == 1) return solve_blocks<1>(x);
-    if (LU_.d == 2) return solve_blocks<2>(x);
-    solve_blocks<3>(x);
+void Ilu0::solve_in_team(const double* r, double* z) {
+    if (d_ == 1) sweep<1>(r, z);
+    if (d_ == 2) sweep<2>(r, z);
+    if (d_ == 3) sweep<3>(r, z);
+}
+
+void Ilu0::solve(const double* r, double* z) {
+#pragma omp parallel if (domains_.count() > 1)
+    solve_in_team(r, z);
 }
 
 }  // namespace almesh

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "linalg/cholesky.hpp"
+#include "linalg/conjugate_gradients.hpp"
 #include "linalg/gmres.hpp"
-#include "linalg/graph.hpp"
 #include "linalg/ilu0.hpp"
 #include "linalg/vector_ops.hpp"
 
@@ -17,7 +18,7 @@ const char* to_string(SolveStatus status) {
         case SolveStatus::max_iterations: return "max_iterations";
         case SolveStatus::stagnated: return "stagnated";
         case SolveStatus::breakdown: return "breakdown";
-        case SolveStatus::zero_pivot: return "zero_pivot";
+        case SolveStatus::indefinite_preconditioner: return "indefinite_preconditioner";
         case SolveStatus::not_positive_definite: return "not_positive_definite";
         case SolveStatus::too_large: return "too_large";
     }
@@ -27,6 +28,7 @@ const char* to_string(SolveStatus status) {
 const char* to_string(SolverKind kind) {
     switch (kind) {
         case SolverKind::automatic: return "automatic";
+        case SolverKind::cg: return "cg";
         case SolverKind::gmres: return "gmres";
         case SolverKind::cholesky: return "cholesky";
     }
@@ -35,7 +37,7 @@ const char* to_string(SolverKind kind) {
 
 namespace {
 
-constexpr int failures_to_give_up = 2;   // of GMRES in a row, if the choice is ours
+constexpr int failures_to_give_up = 2;   // of iterative solvers in a row, if the choice is ours
 constexpr double refine_above = 1e-15;   // scaled residual from which a step of iterative refinement is worth a solve
 constexpr double refuse_above = 1e-8;    // scaled residual at which x no longer counts as a solution
 
@@ -45,6 +47,17 @@ SolveStatus status_of(GmresStatus status) {
         case GmresStatus::max_iterations: return SolveStatus::max_iterations;
         case GmresStatus::stagnated: return SolveStatus::stagnated;
         case GmresStatus::breakdown: break;
+    }
+    return SolveStatus::breakdown;
+}
+
+SolveStatus status_of(CgStatus status) {
+    switch (status) {
+        case CgStatus::converged: return SolveStatus::converged;
+        case CgStatus::max_iterations: return SolveStatus::max_iterations;
+        case CgStatus::stagnated: return SolveStatus::stagnated;
+        case CgStatus::not_positive_definite: return SolveStatus::not_positive_definite;
+        case CgStatus::breakdown: break;
     }
     return SolveStatus::breakdown;
 }
@@ -64,27 +77,19 @@ double norm_inf(const BlockCsr& A) {
 }  // namespace
 
 struct LinearSolver::Iterative {
-    std::vector<int> order;        // reverse Cuthill-McKee: order[new] = old
-    std::vector<int> source;       // blocks of A in the order of B
-    BlockCsr B;                    // A renumbered
     Ilu0 ilu;
-    Gmres gmres;
-    std::vector<double> b, x;      // renumbered
+    std::optional<ConjugateGradients> cg;  // one of the two
+    std::optional<Gmres> gmres;
 
-    Iterative(const BlockCsr& A, const GmresParams& params)
-        : order(reverse_cuthill_mckee(graph_of(A))), B(permuted_pattern(A, order, source)), ilu(B),
-          gmres(A.size(), params), b(A.size()), x(A.size()) {}
-
-    void load(const BlockCsr& A, const std::vector<double>& right) {
-        const int block = A.d * A.d;
-        for (int k = 0; k < A.blocks(); ++k) std::copy_n(A.block(source[k]), block, B.block(k));
-        for (int i = 0; i < A.n; ++i)
-            for (int r = 0; r < A.d; ++r) b[i * A.d + r] = right[order[i] * A.d + r];
+    Iterative(const BlockCsr& A, const LinearSolverParams& params) : ilu(A) {
+        if (params.kind == SolverKind::gmres)
+            gmres.emplace(A.size(), GmresParams{params.restart, params.max_iterations, params.tolerance});
+        else cg.emplace(A.size(), CgParams{params.max_iterations, params.tolerance});
     }
 
-    void unload(std::vector<double>& to) const {
-        for (int i = 0; i < B.n; ++i)
-            for (int r = 0; r < B.d; ++r) to[order[i] * B.d + r] = x[i * B.d + r];
+    void set_tolerance(double tolerance) {
+        if (cg) cg->set_tolerance(tolerance);
+        else gmres->set_tolerance(tolerance);
     }
 };
 
@@ -103,7 +108,7 @@ LinearSolver::~LinearSolver() = default;
 
 void LinearSolver::set_tolerance(double tolerance) {
     params_.tolerance = tolerance;
-    if (iterative_) iterative_->gmres.set_tolerance(tolerance);
+    if (iterative_) iterative_->set_tolerance(tolerance);
 }
 
 double LinearSolver::factor_entries() const { return direct_ ? direct_->cholesky.factor_entries() : 0; }
@@ -114,9 +119,7 @@ double LinearSolver::refused_bytes() const {
 }
 
 LinearSolver::Iterative& LinearSolver::iterative(const BlockCsr& A) {
-    if (!iterative_)
-        iterative_ = std::make_unique<Iterative>(
-            A, GmresParams{params_.restart, params_.max_iterations, params_.tolerance});
+    if (!iterative_) iterative_ = std::make_unique<Iterative>(A, params_);
     return *iterative_;
 }
 
@@ -129,49 +132,50 @@ LinearSolver::Direct& LinearSolver::direct(const BlockCsr& A) {
     return *direct_;
 }
 
-bool LinearSolver::gmres_first(const BlockCsr& A) {
-    if (params_.kind == SolverKind::cholesky) return false;
-    if (params_.kind == SolverKind::gmres) return true;
-    const Cholesky& cholesky = direct(A).cholesky;
-    if (!cholesky.fits()) return true;
-    return dimension_ == 3 && cholesky.flops() > params_.gmres_from_flops && failures_ < failures_to_give_up;
+bool LinearSolver::iterative_first(const BlockCsr& A) {
+    if (params_.kind != SolverKind::automatic) return params_.kind != SolverKind::cholesky;
+    if (failures_ < failures_to_give_up && dimension_ == 3 && A.size() >= params_.cg_from_unknowns) return true;
+    return !direct(A).cholesky.fits();
 }
 
 SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
     x.assign(A.size(), 0.0);
-    if (!gmres_first(A)) return solve_directly(A, b, x);
+    if (!iterative_first(A)) return solve_directly(A, b, x);
     const SolveResult first = solve_iteratively(A, b, x);
-    if (first.status == SolveStatus::converged) {
-        failures_ = 0;
-        return first;
-    }
+    if (first.status == SolveStatus::converged) failures_ = 0;
+    if (first.status == SolveStatus::converged || first.status == SolveStatus::not_positive_definite) return first;
     ++failures_;
     if (!direct(A).cholesky.fits()) return first;
     SolveResult second = solve_directly(A, b, x);
     second.iterations = first.iterations;
     second.fell_back = true;
-    second.gmres_status = first.status;
+    second.iterative_status = first.status;
     return second;
 }
 
 SolveResult LinearSolver::solve_iteratively(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
     Iterative& own = iterative(A);
-    own.load(A, b);
-    SolveResult result;
-    result.used = SolverKind::gmres;
-    const Ilu0Result factored = own.ilu.factor(own.B);
-    if (factored.status == Ilu0Status::zero_pivot) {
-        result.status = result.gmres_status = SolveStatus::zero_pivot;
-        result.bad_node = own.order[factored.bad_row];
-        result.relative_residual = 1;
+    const auto result_of = [&](SolverKind used, SolveStatus status, int iterations, double residual) {
+        SolveResult result;
+        result.used = used;
+        result.status = result.iterative_status = status;
+        result.iterations = iterations;
+        result.relative_residual = residual;
+        return result;
+    };
+    const SolverKind kind = own.cg ? SolverKind::cg : SolverKind::gmres;
+    const Ilu0Result factored = own.ilu.factor(A);
+    if (factored.status == Ilu0Status::not_positive_definite) {
+        SolveResult result = result_of(kind, SolveStatus::indefinite_preconditioner, 0, 1);
+        result.bad_node = factored.bad_row;
         return result;
     }
-    const GmresResult solved = own.gmres.solve(own.B, &own.ilu, own.b.data(), own.x.data());
-    own.unload(x);
-    result.status = result.gmres_status = status_of(solved.status);
-    result.iterations = solved.iterations;
-    result.relative_residual = solved.relative_residual;
-    return result;
+    if (own.cg) {
+        const CgResult solved = own.cg->solve(A, &own.ilu, b.data(), x.data());
+        return result_of(kind, status_of(solved.status), solved.iterations, solved.relative_residual);
+    }
+    const GmresResult solved = own.gmres->solve(A, &own.ilu, b.data(), x.data());
+    return result_of(kind, status_of(solved.status), solved.iterations, solved.relative_residual);
 }
 
 SolveResult LinearSolver::solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {

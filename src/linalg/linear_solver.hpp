@@ -1,9 +1,10 @@
-// Solves the symmetric systems A x = b of Newton's method on one fixed pattern, by sparse Cholesky or by GMRES with
-// ILU(0), and knows which of the two suits.
+// Solves the symmetric systems A x = b of Newton's method on one fixed pattern, by sparse Cholesky or by conjugate
+// gradients or GMRES with ILU(0), and knows which of them suits.
 //
-// `automatic`: Cholesky where the factorisation is cheap, as on 2D meshes, where ILU(0) fails on stretched elements;
-// GMRES where it is dear, as on large 3D meshes. Where GMRES does not converge, the same system goes to Cholesky, and
-// after two such failures in a row all further ones do. Analyses and memory are made when first needed, then kept.
+// `automatic`: Cholesky in 2D, where the factor is small and ILU(0) fails on stretched elements; conjugate gradients in
+// 3D but for small systems, decided by their size because already the analysis of a large 3D pattern costs more than
+// several iterative solves. Where an iterative solver does not converge, the same system goes to Cholesky, and after two
+// such failures in a row all further ones do. Analyses and memory are made when first needed, then kept.
 #pragma once
 #include <memory>
 #include <vector>
@@ -12,16 +13,16 @@
 
 namespace almesh {
 
-enum class SolverKind { automatic, gmres, cholesky };
+enum class SolverKind { automatic, cg, gmres, cholesky };
 
 enum class SolveStatus {
     converged,
-    max_iterations,         // GMRES
-    stagnated,              // GMRES
-    breakdown,              // numbers that are not finite, or a solution that does not satisfy the system
-    zero_pivot,             // ILU(0)
-    not_positive_definite,  // Cholesky
-    too_large               // the Cholesky factor would not fit the memory
+    max_iterations,             // iterative
+    stagnated,                  // iterative
+    breakdown,                  // numbers that are not finite, or a solution that does not satisfy the system
+    indefinite_preconditioner,  // ILU(0) met a pivot that is not positive; the matrix may be positive definite
+    not_positive_definite,      // Cholesky; conjugate gradients: a direction of no positive curvature
+    too_large                   // the Cholesky factor would not fit the memory
 };
 
 const char* to_string(SolveStatus status);
@@ -29,21 +30,21 @@ const char* to_string(SolverKind kind);
 
 struct LinearSolverParams {
     SolverKind kind = SolverKind::automatic;
-    double tolerance = 1e-10;        // GMRES: on |b - A x|_2 / |b|_2
-    int restart = 60;                // GMRES: iterations per cycle
-    int max_iterations = 600;        // GMRES: in all cycles
-    double gmres_from_flops = 1e11;  // automatic, 3D: factorisations dearer than this are left to GMRES
-    double memory_limit = 0;         // bytes for the Cholesky factor; 0: the machine's physical memory
+    double tolerance = 1e-10;    // iterative: on |b - A x|_2 / |b|_2
+    int restart = 60;            // GMRES: iterations per cycle
+    int max_iterations = 600;    // iterative: in all cycles
+    int cg_from_unknowns = 8000; // automatic, 3D: systems from this size on go to conjugate gradients
+    double memory_limit = 0;     // bytes for the Cholesky factor; 0: the machine's physical memory
 };
 
 struct SolveResult {
     SolveStatus status = SolveStatus::converged;
-    int iterations = 0;              // GMRES iterations, those of a failed attempt included
+    int iterations = 0;              // iterations, those of a failed attempt included
     double relative_residual = 0;    // |b - A x|_2 / |b|_2 of the x returned; 1 where x = 0 is returned
-    SolverKind used = SolverKind::cholesky;         // gmres or cholesky: who made x
-    bool fell_back = false;          // GMRES was tried before, and ended with gmres_status
-    SolveStatus gmres_status = SolveStatus::converged;
-    int bad_node = -1;               // zero_pivot, not_positive_definite: block row of the bad pivot
+    SolverKind used = SolverKind::cholesky;  // cg, gmres or cholesky: who made x
+    bool fell_back = false;          // an iterative solver was tried before, and ended with iterative_status
+    SolveStatus iterative_status = SolveStatus::converged;
+    int bad_node = -1;               // block row of the bad pivot of ILU(0) or Cholesky
 };
 
 class LinearSolver {
@@ -53,12 +54,12 @@ public:
     LinearSolver(const BlockCsr& pattern, int dimension, const LinearSolverParams& params);
     ~LinearSolver();
 
-    // For inexact Newton methods: the tolerance of GMRES from the next solve on.
+    // For inexact Newton methods: the tolerance of iterative solvers from the next solve on.
     void set_tolerance(double tolerance);
 
     // A: symmetric, both triangles stored. b, x: A.size(); x is resized. Unless the status is converged, x is the
-    // last iterate of GMRES (max_iterations, stagnated, breakdown) or zero. Converged GMRES does not mean that A is
-    // positive definite.
+    // last iterate of an iterative solver or zero. Its convergence does not mean that A is positive definite.
+    // not_positive_definite is about A itself, so nothing else is tried then.
     SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
 
     // Scalar entries of the Cholesky factor and operations to compute it; 0 until it has been analysed.
@@ -73,13 +74,13 @@ private:
     struct Direct;
     Iterative& iterative(const BlockCsr& A);
     Direct& direct(const BlockCsr& A);
-    bool gmres_first(const BlockCsr& A);
+    bool iterative_first(const BlockCsr& A);
     SolveResult solve_iteratively(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
     SolveResult solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
 
     int dimension_;
     LinearSolverParams params_;
-    int failures_ = 0;  // of GMRES in a row
+    int failures_ = 0;  // of iterative solvers in a row
     std::unique_ptr<Iterative> iterative_;
     std::unique_ptr<Direct> direct_;
 };

@@ -11,16 +11,6 @@ namespace {
 
 constexpr int chunk = 64, lanes = 8;
 
-// Eight independent partial sums: they fit a vector register, and the additions do not wait for each other.
-double dot_of_chunk(const double* x, const double* y, int n) {
-    double sum[lanes] = {};
-    int i = 0;
-    for (; i + lanes <= n; i += lanes)
-        for (int l = 0; l < lanes; ++l) sum[l] += x[i + l] * y[i + l];
-    for (int l = 0; i < n; ++i, ++l) sum[l] += x[i] * y[i];
-    return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
-}
-
 // Threads cost more than they bring in short vectors.
 template <class Body>
 void for_all(int n, const Body& body) {
@@ -30,9 +20,19 @@ void for_all(int n, const Body& body) {
 
 }  // namespace
 
+// Eight independent partial sums: they fit a vector register, and the additions do not wait for each other.
+double dot_of_piece(int n, const double* x, const double* y) {
+    double sum[lanes] = {};
+    int i = 0;
+    for (; i + lanes <= n; i += lanes)
+        for (int l = 0; l < lanes; ++l) sum[l] += x[i + l] * y[i + l];
+    for (int l = 0; i < n; ++i, ++l) sum[l] += x[i] * y[i];
+    return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
+}
+
 double dot(int n, const double* x, const double* y) {
     return deterministic_sum((n + chunk - 1) / chunk, [=](int c) {
-        return dot_of_chunk(x + c * chunk, y + c * chunk, std::min(chunk, n - c * chunk));
+        return dot_of_piece(std::min(chunk, n - c * chunk), x + c * chunk, y + c * chunk);
     });
 }
 

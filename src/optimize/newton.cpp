@@ -13,6 +13,9 @@ constexpr double sufficient_decrease = 1e-4;  // c1
 constexpr double smallest_step = 1e-14;
 constexpr double energy_rounding = 1e-14;  // relative error of a sum of element energies
 
+// Forcing term of the first step of a subproblem, which has no ratio of gradients to go by.
+constexpr double first_forcing = 0.01;
+
 // The next Hessian to try where `kind` gave no descent direction; false where there is none.
 bool fall_back(HessianKind& kind) {
     if (kind == HessianKind::squared_projected) return false;
@@ -43,9 +46,20 @@ const char* to_string(HessianKind kind) {
     return "";
 }
 
-Newton::Newton(const DistortionEnergy& distortion, const LinearSolverParams& linear)
+double forcing_term(double eta_before, double g_before, double g, double omega, double floor) {
+    constexpr double gamma = 0.9, safeguard_from = 0.1;
+    const double order = (1 + std::sqrt(5.0)) / 2;
+    double eta = gamma * std::pow(g / g_before, order);
+    const double safeguard = gamma * std::pow(eta_before, order);
+    if (safeguard > safeguard_from) eta = std::max(eta, safeguard);
+    return std::max(std::min(std::max(eta, 0.5 * omega / g), largest_forcing), floor);
+}
+
+Newton::Newton(const DistortionEnergy& distortion, const LinearSolverParams& linear, Forcing forcing)
     : H_(distortion.hessian_pattern()),
       solver_(H_, H_.d, linear),
+      forcing_(forcing),
+      linear_tolerance_(linear.tolerance),
       g_(H_.size()),
       minus_g_(H_.size()),
       d_(H_.size()),
@@ -64,7 +78,7 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
         const SolveResult solve = solver_.solve(H_, minus_g_, d_);
         step.linear_iterations += solve.iterations;
         step.solver = solve.used;
-        step.fallback = solve.fell_back ? solve.gmres_status : SolveStatus::converged;
+        step.fallback = solve.fell_back ? solve.iterative_status : SolveStatus::converged;
         if (solve.status == SolveStatus::converged && dot(g_, d_) < 0) return true;
     } while (fall_back(step.hessian));
     return false;
@@ -109,6 +123,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
     const double wanted = params.wanted_reduction < 1 ? params.wanted_reduction * result.gradient_norm : params.omega;
     const double omega = result.omega = std::max(std::min(params.omega, wanted), params.omega_star);
     HessianKind kind = params.first;
+    double eta = forcing_ == Forcing::fixed ? linear_tolerance_ : std::max(first_forcing, linear_tolerance_);
     while (!(result.gradient_norm <= omega)) {
         if (result.iterations == params.max_iterations) {
             result.status = NewtonStatus::max_iterations;
@@ -121,6 +136,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         NewtonStep step;
         step.iteration = ++result.iterations;
         step.hessian = kind;
+        solver_.set_tolerance(eta);
         bool found = false, by_rounding = false;
         for (;;) {
             if (!find_direction(E, x, step, time)) {
@@ -141,6 +157,8 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         }
         const double before = result.gradient_norm;
         result.gradient_norm = step.gradient_norm = evaluate_gradient();
+        if (forcing_ == Forcing::automatic)
+            eta = forcing_term(eta, before, result.gradient_norm, omega, linear_tolerance_);
         step.energy = result.energy;
         if (observe) observe(step);
         if (by_rounding && result.gradient_norm > 0.5 * before && result.gradient_norm > omega) {

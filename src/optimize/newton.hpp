@@ -5,6 +5,7 @@
 // whose convergence is quadratic, after a step of length one, the projected one after a step that was cut, and whenever
 // the full one is found not to be positive definite (by Cholesky) or gives no descent direction. The Hessian of the
 // objective (eta - 1)^2 vanishes at the identity, so there the very first step takes that of eta^2.
+// Iterative solvers need to be no more exact than the model is: forcing_term() below.
 //
 // Step length. Backtracking from 1 until the sufficient-decrease (first Wolfe) condition
 //     E(x + t d) <= E(x) + c1 t grad E . d,   c1 = 1e-4   (Nocedal & Wright, Alg. 3.1)
@@ -24,6 +25,9 @@
 #include "linalg/linear_solver.hpp"
 
 namespace almesh {
+
+// Tolerance of iterative linear solvers: chosen from step to step, or always the given one.
+enum class Forcing { automatic, fixed };
 
 enum class NewtonStatus { converged, rounding_floor, max_iterations, line_search_failed, linear_solver_failed, interrupted };
 const char* to_string(NewtonStatus status);
@@ -48,7 +52,7 @@ struct NewtonStep {
     HessianKind hessian = HessianKind::projected;
     int linear_iterations = 0;
     SolverKind solver = SolverKind::automatic;  // who made the direction
-    SolveStatus fallback = SolveStatus::converged;  // how GMRES failed before Cholesky took over
+    SolveStatus fallback = SolveStatus::converged;  // how an iterative solver failed before Cholesky took over
 };
 
 struct NewtonResult {
@@ -62,10 +66,17 @@ struct NewtonResult {
 using NewtonObserver = std::function<void(const NewtonStep&)>;
 using SystemObserver = std::function<void(const BlockCsr& A, const std::vector<double>& b)>;
 
+// Relative residual to which the next system is solved: eta = 0.9 (|g| / |g_before|)^a, a = (1 + sqrt 5)/2, so that the
+// convergence is of order a; not below 0.9 eta_before^a while that exceeds 0.1, to keep a lucky step from asking too
+// much, and not below 0.5 omega / |g|, which ends the iteration (Eisenstat & Walker, SIAM J. Sci. Comput. 17, 1996,
+// choice 2; Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995, section 6.3). Within [floor, largest_forcing].
+inline constexpr double largest_forcing = 0.1;
+double forcing_term(double eta_before, double g_before, double g, double omega, double floor);
+
 class Newton {
    public:
     // The pattern of the Hessian, the linear solver and all work arrays are set up once for all subproblems.
-    Newton(const DistortionEnergy& distortion, const LinearSolverParams& linear);
+    Newton(const DistortionEnergy& distortion, const LinearSolverParams& linear, Forcing forcing = Forcing::automatic);
 
     // Called with every linear system A d = b before it is solved.
     void observe_systems(SystemObserver observer) { observe_system_ = std::move(observer); }
@@ -79,6 +90,8 @@ class Newton {
    private:
     BlockCsr H_;
     LinearSolver solver_;
+    Forcing forcing_;
+    double linear_tolerance_;  // of the deck: what `fixed` uses, and the floor of `automatic`
     std::vector<double> g_, minus_g_, d_, trial_;
     SystemObserver observe_system_;
 

@@ -80,12 +80,13 @@ TEST_CASE("a 3D run") {
 TEST_CASE("all linear solvers give the same positions") {
     const RingDeck ring(raise_degree(ring_mesh(12, 3, 6), 2));
     std::vector<std::vector<double>> x;
-    for (const char* solver : {"solver=auto", "solver=cholesky", "solver=gmres"}) {
-        CHECK(ring.run({solver}).code == 0);
+    for (const char* solver : {"solver=auto", "solver=cholesky", "solver=cg", "solver=gmres"}) {
+        CHECK(ring.run({solver, "forcing=fixed"}).code == 0);
         x.push_back(final_positions(ring));
     }
     CHECK(largest_difference(x[0], x[1]) < 1e-7);
     CHECK(largest_difference(x[0], x[2]) < 1e-7);
+    CHECK(largest_difference(x[0], x[3]) < 1e-7);
     CHECK(number(summary_of(ring.output), "linear_iterations") > 0);
 }
 

@@ -76,11 +76,12 @@ TEST_CASE("choices, by their words only") {
     CHECK(deck.objective == Objective::squared);
     CHECK(deck.algorithm == Algorithm::literal);
     CHECK(deck.solver == SolverKind::gmres);
-    for (const char* word : {"auto", "gmres", "cholesky"}) CHECK(result_of("solver", word) == word);
+    for (const char* word : {"auto", "cg", "gmres", "cholesky"}) CHECK(result_of("solver", word) == word);
+    for (const char* word : {"auto", "fixed"}) CHECK(result_of("forcing", word) == word);
     for (const char* word : {"adaptive", "paper", "literal"}) CHECK(result_of("algorithm", word) == word);
     for (const char* word : {"squared", "deviation"}) CHECK(result_of("objective", word) == word);
     CHECK(result_of("target", "Nodal") == "target = Nodal: expected exact | nodal: did you mean `nodal`?");
-    CHECK(has(result_of("solver", ""), "expected auto | gmres | cholesky"));
+    CHECK(has(result_of("solver", ""), "expected auto | cg | gmres | cholesky"));
 }
 
 TEST_CASE("text values and their quotes") {

@@ -4,11 +4,25 @@
 
 #include <limits>
 
+#include "base/parallel.hpp"
+#include "linalg/vector_ops.hpp"
 #include "matrices.hpp"
 
 using namespace almesh;
 
-TEST_CASE("ILU(0) of a block tridiagonal and of a dense matrix is its LU: one solve gives the solution") {
+namespace {
+
+constexpr double single = 1e-5;  // L is kept in single precision
+
+std::vector<double> solved(Ilu0& ilu, const std::vector<double>& r) {
+    std::vector<double> z(r.size());
+    ilu.solve(r.data(), z.data());
+    return z;
+}
+
+}  // namespace
+
+TEST_CASE("ILU(0) of a block tridiagonal and of a dense matrix is exact: one solve gives the solution") {
     for (int d = 1; d <= 3; ++d)
         for (const Edges& edges : {path(40), complete(40)}) {
             const BlockCsr A = random_spd(40, d, edges);
@@ -17,13 +31,25 @@ TEST_CASE("ILU(0) of a block tridiagonal and of a dense matrix is its LU: one so
             multiply(A, x.data(), y.data());
             Ilu0 ilu(A);
             CHECK(ilu.factor(A).status == Ilu0Status::factored);
-            ilu.solve(y.data());
-            CHECK(max_difference(x, y) < 1e-12);
+            CHECK(max_difference(x, solved(ilu, y)) < single);
+            ilu.solve(y.data(), y.data());
+            CHECK(max_difference(x, y) < single);
         }
 }
 
+TEST_CASE("a block diagonal matrix is inverted to the last digits: C is kept in double precision") {
+    for (int d = 1; d <= 3; ++d) {
+        const BlockCsr A = random_spd(50, d, {});
+        const std::vector<double> x = random_vector(A.size());
+        std::vector<double> y(A.size());
+        multiply(A, x.data(), y.data());
+        Ilu0 ilu(A);
+        REQUIRE(ilu.factor(A).status == Ilu0Status::factored);
+        CHECK(max_difference(x, solved(ilu, y)) < 1e-13);
+    }
+}
+
 TEST_CASE("on its pattern, the product of the factors is the matrix") {
-    // M = (L + I)(D + U): M^{-1} applied to the columns of A on a grid differs from I only where LU fills in.
     const BlockCsr A = random_spd(25, 2, grid(5, 5), 2.0);
     Ilu0 ilu(A);
     REQUIRE(ilu.factor(A).status == Ilu0Status::factored);
@@ -32,10 +58,10 @@ TEST_CASE("on its pattern, the product of the factors is the matrix") {
     for (int j = 0; j < n; ++j) {
         std::vector<double> e(n, 0.0);
         e[j] = 1;
-        ilu.solve(e.data());
-        for (int i = 0; i < n; ++i) inverse(i, j) = e[i];
+        const std::vector<double> column = solved(ilu, e);
+        for (int i = 0; i < n; ++i) inverse(i, j) = column[i];
     }
-    // M itself, by Gauss-Jordan on its inverse.
+    // The product itself, by Gauss-Jordan on its inverse.
     Dense M{n, std::vector<double>(static_cast<std::size_t>(n) * n, 0.0)};
     for (int i = 0; i < n; ++i) M(i, i) = 1;
     for (int k = 0; k < n; ++k) {
@@ -53,37 +79,73 @@ TEST_CASE("on its pattern, the product of the factors is the matrix") {
             double& worst = A.find(i / 2, j / 2) >= 0 ? on_pattern : elsewhere;
             worst = std::max(worst, std::abs(M(i, j) - expected(i, j)));
         }
-    CHECK(on_pattern < 1e-12);
+    CHECK(on_pattern < single);
     CHECK(elsewhere > 1e-3);
 }
 
-TEST_CASE("factor() refills the pattern, and names the row of a bad pivot block") {
-    BlockCsr A = random_spd(10, 2, path(10));
-    Ilu0 ilu(A);
-    CHECK(ilu.factor(A).status == Ilu0Status::factored);
-    BlockCsr B = A;
-    for (int k = B.row[4]; k < B.row[5]; ++k) std::fill_n(B.block(k), 4, 0.0);
-    CHECK(ilu.factor(B).status == Ilu0Status::zero_pivot);
-    CHECK(ilu.factor(B).bad_row == 4);
-    B = A;
-    B.block(B.find(7, 7))[0] = std::numeric_limits<double>::quiet_NaN();
-    CHECK(ilu.factor(B).bad_row == 7);
-    B.block(B.find(7, 7))[0] = std::numeric_limits<double>::infinity();
-    CHECK(ilu.factor(B).bad_row == 7);
-    CHECK(ilu.factor(A).bad_row == -1);
+TEST_CASE("the preconditioner is symmetric and positive definite, in several domains too") {
+    for (int m : {6, 18}) {
+        const BlockCsr A = random_spd(m * m * m, 2, grid_3d(m), 1e-2);
+        Ilu0 ilu(A);
+        REQUIRE(ilu.factor(A).status == Ilu0Status::factored);
+        const std::vector<double> u = random_vector(A.size(), 1), v = random_vector(A.size(), 2);
+        const std::vector<double> Mu = solved(ilu, u), Mv = solved(ilu, v);
+        CHECK(dot(u, Mv) == doctest::Approx(dot(v, Mu)).epsilon(1e-12));
+        CHECK(dot(u, Mu) > 0);
+    }
 }
 
-TEST_CASE("blocks are inverted with row exchanges") {
-    BlockCsr A = random_spd(1, 3, {});
-    A.value = {0, 2, 0, 0, 0, 4, 5, 0, 0};
+TEST_CASE("the units of the matrix do not matter, though L is in single precision") {
+    BlockCsr A = random_spd(49, 3, grid(7, 7));
+    const std::vector<double> r = random_vector(A.size());
     Ilu0 ilu(A);
     REQUIRE(ilu.factor(A).status == Ilu0Status::factored);
-    std::vector<double> x{2, 4, 5};
-    ilu.solve(x.data());
-    CHECK(max_difference(x, {1, 1, 1}) < 1e-15);
+    const std::vector<double> z = solved(ilu, r);
+    for (int exponent : {-400, 400}) {
+        BlockCsr B = A;
+        for (double& v : B.value) v = std::ldexp(v, exponent);
+        REQUIRE(ilu.factor(B).status == Ilu0Status::factored);
+        std::vector<double> scaled = solved(ilu, r);
+        for (double& v : scaled) v = std::ldexp(v, exponent);
+        CHECK(scaled == z);
+    }
+}
+
+TEST_CASE("factor() refills the pattern, and names the row of a pivot block that is not positive") {
+    for (int m : {4, 17}) {  // one domain, and several
+        const BlockCsr A = random_spd(m * m * m, 2, grid_3d(m));
+        Ilu0 ilu(A);
+        CHECK(ilu.factor(A).status == Ilu0Status::factored);
+        for (const double bad : {-1.0, 0.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+            for (int row : {4, A.n / 2, A.n - 1}) {
+                BlockCsr B = A;
+                B.block(B.find(row, row))[3] = bad;
+                const Ilu0Result result = ilu.factor(B);
+                CHECK(result.status == Ilu0Status::not_positive_definite);
+                CHECK(result.bad_row == row);
+            }
+        CHECK(ilu.factor(A).bad_row == -1);
+    }
 }
 
 TEST_CASE("an empty matrix") {
     const BlockCsr A = matrix_of_cells(0, 2, {}, 2);
     CHECK(Ilu0(A).factor(A).status == Ilu0Status::factored);
+}
+
+TEST_CASE("ILU(0) gives the same bits for any number of threads") {
+    const BlockCsr A = random_spd(8000, 3, grid_3d(20), 1e-2);
+    const std::vector<double> r = random_vector(A.size());
+    const int before = max_threads();
+    set_threads(1);
+    Ilu0 ilu(A);
+    ilu.factor(A);
+    const std::vector<double> first = solved(ilu, r);
+    for (int threads : {2, 3, 8}) {
+        set_threads(threads);
+        Ilu0 other(A);
+        other.factor(A);
+        CHECK(solved(other, r) == first);
+    }
+    set_threads(before);
 }

@@ -27,29 +27,33 @@ BlockCsr with_diagonal(BlockCsr A, int node, double value) {
 
 }  // namespace
 
-TEST_CASE("2D goes to Cholesky, dear 3D systems to GMRES, cheap ones to Cholesky") {
-    const BlockCsr A = random_spd(125, 2, grid_3d(5));
+TEST_CASE("2D goes to Cholesky, large 3D systems to conjugate gradients, small ones to Cholesky") {
+    const BlockCsr A = random_spd(125, 3, grid_3d(5));
     const std::vector<double> b = random_vector(A.size());
     std::vector<double> x;
     LinearSolverParams params;
     CHECK(LinearSolver(A, 2, params).solve(A, b, x).used == SolverKind::cholesky);
     CHECK(LinearSolver(A, 3, params).solve(A, b, x).used == SolverKind::cholesky);
-    params.gmres_from_flops = 100;
+    params.cg_from_unknowns = A.size();
     CHECK(LinearSolver(A, 2, params).solve(A, b, x).used == SolverKind::cholesky);
-    const SolveResult result = LinearSolver(A, 3, params).solve(A, b, x);
-    CHECK(result.used == SolverKind::gmres);
+    LinearSolver solver(A, 3, params);
+    const SolveResult result = solver.solve(A, b, x);
+    CHECK(result.used == SolverKind::cg);
     CHECK(result.status == SolveStatus::converged);
     CHECK(result.iterations > 0);
     CHECK_FALSE(result.fell_back);
+    CHECK(solver.factor_flops() == 0);  // the analysis of Cholesky, dearer than the solve, was not made
+    params.cg_from_unknowns = A.size() + 1;
+    CHECK(LinearSolver(A, 3, params).solve(A, b, x).used == SolverKind::cholesky);
 }
 
-TEST_CASE("both solvers find the same solution, and say how good it is") {
+TEST_CASE("all solvers find the same solution, and say how good it is") {
     for (int d = 1; d <= 3; ++d) {
         const BlockCsr A = random_spd(400, d, grid(20, 20));
         const std::vector<double> expected = random_vector(A.size());
         std::vector<double> b(A.size()), x;
         multiply(A, expected.data(), b.data());
-        for (SolverKind kind : {SolverKind::gmres, SolverKind::cholesky}) {
+        for (SolverKind kind : {SolverKind::cg, SolverKind::gmres, SolverKind::cholesky}) {
             const SolveResult result = LinearSolver(A, 2, params_of(kind)).solve(A, b, x);
             CHECK(result.status == SolveStatus::converged);
             CHECK(result.used == kind);
@@ -59,43 +63,65 @@ TEST_CASE("both solvers find the same solution, and say how good it is") {
     }
 }
 
-TEST_CASE("the tolerance of GMRES can be changed between solves") {
+TEST_CASE("the tolerance of the iterative solvers can be changed, before the first solve and between solves") {
     const BlockCsr A = random_spd(400, 2, grid(20, 20), 1e-2);
     const std::vector<double> b = random_vector(A.size());
     std::vector<double> x;
-    LinearSolver solver(A, 2, params_of(SolverKind::gmres));
-    const int exact = solver.solve(A, b, x).iterations;
-    solver.set_tolerance(1e-2);
-    const SolveResult loose = solver.solve(A, b, x);
-    CHECK(loose.iterations < exact);
-    CHECK(loose.relative_residual <= 1e-2);
-    CHECK(loose.relative_residual > 1e-10);
-}
-
-TEST_CASE("where GMRES fails Cholesky takes over, and the result says so") {
-    const BlockCsr A = random_spd(400, 2, grid(20, 20), 1e-3);
-    const std::vector<double> b = random_vector(A.size());
-    std::vector<double> x;
-    LinearSolverParams params = params_of(SolverKind::gmres);
-    params.max_iterations = 1;
-    LinearSolver solver(A, 2, params);
-    for (int repeat = 0; repeat < 3; ++repeat) {
-        const SolveResult result = solver.solve(A, b, x);
-        CHECK(result.status == SolveStatus::converged);
-        CHECK(result.used == SolverKind::cholesky);
-        CHECK(result.fell_back);
-        CHECK(result.gmres_status == SolveStatus::max_iterations);
-        CHECK(result.iterations == 1);
-        CHECK(scaled_residual(A, x, b) < 1e-15);
+    for (SolverKind kind : {SolverKind::cg, SolverKind::gmres}) {
+        LinearSolver solver(A, 2, params_of(kind)), early(A, 2, params_of(kind));
+        const int exact = solver.solve(A, b, x).iterations;
+        solver.set_tolerance(1e-2);
+        const SolveResult loose = solver.solve(A, b, x);
+        CHECK(loose.iterations < exact);
+        CHECK(loose.relative_residual <= 1e-2);
+        CHECK(loose.relative_residual > 1e-10);
+        early.set_tolerance(1e-2);
+        CHECK(early.solve(A, b, x).iterations == loose.iterations);
     }
 }
 
-TEST_CASE("automatic stops trying GMRES after two failures in a row") {
+TEST_CASE("where an iterative solver fails Cholesky takes over, and the result says so") {
+    const BlockCsr A = random_spd(400, 2, grid(20, 20), 1e-3);
+    const std::vector<double> b = random_vector(A.size());
+    std::vector<double> x;
+    for (SolverKind kind : {SolverKind::cg, SolverKind::gmres}) {
+        LinearSolverParams params = params_of(kind);
+        params.max_iterations = 1;
+        LinearSolver solver(A, 2, params);
+        for (int repeat = 0; repeat < 3; ++repeat) {
+            const SolveResult result = solver.solve(A, b, x);
+            CHECK(result.status == SolveStatus::converged);
+            CHECK(result.used == SolverKind::cholesky);
+            CHECK(result.fell_back);
+            CHECK(result.iterative_status == SolveStatus::max_iterations);
+            CHECK(result.iterations == 1);
+            CHECK(scaled_residual(A, x, b) < 1e-15);
+        }
+    }
+}
+
+TEST_CASE("negative curvature is about the matrix: no Cholesky is tried") {
+    // A Laplacian made indefinite by a shift below what ILU(0) notices.
+    BlockCsr A = random_spd(400, 1, grid(20, 20));
+    for (int i = 0; i < A.n; ++i)
+        for (int k = A.row[i]; k < A.row[i + 1]; ++k) A.value[k] = A.col[k] == i ? A.row[i + 1] - A.row[i] - 1 - 1e-3 : -1;
+    std::vector<double> x;
+    LinearSolver solver(A, 2, params_of(SolverKind::cg));
+    const SolveResult result = solver.solve(A, std::vector<double>(400, 1.0), x);
+    CHECK(result.status == SolveStatus::not_positive_definite);
+    CHECK(result.used == SolverKind::cg);
+    CHECK(result.iterations > 0);
+    CHECK(result.iterations < 20);
+    CHECK_FALSE(result.fell_back);
+    CHECK(solver.factor_flops() == 0);
+}
+
+TEST_CASE("automatic stops trying conjugate gradients after two failures in a row") {
     const BlockCsr A = random_spd(125, 3, grid_3d(5), 1e-3);
     const std::vector<double> b = random_vector(A.size());
     std::vector<double> x;
     LinearSolverParams params;
-    params.gmres_from_flops = 100;
+    params.cg_from_unknowns = 1;
     params.max_iterations = 1;
     LinearSolver solver(A, 3, params);
     CHECK(solver.solve(A, b, x).fell_back);
@@ -119,20 +145,27 @@ TEST_CASE("not_positive_definite is a result, with the node, x = 0 and no silent
     CHECK(solver.solve(A, b, x).status == SolveStatus::converged);
 }
 
-TEST_CASE("a singular pivot block in ILU(0) is reported with its node") {
-    BlockCsr A = random_spd(30, 2, path(30));
-    for (int k = A.row[11]; k < A.row[12]; ++k) std::fill_n(A.block(k), 4, 0.0);
-    for (int i : {10, 12}) std::fill_n(A.block(A.find(i, 11)), 4, 0.0);
+TEST_CASE("a pivot of ILU(0) that is not positive is reported at once, with its node") {
+    const BlockCsr A = with_diagonal(random_spd(30, 2, path(30)), 11, -1);
     std::vector<double> x;
-    LinearSolverParams params = params_of(SolverKind::gmres);
-    params.memory_limit = 1;  // no way out
-    const SolveResult result = LinearSolver(A, 2, params).solve(A, random_vector(60), x);
-    CHECK(result.status == SolveStatus::zero_pivot);
-    CHECK(result.bad_node == 11);
-    CHECK(result.used == SolverKind::gmres);
+    for (SolverKind kind : {SolverKind::cg, SolverKind::gmres}) {
+        LinearSolverParams params = params_of(kind);
+        const SolveResult checked = LinearSolver(A, 2, params).solve(A, random_vector(60), x);
+        CHECK(checked.status == SolveStatus::not_positive_definite);  // says Cholesky, asked after ILU(0)
+        CHECK(checked.fell_back);
+        CHECK(checked.iterative_status == SolveStatus::indefinite_preconditioner);
+        CHECK(checked.iterations == 0);
+        params.memory_limit = 1;  // no way out
+        const SolveResult result = LinearSolver(A, 2, params).solve(A, random_vector(60), x);
+        CHECK(result.status == SolveStatus::indefinite_preconditioner);
+        CHECK(result.bad_node == 11);
+        CHECK(result.used == kind);
+        CHECK(result.relative_residual == 1);
+        CHECK(x == std::vector<double>(60, 0.0));
+    }
 }
 
-TEST_CASE("a factor too large for the memory: refused if asked for, else left to GMRES") {
+TEST_CASE("a factor too large for the memory: refused if asked for, else left to conjugate gradients") {
     const BlockCsr A = random_spd(400, 2, grid(20, 20));
     const std::vector<double> b = random_vector(A.size());
     std::vector<double> x;
@@ -140,7 +173,7 @@ TEST_CASE("a factor too large for the memory: refused if asked for, else left to
     params.memory_limit = 1000;
     const SolveResult automatic = LinearSolver(A, 2, params).solve(A, b, x);
     CHECK(automatic.status == SolveStatus::converged);
-    CHECK(automatic.used == SolverKind::gmres);
+    CHECK(automatic.used == SolverKind::cg);
     params.kind = SolverKind::cholesky;
     LinearSolver refused(A, 2, params);
     CHECK(refused.refused_bytes() == 0);  // not analysed yet
@@ -160,7 +193,7 @@ TEST_CASE("numbers that are not finite never come back as a solution") {
     const BlockCsr A = random_spd(100, 2, grid(10, 10));
     std::vector<double> b = random_vector(A.size()), x;
     b[5] = std::numeric_limits<double>::quiet_NaN();
-    for (SolverKind kind : {SolverKind::automatic, SolverKind::gmres, SolverKind::cholesky}) {
+    for (SolverKind kind : {SolverKind::automatic, SolverKind::cg, SolverKind::gmres, SolverKind::cholesky}) {
         const SolveResult result = LinearSolver(A, 2, params_of(kind)).solve(A, b, x);
         CHECK(result.status == SolveStatus::breakdown);
         CHECK(x == std::vector<double>(A.size(), 0.0));
@@ -170,7 +203,7 @@ TEST_CASE("numbers that are not finite never come back as a solution") {
 TEST_CASE("zero right-hand sides and empty systems") {
     const BlockCsr A = random_spd(25, 2, grid(5, 5)), empty = matrix_of_cells(0, 2, {}, 2);
     std::vector<double> x;
-    for (SolverKind kind : {SolverKind::automatic, SolverKind::gmres, SolverKind::cholesky}) {
+    for (SolverKind kind : {SolverKind::automatic, SolverKind::cg, SolverKind::gmres, SolverKind::cholesky}) {
         CHECK(LinearSolver(A, 2, params_of(kind)).solve(A, std::vector<double>(50, 0.0), x).status ==
               SolveStatus::converged);
         CHECK(x == std::vector<double>(50, 0.0));
@@ -181,18 +214,19 @@ TEST_CASE("zero right-hand sides and empty systems") {
 TEST_CASE("every status and kind has a name") {
     for (SolveStatus status :
          {SolveStatus::converged, SolveStatus::max_iterations, SolveStatus::stagnated, SolveStatus::breakdown,
-          SolveStatus::zero_pivot, SolveStatus::not_positive_definite, SolveStatus::too_large})
+          SolveStatus::indefinite_preconditioner, SolveStatus::not_positive_definite, SolveStatus::too_large})
         CHECK(std::string(to_string(status)) != "");
     CHECK(std::string(to_string(SolverKind::automatic)) == "automatic");
+    CHECK(std::string(to_string(SolverKind::cg)) == "cg");
     CHECK(std::string(to_string(SolverKind::gmres)) == "gmres");
     CHECK(std::string(to_string(SolverKind::cholesky)) == "cholesky");
 }
 
-TEST_CASE("the same bits for any number of threads, both solvers") {
+TEST_CASE("the same bits for any number of threads, all solvers") {
     const BlockCsr A = random_spd(8000, 3, grid_3d(20), 1e-2);
     const std::vector<double> b = random_vector(A.size());
     const int before = max_threads();
-    for (SolverKind kind : {SolverKind::gmres, SolverKind::cholesky}) {
+    for (SolverKind kind : {SolverKind::cg, SolverKind::gmres, SolverKind::cholesky}) {
         std::vector<double> first, x;
         LinearSolver solver(A, 3, params_of(kind));
         set_threads(1);

@@ -189,21 +189,37 @@ TEST_CASE("a functional without a minimum ends with a status, on a valid mesh") 
     CHECK(std::isfinite(E.energy(r.x)));
 }
 
-TEST_CASE("GMRES and Cholesky lead to the same minimum") {
+TEST_CASE("iterative solvers and Cholesky lead to the same minimum") {
     const Minimisation problem{
         cube_mesh(3), {{"top", "scale 1 1 1.2"}, {"sides", "scale 1 1 1.2"}}, Objective::squared};
     const AugmentedFunctional E = problem.functional(300);
-    LinearSolverParams gmres, cholesky;
-    gmres.kind = SolverKind::gmres;
+    LinearSolverParams cholesky;
     cholesky.kind = SolverKind::cholesky;
-    const Run iterative = run(problem, E, {}, gmres), direct = run(problem, E, {}, cholesky);
-    CHECK(iterative.result.status == NewtonStatus::converged);
+    const Run direct = run(problem, E, {}, cholesky);
     CHECK(direct.result.status == NewtonStatus::converged);
-    CHECK(iterative.result.linear_iterations > 0);
     CHECK(direct.result.linear_iterations == 0);
     CHECK(direct.steps[0].solver == SolverKind::cholesky);
-    CHECK(norm_2(iterative.x) == doctest::Approx(norm_2(direct.x)).epsilon(1e-9));
-    CHECK(iterative.result.energy == doctest::Approx(direct.result.energy).epsilon(1e-12));
+    for (SolverKind kind : {SolverKind::cg, SolverKind::gmres}) {
+        LinearSolverParams linear;
+        linear.kind = kind;
+        const Run iterative = run(problem, E, {}, linear);
+        CHECK(iterative.result.status == NewtonStatus::converged);
+        CHECK(iterative.result.linear_iterations > 0);
+        CHECK(iterative.steps[0].solver == kind);
+        CHECK(norm_2(iterative.x) == doctest::Approx(norm_2(direct.x)).epsilon(1e-9));
+        CHECK(iterative.result.energy == doctest::Approx(direct.result.energy).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("forcing terms against values by hand") {
+    constexpr double order = 1.6180339887498949;
+    CHECK(forcing_term(1e-3, 1, 1e-4, 0, 1e-10) == doctest::Approx(0.9 * std::pow(1e-4, order)).epsilon(1e-14));
+    CHECK(forcing_term(1e-3, 2, 2, 0, 1e-10) == largest_forcing);        // no progress: the largest one
+    CHECK(forcing_term(1e-3, 1, 1e-8, 0, 1e-10) == 1e-10);               // the floor
+    CHECK(forcing_term(1e-3, 1, 1e-8, 1e-12, 1e-10) == doctest::Approx(0.5e-4).epsilon(1e-14));  // omega ends the iteration
+    CHECK(forcing_term(1e-3, 1, 1e-8, 1e-8, 1e-10) == largest_forcing);  // already there
+    CHECK(forcing_term(1e-3, 1, 1e-4, 0, 0.3) == 0.3);                   // a deck that asks for less than the largest
+    CHECK(forcing_term(0.5, 1, 1e-4, 0, 1e-10) == largest_forcing);      // 0.9 * 0.5^order = 0.29 > 0.1: safeguard
 }
 
 TEST_CASE("the same bits for any number of threads") {

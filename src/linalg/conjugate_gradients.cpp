@@ -1,0 +1,140 @@
+#include "linalg/conjugate_gradients.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.hpp"
+#include "linalg/stagnation.hpp"
+#include "linalg/vector_ops.hpp"
+
+namespace almesh {
+
+namespace {
+
+constexpr int block_size = 768;  // unknowns of a block: a multiple of every d
+
+}  // namespace
+
+ConjugateGradients::ConjugateGradients(int size, const CgParams& params)
+    : size_(size), params_(params), r_(size), z_(size), p_(size), q_(size) {
+    const int blocks = (size + block_size - 1) / block_size;
+    pq_.resize(blocks);
+    rr_.resize(blocks);
+    rz_.resize(blocks);
+    true_rr_.resize(blocks);
+}
+
+// term(begin, count) summed over the blocks of unknowns. Called by all threads of the team, and all get the sum.
+template <class Term>
+double ConjugateGradients::sum_over_blocks(std::vector<double>& partial, const Term& term) {
+    const int blocks = static_cast<int>(partial.size());
+#pragma omp for schedule(static)
+    for (int b = 0; b < blocks; ++b) partial[b] = term(b * block_size, std::min(block_size, size_ - b * block_size));
+    double sum = 0;
+    for (double value : partial) sum += value;
+    return sum;
+}
+
+// x = 0, r = b; returns |r|.
+double ConjugateGradients::start(const double* b, double* x) {
+    return std::sqrt(sum_over_blocks(rr_, [&](int i, int count) {
+        std::fill_n(x + i, count, 0.0);
+        std::copy_n(b + i, count, r_.data() + i);
+        return dot_of_piece(count, b + i, b + i);
+    }));
+}
+
+// r = b - A x; returns |r|.
+double ConjugateGradients::residual(const BlockCsr& A, const double* b, const double* x) {
+    return std::sqrt(sum_over_blocks(true_rr_, [&](int i, int count) {
+        multiply_rows(A, i / A.d, (i + count) / A.d, x, q_.data());
+        for (int k = i; k < i + count; ++k) r_[k] = b[k] - q_[k];
+        return dot_of_piece(count, r_.data() + i, r_.data() + i);
+    }));
+}
+
+// z = M^{-1} r; returns r'z.
+double ConjugateGradients::precondition(Ilu0* M) {
+    if (M) M->solve_in_team(r_.data(), z_.data());
+    return sum_over_blocks(rz_, [&](int i, int count) {
+        if (!M) std::copy_n(r_.data() + i, count, z_.data() + i);
+        return dot_of_piece(count, r_.data() + i, z_.data() + i);
+    });
+}
+
+// From the x and r at hand, |r| = r_norm, until the r that is carried along is down to the targets of |r| and of r'M^{-1}r;
+// the latter is set by the first cycle.
+ConjugateGradients::Cycle ConjugateGradients::cycle(const BlockCsr& A, Ilu0* M, double r_norm, double target, double& rz_target,
+                                                    int& iterations, double* x) {
+    StagnationTest progress{r_norm};
+    double beta = 0, rz = precondition(M);
+    if (rz_target < 0) rz_target = params_.tolerance * params_.tolerance * rz;
+    for (;;) {
+        if (!std::isfinite(rz)) return Cycle::not_finite;
+        if (r_norm <= target && rz <= rz_target) return Cycle::small_residual;
+        if (iterations == params_.max_iterations) return Cycle::max_iterations;
+#pragma omp for schedule(static)
+        for (int i = 0; i < size_; ++i) p_[i] = z_[i] + (beta != 0 ? beta * p_[i] : 0);
+        const double pq = sum_over_blocks(pq_, [&](int i, int count) {
+            multiply_rows(A, i / A.d, (i + count) / A.d, p_.data(), q_.data());
+            return dot_of_piece(count, p_.data() + i, q_.data() + i);
+        });
+        ++iterations;
+        if (!std::isfinite(pq)) return Cycle::not_finite;
+        if (pq <= 0) return Cycle::negative_curvature;
+        const double alpha = rz / pq;
+        r_norm = std::sqrt(sum_over_blocks(rr_, [&](int i, int count) {
+            for (int k = i; k < i + count; ++k) {
+                x[k] += alpha * p_[k];
+                r_[k] -= alpha * q_[k];
+            }
+            return dot_of_piece(count, r_.data() + i, r_.data() + i);
+        }));
+        if (progress.stagnates(r_norm)) return Cycle::stagnated;
+        const double before = rz;
+        rz = precondition(M);
+        beta = rz / before;
+    }
+}
+
+CgResult ConjugateGradients::solve_in_team(const BlockCsr& A, Ilu0* M, const double* b, double* x) {
+    const double b_norm = start(b, x), target = params_.tolerance * b_norm;
+    if (!std::isfinite(b_norm)) return {CgStatus::breakdown, 0, b_norm};
+    if (b_norm == 0) return {CgStatus::converged, 0, 0};
+    double r_norm = b_norm, rz_target = -1;
+    for (int iterations = 0;;) {
+        const Cycle end = cycle(A, M, r_norm, target, rz_target, iterations, x);
+        const double before = r_norm;
+        r_norm = residual(A, b, x);
+        const double relative = r_norm / b_norm;
+        if (!std::isfinite(r_norm)) {
+#pragma omp for schedule(static)
+            for (int i = 0; i < size_; ++i) x[i] = 0;
+            return {CgStatus::breakdown, iterations, 1};
+        }
+        switch (end) {
+            case Cycle::small_residual:
+                if (r_norm <= target) return {CgStatus::converged, iterations, relative};
+                // The r carried along has drifted from the true one: once more from that.
+                if (r_norm > 0.5 * before) return {CgStatus::stagnated, iterations, relative};
+                break;
+            case Cycle::max_iterations: return {CgStatus::max_iterations, iterations, relative};
+            case Cycle::stagnated: return {CgStatus::stagnated, iterations, relative};
+            case Cycle::negative_curvature: return {CgStatus::not_positive_definite, iterations, relative};
+            case Cycle::not_finite: return {CgStatus::breakdown, iterations, relative};
+        }
+    }
+}
+
+CgResult ConjugateGradients::solve(const BlockCsr& A, Ilu0* M, const double* b, double* x) {
+    CgResult result{};
+#pragma omp parallel if (size_ >= parallel_work)
+    {
+        const CgResult own = solve_in_team(A, M, b, x);
+#pragma omp single
+        result = own;  // the same on every thread
+    }
+    return result;
+}
+
+}  // namespace almesh

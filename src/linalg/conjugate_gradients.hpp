@@ -1,0 +1,63 @@
+// Preconditioned conjugate gradients (Hestenes & Stiefel, J. Res. Nat. Bur. Stand. 49, 1952; Saad, Iterative Methods
+// for Sparse Linear Systems, 2003, algorithm 9.1): minimises x'Ax/2 - b'x over the Krylov space, so that every iterate
+// of Newton's method is a descent direction, however early the iteration ends. It notices when A is not positive
+// definite: p'Ap <= 0 for a search direction p.
+//
+// Cost of an iteration: one product with A, one with M^{-1}, three sums; memory 4 n doubles. All threads run the whole
+// iteration side by side and share its loops; sums go over fixed blocks, so the bits do not depend on their number.
+#pragma once
+#include <vector>
+
+#include "linalg/block_csr.hpp"
+#include "linalg/ilu0.hpp"
+
+namespace almesh {
+
+struct CgParams {
+    int max_iterations = 600;  // products with A
+    double tolerance = 1e-10;  // on |r|_2 / |b|_2 and on |r|_M / |b|_M, r = b - A x and |r|_M^2 = r'M^{-1}r: the first is
+                               // all but blind to soft parts of A beside stiff ones, such as a penalised boundary
+};
+
+enum class CgStatus {
+    converged,
+    max_iterations,
+    stagnated,              // stagnation.hpp, or a tolerance below rounding
+    not_positive_definite,  // a direction p with p'Ap <= 0 was met
+    breakdown               // a number was not finite
+};
+
+struct CgResult {
+    CgStatus status;
+    int iterations;
+    double relative_residual;  // |b - A x|_2 / |b|_2, computed from the x returned
+};
+
+class ConjugateGradients {
+public:
+    ConjugateGradients(int size, const CgParams& params);
+
+    void set_tolerance(double tolerance) { params_.tolerance = tolerance; }
+
+    // Solves A x = b from x_0 = 0; A symmetric, M preconditions, nullptr for none. Allocates nothing. Whatever the
+    // status, x is the last iterate, zero if that is not finite. Sizes: b, x: A.size().
+    CgResult solve(const BlockCsr& A, Ilu0* M, const double* b, double* x);
+
+private:
+    enum class Cycle { small_residual, max_iterations, stagnated, negative_curvature, not_finite };
+    CgResult solve_in_team(const BlockCsr& A, Ilu0* M, const double* b, double* x);
+    Cycle cycle(const BlockCsr& A, Ilu0* M, double r_norm, double target, double& rz_target, int& iterations, double* x);
+    double start(const double* b, double* x);
+    double residual(const BlockCsr& A, const double* b, const double* x);
+    double precondition(Ilu0* M);
+    template <class Term>
+    double sum_over_blocks(std::vector<double>& partial, const Term& term);
+
+    int size_;
+    CgParams params_;
+    std::vector<double> r_, z_, p_, q_;     // size: residual, M^{-1} r, search direction, A p
+    std::vector<double> pq_, rr_, rz_, true_rr_;  // sums of blocks. One array each: a thread may still be adding up the
+                                                  // last one when others write the next
+};
+
+}  // namespace almesh
