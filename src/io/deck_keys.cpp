@@ -54,7 +54,7 @@ std::vector<DeckKey> make_table() {
         {"solver", choice<SolverKind, &Deck::solver>({"auto", "cg", "gmres", "cholesky"}), no_range,
          "Linear solver; auto: Cholesky in 2D and for small meshes, conjugate gradients for large ones in 3D."},
         {"forcing", choice<Forcing, &Deck::forcing>({"auto", "fixed"}), no_range,
-         "Residual at which cg and gmres stop; auto: as exact as the Newton step deserves (Eisenstat-Walker), fixed: linear_tolerance."},
+         "Residual at which cg and gmres stop; auto: after full steps as exact as the model deserves (Eisenstat-Walker), fixed: linear_tolerance."},
         {"linear_tolerance", &Deck::linear_tolerance, {1e-15, 0.5}, "Relative residual at which cg and gmres stop; with forcing = auto the smallest one."},
         {"gmres_restart", &Deck::gmres_restart, {1, 1000}, "GMRES iterations between restarts."},
         {"gmres_max_iterations", &Deck::gmres_max_iterations, {1, 100000}, "Iterations of cg or gmres at most, per system."},

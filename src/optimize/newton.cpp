@@ -13,8 +13,10 @@ constexpr double sufficient_decrease = 1e-4;  // c1
 constexpr double smallest_step = 1e-14;
 constexpr double energy_rounding = 1e-14;  // relative error of a sum of element energies
 
-// Forcing term of the first step of a subproblem, which has no ratio of gradients to go by.
-constexpr double first_forcing = 0.01;
+// Forcing term where no ratio of gradients tells how good the model is: in the first step of a subproblem and after a
+// step that was cut. There elements are about to invert, and a direction that leaves out the soft parts of the mesh
+// inverts them sooner.
+constexpr double careful_forcing = 1e-8;
 
 // The next Hessian to try where `kind` gave no descent direction; false where there is none.
 bool fall_back(HessianKind& kind) {
@@ -46,13 +48,10 @@ const char* to_string(HessianKind kind) {
     return "";
 }
 
-double forcing_term(double eta_before, double g_before, double g, double omega, double floor) {
-    constexpr double gamma = 0.9, safeguard_from = 0.1;
+double forcing_term(double g_before, double g, double omega, double floor) {
     const double order = (1 + std::sqrt(5.0)) / 2;
-    double eta = gamma * std::pow(g / g_before, order);
-    const double safeguard = gamma * std::pow(eta_before, order);
-    if (safeguard > safeguard_from) eta = std::max(eta, safeguard);
-    return std::max(std::min(std::max(eta, 0.5 * omega / g), largest_forcing), floor);
+    const double eta = std::max(0.9 * std::pow(g / g_before, order), 0.5 * omega / g);
+    return std::max(std::min(eta, largest_forcing), floor);
 }
 
 Newton::Newton(const DistortionEnergy& distortion, const LinearSolverParams& linear, Forcing forcing)
@@ -123,7 +122,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
     const double wanted = params.wanted_reduction < 1 ? params.wanted_reduction * result.gradient_norm : params.omega;
     const double omega = result.omega = std::max(std::min(params.omega, wanted), params.omega_star);
     HessianKind kind = params.first;
-    double eta = forcing_ == Forcing::fixed ? linear_tolerance_ : std::max(first_forcing, linear_tolerance_);
+    double eta = forcing_ == Forcing::fixed ? linear_tolerance_ : std::max(careful_forcing, linear_tolerance_);
     while (!(result.gradient_norm <= omega)) {
         if (result.iterations == params.max_iterations) {
             result.status = NewtonStatus::max_iterations;
@@ -158,7 +157,8 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         const double before = result.gradient_norm;
         result.gradient_norm = step.gradient_norm = evaluate_gradient();
         if (forcing_ == Forcing::automatic)
-            eta = forcing_term(eta, before, result.gradient_norm, omega, linear_tolerance_);
+            eta = step.step_length == 1 ? forcing_term(before, result.gradient_norm, omega, linear_tolerance_)
+                                        : std::max(careful_forcing, linear_tolerance_);
         step.energy = result.energy;
         if (observe) observe(step);
         if (by_rounding && result.gradient_norm > 0.5 * before && result.gradient_norm > omega) {

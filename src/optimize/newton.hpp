@@ -66,12 +66,13 @@ struct NewtonResult {
 using NewtonObserver = std::function<void(const NewtonStep&)>;
 using SystemObserver = std::function<void(const BlockCsr& A, const std::vector<double>& b)>;
 
-// Relative residual to which the next system is solved: eta = 0.9 (|g| / |g_before|)^a, a = (1 + sqrt 5)/2, so that the
-// convergence is of order a; not below 0.9 eta_before^a while that exceeds 0.1, to keep a lucky step from asking too
-// much, and not below 0.5 omega / |g|, which ends the iteration (Eisenstat & Walker, SIAM J. Sci. Comput. 17, 1996,
-// choice 2; Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995, section 6.3). Within [floor, largest_forcing].
-inline constexpr double largest_forcing = 0.1;
-double forcing_term(double eta_before, double g_before, double g, double omega, double floor);
+// Relative residual to which the next system is solved after a full step took the gradient norm from g_before to g:
+// 0.9 (g / g_before)^a, a = (1 + sqrt 5)/2, so that the convergence is of order a, but not less than 0.5 omega / g, which
+// ends the iteration (Eisenstat & Walker, SIAM J. Sci. Comput. 17, 1996, choice 2; Kelley, Iterative Methods for Linear
+// and Nonlinear Equations, 1995, section 6.3). Within [floor, largest_forcing]: larger terms save iterations and cost
+// Newton steps, which are dearer; the safeguard of the paper is for terms above 0.1.
+inline constexpr double largest_forcing = 1e-3;
+double forcing_term(double g_before, double g, double omega, double floor);
 
 class Newton {
    public:

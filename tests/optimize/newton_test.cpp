@@ -213,13 +213,13 @@ TEST_CASE("iterative solvers and Cholesky lead to the same minimum") {
 
 TEST_CASE("forcing terms against values by hand") {
     constexpr double order = 1.6180339887498949;
-    CHECK(forcing_term(1e-3, 1, 1e-4, 0, 1e-10) == doctest::Approx(0.9 * std::pow(1e-4, order)).epsilon(1e-14));
-    CHECK(forcing_term(1e-3, 2, 2, 0, 1e-10) == largest_forcing);        // no progress: the largest one
-    CHECK(forcing_term(1e-3, 1, 1e-8, 0, 1e-10) == 1e-10);               // the floor
-    CHECK(forcing_term(1e-3, 1, 1e-8, 1e-12, 1e-10) == doctest::Approx(0.5e-4).epsilon(1e-14));  // omega ends the iteration
-    CHECK(forcing_term(1e-3, 1, 1e-8, 1e-8, 1e-10) == largest_forcing);  // already there
-    CHECK(forcing_term(1e-3, 1, 1e-4, 0, 0.3) == 0.3);                   // a deck that asks for less than the largest
-    CHECK(forcing_term(0.5, 1, 1e-4, 0, 1e-10) == largest_forcing);      // 0.9 * 0.5^order = 0.29 > 0.1: safeguard
+    CHECK(forcing_term(1, 1e-4, 0, 1e-10) == doctest::Approx(0.9 * std::pow(1e-4, order)).epsilon(1e-14));
+    CHECK(forcing_term(100, 1e-2, 0, 1e-10) == forcing_term(1, 1e-4, 0, 1e-10));  // only the ratio counts
+    CHECK(forcing_term(2, 2, 0, 1e-10) == largest_forcing);        // no progress: the largest one
+    CHECK(forcing_term(1, 1e-8, 0, 1e-10) == 1e-10);               // the floor
+    CHECK(forcing_term(1, 1e-8, 1e-12, 1e-10) == doctest::Approx(0.5e-4).epsilon(1e-14));  // omega ends the iteration
+    CHECK(forcing_term(1, 1e-8, 1e-8, 1e-10) == largest_forcing);  // already there
+    CHECK(forcing_term(1, 1e-4, 0, 0.3) == 0.3);                   // a deck that asks for less than the largest
 }
 
 TEST_CASE("the same bits for any number of threads") {
