@@ -36,7 +36,7 @@ FrameHessian<n> frame_hessian(const Mat<n, Lanes>& F, double delta, Objective ob
     const Lanes S = frobenius_squared<n>(F);
     const auto [r, r1, r2] = determinant_factor<n>(determinant(F), delta);
     const Lanes f1 = density_derivative(S * r, objective), Sr1 = S * r1;
-    const auto product_without = [&s](int i, int j) { return n == 2 ? (i == j ? s[1 - i] : in_all_lanes(1)) : s[3 - i - j]; };
+    const auto product_without = [&s](int i, int j) { return n == 2 ? in_all_lanes(1) : s[3 - i - j]; };  // i not j
 
     Vec<n, Lanes> D_i, eta_i;  // first derivatives with respect to the singular values
     for (int i = 0; i < n; ++i) {

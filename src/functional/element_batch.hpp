@@ -11,6 +11,7 @@
 // while it gathers a block's share. For linear elements dN_i/dxi_k is the unit matrix but for the first node, whose
 // derivatives are minus the sum of the others': K is C itself, bordered by minus its row sums.
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "functional/density_hessian.hpp"

@@ -159,7 +159,8 @@ void PlainAssembly::every_point(int e, const std::vector<double>& x, const Body&
         for (int i = 0; i < m; ++i)
             for (int a = 0; a < n; ++a)
                 for (int k = 0; k < n; ++k)
-                    F[a * n + k] += (x[static_cast<std::size_t>(node[i]) * n + a] - x[static_cast<std::size_t>(node[0]) * n + a]) * dN[i * n + k];
+                    F[a * n + k] += (x[static_cast<std::size_t>(node[i]) * n + a] -
+                                     x[static_cast<std::size_t>(node[0]) * n + a]) * dN[i * n + k];
         body(dN, F, weight_[e] * quadrature_.weight[q]);
     }
 }
