@@ -91,7 +91,7 @@ void write_system(const Deck& deck, Newton& newton, const History& history) {
 
 void print_refusal(std::FILE* out, double bytes) {
     if (bytes == 0) return;
-    std::fprintf(out, "the Cholesky factor takes %.3g GB, more than this machine's memory: solve with solver=gmres, or take a "
+    std::fprintf(out, "the Cholesky factor takes %.3g GB, more than this machine's memory: solve with solver=cg, or take a "
                  "coarser mesh\n", bytes / 1e9);
 }
 
@@ -156,6 +156,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     write_system(deck, *newton, history);
     solution.phases.setup = watch.seconds() - solution.phases.coarse - solution.phases.write;
     solution.al = minimise(distortion, constraint, *newton, algorithm_of(deck), solution.x, solution.time, observer, start);
+    const double refused_bytes = newton->linear_solver().refused_bytes();
     newton.reset();  // the factor is the largest thing in memory
     const bool failed = solution.al.status != AlStatus::converged && solution.al.status != AlStatus::interrupted;
     if (failed && problem.target_crosses) solution.al.status = AlStatus::infeasible;
@@ -176,7 +177,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     write_summary(deck, summary);
     print_uncertified(out, problem.mesh, solution.x, problem.length, solution.certificate);
     print_closing(out, deck, problem, solution);
-    if (solution.al.status == AlStatus::linear_solver_failed) print_refusal(out, newton.linear_solver().refused_bytes());
+    if (solution.al.status == AlStatus::linear_solver_failed) print_refusal(out, refused_bytes);
 
     const bool expected = expectations_hold(out, deck, summary);
     if (solution.al.status != AlStatus::converged) return ExitCode::not_converged;
