@@ -33,9 +33,10 @@ struct AugmentedFunctional {
         constraint.add_gradient(x, lambda, penalty, g);
     }
 
-    void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H) const {
+    // damping: of the projected Hessian, see distortion_energy.hpp.
+    void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping = 0) const {
         parallel_for(H.n, [&H](int i) { std::fill(H.block(H.row[i]), H.block(H.row[i + 1]), 0.0); });
-        distortion.add_hessian(x, kind, H);
+        distortion.add_hessian(x, kind, H, damping);
         constraint.add_hessian(penalty, H);
     }
 };

@@ -25,9 +25,9 @@ struct FrameHessian {
     Mat<n, Lanes> U, V, scaling, mixed, crossed;
 };
 
-// F must have finite distortion. projected: without the part that is not positive semidefinite.
+// Of f = (eta - shift)^2. F must have finite distortion. projected: without the part that is not positive semidefinite.
 template <int n>
-FrameHessian<n> frame_hessian(const Mat<n, Lanes>& F, double delta, Objective objective, bool projected) {
+FrameHessian<n> frame_hessian(const Mat<n, Lanes>& F, double delta, Lanes shift, bool projected) {
     FrameHessian<n> H;
     const SingularValues<n> svd = singular_values(F);
     H.U = svd.U;
@@ -35,7 +35,7 @@ FrameHessian<n> frame_hessian(const Mat<n, Lanes>& F, double delta, Objective ob
     const Vec<n, Lanes>& s = svd.s;
     const Lanes S = frobenius_squared<n>(F);
     const auto [r, r1, r2] = determinant_factor<n>(determinant(F), delta);
-    const Lanes f1 = density_derivative(S * r, objective), Sr1 = S * r1;
+    const Lanes f1 = 2 * (S * r - shift), Sr1 = S * r1;
     const auto product_without = [&s](int i, int j) { return n == 2 ? in_all_lanes(1) : s[3 - i - j]; };  // i not j
 
     Vec<n, Lanes> D_i, eta_i;  // first derivatives with respect to the singular values

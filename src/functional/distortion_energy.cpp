@@ -20,6 +20,9 @@ namespace {
 // the weight goes to the nodes, where the distortion then stops them as it does inside.
 constexpr double node_part = 0.001;
 
+// The damping weighs elements by their size to the power 3/2, in 2D and 3D, or like the objective if that has less.
+double damping_exponent(int dim, double weight_exponent) { return std::min(1.5 / dim, weight_exponent); }
+
 void add_node_points(const LagrangeBasis& basis, Quadrature& quadrature) {
     double volume = 0;
     for (double& weight : quadrature.weight) {
@@ -74,6 +77,8 @@ void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>&
     ideal_inverse_.resize(static_cast<std::size_t>(batches) * dim_ * dim_);
     ideal_jacobian_.resize(batches);
     weight_.resize(batches);
+    damping_weight_.resize(batches);
+    const double exponent = damping_exponent(dim_, params_.weight_exponent);
     std::atomic<int> flat = element_count_;  // first element without volume
     with_dimension(dim_, [&](auto dimension) {
         constexpr int n = dimension;
@@ -90,6 +95,7 @@ void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>&
                     ideal_inverse_[static_cast<std::size_t>(batch) * n * n + i * n + j][lane] = inverse_of_A[i][j];
             ideal_jacobian_[batch][lane] = k < element_count_ ? jacobian : 0;
             weight_[batch][lane] = k < element_count_ ? std::pow(jacobian, params_.weight_exponent) : 0;
+            damping_weight_[batch][lane] = k < element_count_ ? std::pow(jacobian, exponent) : 0;
         });
     });
     if (flat < element_count_)
@@ -97,8 +103,10 @@ void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>&
 
     const double simplex_volume = dim_ == 2 ? 0.5 : 1.0 / 6;
     volume_ = simplex_volume * deterministic_sum(batches, [this](int k) { return sum_of_lanes(ideal_jacobian_[k]); });
-    const double weighted = simplex_volume * deterministic_sum(batches, [this](int k) { return sum_of_lanes(weight_[k]); });
-    for (Lanes& weight : weight_) weight *= volume_ / weighted;
+    for (std::vector<Lanes>* weights : {&weight_, &damping_weight_}) {
+        const double weighted = simplex_volume * deterministic_sum(batches, [&](int k) { return sum_of_lanes((*weights)[k]); });
+        for (Lanes& weight : *weights) weight *= volume_ / weighted;
+    }
 }
 
 void DistortionEnergy::set_places() {
@@ -177,19 +185,21 @@ void DistortionEnergy::add_gradient(const std::vector<double>& x, std::vector<do
     });
 }
 
-void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H) const {
+void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping) const {
     const int m = reference_.nodes;
-    const bool projected = kind != HessianKind::full;
-    const Objective objective = kind == HessianKind::squared_projected ? Objective::squared : params_.objective;
+    const bool projected = kind != HessianKind::full, of_objective = kind != HessianKind::squared_projected;
+    const double added = kind == HessianKind::projected ? damping : of_objective ? 0 : 1;
     with_dimension(dim_, [&](auto dimension) {
         constexpr int n = dimension;
         every_colour([&](int chunk) {
             every_batch<n>(chunk, x, [&](auto& elements, int batch) {
+                const Lanes own = of_objective ? weight_[batch] : Lanes{}, weight = own + added * damping_weight_[batch];
+                const Lanes shift = params_.objective == Objective::deviation ? own / max(weight, in_all_lanes(1e-300)) : Lanes{};
                 const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
                 const int* place = &place_[static_cast<std::size_t>(first) * m * m];
                 // On their way from memory while the numbers to add are computed.
                 for (int k = 0; k < count * m * m; ++k) __builtin_prefetch(H.block(place[k]), 1);
-                const double* part = elements.hessian(params_.delta, objective, projected, weight_[batch]);
+                const double* part = elements.hessian(params_.delta, shift, projected, weight);
                 for (int k = 0; k < count; ++k, part += elements.stride(m * m * n * n), place += m * m) {
                     for (int ij = 0; ij < m * m; ++ij) {
                         double* const block = H.block(place[ij]);

@@ -7,6 +7,12 @@
 // Weights w_e = |e|^(alpha-1), scaled so that sum w_e |e| = |Omega|: alpha = 1 is the paper, smaller alpha protects
 // small elements.
 //
+// Damping. Where the Hessian is a bad model, what keeps a step from inverting small elements is the Hessian of the
+// integral of eta^2 with weights |e|^{3/(2n)}: linear elasticity, stiffer where the mesh is finer, so that small elements
+// move almost rigidly and large ones deform (as in mesh moving by stiffened elasticity: Stein, Tezduyar, Benney, J. Appl.
+// Mech. 70, 2003). Since (w + t w')(eta - s)^2 with s = w/(w + t w') has the second derivatives of w (eta - 1)^2 + t w' eta^2,
+// it costs nothing to add.
+//
 // Elements are worked on in batches, one in each lane of the vector registers (element_batch.hpp), and in the order of
 // element_chunks.hpp: the same bits for any number of threads. Cost per quadrature point and element with m nodes:
 // O(m n^2) for the energy, O(m^2 n^3) for the Hessian, none of that for linear elements.
@@ -36,7 +42,7 @@ int default_exactness(int degree);
 enum class HessianKind {
     full,              // second derivative of the objective
     projected,         // its positive semidefinite part, point by point
-    squared_projected  // positive semidefinite part for f = eta^2: the Hessian of Eq. 5 vanishes at the identity
+    squared_projected  // the damping alone: the Hessian of Eq. 5 vanishes at the identity
 };
 
 // Of eta itself, without regularisation: infinite for inverted elements.
@@ -56,8 +62,8 @@ class DistortionEnergy {
     // Adds to g (node_count x dim); x must have finite energy.
     void add_gradient(const std::vector<double>& x, std::vector<double>& g) const;
     BlockCsr hessian_pattern() const;  // all values zero
-    // Adds to H, which has the pattern above.
-    void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H) const;
+    // Adds to H, which has the pattern above. damping: t, for HessianKind::projected.
+    void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping = 0) const;
 
     DistortionStatistics statistics(const std::vector<double>& x) const;
     double domain_volume() const { return volume_; }
@@ -73,6 +79,7 @@ class DistortionEnergy {
     std::vector<Lanes> ideal_inverse_;   // batch x dim x dim, A^{-1}
     std::vector<Lanes> ideal_jacobian_;  // batch, det A
     std::vector<Lanes> weight_;          // batch, w_e det A
+    std::vector<Lanes> damping_weight_;  // batch, the same with the exponent of the damping
     double volume_ = 0;
     bool is_large_;  // worth more than one thread
     mutable std::vector<double> chunk_value_;  // chunk, sums before they are added

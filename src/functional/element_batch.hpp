@@ -81,16 +81,16 @@ class ElementBatch {
 
     // The Hessian of each element after the other, times `factor`: lanes x stride(m n m n), blocks (i, j) of n x n numbers
     // row by row, both triangles.
-    const double* hessian(double delta, Objective objective, bool projected, Lanes factor) {
+    const double* hessian(double delta, Lanes shift, bool projected, Lanes factor) {
         if (m_ == n + 1) {
-            border(second_derivatives(0, delta, objective, projected, factor));
+            border(second_derivatives(0, delta, shift, projected, factor));
             return separated(hessian_, size_ * size_);
         }
         std::fill_n(hessian_, size_ * size_, Lanes{});
         for (int q = 0; q < of_.points; q += point_block) {
             const int count = std::min(point_block, of_.points - q);
             for (int k = 0; k < count; ++k)
-                tensor(k) = second_derivatives(q + k, delta, objective, projected, factor);
+                tensor(k) = second_derivatives(q + k, delta, shift, projected, factor);
             for (int j = 0; j < m_; ++j) {
                 apply_to_node(j, q, count);
                 int i = j;
@@ -165,9 +165,9 @@ class ElementBatch {
         return J;
     }
 
-    Tensor<n> second_derivatives(int q, double delta, Objective objective, bool projected, Lanes factor) const {
+    Tensor<n> second_derivatives(int q, double delta, Lanes shift, bool projected, Lanes factor) const {
         const Mat<n, Lanes> F = multiply<n>(jacobian(q), ideal_inverse_);
-        return in_element_coordinates<n>(frame_hessian<n>(F, delta, objective, projected), ideal_inverse_,
+        return in_element_coordinates<n>(frame_hessian<n>(F, delta, shift, projected), ideal_inverse_,
                                       factor * of_.weight[q]);
     }
 

@@ -41,9 +41,9 @@ std::vector<DeckKey> make_table() {
         {"start", choice<Start, &Deck::start>({"auto", "identity", "coarse"}), no_range,
          "First iterate: the ideal mesh, or with refine > 0 the solution on the mesh refined less, found the same way; "
          "auto: coarse with algorithm = adaptive, else identity."},
-        {"mu0", &Deck::mu0, positive, "First penalty mu, in units of |1|^2, the sum of |f|/h over the boundary faces."},
-        {"omega0", &Deck::omega0, positive, "Tolerance of the gradient norm |grad E| in the first subproblem."},
-        {"epsilon0", &Deck::epsilon0, positive, "First tolerance of the squared constraint norm: above it Algorithm 1 raises mu, below it updates lambda."},
+        {"mu0", &Deck::mu0, positive, "Algorithms paper and literal: first penalty mu, in units of |1|^2, the sum of |f|/h over the boundary faces."},
+        {"omega0", &Deck::omega0, positive, "Algorithms paper and literal: tolerance of the gradient norm |grad E| in the first subproblem."},
+        {"epsilon0", &Deck::epsilon0, positive, "Algorithms paper and literal: first tolerance of the squared constraint norm: above it Algorithm 1 raises mu, below it updates lambda."},
         {"omega_star", &Deck::omega_star, positive, "Final tolerance of the gradient norm."},
         {"epsilon_star", &Deck::epsilon_star, positive, "Final tolerance of the squared constraint norm."},
         {"length_scale", &Deck::length_scale, positive,

@@ -43,12 +43,16 @@ AlUpdate update_literal(const AugmentedLagrangianParams& p, double mu0, double s
     return AlUpdate::penalty;
 }
 
+// The adaptive schedule. The constraint is linear, so a large penalty makes no subproblem less convex, and the boundary
+// holds almost at once; the first subproblem is solved loosely, because the multipliers change the next one.
+constexpr double adaptive_mu0 = 1e5;     // in units of |1|^2
+constexpr double adaptive_omega0 = 1e3;  // in units of omega_star
 constexpr double wanted_reduction = 0.1;  // of |c_D| per iteration, else the penalty grows tenfold
 
-// Where the constraint holds already only |grad E| has to follow: its tolerance falls faster, the penalty stays.
+// Where the constraint holds already only |grad E| has to follow: its tolerance becomes the final one, the penalty stays.
 AlUpdate update_adaptive(const AugmentedLagrangianParams& p, double constraint, double previous_constraint, Schedule& s) {
     const bool holds = constraint * constraint <= p.epsilon_star;
-    s.omega *= holds ? 0.01 : 0.1;
+    s.omega = holds ? p.omega_star : 0.1 * s.omega;
     if (holds || constraint <= wanted_reduction * previous_constraint) return AlUpdate::multipliers;
     s.mu *= 10;
     return AlUpdate::both;
@@ -151,7 +155,8 @@ AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& 
                   const AlStart& start) {
     const Stopwatch watch;
     const double one_squared = constraint.norm_of_one() * constraint.norm_of_one();
-    const double mu0 = (start.mu > 0 ? start.mu : params.mu0) * one_squared;
+    const bool adaptive = params.algorithm == Algorithm::adaptive;
+    const double mu0 = (start.mu > 0 ? start.mu : adaptive ? adaptive_mu0 : params.mu0) * one_squared;
     AlResult result;
     std::vector<AlIteration>& rows = result.iterations;
     rows.push_back(measure(distortion, constraint, x));
@@ -159,7 +164,7 @@ AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& 
 
     AugmentedFunctional E{distortion, constraint, start.lambda, 0};
     E.lambda.resize(constraint.size());
-    Schedule s = {m0, mu0, params.omega0, params.epsilon0};
+    Schedule s = {m0, mu0, adaptive ? adaptive_omega0 * params.omega_star : params.omega0, params.epsilon0};
     for (int k = 1;; ++k) {
         E.penalty = params.algorithm == Algorithm::literal ? s.mu * s.mu : s.mu;
         const NewtonResult solved = newton.minimise(E, subproblem(params, s, k == 1 && start.lambda.empty()), x, time, [&](const NewtonStep& step) {

@@ -7,7 +7,8 @@
 //             (Nocedal & Wright, Alg. 17.4).
 //   literal   Algorithm 1 exactly as printed (penalty weight mu^2, the loop ends when one test holds, eps and omega
 //             grow with m), for teaching: the README tells what goes wrong.
-//   adaptive  lambda after every subproblem; mu times 10 whenever |c_D| fell by less than a factor 10.
+//   adaptive  lambda after every subproblem; mu, large from the start, times 10 whenever |c_D| fell by less than a
+//             factor 10; omega a tenth, and omega* once the constraint holds. Needs no mu0, omega0, epsilon0.
 //
 // The penalty is given in units of |1|^2: mu |c_D|^2 = (mu / |1|^2) times the weighted integral of |phi - g_D|^2, and
 // with the weight 1/h that integral scales like the distortion term, whatever the unit of length and the number of
@@ -24,9 +25,9 @@ enum class Algorithm { adaptive, paper, literal };
 
 struct AugmentedLagrangianParams {
     Algorithm algorithm = Algorithm::adaptive;
-    double mu0 = 1000;            // first penalty, in units of |1|^2
-    double omega0 = 1e-2;         // tolerance of |grad E| in the first subproblem
-    double epsilon0 = 1e-3;       // tolerance of |P c_D|^2 that decides between the updates
+    double mu0 = 1000;            // paper, literal: first penalty, in units of |1|^2
+    double omega0 = 1e-2;         // paper, literal: tolerance of |grad E| in the first subproblem
+    double epsilon0 = 1e-3;       // paper, literal: tolerance of |P c_D|^2 that decides between the updates
     double omega_star = 1e-8;     // final tolerance of |grad E|
     double epsilon_star = 1e-16;  // final tolerance of |P c_D|^2
     int max_iterations = 50;
@@ -78,7 +79,7 @@ struct AlObserver {
 // Where the method starts: by default without knowledge, else from what a run on a coarser mesh has found.
 struct AlStart {
     std::vector<double> lambda;  // trace nodes x dim; empty: zero
-    double mu = 0;               // in units of |1|^2; 0: mu0
+    double mu = 0;               // in units of |1|^2; 0: that of the schedule
 };
 
 // x: node_count x dim, a valid mesh on entry (the identity map or a better guess), the last accepted iterate on return.

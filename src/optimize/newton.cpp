@@ -18,6 +18,10 @@ constexpr double energy_rounding = 1e-14;  // relative error of a sum of element
 // inverts them sooner.
 constexpr double careful_forcing = 1e-8;
 
+// The damping falls after a full step and grows after one that was cut; above `full_below` no step is worth trying
+// without it.
+constexpr double damping_shrinks = 0.2, damping_grows = 4, full_below = 0.1;
+
 // The next Hessian to try where `kind` gave no descent direction; false where there is none.
 bool fall_back(HessianKind& kind) {
     if (kind == HessianKind::squared_projected) return false;
@@ -67,10 +71,11 @@ Newton::Newton(const DistortionEnergy& distortion, const LinearSolverParams& lin
 // Solves H d = -grad E, weakening the Hessian until d is a descent direction. Names what it used in `step`.
 bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonStep& step, Timings& time) {
     for (std::size_t i = 0; i < g_.size(); ++i) minus_g_[i] = -g_[i];
+    const double damping = damping_ * std::sqrt(E.distortion.energy(x) / E.distortion.domain_volume());
     do {
         {
             const TimeAdder adder(time.assembly);
-            E.hessian(x, step.hessian, H_);
+            E.hessian(x, step.hessian, H_, damping);
         }
         if (observe_system_) observe_system_(H_, minus_g_);
         const TimeAdder adder(time.linear);
@@ -123,6 +128,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
     const double omega = result.omega = std::max(std::min(params.omega, wanted), params.omega_star);
     HessianKind kind = params.first;
     double eta = forcing_ == Forcing::fixed ? linear_tolerance_ : std::max(careful_forcing, linear_tolerance_);
+    if (kind == HessianKind::squared_projected) damping_ = 1;
     while (!(result.gradient_norm <= omega)) {
         if (result.iterations == params.max_iterations) {
             result.status = NewtonStatus::max_iterations;
@@ -165,7 +171,8 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
             result.status = NewtonStatus::rounding_floor;
             return result;
         }
-        kind = step.step_length == 1 ? HessianKind::full : HessianKind::projected;
+        damping_ = step.step_length == 1 ? damping_shrinks * damping_ : std::min(1.0, damping_grows * damping_);
+        kind = step.step_length == 1 && damping_ <= full_below ? HessianKind::full : HessianKind::projected;
     }
     return result;
 }

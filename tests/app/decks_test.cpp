@@ -28,6 +28,27 @@ TEST_CASE("the small decks of the paper hold what they expect") {
     }
 }
 
+// Each from the identity map, with the deck's own final tolerances.
+TEST_CASE("algorithm = adaptive takes few Newton steps on the decks of the paper, whatever the refinement") {
+    if (!std::filesystem::is_directory("inputs")) return;
+    struct Bound {
+        const char *name, *setting;
+        int newton;
+    };
+    for (const Bound& bound : {Bound{"circle", "refine=0", 9}, Bound{"circle", "refine=2", 9}, Bound{"circle-printed", "refine=0", 9},
+                               Bound{"circle-printed", "refine=2", 9}, Bound{"curving", "refine=0", 8}, Bound{"curving-printed", "refine=0", 14}}) {
+        CAPTURE(bound.name);
+        CAPTURE(bound.setting);
+        const TemporaryFolder folder;
+        const std::string deck = std::string("inputs/") + bound.name + ".deck";
+        almesh_with({deck, "output=" + folder.path("out"), "threads=1", "algorithm=adaptive", "start=identity", bound.setting});
+        const auto summary = summary_of(folder.path("out"));
+        CHECK(summary.at("status") == "converged");
+        CHECK(summary.at("certified_valid") == "yes");
+        CHECK(number(summary, "newton_iterations") <= bound.newton);
+    }
+}
+
 TEST_CASE("the decks of the lessons hold what they expect, and curving works in 3D") {
     if (!std::filesystem::is_directory("inputs")) return;
     const TemporaryFolder folder;

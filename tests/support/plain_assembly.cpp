@@ -130,6 +130,7 @@ PlainAssembly::PlainAssembly(const Mesh& mesh, const std::vector<double>& ideal,
     for (int q = 0; q < quadrature_.count; ++q) basis.gradients(&quadrature_.xi[q * n], &gradients_[q * m * n]);
 
     double volume = 0, weighted_volume = 0;
+    std::vector<double> jacobians;
     for (int e = 0; e < mesh.element_count(); ++e) {
         const int* node = mesh.element(e);
         double A[most], inverse[most];
@@ -137,11 +138,16 @@ PlainAssembly::PlainAssembly(const Mesh& mesh, const std::vector<double>& ideal,
             for (int k = 0; k < n; ++k) A[a * n + k] = ideal[node[k + 1] * n + a] - ideal[node[0] * n + a];
         invert(n, A, inverse);
         ideal_inverse_.insert(ideal_inverse_.end(), inverse, inverse + n * n);
+        jacobians.push_back(determinant(n, A));
         weight_.push_back(std::pow(determinant(n, A), params.weight_exponent));
         volume += determinant(n, A);
         weighted_volume += weight_.back();
     }
     for (double& weight : weight_) weight *= volume / weighted_volume;
+    double damped_volume = 0;
+    for (double jacobian : jacobians) damped_volume += std::pow(jacobian, std::min(1.5 / n, params.weight_exponent));
+    for (std::size_t e = 0; e < jacobians.size(); ++e)
+        damping_.push_back(std::pow(jacobians[e], std::min(1.5 / n, params.weight_exponent)) * volume / damped_volume / weight_[e]);
 }
 
 template <class Body>
@@ -197,6 +203,7 @@ void PlainAssembly::add_hessian(const std::vector<double>& x, HessianKind kind, 
         every_point(e, x, [&](const std::vector<double>& dN, const double* F, double weight) {
             double A[most * most];
             second_derivative(n, F, objective, A);
+            if (kind == HessianKind::squared_projected) weight *= damping_[e];
             if (kind != HessianKind::full) project(n * n, A);
             for (int i = 0; i < m; ++i)
                 for (int j = 0; j < m; ++j)

@@ -28,6 +28,7 @@ class PlainAssembly {
     std::vector<double> gradients_;      // points x nodes x dim, on the reference element
     std::vector<double> ideal_inverse_;  // element x dim x dim
     std::vector<double> weight_;         // element, w_e det A
+    std::vector<double> damping_;        // element, weight in the damping over weight_
 
     // body(derivatives of the element's basis on the ideal element (nodes x dim), F (dim x dim), weight).
     template <class Body>
