@@ -64,7 +64,7 @@ inline Lanes max(Lanes a, Lanes b) { return select(a < b, b, a); }
 
 // Compiles to one instruction where the compiler need not set errno (-fno-math-errno).
 inline Lanes sqrt(Lanes v) {
-    Lanes root;
+    Lanes root = v;
     for (int l = 0; l < lanes; ++l) root[l] = std::sqrt(v[l]);
     return root;
 }
