@@ -100,7 +100,7 @@ class Newton {
     Forcing forcing_;
     double linear_tolerance_;  // of the deck: what `fixed` uses, and the floor of `automatic`
     std::vector<double> g_, minus_g_, d_, trial_;
-    double damping_ = 1;  // relative to the root mean square of the density; kept from one subproblem to the next
+    double damping_ = 0.1;  // relative to the root mean square of the density; kept from one subproblem to the next
     SystemObserver observe_system_;
 
     bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonStep& step, Timings& time);
