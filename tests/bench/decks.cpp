@@ -57,7 +57,7 @@ void add_split(Table& table, const std::string& name, int threads, const DeckRun
 
 void add_deck(Table& table, const std::string& name, int threads, const DeckRun& run) {
     table.add("deck", name, threads, "Newton", run.summary.at("newton_iterations"));
-    table.add("deck", name, threads, "GMRES", run.summary.at("linear_iterations"));
+    table.add("deck", name, threads, "linear", run.summary.at("linear_iterations"));
     table.add("deck", name, threads, "minimisation", run.summary.at("time_total"), "s");
     table.add("deck", name, threads, "whole run", run.wall, "s");
     table.add("deck", name, threads, "peak memory", run.peak_memory / 1e6, "MB");

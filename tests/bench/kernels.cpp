@@ -7,11 +7,9 @@
 #include "bench/newton_system.hpp"
 #include "bench/timing.hpp"
 #include "linalg/cholesky.hpp"
-#include "linalg/graph.hpp"
+#include "linalg/conjugate_gradients.hpp"
 #include "linalg/ilu0.hpp"
-#if __has_include("support/plain_assembly.hpp")
 #include "support/plain_assembly.hpp"
-#endif
 
 namespace almesh::bench {
 namespace {
@@ -81,63 +79,76 @@ void measure_cholesky(const std::string& name, const NewtonSystem& system, const
 
 double bytes_of(const BlockCsr& A) { return 8.0 * static_cast<double>(A.value.size()) + 4.0 * A.blocks() + 4.0 * A.n; }
 
-// The matrix in the numbering that ILU(0) is used with.
-BlockCsr renumbered(const BlockCsr& A) {
-    std::vector<int> source;
-    BlockCsr B = permuted_pattern(A, reverse_cuthill_mckee(graph_of(A)), source);
-    for (int k = 0; k < B.blocks(); ++k) std::copy_n(A.block(source[k]), A.d * A.d, B.block(k));
-    return B;
+// One pass over L forward and one back: single precision below the diagonal, double on it, and the vectors.
+double bytes_of_sweeps(const BlockCsr& A) {
+    const double lower = 0.5 * (A.blocks() - A.n), block = A.d * A.d;
+    return 2 * ((4 * block + 4) * lower + 8 * block * A.n + 16.0 * A.size());
 }
 
 void measure_products(const std::string& name, const NewtonSystem& system, const Machine& machine, Table& table) {
-    const BlockCsr B = renumbered(system.A);
-    std::vector<double> x(B.size(), 1.0), y(B.size());
-    Ilu0 ilu(B);
+    const BlockCsr& A = system.A;
+    std::vector<double> x(A.size(), 1.0), y(A.size());
     for (std::size_t t = 0; t < machine.threads.size(); ++t) {
         const int threads = machine.threads[t];
         set_threads(threads);
-        const double product = best_seconds(budget, [&] { multiply(B, x.data(), y.data()); });
-        const double factor = best_seconds(budget, [&] { ilu.factor(B); });
-        const double solve = best_seconds(budget, [&] { y = x; }, [&] { ilu.solve(y.data()); });
-        const double vectors = 16.0 * B.size();
-        add_rate(table, "sparse", name, threads, "A x", (bytes_of(B) + vectors) / product, "GB/s", machine.bandwidth[t]);
-        table.add("sparse", name, threads, "ILU(0) factor", factor, "s");
-        add_rate(table, "sparse", name, threads, "ILU(0) solve", (bytes_of(B) + vectors) / solve, "GB/s", machine.bandwidth[t]);
+        const double product = best_seconds(budget, [&] { multiply(A, x.data(), y.data()); });
+        add_rate(table, "sparse", name, threads, "A x", (bytes_of(A) + 16.0 * A.size()) / product, "GB/s", machine.bandwidth[t]);
+        const Stopwatch analysis;
+        Ilu0 ilu(A);
+        table.add("sparse", name, threads, "ILU(0) analysis", analysis.seconds(), "s");
+        if (ilu.factor(A).status != Ilu0Status::factored) continue;  // stretched elements: a matter for Cholesky
+        table.add("sparse", name, threads, "ILU(0) factor", best_seconds(budget, [&] { ilu.factor(A); }), "s");
+        const double solve = best_seconds(budget, [&] { ilu.solve(x.data(), y.data()); });
+        add_rate(table, "sparse", name, threads, "ILU(0) solve", bytes_of_sweeps(A) / solve, "GB/s", machine.bandwidth[t]);
+        ConjugateGradients cg(A.size(), {.tolerance = 1e-8});
+        CgResult solved{};
+        const double seconds = best_seconds(budget, [&] { solved = cg.solve(A, &ilu, system.b.data(), y.data()); });
+        if (solved.status != CgStatus::converged) continue;
+        table.add("sparse", name, threads, "CG to 1e-8", solved.iterations, "iterations");
+        table.add("sparse", name, threads, "CG", 1e3 * seconds / solved.iterations, "ms/iteration");
     }
 }
 
 // ----------------------------------------------------------------------------------------------------------- assembly
 
-// Energy, gradient and Hessians of any class that assembles the distortion, ns per element.
+// Energy, gradient and Hessians of any class that assembles the distortion: ns per element. Compared with those of
+// `faster`, if given, by how many times.
+using Times = std::vector<double>;
+
 template <class Assembly>
-void time_assembly(const std::string& name, const Assembly& assembly, NewtonSystem& system, int threads, Table& table) {
+Times time_assembly(const std::string& name, const Assembly& assembly, NewtonSystem& system, int threads, Table& table,
+                    const Times& faster = {}) {
     const std::vector<double>& x = system.problem.ideal;
     const double elements = system.problem.mesh.element_count();
     std::vector<double> g(x.size());
     double energy = 0;
-    const auto add = [&](const char* what, const auto& body) {
-        table.add("assembly", name, threads, what, 1e9 * best_seconds(budget, body) / elements, "ns/element");
+    Times times;
+    const auto add = [&](const std::string& what, const auto& body) {
+        times.push_back(1e9 * best_seconds(budget, body) / elements);
+        table.add("assembly", name, threads, what, times.back(), "ns/element");
+        if (!faster.empty()) table.add("assembly", name, threads, what + " ratio", times.back() / faster[times.size() - 1]);
     };
     add("energy", [&] { energy += assembly.energy(x); });
     add("gradient", [&] { assembly.add_gradient(x, g); });
     add("full Hessian", [&] { assembly.add_hessian(x, HessianKind::full, system.A); });
     add("projected", [&] { assembly.add_hessian(x, HessianKind::projected, system.A); });
     if (!std::isfinite(energy)) std::printf("%s: the energy of the ideal mesh is not finite\n", name.c_str());
+    return times;
 }
 
 void measure_assembly(const std::string& name, NewtonSystem& system, const Machine& machine, Table& table) {
     const double elements = system.problem.mesh.element_count();
+    Times serial;
     for (int threads : machine.threads) {
         set_threads(threads);
-        time_assembly(name, system.distortion, system, threads, table);
+        const Times times = time_assembly(name, system.distortion, system, threads, table);
+        if (threads == 1) serial = times;
         const double statistics = best_seconds(budget, [&] { system.distortion.statistics(system.problem.ideal); });
         table.add("assembly", name, threads, "statistics", 1e9 * statistics / elements, "ns/element");
     }
-#if __has_include("support/plain_assembly.hpp")
     if (elements > 1e5) return;  // would take half a minute
     const test::PlainAssembly plain(system.problem.mesh, system.problem.ideal, system.params);
-    time_assembly(name + " plain", plain, system, 1, table);
-#endif
+    time_assembly(name + " plain", plain, system, 1, table, serial);
 }
 
 struct Case {
@@ -166,7 +177,7 @@ void measure_kernels(const Machine& machine, bool quick, Table& table) {
     }
     table.print("cholesky", "Sparse Cholesky of the first Newton matrix: factor against the peak, solve against the bandwidth");
     table.print("sparse", "Passes over the matrix, against the bandwidth (of memory: small matrices stay in the caches)");
-    table.print("assembly", "Assembly of the distortion");
+    table.print("assembly", "Assembly of the distortion; plain: one element after the other, dense; ratio: times the fast one");
 }
 
 }  // namespace almesh::bench
