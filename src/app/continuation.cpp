@@ -42,7 +42,7 @@ CoarseStage solve_stage(const Deck& deck, Problem problem, const AugmentedLagran
     const DistortionEnergy distortion(problem.mesh, problem.ideal,
                                       {deck.objective, deck.delta, deck.weight_exponent, deck.quadrature});
     const BoundaryConstraint constraint(problem.mesh, problem.ideal, problem.target, deck.target);
-    Newton newton(distortion, linear);
+    Newton newton(distortion, linear, deck.forcing);
     std::vector<double> x;
     const AlStart start = start_from(solution, problem, distortion, constraint, x);
     const AugmentedLagrangianParams params = loosened(algorithm, problem, distortion, constraint);

@@ -144,6 +144,20 @@ TEST_CASE("a coarse start in 3D, and with curved elements") {
     CHECK(count_of(ring.output, "coarse_newton_iterations") > 0);
 }
 
+TEST_CASE("coarse meshes are solved with the deck's forcing") {
+    const RingDeck ring;
+    const std::vector<std::string> settings = {"refine=1", "solver=gmres", "linear_tolerance=1e-12"};
+    std::vector<std::string> energy;
+    for (const char* forcing : {"forcing=fixed", "forcing=auto"}) {
+        std::vector<std::string> all = settings;
+        all.push_back(forcing);
+        REQUIRE(ring.run(all).code == 0);
+        energy.push_back(rows_of_kind(ring.output, "coarse")[0][3]);
+    }
+    CHECK(std::stod(energy[0]) == doctest::Approx(std::stod(energy[1])).epsilon(1e-4));
+    CHECK(energy[0] != energy[1]);
+}
+
 TEST_CASE("which decks start coarse") {
     Deck deck;
     CHECK(!starts_coarse(deck));  // not refined
