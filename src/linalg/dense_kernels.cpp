@@ -6,23 +6,17 @@
 #include <cstring>
 #include <vector>
 
+#include "base/lanes.hpp"
+
 namespace almesh {
 
 namespace {
 
-// Vector registers by way of the vector extension that g++ and clang++ share. A tile of rows x columns accumulators
-// must fit them: 32 registers of 8 doubles (AVX-512), or 16 of 4 or 2.
-#ifdef __AVX512F__
-constexpr int lanes = 8, tile_columns = 8;
-#elif defined(__AVX__)
-constexpr int lanes = 4, tile_columns = 4;
-#else
-constexpr int lanes = 2, tile_columns = 4;
-#endif
+// A tile of rows x columns accumulators must fit the registers: 32 of 8 doubles (AVX-512), or 16 of 4 or 2.
+constexpr int tile_columns = lanes == 8 ? 8 : 4;
 constexpr int grid = 8;                           // rows and columns of tiles start at multiples of this
 constexpr int packs = lanes == 2 ? 2 : 3;         // registers per column of the largest tile
-typedef double Pack __attribute__((vector_size(lanes * sizeof(double))));
-typedef double PackInMemory __attribute__((vector_size(lanes * sizeof(double)), aligned(sizeof(double)), may_alias));
+typedef double LanesInMemory __attribute__((vector_size(lanes * sizeof(double)), aligned(sizeof(double)), may_alias));
 
 constexpr int block_columns = 128;                // columns eliminated before the rest of a large front is updated
 constexpr int block_rows = 192;                   // rows and columns of the pieces that threads share out
@@ -32,8 +26,8 @@ constexpr int solve_rows = 512;                   // rows of it that one thread 
 constexpr int solve_parallel = 1500;              // fewer rows than this are not worth waking threads for
 constexpr int packing_size = 160;                 // fronts of more rows are worth copying operands into packed form
 
-inline Pack load(const double* from) { return *reinterpret_cast<const PackInMemory*>(from); }
-inline void store(Pack value, double* to) { *reinterpret_cast<PackInMemory*>(to) = value; }
+inline Lanes load(const double* from) { return *reinterpret_cast<const LanesInMemory*>(from); }
+inline void store(Lanes value, double* to) { *reinterpret_cast<LanesInMemory*>(to) = value; }
 
 // Operand of a tile: entry (row r, column k) at data[k * ld + r].
 struct Operand {
@@ -44,14 +38,14 @@ struct Operand {
 // sum = A B', `rows` lanes-wide packs x tile_columns, over `depth` columns of A and B.
 template <int rows>
 inline __attribute__((always_inline)) void accumulate(Operand a, Operand b, int depth,
-                                                      Pack (&sum)[tile_columns][rows]) {
+                                                      Lanes (&sum)[tile_columns][rows]) {
 #pragma GCC unroll 8
     for (int c = 0; c < tile_columns; ++c)
 #pragma GCC unroll 3
-        for (int r = 0; r < rows; ++r) sum[c][r] = Pack{};
+        for (int r = 0; r < rows; ++r) sum[c][r] = Lanes{};
     const double *pa = a.data, *pb = b.data;
     for (int k = 0; k < depth; ++k, pa += a.ld, pb += b.ld) {
-        Pack column[rows];
+        Lanes column[rows];
 #pragma GCC unroll 3
         for (int r = 0; r < rows; ++r) column[r] = load(pa + r * lanes);
 #pragma GCC unroll 8
@@ -66,7 +60,7 @@ enum class Store { negative, subtract };
 // C <- -A B' or C <- C - A B' in the columns [c_begin, c_end) of the tile.
 template <int rows>
 void multiply_tile(Operand a, Operand b, int depth, double* C, std::size_t ldc, int c_begin, int c_end, Store how) {
-    Pack sum[tile_columns][rows];
+    Lanes sum[tile_columns][rows];
     accumulate<rows>(a, b, depth, sum);
 #pragma GCC unroll 8
     for (int c = 0; c < tile_columns; ++c) {
@@ -110,7 +104,7 @@ inline __attribute__((always_inline)) void solve_corner(int w, const double* L, 
     double inverse[grid];
     for (int j = 0; j < w; ++j) inverse[j] = 1 / L[j * ldl + j];
     for (int r = 0; r < row_count; r += lanes) {
-        Pack x[grid] = {};
+        Lanes x[grid] = {};
 #pragma GCC unroll 8
         for (int j = 0; j < w; ++j) x[j] = load(X + j * ldx + r);
 #pragma GCC unroll 8
@@ -244,10 +238,10 @@ void subtract_columns(const double* panel, std::size_t ld, int j0, int j1, int b
 template <int count>
 void subtract_products(const double* panel, std::size_t ld, int j, int begin, int m, double* w) {
     const double* const columns = panel + j * ld;
-    Pack sum[count] = {};
+    Lanes sum[count] = {};
     int i = begin;
     for (; i + lanes <= m; i += lanes) {
-        const Pack y = load(w + i);
+        const Lanes y = load(w + i);
 #pragma GCC unroll 4
         for (int c = 0; c < count; ++c) sum[c] += load(columns + c * ld + i) * y;
     }

@@ -1,20 +1,11 @@
 #include "bench/machine.hpp"
 
+#include "base/lanes.hpp"
 #include "base/parallel.hpp"
 #include "bench/timing.hpp"
 
 namespace almesh::bench {
 namespace {
-
-// As in linalg/dense_kernels.cpp.
-#ifdef __AVX512F__
-constexpr int lanes = 8;
-#elif defined(__AVX__)
-constexpr int lanes = 4;
-#else
-constexpr int lanes = 2;
-#endif
-typedef double Pack __attribute__((vector_size(lanes * sizeof(double))));
 
 constexpr double budget = 2;  // seconds per limit, long enough to meet a quiet moment
 constexpr int chains = 12;  // independent sums: more than latency times the units of today's processors
@@ -22,15 +13,14 @@ constexpr int rounds = 1'000'000;
 
 // Runs `rounds` multiply-adds on each chain; the result keeps the compiler from leaving them out.
 double multiply_add() {
-    Pack sum[chains];
-    for (int c = 0; c < chains; ++c) sum[c] = Pack{} + 1.0 + 0.01 * c;
-    const Pack factor = Pack{} + 0.999999, term = Pack{} + 1e-6;
+    Lanes sum[chains];
+    for (int c = 0; c < chains; ++c) sum[c] = in_all_lanes(1 + 0.01 * c);
+    const Lanes factor = in_all_lanes(0.999999), term = in_all_lanes(1e-6);
     for (int k = 0; k < rounds; ++k)
 #pragma GCC unroll 12
         for (int c = 0; c < chains; ++c) sum[c] = sum[c] * factor + term;
     double total = 0;
-    for (int c = 0; c < chains; ++c)
-        for (int lane = 0; lane < lanes; ++lane) total += sum[c][lane];
+    for (const Lanes& chain : sum) total += sum_of_lanes(chain);
     return total;
 }
 
