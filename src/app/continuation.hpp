@@ -4,8 +4,8 @@
 // Carried over are the displacement, interpolated (prolongation.hpp), the penalty in units of |1|^2, and the multipliers.
 // The force that they put on the boundary is the integral of lambda . v / (h |1|), so it is lambda / (h |1|) that is the
 // same on both meshes. Refinement divides every h by the same number, and |1|^2 = sum |f| / h is inversely proportional
-// to h; so lambda_fine = lambda_coarse |1|_coarse / |1|_fine, interpolated. The penalty grows tenfold from mesh to mesh
-//: from a good start a large one costs no Newton steps, and saves updates of the multipliers.
+// to h; so lambda_fine = lambda_coarse |1|_coarse / |1|_fine, interpolated. The penalty grows tenfold from mesh to
+// mesh: from a good start a large one costs no Newton steps, and saves updates of the multipliers.
 //
 // A step on a mesh that was refined k times less costs 2^(-n k) of one on the deck's own, so all coarse steps together
 // cost a third of those of the next coarser mesh (2D).
