@@ -37,15 +37,13 @@ std::vector<double> multiplier_field(const BoundaryConstraint& constraint, const
     return field;
 }
 
-CoarseStage solve_stage(const Deck& deck, Problem problem, const AugmentedLagrangianParams& algorithm,
-                        const LinearSolverParams& linear, Timings& time, CoarseSolution& solution) {
-    const DistortionEnergy distortion(problem.mesh, problem.ideal,
-                                      {deck.objective, deck.delta, deck.weight_exponent, deck.quadrature});
+CoarseStage solve_stage(const Deck& deck, Problem problem, Timings& time, CoarseSolution& solution) {
+    const DistortionEnergy distortion(problem.mesh, problem.ideal, deck.distortion);
     const BoundaryConstraint constraint(problem.mesh, problem.ideal, problem.target, deck.target);
-    Newton newton(distortion, linear, deck.forcing);
+    Newton newton(distortion, deck.linear, deck.forcing);
     std::vector<double> x;
     const AlStart start = start_from(solution, problem, distortion, constraint, x);
-    const AugmentedLagrangianParams params = loosened(algorithm, problem, distortion, constraint);
+    const AugmentedLagrangianParams params = loosened(deck.method, problem, distortion, constraint);
     AlResult result = minimise(distortion, constraint, newton, params, x, time, {}, start);
 
     CoarseStage stage;
@@ -68,19 +66,18 @@ CoarseStage solve_stage(const Deck& deck, Problem problem, const AugmentedLagran
 }  // namespace
 
 bool starts_coarse(const Deck& deck) {
-    if (deck.start == Start::automatic) return deck.refine > 0 && deck.algorithm == Algorithm::adaptive;
+    if (deck.start == Start::automatic) return deck.refine > 0 && deck.method.algorithm == Algorithm::adaptive;
     return deck.refine > 0 && deck.start == Start::coarse;
 }
 
-CoarseSolution solve_coarser(const Deck& deck, const Problem& problem, const AugmentedLagrangianParams& algorithm,
-                             const LinearSolverParams& linear, Timings& time,
+CoarseSolution solve_coarser(const Deck& deck, const Problem& problem, Timings& time,
                              const std::function<void(const CoarseStage&)>& observe) {
     CoarseSolution solution;
     if (!starts_coarse(deck)) return solution;
     for (int times = 0; times < deck.refine && !interrupted(); ++times) {
         const Stopwatch watch;
         const double before = time.total;
-        CoarseStage stage = solve_stage(deck, coarser_problem(deck, problem, times), algorithm, linear, time, solution);
+        CoarseStage stage = solve_stage(deck, coarser_problem(deck, problem, times), time, solution);
         stage.last.seconds = watch.seconds();
         time.total = before + stage.last.seconds;
         observe(stage);

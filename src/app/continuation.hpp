@@ -31,10 +31,8 @@ struct CoarseSolution {
 bool starts_coarse(const Deck& deck);
 
 // Solves the deck's problem on the mesh refined 0, 1, ... times, but not as often as the deck says; no solution where the
-// deck does not ask for that, or where the last of them failed. algorithm and linear: of the deck's own mesh; the coarse
-// solutions are found with looser tolerances. Adds to `time`, to its total the making of the meshes included.
-CoarseSolution solve_coarser(const Deck& deck, const Problem& problem, const AugmentedLagrangianParams& algorithm,
-                             const LinearSolverParams& linear, Timings& time,
+// deck does not ask for that, or where the last of them failed. Tolerances are looser than the deck's. Adds to `time`, to its total the making of the meshes included.
+CoarseSolution solve_coarser(const Deck& deck, const Problem& problem, Timings& time,
                              const std::function<void(const CoarseStage&)>& observe);
 
 // Sets x (node_count x dim) and where the method starts: at the coarse solution, or at the identity map without

@@ -40,16 +40,16 @@ std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
 
 // With fewer points than |F|^2 needs, the energy does not see some motions of the nodes inside an element.
 void check_quadrature(const Deck& deck, int degree) {
-    const int least = 2 * (degree - 1);
-    if (deck.quadrature == 0 || deck.quadrature >= least) return;
-    throw UsageError(deck.given.at("quadrature") + ": quadrature = " + std::to_string(deck.quadrature) +
+    const int least = 2 * (degree - 1), exactness = deck.distortion.exactness;
+    if (exactness == 0 || exactness >= least) return;
+    throw UsageError(deck.given.at("quadrature") + ": quadrature = " + std::to_string(exactness) +
                      " is too low for elements of degree " + std::to_string(degree) + ": at least " + std::to_string(least) +
                      ", or 0");
 }
 
 // Algorithm 1 as printed weighs the penalty mu^2: the mu of a coarser mesh would mean something else.
 void check_start(const Deck& deck) {
-    if (deck.start != Start::coarse || deck.algorithm != Algorithm::literal) return;
+    if (deck.start != Start::coarse || deck.method.algorithm != Algorithm::literal) return;
     throw UsageError(deck.given.at("start") + ": start = coarse does not go with algorithm = literal; take start = identity");
 }
 

@@ -15,28 +15,6 @@
 namespace almesh {
 namespace {
 
-AugmentedLagrangianParams algorithm_of(const Deck& deck) {
-    AugmentedLagrangianParams params;
-    params.algorithm = deck.algorithm;
-    params.mu0 = deck.mu0;
-    params.omega0 = deck.omega0;
-    params.epsilon0 = deck.epsilon0;
-    params.omega_star = deck.omega_star;
-    params.epsilon_star = deck.epsilon_star;
-    params.max_iterations = deck.max_al_iterations;
-    params.max_newton_iterations = deck.max_newton_iterations;
-    return params;
-}
-
-LinearSolverParams solver_of(const Deck& deck) {
-    LinearSolverParams params;
-    params.kind = deck.solver;
-    params.tolerance = deck.linear_tolerance;
-    params.restart = deck.gmres_restart;
-    params.max_iterations = deck.gmres_max_iterations;
-    return params;
-}
-
 void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem) {
     const Mesh& mesh = problem.mesh;
     if (!deck.title.empty()) std::fprintf(out, "%s\n", deck.title.c_str());
@@ -126,17 +104,15 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     Terminal terminal(out, problem.mesh.dim, problem.length);
     History history(problem.mesh.dim, problem.length);
     terminal.header();
-    const CoarseSolution coarse =
-        solve_coarser(deck, problem, algorithm_of(deck), solver_of(deck), solution.time, [&](const CoarseStage& stage) {
-            terminal.row(stage);
-            history.add(stage);
-            solution.coarse_newton_iterations += stage.newton_iterations;
-        });
+    const CoarseSolution coarse = solve_coarser(deck, problem, solution.time, [&](const CoarseStage& stage) {
+        terminal.row(stage);
+        history.add(stage);
+        solution.coarse_newton_iterations += stage.newton_iterations;
+    });
     solution.phases.coarse = solution.time.total;
 
     // 3. The functional, Eq. 6.
-    const DistortionEnergy distortion(problem.mesh, problem.ideal,
-                                      {deck.objective, deck.delta, deck.weight_exponent, deck.quadrature});
+    const DistortionEnergy distortion(problem.mesh, problem.ideal, deck.distortion);
     const BoundaryConstraint constraint(problem.mesh, problem.ideal, problem.target, deck.target);
 
     // 4. Algorithm 1, from the coarse solution or the identity map.
@@ -152,10 +128,10 @@ ExitCode run(const Deck& deck, std::FILE* out) {
         solution.fallbacks += step.fallback != SolveStatus::converged;
     };
     const AlStart start = start_from(coarse, problem, distortion, constraint, solution.x);
-    std::optional<Newton> newton(std::in_place, distortion, solver_of(deck), deck.forcing);
+    std::optional<Newton> newton(std::in_place, distortion, deck.linear, deck.forcing);
     write_system(deck, *newton, history);
     solution.phases.setup = watch.seconds() - solution.phases.coarse - solution.phases.write;
-    solution.al = minimise(distortion, constraint, *newton, algorithm_of(deck), solution.x, solution.time, observer, start);
+    solution.al = minimise(distortion, constraint, *newton, deck.method, solution.x, solution.time, observer, start);
     const double refused_bytes = newton->linear_solver().refused_bytes();
     newton.reset();  // the factor is the largest thing in memory
     const bool failed = solution.al.status != AlStatus::converged && solution.al.status != AlStatus::interrupted;
@@ -164,7 +140,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     // 5. What was reached: certificate, statistics, files.
     {
         const TimeAdder adder(solution.phases.certify);
-        solution.certificate = certify(problem.mesh, solution.x, {.max_bisections = deck.certificate_bisections});
+        solution.certificate = certify(problem.mesh, solution.x, deck.certificate);
         solution.distortion = distortion.statistics(solution.x);
         solution.max_boundary_error = constraint.max_error(solution.x);
     }

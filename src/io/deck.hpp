@@ -34,33 +34,20 @@ enum class Start { automatic, identity, coarse };
 enum class VtkOutput { ascii, binary, none };
 
 struct Deck {
-    // The keys, with their defaults; an empty optional is `auto`.
+    // The keys, with their defaults, those of a part of the method in its own struct; an empty optional is `auto`.
     std::string mesh;    // path as seen from the current folder
     std::string output;  // folder, from the current one; outputs/<name> where the deck says nothing
     std::string title;
     int degree = 0;
     int refine = 0;
     TargetKind target = TargetKind::exact;
-    Objective objective = Objective::deviation;
-    double delta = 0;
-    double weight_exponent = 1;
-    Algorithm algorithm = Algorithm::adaptive;
+    DistortionParams distortion;
+    AugmentedLagrangianParams method;
     Start start = Start::automatic;
-    double mu0 = AugmentedLagrangianParams().mu0;
-    double omega0 = AugmentedLagrangianParams().omega0;
-    double epsilon0 = AugmentedLagrangianParams().epsilon0;
-    double omega_star = AugmentedLagrangianParams().omega_star;
-    double epsilon_star = AugmentedLagrangianParams().epsilon_star;
     std::optional<double> length_scale;
-    int max_al_iterations = AugmentedLagrangianParams().max_iterations;
-    int max_newton_iterations = AugmentedLagrangianParams().max_newton_iterations;
-    SolverKind solver = SolverKind::automatic;
+    LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;
-    double linear_tolerance = LinearSolverParams().tolerance;
-    int gmres_restart = LinearSolverParams().restart;
-    int gmres_max_iterations = LinearSolverParams().max_iterations;
-    int quadrature = 0;
-    int certificate_bisections = CertificateParams().max_bisections;
+    CertificateParams certificate;
     int write_system = 0;
     VtkOutput vtk = VtkOutput::ascii;
     std::string wall;  // boundary name, "" for none

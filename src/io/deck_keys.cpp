@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -11,10 +13,25 @@ namespace almesh {
 
 namespace {
 
-template <class Enum, Enum Deck::*member>
+// path: a member of Deck, or one of Deck and one of that.
+template <auto... path>
+auto& place_in(auto& deck) {
+    return (deck .* ... .* path);
+}
+
+template <auto... path>
+using FieldType = std::remove_reference_t<decltype(place_in<path...>(std::declval<Deck&>()))>;
+
+template <auto... path>
+NumberField<FieldType<path...>> number() {
+    return {[](const Deck& deck) -> const auto& { return place_in<path...>(deck); },
+            [](Deck& deck) -> auto& { return place_in<path...>(deck); }};
+}
+
+template <auto... path>
 ChoiceField choice(std::vector<std::string> names) {
-    return {std::move(names), [](const Deck& deck) { return static_cast<int>(deck.*member); },
-            [](Deck& deck, int value) { deck.*member = static_cast<Enum>(value); }};
+    return {std::move(names), [](const Deck& deck) { return static_cast<int>(place_in<path...>(deck)); },
+            [](Deck& deck, int value) { place_in<path...>(deck) = static_cast<FieldType<path...>>(value); }};
 }
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -27,47 +44,66 @@ std::vector<DeckKey> make_table() {
         {"output", TextField{&Deck::output, "folder"}, no_range,
          "Folder of the results, from the current one. Where not given: outputs/ and the deck's name."},
         {"title", TextField{&Deck::title, "text"}, no_range, "Title of the report and of the result files."},
-        {"degree", &Deck::degree, {0, 7}, "Degree of the elements; 0: that of the mesh file."},
-        {"refine", &Deck::refine, {0, 8}, "Uniform refinements of the mesh before the run."},
-        {"target", choice<TargetKind, &Deck::target>({"exact", "nodal"}), no_range,
+        {"degree", number<&Deck::degree>(), {0, 7}, "Degree of the elements; 0: that of the mesh file."},
+        {"refine", number<&Deck::refine>(), {0, 8}, "Uniform refinements of the mesh before the run."},
+        {"target", choice<&Deck::target>({"exact", "nodal"}), no_range,
          "Boundary target: the motion of every boundary point, or its interpolation at the nodes."},
-        {"objective", choice<Objective, &Deck::objective>({"squared", "deviation"}), no_range,
+        {"objective", choice<&Deck::distortion, &DistortionParams::objective>({"squared", "deviation"}), no_range,
          "Integral of eta^2 (the tables of the paper) or of (eta - 1)^2 (its Eq. 5)."},
-        {"delta", &Deck::delta, not_negative, "Regularisation of det F in the distortion (Eq. 3), without unit; 0: none. Above 0 inverted elements have finite energy, and a step may invert one."},
-        {"weight_exponent", &Deck::weight_exponent, {0, 1},
+        {"delta", number<&Deck::distortion, &DistortionParams::delta>(), not_negative,
+         "Regularisation of det F in the distortion (Eq. 3), without unit; 0: none. Above 0 inverted elements have "
+         "finite energy, and a step may invert one."},
+        {"weight_exponent", number<&Deck::distortion, &DistortionParams::weight_exponent>(), {0, 1},
          "alpha: an element weighs |e|^alpha in the integral; 1: the paper's, 0: all elements alike."},
-        {"algorithm", choice<Algorithm, &Deck::algorithm>({"adaptive", "paper", "literal"}), no_range,
+        {"algorithm", choice<&Deck::method, &AugmentedLagrangianParams::algorithm>({"adaptive", "paper", "literal"}),
+         no_range,
          "Augmented Lagrangian schedule: multipliers at every step, Algorithm 1 as corrected, or as printed."},
-        {"start", choice<Start, &Deck::start>({"auto", "identity", "coarse"}), no_range,
+        {"start", choice<&Deck::start>({"auto", "identity", "coarse"}), no_range,
          "First iterate: the ideal mesh, or with refine > 0 the solution on the mesh refined less, found the same way; "
          "auto: coarse with algorithm = adaptive, else identity."},
-        {"mu0", &Deck::mu0, positive, "Algorithms paper and literal: first penalty mu, in units of |1|^2, the sum of |f|/h over the boundary faces."},
-        {"omega0", &Deck::omega0, positive, "Algorithms paper and literal: tolerance of the gradient norm |grad E| in the first subproblem."},
-        {"epsilon0", &Deck::epsilon0, positive, "Algorithms paper and literal: first tolerance of the squared constraint norm: above it Algorithm 1 raises mu, below it updates lambda."},
-        {"omega_star", &Deck::omega_star, positive, "Final tolerance of the gradient norm."},
-        {"epsilon_star", &Deck::epsilon_star, positive, "Final tolerance of the squared constraint norm."},
-        {"length_scale", &Deck::length_scale, positive,
+        {"mu0", number<&Deck::method, &AugmentedLagrangianParams::mu0>(), positive,
+         "Algorithms paper and literal: first penalty mu, in units of |1|^2, the sum of |f|/h over the boundary "
+         "faces."},
+        {"omega0", number<&Deck::method, &AugmentedLagrangianParams::omega0>(), positive,
+         "Algorithms paper and literal: tolerance of the gradient norm |grad E| in the first subproblem."},
+        {"epsilon0", number<&Deck::method, &AugmentedLagrangianParams::epsilon0>(), positive,
+         "Algorithms paper and literal: first tolerance of the squared constraint norm: above it Algorithm 1 raises "
+         "mu, below it updates lambda."},
+        {"omega_star", number<&Deck::method, &AugmentedLagrangianParams::omega_star>(), positive,
+         "Final tolerance of the gradient norm."},
+        {"epsilon_star", number<&Deck::method, &AugmentedLagrangianParams::epsilon_star>(), positive,
+         "Final tolerance of the squared constraint norm."},
+        {"length_scale", number<&Deck::length_scale>(), positive,
          "Length by which positions are divided in all tolerances; auto: |domain|^(1/n), 1: absolute values as in the "
          "paper."},
-        {"max_al_iterations", &Deck::max_al_iterations, {1, 1000}, "Augmented Lagrangian iterations at most."},
-        {"max_newton_iterations", &Deck::max_newton_iterations, {1, 100000}, "Newton steps at most, per subproblem."},
-        {"solver", choice<SolverKind, &Deck::solver>({"auto", "cg", "gmres", "cholesky"}), no_range,
+        {"max_al_iterations", number<&Deck::method, &AugmentedLagrangianParams::max_iterations>(), {1, 1000},
+         "Augmented Lagrangian iterations at most."},
+        {"max_newton_iterations", number<&Deck::method, &AugmentedLagrangianParams::max_newton_iterations>(), {1,
+         100000},
+         "Newton steps at most, per subproblem."},
+        {"solver", choice<&Deck::linear, &LinearSolverParams::kind>({"auto", "cg", "gmres", "cholesky"}), no_range,
          "Linear solver; auto: Cholesky in 2D and for small meshes, conjugate gradients for large ones in 3D."},
-        {"forcing", choice<Forcing, &Deck::forcing>({"auto", "fixed"}), no_range,
-         "Residual at which cg and gmres stop; auto: after full steps as exact as the model deserves (Eisenstat-Walker), fixed: linear_tolerance."},
-        {"linear_tolerance", &Deck::linear_tolerance, {1e-15, 0.5}, "Relative residual at which cg and gmres stop; with forcing = auto the smallest one."},
-        {"gmres_restart", &Deck::gmres_restart, {1, 1000}, "GMRES iterations between restarts."},
-        {"gmres_max_iterations", &Deck::gmres_max_iterations, {1, 100000}, "Iterations of cg or gmres at most, per system."},
-        {"quadrature", &Deck::quadrature, {0, 40}, "Polynomial degree integrated exactly; 0: chosen by the degree."},
-        {"certificate_bisections", &Deck::certificate_bisections, {0, 1000000},
+        {"forcing", choice<&Deck::forcing>({"auto", "fixed"}), no_range,
+         "Residual at which cg and gmres stop; auto: after full steps as exact as the model deserves "
+         "(Eisenstat-Walker), fixed: linear_tolerance."},
+        {"linear_tolerance", number<&Deck::linear, &LinearSolverParams::tolerance>(), {1e-15, 0.5},
+         "Relative residual at which cg and gmres stop; with forcing = auto the smallest one."},
+        {"gmres_restart", number<&Deck::linear, &LinearSolverParams::restart>(), {1, 1000},
+         "GMRES iterations between restarts."},
+        {"gmres_max_iterations", number<&Deck::linear, &LinearSolverParams::max_iterations>(), {1, 100000},
+         "Iterations of cg or gmres at most, per system."},
+        {"quadrature", number<&Deck::distortion, &DistortionParams::exactness>(), {0, 40},
+         "Polynomial degree integrated exactly; 0: chosen by the degree."},
+        {"certificate_bisections", number<&Deck::certificate, &CertificateParams::max_bisections>(), {0, 1000000},
          "Bisections at most to certify an element valid."},
-        {"write_system", &Deck::write_system, {0, 1000000},
-         "Newton step, counted from 1 over all subproblems, whose linear system is written as A.mtx and b.mtx; 0: none."},
-        {"vtk", choice<VtkOutput, &Deck::vtk>({"ascii", "binary", "none"}), no_range,
+        {"write_system", number<&Deck::write_system>(), {0, 1000000},
+         "Newton step, counted from 1 over all subproblems, whose linear system is written as A.mtx and b.mtx; 0: "
+         "none."},
+        {"vtk", choice<&Deck::vtk>({"ascii", "binary", "none"}), no_range,
          "Format of the VTK files: text, or binary, which is faster to write and read; or none of them."},
         {"wall", TextField{&Deck::wall, "boundary name"}, no_range,
          "Boundary whose distance is written with the results; \"\": none."},
-        {"threads", &Deck::threads, {0, 1024}, "Threads; 0: all, or what OMP_NUM_THREADS says."},
+        {"threads", number<&Deck::threads>(), {0, 1024}, "Threads; 0: all, or what OMP_NUM_THREADS says."},
     };
 }
 
@@ -101,12 +137,14 @@ struct LegalValues {
     const DeckKey& key;
     std::string operator()(const TextField& field) const { return field.what; }
     std::string operator()(const ChoiceField& field) const { return joined(field.words); }
-    std::string operator()(int Deck::*) const {
+    std::string operator()(const NumberField<int>&) const {
         const int lowest = static_cast<int>(key.range.lowest), highest = static_cast<int>(key.range.highest);
         return "integer in " + std::to_string(lowest) + ".." + std::to_string(highest);
     }
-    std::string operator()(double Deck::*) const { return "number " + range_text(key.range); }
-    std::string operator()(std::optional<double> Deck::*) const { return "auto or number " + range_text(key.range); }
+    std::string operator()(const NumberField<double>&) const { return "number " + range_text(key.range); }
+    std::string operator()(const NumberField<std::optional<double>>&) const {
+        return "auto or number " + range_text(key.range);
+    }
 };
 
 struct SetValue {
@@ -126,14 +164,14 @@ struct SetValue {
             refuse(key, text, ": did you mean " + in_backquotes(nearest(text, field.words)) + "?");
         field.set(deck, static_cast<int>(it - field.words.begin()));
     }
-    void operator()(int Deck::*member) const {
+    void operator()(const NumberField<int>& field) const {
         const auto value = parse_int(text, static_cast<int>(key.range.lowest), static_cast<int>(key.range.highest));
         if (!value) refuse(key, text);
-        deck.*member = *value;
+        field.place(deck) = *value;
     }
-    void operator()(double Deck::*member) const { deck.*member = number_in_range(key, text); }
-    void operator()(std::optional<double> Deck::*member) const {
-        deck.*member = text == "auto" ? std::nullopt : std::optional(number_in_range(key, text));
+    void operator()(const NumberField<double>& field) const { field.place(deck) = number_in_range(key, text); }
+    void operator()(const NumberField<std::optional<double>>& field) const {
+        field.place(deck) = text == "auto" ? std::nullopt : std::optional(number_in_range(key, text));
     }
 };
 
@@ -146,10 +184,10 @@ struct ValueText {
         return bare ? value : with_quotes(value);
     }
     std::string operator()(const ChoiceField& field) const { return field.words[field.get(deck)]; }
-    std::string operator()(int Deck::*member) const { return std::to_string(deck.*member); }
-    std::string operator()(double Deck::*member) const { return to_text(deck.*member); }
-    std::string operator()(std::optional<double> Deck::*member) const {
-        return deck.*member ? to_text(*(deck.*member)) : "auto";
+    std::string operator()(const NumberField<int>& field) const { return std::to_string(field.value(deck)); }
+    std::string operator()(const NumberField<double>& field) const { return to_text(field.value(deck)); }
+    std::string operator()(const NumberField<std::optional<double>>& field) const {
+        return field.value(deck) ? to_text(*field.value(deck)) : "auto";
     }
 };
 

@@ -16,6 +16,13 @@ struct TextField {
     const char* what;  // what kind of text
 };
 
+// Where a number stands in the deck: in a member, or in a member of one of its parameter structs.
+template <class T>
+struct NumberField {
+    const T& (*value)(const Deck&);
+    T& (*place)(Deck&);
+};
+
 // An enum of the deck; enumerator i is written words[i].
 struct ChoiceField {
     std::vector<std::string> words;
@@ -30,7 +37,8 @@ struct NumberRange {
 
 struct DeckKey {
     std::string name;
-    std::variant<TextField, ChoiceField, int Deck::*, double Deck::*, std::optional<double> Deck::*> field;
+    std::variant<TextField, ChoiceField, NumberField<int>, NumberField<double>, NumberField<std::optional<double>>>
+        field;
     NumberRange range;  // of numbers
     std::string meaning;
 };

@@ -163,11 +163,11 @@ TEST_CASE("which decks start coarse") {
     CHECK(!starts_coarse(deck));  // not refined
     deck.refine = 1;
     CHECK(starts_coarse(deck));
-    deck.algorithm = Algorithm::paper;
+    deck.method.algorithm = Algorithm::paper;
     CHECK(!starts_coarse(deck));  // the paper's tables
     deck.start = Start::coarse;
     CHECK(starts_coarse(deck));
-    deck.algorithm = Algorithm::adaptive;
+    deck.method.algorithm = Algorithm::adaptive;
     deck.start = Start::identity;
     CHECK(!starts_coarse(deck));
 }

@@ -25,7 +25,7 @@ struct NewtonSystem {
    private:
     explicit NewtonSystem(const Deck& deck)
         : problem(make_problem(deck)),
-          params{deck.objective, deck.delta, deck.weight_exponent, deck.quadrature},
+          params(deck.distortion),
           distortion(problem.mesh, problem.ideal, params),
           constraint(problem.mesh, problem.ideal, problem.target, deck.target),
           A(distortion.hessian_pattern()),

@@ -73,9 +73,9 @@ TEST_CASE("choices, by their words only") {
     set_value(deck, *find_key("algorithm"), "literal");
     set_value(deck, *find_key("solver"), "gmres");
     CHECK(deck.target == TargetKind::nodal);
-    CHECK(deck.objective == Objective::squared);
-    CHECK(deck.algorithm == Algorithm::literal);
-    CHECK(deck.solver == SolverKind::gmres);
+    CHECK(deck.distortion.objective == Objective::squared);
+    CHECK(deck.method.algorithm == Algorithm::literal);
+    CHECK(deck.linear.kind == SolverKind::gmres);
     for (const char* word : {"auto", "cg", "gmres", "cholesky"}) CHECK(result_of("solver", word) == word);
     for (const char* word : {"auto", "fixed"}) CHECK(result_of("forcing", word) == word);
     for (const char* word : {"adaptive", "paper", "literal"}) CHECK(result_of("algorithm", word) == word);

@@ -74,8 +74,8 @@ TEST_CASE("a deck with a bit of everything") {
     CHECK(deck.mesh == "inputs/meshes/circle.msh");
     CHECK(deck.output == "outputs/circle");
     CHECK(deck.degree == 2);
-    CHECK(deck.objective == Objective::squared);
-    CHECK(deck.mu0 == 1e4);
+    CHECK(deck.distortion.objective == Objective::squared);
+    CHECK(deck.method.mu0 == 1e4);
     CHECK(!deck.length_scale);
     REQUIRE(deck.boundaries.size() == 3);
     CHECK(deck.boundaries[0].name == "inner");
@@ -206,8 +206,8 @@ TEST_CASE("the resolved deck is the same deck") {
         const std::string text = resolved(deck);
         const Deck again = parse_deck(text, deck.output + "/resolved.deck");
         check_same(deck, again);
-        CHECK(deck.omega0 == again.omega0);
-        CHECK(deck.mu0 == again.mu0);
+        CHECK(deck.method.omega0 == again.method.omega0);
+        CHECK(deck.method.mu0 == again.method.mu0);
         CHECK(deck.length_scale == again.length_scale);
         CHECK(resolved(again) == text);
         for (const DeckKey& key : deck_keys()) CHECK(has(text, "\n" + key.name + " = "));
