@@ -148,7 +148,7 @@ void write_initial(const Deck& deck, const Problem& problem) {
 void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution) {
     write_msh(deck.output + "/final.msh", problem.mesh, scaled(solution.x, problem.length));
     if (deck.vtk == VtkOutput::none) return;
-    write_volume(deck, problem, "final", solution.x, solution.distortion.element_max, &solution.certificate.lower_bound);
+    write_volume(deck, problem, "final", solution.x, solution.al.distortion.element_max, &solution.certificate.lower_bound);
     write_boundary(deck, problem, constraint, solution);
 }
 

@@ -16,7 +16,7 @@ namespace almesh {
 struct PhaseTimes {
     double setup = 0;    // mesh, target and its checks, functional, pattern and ordering of the matrix
     double coarse = 0;   // coarser meshes: part of Timings::total
-    double certify = 0;  // certificate and statistics
+    double certify = 0;  // certificate, largest distance from the target
     double write = 0;    // files of results, but for history.csv and summary.txt
     double run = 0;      // the whole
 };
@@ -25,7 +25,6 @@ struct PhaseTimes {
 struct Solution {
     std::vector<double> x;  // node_count x dim
     AlResult al;
-    DistortionStatistics distortion;
     double max_boundary_error = 0;
     Certificate certificate;
     Timings time;           // total: of the coarse stages and the iterations

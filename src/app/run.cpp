@@ -18,9 +18,9 @@ namespace {
 void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem) {
     const Mesh& mesh = problem.mesh;
     if (!deck.title.empty()) std::fprintf(out, "%s\n", deck.title.c_str());
-    std::fprintf(out, "%s: %d nodes, %d %s of degree %d, %d boundary faces; %d thread%s\n", deck.mesh.c_str(), mesh.nodes(),
-                 mesh.element_count(), mesh.dim == 2 ? "triangles" : "tetrahedra", mesh.degree, mesh.face_count(),
-                 max_threads(), max_threads() == 1 ? "" : "s");
+    std::fprintf(out, "%s: %d nodes, %d %s of degree %d, %d boundary faces; %d thread%s\n", deck.mesh.c_str(),
+                 mesh.nodes(), mesh.element_count(), mesh.dim == 2 ? "triangles" : "tetrahedra", mesh.degree,
+                 mesh.face_count(), max_threads(), max_threads() == 1 ? "" : "s");
     for (const std::string& note : problem.notes) std::fprintf(out, "note: %s\n", note.c_str());
 }
 
@@ -29,8 +29,10 @@ const char* advice(AlStatus status) {
         case AlStatus::converged: return "converged";
         case AlStatus::infeasible:
             return "infeasible: no valid mesh seems to reach the target; the last mesh is written";
-        case AlStatus::rounding_floor: return "not converged: |grad E| ended at its rounding floor, above omega0; mu0 may be too large";
-        case AlStatus::ended_as_printed: return "not converged: the loop as printed ended with one of its two tests met";
+        case AlStatus::rounding_floor:
+            return "not converged: |grad E| ended at its rounding floor, above omega0; mu0 may be too large";
+        case AlStatus::ended_as_printed:
+            return "not converged: the loop as printed ended with one of its two tests met";
         case AlStatus::max_iterations: return "not converged: max_al_iterations reached";
         case AlStatus::max_newton_iterations: return "not converged: max_newton_iterations reached in a subproblem";
         case AlStatus::line_search_failed: return "not converged: no step length decreases the energy";
@@ -46,18 +48,37 @@ void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, con
                                    ? " (and " + std::to_string(solution.coarse_newton_iterations) + " on coarser meshes)"
                                    : "";
     std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s; |c_D| = %.3g, largest boundary error %.3g\n",
-                 advice(solution.al.status), solution.al.iterations.size() - 1, solution.al.newton_iterations, coarse.c_str(),
-                 solution.time.total, last.constraint_norm * problem.length, solution.max_boundary_error * problem.length);
-    if (last.newton_status == NewtonStatus::rounding_floor) std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
+                 advice(solution.al.status), solution.al.iterations.size() - 1, solution.al.newton_iterations,
+                 coarse.c_str(), solution.time.total, last.constraint_norm * problem.length,
+                 solution.max_boundary_error * problem.length);
+    if (last.newton_status == NewtonStatus::rounding_floor)
+        std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
     if (solution.fallbacks)
-        std::fprintf(out, "the iterative solver failed in %d Newton steps, which were solved by Cholesky (history.csv tells why)\n", solution.fallbacks);
+        std::fprintf(out, "the iterative solver failed in %d Newton steps, which were solved by Cholesky "
+                     "(history.csv tells why)\n", solution.fallbacks);
     std::fprintf(out, "%s: scaled Jacobian >= %.4g everywhere; results in %s\n",
                  solution.certificate.valid ? "certified valid" : "NOT certified valid",
                  solution.certificate.min_scaled_jacobian, deck.output.c_str());
 }
 
-// Has the system of one Newton step written, for `almesh linsolve`. Where the Hessian of that step was weakened, the last
-// one stays.
+// Prints and records the iterations as they happen. Refers to its arguments.
+AlObserver observer_of(const Deck& deck, Terminal& terminal, History& history, int& fallbacks) {
+    AlObserver observer;
+    observer.iteration = [&](const AlIteration& row) {
+        terminal.row(row);
+        history.add(row);
+        write_file(deck.output + "/history.csv", history.csv());  // long runs can be followed, and leave a trace
+    };
+    observer.newton_step = [&](int al_iteration, const NewtonStep& step) {
+        terminal.live(al_iteration, step);
+        history.add(al_iteration, step);
+        fallbacks += step.fallback != SolveStatus::converged;
+    };
+    return observer;
+}
+
+// Has the system of one Newton step written, for `almesh linsolve`. Where the Hessian of that step was weakened, the
+// last one stays.
 void write_system(const Deck& deck, Newton& newton, const History& history) {
     if (deck.write_system == 0) return;
     newton.observe_systems([&deck, &history](const BlockCsr& A, const std::vector<double>& b) {
@@ -80,7 +101,8 @@ bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary)
         if (!result.holds) std::fprintf(out, "%s: %s\n", expectation.where.c_str(), result.text.c_str());
         hold = hold && result.holds;
     }
-    if (hold && !deck.expectations.empty()) std::fprintf(out, "all %zu expectations of the deck hold\n", deck.expectations.size());
+    if (hold && !deck.expectations.empty())
+        std::fprintf(out, "all %zu expectations of the deck hold\n", deck.expectations.size());
     return hold;
 }
 
@@ -116,17 +138,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const BoundaryConstraint constraint(problem.mesh, problem.ideal, problem.target, deck.target);
 
     // 4. Algorithm 1, from the coarse solution or the identity map.
-    AlObserver observer;
-    observer.iteration = [&](const AlIteration& row) {
-        terminal.row(row);
-        history.add(row);
-        write_file(deck.output + "/history.csv", history.csv());  // long runs can be followed, and leave a trace
-    };
-    observer.newton_step = [&](int al_iteration, const NewtonStep& step) {
-        terminal.live(al_iteration, step);
-        history.add(al_iteration, step);
-        solution.fallbacks += step.fallback != SolveStatus::converged;
-    };
+    const AlObserver observer = observer_of(deck, terminal, history, solution.fallbacks);
     const AlStart start = start_from(coarse, problem, distortion, constraint, solution.x);
     std::optional<Newton> newton(std::in_place, distortion, deck.linear, deck.forcing);
     write_system(deck, *newton, history);
@@ -137,11 +149,10 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const bool failed = solution.al.status != AlStatus::converged && solution.al.status != AlStatus::interrupted;
     if (failed && problem.target_crosses) solution.al.status = AlStatus::infeasible;
 
-    // 5. What was reached: certificate, statistics, files.
+    // 5. What was reached: certificate and files.
     {
         const TimeAdder adder(solution.phases.certify);
         solution.certificate = certify(problem.mesh, solution.x, deck.certificate);
-        solution.distortion = distortion.statistics(solution.x);
         solution.max_boundary_error = constraint.max_error(solution.x);
     }
     {

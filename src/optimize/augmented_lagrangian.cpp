@@ -113,11 +113,12 @@ AlUpdate update(const AugmentedLagrangianParams& p, const std::vector<AlIteratio
     return update_adaptive(p, c, rows[rows.size() - 2].projected_constraint_norm, s);
 }
 
-AlIteration measure(const DistortionEnergy& distortion, const BoundaryConstraint& constraint, const std::vector<double>& x) {
+AlIteration measure(const DistortionEnergy& distortion, const BoundaryConstraint& constraint, const std::vector<double>& x,
+                    DistortionStatistics& statistics) {
     AlIteration row;
     row.projected_constraint_norm = constraint.projected_norm(x);
     row.constraint_norm = std::hypot(row.projected_constraint_norm, constraint.floor());
-    const DistortionStatistics statistics = distortion.statistics(x);
+    statistics = distortion.statistics(x);
     row.relative_quality = statistics.relative_quality;
     row.max_distortion = statistics.max_distortion;
     return row;
@@ -159,7 +160,7 @@ AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& 
     const double mu0 = (start.mu > 0 ? start.mu : adaptive ? adaptive_mu0 : params.mu0) * one_squared;
     AlResult result;
     std::vector<AlIteration>& rows = result.iterations;
-    rows.push_back(measure(distortion, constraint, x));
+    rows.push_back(measure(distortion, constraint, x, result.distortion));
     if (observer.iteration) observer.iteration(rows.back());
 
     AugmentedFunctional E{distortion, constraint, start.lambda, 0};
@@ -173,7 +174,7 @@ AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& 
         result.newton_iterations += solved.iterations;
         result.linear_iterations += solved.linear_iterations;
 
-        AlIteration row = measure(distortion, constraint, x);
+        AlIteration row = measure(distortion, constraint, x, result.distortion);
         row.iteration = k;
         row.energy = solved.energy;
         row.gradient_norm = solved.gradient_norm;

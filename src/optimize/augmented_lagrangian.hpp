@@ -67,7 +67,8 @@ struct AlIteration {
 struct AlResult {
     AlStatus status = AlStatus::converged;
     std::vector<AlIteration> iterations;
-    std::vector<double> lambda;  // trace nodes x dim
+    DistortionStatistics distortion;  // of the last iterate
+    std::vector<double> lambda;       // trace nodes x dim
     int newton_iterations = 0, linear_iterations = 0;
 };
 
