@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <numeric>
 
 namespace almesh {
 
@@ -27,11 +28,8 @@ std::vector<int> minimum_degree(const SmallGraph& graph) {
         row(v)[u / 64] |= Word(1) << (u % 64);
     }
     std::vector<int> degree(graph.size, 0), left(graph.eliminable), order;
-    auto count = [&](int v) {
-        degree[v] = 0;
-        for_each_bit(row(v), words, [&](int u) { degree[v] += graph.weight[u]; });
-    };
-    for (int v = 0; v < graph.eliminable; ++v) count(left[v] = v);
+    for (int v = 0; v < graph.size; ++v) for_each_bit(row(v), words, [&](int u) { degree[v] += graph.weight[u]; });
+    std::iota(left.begin(), left.end(), 0);
     while (!left.empty()) {
         std::size_t best = 0;
         for (std::size_t k = 1; k < left.size(); ++k)
@@ -39,13 +37,18 @@ std::vector<int> minimum_degree(const SmallGraph& graph) {
         const int pivot = left[best];
         left.erase(left.begin() + best);
         order.push_back(pivot);
-        for_each_bit(row(pivot), words, [&](int u) {
-            for (int w = 0; w < words; ++w) row(u)[w] |= row(pivot)[w];
-            clear(u, u);
+        const Word* const clique = row(pivot);
+        for_each_bit(clique, words, [&](int u) {
             clear(u, pivot);
-        });
-        for_each_bit(row(pivot), words, [&](int u) {
-            if (u < graph.eliminable) count(u);
+            degree[u] -= graph.weight[pivot];
+            Word* const own = row(u);
+            for (int w = 0; w < words; ++w) {
+                Word fill = clique[w] & ~own[w];
+                if (w == u / 64) fill &= ~(Word(1) << (u % 64));
+                if (fill == 0) continue;
+                own[w] |= fill;
+                for_each_bit(&fill, 1, [&](int bit) { degree[u] += graph.weight[w * 64 + bit]; });
+            }
         });
     }
     return order;
