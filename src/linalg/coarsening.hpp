@@ -4,9 +4,17 @@
 #include <cstdint>
 #include <vector>
 
-#include "linalg/separator.hpp"
-
 namespace almesh {
+
+// As Graph, with weights: a vertex stands for `weight` vertices of the finest graph, an edge for `edge_weight` edges.
+struct WeightedGraph {
+    std::vector<int> start{0};
+    std::vector<int> adjacent;
+    std::vector<int> edge_weight;  // one per entry of adjacent
+    std::vector<int> weight;       // one per vertex
+
+    int size() const { return static_cast<int>(start.size()) - 1; }
+};
 
 struct Coarsening {
     WeightedGraph graph;          // the merged graph

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
+#include "linalg/hierarchy.hpp"
 #include "linalg/minimum_degree.hpp"
 #include "linalg/separator.hpp"
 
@@ -10,8 +12,9 @@ namespace almesh {
 
 namespace {
 
-constexpr int leaf_size = 120;        // groups ordered by minimum degree
-constexpr int largest_leaf = 3000;     // beyond this, a piece that cannot be split keeps its order
+constexpr int leaf_size = 150;        // groups ordered by minimum degree
+constexpr int shared_steps = 3;       // of coarsening, made once for all pieces
+constexpr int largest_leaf = 3000;    // beyond this, a piece that cannot be split keeps its order
 [[maybe_unused]] constexpr int task_size = 2000;  // pieces that are worth a task of their own
 
 struct Dissection {
@@ -22,26 +25,19 @@ struct Dissection {
 
 // A piece of the graph: its own copy of the edges inside it, and its groups in the whole graph.
 struct Piece {
-    WeightedGraph graph;
+    Hierarchy graphs;
     std::vector<int> group;
 };
 
 Piece extract(const Piece& from, const std::vector<Part>& part, Part side) {
     Piece piece;
-    std::vector<int> local(from.group.size(), -1);
+    std::vector<int> kept;
     for (std::size_t v = 0; v < part.size(); ++v)
         if (part[v] == side) {
-            local[v] = static_cast<int>(piece.group.size());
+            kept.push_back(static_cast<int>(v));
             piece.group.push_back(from.group[v]);
         }
-    for (std::size_t v = 0; v < part.size(); ++v) {
-        if (part[v] != side) continue;
-        for (int k = from.graph.start[v]; k < from.graph.start[v + 1]; ++k)
-            if (const int u = local[from.graph.adjacent[k]]; u >= 0) piece.graph.adjacent.push_back(u);
-        piece.graph.start.push_back(static_cast<int>(piece.graph.adjacent.size()));
-        piece.graph.weight.push_back(from.graph.weight[v]);
-    }
-    piece.graph.edge_weight.assign(piece.graph.adjacent.size(), 1);
+    piece.graphs = restrict_to(from.graphs, kept);
     return piece;
 }
 
@@ -49,12 +45,12 @@ Piece extract(const Piece& from, const std::vector<Part>& part, Part side) {
 void order_leaf(const Dissection& dissection, const Piece& piece, int first) {
     SmallGraph small;
     const int n = small.size = small.eliminable = static_cast<int>(piece.group.size());
-    small.weight = piece.graph.weight;
+    const WeightedGraph& own = piece.graphs.finest;
+    small.weight = own.weight;
     std::vector<std::pair<int, int>> outside;  // (group in the halo, vertex of the piece)
     const Graph& all = dissection.all.graph;
     for (int v = 0; v < n; ++v) {
-        for (int k = piece.graph.start[v]; k < piece.graph.start[v + 1]; ++k)
-            small.edges.push_back({v, piece.graph.adjacent[k]});
+        for (int k = own.start[v]; k < own.start[v + 1]; ++k) small.edges.push_back({v, own.adjacent[k]});
         const int g = piece.group[v];
         for (int k = all.start[g]; k < all.start[g + 1]; ++k)
             if (dissection.numbered[all.adjacent[k]]) outside.push_back({all.adjacent[k], v});
@@ -73,7 +69,7 @@ void order_leaf(const Dissection& dissection, const Piece& piece, int first) {
 void dissect(Dissection& dissection, const Piece& piece, int first) {
     const int n = static_cast<int>(piece.group.size());
     if (n <= leaf_size) return order_leaf(dissection, piece, first);
-    const std::vector<Part> part = find_separator(piece.graph, static_cast<std::uint64_t>(first) * 7919 + n);
+    const std::vector<Part> part = find_separator(piece.graphs, static_cast<std::uint64_t>(first) * 7919 + n);
     int count[3] = {0, 0, 0};
     for (Part p : part) ++count[p];
     if (count[left] == 0 || count[right] == 0) {
@@ -87,10 +83,9 @@ void dissect(Dissection& dissection, const Piece& piece, int first) {
             dissection.order[--last] = piece.group[v];
             dissection.numbered[piece.group[v]] = 1;
         }
-    const Piece sides[2] = {extract(piece, part, left), extract(piece, part, right)};
-#pragma omp task shared(dissection, sides) if (count[left] > task_size)
-    dissect(dissection, sides[0], first);
-    dissect(dissection, sides[1], first + count[left]);
+#pragma omp task shared(dissection, piece, part) if (count[left] > task_size)
+    dissect(dissection, extract(piece, part, left), first);
+    dissect(dissection, extract(piece, part, right), first + count[left]);
 #pragma omp taskwait
 }
 
@@ -101,11 +96,10 @@ std::vector<int> nested_dissection(const Graph& graph) {
     const int groups = compressed.graph.size();
     std::vector<int> group_order(groups);
     Dissection dissection{compressed, group_order, std::vector<char>(groups, 0)};
+    WeightedGraph finest{compressed.graph.start, compressed.graph.adjacent, {}, compressed.weight};
+    finest.edge_weight.assign(finest.adjacent.size(), 1);
     Piece whole;
-    whole.graph.start = compressed.graph.start;
-    whole.graph.adjacent = compressed.graph.adjacent;
-    whole.graph.edge_weight.assign(whole.graph.adjacent.size(), 1);
-    whole.graph.weight = compressed.weight;
+    whole.graphs = build_hierarchy(std::move(finest), shared_steps, groups);
     whole.group.resize(groups);
     std::iota(whole.group.begin(), whole.group.end(), 0);
 #pragma omp parallel

@@ -6,17 +6,14 @@
 #include <random>
 #include <utility>
 
-#include "linalg/coarsening.hpp"
-
 namespace almesh {
 
 namespace {
 
-constexpr int coarsest_size = 70;     // vertices at which coarsening stops
+constexpr int coarsest_size = 50;     // vertices at which coarsening stops
 constexpr int growings = 3;           // seeds tried on the coarsest graph
 constexpr int branching_depth = 3;    // levels of coarsening before several ways are tried
 constexpr int branches = 3;           // ways tried
-constexpr int passes = 8;             // Fiduccia-Mattheyses passes per level, at most
 constexpr double largest_side = 0.6;  // of the weight outside the separator
 
 // A split under improvement. Moving v from the separator to side t pulls its neighbours on the other side into the
@@ -69,7 +66,7 @@ private:
     int best(int side);
     void move(int v, Part side);
     void undo();
-    bool pass(Direction direction);
+    void pass(Direction direction);
     int choose();
 
     const WeightedGraph& graph_;
@@ -235,12 +232,11 @@ int Split::choose() {
     return open[side] ? side : -1;
 }
 
-// One pass: every vertex moves at most once, uphill too, and the best state on the way is kept. True if it improved.
-bool Split::pass(Direction direction) {
+// One pass: every vertex moves at most once, uphill too, and the best state on the way is kept.
+void Split::pass(Direction direction) {
     start_pass(direction);
     for (int v : boundary_) enter_separator(v);
-    const auto first_cost = cost();
-    auto best_cost = first_cost;
+    auto best_cost = cost();
     std::size_t best_moves = 0;
     const std::size_t patience = std::min<std::size_t>(300, boundary_.size() + 20);
     while (moves_.size() < best_moves + patience) {
@@ -254,14 +250,12 @@ bool Split::pass(Direction direction) {
     }
     while (moves_.size() > best_moves) undo();
     update_boundary();
-    return best_cost < first_cost;
 }
 
-// Passes that push the separator to one side sweep it through the graph, those in both directions smooth it. Ends when
-// each of them has failed in a row.
+// Passes that push the separator to one side sweep it through the graph, one in both directions smooths it. More of
+// them cost a quarter of the ordering and leave the fill as it is.
 void Split::refine() {
-    const Direction cycle[3] = {to_left, to_right, both_ways};
-    for (int p = 0, failed = 0; p < passes && failed < 3; ++p) failed = pass(cycle[p % 3]) ? 0 : failed + 1;
+    for (Direction direction : {to_left, to_right, both_ways}) pass(direction);
 }
 
 std::vector<Part> split_coarsest(const WeightedGraph& graph, std::uint64_t seed) {
@@ -282,6 +276,14 @@ std::vector<Part> split_coarsest(const WeightedGraph& graph, std::uint64_t seed)
     return best;
 }
 
+// The split of a coarser graph becomes that of this one, and is improved.
+void carry_up(const std::vector<Part>& coarse, const std::vector<int>& coarse_of, Split& split) {
+    std::vector<Part> fine(coarse_of.size());
+    for (std::size_t v = 0; v < fine.size(); ++v) fine[v] = coarse[coarse_of[v]];
+    split.assign(std::move(fine));
+    split.refine();
+}
+
 // Separator of a graph that has been coarsened `depth` times. Some levels down, the graph is small enough to try
 // several ways of coarsening it further; the best separator is carried on.
 std::vector<Part> separate(const WeightedGraph& graph, int heaviest, int depth, std::uint64_t seed) {
@@ -289,31 +291,40 @@ std::vector<Part> separate(const WeightedGraph& graph, int heaviest, int depth, 
     const Coarsening coarse = coarsen(graph, heaviest, seed);
     if (coarse.graph.size() > 0.95 * graph.size()) return split_coarsest(graph, seed);
     Split split(graph);
-    auto carry_up = [&](const std::vector<Part>& part) {
-        std::vector<Part> fine(graph.size());
-        for (int v = 0; v < graph.size(); ++v) fine[v] = part[coarse.coarse_of[v]];
-        split.assign(std::move(fine));
-        split.refine();
-        return split.cost();
-    };
-    auto best_cost = carry_up(separate(coarse.graph, heaviest, depth + 1, seed + 1));
+    carry_up(separate(coarse.graph, heaviest, depth + 1, seed + 1), coarse.coarse_of, split);
     if (depth != branching_depth) return split.part();
+    auto best_cost = split.cost();
     std::vector<Part> best = split.part();
     for (int b = 1; b < branches; ++b) {
-        const auto cost = carry_up(separate(coarse.graph, heaviest, depth + 1, seed + 1 + 1000 * b));
-        if (!(cost < best_cost)) continue;
-        best_cost = cost;
+        carry_up(separate(coarse.graph, heaviest, depth + 1, seed + 1 + 1000 * b), coarse.coarse_of, split);
+        if (!(split.cost() < best_cost)) continue;
+        best_cost = split.cost();
         best = split.part();
     }
     return best;
 }
 
+// Merged vertices may not weigh more, so that those of the coarsest graph stay comparable.
+int heaviest_group(const WeightedGraph& graph) {
+    const long long total = std::accumulate(graph.weight.begin(), graph.weight.end(), 0LL);
+    return static_cast<int>(std::max<long long>(2, 3 * total / (2 * coarsest_size)));
+}
+
 }  // namespace
 
 std::vector<Part> find_separator(const WeightedGraph& graph, std::uint64_t seed) {
-    const long long total = std::accumulate(graph.weight.begin(), graph.weight.end(), 0LL);
-    const int heaviest = static_cast<int>(std::max<long long>(2, 3 * total / (2 * coarsest_size)));
-    return separate(graph, heaviest, 0, seed);
+    return separate(graph, heaviest_group(graph), 0, seed);
+}
+
+std::vector<Part> find_separator(const Hierarchy& graphs, std::uint64_t seed) {
+    const int steps = static_cast<int>(graphs.coarser.size());
+    std::vector<Part> part = separate(graphs.coarsest(), heaviest_group(graphs.finest), steps, seed);
+    for (int k = steps - 1; k >= 0; --k) {
+        Split split(k == 0 ? graphs.finest : graphs.coarser[k - 1].graph);
+        carry_up(part, graphs.coarser[k].coarse_of, split);
+        part = split.part();
+    }
+    return part;
 }
 
 }  // namespace almesh

@@ -8,22 +8,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "linalg/hierarchy.hpp"
+
 namespace almesh {
-
-// As Graph, with weights: a vertex stands for `weight` vertices of the finest graph, an edge for `edge_weight` edges.
-struct WeightedGraph {
-    std::vector<int> start{0};
-    std::vector<int> adjacent;
-    std::vector<int> edge_weight;  // one per entry of adjacent
-    std::vector<int> weight;       // one per vertex
-
-    int size() const { return static_cast<int>(start.size()) - 1; }
-};
 
 enum Part : unsigned char { left = 0, right = 1, separator = 2 };
 
-// Part of every vertex, such that no edge joins left and right, both hold less than about 60 % of the weight, and the
+// Part of every vertex such that no edge joins left and right, both hold less than about 60 % of the weight, and the
 // separator is light. One side may be empty where the graph cannot be split. The same seed gives the same answer.
 std::vector<Part> find_separator(const WeightedGraph& graph, std::uint64_t seed);
+
+// The same with the first steps of coarsening given.
+std::vector<Part> find_separator(const Hierarchy& graphs, std::uint64_t seed);
 
 }  // namespace almesh
