@@ -10,10 +10,12 @@
 #include "io/matrix_market.hpp"
 #include "linalg/cholesky.hpp"
 #include "linalg/conjugate_gradients.hpp"
+#include "linalg/domains.hpp"
 #include "linalg/gmres.hpp"
 #include "linalg/ilu0.hpp"
 #include "linalg/linear_solver.hpp"
 #include "linalg/ordering.hpp"
+#include "linalg/reordered.hpp"
 #include "linalg/vector_ops.hpp"
 
 namespace almesh {
@@ -156,10 +158,10 @@ const char* reason(CgStatus status) {
     return "";
 }
 
-// In its own order of domains, or in the one asked for, which leaves it one domain and one thread.
-Ilu0 incomplete_factor(const BlockCsr& A, std::optional<Ordering> ordering) {
-    if (!ordering) return Ilu0(A);
-    return Ilu0(A, {order_vertices(graph_of(A), *ordering), {0, A.n}});
+// Domain by domain, or in the order asked for, which makes it one domain for one thread.
+Domains domains_for(const BlockCsr& A, std::optional<Ordering> ordering) {
+    if (!ordering) return cut_into_domains(graph_of(A));
+    return {order_vertices(graph_of(A), *ordering), {0, A.n}};
 }
 
 // By conjugate gradients or GMRES, whichever `solver` is.
@@ -167,18 +169,24 @@ template <class Solver>
 bool solve_iteratively(Solver solver, const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
                        std::optional<Ordering> ordering, std::FILE* out) {
     const Stopwatch analysis;
-    Ilu0 ilu = incomplete_factor(A, ordering);
+    const Domains domains = domains_for(A, ordering);
+    Reordered system(A, domains.order);
+    Ilu0 ilu(system.matrix(), domains.start);
     print_time(out, "analysis", analysis.seconds());
     const Stopwatch preconditioner;
-    const Ilu0Result factored = ilu.factor(A);
+    system.set(A);
+    const Ilu0Result factored = ilu.factor(system.matrix());
     print_time(out, "ILU(0)", preconditioner.seconds());
     if (factored.status == Ilu0Status::not_positive_definite) {
         std::fprintf(out, "not solved: ILU(0) met a pivot that is not positive in %s\n",
-                     rows_of_node(A, factored.bad_row).c_str());
+                     rows_of_node(A, domains.order[factored.bad_row]).c_str());
         return false;
     }
     const Stopwatch iteration;
-    const auto solved = solver.solve(A, &ilu, b.data(), x.data());
+    std::vector<double> right(b.size()), solution(b.size());
+    system.gather(b.data(), right.data());
+    const auto solved = solver.solve(system.matrix(), &ilu, right.data(), solution.data());
+    system.scatter(solution.data(), x.data());
     print_time(out, "solve", iteration.seconds());
     std::fprintf(out, "iterations      %d\n", solved.iterations);
     if (solved.status == decltype(solved.status)::converged) return true;

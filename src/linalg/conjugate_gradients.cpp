@@ -16,7 +16,7 @@ constexpr int block_size = 768;  // unknowns of a block: a multiple of every d
 }  // namespace
 
 ConjugateGradients::ConjugateGradients(int size, const CgParams& params)
-    : size_(size), params_(params), r_(size), z_(size), p_(size), q_(size) {
+    : size_(size), params_(params), r_(size), p_(size), q_(size) {
     const int blocks = (size + block_size - 1) / block_size;
     pq_.resize(blocks);
     rr_.resize(blocks);
@@ -53,13 +53,14 @@ double ConjugateGradients::residual(const BlockCsr& A, const double* b, const do
     }));
 }
 
-// z = M^{-1} r; returns r'z.
-double ConjugateGradients::precondition(Ilu0* M) {
-    if (M) M->solve_in_team(r_.data(), z_.data());
-    return sum_over_blocks(rz_, [&](int i, int count) {
-        if (!M) std::copy_n(r_.data() + i, count, z_.data() + i);
-        return dot_of_piece(count, r_.data() + i, z_.data() + i);
-    });
+// p = z + beta p with z = M^{-1} r, beta = r'z / rz_before; p = z where rz_before is 0. Returns r'z.
+double ConjugateGradients::next_direction(Ilu0* M, double rz_before) {
+    if (M) return M->next_direction_in_team(r_.data(), rz_before, p_.data());
+    const double rz = sum_over_blocks(rz_, [&](int i, int count) { return dot_of_piece(count, r_.data() + i, r_.data() + i); });
+    const double beta = rz_before != 0 ? rz / rz_before : 0;
+#pragma omp for schedule(static)
+    for (int i = 0; i < size_; ++i) p_[i] = beta != 0 ? r_[i] + beta * p_[i] : r_[i];
+    return rz;
 }
 
 // From the x and r at hand, |r| = r_norm, until the r that is carried along is down to the targets of |r| and of r'M^{-1}r;
@@ -67,14 +68,12 @@ double ConjugateGradients::precondition(Ilu0* M) {
 ConjugateGradients::Cycle ConjugateGradients::cycle(const BlockCsr& A, Ilu0* M, double r_norm, double target, double& rz_target,
                                                     int& iterations, double* x) {
     StagnationTest progress{r_norm};
-    double beta = 0, rz = precondition(M);
+    double rz = next_direction(M, 0);
     if (rz_target < 0) rz_target = params_.tolerance * params_.tolerance * rz;
     for (;;) {
         if (!std::isfinite(rz)) return Cycle::not_finite;
         if (r_norm <= target && rz <= rz_target) return Cycle::small_residual;
         if (iterations == params_.max_iterations) return Cycle::max_iterations;
-#pragma omp for schedule(static)
-        for (int i = 0; i < size_; ++i) p_[i] = z_[i] + (beta != 0 ? beta * p_[i] : 0);
         const double pq = sum_over_blocks(pq_, [&](int i, int count) {
             multiply_rows(A, i / A.d, (i + count) / A.d, p_.data(), q_.data());
             return dot_of_piece(count, p_.data() + i, q_.data() + i);
@@ -91,9 +90,7 @@ ConjugateGradients::Cycle ConjugateGradients::cycle(const BlockCsr& A, Ilu0* M, 
             return dot_of_piece(count, r_.data() + i, r_.data() + i);
         }));
         if (progress.stagnates(r_norm)) return Cycle::stagnated;
-        const double before = rz;
-        rz = precondition(M);
-        beta = rz / before;
+        rz = next_direction(M, rz);
     }
 }
 

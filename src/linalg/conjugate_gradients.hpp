@@ -3,8 +3,10 @@
 // of Newton's method is a descent direction, however early the iteration ends. It notices when A is not positive
 // definite: p'Ap <= 0 for a search direction p.
 //
-// Cost of an iteration: one product with A, one with M^{-1}, three sums; memory 4 n doubles. All threads run the whole
-// iteration side by side and share its loops; sums go over fixed blocks, so the bits do not depend on their number.
+// Cost of an iteration: one product with A, one with M^{-1}, two sums; memory 3 n doubles. All threads run the whole
+// iteration side by side and share its loops, with five waits: after the product, after the step, and three inside the
+// sweeps of M, which make the next direction on their way. Sums go over fixed blocks, so the bits do not depend on the
+// number of threads.
 #pragma once
 #include <vector>
 
@@ -49,13 +51,13 @@ private:
     Cycle cycle(const BlockCsr& A, Ilu0* M, double r_norm, double target, double& rz_target, int& iterations, double* x);
     double start(const double* b, double* x);
     double residual(const BlockCsr& A, const double* b, const double* x);
-    double precondition(Ilu0* M);
+    double next_direction(Ilu0* M, double rz_before);
     template <class Term>
     double sum_over_blocks(std::vector<double>& partial, const Term& term);
 
     int size_;
     CgParams params_;
-    std::vector<double> r_, z_, p_, q_;     // size: residual, M^{-1} r, search direction, A p
+    std::vector<double> r_, p_, q_;               // size: residual, search direction, A p
     std::vector<double> pq_, rr_, rz_, true_rr_;  // sums of blocks. One array each: a thread may still be adding up the
                                                   // last one when others write the next
 };

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 #include <cstddef>
+#include <numeric>
+#include <utility>
 
 namespace almesh {
 
@@ -55,29 +56,21 @@ bool inverse_of_cholesky(const double* D, double* inverse) {
 
 }  // namespace
 
-Ilu0::Ilu0(const BlockCsr& pattern) : Ilu0(pattern, cut_into_domains(graph_of(pattern))) {}
+Ilu0::Ilu0(const BlockCsr& pattern) : Ilu0(pattern, {0, pattern.n}) {}
 
-Ilu0::Ilu0(const BlockCsr& pattern, Domains domains) : d_(pattern.d), domains_(std::move(domains)) {
-    const std::vector<int>& order = domains_.order;
-    const std::vector<int> position = inverse(order);
+Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start) : d_(pattern.d), start_(std::move(start)) {
     for (int i = 0; i < pattern.n; ++i) {
-        const int v = order[i];
-        const std::size_t begin = source_.size();
-        for (int k = pattern.row[v]; k < pattern.row[v + 1]; ++k)
-            if (position[pattern.col[k]] < i) source_.push_back(k);
-        std::sort(source_.begin() + begin, source_.end(),
-                  [&](int a, int b) { return position[pattern.col[a]] < position[pattern.col[b]]; });
-        for (std::size_t k = begin; k < source_.size(); ++k) col_.push_back(position[pattern.col[source_[k]]]);
+        for (int k = pattern.row[i]; pattern.col[k] < i; ++k) col_.push_back(pattern.col[k]);
         row_.push_back(static_cast<int>(col_.size()));
         longest_ = std::max(longest_, row_[i + 1] - row_[i]);
-        diagonal_.push_back(pattern.find(v, v));
     }
     const std::size_t n = pattern.n, block = static_cast<std::size_t>(d_) * d_;
     L_.resize(col_.size() * block);
     C_inverse_.resize(n * block);
     y_.resize(n * d_);
-    row_of_.resize(domains_.start.size() * longest_ * block);
-    bad_.resize(domains_.start.size());
+    row_of_.resize(start_.size() * longest_ * block);
+    squares_.resize(start_.size());
+    bad_.resize(start_.size());
 }
 
 // Rows begin .. end-1, whose columns must be done or among them. T: one row of blocks. Returns the bad row, or -1.
@@ -85,12 +78,13 @@ template <int d>
 int Ilu0::factor_rows(const BlockCsr& A, int begin, int end, double* T) {
     constexpr int block = d * d;
     for (int i = begin; i < end; ++i) {
+        const double* const Ai = A.block(A.row[i]);  // as many blocks as L has in this row, then the diagonal one
         // T_ij = C_i L_ij, from A_ij = sum over k < j of T_ik L_jk' C_j' + T_ij C_j'
         for (int k = row_[i]; k < row_[i + 1]; ++k) {
             const int j = col_[k];
             double* const Tj = T + (k - row_[i]) * block;
             std::fill_n(Tj, block, 0.0);
-            subtract_product_transposed<d>(A.block(source_[k]), C_inverse_.data() + static_cast<std::size_t>(j) * block, Tj);
+            subtract_product_transposed<d>(Ai + (k - row_[i]) * block, C_inverse_.data() + static_cast<std::size_t>(j) * block, Tj);
             for (int e = 0; e < block; ++e) Tj[e] = -Tj[e];
             for (int a = row_[i], b = row_[j]; a < k && b < row_[j + 1];) {
                 const int left = col_[a], right = col_[b];
@@ -101,7 +95,7 @@ int Ilu0::factor_rows(const BlockCsr& A, int begin, int end, double* T) {
             }
         }
         double D[block];
-        std::copy_n(A.block(diagonal_[i]), block, D);
+        std::copy_n(Ai + (row_[i + 1] - row_[i]) * block, block, D);
         for (int k = 0; k < row_[i + 1] - row_[i]; ++k)
             subtract_product_transposed<d>(T + k * block, T + k * block, D);
         double* const C_inverse = C_inverse_.data() + static_cast<std::size_t>(i) * block;
@@ -119,15 +113,12 @@ int Ilu0::factor_rows(const BlockCsr& A, int begin, int end, double* T) {
 
 template <int d>
 void Ilu0::factor_blocks(const BlockCsr& A) {
-    const int domains = domains_.count();
     const std::size_t row = static_cast<std::size_t>(longest_) * d * d;
-#pragma omp parallel for schedule(static) if (domains > 1)
-    for (int k = 0; k < domains; ++k)
-        bad_[k] = factor_rows<d>(A, domains_.start[k], domains_.start[k + 1], row_of_.data() + k * row);
-    bad_[domains] = -1;
+#pragma omp parallel for schedule(static) if (domains() > 1)
+    for (int k = 0; k < domains(); ++k) bad_[k] = factor_rows<d>(A, start_[k], start_[k + 1], row_of_.data() + k * row);
+    int& last = bad_.back() = -1;
     if (std::all_of(bad_.begin(), bad_.end(), [](int bad) { return bad < 0; }))
-        bad_[domains] = factor_rows<d>(A, domains_.start.back(), static_cast<int>(diagonal_.size()),
-                                       row_of_.data() + domains * row);
+        last = factor_rows<d>(A, start_.back(), rows(), row_of_.data() + domains() * row);
 }
 
 Ilu0Result Ilu0::factor(const BlockCsr& A) {
@@ -135,61 +126,75 @@ Ilu0Result Ilu0::factor(const BlockCsr& A) {
     if (d_ == 2) factor_blocks<2>(A);
     if (d_ == 3) factor_blocks<3>(A);
     for (int bad : bad_)
-        if (bad >= 0) return {Ilu0Status::not_positive_definite, domains_.order[bad]};
+        if (bad >= 0) return {Ilu0Status::not_positive_definite, bad};
     return {Ilu0Status::factored, -1};
 }
 
-// y_i = C_i^{-1} r_i - sum over j < i of L_ij y_j
+// y_i = C_i^{-1} r_i - sum over j < i of L_ij y_j; returns the sum of their squares.
 template <int d>
-void Ilu0::sweep_forward(int begin, int end, const double* r) {
+double Ilu0::sweep_forward(int begin, int end, const double* r) {
+    double squares = 0;
     for (int i = begin; i < end; ++i) {
         double sum[d] = {};
         add_product<d, 1>(C_inverse_.data() + static_cast<std::size_t>(i) * d * d,
-                          r + static_cast<std::size_t>(domains_.order[i]) * d, sum);
+                          r + static_cast<std::size_t>(i) * d, sum);
         for (int k = row_[i]; k < row_[i + 1]; ++k)
             add_product<d, -1>(L_.data() + static_cast<std::size_t>(k) * d * d,
                                y_.data() + static_cast<std::size_t>(col_[k]) * d, sum);
         std::copy_n(sum, d, y_.data() + static_cast<std::size_t>(i) * d);
+        for (int a = 0; a < d; ++a) squares += sum[a] * sum[a];
     }
+    return squares;
 }
 
-// y_i -= sum over j > i of L_ji' y_j, by columns of L' as they become known; z_i = C_i^{-T} y_i
-template <int d>
-void Ilu0::sweep_backward(int begin, int end, double* z) {
+// y_i -= sum over j > i of L_ji' y_j, by columns of L' as they become known; entries of z_i = C_i^{-T} y_i go to take(place, entry).
+template <int d, class Take>
+void Ilu0::sweep_backward(int begin, int end, const Take& take) {
     for (int i = end - 1; i >= begin; --i) {
         const double* const y = y_.data() + static_cast<std::size_t>(i) * d;
         for (int k = row_[i]; k < row_[i + 1]; ++k)
             add_product_transposed<d, -1>(L_.data() + static_cast<std::size_t>(k) * d * d, y,
                                           y_.data() + static_cast<std::size_t>(col_[k]) * d);
-        double sum[d] = {};
-        add_product_transposed<d, 1>(C_inverse_.data() + static_cast<std::size_t>(i) * d * d, y, sum);
-        std::copy_n(sum, d, z + static_cast<std::size_t>(domains_.order[i]) * d);
+        double z[d] = {};
+        add_product_transposed<d, 1>(C_inverse_.data() + static_cast<std::size_t>(i) * d * d, y, z);
+        for (int a = 0; a < d; ++a) take(static_cast<std::size_t>(i) * d + a, z[a]);
     }
 }
 
-template <int d>
-void Ilu0::sweep(const double* r, double* z) {
-    const int n = static_cast<int>(diagonal_.size()), domains = domains_.count(), first = domains_.start.back();
+// Both sweeps; take(r'z) is asked for the taker of z as soon as r'z is known, by every thread. Returns r'z.
+template <int d, class Take>
+double Ilu0::sweep(const double* r, const Take& take) {
+    const auto rz = [&] { return std::accumulate(squares_.begin(), squares_.end(), 0.0); };
 #pragma omp for schedule(static)
-    for (int k = 0; k < domains; ++k) sweep_forward<d>(domains_.start[k], domains_.start[k + 1], r);
+    for (int k = 0; k < domains(); ++k) squares_[k] = sweep_forward<d>(start_[k], start_[k + 1], r);
 #pragma omp single
     {
-        sweep_forward<d>(first, n, r);
-        sweep_backward<d>(first, n, z);
+        squares_.back() = sweep_forward<d>(start_.back(), rows(), r);
+        sweep_backward<d>(start_.back(), rows(), take(rz()));
     }
+    const double own_rz = rz();  // before the next barrier: after it another thread may begin the next solve
 #pragma omp for schedule(static)
-    for (int k = 0; k < domains; ++k) sweep_backward<d>(domains_.start[k], domains_.start[k + 1], z);
+    for (int k = 0; k < domains(); ++k) sweep_backward<d>(start_[k], start_[k + 1], take(own_rz));
+    return own_rz;
 }
 
-void Ilu0::solve_in_team(const double* r, double* z) {
-    if (d_ == 1) sweep<1>(r, z);
-    if (d_ == 2) sweep<2>(r, z);
-    if (d_ == 3) sweep<3>(r, z);
+template <class Take>
+double Ilu0::sweep_in_team(const double* r, const Take& take) {
+    if (d_ == 1) return sweep<1>(r, take);
+    if (d_ == 2) return sweep<2>(r, take);
+    return sweep<3>(r, take);
+}
+
+double Ilu0::next_direction_in_team(const double* r, double rz_before, double* p) {
+    return sweep_in_team(r, [=](double rz) {
+        const double beta = rz_before != 0 ? rz / rz_before : 0;
+        return [=](std::size_t i, double z) { p[i] = beta != 0 ? z + beta * p[i] : z; };  // no old p: it may be anything
+    });
 }
 
 void Ilu0::solve(const double* r, double* z) {
-#pragma omp parallel if (domains_.count() > 1)
-    solve_in_team(r, z);
+#pragma omp parallel if (domains() > 1)
+    sweep_in_team(r, [=](double) { return [=](std::size_t i, double zi) { z[i] = zi; }; });
 }
 
 }  // namespace almesh

@@ -1,9 +1,9 @@
 // Incomplete factorisation without fill of a symmetric positive definite matrix, ILU(0) on its d x d blocks in the
 // symmetric form
-//     P A P' ~ C (I + L) (I + L') C',   L strictly lower triangular with the pattern of P A P', C block diagonal
+//     A ~ C (I + L) (I + L') C',   L strictly lower triangular with the pattern of A, C block diagonal
 // (Saad, Iterative Methods for Sparse Linear Systems, 2003, sections 10.3 and 10.6), with half the storage of L U.
 //
-// P numbers the nodes domain by domain, separators last (domains.hpp), so that domains are factored and swept in
+// The matrix comes numbered domain by domain, separators last (domains.hpp), so that domains are factored and swept in
 // parallel, with one wait before and one after the separators; inside, reverse Cuthill-McKee keeps the factor accurate.
 // C carries the units of A, so L is of order one and is kept in single precision: the sweeps move half the bytes.
 // Cost: O(sum over rows of neighbours^2 d^3) to factor, two passes over L to solve.
@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "linalg/block_csr.hpp"
-#include "linalg/domains.hpp"
 
 namespace almesh {
 
@@ -27,20 +26,23 @@ struct Ilu0Result {
 
 class Ilu0 {
 public:
-    // Orders the nodes and sets up the pattern of L. pattern: symmetric with both triangles and the diagonal, d = 1, 2, 3.
-    explicit Ilu0(const BlockCsr& pattern);
+    // Sets up the pattern of L. pattern: symmetric with both triangles and the diagonal, d = 1, 2, 3. start: domain k has
+    // the rows start[k] .. start[k+1]-1 and the separators those from start.back() on; no edge may join two domains.
+    Ilu0(const BlockCsr& pattern, std::vector<int> start);
 
-    // The same in an order of the caller's: no edge may join two domains.
-    Ilu0(const BlockCsr& pattern, Domains domains);
+    // The same as one domain.
+    explicit Ilu0(const BlockCsr& pattern);
 
     // A: the values, on the pattern given to the constructor. Afterwards solve() may be called if the status is factored.
     Ilu0Result factor(const BlockCsr& A);
 
-    // z = (C (I + L) (I + L') C')^{-1} r in the numbering of A; r, z: n*d, and they may be the same array.
+    // z = (C (I + L) (I + L') C')^{-1} r; r, z: n*d, and they may be the same array.
     void solve(const double* r, double* z);
 
-    // The same, called by all threads of a parallel region together; all have z when it returns.
-    void solve_in_team(const double* r, double* z);
+    // What conjugate gradients do with z, in the same two sweeps: p = z + beta p, beta = r'z / rz_before, or p = z where
+    // rz_before is 0. Returns r'z, which is the square of the vector between the sweeps. Called by all threads of a
+    // parallel region together; all have p when it returns.
+    double next_direction_in_team(const double* r, double rz_before, double* p);
 
 private:
     template <int d>
@@ -48,22 +50,26 @@ private:
     template <int d>
     void factor_blocks(const BlockCsr& A);
     template <int d>
-    void sweep_forward(int begin, int end, const double* r);
-    template <int d>
-    void sweep_backward(int begin, int end, double* z);
-    template <int d>
-    void sweep(const double* r, double* z);
+    double sweep_forward(int begin, int end, const double* r);
+    template <int d, class Take>
+    void sweep_backward(int begin, int end, const Take& take);
+    template <int d, class Take>
+    double sweep(const double* r, const Take& take);
+    template <class Take>
+    double sweep_in_team(const double* r, const Take& take);
+
+    int rows() const { return static_cast<int>(row_.size()) - 1; }
+    int domains() const { return static_cast<int>(start_.size()) - 1; }
 
     int d_;
-    Domains domains_;
+    std::vector<int> start_;
     std::vector<int> row_{0};            // n + 1 offsets into col_
-    std::vector<int> col_;               // block columns of L, new numbers, ascending within a row
-    std::vector<int> source_;            // block of A for each block of L
-    std::vector<int> diagonal_;          // block (i, i) of A for each new row
+    std::vector<int> col_;               // block columns of L, ascending within a row: the first ones of the row of A
     std::vector<float> L_;               // d*d per block, row-major
     std::vector<double> C_inverse_;      // d*d per row, lower triangular
-    std::vector<double> y_;              // n*d, new numbers: the vector between the sweeps
+    std::vector<double> y_;              // n*d: the vector between the sweeps
     std::vector<double> row_of_;         // d*d per block of the longest row, for each domain and the separators
+    std::vector<double> squares_;        // of y over each domain and the separators
     std::vector<int> bad_;               // first bad row of each domain and of the separators, or -1
     int longest_ = 0;                    // blocks of the longest row
 };

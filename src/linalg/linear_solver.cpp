@@ -6,8 +6,11 @@
 
 #include "linalg/cholesky.hpp"
 #include "linalg/conjugate_gradients.hpp"
+#include "linalg/domains.hpp"
 #include "linalg/gmres.hpp"
+#include "linalg/graph.hpp"
 #include "linalg/ilu0.hpp"
+#include "linalg/reordered.hpp"
 #include "linalg/vector_ops.hpp"
 
 namespace almesh {
@@ -77,11 +80,16 @@ double norm_inf(const BlockCsr& A) {
 }  // namespace
 
 struct LinearSolver::Iterative {
+    Reordered system;  // domain by domain
     Ilu0 ilu;
     std::optional<ConjugateGradients> cg;  // one of the two
     std::optional<Gmres> gmres;
+    std::vector<double> right, solution;
 
-    Iterative(const BlockCsr& A, const LinearSolverParams& params) : ilu(A) {
+    Iterative(const BlockCsr& A, const LinearSolverParams& params) : Iterative(A, params, cut_into_domains(graph_of(A))) {}
+
+    Iterative(const BlockCsr& A, const LinearSolverParams& params, const Domains& domains)
+        : system(A, domains.order), ilu(system.matrix(), domains.start), right(A.size()), solution(A.size()) {
         if (params.kind == SolverKind::gmres)
             gmres.emplace(A.size(), GmresParams{params.restart, params.max_iterations, params.tolerance});
         else cg.emplace(A.size(), CgParams{params.max_iterations, params.tolerance});
@@ -138,12 +146,13 @@ bool LinearSolver::iterative_first(const BlockCsr& A) {
     return !direct(A).cholesky.fits();
 }
 
-SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
+SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, bool doubtful) {
     x.assign(A.size(), 0.0);
     if (!iterative_first(A)) return solve_directly(A, b, x);
     const SolveResult first = solve_iteratively(A, b, x);
     if (first.status == SolveStatus::converged) failures_ = 0;
     if (first.status == SolveStatus::converged || first.status == SolveStatus::not_positive_definite) return first;
+    if (doubtful && first.status == SolveStatus::indefinite_preconditioner) return first;
     ++failures_;
     if (!direct(A).cholesky.fits()) return first;
     SolveResult second = solve_directly(A, b, x);
@@ -164,18 +173,21 @@ SolveResult LinearSolver::solve_iteratively(const BlockCsr& A, const std::vector
         return result;
     };
     const SolverKind kind = own.cg ? SolverKind::cg : SolverKind::gmres;
-    const Ilu0Result factored = own.ilu.factor(A);
+    own.system.set(A);
+    const BlockCsr& B = own.system.matrix();
+    const Ilu0Result factored = own.ilu.factor(B);
     if (factored.status == Ilu0Status::not_positive_definite) {
         SolveResult result = result_of(kind, SolveStatus::indefinite_preconditioner, 0, 1);
-        result.bad_node = factored.bad_row;
+        result.bad_node = own.system.order()[factored.bad_row];
         return result;
     }
-    if (own.cg) {
-        const CgResult solved = own.cg->solve(A, &own.ilu, b.data(), x.data());
+    own.system.gather(b.data(), own.right.data());
+    const auto solve_with = [&](auto& solver) {
+        const auto solved = solver.solve(B, &own.ilu, own.right.data(), own.solution.data());
+        own.system.scatter(own.solution.data(), x.data());
         return result_of(kind, status_of(solved.status), solved.iterations, solved.relative_residual);
-    }
-    const GmresResult solved = own.gmres->solve(A, &own.ilu, b.data(), x.data());
-    return result_of(kind, status_of(solved.status), solved.iterations, solved.relative_residual);
+    };
+    return own.cg ? solve_with(*own.cg) : solve_with(*own.gmres);
 }
 
 SolveResult LinearSolver::solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {

@@ -59,8 +59,9 @@ public:
 
     // A: symmetric, both triangles stored. b, x: A.size(); x is resized. Unless the status is converged, x is the
     // last iterate of an iterative solver or zero. Its convergence does not mean that A is positive definite.
-    // not_positive_definite is about A itself, so nothing else is tried then.
-    SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
+    // not_positive_definite is about A itself, so nothing else is tried then. doubtful: A may be indefinite, and the
+    // caller has another matrix in its place; then indefinite_preconditioner, a sign of that, ends the solve too.
+    SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, bool doubtful = false);
 
     // Scalar entries of the Cholesky factor and operations to compute it; 0 until it has been analysed.
     double factor_entries() const;

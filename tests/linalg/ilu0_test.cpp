@@ -5,6 +5,9 @@
 #include <limits>
 
 #include "base/parallel.hpp"
+#include "linalg/domains.hpp"
+#include "linalg/graph.hpp"
+#include "linalg/reordered.hpp"
 #include "linalg/vector_ops.hpp"
 #include "matrices.hpp"
 
@@ -19,6 +22,20 @@ std::vector<double> solved(Ilu0& ilu, const std::vector<double>& r) {
     ilu.solve(r.data(), z.data());
     return z;
 }
+
+// A 3D grid numbered domain by domain, and where its domains start: one domain for m <= 15.
+struct CutGrid {
+    BlockCsr A;
+    std::vector<int> start;
+
+    explicit CutGrid(int m, int d, double excess = 1.0) : A(random_spd(m * m * m, d, grid_3d(m), excess)) {
+        const Domains domains = cut_into_domains(graph_of(A));
+        Reordered reordered(A, domains.order);
+        reordered.set(A);
+        A = reordered.matrix();
+        start = domains.start;
+    }
+};
 
 }  // namespace
 
@@ -85,14 +102,35 @@ TEST_CASE("on its pattern, the product of the factors is the matrix") {
 
 TEST_CASE("the preconditioner is symmetric and positive definite, in several domains too") {
     for (int m : {6, 18}) {
-        const BlockCsr A = random_spd(m * m * m, 2, grid_3d(m), 1e-2);
-        Ilu0 ilu(A);
+        const CutGrid grid(m, 2, 1e-2);
+        const BlockCsr& A = grid.A;
+        Ilu0 ilu(A, grid.start);
+        CHECK(grid.start.size() == (m == 6 ? 2 : 9));
         REQUIRE(ilu.factor(A).status == Ilu0Status::factored);
         const std::vector<double> u = random_vector(A.size(), 1), v = random_vector(A.size(), 2);
         const std::vector<double> Mu = solved(ilu, u), Mv = solved(ilu, v);
         CHECK(dot(u, Mv) == doctest::Approx(dot(v, Mu)).epsilon(1e-12));
         CHECK(dot(u, Mu) > 0);
     }
+}
+
+TEST_CASE("the next direction of conjugate gradients is z + beta p, and the first one does not look at p") {
+    for (int d = 1; d <= 3; ++d)
+        for (int m : {6, 17}) {
+            const CutGrid grid(m, d, 1e-2);
+            Ilu0 ilu(grid.A, grid.start);
+            REQUIRE(ilu.factor(grid.A).status == Ilu0Status::factored);
+            const std::vector<double> r = random_vector(grid.A.size(), 1), z = solved(ilu, r);
+            std::vector<double> p(r.size(), std::numeric_limits<double>::quiet_NaN());
+            const double rz = ilu.next_direction_in_team(r.data(), 0, p.data());
+            CHECK(rz == doctest::Approx(dot(r, z)).epsilon(1e-12));
+            CHECK(p == z);
+            const std::vector<double> old = random_vector(grid.A.size(), 2);
+            p = old;
+            CHECK(ilu.next_direction_in_team(r.data(), 4 * rz, p.data()) == rz);
+            for (std::size_t i = 0; i < p.size(); ++i) p[i] -= z[i] + 0.25 * old[i];
+            CHECK(norm_inf(p) < 1e-14 * norm_inf(z));
+        }
 }
 
 TEST_CASE("the units of the matrix do not matter, though L is in single precision") {
@@ -113,8 +151,9 @@ TEST_CASE("the units of the matrix do not matter, though L is in single precisio
 
 TEST_CASE("factor() refills the pattern, and names the row of a pivot block that is not positive") {
     for (int m : {4, 17}) {  // one domain, and several
-        const BlockCsr A = random_spd(m * m * m, 2, grid_3d(m));
-        Ilu0 ilu(A);
+        const CutGrid grid(m, 2);
+        const BlockCsr& A = grid.A;
+        Ilu0 ilu(A, grid.start);
         CHECK(ilu.factor(A).status == Ilu0Status::factored);
         for (const double bad : {-1.0, 0.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
             for (int row : {4, A.n / 2, A.n - 1}) {
@@ -134,16 +173,17 @@ TEST_CASE("an empty matrix") {
 }
 
 TEST_CASE("ILU(0) gives the same bits for any number of threads") {
-    const BlockCsr A = random_spd(8000, 3, grid_3d(20), 1e-2);
+    const CutGrid grid(20, 3, 1e-2);
+    const BlockCsr& A = grid.A;
     const std::vector<double> r = random_vector(A.size());
     const int before = max_threads();
     set_threads(1);
-    Ilu0 ilu(A);
+    Ilu0 ilu(A, grid.start);
     ilu.factor(A);
     const std::vector<double> first = solved(ilu, r);
     for (int threads : {2, 3, 8}) {
         set_threads(threads);
-        Ilu0 other(A);
+        Ilu0 other(A, grid.start);
         other.factor(A);
         CHECK(solved(other, r) == first);
     }

@@ -155,6 +155,9 @@ TEST_CASE("a pivot of ILU(0) that is not positive is reported at once, with its 
         CHECK(checked.fell_back);
         CHECK(checked.iterative_status == SolveStatus::indefinite_preconditioner);
         CHECK(checked.iterations == 0);
+        const SolveResult doubtful = LinearSolver(A, 2, params).solve(A, random_vector(60), x, true);
+        CHECK(doubtful.status == SolveStatus::indefinite_preconditioner);  // enough for a caller who expects it
+        CHECK_FALSE(doubtful.fell_back);
         params.memory_limit = 1;  // no way out
         const SolveResult result = LinearSolver(A, 2, params).solve(A, random_vector(60), x);
         CHECK(result.status == SolveStatus::indefinite_preconditioner);
