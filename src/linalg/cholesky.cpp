@@ -83,6 +83,16 @@ struct ExtendAdd {
     }
 };
 
+// Solves read each panel once, so all threads together on one front wait more than they work: fronts of one level go
+// side by side, and only a single one is shared.
+template <class Body>
+void for_level(const std::vector<int>& level, const Body& body) {
+    const int count = static_cast<int>(level.size());
+    if (count == 1) return body(level.front(), true);
+#pragma omp parallel for schedule(dynamic, 1)
+    for (int i = 0; i < count; ++i) body(level[i], false);
+}
+
 }  // namespace
 
 Cholesky::Cholesky(const BlockCsr& pattern, const CholeskyParams& params)
@@ -120,10 +130,15 @@ Front Cholesky::front(int f, int thread) {
 }
 
 // The panel's share of A, and what its pivots are measured by.
-void Cholesky::gather_entries(const BlockCsr& A, int f, const Front& target) {
+void Cholesky::gather_entries(const BlockCsr& A, int f, const Front& target, bool parallel) {
     const int d = plan_.d, ld = front_ld(target.m);
     double* const smallest = smallest_.data() + static_cast<std::size_t>(plan_.tree.first[f]) * d;
-    std::fill_n(target.panel, panel_size(target.m, target.k), 0.0);
+    auto clear = [&](int j) { std::fill_n(target.panel + static_cast<std::size_t>(j) * ld, ld, 0.0); };
+    if (parallel) {  // the system clears its pages here, too, the first time
+        parallel_for(target.k, clear, target.m);
+    } else {
+        for (int j = 0; j < target.k; ++j) clear(j);
+    }
     for (std::size_t e = plan_.entry_start[f]; e < plan_.entry_start[f + 1]; ++e) {
         const FrontEntry& entry = plan_.entries[e];
         const double* block = A.block(entry.block);  // row-major, row = the entry's column, as A is symmetric
@@ -140,7 +155,7 @@ int Cholesky::factor_one(const BlockCsr& A, int f, int thread, bool parallel) {
     thread_local std::vector<Run> runs;
     const Front target = front(f, thread);
     parallel = parallel && static_cast<double>(target.k) * target.m * target.m > parallel_front;
-    gather_entries(A, f, target);
+    gather_entries(A, f, target, parallel);
     auto add_children = [&](bool panel) {
         for (int k = plan_.child_start[f]; k < plan_.child_start[f + 1]; ++k) {
             const int c = plan_.child[k];
@@ -224,8 +239,11 @@ void Cholesky::solve(const double* b, double* x) {
 #pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
     for (int s = 0; s < subtrees; ++s)
         for (int f = ranges[s].begin; f < ranges[s].end; ++f) solve_forward_one(f, y, false);
-    for (int f : plan_.top) solve_forward_one(f, y, true);
-    for (std::size_t k = plan_.top.size(); k-- > 0;) solve_backward_one(plan_.top[k], y, true);
+    const std::vector<std::vector<int>>& levels = plan_.levels;
+    for (const std::vector<int>& level : levels)
+        for_level(level, [&](int f, bool parallel) { solve_forward_one(f, y, parallel); });
+    for (std::size_t l = levels.size(); l-- > 0;)
+        for_level(levels[l], [&](int f, bool parallel) { solve_backward_one(f, y, parallel); });
 #pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
     for (int s = 0; s < subtrees; ++s)
         for (int f = ranges[s].end - 1; f >= ranges[s].begin; --f) solve_backward_one(f, y, false);

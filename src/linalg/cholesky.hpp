@@ -51,7 +51,7 @@ private:
     double* update_of(int f, int thread);
     Front front(int f, int thread);
     int factor_one(const BlockCsr& A, int f, int thread, bool parallel);
-    void gather_entries(const BlockCsr& A, int f, const Front& target);
+    void gather_entries(const BlockCsr& A, int f, const Front& target, bool parallel);
     void solve_forward_one(int f, double* x, bool parallel);
     void solve_backward_one(int f, double* x, bool parallel);
 

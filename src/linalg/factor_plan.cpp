@@ -108,6 +108,17 @@ void cut_into_subtrees(FactorPlan& plan) {
     });
 }
 
+void sort_into_levels(FactorPlan& plan) {
+    std::vector<int> depth(plan.tree.fronts(), 0);
+    for (std::size_t k = plan.top.size(); k-- > 0;) {
+        const int f = plan.top[k], p = plan.tree.parent[f];
+        if (p >= 0) depth[f] = depth[p] + 1;
+        if (depth[f] >= static_cast<int>(plan.levels.size())) plan.levels.resize(depth[f] + 1);
+        plan.levels[depth[f]].push_back(f);
+    }
+    std::reverse(plan.levels.begin(), plan.levels.end());
+}
+
 // The two stacks of some part of the tree, even on `at[0]`, odd on `at[1]`.
 struct Stacks {
     std::size_t at[2] = {0, 0}, peak[2] = {0, 0};
@@ -193,6 +204,7 @@ FactorPlan plan_factorisation(const BlockCsr& pattern, const Graph& graph, const
     find_entries(plan, pattern);
     count_work(plan);
     cut_into_subtrees(plan);
+    sort_into_levels(plan);
     place_updates(plan);
     plan.panel_at.assign(1, 0);
     for (int f = 0; f < plan.tree.fronts(); ++f)

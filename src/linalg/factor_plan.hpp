@@ -32,6 +32,7 @@ struct FactorPlan {
     std::vector<FrontEntry> entries;
     std::vector<FrontRange> subtrees;         // costliest first
     std::vector<int> top;                     // fronts above the subtrees, children before parents
+    std::vector<std::vector<int>> levels;     // the same fronts by their depth, the deepest first
 
     // Memory, in doubles.
     std::vector<std::size_t> panel_at;        // fronts + 1 offsets into the factor

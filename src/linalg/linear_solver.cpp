@@ -65,8 +65,11 @@ SolveStatus status_of(CgStatus status) {
     return SolveStatus::breakdown;
 }
 
+// Largest sum of absolute values in a row. The largest of several numbers does not depend on their order, so the
+// reduction gives the same bits for any number of threads.
 double norm_inf(const BlockCsr& A) {
     double largest = 0;
+#pragma omp parallel for schedule(static) reduction(max : largest)
     for (int i = 0; i < A.n; ++i)
         for (int r = 0; r < A.d; ++r) {
             double sum = 0;

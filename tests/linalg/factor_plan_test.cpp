@@ -92,6 +92,23 @@ TEST_CASE("subtrees and top cover all fronts once, the subtrees are independent"
     CHECK(plan_of(random_spd(100, 2, grid(10, 10))).subtrees.size() == 1);
 }
 
+TEST_CASE("levels hold the fronts of the top once, parents above their children") {
+    const FactorPlan plan = plan_of(random_spd(90 * 90, 2, grid(90, 90)));
+    std::vector<int> level(plan.tree.fronts(), -1), listed;
+    for (std::size_t l = 0; l < plan.levels.size(); ++l)
+        for (int f : plan.levels[l]) {
+            level[f] = static_cast<int>(l);
+            listed.push_back(f);
+        }
+    CHECK(plan.levels.size() > 1);
+    std::sort(listed.begin(), listed.end());
+    std::vector<int> top = plan.top;
+    std::sort(top.begin(), top.end());
+    CHECK(listed == top);
+    for (int f : plan.top)
+        if (const int p = plan.tree.parent[f]; p >= 0) CHECK(level[p] == level[f] + 1);
+}
+
 TEST_CASE("update matrices that are needed at the same time never overlap") {
     Edges edges = grid(70, 70);
     for (const auto& [i, j] : grid(30, 30)) edges.push_back({i + 4900, j + 4900});
