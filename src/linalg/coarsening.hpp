@@ -1,5 +1,6 @@
 // One step of multilevel coarsening: groups of up to three vertices along heavy edges are merged into one. O(edges).
-// Groups of three instead of pairs: two thirds of the levels, and no worse separators.
+// Groups of three instead of pairs: two thirds of the levels, and no worse separators. Large graphs are worked on in
+// fixed blocks by all threads, with the same result for any number of them.
 #pragma once
 #include <cstdint>
 #include <vector>

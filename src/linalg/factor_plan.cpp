@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/parallel.hpp"
 #include "linalg/dense_kernels.hpp"
 
 namespace almesh {
@@ -27,9 +28,9 @@ void find_children(FactorPlan& plan) {
 void find_places_in_parents(FactorPlan& plan) {
     const AssemblyTree& tree = plan.tree;
     plan.in_parent.resize(tree.rows.size());
-    for (int f = 0; f < tree.fronts(); ++f) {
+    parallel_for(tree.fronts(), [&](int f) {
         const int p = tree.parent[f];
-        if (p < 0) continue;
+        if (p < 0) return;
         std::size_t at = tree.row_start[p];
         for (std::size_t k = tree.row_start[f]; k < tree.row_start[f + 1]; ++k) {
             const int row = tree.rows[k];
@@ -40,7 +41,7 @@ void find_places_in_parents(FactorPlan& plan) {
             while (tree.rows[at] != row) ++at;
             plan.in_parent[k] = tree.columns(p) + static_cast<int>(at - tree.row_start[p]);
         }
-    }
+    }, 100);
 }
 
 // Block (i, j) of A belongs to the front that eliminates the earlier of the two; as A is symmetric, the one stored in

@@ -1,8 +1,8 @@
 // A graph and coarser ones made from it, each by merging vertices of the one before, that nested dissection makes once
 // and cuts to the size of its pieces instead of coarsening every piece anew.
 //
-// Cut pieces keep edges between merged vertices whose last common edge has gone. Such an edge separates nothing wrongly:
-// a separator of the coarser graph is still one of the finer. O(edges) to make and to cut.
+// Cut pieces keep edges between merged vertices whose last common edge has gone. They do no harm: a separator of the
+// coarser graph is still one of the finer. O(edges) to make and to cut.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -21,8 +21,8 @@ struct Hierarchy {
 // The graph coarsened up to `steps` times, as long as that leaves many vertices.
 Hierarchy build_hierarchy(WeightedGraph finest, int steps, std::uint64_t seed);
 
-// The part of all graphs that the vertices `kept` of the finest one, ascending, belong to. Coarse graphs that become too
-// small to be worth it are left out.
+// The part of all graphs that the vertices `kept` of the finest one, ascending, belong to. Coarse graphs that become
+// too small to be worth it are left out.
 Hierarchy restrict_to(const Hierarchy& whole, const std::vector<int>& kept);
 
 }  // namespace almesh

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <random>
 
+#include "base/parallel.hpp"
 #include "linalg/graph.hpp"
 #include "matrices.hpp"
 
@@ -56,4 +58,37 @@ TEST_CASE("heavy edges are preferred, and too heavy groups are not made") {
             graph.edge_weight[k] = (std::min(v, graph.adjacent[k]) % 2) ? 1 : 9;
     CHECK(coarsen(graph, 2, 1).coarse_of == std::vector<int>{0, 0, 1, 1, 2, 2});
     CHECK(coarsen(graph, 1, 1).graph.size() == 6);
+}
+
+TEST_CASE("large graphs are coarsened the same way by any number of threads, however they are numbered") {
+    constexpr int side = 320, n = side * side;  // in blocks, and the coarse graph too
+    Edges edges = grid(side, side);
+    std::vector<int> scrambled(n);
+    std::iota(scrambled.begin(), scrambled.end(), 0);
+    std::shuffle(scrambled.begin(), scrambled.end(), std::mt19937(1));
+    const int before = max_threads();
+    for (bool scramble : {false, true}) {
+        if (scramble)
+            for (auto& [i, j] : edges) i = scrambled[i], j = scrambled[j];
+        const WeightedGraph fine = weighted(graph_of(random_spd(n, 1, edges)));
+        set_threads(1);
+        const Coarsening first = coarsen(fine, 100, 3);
+        CHECK(first.graph.size() < 0.5 * n);
+        CHECK(std::accumulate(first.graph.weight.begin(), first.graph.weight.end(), 0) == n);
+        CHECK(first.graph.start.back() == static_cast<int>(first.graph.adjacent.size()));
+        long long inner = 0, weight = 0;
+        for (int v = 0; v < n; ++v)
+            for (int k = fine.start[v]; k < fine.start[v + 1]; ++k)
+                inner += first.coarse_of[v] == first.coarse_of[fine.adjacent[k]];
+        for (int w : first.graph.edge_weight) weight += w;
+        CHECK(weight == static_cast<long long>(fine.adjacent.size()) - inner);
+        for (int threads : {2, 3, 8}) {
+            set_threads(threads);
+            const Coarsening next = coarsen(fine, 100, 3);
+            CHECK(next.coarse_of == first.coarse_of);
+            CHECK(next.graph.adjacent == first.graph.adjacent);
+            CHECK(next.graph.edge_weight == first.graph.edge_weight);
+        }
+    }
+    set_threads(before);
 }
