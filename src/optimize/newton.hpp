@@ -3,7 +3,8 @@
 //
 // Direction. Far from the minimum the Hessian is indefinite; each step uses one of three (HessianKind): the full one,
 // whose convergence is quadratic, after a step of length one, the projected one after a step that was cut, and whenever
-// the full one is found not to be positive definite (by Cholesky) or gives no descent direction. The Hessian of the
+// the full one is found not to be positive definite (by Cholesky, by negative curvature, or by a pivot of ILU(0): no
+// factorisation is spent on finding out) or gives no descent direction. The Hessian of the
 // objective (eta - 1)^2 vanishes at the identity, so there the very first step takes the damping alone.
 // Iterative solvers need to be no more exact than the model is: forcing_term() below.
 //
