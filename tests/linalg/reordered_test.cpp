@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "linalg/graph.hpp"
 #include "matrices.hpp"
 
