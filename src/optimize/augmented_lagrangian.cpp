@@ -76,12 +76,17 @@ AlStatus failure_of(NewtonStatus status) {
     return AlStatus::linear_solver_failed;
 }
 
-NewtonParams subproblem(const AugmentedLagrangianParams& p, const Schedule& s, bool first) {
+// Mean density of meshes that are of no use: q is then 0.05 (integral of eta^2).
+constexpr double useless_density = 400;
+
+// first: without multipliers, from the ideal mesh.
+NewtonParams subproblem(const AugmentedLagrangianParams& p, const Schedule& s, bool first, double volume) {
     NewtonParams newton;
     newton.omega = s.omega;
     newton.omega_star = p.algorithm == Algorithm::literal ? 0 : p.omega_star;
     newton.wanted_reduction = p.algorithm == Algorithm::adaptive ? 0.1 : 1;
     newton.max_iterations = p.max_newton_iterations;
+    if (first && p.algorithm != Algorithm::literal) newton.largest_energy = useless_density * volume;
     newton.first = first ? HessianKind::squared_projected : HessianKind::full;
     return newton;
 }
@@ -98,6 +103,7 @@ std::optional<AlStatus> verdict(const AugmentedLagrangianParams& p, const std::v
     if (constrained && stationary) return AlStatus::converged;
     if (literal && (constrained || stationary)) return AlStatus::ended_as_printed;
     if (constrained && at_floor) return AlStatus::rounding_floor;
+    if (row.newton_status == NewtonStatus::out_of_reach) return AlStatus::infeasible;
     const bool failed = !usable && row.newton_status != NewtonStatus::interrupted;
     if (constraint_stalls(rows, failed ? 1 : 3, weak)) return AlStatus::infeasible;
     if (!usable) return failure_of(row.newton_status);
@@ -168,7 +174,8 @@ AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& 
     Schedule s = {m0, mu0, adaptive ? adaptive_omega0 * params.omega_star : params.omega0, params.epsilon0};
     for (int k = 1;; ++k) {
         E.penalty = params.algorithm == Algorithm::literal ? s.mu * s.mu : s.mu;
-        const NewtonResult solved = newton.minimise(E, subproblem(params, s, k == 1 && start.lambda.empty()), x, time, [&](const NewtonStep& step) {
+        const NewtonParams wanted = subproblem(params, s, k == 1 && start.lambda.empty(), distortion.domain_volume());
+        const NewtonResult solved = newton.minimise(E, wanted, x, time, [&](const NewtonStep& step) {
             if (observer.newton_step) observer.newton_step(k, step);
         });
         result.newton_iterations += solved.iterations;

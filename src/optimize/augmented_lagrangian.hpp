@@ -37,7 +37,8 @@ struct AugmentedLagrangianParams {
 enum class AlStatus {
     converged,
     max_iterations,
-    infeasible,        // the constraint stopped falling while the penalty grew: no valid mesh reaches the target
+    infeasible,        // no valid mesh seems to reach the target: the constraint stopped falling while the penalty grew,
+                       // or the first minimum is out of reach (newton.hpp)
     rounding_floor,    // the constraint holds, but rounding ended |grad E| above omega0 (a penalty beyond all measure)
     ended_as_printed,  // literal: the loop as printed ends when one of its two tests holds, and only one did
     max_newton_iterations,

@@ -39,6 +39,7 @@ const char* to_string(NewtonStatus status) {
         case NewtonStatus::line_search_failed: return "line_search_failed";
         case NewtonStatus::linear_solver_failed: return "linear_solver_failed";
         case NewtonStatus::interrupted: return "interrupted";
+        case NewtonStatus::out_of_reach: return "out_of_reach";
     }
     return "";
 }
@@ -138,6 +139,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
             result.status = NewtonStatus::interrupted;
             return result;
         }
+        const double energy_before = result.energy;
         NewtonStep step;
         step.iteration = ++result.iterations;
         step.hessian = kind;
@@ -165,8 +167,14 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         if (forcing_ == Forcing::automatic)
             eta = step.step_length == 1 ? forcing_term(before, result.gradient_norm, omega, linear_tolerance_)
                                         : std::max(careful_forcing, linear_tolerance_);
+        const double gained = energy_before - result.energy;
         step.energy = result.energy;
         if (observe) observe(step);
+        if (result.energy > params.largest_energy && step.step_length == 1 && gained < 1e-3 * result.energy &&
+            E.distortion.energy(x) < 0.1 * result.energy) {
+            result.status = NewtonStatus::out_of_reach;
+            return result;
+        }
         if (by_rounding && result.gradient_norm > 0.5 * before && result.gradient_norm > omega) {
             result.status = NewtonStatus::rounding_floor;
             return result;

@@ -22,8 +22,13 @@
 // Rounding. When the decrease that the full step promises is below the rounding error of E, energies can no longer be
 // compared: the full step is taken if E stays the same to rounding, and the iteration ends as `rounding_floor` when it
 // does not halve |grad E|.
+//
+// Out of reach. Without multipliers a mesh that meets the target has the energy of its distortion alone, which is not
+// less than the minimum of E. Where that minimum is above `largest_energy` and nine tenths of it are penalty, only meshes of
+// no use could meet the target, if any: the iteration ends as soon as full steps have found the minimum to 0.1 %.
 #pragma once
 #include <functional>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -36,7 +41,15 @@ namespace almesh {
 // Tolerance of iterative linear solvers: chosen from step to step, or always the given one.
 enum class Forcing { automatic, fixed };
 
-enum class NewtonStatus { converged, rounding_floor, max_iterations, line_search_failed, linear_solver_failed, interrupted };
+enum class NewtonStatus {
+    converged,
+    rounding_floor,
+    max_iterations,
+    line_search_failed,
+    linear_solver_failed,
+    interrupted,
+    out_of_reach  // of the target, without multipliers: see above
+};
 const char* to_string(NewtonStatus status);
 const char* to_string(HessianKind kind);
 
@@ -45,6 +58,7 @@ struct NewtonParams {
     double wanted_reduction = 1;   // ... if less than 1: lowered to this part of |grad E| at the start, so that a step is made,
     double omega_star = 0;         // ... but not below this
     int max_iterations = 200;
+    double largest_energy = std::numeric_limits<double>::infinity();  // see `Out of reach`; only for E without multipliers
     HessianKind first = HessianKind::projected;  // of the first step
 };
 

@@ -168,6 +168,27 @@ TEST_CASE("a tolerance below rounding ends at the rounding floor, for any penalt
         }
 }
 
+TEST_CASE("a target out of reach is told from the first minimum, and only there") {
+    for (Objective objective : objectives) {
+        const Minimisation far{ring_mesh(12, 3, 5), {{"inner", "translate 40 0"}}, objective};
+        const AugmentedFunctional E = far.functional(1e5);
+        NewtonParams params{.omega = 1e-8, .max_iterations = 50, .first = first_of(objective)};
+        CHECK(run(far, E, params).result.status != NewtonStatus::out_of_reach);  // nobody asked
+        params.largest_energy = 400 * far.distortion.domain_volume();
+        const Run r = run(far, E, params);
+        CHECK(r.result.status == NewtonStatus::out_of_reach);
+        CHECK(r.result.energy > params.largest_energy);
+        CHECK(far.distortion.energy(r.x) < 0.1 * r.result.energy);
+        CHECK(certify(far.mesh, r.x).valid);
+        params.largest_energy = 2 * r.result.energy;
+        CHECK(run(far, E, params).result.status != NewtonStatus::out_of_reach);
+    }
+    // A weak penalty is most of the energy too, but of an energy that tells nothing.
+    const Minimisation near = moved_ring(Objective::squared);
+    const Run r = run(near, near.functional(1), {.omega = 1e-8, .largest_energy = 400 * near.distortion.domain_volume()});
+    CHECK(r.result.status == NewtonStatus::converged);
+}
+
 TEST_CASE("a linear solver that cannot solve ends the iteration") {
     const Minimisation problem = moved_ring(Objective::squared);
     LinearSolverParams no_memory;
@@ -237,6 +258,7 @@ TEST_CASE("every status and Hessian has a name of its own") {
     CHECK(std::string(to_string(NewtonStatus::max_iterations)) == "max_newton_iterations");
     CHECK(std::string(to_string(NewtonStatus::line_search_failed)) == "line_search_failed");
     CHECK(std::string(to_string(NewtonStatus::linear_solver_failed)) == "linear_solver_failed");
+    CHECK(std::string(to_string(NewtonStatus::out_of_reach)) == "out_of_reach");
     CHECK(std::string(to_string(HessianKind::full)) == "full");
     CHECK(std::string(to_string(HessianKind::projected)) == "projected");
     CHECK(std::string(to_string(HessianKind::squared_projected)) == "squared_projected");
