@@ -61,8 +61,8 @@ $(BUILD)/flags: FORCE
 run: almesh ## move the circle of section 4.1 and print its table
 	./almesh inputs/circle.deck
 
-test: doctest ## run every test, built with warnings as errors (installs doctest where it is missing)
-	$(MAKE) BUILD=build-test WERROR=-Werror run-tests
+test: doctest ## run every test, built with warnings as errors, and build the benchmark (installs doctest where it is missing)
+	$(MAKE) BUILD=build-test WERROR=-Werror run-tests build-test/almesh-bench
 
 asan: doctest ## the same tests under the address and undefined-behaviour sanitizers
 	$(MAKE) BUILD=build-asan WERROR=-Werror CXXFLAGS='-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all' run-tests

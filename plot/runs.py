@@ -29,7 +29,7 @@ def summary(deck):
 
 
 def history(deck):
-    """The rows of history.csv, [{column: text}]: kind `al` per subproblem, `newton` per step."""
+    """The rows of history.csv, [{column: text}]: kind `al` per subproblem, `newton` per step, `coarse` per coarser mesh."""
     with path_of(deck, "history.csv").open(newline="") as file:
         return list(csv.DictReader(file))
 
@@ -55,7 +55,8 @@ def expectations(deck):
 
 
 def bench(group):
-    """The rows of one group of outputs/bench.csv, [{"name": text, "threads": number, quantity: number, ...}]. Raises NoBench."""
+    """The rows of one group of outputs/bench.csv, [{"name": text, "threads": number, quantity: number, ...}].
+    Raises NoBench."""
     path = OUTPUTS / "bench.csv"
     if not path.exists():
         raise NoBench("outputs/bench.csv is missing: `make bench` writes it")

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "mesh/raw_mesh.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/raw_mesh.hpp"
 
 namespace almesh {
 

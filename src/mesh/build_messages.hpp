@@ -3,8 +3,8 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "mesh/raw_mesh.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/raw_mesh.hpp"
 
 namespace almesh {
 
