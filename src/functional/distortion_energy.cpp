@@ -36,7 +36,8 @@ void add_node_points(const LagrangeBasis& basis, Quadrature& quadrature) {
 }
 
 ReferenceElement reference_element(const LagrangeBasis& basis, int exactness) {
-    Quadrature quadrature = simplex_quadrature(basis.dim, exactness ? exactness : default_exactness(basis.degree));
+    const bool by_default = exactness == 0 || basis.degree == 1;  // F is constant on linear elements: one point will do
+    Quadrature quadrature = simplex_quadrature(basis.dim, by_default ? default_exactness(basis.degree) : exactness);
     if (basis.degree > 1) add_node_points(basis, quadrature);
     ReferenceElement element{basis.count, quadrature.count, quadrature.weight, {}};
     const std::size_t stride = static_cast<std::size_t>(basis.count) * basis.dim;

@@ -31,7 +31,7 @@ struct DistortionParams {
     Objective objective = Objective::deviation;
     double delta = 0;            // Eq. 3
     double weight_exponent = 1;  // alpha
-    int exactness = 0;           // of the quadrature; 0: default_exactness(degree)
+    int exactness = 0;           // of the quadrature for p > 1; 0: default_exactness(degree)
 };
 
 // One point for constant F (p = 1). For p > 1 more than |F|^2 (degree 2 p - 2) needs: with 2 p + 2 the relative quality

@@ -18,7 +18,7 @@
 
 namespace almesh {
 
-// Quadrature on the reference element with the derivatives of the basis.
+// Quadrature on the reference element with the derivatives of the basis; linear elements (m = n + 1) have one point.
 struct ReferenceElement {
     int nodes = 0;                  // m
     int points = 0;

@@ -93,7 +93,7 @@ std::vector<DeckKey> make_table() {
         {"gmres_max_iterations", number<&Deck::linear, &LinearSolverParams::max_iterations>(), {1, 100000},
          "Iterations of cg or gmres at most, per system."},
         {"quadrature", number<&Deck::distortion, &DistortionParams::exactness>(), {0, 40},
-         "Polynomial degree integrated exactly; 0: chosen by the degree."},
+         "Polynomial degree integrated exactly; 0: chosen by the degree, as always for linear elements."},
         {"certificate_bisections", number<&Deck::certificate, &CertificateParams::max_bisections>(), {0, 1000000},
          "Bisections at most to certify an element valid."},
         {"write_system", number<&Deck::write_system>(), {0, 1000000},
