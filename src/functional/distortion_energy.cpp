@@ -9,6 +9,7 @@
 #include "base/parallel.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/quadrature.hpp"
+#include "mesh/straight_jacobian.hpp"
 
 namespace almesh {
 
@@ -47,16 +48,6 @@ ReferenceElement reference_element(const LagrangeBasis& basis, int exactness) {
     return element;
 }
 
-template <int n>
-Mat<n> ideal_edges(const Mesh& mesh, int e, const std::vector<double>& ideal) {
-    Mat<n> A;
-    for (int a = 0; a < n; ++a)
-        for (int k = 0; k < n; ++k)
-            A[a][k] = ideal[static_cast<std::size_t>(mesh.element(e)[k + 1]) * n + a] -
-                      ideal[static_cast<std::size_t>(mesh.element(e)[0]) * n + a];
-    return A;
-}
-
 }  // namespace
 
 DistortionEnergy::DistortionEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
@@ -86,7 +77,7 @@ void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>&
         parallel_for(batches * lanes, [&](int k) {
             const int e = chunks_.order[std::min(k, element_count_ - 1)], batch = k / lanes, lane = k % lanes;
             std::copy_n(mesh.element(e), m, &nodes_[static_cast<std::size_t>(k) * m]);
-            const Mat<n> A = ideal_edges<n>(mesh, e, ideal);
+            const Mat<n> A = straight_jacobian<n>(mesh.element(e), ideal);
             const double jacobian = determinant(A);
             if (!(jacobian > 0))
                 for (int first = flat; e < first && !flat.compare_exchange_weak(first, e);) {}
@@ -100,12 +91,14 @@ void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>&
         });
     });
     if (flat < element_count_)
-        throw InputError("element " + std::to_string(mesh.element_id[flat]) + " of the ideal mesh has no positive volume");
+        throw InputError("element " + std::to_string(mesh.element_id[flat]) +
+                         " of the ideal mesh has no positive volume");
 
     const double simplex_volume = dim_ == 2 ? 0.5 : 1.0 / 6;
     volume_ = simplex_volume * deterministic_sum(batches, [this](int k) { return sum_of_lanes(ideal_jacobian_[k]); });
     for (std::vector<Lanes>* weights : {&weight_, &damping_weight_}) {
-        const double weighted = simplex_volume * deterministic_sum(batches, [&](int k) { return sum_of_lanes((*weights)[k]); });
+        const auto of_batch = [&](int k) { return sum_of_lanes((*weights)[k]); };
+        const double weighted = simplex_volume * deterministic_sum(batches, of_batch);
         for (Lanes& weight : *weights) weight *= volume_ / weighted;
     }
 }
@@ -194,8 +187,10 @@ void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kin
         constexpr int n = dimension;
         every_colour([&](int chunk) {
             every_batch<n>(chunk, x, [&](auto& elements, int batch) {
-                const Lanes own = of_objective ? weight_[batch] : Lanes{}, weight = own + added * damping_weight_[batch];
-                const Lanes shift = params_.objective == Objective::deviation ? own / max(weight, in_all_lanes(1e-300)) : Lanes{};
+                const Lanes own = of_objective ? weight_[batch] : Lanes{};
+                const Lanes weight = own + added * damping_weight_[batch];
+                const bool shifted = params_.objective == Objective::deviation;
+                const Lanes shift = shifted ? own / max(weight, in_all_lanes(1e-300)) : Lanes{};
                 const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
                 const int* place = &place_[static_cast<std::size_t>(first) * m * m];
                 // On their way from memory while the numbers to add are computed.
@@ -205,7 +200,7 @@ void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kin
                     for (int ij = 0; ij < m * m; ++ij) {
                         double* const block = H.block(place[ij]);
                         double sum[n * n];  // first all, then stored: the compiler need not fear that they overlap
-                        for (int entry = 0; entry < n * n; ++entry) sum[entry] = block[entry] + part[ij * n * n + entry];
+                        for (int ab = 0; ab < n * n; ++ab) sum[ab] = block[ab] + part[ij * n * n + ab];
                         std::copy_n(sum, n * n, block);
                     }
                 }
@@ -229,7 +224,7 @@ DistortionStatistics DistortionEnergy::statistics(const std::vector<double>& x) 
                 }
                 sum += select(ideal_jacobian_[batch] > 0, ideal_jacobian_[batch] * squared, Lanes{});  // not 0 infinity
                 const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
-                for (int lane = 0; lane < count; ++lane) result.element_max[chunks_.order[first + lane]] = largest[lane];
+                for (int l = 0; l < count; ++l) result.element_max[chunks_.order[first + l]] = largest[l];
             });
             chunk_value_[chunk] = sum_of_lanes(sum);
         }, is_large_ ? parallel_work : 0);

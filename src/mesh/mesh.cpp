@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "base/parallel.hpp"
-#include "base/small_matrix.hpp"
 #include "mesh/lagrange.hpp"
+#include "mesh/straight_jacobian.hpp"
 
 namespace almesh {
 
@@ -37,12 +37,7 @@ double volume(const Mesh& mesh, const std::vector<double>& y) {
     with_dimension(mesh.dim, [&](auto dimension) {
         constexpr int n = dimension;
         sum = deterministic_sum(mesh.element_count(), [&](int e) {
-            Mat<n> A;
-            for (int a = 0; a < n; ++a)
-                for (int k = 0; k < n; ++k)
-                    A[a][k] = y[static_cast<std::size_t>(mesh.element(e)[k + 1]) * n + a] -
-                              y[static_cast<std::size_t>(mesh.element(e)[0]) * n + a];
-            return determinant(A) / (n == 2 ? 2 : 6);
+            return determinant(straight_jacobian<n>(mesh.element(e), y)) / (n == 2 ? 2 : 6);
         });
     });
     return sum;

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "base/parallel.hpp"
-#include "base/small_matrix.hpp"
 #include "mesh/lagrange.hpp"
+#include "mesh/straight_jacobian.hpp"
 
 namespace almesh {
 namespace {
@@ -20,14 +20,12 @@ std::vector<int> element_of_nodes(const Mesh& mesh) {
     return element;
 }
 
-// Reference coordinates of the point y in the straight-sided element with the given vertices, on the lattice of 1/steps.
+// Reference coordinates of the point y in the straight-sided element with the given vertices, on the lattice of
+// 1/steps.
 template <int n>
 Vec<n> reference_point(const int* vertex, const std::vector<double>& ideal, const double* y, double steps) {
     const double* const y0 = &ideal[static_cast<std::size_t>(vertex[0]) * n];
-    Mat<n> A;
-    for (int a = 0; a < n; ++a)
-        for (int k = 0; k < n; ++k) A[a][k] = ideal[static_cast<std::size_t>(vertex[k + 1]) * n + a] - y0[a];
-    const Mat<n> inverse_A = inverse<n>(A);
+    const Mat<n> inverse_A = inverse<n>(straight_jacobian<n>(vertex, ideal));
     Vec<n> xi{};
     for (int k = 0; k < n; ++k) {
         for (int a = 0; a < n; ++a) xi[k] += inverse_A[k][a] * (y[a] - y0[a]);

@@ -5,9 +5,9 @@
 //
 //     u_fine = sum over the nodes j of that element of  N_j(xi) u_j.
 //
-// u is continuous: whichever of its elements a node is looked up in, and on the boundary the values on the boundary alone
-// decide. For the map phi = y + u of straight-sided elements D phi stays what it is, so a valid map stays valid and
-// keeps its distortion energy. Cost: O(nodes * p^n).
+// u is continuous: whichever of its elements a node is looked up in, and on the boundary the values on the boundary
+// alone decide. For the map phi = y + u of straight-sided elements D phi stays what it is, so a valid map stays valid
+// and keeps its distortion energy. Cost: O(nodes * p^n).
 #pragma once
 #include <vector>
 

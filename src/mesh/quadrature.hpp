@@ -1,6 +1,6 @@
 // Quadrature on the reference simplices of dimension 1, 2 and 3: all weights positive, all points inside, any degree of
-// exactness. On triangles and tetrahedra the symmetric rules of quadrature_table.hpp as far as they go; beyond them, and
-// on lines, the conical product of Gauss-Jacobi rules (Stroud, Approximate Calculation of Multiple Integrals, 1971,
+// exactness. On triangles and tetrahedra the symmetric rules of quadrature_table.hpp as far as they go; beyond them,
+// and on lines, the conical product of Gauss-Jacobi rules (Stroud, Approximate Calculation of Multiple Integrals, 1971,
 // sec. 2.4), which takes about twice the points in 2D, three times in 3D.
 #pragma once
 #include <vector>

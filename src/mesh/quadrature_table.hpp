@@ -9,8 +9,8 @@
 namespace almesh {
 
 // All permutations of one point in barycentric coordinates. `pattern` has a letter per vertex, equal letters are equal
-// coordinates: a is free[0], b free[1], and the last letter's value makes the sum of the coordinates 1. Numbers of points:
-// triangle aaa 1, aab 3, abc 6; tetrahedron aaaa 1, aaab 4, aabb 6, aabc 12.
+// coordinates: a is free[0], b free[1], and the last letter's value makes the sum of the coordinates 1. Numbers of
+// points: triangle aaa 1, aab 3, abc 6; tetrahedron aaaa 1, aaab 4, aabb 6, aabc 12.
 struct Orbit {
     double weight;             // of each of its points, as a part of the simplex's volume
     std::string_view pattern;

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/straight_jacobian.hpp"
 
 namespace almesh {
 namespace {
@@ -99,8 +100,8 @@ bool is_straight(const Mesh& mesh) {
     return difference <= 1e-12 * size;
 }
 
-// Midpoint nodes by edge, appended to x. The edges hang in a chain on the lower one of their two vertices, which in most
-// meshes has a handful: found in a few steps, without hashing.
+// Midpoint nodes by edge, appended to x. The edges hang in a chain on the lower one of their two vertices, which in
+// most meshes has a handful: found in a few steps, without hashing.
 class Midpoints {
    public:
     Midpoints(int dim, std::vector<double>& x)
@@ -113,7 +114,7 @@ class Midpoints {
         edges_.push_back({high, first_[low]});
         first_[low] = static_cast<int>(edges_.size()) - 1;
         for (int k = 0; k < dim_; ++k)
-            x_.push_back(0.5 * (x_[static_cast<std::size_t>(a) * dim_ + k] + x_[static_cast<std::size_t>(b) * dim_ + k]));
+            x_.push_back(0.5 * (coordinate(a, k) + coordinate(b, k)));
         return vertices_ + first_[low];
     }
 
@@ -125,6 +126,8 @@ class Midpoints {
     std::vector<double>& x_;
     std::vector<int> first_;  // per vertex: its last edge
     std::vector<Edge> edges_;
+
+    double coordinate(int node, int k) const { return x_[static_cast<std::size_t>(node) * dim_ + k]; }
 };
 
 double distance_squared(const std::vector<double>& x, int a, int b, int dim) {
@@ -148,7 +151,8 @@ std::vector<Child> split_triangle(const int* v, Midpoints& mid) {
 std::vector<Child> split_tetrahedron(const int* v, Midpoints& mid, const std::vector<double>& x) {
     const int m01 = mid(v[0], v[1]), m02 = mid(v[0], v[2]), m03 = mid(v[0], v[3]), m12 = mid(v[1], v[2]),
               m13 = mid(v[1], v[3]), m23 = mid(v[2], v[3]);
-    std::vector<Child> child = {{v[0], m01, m02, m03}, {m01, v[1], m12, m13}, {m02, m12, v[2], m23}, {m03, m13, m23, v[3]}};
+    std::vector<Child> child = {
+        {v[0], m01, m02, m03}, {m01, v[1], m12, m13}, {m02, m12, v[2], m23}, {m03, m13, m23, v[3]}};
     // Each diagonal (a, b) with the ring of the other four midpoints around it, positively oriented.
     const std::array<std::array<int, 6>, 3> octahedron = {
         {{m01, m23, m02, m03, m13, m12}, {m02, m13, m01, m12, m23, m03}, {m03, m12, m01, m02, m23, m13}}};
@@ -160,17 +164,10 @@ std::vector<Child> split_tetrahedron(const int* v, Midpoints& mid, const std::ve
 }
 
 void orient(Child& c, int dim, const std::vector<double>& x) {
-    const auto edge = [&](int v, int k) {
-        return x[static_cast<std::size_t>(c[v]) * dim + k] - x[static_cast<std::size_t>(c[0]) * dim + k];
-    };
-    double volume;
-    if (dim == 2)
-        volume = edge(1, 0) * edge(2, 1) - edge(1, 1) * edge(2, 0);
-    else
-        volume = edge(1, 0) * (edge(2, 1) * edge(3, 2) - edge(2, 2) * edge(3, 1)) -
-                 edge(1, 1) * (edge(2, 0) * edge(3, 2) - edge(2, 2) * edge(3, 0)) +
-                 edge(1, 2) * (edge(2, 0) * edge(3, 1) - edge(2, 1) * edge(3, 0));
-    if (volume < 0) std::swap(c[dim - 1], c[dim]);
+    with_dimension(dim, [&](auto dimension) {
+        constexpr int n = dimension;
+        if (determinant(straight_jacobian<n>(c.data(), x)) < 0) std::swap(c[n - 1], c[n]);
+    });
 }
 
 // Child of the element that has the face (all its vertices), by search among its children.
@@ -223,7 +220,7 @@ Mesh refine_once(const Mesh& mesh) {
             fine.face_element.push_back(e * children_count + c);
             // The face in the order that LagrangeBasis::face_nodes gives it.
             for (int opposite = 0; opposite <= dim; ++opposite) {
-                if (std::find(piece.begin(), piece.begin() + dim, children[c][opposite]) != piece.begin() + dim) continue;
+                if (std::count(piece.begin(), piece.begin() + dim, children[c][opposite])) continue;
                 const std::array<int, 3> local = outward_face(dim, opposite);
                 for (int k = 0; k < dim; ++k) fine.faces.push_back(children[c][local[k]]);
             }
