@@ -12,8 +12,8 @@
 namespace {
 
 // Threads that wait shall sleep, unless the user has said otherwise: where other programs want the cores too, spinning
-// ones make a run ten times as long. g++'s OpenMP asks before main(), so the program starts once more. Where that is not
-// possible nothing else changes.
+// ones make a run ten times as long. g++'s OpenMP asks before main(), so the program starts once more. Where that is
+// not possible nothing else changes.
 void start_with_sleeping_threads([[maybe_unused]] char** argv) {
 #if defined(_OPENMP) && defined(__linux__)
     if (std::getenv("OMP_WAIT_POLICY") || setenv("OMP_WAIT_POLICY", "passive", 0) != 0) return;

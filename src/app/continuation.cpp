@@ -11,14 +11,14 @@ namespace {
 
 double square(double v) { return v * v; }
 
-// How far a coarse solution is taken: its interpolation on the next mesh is further from the solution there. Relative to
-// the motion, whose size is |c_D| of the ideal mesh; |grad E| scales like L^(n - 1) times motion / L.
+// How far a coarse solution is taken: its interpolation on the next mesh is further from the solution there. Relative
+// to the motion, whose size is |c_D| of the ideal mesh; |grad E| scales like L^(n - 1) times motion / L.
 constexpr double coarse_constraint = 1e-3, coarse_gradient = 0.03;
 
 constexpr double penalty_growth = 10, largest_start_penalty = 1e6;  // from mesh to mesh; in units of |1|^2
 
-AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Problem& problem, const DistortionEnergy& distortion,
-                                   const BoundaryConstraint& constraint) {
+AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Problem& problem,
+                                   const DistortionEnergy& distortion, const BoundaryConstraint& constraint) {
     const int dim = problem.mesh.dim;
     const double motion = constraint.projected_norm(problem.ideal), L = std::pow(distortion.domain_volume(), 1.0 / dim);
     params.algorithm = Algorithm::adaptive;
@@ -28,7 +28,8 @@ AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Probl
 }
 
 // The multipliers as a field on the mesh, after the update that the end of the iterations left out.
-std::vector<double> multiplier_field(const BoundaryConstraint& constraint, const std::vector<double>& x, AlResult& result) {
+std::vector<double> multiplier_field(const BoundaryConstraint& constraint, const std::vector<double>& x,
+                                     AlResult& result) {
     constraint.update_multipliers(x, result.iterations.back().mu, result.lambda);
     std::vector<double> field(x.size(), 0.0);
     const std::size_t dim = result.lambda.size() / constraint.nodes().size();

@@ -77,7 +77,8 @@ Options options_of(const std::vector<std::string>& arguments) {
     const bool fills = options.ordering == Ordering::nested_dissection || options.ordering == Ordering::minimum_degree;
     if (fills && options.solver != SolverKind::cholesky)
         throw UsageError(std::string("ordering=") + to_string(*options.ordering) +
-                         " is for solver=cholesky; ILU(0) of solver=" + to_string(options.solver) + " takes rcm or natural");
+                         " is for solver=cholesky; ILU(0) of solver=" + to_string(options.solver) +
+                         " takes rcm or natural");
     return options;
 }
 
@@ -194,9 +195,11 @@ bool solve_iteratively(Solver solver, const BlockCsr& A, const std::vector<doubl
     return false;
 }
 
-bool solve_by(const Options& options, const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, std::FILE* out) {
+bool solve_by(const Options& options, const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
+              std::FILE* out) {
     const std::optional<Ordering> ordering = options.ordering;
-    if (options.solver == SolverKind::cg) return solve_iteratively(ConjugateGradients(A.size(), {}), A, b, x, ordering, out);
+    if (options.solver == SolverKind::cg)
+        return solve_iteratively(ConjugateGradients(A.size(), {}), A, b, x, ordering, out);
     if (options.solver == SolverKind::gmres) return solve_iteratively(Gmres(A.size(), {}), A, b, x, ordering, out);
     return solve_by_cholesky(A, b, x, ordering.value_or(Ordering::nested_dissection), out);
 }

@@ -32,7 +32,8 @@ std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
                                      [&](const DeckBoundary& boundary) { return boundary.name == name; });
         if (it == deck.boundaries.end())
             throw UsageError(deck.path + ": boundary `" + name + "` of the mesh has no motion; add the line `boundary " +
-                             (name.find(' ') == std::string::npos ? name : with_quotes(name)) + " = fixed` (or another motion)");
+                             (name.find(' ') == std::string::npos ? name : with_quotes(name)) +
+                             " = fixed` (or another motion)");
         motions.push_back(it->motion);
     }
     return motions;
@@ -43,14 +44,15 @@ void check_quadrature(const Deck& deck, int degree) {
     const int least = 2 * (degree - 1), exactness = deck.distortion.exactness;
     if (exactness == 0 || exactness >= least) return;
     throw UsageError(deck.given.at("quadrature") + ": quadrature = " + std::to_string(exactness) +
-                     " is too low for elements of degree " + std::to_string(degree) + ": at least " + std::to_string(least) +
-                     ", or 0");
+                     " is too low for elements of degree " + std::to_string(degree) + ": at least " +
+                     std::to_string(least) + ", or 0");
 }
 
 // Algorithm 1 as printed weighs the penalty mu^2: the mu of a coarser mesh would mean something else.
 void check_start(const Deck& deck) {
     if (deck.start != Start::coarse || deck.method.algorithm != Algorithm::literal) return;
-    throw UsageError(deck.given.at("start") + ": start = coarse does not go with algorithm = literal; take start = identity");
+    throw UsageError(deck.given.at("start") +
+                     ": start = coarse does not go with algorithm = literal; take start = identity");
 }
 
 void refuse_invalid_target(const TargetReport& report) {

@@ -53,7 +53,8 @@ void write_volume(const Deck& deck, const Problem& problem, const char* what, co
     const Mesh& mesh = problem.mesh;
     std::vector<VtkArray> point_data, cell_data = {{"distortion", 1, distortion}};
     if (!deck.wall.empty())
-        point_data.push_back({"wall_distance", 1, scaled(wall_distance(mesh, x, mesh.boundary_index(deck.wall)), problem.length)});
+        point_data.push_back({"wall_distance", 1,
+                              scaled(wall_distance(mesh, x, mesh.boundary_index(deck.wall)), problem.length)});
     std::vector<double> quality(distortion.size()), id(distortion.size());
     for (std::size_t e = 0; e < distortion.size(); ++e) {
         quality[e] = 1 / distortion[e];
@@ -67,7 +68,8 @@ void write_volume(const Deck& deck, const Problem& problem, const char* what, co
 }
 
 // Boundary faces on the trace nodes, with the multipliers and the projected constraint.
-void write_boundary(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution) {
+void write_boundary(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint,
+                    const Solution& solution) {
     const Mesh& mesh = problem.mesh;
     const int dim = mesh.dim, count = static_cast<int>(constraint.nodes().size());
     std::vector<int> trace(mesh.nodes(), -1), cells;
@@ -84,10 +86,11 @@ void write_boundary(const Deck& deck, const Problem& problem, const BoundaryCons
     for (int node : mesh.faces) cells.push_back(trace[node]);
     for (int b : mesh.face_boundary) boundary.push_back(b);
     const double lambda_unit = std::pow(problem.length, 0.5 * dim);  // of energy / ((u, v) c), see constraint.hpp
+    const double constraint_unit = std::pow(problem.length, 2 - 0.5 * dim);
     write_vtk(deck.output + "/boundary.vtk", title(deck, "boundary"), dim, mesh.degree, x, cells, dim - 1,
               {{"multipliers", dim, scaled(solution.al.lambda, lambda_unit)},
                {"multiplier_magnitude", 1, scaled(magnitude, lambda_unit)},
-               {"constraint", dim, scaled(constraint.projected_constraint(solution.x), std::pow(problem.length, 2 - 0.5 * dim))}},
+               {"constraint", dim, scaled(constraint.projected_constraint(solution.x), constraint_unit)}},
               {{"boundary", 1, boundary}}, provenance(deck, problem), format_of(deck));
 }
 
@@ -142,16 +145,21 @@ void write_deck(const Deck& deck, const Problem& problem) {
 
 void write_initial(const Deck& deck, const Problem& problem) {
     if (deck.vtk == VtkOutput::none) return;
-    write_volume(deck, problem, "initial", problem.ideal, std::vector<double>(problem.mesh.element_count(), 1.0), nullptr);
+    const std::vector<double> undistorted(problem.mesh.element_count(), 1.0);
+    write_volume(deck, problem, "initial", problem.ideal, undistorted, nullptr);
 }
 
-void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution) {
+void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint,
+                   const Solution& solution) {
     write_msh(deck.output + "/final.msh", problem.mesh, scaled(solution.x, problem.length));
     if (deck.vtk == VtkOutput::none) return;
-    write_volume(deck, problem, "final", solution.x, solution.al.distortion.element_max, &solution.certificate.lower_bound);
+    write_volume(deck, problem, "final", solution.x, solution.al.distortion.element_max,
+                 &solution.certificate.lower_bound);
     write_boundary(deck, problem, constraint, solution);
 }
 
-void write_summary(const Deck& deck, const Summary& summary) { write_file(deck.output + "/summary.txt", lines(summary)); }
+void write_summary(const Deck& deck, const Summary& summary) {
+    write_file(deck.output + "/summary.txt", lines(summary));
+}
 
 }  // namespace almesh

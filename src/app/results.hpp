@@ -37,7 +37,8 @@ Summary summarise(const Problem& problem, const Solution& solution);
 
 void write_deck(const Deck& deck, const Problem& problem);
 void write_initial(const Deck& deck, const Problem& problem);
-void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint, const Solution& solution);
+void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint,
+                   const Solution& solution);
 void write_summary(const Deck& deck, const Summary& summary);
 
 }  // namespace almesh

@@ -8,8 +8,8 @@
 
 namespace almesh {
 
-// How many, and the worst ten: id, centre (in units of the mesh file: x times length), lower bound of the scaled Jacobian.
-// Prints nothing where all are certified.
+// How many, and the worst ten: id, centre (in units of the mesh file: x times length), lower bound of the scaled
+// Jacobian. Prints nothing where all are certified.
 void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, double length,
                        const Certificate& certificate);
 

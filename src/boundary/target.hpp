@@ -15,7 +15,8 @@ struct BoundaryTarget {
     std::vector<double> sample;  // face x quadrature point x dim: g_D at the quadrature points
 };
 
-// motion: one per mesh.boundaries. Throws UsageError where one does not fit the dimension, InputError where a projection is undefined (a node at the centre), or where two boundaries send a node they share to different places.
+// motion: one per mesh.boundaries. Throws UsageError where one does not fit the dimension, InputError where a
+// projection is undefined (a node at the centre), or where two boundaries send a node they share to different places.
 BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion);
 
 }  // namespace almesh

@@ -8,10 +8,10 @@
 // small elements.
 //
 // Damping. Where the Hessian is a bad model, what keeps a step from inverting small elements is the Hessian of the
-// integral of eta^2 with weights |e|^{3/(2n)}: linear elasticity, stiffer where the mesh is finer, so that small elements
-// move almost rigidly and large ones deform (as in mesh moving by stiffened elasticity: Stein, Tezduyar, Benney, J. Appl.
-// Mech. 70, 2003). Since (w + t w')(eta - s)^2 with s = w/(w + t w') has the second derivatives of w (eta - 1)^2 + t w' eta^2,
-// it costs nothing to add.
+// integral of eta^2 with weights |e|^{3/(2n)}: linear elasticity, stiffer where the mesh is finer, so that small
+// elements move almost rigidly and large ones deform (as in mesh moving by stiffened elasticity: Stein, Tezduyar,
+// Benney, J. Appl. Mech. 70, 2003). Since (w + t w')(eta - s)^2 with s = w/(w + t w') has the second derivatives of
+// w (eta - 1)^2 + t w' eta^2, it costs nothing to add.
 //
 // Elements are worked on in batches, one in each lane of the vector registers (element_batch.hpp), and in the order of
 // element_chunks.hpp: the same bits for any number of threads. Cost per quadrature point and element with m nodes:

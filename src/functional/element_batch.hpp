@@ -1,5 +1,5 @@
-// Energy, gradient and Hessian of `lanes` elements at once, each element in its own lane: all arrays here are structures
-// of lanes, so that every formula is that of one element.
+// Energy, gradient and Hessian of `lanes` elements at once, each element in its own lane: all arrays here are
+// structures of lanes, so that every formula is that of one element.
 //
 // Derivatives of the basis are those on the reference element, the same for all elements: the density is differentiated
 // with respect to J = sum x_i (grad N_i)^T = F A instead of F, which costs nothing (density_hessian.hpp). The Hessian's
@@ -60,7 +60,8 @@ class ElementBatch {
         return sum;
     }
 
-    // The gradient of each element after the other, times `factor`: lanes x stride(m n), component a of node i at i n + a.
+    // The gradient of each element after the other, times `factor`: lanes x stride(m n), component a of
+    // node i at i n + a.
     const double* gradient(double delta, Objective objective, Lanes factor) {
         const Mat<n, Lanes> turned = transpose<n>(ideal_inverse_);
         std::fill_n(gradient_, size_, Lanes{});
@@ -79,8 +80,8 @@ class ElementBatch {
         return separated(gradient_, size_);
     }
 
-    // The Hessian of each element after the other, times `factor`: lanes x stride(m n m n), blocks (i, j) of n x n numbers
-    // row by row, both triangles.
+    // The Hessian of each element after the other, times `factor`: lanes x stride(m n m n), blocks (i, j) of n x n
+    // numbers row by row, both triangles.
     const double* hessian(double delta, Lanes shift, bool projected, Lanes factor) {
         if (m_ == n + 1) {
             border(second_derivatives(0, delta, shift, projected, factor));
@@ -128,7 +129,7 @@ class ElementBatch {
     std::size_t entries() const { return stride(size_ * size_); }
     Lanes* block(int i, int j) { return hessian_ + (i * m_ + j) * n * n; }
 
-    // `count` numbers of each lane after those of the lane before. What follows `count` up to the stride is of no meaning.
+    // `count` numbers of each lane after those of the lane before. From `count` to the stride: no meaning.
     const double* separated(const Lanes* numbers, int count) {
         const std::size_t registers = stride(count) / lanes;
         for (std::size_t k = 0; k < registers; ++k) {

@@ -1,8 +1,8 @@
 // The order in which threads go through the elements: chunks of consecutive elements, coloured so that chunks of one
 // colour share no node. A colour's chunks are assembled in parallel, the colours in order, and inside a chunk element
 // after element: every entry of the gradient and of the Hessian is summed in the same order whatever the number of
-// threads, and a chunk's part of the Hessian stays in the cache of its thread. Where the mesh's own order is a poor one,
-// chunks are cut along a space-filling curve.
+// threads, and a chunk's part of the Hessian stays in the cache of its thread. Where the mesh's own order is a poor
+// one, chunks are cut along a space-filling curve.
 #pragma once
 #include <vector>
 

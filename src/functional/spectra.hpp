@@ -46,7 +46,7 @@ Lanes column_product(const Mat<n, Lanes>& A, int p, int q) {
 
 // F = Q rotation(alpha) + R reflection(beta), its conformal and anticonformal parts, has the singular values Q + R and
 // Q - R and the frames rotation((alpha + beta) / 2) and rotation((beta - alpha) / 2): with a, b, u unit complex numbers
-// for alpha, beta and the left frame, u = sqrt(a b), and the right one is b / u. Which of the two roots does not matter.
+// for alpha, beta and the left frame, u = sqrt(a b), and the right one is b / u. Either root will do.
 inline SingularValues<2> singular_values(const Mat<2, Lanes>& F) {
     const Lanes a_re = 0.5 * (F[0][0] + F[1][1]), a_im = 0.5 * (F[1][0] - F[0][1]);
     const Lanes b_re = 0.5 * (F[0][0] - F[1][1]), b_im = 0.5 * (F[1][0] + F[0][1]);

@@ -1,6 +1,6 @@
-// history.csv: one row per augmented Lagrangian iteration (kind `al`, row 0 the mesh at the start) and, before it, one per
-// Newton iteration of its subproblem (kind `newton`), in the order they happened; first of all one per coarser mesh (kind
-// `coarse`: its last iteration, all its Newton steps). Columns that a kind does not have are empty.
+// history.csv: one row per augmented Lagrangian iteration (kind `al`, row 0 the mesh at the start) and, before it, one
+// per Newton iteration of its subproblem (kind `newton`), in the order they happened; first of all one per coarser mesh
+// (kind `coarse`: its last iteration, all its Newton steps). Columns that a kind does not have are empty.
 #pragma once
 #include <string>
 

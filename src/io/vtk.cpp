@@ -98,7 +98,7 @@ struct VtkNumbers {
     }
 };
 
-// A binary string is not encoded, but begins with its length: 6 bits behind the bits 11, or 14 behind 10 (vtkDataWriter).
+// A binary string is not encoded, but begins with its length: 6 bits behind 11, or 14 behind 10 (vtkDataWriter).
 void append_string(std::string& text, const std::string& value, bool binary) {
     constexpr std::size_t longest = 16383;
     const std::string shown = binary ? value.substr(0, longest) : encoded(value);
@@ -113,7 +113,8 @@ void append_array(std::string& text, const VtkArray& array, const VtkNumbers& nu
     const int shown = array.components == 1 ? 1 : 3;
     append_rows(text, static_cast<int>(array.value.size()) / array.components, [&](std::string& part, int i) {
         const double* const value = &array.value[static_cast<std::size_t>(i) * array.components];
-        for (int k = 0; k < shown; ++k) numbers.data(part, k < array.components ? value[k] : 0.0, k + 1 < shown ? ' ' : '\n');
+        for (int k = 0; k < shown; ++k)
+            numbers.data(part, k < array.components ? value[k] : 0.0, k + 1 < shown ? ' ' : '\n');
     });
     numbers.end(text);
 }
@@ -125,7 +126,8 @@ void append_arrays(std::string& text, const std::string& kind, std::size_t count
     for (const VtkArray& array : arrays) append_array(text, array, numbers);
 }
 
-void append_cells(std::string& text, const std::vector<int>& cells, int cell_dim, int degree, const VtkNumbers& numbers) {
+void append_cells(std::string& text, const std::vector<int>& cells, int cell_dim, int degree,
+                  const VtkNumbers& numbers) {
     const std::vector<int> order = vtk_node_order(cell_dim, degree);
     const int nodes = static_cast<int>(order.size()), count = static_cast<int>(cells.size() / order.size());
     text += "CELLS " + std::to_string(count) + " " + std::to_string(static_cast<long long>(count) * (nodes + 1)) + "\n";

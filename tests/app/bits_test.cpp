@@ -1,5 +1,5 @@
-// Every deck gives the same mesh and the same history, to the last bit, with any number of threads. From the repository's
-// top folder, where `make test` runs.
+// Every deck gives the same mesh and the same history, to the last bit, with any number of threads. From the
+// repository's top folder, where `make test` runs.
 #include <doctest/doctest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Times the kernels against the machine's own limits, and whole runs. From the repository's top folder, where ./almesh is:
+// Times the kernels against the machine's own limits, and whole runs. From the top folder, where ./almesh is:
 //
 //   make bench            some minutes
 //   make bench QUICK=1    without the dear meshes

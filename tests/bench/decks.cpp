@@ -42,8 +42,8 @@ const DeckRun& median_run(std::vector<DeckRun>& runs) {
     return runs[runs.size() / 2];
 }
 
-// Every time_<stage> of the summary as a share of the whole run; time_total, time_run and time_coarse sum up others. What
-// no stage owns is setting up, writing files and ending.
+// Every time_<stage> of the summary as a share of the whole run; time_total, time_run and time_coarse sum up others.
+// What no stage owns is setting up, writing files and ending.
 void add_split(Table& table, const std::string& name, int threads, const DeckRun& run) {
     double rest = run.wall;
     for (const auto& [key, seconds] : run.summary) {
@@ -68,7 +68,8 @@ void measure_deck(const std::string& name, const Machine& machine, Table& table)
     std::vector<std::vector<DeckRun>> runs(machine.threads.size());
     std::vector<double> ratios;
     for (const Stopwatch all; ratios.empty() || (ratios.size() < most_runs && all.seconds() < budget);) {
-        for (std::size_t t = 0; t < runs.size(); ++t) runs[t].push_back(run_deck(name, {threads_setting(machine.threads[t])}));
+        for (std::size_t t = 0; t < runs.size(); ++t)
+            runs[t].push_back(run_deck(name, {threads_setting(machine.threads[t])}));
         ratios.push_back(runs.front().back().wall / runs.back().back().wall);
     }
     for (std::size_t t = 0; t < runs.size(); ++t) {

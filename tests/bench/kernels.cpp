@@ -53,7 +53,8 @@ void measure_front(int m, int k, const Machine& machine, Table& table) {
         set_threads(machine.threads[t]);
         const double seconds = best_seconds(
             budget, [&] { fill(panel, front); }, [&] { factor_front(front, smallest.data(), machine.threads[t] > 1); });
-        add_rate(table, "dense", name, machine.threads[t], "factor", flops_of_front(m, k) / seconds, "GF/s", machine.peak[t]);
+        add_rate(table, "dense", name, machine.threads[t], "factor", flops_of_front(m, k) / seconds, "GF/s",
+                 machine.peak[t]);
     }
 }
 
@@ -80,7 +81,9 @@ void measure_cholesky(const std::string& name, const NewtonSystem& system, const
     }
 }
 
-double bytes_of(const BlockCsr& A) { return 8.0 * static_cast<double>(A.value.size()) + 4.0 * A.blocks() + 4.0 * A.n; }
+double bytes_of_product(const BlockCsr& A) {
+    return 8.0 * static_cast<double>(A.value.size()) + 4.0 * (A.blocks() + A.n) + 16.0 * A.size();
+}
 
 // One pass over L forward and one back: single precision below the diagonal, double on it, and the vectors.
 double bytes_of_sweeps(const BlockCsr& A) {
@@ -100,11 +103,12 @@ void measure_products(const std::string& name, const NewtonSystem& system, const
         const int threads = machine.threads[t];
         set_threads(threads);
         const double product = best_seconds(budget, [&] { multiply(A, x.data(), y.data()); });
-        add_rate(table, "sparse", name, threads, "A x", (bytes_of(A) + 16.0 * A.size()) / product, "GB/s", machine.bandwidth[t]);
+        add_rate(table, "sparse", name, threads, "A x", bytes_of_product(A) / product, "GB/s", machine.bandwidth[t]);
         if (ilu.factor(A).status != Ilu0Status::factored) continue;  // stretched elements: a matter for Cholesky
         table.add("sparse", name, threads, "ILU(0) factor", best_seconds(budget, [&] { ilu.factor(A); }), "s");
         const double solve = best_seconds(budget, [&] { ilu.solve(x.data(), y.data()); });
-        add_rate(table, "sparse", name, threads, "ILU(0) solve", bytes_of_sweeps(A) / solve, "GB/s", machine.bandwidth[t]);
+        add_rate(table, "sparse", name, threads, "ILU(0) solve", bytes_of_sweeps(A) / solve, "GB/s",
+                 machine.bandwidth[t]);
         ConjugateGradients cg(A.size(), {.tolerance = 1e-8});
         CgResult solved{};
         const double seconds = best_seconds(budget, [&] { solved = cg.solve(A, &ilu, b.data(), y.data()); });

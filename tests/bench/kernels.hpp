@@ -1,5 +1,5 @@
-// The kernels of a Newton step against the machine's limits: dense fronts, sparse Cholesky, matrix times vector, ILU(0),
-// assembly. Matrices are those of the first Newton step of decks of inputs/.
+// The kernels of a Newton step against the machine's limits: dense fronts, sparse Cholesky, matrix times vector,
+// ILU(0), assembly. Matrices are those of the first Newton step of decks of inputs/.
 #pragma once
 #include "bench/machine.hpp"
 

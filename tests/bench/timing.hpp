@@ -1,5 +1,5 @@
-// Repeats what is measured. Whole runs are told by their median, kernels and limits by their best time: other work on the
-// machine can only add to it, and a limit is what the machine can do at best.
+// Repeats what is measured. Whole runs are told by their median, kernels and limits by their best time: other work on
+// the machine can only add to it, and a limit is what the machine can do at best.
 #pragma once
 #include <algorithm>
 #include <limits>
