@@ -28,6 +28,16 @@ TEST_CASE("the small decks of the paper hold what they expect") {
     }
 }
 
+// Trial lengths refused in one Newton step because an element was inverted, at most.
+int most_cuts(const std::string& folder) {
+    const auto rows = history_without_times(folder);
+    const auto column = std::find(rows[0].begin(), rows[0].end(), "cuts_inverted") - rows[0].begin();
+    int most = 0;
+    for (const auto& row : rows)
+        if (row[0] == "newton") most = std::max(most, std::stoi(row[column]));
+    return most;
+}
+
 // Each from the identity map, with the deck's own final tolerances.
 TEST_CASE("algorithm = adaptive takes few Newton steps on the decks of the paper, whatever the refinement") {
     if (!std::filesystem::is_directory("inputs")) return;
@@ -49,6 +59,7 @@ TEST_CASE("algorithm = adaptive takes few Newton steps on the decks of the paper
         CHECK(summary.at("status") == "converged");
         CHECK(summary.at("certified_valid") == "yes");
         CHECK(number(summary, "newton_iterations") <= bound.newton);
+        CHECK(most_cuts(folder.path("out")) <= 5);  // damping has learned from the steps before: no row of hopeless trials
     }
 }
 
