@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "linalg/coarsening.hpp"
+#include "linalg/hierarchy.hpp"
 #include "linalg/separator.hpp"
 
 namespace almesh {
@@ -20,18 +20,8 @@ WeightedGraph weighted(const Graph& graph) {
 
 // The part of the graph inside `piece`.
 WeightedGraph part_of(const WeightedGraph& graph, const std::vector<int>& piece) {
-    std::vector<int> local(graph.size(), -1);
-    for (std::size_t i = 0; i < piece.size(); ++i) local[piece[i]] = static_cast<int>(i);
-    WeightedGraph part;
-    for (int v : piece) {
-        for (int k = graph.start[v]; k < graph.start[v + 1]; ++k)
-            if (const int u = local[graph.adjacent[k]]; u >= 0) {
-                part.adjacent.push_back(u);
-                part.edge_weight.push_back(graph.edge_weight[k]);
-            }
-        part.start.push_back(static_cast<int>(part.adjacent.size()));
-        part.weight.push_back(graph.weight[v]);
-    }
+    WeightedGraph part = induced(graph, piece, numbered(graph.size(), piece));
+    for (int v : piece) part.weight.push_back(graph.weight[v]);
     return part;
 }
 

@@ -9,7 +9,8 @@ namespace {
 
 constexpr int smallest_coarse = 500;  // vertices; smaller graphs are coarsened anew, which suits their pieces better
 
-// The vertices `kept` of a graph, numbered by local[v] (-1: not kept), and the edges among them; the weights are left.
+}  // namespace
+
 WeightedGraph induced(const WeightedGraph& from, const std::vector<int>& kept, const std::vector<int>& local) {
     WeightedGraph graph;
     graph.start.reserve(kept.size() + 1);
@@ -28,14 +29,11 @@ WeightedGraph induced(const WeightedGraph& from, const std::vector<int>& kept, c
     return graph;
 }
 
-// local[v] of the vertices kept, -1 of all others.
 std::vector<int> numbered(int size, const std::vector<int>& kept) {
     std::vector<int> local(size, -1);
     for (std::size_t k = 0; k < kept.size(); ++k) local[kept[k]] = static_cast<int>(k);
     return local;
 }
-
-}  // namespace
 
 Hierarchy build_hierarchy(WeightedGraph finest, int steps, std::uint64_t seed) {
     Hierarchy result{std::move(finest), {}};

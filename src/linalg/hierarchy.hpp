@@ -18,6 +18,12 @@ struct Hierarchy {
     const WeightedGraph& coarsest() const { return coarser.empty() ? finest : coarser.back().graph; }
 };
 
+// local[v] of the vertices kept, their place in `kept`; -1 of all others.
+std::vector<int> numbered(int size, const std::vector<int>& kept);
+
+// The vertices `kept` of a graph, numbered by local[v], and the edges among them; the vertices' weights are left out.
+WeightedGraph induced(const WeightedGraph& from, const std::vector<int>& kept, const std::vector<int>& local);
+
 // The graph coarsened up to `steps` times, as long as that leaves many vertices.
 Hierarchy build_hierarchy(WeightedGraph finest, int steps, std::uint64_t seed);
 
