@@ -115,6 +115,17 @@ bool Newton::line_search(const AugmentedFunctional& E, std::vector<double>& x, d
     return false;
 }
 
+// A direction and a length along it, from weaker Hessians where the first one gives none; `converged` if there was one.
+NewtonStatus Newton::take_step(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step,
+                               bool& by_rounding, Timings& time) {
+    do {
+        if (!find_direction(E, x, step, time)) return NewtonStatus::linear_solver_failed;
+        const TimeAdder adder(time.line_search);
+        if (line_search(E, x, energy, step, by_rounding)) return NewtonStatus::converged;
+    } while (fall_back(step.hessian));
+    return NewtonStatus::line_search_failed;
+}
+
 NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& params, std::vector<double>& x,
                               Timings& time, const NewtonObserver& observe) {
     const auto evaluate_gradient = [&] {
@@ -144,22 +155,11 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         step.iteration = ++result.iterations;
         step.hessian = kind;
         solver_.set_tolerance(eta);
-        bool found = false, by_rounding = false;
-        for (;;) {
-            if (!find_direction(E, x, step, time)) {
-                result.linear_iterations += step.linear_iterations;
-                result.status = NewtonStatus::linear_solver_failed;
-                return result;
-            }
-            {
-                const TimeAdder adder(time.line_search);
-                found = line_search(E, x, result.energy, step, by_rounding);
-            }
-            if (found || !fall_back(step.hessian)) break;
-        }
+        bool by_rounding = false;
+        const NewtonStatus failure = take_step(E, x, result.energy, step, by_rounding, time);
         result.linear_iterations += step.linear_iterations;
-        if (!found) {
-            result.status = NewtonStatus::line_search_failed;
+        if (failure != NewtonStatus::converged) {
+            result.status = failure;
             return result;
         }
         const double before = result.gradient_norm;

@@ -119,6 +119,8 @@ class Newton {
     SystemObserver observe_system_;
 
     bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonStep& step, Timings& time);
+    NewtonStatus take_step(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step,
+                           bool& by_rounding, Timings& time);
     bool line_search(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step, bool& by_rounding);
 };
 
