@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/parallel.hpp"
+#include "linalg/small_blocks.hpp"
 
 namespace almesh {
 
@@ -78,14 +79,9 @@ namespace {
 template <int d>
 void multiply_blocks(const BlockCsr& A, int begin, int end, const double* x, double* y) {
     for (int i = begin; i < end; ++i) {
-        double sum[d] = {};
-        for (int k = A.row[i]; k < A.row[i + 1]; ++k) {
-            const double* block = A.block(k);
-            const double* xj = x + static_cast<std::size_t>(A.col[k]) * d;
-            for (int r = 0; r < d; ++r)
-                for (int c = 0; c < d; ++c) sum[r] += block[r * d + c] * xj[c];
-        }
-        for (int r = 0; r < d; ++r) y[static_cast<std::size_t>(i) * d + r] = sum[r];
+        SumOfProducts<d> sum;
+        for (int k = A.row[i]; k < A.row[i + 1]; ++k) sum.add(A.block(k), x + static_cast<std::size_t>(A.col[k]) * d);
+        for (int r = 0; r < d; ++r) y[static_cast<std::size_t>(i) * d + r] = sum.entry(r);
     }
 }
 

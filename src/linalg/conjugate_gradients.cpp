@@ -16,7 +16,7 @@ constexpr int block_size = 768;  // unknowns of a block: a multiple of every d
 }  // namespace
 
 ConjugateGradients::ConjugateGradients(int size, const CgParams& params)
-    : size_(size), params_(params), r_(size), p_(size), q_(size) {
+    : size_(size), params_(params), r_(size), z_(size), p_(size), q_(size) {
     const int blocks = (size + block_size - 1) / block_size;
     pq_.resize(blocks);
     rr_.resize(blocks);
@@ -53,26 +53,41 @@ double ConjugateGradients::residual(const BlockCsr& A, const double* b, const do
     }));
 }
 
-// p = z + beta p with z = M^{-1} r, beta = r'z / rz_before; p = z where rz_before is 0. Returns r'z.
-double ConjugateGradients::next_direction(Ilu0* M, double rz_before) {
-    if (M) return M->next_direction_in_team(r_.data(), rz_before, p_.data());
-    const double rz = sum_over_blocks(rz_, [&](int i, int count) { return dot_of_piece(count, r_.data() + i, r_.data() + i); });
-    const double beta = rz_before != 0 ? rz / rz_before : 0;
+// x += Z c, so that Z'(b - A x) = 0 for the r at hand; returns r'Z c.
+double ConjugateGradients::deflate(Deflation& deflation, int d, double* x) {
+    const double rZc = deflation.solve_in_team(r_.data(), nullptr);
 #pragma omp for schedule(static)
-    for (int i = 0; i < size_; ++i) p_[i] = beta != 0 ? r_[i] + beta * p_[i] : r_[i];
+    for (int node = 0; node < size_ / d; ++node)
+        for (int a = 0; a < d; ++a) x[node * d + a] += deflation.correction(node)[a];
+    return rZc;
+}
+
+// p = z + beta p with z = M^{-1} r, beta = r'z / rz_before; p = z where rz_before is 0. Returns r'z. d: of A.
+double ConjugateGradients::next_direction(const CgPreconditioner& M, int d, double rz_before) {
+    double* const z = M.ilu ? z_.data() : r_.data();
+    double rz = M.ilu ? M.ilu->solve_in_team(r_.data(), z)
+                      : sum_over_blocks(rz_, [&](int i, int count) { return dot_of_piece(count, z + i, z + i); });
+    if (M.deflation) rz += M.deflation->solve_in_team(r_.data(), z);
+    const double beta = rz_before != 0 ? rz / rz_before : 0;
+    static constexpr double none[3] = {};
+#pragma omp for schedule(static)
+    for (int node = 0; node < size_ / d; ++node) {
+        const double* const correction = M.deflation ? M.deflation->correction(node) : none;
+        for (int a = 0, i = node * d; a < d; ++a, ++i) {
+            const double p = z[i] + correction[a];
+            p_[i] = beta != 0 ? p + beta * p_[i] : p;  // the old p may be anything where beta is 0
+        }
+    }
     return rz;
 }
 
-// From the x and r at hand, |r| = r_norm, until the r that is carried along is down to the targets of |r| and of r'M^{-1}r;
-// the latter is set by the first cycle.
-ConjugateGradients::Cycle ConjugateGradients::cycle(const BlockCsr& A, Ilu0* M, double r_norm, double target, double& rz_target,
-                                                    int& iterations, double* x) {
+// From the x, r and p at hand, r'z = rz, until the r that is carried along is down to the targets of |r| and of r'M^{-1}r.
+ConjugateGradients::Cycle ConjugateGradients::cycle(const BlockCsr& A, const CgPreconditioner& M, double r_norm, double rz,
+                                                    const Targets& targets, int& iterations, double* x) {
     StagnationTest progress{r_norm};
-    double rz = next_direction(M, 0);
-    if (rz_target < 0) rz_target = params_.tolerance * params_.tolerance * rz;
     for (;;) {
         if (!std::isfinite(rz)) return Cycle::not_finite;
-        if (r_norm <= target && rz <= rz_target) return Cycle::small_residual;
+        if (r_norm <= targets.r_norm && rz <= targets.rz) return Cycle::small_residual;
         if (iterations == params_.max_iterations) return Cycle::max_iterations;
         const double pq = sum_over_blocks(pq_, [&](int i, int count) {
             multiply_rows(A, i / A.d, (i + count) / A.d, p_.data(), q_.data());
@@ -90,17 +105,22 @@ ConjugateGradients::Cycle ConjugateGradients::cycle(const BlockCsr& A, Ilu0* M, 
             return dot_of_piece(count, r_.data() + i, r_.data() + i);
         }));
         if (progress.stagnates(r_norm)) return Cycle::stagnated;
-        rz = next_direction(M, rz);
+        rz = next_direction(M, A.d, rz);
     }
 }
 
-CgResult ConjugateGradients::solve_in_team(const BlockCsr& A, Ilu0* M, const double* b, double* x) {
-    const double b_norm = start(b, x), target = params_.tolerance * b_norm;
+CgResult ConjugateGradients::solve_in_team(const BlockCsr& A, const CgPreconditioner& M, const double* b, double* x) {
+    const double b_norm = start(b, x);
     if (!std::isfinite(b_norm)) return {CgStatus::breakdown, 0, b_norm};
     if (b_norm == 0) return {CgStatus::converged, 0, 0};
-    double r_norm = b_norm, rz_target = -1;
+    double r_norm = b_norm;
+    Targets targets{params_.tolerance * b_norm, -1};
     for (int iterations = 0;;) {
-        const Cycle end = cycle(A, M, r_norm, target, rz_target, iterations, x);
+        const double deflated = M.deflation ? deflate(*M.deflation, A.d, x) : 0;
+        if (M.deflation) r_norm = residual(A, b, x);
+        const double rz = next_direction(M, A.d, 0);
+        if (targets.rz < 0) targets.rz = params_.tolerance * params_.tolerance * (rz + deflated);
+        const Cycle end = cycle(A, M, r_norm, rz, targets, iterations, x);
         const double before = r_norm;
         r_norm = residual(A, b, x);
         const double relative = r_norm / b_norm;
@@ -111,7 +131,7 @@ CgResult ConjugateGradients::solve_in_team(const BlockCsr& A, Ilu0* M, const dou
         }
         switch (end) {
             case Cycle::small_residual:
-                if (r_norm <= target) return {CgStatus::converged, iterations, relative};
+                if (r_norm <= targets.r_norm) return {CgStatus::converged, iterations, relative};
                 // The r carried along has drifted from the true one: once more from that.
                 if (r_norm > 0.5 * before) return {CgStatus::stagnated, iterations, relative};
                 break;
@@ -123,7 +143,7 @@ CgResult ConjugateGradients::solve_in_team(const BlockCsr& A, Ilu0* M, const dou
     }
 }
 
-CgResult ConjugateGradients::solve(const BlockCsr& A, Ilu0* M, const double* b, double* x) {
+CgResult ConjugateGradients::solve(const BlockCsr& A, const CgPreconditioner& M, const double* b, double* x) {
     CgResult result{};
 #pragma omp parallel if (size_ >= parallel_work)
     {

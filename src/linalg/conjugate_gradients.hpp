@@ -3,14 +3,14 @@
 // of Newton's method is a descent direction, however early the iteration ends. It notices when A is not positive
 // definite: p'Ap <= 0 for a search direction p.
 //
-// Cost of an iteration: one product with A, one with M^{-1}, two sums; memory 3 n doubles. All threads run the whole
-// iteration side by side and share its loops, with five waits: after the product, after the step, and three inside the
-// sweeps of M, which make the next direction on their way. Sums go over fixed blocks, so the bits do not depend on the
-// number of threads.
+// Cost of an iteration: one product with A, one with M^{-1}, two sums; memory 4 n doubles. All threads run the whole
+// iteration side by side and share its loops, with waits between them. Sums go over fixed blocks, so the bits do not depend
+// on the number of threads.
 #pragma once
 #include <vector>
 
 #include "linalg/block_csr.hpp"
+#include "linalg/deflation.hpp"
 #include "linalg/ilu0.hpp"
 
 namespace almesh {
@@ -35,29 +35,40 @@ struct CgResult {
     double relative_residual;  // |b - A x|_2 / |b|_2, computed from the x returned
 };
 
+// What approximates A^{-1}; nullptr for none.
+struct CgPreconditioner {
+    Ilu0* ilu = nullptr;
+    Deflation* deflation = nullptr;  // around ilu
+};
+
 class ConjugateGradients {
 public:
     ConjugateGradients(int size, const CgParams& params);
 
     void set_tolerance(double tolerance) { params_.tolerance = tolerance; }
 
-    // Solves A x = b from x_0 = 0; A symmetric, M preconditions, nullptr for none. Allocates nothing. Whatever the
-    // status, x is the last iterate, zero if that is not finite. Sizes: b, x: A.size().
-    CgResult solve(const BlockCsr& A, Ilu0* M, const double* b, double* x);
+    // Solves A x = b from x_0 = 0; A symmetric. Allocates nothing. Whatever the status, x is the last iterate, zero if that
+    // is not finite. Sizes: b, x: A.size().
+    CgResult solve(const BlockCsr& A, const CgPreconditioner& M, const double* b, double* x);
 
 private:
     enum class Cycle { small_residual, max_iterations, stagnated, negative_curvature, not_finite };
-    CgResult solve_in_team(const BlockCsr& A, Ilu0* M, const double* b, double* x);
-    Cycle cycle(const BlockCsr& A, Ilu0* M, double r_norm, double target, double& rz_target, int& iterations, double* x);
+    struct Targets {
+        double r_norm, rz;  // of |r| and of r'M^{-1}r
+    };
+    CgResult solve_in_team(const BlockCsr& A, const CgPreconditioner& M, const double* b, double* x);
+    Cycle cycle(const BlockCsr& A, const CgPreconditioner& M, double r_norm, double rz, const Targets& targets,
+                int& iterations, double* x);
     double start(const double* b, double* x);
     double residual(const BlockCsr& A, const double* b, const double* x);
-    double next_direction(Ilu0* M, double rz_before);
+    double deflate(Deflation& deflation, int d, double* x);
+    double next_direction(const CgPreconditioner& M, int d, double rz_before);
     template <class Term>
     double sum_over_blocks(std::vector<double>& partial, const Term& term);
 
     int size_;
     CgParams params_;
-    std::vector<double> r_, p_, q_;               // size: residual, search direction, A p
+    std::vector<double> r_, z_, p_, q_;           // size: residual, M^{-1} r, search direction, A p
     std::vector<double> pq_, rr_, rz_, true_rr_;  // sums of blocks. One array each: a thread may still be adding up the
                                                   // last one when others write the next
 };

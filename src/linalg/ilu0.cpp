@@ -10,20 +10,6 @@ namespace almesh {
 
 namespace {
 
-// y += sign * B x
-template <int d, int sign, class Number>
-void add_product(const Number* B, const double* x, double* y) {
-    for (int r = 0; r < d; ++r)
-        for (int c = 0; c < d; ++c) y[r] += sign * static_cast<double>(B[r * d + c]) * x[c];
-}
-
-// y += sign * B' x
-template <int d, int sign, class Number>
-void add_product_transposed(const Number* B, const double* x, double* y) {
-    for (int r = 0; r < d; ++r)
-        for (int c = 0; c < d; ++c) y[c] += sign * static_cast<double>(B[r * d + c]) * x[r];
-}
-
 // T -= A B'
 template <int d, class Number>
 void subtract_product_transposed(const double* A, const Number* B, double* T) {
@@ -65,9 +51,9 @@ Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start) : d_(pattern.d), sta
         longest_ = std::max(longest_, row_[i + 1] - row_[i]);
     }
     const std::size_t n = pattern.n, block = static_cast<std::size_t>(d_) * d_;
-    L_.resize(col_.size() * block);
+    L_.resize(col_.size() * block + 3);  // four() reads beyond the last block
     C_inverse_.resize(n * block);
-    y_.resize(n * d_);
+    y_.resize(n);
     row_of_.resize(start_.size() * longest_ * block);
     squares_.resize(start_.size());
     bad_.resize(start_.size());
@@ -130,71 +116,78 @@ Ilu0Result Ilu0::factor(const BlockCsr& A) {
     return {Ilu0Status::factored, -1};
 }
 
-// y_i = C_i^{-1} r_i - sum over j < i of L_ij y_j; returns the sum of their squares.
+// y_i = C_i^{-1} r_i - sum over j < i of L_ij y_j; returns the sum of their squares. Row r of L_ij is read with what
+// comes after it, which meets the zeros of y_j.
 template <int d>
 double Ilu0::sweep_forward(int begin, int end, const double* r) {
     double squares = 0;
     for (int i = begin; i < end; ++i) {
-        double sum[d] = {};
-        add_product<d, 1>(C_inverse_.data() + static_cast<std::size_t>(i) * d * d,
-                          r + static_cast<std::size_t>(i) * d, sum);
-        for (int k = row_[i]; k < row_[i + 1]; ++k)
-            add_product<d, -1>(L_.data() + static_cast<std::size_t>(k) * d * d,
-                               y_.data() + static_cast<std::size_t>(col_[k]) * d, sum);
-        std::copy_n(sum, d, y_.data() + static_cast<std::size_t>(i) * d);
-        for (int a = 0; a < d; ++a) squares += sum[a] * sum[a];
+        Four products[d] = {};
+        for (int k = row_[i]; k < row_[i + 1]; ++k) {
+            const float* const L = L_.data() + static_cast<std::size_t>(k) * d * d;
+            const Four y = y_[col_[k]];
+            for (int a = 0; a < d; ++a) products[a] += __builtin_convertvector(four(L + a * d), Four) * y;
+        }
+        const double* const C_inverse = C_inverse_.data() + static_cast<std::size_t>(i) * d * d;
+        const double* const ri = r + static_cast<std::size_t>(i) * d;
+        Four y{};
+        for (int a = 0; a < d; ++a) {
+            for (int b = 0; b <= a; ++b) y[a] += C_inverse[a * d + b] * ri[b];
+            for (int b = 0; b < d; ++b) y[a] -= products[a][b];
+            squares += y[a] * y[a];
+        }
+        y_[i] = y;
     }
     return squares;
 }
 
-// y_i -= sum over j > i of L_ji' y_j, by columns of L' as they become known; entries of z_i = C_i^{-T} y_i go to take(place, entry).
-template <int d, class Take>
-void Ilu0::sweep_backward(int begin, int end, const Take& take) {
+// y_i -= sum over j > i of L_ji' y_j, by columns of L' as they become known, and z_i = C_i^{-T} y_i. The entries of y_i
+// from d on become anything.
+template <int d>
+void Ilu0::sweep_backward(int begin, int end, double* z) {
     for (int i = end - 1; i >= begin; --i) {
-        const double* const y = y_.data() + static_cast<std::size_t>(i) * d;
-        for (int k = row_[i]; k < row_[i + 1]; ++k)
-            add_product_transposed<d, -1>(L_.data() + static_cast<std::size_t>(k) * d * d, y,
-                                          y_.data() + static_cast<std::size_t>(col_[k]) * d);
-        double z[d] = {};
-        add_product_transposed<d, 1>(C_inverse_.data() + static_cast<std::size_t>(i) * d * d, y, z);
-        for (int a = 0; a < d; ++a) take(static_cast<std::size_t>(i) * d + a, z[a]);
+        const Four y = y_[i];
+        Four entry[d];
+        for (int a = 0; a < d; ++a) entry[a] = Four{} + y[a];
+        for (int k = row_[i]; k < row_[i + 1]; ++k) {
+            const float* const L = L_.data() + static_cast<std::size_t>(k) * d * d;
+            Four product = __builtin_convertvector(four(L), Four) * entry[0];
+            for (int a = 1; a < d; ++a) product += __builtin_convertvector(four(L + a * d), Four) * entry[a];
+            y_[col_[k]] -= product;
+        }
+        const double* const C_inverse = C_inverse_.data() + static_cast<std::size_t>(i) * d * d;
+        for (int b = 0; b < d; ++b) {
+            double sum = 0;
+            for (int a = b; a < d; ++a) sum += C_inverse[a * d + b] * y[a];
+            z[static_cast<std::size_t>(i) * d + b] = sum;
+        }
     }
 }
 
-// Both sweeps; take(r'z) is asked for the taker of z as soon as r'z is known, by every thread. Returns r'z.
-template <int d, class Take>
-double Ilu0::sweep(const double* r, const Take& take) {
-    const auto rz = [&] { return std::accumulate(squares_.begin(), squares_.end(), 0.0); };
+template <int d>
+double Ilu0::sweep(const double* r, double* z) {
 #pragma omp for schedule(static)
     for (int k = 0; k < domains(); ++k) squares_[k] = sweep_forward<d>(start_[k], start_[k + 1], r);
 #pragma omp single
     {
         squares_.back() = sweep_forward<d>(start_.back(), rows(), r);
-        sweep_backward<d>(start_.back(), rows(), take(rz()));
+        sweep_backward<d>(start_.back(), rows(), z);
     }
-    const double own_rz = rz();  // before the next barrier: after it another thread may begin the next solve
+    const double rz = std::accumulate(squares_.begin(), squares_.end(), 0.0);
 #pragma omp for schedule(static)
-    for (int k = 0; k < domains(); ++k) sweep_backward<d>(start_[k], start_[k + 1], take(own_rz));
-    return own_rz;
+    for (int k = 0; k < domains(); ++k) sweep_backward<d>(start_[k], start_[k + 1], z);
+    return rz;
 }
 
-template <class Take>
-double Ilu0::sweep_in_team(const double* r, const Take& take) {
-    if (d_ == 1) return sweep<1>(r, take);
-    if (d_ == 2) return sweep<2>(r, take);
-    return sweep<3>(r, take);
-}
-
-double Ilu0::next_direction_in_team(const double* r, double rz_before, double* p) {
-    return sweep_in_team(r, [=](double rz) {
-        const double beta = rz_before != 0 ? rz / rz_before : 0;
-        return [=](std::size_t i, double z) { p[i] = beta != 0 ? z + beta * p[i] : z; };  // no old p: it may be anything
-    });
+double Ilu0::solve_in_team(const double* r, double* z) {
+    if (d_ == 1) return sweep<1>(r, z);
+    if (d_ == 2) return sweep<2>(r, z);
+    return sweep<3>(r, z);
 }
 
 void Ilu0::solve(const double* r, double* z) {
 #pragma omp parallel if (domains() > 1)
-    sweep_in_team(r, [=](double) { return [=](std::size_t i, double zi) { z[i] = zi; }; });
+    solve_in_team(r, z);
 }
 
 }  // namespace almesh

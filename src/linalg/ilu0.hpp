@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "linalg/block_csr.hpp"
+#include "linalg/small_blocks.hpp"
 
 namespace almesh {
 
@@ -39,10 +40,9 @@ public:
     // z = (C (I + L) (I + L') C')^{-1} r; r, z: n*d, and they may be the same array.
     void solve(const double* r, double* z);
 
-    // What conjugate gradients do with z, in the same two sweeps: p = z + beta p, beta = r'z / rz_before, or p = z where
-    // rz_before is 0. Returns r'z, which is the square of the vector between the sweeps. Called by all threads of a
-    // parallel region together; all have p when it returns.
-    double next_direction_in_team(const double* r, double rz_before, double* p);
+    // The same, called by all threads of a parallel region together; all have z when it returns. Returns r'z, which is the
+    // square of the vector between the sweeps.
+    double solve_in_team(const double* r, double* z);
 
 private:
     template <int d>
@@ -51,12 +51,10 @@ private:
     void factor_blocks(const BlockCsr& A);
     template <int d>
     double sweep_forward(int begin, int end, const double* r);
-    template <int d, class Take>
-    void sweep_backward(int begin, int end, const Take& take);
-    template <int d, class Take>
-    double sweep(const double* r, const Take& take);
-    template <class Take>
-    double sweep_in_team(const double* r, const Take& take);
+    template <int d>
+    void sweep_backward(int begin, int end, double* z);
+    template <int d>
+    double sweep(const double* r, double* z);
 
     int rows() const { return static_cast<int>(row_.size()) - 1; }
     int domains() const { return static_cast<int>(start_.size()) - 1; }
@@ -67,7 +65,7 @@ private:
     std::vector<int> col_;               // block columns of L, ascending within a row: the first ones of the row of A
     std::vector<float> L_;               // d*d per block, row-major
     std::vector<double> C_inverse_;      // d*d per row, lower triangular
-    std::vector<double> y_;              // n*d: the vector between the sweeps
+    std::vector<Four> y_;                // n: the vector between the sweeps, d entries each and zeros
     std::vector<double> row_of_;         // d*d per block of the longest row, for each domain and the separators
     std::vector<double> squares_;        // of y over each domain and the separators
     std::vector<int> bad_;               // first bad row of each domain and of the separators, or -1

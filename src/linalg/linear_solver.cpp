@@ -85,6 +85,7 @@ double norm_inf(const BlockCsr& A) {
 struct LinearSolver::Iterative {
     Reordered system;  // domain by domain
     Ilu0 ilu;
+    std::optional<Deflation> deflation;    // with cg
     std::optional<ConjugateGradients> cg;  // one of the two
     std::optional<Gmres> gmres;
     std::vector<double> right, solution;
@@ -93,9 +94,12 @@ struct LinearSolver::Iterative {
 
     Iterative(const BlockCsr& A, const LinearSolverParams& params, const Domains& domains)
         : system(A, domains.order), ilu(system.matrix(), domains.start), right(A.size()), solution(A.size()) {
-        if (params.kind == SolverKind::gmres)
+        if (params.kind == SolverKind::gmres) {
             gmres.emplace(A.size(), GmresParams{params.restart, params.max_iterations, params.tolerance});
-        else cg.emplace(A.size(), CgParams{params.max_iterations, params.tolerance});
+        } else {
+            deflation.emplace(system.matrix());
+            cg.emplace(A.size(), CgParams{params.max_iterations, params.tolerance});
+        }
     }
 
     void set_tolerance(double tolerance) {
@@ -184,13 +188,15 @@ SolveResult LinearSolver::solve_iteratively(const BlockCsr& A, const std::vector
         result.bad_node = own.system.order()[factored.bad_row];
         return result;
     }
+    if (own.deflation && !own.deflation->factor(B)) return result_of(kind, SolveStatus::not_positive_definite, 0, 1);
     own.system.gather(b.data(), own.right.data());
-    const auto solve_with = [&](auto& solver) {
-        const auto solved = solver.solve(B, &own.ilu, own.right.data(), own.solution.data());
+    const auto finish = [&](const auto& solved) {
         own.system.scatter(own.solution.data(), x.data());
         return result_of(kind, status_of(solved.status), solved.iterations, solved.relative_residual);
     };
-    return own.cg ? solve_with(*own.cg) : solve_with(*own.gmres);
+    const double* const right = own.right.data();
+    if (own.gmres) return finish(own.gmres->solve(B, &own.ilu, right, own.solution.data()));
+    return finish(own.cg->solve(B, {&own.ilu, &*own.deflation}, right, own.solution.data()));
 }
 
 SolveResult LinearSolver::solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {

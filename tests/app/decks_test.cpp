@@ -28,10 +28,11 @@ TEST_CASE("the small decks of the paper hold what they expect") {
     }
 }
 
-// Trial lengths refused in one Newton step because an element was inverted, at most.
-int most_cuts(const std::string& folder) {
+// The largest entry of a column of history.csv over all Newton steps, such as cuts_inverted: the trial lengths refused
+// because an element was inverted.
+int most_in_a_step(const char* name, const std::string& folder) {
     const auto rows = history_without_times(folder);
-    const auto column = std::find(rows[0].begin(), rows[0].end(), "cuts_inverted") - rows[0].begin();
+    const auto column = std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin();
     int most = 0;
     for (const auto& row : rows)
         if (row[0] == "newton") most = std::max(most, std::stoi(row[column]));
@@ -59,8 +60,23 @@ TEST_CASE("algorithm = adaptive takes few Newton steps on the decks of the paper
         CHECK(summary.at("status") == "converged");
         CHECK(summary.at("certified_valid") == "yes");
         CHECK(number(summary, "newton_iterations") <= bound.newton);
-        CHECK(most_cuts(folder.path("out")) <= 5);  // damping has learned from the steps before: no row of hopeless trials
+        CHECK(most_in_a_step("cuts_inverted", folder.path("out")) <= 5);  // damping has learned from the steps before: no row of hopeless trials
     }
+}
+
+TEST_CASE("conjugate gradients take at most 60 iterations to 1e-8 in every Newton step of the aircraft, however soft") {
+    if (!std::filesystem::is_directory("inputs")) return;
+    for (const std::string deck : {"inputs/aircraft.deck", "inputs/aircraft-weighted.deck"})
+        for (const char* algorithm : {"algorithm=paper", "algorithm=adaptive"}) {
+            CAPTURE(deck);
+            CAPTURE(algorithm);
+            const TemporaryFolder folder;
+            const Outcome outcome = almesh_with({deck, "output=" + folder.path("out"), "vtk=none", algorithm,
+                                                 "forcing=fixed", "linear_tolerance=1e-8"});
+            CHECK(outcome.code == 0);
+            CHECK_FALSE(has(outcome.out, "the iterative solver failed"));
+            CHECK(most_in_a_step("linear_iterations", folder.path("out")) <= 60);
+        }
 }
 
 TEST_CASE("the decks of the lessons hold what they expect, and curving works in 3D") {

@@ -8,6 +8,7 @@
 #include "bench/timing.hpp"
 #include "linalg/cholesky.hpp"
 #include "linalg/conjugate_gradients.hpp"
+#include "linalg/deflation.hpp"
 #include "linalg/domains.hpp"
 #include "linalg/graph.hpp"
 #include "linalg/ilu0.hpp"
@@ -99,6 +100,7 @@ void measure_products(const std::string& name, const NewtonSystem& system, const
     std::vector<double> x(A.size(), 1.0), y(A.size()), b(A.size());
     reordered.gather(system.b.data(), b.data());
     Ilu0 ilu(A, domains.start);
+    Deflation deflation(A);
     for (std::size_t t = 0; t < machine.threads.size(); ++t) {
         const int threads = machine.threads[t];
         set_threads(threads);
@@ -109,9 +111,11 @@ void measure_products(const std::string& name, const NewtonSystem& system, const
         const double solve = best_seconds(budget, [&] { ilu.solve(x.data(), y.data()); });
         add_rate(table, "sparse", name, threads, "ILU(0) solve", bytes_of_sweeps(A) / solve, "GB/s",
                  machine.bandwidth[t]);
+        if (!deflation.factor(A)) continue;
+        table.add("sparse", name, threads, "coarse space", best_seconds(budget, [&] { deflation.factor(A); }), "s");
         ConjugateGradients cg(A.size(), {.tolerance = 1e-8});
         CgResult solved{};
-        const double seconds = best_seconds(budget, [&] { solved = cg.solve(A, &ilu, b.data(), y.data()); });
+        const double seconds = best_seconds(budget, [&] { solved = cg.solve(A, {&ilu, &deflation}, b.data(), y.data()); });
         if (solved.status != CgStatus::converged) continue;
         table.add("sparse", name, threads, "CG to 1e-8", solved.iterations, "iterations");
         table.add("sparse", name, threads, "CG", 1e3 * seconds / solved.iterations, "ms/iteration");
