@@ -49,6 +49,15 @@ Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start) : d_(pattern.d), sta
         for (int k = pattern.row[i]; pattern.col[k] < i; ++k) col_.push_back(pattern.col[k]);
         row_.push_back(static_cast<int>(col_.size()));
         longest_ = std::max(longest_, row_[i + 1] - row_[i]);
+        for (int k = row_[i]; k < row_[i + 1]; ++k) {
+            for (int a = row_[i], b = row_[col_[k]]; a < k && b < row_[col_[k] + 1];) {
+                const int left = col_[a], right = col_[b];
+                if (left == right) term_.push_back({a - row_[i], b});
+                a += left <= right;
+                b += right <= left;
+            }
+            term_start_.push_back(static_cast<int>(term_.size()));
+        }
     }
     const std::size_t n = pattern.n, block = static_cast<std::size_t>(d_) * d_;
     L_.resize(col_.size() * block + 3);  // four() reads beyond the last block
@@ -68,17 +77,13 @@ int Ilu0::factor_rows(const BlockCsr& A, int begin, int end, double* T) {
         // T_ij = C_i L_ij, from A_ij = sum over k < j of T_ik L_jk' C_j' + T_ij C_j'
         for (int k = row_[i]; k < row_[i + 1]; ++k) {
             const int j = col_[k];
-            double* const Tj = T + (k - row_[i]) * block;
-            std::fill_n(Tj, block, 0.0);
+            double Tj[block] = {};
             subtract_product_transposed<d>(Ai + (k - row_[i]) * block, C_inverse_.data() + static_cast<std::size_t>(j) * block, Tj);
             for (int e = 0; e < block; ++e) Tj[e] = -Tj[e];
-            for (int a = row_[i], b = row_[j]; a < k && b < row_[j + 1];) {
-                const int left = col_[a], right = col_[b];
-                if (left == right)
-                    subtract_product_transposed<d>(T + (a - row_[i]) * block, L_.data() + static_cast<std::size_t>(b) * block, Tj);
-                a += left <= right;
-                b += right <= left;
-            }
+            for (int t = term_start_[k]; t < term_start_[k + 1]; ++t)
+                subtract_product_transposed<d>(T + term_[t].left * block,
+                                               L_.data() + static_cast<std::size_t>(term_[t].right) * block, Tj);
+            std::copy_n(Tj, block, T + (k - row_[i]) * block);
         }
         double D[block];
         std::copy_n(Ai + (row_[i + 1] - row_[i]) * block, block, D);

@@ -63,6 +63,11 @@ private:
     std::vector<int> start_;
     std::vector<int> row_{0};            // n + 1 offsets into col_
     std::vector<int> col_;               // block columns of L, ascending within a row: the first ones of the row of A
+    struct Term {
+        int left, right;  // of a product T_ij' L_kj': its block of the row of T, from 0, and of L
+    };
+    std::vector<int> term_start_{0};     // the terms of block k: term_start_[k] .. term_start_[k+1]
+    std::vector<Term> term_;
     std::vector<float> L_;               // d*d per block, row-major
     std::vector<double> C_inverse_;      // d*d per row, lower triangular
     std::vector<Four> y_;                // n: the vector between the sweeps, d entries each and zeros
