@@ -4,13 +4,6 @@
 
 namespace almesh {
 
-// Asked for in loops over elements: divisions by constants are multiplications.
-int simplex_node_count(int dim, int degree) {
-    if (dim == 3) return (degree + 1) * (degree + 2) * (degree + 3) / 6;
-    if (dim == 2) return (degree + 1) * (degree + 2) / 2;
-    return dim == 1 ? degree + 1 : 1;
-}
-
 namespace {
 
 // Vertex pairs of the edges and triples of the faces, in Gmsh's order.

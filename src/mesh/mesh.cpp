@@ -8,9 +8,6 @@
 
 namespace almesh {
 
-int Mesh::element_nodes() const { return simplex_node_count(dim, degree); }
-int Mesh::face_nodes() const { return simplex_node_count(dim - 1, degree); }
-
 int Mesh::boundary_index(const std::string& name) const {
     const auto it = std::find(boundaries.begin(), boundaries.end(), name);
     return it == boundaries.end() ? -1 : static_cast<int>(it - boundaries.begin());

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "mesh/lagrange.hpp"
+
 namespace almesh {
 
 struct PhysicalGroup {
@@ -32,8 +34,8 @@ struct Mesh {
     int msh_version = 22;  // 22 or 41: the format the mesh came in
 
     int nodes() const { return static_cast<int>(x.size()) / dim; }
-    int element_nodes() const;
-    int face_nodes() const;
+    int element_nodes() const { return simplex_node_count(dim, degree); }
+    int face_nodes() const { return simplex_node_count(dim - 1, degree); }
     int element_count() const { return static_cast<int>(elements.size()) / element_nodes(); }
     int face_count() const { return static_cast<int>(faces.size()) / face_nodes(); }
     const int* element(int e) const { return elements.data() + static_cast<std::size_t>(e) * element_nodes(); }
