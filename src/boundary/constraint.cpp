@@ -44,8 +44,9 @@ BoundaryConstraint::BoundaryConstraint(const Mesh& mesh, const std::vector<doubl
     norm_of_one_ = std::sqrt(one_squared);
     number_trace_nodes();
     assemble_mass(face_weight);
-    if (kind == TargetKind::exact) project_target(ideal, face_weight);
-    else interpolate_target();
+    if (kind == TargetKind::nodal || target.in_trace_space) interpolate_target();
+    else project_target(ideal, face_weight);
+    if (kind == TargetKind::exact) measure_floor(face_weight);
 }
 
 void BoundaryConstraint::number_trace_nodes() {
@@ -98,15 +99,6 @@ void BoundaryConstraint::project_target(const std::vector<double>& ideal, const 
         factorisation.solve(right.data(), displacement.data());
         for (std::size_t t = 0; t < nodes_.size(); ++t) g_h_[t * dim_ + a] = ideal_at(static_cast<int>(t), a) + displacement[t];
     }
-    // floor^2 = sum over faces of the weighted integral of |g_h - g_D|^2.
-    std::vector<double> x(static_cast<std::size_t>(mesh_.nodes()) * dim_);
-    for (std::size_t t = 0; t < nodes_.size(); ++t)
-        for (int a = 0; a < dim_; ++a) x[static_cast<std::size_t>(nodes_[t]) * dim_ + a] = g_h_[t * dim_ + a];
-    double squared = 0;
-    for (int f = 0; f < mesh_.face_count(); ++f)
-        for (int q = 0; q < points; ++q)
-            squared += face_weight[f] * target_.quadrature.weight[q] * squared_difference_at(x, f, q);
-    floor_ = std::sqrt(squared) / norm_of_one_;
 }
 
 void BoundaryConstraint::interpolate_target() {
@@ -114,19 +106,32 @@ void BoundaryConstraint::interpolate_target() {
         for (int a = 0; a < dim_; ++a) g_h_[static_cast<std::size_t>(faces_[k]) * dim_ + a] = target_.node[k * dim_ + a];
 }
 
+// floor^2 = sum over faces of the weighted integral of |g_h - g_D|^2.
+void BoundaryConstraint::measure_floor(const std::vector<double>& face_weight) {
+    const double squared = deterministic_sum(mesh_.face_count(), [&](int f) {
+        double sum = 0;
+        for (int q = 0; q < target_.quadrature.count; ++q)
+            sum += target_.quadrature.weight[q] * squared_difference_at(g_h_, faces_, f, q);
+        return face_weight[f] * sum;
+    });
+    floor_ = std::sqrt(squared) / norm_of_one_;
+}
+
 double BoundaryConstraint::difference(const std::vector<double>& x, int trace_node, int component) const {
     return x[static_cast<std::size_t>(nodes_[trace_node]) * dim_ + component] -
            g_h_[static_cast<std::size_t>(trace_node) * dim_ + component];
 }
 
-// |phi - g_D|^2 at a quadrature point of a face.
-double BoundaryConstraint::squared_difference_at(const std::vector<double>& x, int face, int point) const {
+// |u - g_D|^2 at a quadrature point of a face, u having the value trace[nodes[face node] x dim] at each face node.
+double BoundaryConstraint::squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face,
+                                                 int point) const {
     const int m = mesh_.face_nodes(), points = target_.quadrature.count;
     double squared = 0;
     for (int a = 0; a < dim_; ++a) {
         double d = -target_.sample[(static_cast<std::size_t>(face) * points + point) * dim_ + a];
         for (int i = 0; i < m; ++i)
-            d += face_values_[static_cast<std::size_t>(point) * m + i] * x[static_cast<std::size_t>(mesh_.face(face)[i]) * dim_ + a];
+            d += face_values_[static_cast<std::size_t>(point) * m + i] *
+                 trace[static_cast<std::size_t>(nodes[static_cast<std::size_t>(face) * m + i]) * dim_ + a];
         squared += d * d;
     }
     return squared;
@@ -153,16 +158,16 @@ double BoundaryConstraint::norm(const std::vector<double>& x) const { return std
 
 double BoundaryConstraint::max_error(const std::vector<double>& x) const {
     double squared = 0;
-    if (kind_ == TargetKind::exact) {
-        for (int f = 0; f < mesh_.face_count(); ++f)
-            for (int q = 0; q < target_.quadrature.count; ++q) squared = std::max(squared, squared_difference_at(x, f, q));
-    } else {
-        for (int t = 0; t < static_cast<int>(nodes_.size()); ++t) {
-            double s = 0;
-            for (int a = 0; a < dim_; ++a) s += difference(x, t, a) * difference(x, t, a);
-            squared = std::max(squared, s);
-        }
+    for (std::size_t k = 0; k < mesh_.faces.size(); ++k) {
+        double s = 0;
+        for (int a = 0; a < dim_; ++a)
+            s += std::pow(x[static_cast<std::size_t>(mesh_.faces[k]) * dim_ + a] - target_.node[k * dim_ + a], 2);
+        squared = std::max(squared, s);
     }
+    if (kind_ == TargetKind::exact)
+        for (int f = 0; f < mesh_.face_count(); ++f)
+            for (int q = 0; q < target_.quadrature.count; ++q)
+                squared = std::max(squared, squared_difference_at(x, mesh_.faces, f, q));
     return std::sqrt(squared);
 }
 

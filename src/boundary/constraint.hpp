@@ -13,7 +13,8 @@
 // M_ij = (N_i, N_j), r = x - g_h on the boundary nodes:
 //     -(lambda, c_D) + mu/2 |c_D|^2 = -lambda^T M r / |1| + mu/2 (r^T M r / |1|^2 + floor^2)
 //     gradient M (mu r / |1|^2 - lambda / |1|),   Hessian mu M / |1|^2,   update lambda <- lambda - mu r / |1|.
-// With the nodal target g_h interpolates g_D at the nodes, and the floor is zero by definition.
+// With the nodal target g_h interpolates g_D at the nodes, and the floor is zero by definition. Where every motion is
+// affine, g_D is in the trace space: interpolation is the projection, and the floor is zero but for rounding.
 #pragma once
 #include <vector>
 
@@ -38,7 +39,7 @@ class BoundaryConstraint {
     // x: node_count x dim. lambda: trace nodes x dim.
     double projected_norm(const std::vector<double>& x) const;  // |P c_D|
     double norm(const std::vector<double>& x) const;            // |c_D|
-    // Largest |phi - g_D| over the boundary quadrature points (exact) or the boundary nodes (nodal).
+    // Largest |phi - g_D| over the nodes of the boundary faces and, unless the target is nodal, their quadrature points.
     double max_error(const std::vector<double>& x) const;
 
     double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) const;
@@ -65,8 +66,9 @@ class BoundaryConstraint {
     void assemble_mass(const std::vector<double>& face_weight);
     void project_target(const std::vector<double>& ideal, const std::vector<double>& face_weight);
     void interpolate_target();
+    void measure_floor(const std::vector<double>& face_weight);
     double difference(const std::vector<double>& x, int trace_node, int component) const;
-    double squared_difference_at(const std::vector<double>& x, int face, int point) const;
+    double squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face, int point) const;
     double dot_mass_difference(const std::vector<double>& x, const double* weights) const;
 };
 

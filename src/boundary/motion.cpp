@@ -286,6 +286,12 @@ bool apply(const Motion& motion, int dim, double* x) {
     return true;
 }
 
+bool is_affine(const Motion& motion) {
+    return std::none_of(motion.steps.begin(), motion.steps.end(), [](const MotionStep& step) {
+        return step.kind == MotionKind::circle || step.kind == MotionKind::sphere || step.kind == MotionKind::cylinder;
+    });
+}
+
 std::string to_string(const Motion& motion) {
     std::string text;
     for (const MotionStep& step : motion.steps) text += (text.empty() ? "" : "; ") + to_string(step);

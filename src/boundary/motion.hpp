@@ -41,6 +41,9 @@ void check_dimension(const Motion& motion, int dim);
 // projection is undefined: at the centre of the circle or sphere, on the axis of the cylinder.
 bool apply(const Motion& motion, int dim, double* x);
 
+// Whether it takes polynomials to polynomials of the same degree: it has no projection among its steps.
+bool is_affine(const Motion& motion);
+
 std::string to_string(const Motion& motion);  // parse_motion() gives the same motion again
 
 // The steps, one line each: form and meaning, for the list of keys.

@@ -10,9 +10,10 @@
 namespace almesh {
 
 struct BoundaryTarget {
-    Quadrature quadrature;       // on the reference face
-    std::vector<double> node;    // face x face node x dim: g_D at the nodes of the face
-    std::vector<double> sample;  // face x quadrature point x dim: g_D at the quadrature points
+    bool in_trace_space = false;  // all motions are affine: g_D is of the mesh's degree on every face
+    Quadrature quadrature;        // on the reference face
+    std::vector<double> node;     // face x face node x dim: g_D at the nodes of the face
+    std::vector<double> sample;   // face x quadrature point x dim: g_D at the quadrature points
 };
 
 // motion: one per mesh.boundaries. Throws UsageError where one does not fit the dimension, InputError where a

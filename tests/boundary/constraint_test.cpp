@@ -160,6 +160,16 @@ TEST_CASE("a nodal target is reached at the nodes") {
     CHECK(c.constraint.max_error(x) < 1e-14);
 }
 
+TEST_CASE("an affine motion of a curved boundary is reached everywhere") {
+    for (int degree : {2, 3, 4}) {
+        Mesh mesh = raise_degree(ring_mesh(7, 2, 4), degree);
+        mesh.x = wavy(mesh.x, 2, 0.05);
+        const Case c(mesh, {{"inner", "rotate 30; translate 3 1"}, {"outer", "scale 2"}}, TargetKind::exact);
+        CHECK(c.constraint.floor() < 1e-14);
+        CHECK(c.constraint.max_error(at_projection(c, c.ideal)) < 2e-14);
+    }
+}
+
 TEST_CASE("the largest error of a polygon is its sagitta, at the nodes that of the worst node") {
     const Case exact = circle_case(8, 1, TargetKind::exact);
     CHECK(exact.constraint.max_error(exact.ideal) ==

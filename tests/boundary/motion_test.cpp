@@ -77,6 +77,13 @@ TEST_CASE("steps act in the order written") {
     CHECK(moved("translate 1 0 ; translate 0 1;scale 2", 2, {0, 0, 0}) == Point{2, 2, 0});
 }
 
+TEST_CASE("a motion is affine unless it projects") {
+    for (const char* text : {"fixed", "translate 1 2", "rotate 30; scale 2; translate 1 0"})
+        CHECK(is_affine(parse_motion(text)));
+    for (const char* text : {"circle 0 0 1", "sphere 0 0 0 1", "translate 1 0 0; cylinder 0 0 0 0 0 1 2"})
+        CHECK(!is_affine(parse_motion(text)));
+}
+
 TEST_CASE("rotations keep distances and orientation, their inverse undoes them") {
     std::mt19937 random(3);
     std::uniform_real_distribution<double> coordinate(-3, 3);

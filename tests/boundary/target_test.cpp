@@ -105,6 +105,16 @@ TEST_CASE("motions act on the boundary as the file has it") {
                [](const double* x, const double* g) { CHECK(std::hypot(g[0] - 2 * x[0], g[1] - 2 * x[1]) < 1e-15); });
 }
 
+TEST_CASE("the target is in the trace space, and takes few quadrature points, unless a boundary is projected") {
+    const Mesh mesh = curved_ring();
+    const BoundaryTarget affine = target_of(mesh, {{"inner", "rotate 30; translate 8 0"}});
+    const BoundaryTarget projected = target_of(mesh, {{"outer", "circle 0 0 6"}});
+    CHECK(affine.in_trace_space);
+    CHECK(!projected.in_trace_space);
+    CHECK(affine.quadrature.count == mesh.degree + 1);
+    CHECK(projected.quadrature.count == mesh.degree + 6);
+}
+
 TEST_CASE("two boundaries that send a shared node to different places are refused by id and name") {
     const Mesh mesh = square_mesh(2);
     const std::string message = error_of(mesh, {{"left", "translate 0 0.5"}});
