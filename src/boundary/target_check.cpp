@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 
+#include "base/parallel.hpp"
 #include "geometry/patch_contact.hpp"
 #include "geometry/patch_normal.hpp"
 
@@ -17,6 +18,7 @@ constexpr double smallest_normal = 1e-6;  // n . mean / |mean|^2 at or below whi
 constexpr double degenerate = 1e-12;      // measure of a face or a closed part over its size^(n - 1) or size^n
 constexpr double flat_fold = 1e-6;        // radians between two neighbours folded onto each other
 constexpr double same_place = 1e-9;       // distance of two nodes over the size of their smallest face
+constexpr double face_work = 1000;        // simple operations that a check of one face takes
 
 // The boundary in one place: that of the initial mesh or of the target.
 struct Surface {
@@ -25,18 +27,17 @@ struct Surface {
 };
 
 std::vector<double> face_positions(const Mesh& mesh, const std::vector<double>& x, int f) {
-    std::vector<double> nodes;
-    for (int i = 0; i < mesh.face_nodes(); ++i) {
-        const double* const position = &x[static_cast<std::size_t>(mesh.face(f)[i]) * mesh.dim];
-        nodes.insert(nodes.end(), position, position + mesh.dim);
-    }
+    std::vector<double> nodes(static_cast<std::size_t>(mesh.face_nodes()) * mesh.dim);
+    for (int i = 0; i < mesh.face_nodes(); ++i)
+        std::copy_n(&x[static_cast<std::size_t>(mesh.face(f)[i]) * mesh.dim], mesh.dim, &nodes[i * mesh.dim]);
     return nodes;
 }
 
 Surface make_surface(const Mesh& mesh, const PatchBasis& basis, const std::vector<double>& x) {
-    Surface surface{x, {}};
-    for (int f = 0; f < mesh.face_count(); ++f)
-        surface.patches.push_back(make_patch(basis, face_positions(mesh, x, f).data(), mesh.dim));
+    Surface surface{x, std::vector<Patch>(mesh.face_count())};
+    parallel_for(mesh.face_count(), [&](int f) {
+        surface.patches[f] = make_patch(basis, face_positions(mesh, x, f).data(), mesh.dim);
+    }, face_work);
     return surface;
 }
 
@@ -111,31 +112,35 @@ struct Check {
     Surface initial, target;
     std::vector<int> part;          // per face
     std::vector<ClosedPart> parts;
-    std::vector<char> bad;          // per face: folded or degenerate, passed over by the later checks
+    std::vector<char> bad;          // per face: its FaceFault; those with one are passed over by the later checks
     TargetReport report;
 
     void add_fault(int f, const std::string& what) { report.faults.push_back({f, face_name(mesh, f) + ": " + what}); }
     long long id_of_node(int i) const { return mesh.node_id.empty() ? i : mesh.node_id[i]; }
 };
 
+enum FaceFault : char { fine, collapsed, folded_back };
+
+FaceFault fault_of_face(const PatchNormal& form, const Patch& patch, int dim) {
+    const int count = form.basis().count;
+    const std::array<std::vector<double>, 3> n = form.coefficients(patch);
+    Point mean;  // the mean of a polynomial is that of its Bezier coefficients
+    for (int c = 0; c < 3; ++c) mean[c] = std::accumulate(n[c].begin(), n[c].end(), 0.0) / count;
+    const double squared = dot(mean, mean);
+    if (!(std::sqrt(squared) > degenerate * std::pow(largest_side(box_of(patch)), dim - 1))) return collapsed;
+    std::vector<double> along(count);
+    for (int a = 0; a < count; ++a) along[a] = dot({n[0][a], n[1][a], n[2][a]}, mean) / squared;
+    return polynomial_minimum(form.basis(), along.data(), 0.01, 500).upper <= smallest_normal ? folded_back : fine;
+}
+
 void check_faces(Check& check) {
     const PatchNormal form(check.mesh.dim, check.mesh.degree);
-    const int count = form.basis().count;
-    std::vector<double> along(count);
+    parallel_for(check.mesh.face_count(), [&](int f) {
+        check.bad[f] = fault_of_face(form, check.target.patches[f], check.mesh.dim);
+    }, face_work);
     for (int f = 0; f < check.mesh.face_count(); ++f) {
-        const Patch& patch = check.target.patches[f];
-        const std::array<std::vector<double>, 3> n = form.coefficients(patch);
-        Point mean;  // the mean of a polynomial is that of its Bezier coefficients
-        for (int c = 0; c < 3; ++c) mean[c] = std::accumulate(n[c].begin(), n[c].end(), 0.0) / count;
-        const double squared = dot(mean, mean);
-        check.bad[f] = 1;
-        if (!(std::sqrt(squared) > degenerate * std::pow(largest_side(box_of(patch)), check.mesh.dim - 1))) {
-            check.add_fault(f, "the target collapses the face to nothing");
-            continue;
-        }
-        for (int a = 0; a < count; ++a) along[a] = dot({n[0][a], n[1][a], n[2][a]}, mean) / squared;
-        check.bad[f] = polynomial_minimum(form.basis(), along.data(), 0.01, 500).upper <= smallest_normal;
-        if (check.bad[f]) check.add_fault(f, "the target folds the face back on itself");
+        if (check.bad[f] == collapsed) check.add_fault(f, "the target collapses the face to nothing");
+        if (check.bad[f] == folded_back) check.add_fault(f, "the target folds the face back on itself");
     }
 }
 
@@ -143,11 +148,11 @@ void check_faces(Check& check) {
 // node, so that small parts far from the origin keep their digits.
 std::vector<double> enclosed(const Check& check, const Surface& surface) {
     const PatchNormal form(check.mesh.dim, check.mesh.degree);
-    std::vector<double> sum(check.parts.size(), 0.0);
-    for (int f = 0; f < check.mesh.face_count(); ++f) {
-        const ClosedPart& part = check.parts[check.part[f]];
-        sum[check.part[f]] += form.cone(surface.patches[f], surface.patches[part.first_face].point(0));
-    }
+    std::vector<double> cone(check.mesh.face_count()), sum(check.parts.size(), 0.0);
+    parallel_for(check.mesh.face_count(), [&](int f) {
+        cone[f] = form.cone(surface.patches[f], surface.patches[check.parts[check.part[f]].first_face].point(0));
+    }, face_work);
+    for (int f = 0; f < check.mesh.face_count(); ++f) sum[check.part[f]] += cone[f];
     return sum;
 }
 
@@ -208,44 +213,66 @@ bool folded_flat(const Bernstein& basis, const Patch& f, const Patch& g,
                   leaving_edge(basis, g, shared[0][1], shared[1][1]));
 }
 
+enum class PairFault { none, folded, crossing };
+
 // Faces f and g whose boxes overlap. Neighbours are tested for being folded onto each other; in 3D they meet along a
-// curve, where no test for crossing can be strict. Two closed parts that cross give one note.
-void check_pair(Check& check, int f, int g, std::set<std::pair<int, int>>& noted) {
+// curve, where no test for crossing can be strict.
+PairFault fault_of_pair(const Check& check, int f, int g) {
     const Bernstein& basis = check.basis.bernstein;
     const std::vector<Patch>&before = check.initial.patches, &after = check.target.patches;
     const std::vector<std::array<int, 2>> shared = shared_corners(check.mesh, f, g);
     const bool neighbours = static_cast<int>(shared.size()) >= check.mesh.dim - 1;
     if (neighbours && folded_flat(basis, after[f], after[g], shared) &&
         !folded_flat(basis, before[f], before[g], shared))
+        return PairFault::folded;
+    if (neighbours && check.mesh.dim == 3) return PairFault::none;
+    if (patch_contact(basis, after[f], after[g]) != Contact::crossing) return PairFault::none;
+    const bool crossed_before =
+        check.part[f] == check.part[g] && patch_contact(basis, before[f], before[g]) == Contact::crossing;
+    return crossed_before ? PairFault::none : PairFault::crossing;
+}
+
+struct FacePair {
+    int f, g;
+    PairFault fault;
+
+    auto operator<=>(const FacePair&) const = default;
+};
+
+// Two closed parts that cross give one note.
+void report_pair(Check& check, const FacePair& pair, std::set<std::pair<int, int>>& noted) {
+    const auto [f, g, fault] = pair;
+    if (fault == PairFault::folded)
         return check.add_fault(f, "the target folds it flat onto " + face_name(check.mesh, g));
-    if (neighbours && check.mesh.dim == 3) return;
-    const std::pair<int, int> two_parts = std::minmax(check.part[f], check.part[g]);
-    if (noted.contains(two_parts) || patch_contact(basis, after[f], after[g]) != Contact::crossing) return;
-    if (check.part[f] == check.part[g]) {
-        if (patch_contact(basis, before[f], before[g]) != Contact::crossing)
-            check.add_fault(f, "in the target it crosses " + face_name(check.mesh, g));
-        return;
-    }
-    noted.insert(two_parts);
+    if (check.part[f] == check.part[g])
+        return check.add_fault(f, "in the target it crosses " + face_name(check.mesh, g));
+    if (!noted.insert(std::minmax(check.part[f], check.part[g])).second) return;
     check.report.notes.push_back("in the target, the closed boundary made of " + check.parts[check.part[f]].boundaries +
                                  " crosses the one made of " + check.parts[check.part[g]].boundaries + ": " +
                                  face_name(check.mesh, f) + " and " + face_name(check.mesh, g));
 }
 
 void check_pairs(Check& check) {
+    const int faces = check.mesh.face_count();
     std::vector<Box> boxes;
     for (const Patch& patch : check.target.patches) boxes.push_back(box_of(patch));
     const BoxTree tree(boxes);
+    std::vector<std::vector<FacePair>> found(faces);  // by place in the tree, with faces behind it
+    parallel_for(faces, [&](int place) {
+        const int face = tree.items[place];
+        if (check.bad[face]) return;
+        tree.visit_overlapping(boxes[face], [&](int other) {
+            if (check.bad[other]) return;
+            const auto [f, g] = std::minmax(face, other);
+            if (const PairFault fault = fault_of_pair(check, f, g); fault != PairFault::none)
+                found[place].push_back({f, g, fault});
+        }, place + 1);
+    }, face_work);
+    std::vector<FacePair> faults;
+    for (const std::vector<FacePair>& pairs : found) faults.insert(faults.end(), pairs.begin(), pairs.end());
+    std::sort(faults.begin(), faults.end());
     std::set<std::pair<int, int>> noted;
-    for (int f = 0; f < check.mesh.face_count(); ++f) {
-        if (check.bad[f]) continue;
-        std::vector<int> later;
-        tree.visit_overlapping(boxes[f], [&](int g) {
-            if (g > f && !check.bad[g]) later.push_back(g);
-        });
-        std::sort(later.begin(), later.end());
-        for (int g : later) check_pair(check, f, g, noted);
-    }
+    for (const FacePair& pair : faults) report_pair(check, pair, noted);
 }
 
 struct BoundaryNode {

@@ -36,12 +36,6 @@ Box box_of_points(const double* points, int count, int dim) {
     return box;
 }
 
-bool overlap(const Box& a, const Box& b) {
-    for (int k = 0; k < 3; ++k)
-        if (a.high[k] < b.low[k] || b.high[k] < a.low[k]) return false;
-    return true;
-}
-
 double squared_distance(const Box& box, const double* point, int dim) {
     double sum = 0;
     for (int a = 0; a < dim; ++a) {

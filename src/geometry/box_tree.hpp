@@ -15,8 +15,17 @@ struct Box {
 
 Box box_of_points(const double* points, int count, int dim);  // points: count x dim, count > 0
 
-bool overlap(const Box& a, const Box& b);                  // touching boxes overlap
 double squared_distance(const Box& box, const double* point, int dim);
+
+// Touching boxes overlap. Asked for at every step down a tree, where no branch can be foretold: without branches.
+inline bool overlap(const Box& a, const Box& b) {
+    bool apart = false;
+    for (int k = 0; k < 3; ++k) {
+        apart |= a.high[k] < b.low[k];
+        apart |= b.high[k] < a.low[k];
+    }
+    return !apart;
+}
 
 struct BoxTree {
     struct Node {
@@ -30,21 +39,22 @@ struct BoxTree {
 
     explicit BoxTree(std::vector<Box> boxes);
 
-    // found(i) for every box i that overlaps `box`.
+    // found(i) for every box i that overlaps `box`, among items[first] and those behind it. With items[k], its box and
+    // first = k + 1, for every place k: each pair of overlapping boxes once.
     template <class Found>
-    void visit_overlapping(const Box& box, const Found& found) const {
+    void visit_overlapping(const Box& box, const Found& found, int first = 0) const {
         std::array<int, 64> stack;  // depth of a tree that halves 2^31 items at most
         int top = 0;
         if (!nodes.empty()) stack[top++] = 0;
         while (top > 0) {
             const Node& node = nodes[stack[--top]];
-            if (!overlap(node.box, box)) continue;
+            if (node.end <= first || !overlap(node.box, box)) continue;
             if (node.child > 0) {
                 stack[top++] = node.child;
                 stack[top++] = node.child + 1;
                 continue;
             }
-            for (int k = node.begin; k < node.end; ++k)
+            for (int k = std::max(node.begin, first); k < node.end; ++k)
                 if (overlap(boxes[items[k]], box)) found(items[k]);
         }
     }

@@ -10,24 +10,23 @@ PatchBasis::PatchBasis(int m, int degree)
 
 Patch make_patch(const PatchBasis& basis, const double* nodes, int dim) {
     const int count = basis.bernstein.count;
-    Patch patch;
-    for (std::vector<double>& component : patch.c) component.assign(count, 0.0);
+    Patch patch{std::vector<double>(3 * static_cast<std::size_t>(count))};
     for (int b = 0; b < count; ++b)
         for (int i = 0; i < count; ++i) {
             const double weight = basis.to_bezier[static_cast<std::size_t>(b) * count + i];
             for (int a = 0; a < dim; ++a)  // relative to node 0: stretched faces may lie far from the origin
-                patch.c[a][b] += weight * (nodes[i * dim + a] - nodes[a]);
+                patch.component(a)[b] += weight * (nodes[i * dim + a] - nodes[a]);
         }
     for (int b = 0; b < count; ++b)
         for (int a = 0; a < dim; ++a)
-            patch.c[a][b] = b <= basis.bernstein.dim ? nodes[b * dim + a] : patch.c[a][b] + nodes[a];
+            patch.component(a)[b] = b <= basis.bernstein.dim ? nodes[b * dim + a] : patch.component(a)[b] + nodes[a];
     return patch;
 }
 
 Box box_of(const Patch& patch) {
     Box box;
     for (int a = 0; a < 3; ++a) {
-        const auto [low, high] = std::minmax_element(patch.c[a].begin(), patch.c[a].end());
+        const auto [low, high] = std::minmax_element(patch.component(a), patch.component(a) + patch.count());
         box.low[a] = *low;
         box.high[a] = *high;
     }
@@ -64,7 +63,7 @@ Point side_tangent(const Bernstein& basis, const Patch& patch, int i, int j) {
 std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a, int b) {
     std::pair<Patch, Patch> halves{patch, patch};
     for (int k = 0; k < 3; ++k)
-        basis.bisect(a, b, patch.c[k].data(), halves.first.c[k].data(), halves.second.c[k].data());
+        basis.bisect(a, b, patch.component(k), halves.first.component(k), halves.second.component(k));
     return halves;
 }
 
@@ -73,7 +72,7 @@ double deviation(const Bernstein& basis, const Patch& patch) {
     for (int i = basis.dim + 1; i < basis.count; ++i) {
         Point d = patch.point(i);
         for (int v = 0; v <= basis.dim; ++v)
-            for (int a = 0; a < 3; ++a) d[a] -= patch.c[a][v] * basis.index[i][v] / basis.degree;
+            for (int a = 0; a < 3; ++a) d[a] -= patch.component(a)[v] * basis.index[i][v] / basis.degree;
         largest = std::max(largest, dot(d, d));
     }
     return std::sqrt(largest);

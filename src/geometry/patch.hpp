@@ -26,9 +26,12 @@ struct PatchBasis {
 };
 
 struct Patch {
-    std::array<std::vector<double>, 3> c;  // Bezier coefficients of x, y, z; the corners first
+    std::vector<double> c;  // 3 x count: Bezier coefficients of x, then of y, then of z; the corners first
 
-    Point point(int k) const { return {c[0][k], c[1][k], c[2][k]}; }
+    int count() const { return static_cast<int>(c.size()) / 3; }
+    double* component(int a) { return c.data() + a * count(); }
+    const double* component(int a) const { return c.data() + a * count(); }
+    Point point(int k) const { return {component(0)[k], component(1)[k], component(2)[k]}; }
 };
 
 // nodes: count x dim positions in Gmsh's order. Corner Bezier points are the nodes to the bit.

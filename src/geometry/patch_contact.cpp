@@ -13,7 +13,7 @@ constexpr double rounding = 1e-9;  // of the smaller patch: less penetration tha
 Point centre(const Patch& patch, int m) {
     Point sum{};
     for (int v = 0; v <= m; ++v)
-        for (int a = 0; a < 3; ++a) sum[a] += patch.c[a][v] / (m + 1);
+        for (int a = 0; a < 3; ++a) sum[a] += patch.component(a)[v] / (m + 1);
     return sum;
 }
 

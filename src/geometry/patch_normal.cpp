@@ -11,11 +11,13 @@ PatchNormal::PatchNormal(int dim, int degree)
 std::array<std::vector<double>, 3> PatchNormal::coefficients(const Patch& patch) const {
     std::array<std::array<std::vector<double>, 3>, 2> tangent;  // scaled by the multinomials
     for (int k = 0; k < dim_ - 1; ++k)
-        for (int c = 0; c < 3; ++c)
+        for (int c = 0; c < 3; ++c) {
+            const double* const x = patch.component(c);
             for (int a = 0; a < gradient_.count; ++a) {
-                const double from = patch.c[c][raised_[a * dim_]], to = patch.c[c][raised_[a * dim_ + k + 1]];
+                const double from = x[raised_[a * dim_]], to = x[raised_[a * dim_ + k + 1]];
                 tangent[k][c].push_back(degree_ * (to - from) * gradient_.multinomial[a]);
             }
+        }
     std::array<std::vector<double>, 3> n;
     for (std::vector<double>& component : n) component.assign(normal_.count, 0.0);
     if (dim_ == 2)
@@ -38,7 +40,7 @@ double PatchNormal::cone(const Patch& patch, const Point& apex) const {
     std::array<std::vector<double>, 3> n = coefficients(patch);
     std::vector<double> value(integrand_.count, 0.0), x(position_.count);
     for (int c = 0; c < dim_; ++c) {
-        for (int a = 0; a < position_.count; ++a) x[a] = (patch.c[c][a] - apex[c]) * position_.multinomial[a];
+        for (int a = 0; a < position_.count; ++a) x[a] = (patch.component(c)[a] - apex[c]) * position_.multinomial[a];
         for (int a = 0; a < normal_.count; ++a) n[c][a] *= normal_.multinomial[a];
         position_normal_.add(1, x.data(), n[c].data(), value.data());
     }

@@ -8,6 +8,7 @@
 #include "support/high_order.hpp"
 #include "mesh/lagrange.hpp"
 #include "support/meshes.hpp"
+#include "support/targets.hpp"
 
 using namespace almesh;
 using namespace almesh::test;
@@ -174,6 +175,20 @@ TEST_CASE("a body moved through the outer boundary is a note, not a fault") {
     REQUIRE(report.notes.size() == 1);
     CHECK(report.notes[0].find("inner") != std::string::npos);
     CHECK(report.notes[0].find("outer") != std::string::npos);
+}
+
+TEST_CASE("the report is the same for any number of threads") {
+    const Mesh mesh = ring_mesh(2000, 1, 3);
+    std::vector<double> x = mesh.x;
+    for (int i = 0; i < mesh.nodes(); ++i)
+        if (i % 5 == 0) x[2 * i] = -x[2 * i];  // crossings, and more
+    const auto reports = for_threads([&] { return check(mesh, x); });
+    CHECK(reports[0].faults.size() > 100);
+    for (const TargetReport& report : reports) {
+        REQUIRE(report.faults.size() == reports[0].faults.size());
+        for (std::size_t k = 0; k < report.faults.size(); ++k) CHECK(report.faults[k].why == reports[0].faults[k].why);
+        CHECK(report.notes == reports[0].notes);
+    }
 }
 
 TEST_CASE("the two sides of a crack in the initial mesh are not a fault") {

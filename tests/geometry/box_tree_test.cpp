@@ -41,6 +41,21 @@ TEST_CASE("the tree finds the boxes that a plain loop finds") {
         }
 }
 
+TEST_CASE("from each place in the tree on, every pair of overlapping boxes is found once") {
+    for (int count : {2, 17, 500}) {
+        const BoxTree tree(some_boxes(count, 3));
+        std::multiset<std::pair<int, int>> expected, found;
+        for (int i = 0; i < count; ++i)
+            for (int j = i + 1; j < count; ++j)
+                if (overlap(tree.boxes[i], tree.boxes[j])) expected.insert({i, j});
+        for (int place = 0; place < count; ++place) {
+            const int i = tree.items[place];
+            tree.visit_overlapping(tree.boxes[i], [&](int j) { found.insert(std::minmax(i, j)); }, place + 1);
+        }
+        CHECK(found == expected);
+    }
+}
+
 TEST_CASE("the tree finds the nearest box without looking at most of them") {
     const std::vector<Box> boxes = some_boxes(2000, 3);
     const BoxTree tree(boxes);
