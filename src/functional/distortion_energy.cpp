@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
@@ -56,11 +57,12 @@ DistortionEnergy::DistortionEnergy(const Mesh& mesh, const std::vector<double>& 
       params_(params),
       reference_(reference_element(LagrangeBasis(mesh.dim, mesh.degree), params.exactness)),
       chunks_(chunk_elements(mesh)),
-      chunk_value_(chunks_.count()),
-      pattern_(pattern_of_cells(mesh.nodes(), mesh.dim, mesh.elements, mesh.element_nodes())) {
+      chunk_value_(chunks_.count()) {
     is_large_ = static_cast<double>(element_count_) * reference_.points * reference_.nodes >= parallel_work;
     set_geometry(mesh, ideal);
-    set_places();
+    CellPattern of_elements = pattern_and_places_of_cells(mesh.nodes(), mesh.dim, nodes_, reference_.nodes);
+    pattern_ = std::move(of_elements.pattern);
+    place_ = std::move(of_elements.place);
 }
 
 void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>& ideal) {
@@ -101,17 +103,6 @@ void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>&
         const double weighted = simplex_volume * deterministic_sum(batches, of_batch);
         for (Lanes& weight : *weights) weight *= volume_ / weighted;
     }
-}
-
-void DistortionEnergy::set_places() {
-    const int m = reference_.nodes;
-    place_.resize(static_cast<std::size_t>(element_count_) * m * m);
-    parallel_for(element_count_, [&](int k) {
-        const int* const node = &nodes_[static_cast<std::size_t>(k) * m];
-        int* place = &place_[static_cast<std::size_t>(k) * m * m];
-        for (int i = 0; i < m; ++i)
-            for (int j = 0; j < m; ++j) *place++ = pattern_.find(node[i], node[j]);
-    }, 10.0 * m * m);
 }
 
 BlockCsr DistortionEnergy::hessian_pattern() const {

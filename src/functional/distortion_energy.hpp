@@ -86,7 +86,6 @@ class DistortionEnergy {
     BlockCsr pattern_;  // without values
 
     void set_geometry(const Mesh& mesh, const std::vector<double>& ideal);
-    void set_places();
     template <int n, class Body>
     void every_batch(int chunk, const std::vector<double>& x, const Body& body) const;
     template <class Body>

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <utility>
 
 #include "base/parallel.hpp"
 #include "linalg/small_blocks.hpp"
@@ -17,55 +19,81 @@ int BlockCsr::find(int i, int j) const {
 
 namespace {
 
-// The cells around each node: those of node i are cell[start[i]] .. cell[start[i+1]-1], ascending.
+// Where each node stands among the nodes of the cells: node i at cells[at[k]], k = start[i] .. start[i+1]-1, ascending.
 struct NodeCells {
-    std::vector<int> start, cell;
+    std::vector<int> start, at;
 };
 
-NodeCells cells_of_nodes(int n, const std::vector<int>& cells, int cell_nodes) {
+NodeCells cells_of_nodes(int n, const std::vector<int>& cells) {
     NodeCells around{std::vector<int>(n + 1, 0), std::vector<int>(cells.size())};
     for (int node : cells) ++around.start[node + 1];
     for (int i = 0; i < n; ++i) around.start[i + 1] += around.start[i];
     std::vector<int> next(around.start.begin(), around.start.end() - 1);
-    const int cell_count = cell_nodes ? static_cast<int>(cells.size()) / cell_nodes : 0;
-    for (int c = 0; c < cell_count; ++c)
-        for (int a = 0; a < cell_nodes; ++a) around.cell[next[cells[static_cast<std::size_t>(c) * cell_nodes + a]]++] = c;
+    for (std::size_t k = 0; k < cells.size(); ++k) around.at[next[cells[k]]++] = static_cast<int>(k);
     return around;
 }
 
 constexpr int row_block = 4096;  // rows whose columns one thread collects at a time
 
-}  // namespace
-
-BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes) {
-    const NodeCells around = cells_of_nodes(n, cells, cell_nodes);
+BlockCsr pattern_of(int n, int d, const std::vector<int>& cells, int cell_nodes, const NodeCells& around) {
     BlockCsr A;
     A.n = n;
     A.d = d;
     A.row.assign(n + 1, 0);
     const int blocks = (n + row_block - 1) / row_block;
     std::vector<std::vector<int>> columns(blocks);  // of each block of rows
-    parallel_for(blocks, [&](int block) {
-        std::vector<int>& found = columns[block];
-        std::vector<int> row;
-        for (int i = block * row_block, end = std::min(n, i + row_block); i < end; ++i) {
-            row.assign(1, i);
-            for (int k = around.start[i]; k < around.start[i + 1]; ++k) {
-                const int* const cell = &cells[static_cast<std::size_t>(around.cell[k]) * cell_nodes];
-                row.insert(row.end(), cell, cell + cell_nodes);
+#pragma omp parallel if (n >= parallel_work)
+    {
+        std::vector<int> last_row(n, -1);  // in which a column was met last, by this thread
+#pragma omp for schedule(static)
+        for (int block = 0; block < blocks; ++block) {
+            std::vector<int>& found = columns[block];
+            for (int i = block * row_block, end = std::min(n, i + row_block); i < end; ++i) {
+                const auto begin = static_cast<std::ptrdiff_t>(found.size());
+                last_row[i] = i;
+                found.push_back(i);
+                for (int k = around.start[i]; k < around.start[i + 1]; ++k) {
+                    const int* const cell = &cells[around.at[k] / cell_nodes * cell_nodes];
+                    for (int b = 0; b < cell_nodes; ++b)
+                        if (std::exchange(last_row[cell[b]], i) != i) found.push_back(cell[b]);
+                }
+                std::sort(found.begin() + begin, found.end());
+                A.row[i + 1] = static_cast<int>(found.end() - found.begin() - begin);
             }
-            std::sort(row.begin(), row.end());
-            row.erase(std::unique(row.begin(), row.end()), row.end());
-            found.insert(found.end(), row.begin(), row.end());
-            A.row[i + 1] = static_cast<int>(row.size());
         }
-    }, 100.0 * row_block);
+    }
     for (int i = 0; i < n; ++i) A.row[i + 1] += A.row[i];
     A.col.resize(A.row[n]);
     parallel_for(blocks, [&](int block) {
         std::copy(columns[block].begin(), columns[block].end(), A.col.begin() + A.row[block * row_block]);
     }, 100.0 * row_block);
     return A;
+}
+
+}  // namespace
+
+BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes) {
+    return pattern_of(n, d, cells, cell_nodes, cells_of_nodes(n, cells));
+}
+
+CellPattern pattern_and_places_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes) {
+    const NodeCells around = cells_of_nodes(n, cells);
+    CellPattern result{pattern_of(n, d, cells, cell_nodes, around), std::vector<int>(cells.size() * cell_nodes)};
+    const BlockCsr& A = result.pattern;
+#pragma omp parallel if (n >= parallel_work)
+    {
+        std::vector<int> place_of(n);  // of each column of the row at hand: no search
+#pragma omp for schedule(static)
+        for (int i = 0; i < n; ++i) {
+            for (int k = A.row[i]; k < A.row[i + 1]; ++k) place_of[A.col[k]] = k;
+            for (int k = around.start[i]; k < around.start[i + 1]; ++k) {
+                const int* const cell = &cells[around.at[k] / cell_nodes * cell_nodes];
+                int* const place = &result.place[static_cast<std::size_t>(around.at[k]) * cell_nodes];
+                for (int b = 0; b < cell_nodes; ++b) place[b] = place_of[cell[b]];
+            }
+        }
+    }
+    return result;
 }
 
 BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes) {

@@ -29,7 +29,15 @@ struct BlockCsr {
 // cells: cell_count x cell_nodes node indices in [0, n). Without values: A.value is empty.
 BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes);
 
-// The same with all values zero.
+// The same, with the place of every block of each cell: place[(c cell_nodes + a) cell_nodes + b] is that of block
+// (node a of cell c, node b of cell c).
+struct CellPattern {
+    BlockCsr pattern;
+    std::vector<int> place;  // cell x cell node x cell node
+};
+CellPattern pattern_and_places_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes);
+
+// The pattern with all values zero.
 BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes);
 
 // y = A x (x, y: n*d). Same bits for any number of threads.

@@ -30,6 +30,13 @@ TEST_CASE("the pattern of many rows is that of every pair of neighbours, for any
     for (int threads : {1, 2, 3, 8}) {
         set_threads(threads);
         const BlockCsr A = pattern_of_cells(n, 2, cells, 4);
+        const CellPattern same = pattern_and_places_of_cells(n, 2, cells, 4);
+        CHECK(same.pattern.row == A.row);
+        CHECK(same.pattern.col == A.col);
+        bool found = same.place.size() == cells.size() * 4;
+        for (std::size_t p = 0; found && p < same.place.size(); ++p)
+            found = same.place[p] == A.find(cells[p / 4], cells[p / 16 * 4 + p % 4]);
+        CHECK(found);
         CHECK(A.value.empty());
         CHECK(A.blocks() == (3 * k - 2) * (3 * k - 2));
         bool right = true;
