@@ -33,15 +33,22 @@ fs::path writable_target(const std::string& path) {
     return target;
 }
 
-bool write_all(const std::string& path, std::string_view content) {
+bool write_all(const std::string& path, const std::function<void(const TextSink&)>& fill) {
     File file(std::fopen(path.c_str(), "wb"), std::fclose);
     if (!file) return false;
-    const bool written = std::fwrite(content.data(), 1, content.size(), file.get()) == content.size();
-    const bool flushed = written && std::fflush(file.get()) == 0;
-    const int reason = errno;
+    bool written = true;
+    int reason = 0;  // of the first piece that was not written
+    const auto check = [&](bool done) {
+        if (written && !done) reason = errno;
+        written = written && done;
+    };
+    fill([&](std::string_view piece) {
+        if (written) check(std::fwrite(piece.data(), 1, piece.size(), file.get()) == piece.size());
+    });
+    check(std::fflush(file.get()) == 0);
     const bool closed = std::fclose(file.release()) == 0;  // network disks report a full disk only here
-    if (!flushed) errno = reason;
-    return flushed && closed;
+    if (!written) errno = reason;
+    return written && closed;
 }
 
 }  // namespace
@@ -63,9 +70,13 @@ std::string read_text_file(const std::string& path) {
 }
 
 void write_file(const std::string& path, std::string_view content) {
+    write_file(path, [content](const TextSink& sink) { sink(content); });
+}
+
+void write_file(const std::string& path, const std::function<void(const TextSink&)>& fill) {
     const fs::path target = writable_target(path);
     const std::string part = target.string() + ".part" + std::to_string(getpid());
-    if (write_all(part, content) && std::rename(part.c_str(), target.c_str()) == 0) return;
+    if (write_all(part, fill) && std::rename(part.c_str(), target.c_str()) == 0) return;
     const std::string reason = std::strerror(errno);
     std::remove(part.c_str());
     cannot("write to", path, reason);

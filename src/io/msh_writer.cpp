@@ -37,6 +37,12 @@ void append_row(std::string& text, std::initializer_list<long long> numbers) {
     text.back() = '\n';
 }
 
+std::string row_of(std::initializer_list<long long> numbers) {
+    std::string text;
+    append_row(text, numbers);
+    return text;
+}
+
 void append_position(std::string& text, const Mesh& mesh, const std::vector<double>& x, int node) {
     for (int a = 0; a < 3; ++a) {
         append(text, a < mesh.dim ? x[static_cast<std::size_t>(node) * mesh.dim + a] : 0.0);
@@ -53,32 +59,32 @@ void append_cell_nodes(std::string& text, const Mesh& mesh, const Cells& cells, 
     }
 }
 
-void append_header(std::string& text, const Mesh& mesh) {
-    text += mesh.msh_version == 41 ? "$MeshFormat\n4.1" : "$MeshFormat\n2.2";
-    text += " 0 8\n$EndMeshFormat\n";
+void append_header(const TextSink& sink, const Mesh& mesh) {
+    sink(mesh.msh_version == 41 ? "$MeshFormat\n4.1" : "$MeshFormat\n2.2");
+    sink(" 0 8\n$EndMeshFormat\n");
     if (mesh.groups.empty()) return;
-    text += "$PhysicalNames\n" + std::to_string(mesh.groups.size()) + "\n";
+    sink("$PhysicalNames\n" + std::to_string(mesh.groups.size()) + "\n");
     for (const PhysicalGroup& group : mesh.groups)
-        text += std::to_string(group.dim) + " " + std::to_string(group.tag) + " \"" + group.name + "\"\n";
-    text += "$EndPhysicalNames\n";
+        sink(std::to_string(group.dim) + " " + std::to_string(group.tag) + " \"" + group.name + "\"\n");
+    sink("$EndPhysicalNames\n");
 }
 
-void append_body_2_2(std::string& text, const Mesh& mesh, const std::vector<double>& x) {
-    text += "$Nodes\n" + std::to_string(mesh.nodes()) + "\n";
-    append_rows(text, mesh.nodes(), [&](std::string& part, int i) {
+void append_body_2_2(const TextSink& sink, const Mesh& mesh, const std::vector<double>& x) {
+    sink("$Nodes\n" + std::to_string(mesh.nodes()) + "\n");
+    append_rows(sink, mesh.nodes(), [&](std::string& part, int i) {
         append(part, mesh.node_id[i]);
         part += ' ';
         append_position(part, mesh, x, i);
     });
-    text += "$EndNodes\n$Elements\n" + std::to_string(mesh.face_count() + mesh.element_count()) + "\n";
+    sink("$EndNodes\n$Elements\n" + std::to_string(mesh.face_count() + mesh.element_count()) + "\n");
     for (const Cells& cells : {faces_of(mesh), elements_of(mesh)}) {
         const int type = msh_type(cells.dim, mesh.degree);
-        append_rows(text, cells.count, [&](std::string& part, int c) {
+        append_rows(sink, cells.count, [&](std::string& part, int c) {
             append_row(part, {cells.id[c], type, 2, cells.physical[c], cells.entity[c]});
             append_cell_nodes(part, mesh, cells, c);
         });
     }
-    text += "$EndElements\n";
+    sink("$EndElements\n");
 }
 
 // MSH 4.1 hangs the physical tag on the elementary entity: an entity, its cells and the nodes listed with it.
@@ -122,8 +128,7 @@ void collect_nodes(const Cells& cells, std::vector<Block>& blocks, std::vector<c
     }
 }
 
-void append_entity(std::string& text, const Mesh& mesh, const std::vector<double>& x, const Cells& cells,
-                   const Block& block) {
+std::string entity_text(const Mesh& mesh, const std::vector<double>& x, const Cells& cells, const Block& block) {
     double low[3] = {}, high[3] = {};
     for (int a = 0; a < mesh.dim; ++a) {
         low[a] = high[a] = x[static_cast<std::size_t>(cells.cell(block.cells[0])[0]) * mesh.dim + a];
@@ -134,7 +139,7 @@ void append_entity(std::string& text, const Mesh& mesh, const std::vector<double
                 high[a] = std::max(high[a], coordinate);
             }
     }
-    append(text, static_cast<long long>(block.entity));
+    std::string text = std::to_string(block.entity);
     for (const double* corner : {low, high})
         for (int a = 0; a < 3; ++a) {
             text += ' ';
@@ -142,61 +147,67 @@ void append_entity(std::string& text, const Mesh& mesh, const std::vector<double
         }
     if (block.physical) append_row(text += ' ', {1, block.physical, 0});
     else append_row(text += ' ', {0, 0});
+    return text;
 }
 
-void append_body_4_1(std::string& text, const Mesh& mesh, const std::vector<double>& x) {
+void append_body_4_1(const TextSink& sink, const Mesh& mesh, const std::vector<double>& x) {
     const Cells cells[2] = {faces_of(mesh), elements_of(mesh)};
     std::vector<Block> blocks[2] = {blocks_of(cells[0]), blocks_of(cells[1])};
     std::vector<char> is_listed(mesh.nodes(), 0);
     for (int k : {0, 1}) collect_nodes(cells[k], blocks[k], is_listed);
     const auto faces = static_cast<long long>(blocks[0].size()), elements = static_cast<long long>(blocks[1].size());
 
-    text += "$Entities\n";
-    if (mesh.dim == 2) append_row(text, {0, faces, elements, 0});
-    else append_row(text, {0, 0, faces, elements});
+    sink("$Entities\n");
+    if (mesh.dim == 2) sink(row_of({0, faces, elements, 0}));
+    else sink(row_of({0, 0, faces, elements}));
     for (int k : {0, 1})
-        for (const Block& block : blocks[k]) append_entity(text, mesh, x, cells[k], block);
+        for (const Block& block : blocks[k]) sink(entity_text(mesh, x, cells[k], block));
 
     const auto [node_low, node_high] = std::minmax_element(mesh.node_id.begin(), mesh.node_id.end());
-    text += "$EndEntities\n$Nodes\n";
-    append_row(text, {faces + elements, mesh.nodes(), *node_low, *node_high});
+    sink("$EndEntities\n$Nodes\n");
+    sink(row_of({faces + elements, mesh.nodes(), *node_low, *node_high}));
     for (const auto& of_dim : blocks)
         for (const Block& block : of_dim) {
             const int count = static_cast<int>(block.nodes.size());
-            append_row(text, {block.dim, block.entity, 0, count});
-            append_rows(text, count, [&](std::string& part, int k) { append_row(part, {mesh.node_id[block.nodes[k]]}); });
-            append_rows(text, count, [&](std::string& part, int k) { append_position(part, mesh, x, block.nodes[k]); });
+            sink(row_of({block.dim, block.entity, 0, count}));
+            const std::vector<int>& node = block.nodes;
+            append_rows(sink, count, [&](std::string& part, int k) { append_row(part, {mesh.node_id[node[k]]}); });
+            append_rows(sink, count, [&](std::string& part, int k) { append_position(part, mesh, x, node[k]); });
         }
 
     std::vector<long long> id = mesh.face_id;
     id.insert(id.end(), mesh.element_id.begin(), mesh.element_id.end());
     const auto [id_low, id_high] = std::minmax_element(id.begin(), id.end());
-    text += "$EndNodes\n$Elements\n";
-    append_row(text, {faces + elements, static_cast<long long>(id.size()), *id_low, *id_high});
+    sink("$EndNodes\n$Elements\n");
+    sink(row_of({faces + elements, static_cast<long long>(id.size()), *id_low, *id_high}));
     for (int k : {0, 1})
         for (const Block& block : blocks[k]) {
             const int count = static_cast<int>(block.cells.size());
-            append_row(text, {block.dim, block.entity, msh_type(block.dim, mesh.degree), count});
-            append_rows(text, count, [&](std::string& part, int j) {
+            sink(row_of({block.dim, block.entity, msh_type(block.dim, mesh.degree), count}));
+            append_rows(sink, count, [&](std::string& part, int j) {
                 append_row(part, {cells[k].id[block.cells[j]]});
                 append_cell_nodes(part, mesh, cells[k], block.cells[j]);
             });
         }
-    text += "$EndElements\n";
+    sink("$EndElements\n");
+}
+
+void write_text(const TextSink& sink, const Mesh& mesh, const std::vector<double>& x) {
+    append_header(sink, mesh);
+    if (mesh.msh_version == 41) append_body_4_1(sink, mesh, x);
+    else append_body_2_2(sink, mesh, x);
 }
 
 }  // namespace
 
 std::string msh_text(const Mesh& mesh, const std::vector<double>& x) {
     std::string text;
-    append_header(text, mesh);
-    if (mesh.msh_version == 41) append_body_4_1(text, mesh, x);
-    else append_body_2_2(text, mesh, x);
+    write_text([&](std::string_view piece) { text += piece; }, mesh, x);
     return text;
 }
 
 void write_msh(const std::string& path, const Mesh& mesh, const std::vector<double>& x) {
-    write_file(path, msh_text(mesh, x));
+    write_file(path, [&](const TextSink& sink) { write_text(sink, mesh, x); });
 }
 
 }  // namespace almesh

@@ -85,8 +85,8 @@ struct VtkNumbers {
         text += separator;
     }
     // Behind an array: in binary it is the only line end.
-    void end(std::string& text) const {
-        if (binary) text += '\n';
+    void end(const TextSink& sink) const {
+        if (binary) sink("\n");
     }
 
    private:
@@ -107,40 +107,40 @@ void append_string(std::string& text, const std::string& value, bool binary) {
     text += shown + "\n";
 }
 
-void append_array(std::string& text, const VtkArray& array, const VtkNumbers& numbers) {
-    if (array.components == 1) text += "SCALARS " + encoded(array.name) + " double 1\nLOOKUP_TABLE default\n";
-    else text += "VECTORS " + encoded(array.name) + " double\n";
+void append_array(const TextSink& sink, const VtkArray& array, const VtkNumbers& numbers) {
+    if (array.components == 1) sink("SCALARS " + encoded(array.name) + " double 1\nLOOKUP_TABLE default\n");
+    else sink("VECTORS " + encoded(array.name) + " double\n");
     const int shown = array.components == 1 ? 1 : 3;
-    append_rows(text, static_cast<int>(array.value.size()) / array.components, [&](std::string& part, int i) {
+    append_rows(sink, static_cast<int>(array.value.size()) / array.components, [&](std::string& part, int i) {
         const double* const value = &array.value[static_cast<std::size_t>(i) * array.components];
         for (int k = 0; k < shown; ++k)
             numbers.data(part, k < array.components ? value[k] : 0.0, k + 1 < shown ? ' ' : '\n');
     });
-    numbers.end(text);
+    numbers.end(sink);
 }
 
-void append_arrays(std::string& text, const std::string& kind, std::size_t count, const std::vector<VtkArray>& arrays,
-                   const VtkNumbers& numbers) {
+void append_arrays(const TextSink& sink, const std::string& kind, std::size_t count,
+                   const std::vector<VtkArray>& arrays, const VtkNumbers& numbers) {
     if (arrays.empty()) return;
-    text += kind + std::to_string(count) + "\n";
-    for (const VtkArray& array : arrays) append_array(text, array, numbers);
+    sink(kind + std::to_string(count) + "\n");
+    for (const VtkArray& array : arrays) append_array(sink, array, numbers);
 }
 
-void append_cells(std::string& text, const std::vector<int>& cells, int cell_dim, int degree,
+void append_cells(const TextSink& sink, const std::vector<int>& cells, int cell_dim, int degree,
                   const VtkNumbers& numbers) {
     const std::vector<int> order = vtk_node_order(cell_dim, degree);
     const int nodes = static_cast<int>(order.size()), count = static_cast<int>(cells.size() / order.size());
-    text += "CELLS " + std::to_string(count) + " " + std::to_string(static_cast<long long>(count) * (nodes + 1)) + "\n";
-    append_rows(text, count, [&](std::string& part, int c) {
+    sink("CELLS " + std::to_string(count) + " " + std::to_string(static_cast<long long>(count) * (nodes + 1)) + "\n");
+    append_rows(sink, count, [&](std::string& part, int c) {
         numbers.integer(part, nodes, ' ');
         for (int k = 0; k < nodes; ++k)
             numbers.integer(part, cells[static_cast<std::size_t>(c) * nodes + order[k]], k + 1 < nodes ? ' ' : '\n');
     });
-    numbers.end(text);
+    numbers.end(sink);
     const int type = vtk_cell_type(cell_dim, degree);
-    text += "CELL_TYPES " + std::to_string(count) + "\n";
-    append_rows(text, count, [&](std::string& part, int) { numbers.integer(part, type, '\n'); });
-    numbers.end(text);
+    sink("CELL_TYPES " + std::to_string(count) + "\n");
+    append_rows(sink, count, [&](std::string& part, int) { numbers.integer(part, type, '\n'); });
+    numbers.end(sink);
 }
 
 }  // namespace
@@ -152,29 +152,41 @@ std::vector<int> vtk_node_order(int cell_dim, int degree) {
     return order;
 }
 
+namespace {
+
+void write_text(const TextSink& sink, const std::string& title, int dim, int degree,
+                const std::vector<double>& positions, const std::vector<int>& cells, int cell_dim,
+                const std::vector<VtkArray>& point_data, const std::vector<VtkArray>& cell_data,
+                const std::vector<std::pair<std::string, std::string>>& provenance, const VtkNumbers& numbers) {
+    std::string head = "# vtk DataFile Version 3.0\n" + title.substr(0, std::min<std::size_t>(title.find('\n'), 255));
+    head += numbers.binary ? "\nBINARY\n" : "\nASCII\n";
+    head += "DATASET UNSTRUCTURED_GRID\n";
+    if (!provenance.empty()) head += "FIELD FieldData " + std::to_string(provenance.size()) + "\n";
+    for (const auto& [name, value] : provenance) {
+        head += encoded(name) + " 1 1 string\n";
+        append_string(head, value, numbers.binary);
+    }
+    const int nodes = static_cast<int>(positions.size()) / dim;
+    sink(head + "POINTS " + std::to_string(nodes) + " double\n");
+    append_rows(sink, nodes, [&](std::string& part, int i) {
+        const double* const x = &positions[static_cast<std::size_t>(i) * dim];
+        for (int a = 0; a < 3; ++a) numbers.position(part, a < dim ? x[a] : 0.0, a < 2 ? ' ' : '\n');
+    });
+    numbers.end(sink);
+    append_cells(sink, cells, cell_dim, degree, numbers);
+    append_arrays(sink, "POINT_DATA ", nodes, point_data, numbers);
+    append_arrays(sink, "CELL_DATA ", cells.size() / simplex_node_count(cell_dim, degree), cell_data, numbers);
+}
+
+}  // namespace
+
 std::string vtk_text(const std::string& title, int dim, int degree, const std::vector<double>& positions,
                      const std::vector<int>& cells, int cell_dim, const std::vector<VtkArray>& point_data,
                      const std::vector<VtkArray>& cell_data,
                      const std::vector<std::pair<std::string, std::string>>& provenance, VtkFormat format) {
-    const VtkNumbers numbers{format == VtkFormat::binary};
-    std::string text = "# vtk DataFile Version 3.0\n" + title.substr(0, std::min<std::size_t>(title.find('\n'), 255));
-    text += numbers.binary ? "\nBINARY\n" : "\nASCII\n";
-    text += "DATASET UNSTRUCTURED_GRID\n";
-    if (!provenance.empty()) text += "FIELD FieldData " + std::to_string(provenance.size()) + "\n";
-    for (const auto& [name, value] : provenance) {
-        text += encoded(name) + " 1 1 string\n";
-        append_string(text, value, numbers.binary);
-    }
-    const int nodes = static_cast<int>(positions.size()) / dim;
-    text += "POINTS " + std::to_string(nodes) + " double\n";
-    append_rows(text, nodes, [&](std::string& part, int i) {
-        for (int a = 0; a < 3; ++a)
-            numbers.position(part, a < dim ? positions[static_cast<std::size_t>(i) * dim + a] : 0.0, a < 2 ? ' ' : '\n');
-    });
-    numbers.end(text);
-    append_cells(text, cells, cell_dim, degree, numbers);
-    append_arrays(text, "POINT_DATA ", nodes, point_data, numbers);
-    append_arrays(text, "CELL_DATA ", cells.size() / simplex_node_count(cell_dim, degree), cell_data, numbers);
+    std::string text;
+    write_text([&](std::string_view piece) { text += piece; }, title, dim, degree, positions, cells, cell_dim,
+               point_data, cell_data, provenance, {format == VtkFormat::binary});
     return text;
 }
 
@@ -182,7 +194,10 @@ void write_vtk(const std::string& path, const std::string& title, int dim, int d
                const std::vector<double>& positions, const std::vector<int>& cells, int cell_dim,
                const std::vector<VtkArray>& point_data, const std::vector<VtkArray>& cell_data,
                const std::vector<std::pair<std::string, std::string>>& provenance, VtkFormat format) {
-    write_file(path, vtk_text(title, dim, degree, positions, cells, cell_dim, point_data, cell_data, provenance, format));
+    write_file(path, [&](const TextSink& sink) {
+        write_text(sink, title, dim, degree, positions, cells, cell_dim, point_data, cell_data, provenance,
+                   {format == VtkFormat::binary});
+    });
 }
 
 }  // namespace almesh

@@ -51,6 +51,15 @@ TEST_CASE("a written file reads back, and is replaced as a whole") {
     CHECK(std::distance(fs::directory_iterator(scratch.folder), fs::directory_iterator()) == 1);  // no .part left
 }
 
+TEST_CASE("a file written in pieces holds them in their order") {
+    const Scratch scratch;
+    const std::string large(100000, 'x');
+    write_file(scratch / "a.txt", [&](const TextSink& sink) {
+        for (const std::string& piece : {std::string("one "), large, std::string(), std::string(" two\n")}) sink(piece);
+    });
+    CHECK(read_text_file(scratch / "a.txt") == "one " + large + " two\n");
+}
+
 TEST_CASE("writing through a symbolic link keeps the link") {
     const Scratch scratch;
     write_file(scratch / "real.txt", "old");
