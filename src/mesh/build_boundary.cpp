@@ -12,21 +12,31 @@
 namespace almesh {
 namespace {
 
-// A face by its vertices in ascending order (-1: none), and whose it is.
+// A face by its vertices in ascending order (-1: none), whose it is, the element's vertex opposite to it (-1: no
+// element), and whether ascending is an even permutation of the order in which the vertices were given. Two elements on
+// opposite sides of a face see them in opposite senses. The walk over all sides finds here what it needs: the elements
+// themselves lie far apart.
 struct Side {
     std::array<int, 3> vertex;
     int owner;
+    int opposite;
+    bool even;
 
     auto operator<=>(const Side&) const = default;
 };
 
-Side side_of(const int* vertex, int count, int owner) {
-    Side side{{-1, -1, -1}, owner};
+Side side_of(const int* vertex, int count, int owner, int opposite) {
+    Side side{{-1, -1, -1}, owner, opposite, true};
     auto& v = side.vertex;
     std::copy_n(vertex, count, v.begin());
-    if (v[1] < v[0]) std::swap(v[0], v[1]);
-    if (count == 3 && v[2] < v[1]) std::swap(v[1], v[2]);
-    if (v[1] < v[0]) std::swap(v[0], v[1]);
+    const auto order = [&](int a, int b) {
+        if (v[a] <= v[b]) return;
+        std::swap(v[a], v[b]);
+        side.even = !side.even;
+    };
+    order(0, 1);
+    if (count == 3) order(1, 2);
+    if (count == 3) order(0, 1);
     return side;
 }
 
@@ -50,8 +60,9 @@ std::vector<Side> element_sides(const Mesh& mesh) {
         for (int v = 0; v < corners; ++v) {
             const std::array<int, 3> local = outward_face(mesh.dim, v);
             int vertex[3];
-            for (int k = 0; k < mesh.dim; ++k) vertex[k] = mesh.element(e)[local[k]];
-            sides[static_cast<std::size_t>(e) * corners + v] = side_of(vertex, mesh.dim, e * corners + v);
+            for (int i = 0; i < mesh.dim; ++i) vertex[i] = mesh.element(e)[local[i]];
+            const int k = e * corners + v;
+            sides[k] = side_of(vertex, mesh.dim, k, mesh.element(e)[v]);
         }
     });
     return sorted_sides(sides, mesh.nodes());
@@ -65,7 +76,7 @@ std::vector<Side> tagged_sides(const RawMesh& raw, const Selection& chosen, cons
         const int* const node = &raw.element_nodes[raw.elements[chosen.faces[f]].first];
         int vertex[3];
         for (int k = 0; k < chosen.dim; ++k) vertex[k] = index[node[k]];
-        sides.push_back(side_of(vertex, chosen.dim, static_cast<int>(f)));
+        sides.push_back(side_of(vertex, chosen.dim, static_cast<int>(f), -1));
     }
     return sorted_sides(sides, node_count);
 }
@@ -96,19 +107,16 @@ struct BoundaryMatcher {
     void check_elements(const Side* begin, const Side* end) const;
     void check_tags(const Side* begin, const Side* end) const;
     void check_face(const Side& tagged, int side) const;
-    bool is_even(const Side& side) const;
     [[noreturn]] void refuse_without_element(const Side& tagged) const;
     [[noreturn]] void refuse_untagged() const;
 };
 
 // Sides [begin, end) have the same vertices.
 void BoundaryMatcher::check_elements(const Side* begin, const Side* end) const {
-    const int corners = mesh.dim + 1;
-    const auto opposite = [&](const Side& s) { return mesh.element(s.owner / corners)[s.owner % corners]; };
     const Side* const third = begin + std::min<std::ptrdiff_t>(end - begin, 3);  // a bad mesh may have thousands
     for (const Side* a = begin; a != third; ++a)
         for (const Side* b = a + 1; b != third; ++b)
-            if (opposite(*a) == opposite(*b))
+            if (a->opposite == b->opposite)
                 refuse(raw, element_of(b->owner),
                        "has the vertices of " + name_of(element_of(a->owner)) + ": an element may be in one " +
                            dimension_name(mesh.dim) + " and one physical group only");
@@ -119,17 +127,6 @@ void BoundaryMatcher::check_elements(const Side* begin, const Side* end) const {
     if (end - begin == 2 && mesh.degree > 1 && nodes_of(begin[0].owner) != nodes_of(begin[1].owner))
         refuse(raw, element_of(begin[1].owner), "and " + name_of(element_of(begin[0].owner)) +
                                                     " share the vertices of a face, but not its other nodes");
-}
-
-// Whether the outward face visits its vertices in an even permutation of their ascending order. Two elements on
-// opposite sides of a face visit it in opposite senses.
-bool BoundaryMatcher::is_even(const Side& side) const {
-    const int corners = mesh.dim + 1;
-    const std::array<int, 3> local = outward_face(mesh.dim, side.owner % corners);
-    const auto vertex = [&](int k) { return mesh.element(side.owner / corners)[local[k]]; };
-    bool even = vertex(0) < vertex(1);
-    if (mesh.dim == 3) even = (even == (vertex(1) < vertex(2))) == (vertex(0) < vertex(2));
-    return even;
 }
 
 // Tagged faces [begin, end) have the same vertices.
@@ -200,7 +197,7 @@ void BoundaryMatcher::match() {
         const int tags = static_cast<int>(t_end - t);
         if (s_end - s == 2) {
             inside += tags;
-            if (is_even(s[0]) == is_even(s[1]) && folded.count++ == 0) {
+            if (s[0].even == s[1].even && folded.count++ == 0) {
                 folded.first = s[0].owner / (mesh.dim + 1);
                 folded.second = s[1].owner / (mesh.dim + 1);
             }
