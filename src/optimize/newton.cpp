@@ -5,13 +5,10 @@
 
 #include "base/interrupt.hpp"
 #include "linalg/vector_ops.hpp"
+#include "optimize/line_search.hpp"
 
 namespace almesh {
 namespace {
-
-constexpr double sufficient_decrease = 1e-4;  // c1
-constexpr double smallest_step = 1e-14;
-constexpr double energy_rounding = 1e-14;  // relative error of a sum of element energies
 
 // Forcing term where no ratio of gradients tells how good the model is: in the first step of a subproblem and after a
 // step that was cut. There elements are about to invert, and a direction that leaves out the soft parts of the mesh
@@ -89,39 +86,21 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
     return false;
 }
 
-// Backtracks along d_; on success x and energy are those of the accepted step.
-bool Newton::line_search(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step, bool& by_rounding) {
-    const double slope = dot(g_, d_), noise = energy_rounding * std::abs(energy);
-    by_rounding = -slope <= noise;
-    for (double t = 1; t >= smallest_step;) {
-        for (std::size_t i = 0; i < x.size(); ++i) trial_[i] = x[i] + t * d_[i];
-        const double trial_energy = E.energy(trial_);
-        const bool decreases = trial_energy <= energy + sufficient_decrease * t * slope;
-        if (decreases || (by_rounding && t == 1 && std::abs(trial_energy - energy) <= noise)) {
-            x.swap(trial_);
-            energy = trial_energy;
-            step.step_length = t;
-            return true;
-        }
-        if (!std::isfinite(trial_energy)) {
-            ++step.cuts_inverted;
-            t *= 0.5;
-            continue;
-        }
-        ++step.cuts_decrease;  // minimiser of the parabola through E(x), its slope and E(x + t d), safeguarded
-        const double parabola = -slope * t * t / (2 * (trial_energy - energy - t * slope));
-        t = std::clamp(parabola, 0.1 * t, 0.5 * t);
-    }
-    return false;
-}
-
 // A direction and a length along it, from weaker Hessians where the first one gives none; `converged` if there was one.
 NewtonStatus Newton::take_step(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step,
                                bool& by_rounding, Timings& time) {
     do {
         if (!find_direction(E, x, step, time)) return NewtonStatus::linear_solver_failed;
         const TimeAdder adder(time.line_search);
-        if (line_search(E, x, energy, step, by_rounding)) return NewtonStatus::converged;
+        const auto energy_of = [&E](const std::vector<double>& y) { return E.energy(y); };
+        const LineSearchResult found = line_search(energy_of, energy, dot(g_, d_), d_, x, trial_);
+        by_rounding = found.by_rounding;
+        step.cuts_inverted += found.cuts_inverted;
+        step.cuts_decrease += found.cuts_decrease;
+        step.step_length = found.step_length;
+        if (found.step_length == 0) continue;
+        energy = found.energy;
+        return NewtonStatus::converged;
     } while (fall_back(step.hessian));
     return NewtonStatus::line_search_failed;
 }
@@ -165,12 +144,12 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         const double before = result.gradient_norm;
         result.gradient_norm = step.gradient_norm = evaluate_gradient();
         if (forcing_ == Forcing::automatic)
-            eta = step.step_length == 1 ? forcing_term(before, result.gradient_norm, omega, linear_tolerance_)
+            eta = step.step_length >= 1 ? forcing_term(before, result.gradient_norm, omega, linear_tolerance_)
                                         : std::max(careful_forcing, linear_tolerance_);
         const double gained = energy_before - result.energy;
         step.energy = result.energy;
         if (observe) observe(step);
-        if (result.energy > params.largest_energy && step.step_length == 1 && gained < 1e-3 * result.energy &&
+        if (result.energy > params.largest_energy && step.step_length >= 1 && gained < 1e-3 * result.energy &&
             E.distortion.energy(x) < 0.1 * result.energy) {
             result.status = NewtonStatus::out_of_reach;
             return result;
@@ -179,8 +158,8 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
             result.status = NewtonStatus::rounding_floor;
             return result;
         }
-        damping_ = step.step_length == 1 ? damping_shrinks * damping_ : std::min(1.0, damping_grows * damping_);
-        kind = step.step_length == 1 && damping_ <= full_below ? HessianKind::full : HessianKind::projected;
+        damping_ = step.step_length >= 1 ? damping_shrinks * damping_ : std::min(1.0, damping_grows * damping_);
+        kind = step.step_length >= 1 && damping_ <= full_below ? HessianKind::full : HessianKind::projected;
     }
     return result;
 }

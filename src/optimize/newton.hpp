@@ -1,8 +1,8 @@
-// Newton's method with backtracking for one subproblem of the augmented Lagrangian method: minimise E(x) for given
+// Newton's method with a line search for one subproblem of the augmented Lagrangian method: minimise E(x) for given
 // multipliers and penalty until |grad E| <= omega.
 //
 // Direction. Far from the minimum the Hessian is indefinite; each step uses one of three (HessianKind): the full one,
-// whose convergence is quadratic, after a step of length one, the projected one after a step that was cut, and whenever
+// whose convergence is quadratic, after a step of length one or more, the projected one after a step that was cut, and whenever
 // the full one is found not to be positive definite (by Cholesky, by negative curvature, or by a pivot of ILU(0): no
 // factorisation is spent on finding out) or gives no descent direction. The Hessian of the
 // objective (eta - 1)^2 vanishes at the identity, so there the very first step takes the damping alone.
@@ -11,17 +11,11 @@
 // Damping (Levenberg). A projected Hessian that is nearly singular, as that of (eta - 1)^2 is where the mesh has hardly
 // deformed, asks for steps that invert thousands of elements, and a step length that suits them all hardly moves the
 // mesh. So the projected Hessian is damped by t times a Hessian that knows about element sizes (distortion_energy.hpp),
-// t = damping x root mean square of the density: 0.2 times as large after a full step, 4 times after one that was cut.
+// t = damping x root mean square of the density: 0.2 times as large after a full or longer step, 4 times after one that was cut.
 // The full Hessian, undamped, is used once the damping is below 0.1 of what it began with.
 //
-// Step length. Backtracking from 1 until the sufficient-decrease (first Wolfe) condition
-//     E(x + t d) <= E(x) + c1 t grad E . d,   c1 = 1e-4   (Nocedal & Wright, Alg. 3.1)
-// holds. E is infinite for an element inverted at a quadrature point, so every accepted iterate is a valid mesh (unless
-// the distortion is regularised, delta > 0).
-//
-// Rounding. When the decrease that the full step promises is below the rounding error of E, energies can no longer be
-// compared: the full step is taken if E stays the same to rounding, and the iteration ends as `rounding_floor` when it
-// does not halve |grad E|.
+// Step length: line_search.hpp. Where it tells that energies can no longer be compared, the iteration ends as
+// `rounding_floor` when a step does not halve |grad E|.
 //
 // Out of reach. Without multipliers a mesh that meets the target has the energy of its distortion alone, which is not
 // less than the minimum of E. Where that minimum is above `largest_energy` and nine tenths of it are penalty, only meshes of
@@ -67,7 +61,7 @@ struct NewtonStep {
     int iteration = 0;         // 1, 2, ...
     double energy = 0;         // after the step
     double gradient_norm = 0;  // after the step
-    double step_length = 0;    // t
+    double step_length = 0;    // t, see line_search.hpp
     int cuts_inverted = 0;     // trial lengths refused because an element was inverted
     int cuts_decrease = 0;     // trial lengths refused because E did not decrease enough
     HessianKind hessian = HessianKind::projected;
@@ -121,7 +115,6 @@ class Newton {
     bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonStep& step, Timings& time);
     NewtonStatus take_step(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step,
                            bool& by_rounding, Timings& time);
-    bool line_search(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step, bool& by_rounding);
 };
 
 }  // namespace almesh

@@ -1,0 +1,36 @@
+// Step length t along a descent direction d.
+//
+// Backtracking from 1 until the sufficient-decrease (first Wolfe) condition
+//     E(x + t d) <= E(x) + c1 t grad E . d,   c1 = 1e-4   (Nocedal & Wright, Alg. 3.1)
+// holds. E is infinite for an element inverted at a quadrature point, so every accepted iterate is a valid mesh (unless
+// the distortion is regularised, delta > 0).
+//
+// Lengthening. A projected Hessian can be many times stiffer than the energy along d, and its full step then stops far
+// short of the minimum. Where t = 1 gives more than two thirds of what the slope promises, the parabola through E(x), the
+// slope and E(x + d) is lower still at t = 2: t is doubled while that pays. An exact model gives one half: it is left alone.
+//
+// Rounding. When the decrease that the full step promises is below the rounding error of E, energies can no longer be
+// compared: the full step is taken if E stays the same to rounding.
+#pragma once
+#include <functional>
+#include <vector>
+
+namespace almesh {
+
+struct LineSearchResult {
+    double step_length = 0;   // t; 0 where there is none
+    double energy = 0;        // at x + t d
+    int cuts_inverted = 0;    // trial lengths refused because an element was inverted
+    int cuts_decrease = 0;    // trial lengths refused because E did not decrease enough
+    bool by_rounding = false;  // the promised decrease is below rounding
+};
+
+// E; infinite for invalid meshes.
+using EnergyFunction = std::function<double(const std::vector<double>&)>;
+
+// energy: E(x), finite. slope: grad E . d < 0. Where there is a step length x becomes x + t d, else it stays. trial: work
+// space, the size of x.
+LineSearchResult line_search(const EnergyFunction& E, double energy, double slope, const std::vector<double>& d,
+                             std::vector<double>& x, std::vector<double>& trial);
+
+}  // namespace almesh
