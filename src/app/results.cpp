@@ -115,6 +115,7 @@ Summary summarise(const Problem& problem, const Solution& solution) {
             {"newton_iterations", std::to_string(solution.al.newton_iterations)},
             {"coarse_newton_iterations", std::to_string(solution.coarse_newton_iterations)},
             {"linear_iterations", std::to_string(solution.al.linear_iterations)},
+            {"pocket_steps", std::to_string(solution.al.pocket_steps)},
             {"constraint_norm", short_number(last.constraint_norm * length, 6)},
             {"projected_constraint_norm", short_number(last.projected_constraint_norm * length, 6)},
             {"max_boundary_error", short_number(solution.max_boundary_error * length, 6)},
@@ -132,6 +133,7 @@ Summary summarise(const Problem& problem, const Solution& solution) {
             {"time_assembly", short_number(solution.time.assembly, 4)},
             {"time_linear", short_number(solution.time.linear, 4)},
             {"time_line_search", short_number(solution.time.line_search, 4)},
+            {"time_pockets", short_number(solution.time.pockets, 4)},
             {"threads", std::to_string(max_threads())},
             {"peak_memory_mb", short_number(peak_memory_mb(), 4)}};
 }

@@ -13,9 +13,9 @@ class Stopwatch {
     Clock::time_point start_ = Clock::now();
 };
 
-// Seconds; total includes what the other three leave out.
+// Seconds; total includes what the others leave out.
 struct Timings {
-    double total = 0, assembly = 0, linear = 0, line_search = 0;
+    double total = 0, assembly = 0, linear = 0, line_search = 0, pockets = 0;
 };
 
 // Adds the time it lives to one of the fields of Timings.

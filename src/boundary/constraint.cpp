@@ -187,11 +187,15 @@ void BoundaryConstraint::add_gradient(const std::vector<double>& x, const std::v
     }
 }
 
-void BoundaryConstraint::add_hessian(double mu, BlockCsr& H) const {
+void BoundaryConstraint::add_hessian(double mu, BlockCsr& H, const std::vector<int>* row) const {
     const double factor = mu / (norm_of_one_ * norm_of_one_);
+    const auto row_of = [&](int t) { return row ? (*row)[nodes_[t]] : nodes_[t]; };
     parallel_for(M_.n, [&](int t) {
-        for (int k = M_.row[t]; k < M_.row[t + 1]; ++k) {
-            double* block = H.block(H.find(nodes_[t], nodes_[M_.col[k]]));
+        const int i = row_of(t);
+        for (int k = M_.row[t]; k < M_.row[t + 1] && i >= 0; ++k) {
+            const int j = row_of(M_.col[k]), place = j < 0 ? -1 : H.find(i, j);
+            if (place < 0) continue;
+            double* block = H.block(place);
             for (int a = 0; a < dim_; ++a) block[a * dim_ + a] += factor * M_.value[k];
         }
     });

@@ -44,7 +44,8 @@ class BoundaryConstraint {
 
     double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) const;
     void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu, std::vector<double>& g) const;
-    void add_hessian(double mu, BlockCsr& H) const;
+    // row: block row of H for each mesh node, or -1 where H leaves it out; nullptr: the node's own number.
+    void add_hessian(double mu, BlockCsr& H, const std::vector<int>* row = nullptr) const;
     void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) const;
     // P c_D at the trace nodes (trace nodes x dim).
     std::vector<double> projected_constraint(const std::vector<double>& x) const;

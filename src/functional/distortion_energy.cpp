@@ -25,6 +25,8 @@ constexpr double node_part = 0.001;
 // The damping weighs elements by their size to the power 3/2, in 2D and 3D, or like the objective if that has less.
 double damping_exponent(int dim, double weight_exponent) { return std::min(1.5 / dim, weight_exponent); }
 
+double simplex_volume(int dim) { return dim == 2 ? 0.5 : 1.0 / 6; }
+
 void add_node_points(const LagrangeBasis& basis, Quadrature& quadrature) {
     double volume = 0;
     for (double& weight : quadrature.weight) {
@@ -41,7 +43,7 @@ ReferenceElement reference_element(const LagrangeBasis& basis, int exactness) {
     const bool by_default = exactness == 0 || basis.degree == 1;  // F is constant on linear elements: one point will do
     Quadrature quadrature = simplex_quadrature(basis.dim, by_default ? default_exactness(basis.degree) : exactness);
     if (basis.degree > 1) add_node_points(basis, quadrature);
-    ReferenceElement element{basis.count, quadrature.count, quadrature.weight, {}};
+    ReferenceElement element{basis.degree, basis.count, quadrature.count, quadrature.weight, {}};
     const std::size_t stride = static_cast<std::size_t>(basis.count) * basis.dim;
     element.gradients.resize(stride * quadrature.count);
     for (int q = 0; q < quadrature.count; ++q)
@@ -58,20 +60,23 @@ DistortionEnergy::DistortionEnergy(const Mesh& mesh, const std::vector<double>& 
       reference_(reference_element(LagrangeBasis(mesh.dim, mesh.degree), params.exactness)),
       chunks_(chunk_elements(mesh)),
       chunk_value_(chunks_.count()) {
-    is_large_ = static_cast<double>(element_count_) * reference_.points * reference_.nodes >= parallel_work;
+    resize();
     set_geometry(mesh, ideal);
-    CellPattern of_elements = pattern_and_places_of_cells(mesh.nodes(), mesh.dim, nodes_, reference_.nodes);
-    pattern_ = std::move(of_elements.pattern);
-    place_ = std::move(of_elements.place);
+    set_places(mesh.nodes());
 }
 
-void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>& ideal) {
+void DistortionEnergy::resize() {
     const int m = reference_.nodes, batches = (element_count_ + lanes - 1) / lanes;
     nodes_.resize(static_cast<std::size_t>(batches) * lanes * m);
     ideal_inverse_.resize(static_cast<std::size_t>(batches) * dim_ * dim_);
     ideal_jacobian_.resize(batches);
     weight_.resize(batches);
     damping_weight_.resize(batches);
+    is_large_ = static_cast<double>(element_count_) * reference_.points * reference_.nodes >= parallel_work;
+}
+
+void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>& ideal) {
+    const int m = reference_.nodes, batches = static_cast<int>(weight_.size());
     const double exponent = damping_exponent(dim_, params_.weight_exponent);
     std::atomic<int> flat = element_count_;  // first element without volume
     with_dimension(dim_, [&](auto dimension) {
@@ -96,13 +101,74 @@ void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>&
         throw InputError("element " + std::to_string(mesh.element_id[flat]) +
                          " of the ideal mesh has no positive volume");
 
-    const double simplex_volume = dim_ == 2 ? 0.5 : 1.0 / 6;
-    volume_ = simplex_volume * deterministic_sum(batches, [this](int k) { return sum_of_lanes(ideal_jacobian_[k]); });
+    measure();
     for (std::vector<Lanes>* weights : {&weight_, &damping_weight_}) {
         const auto of_batch = [&](int k) { return sum_of_lanes((*weights)[k]); };
-        const double weighted = simplex_volume * deterministic_sum(batches, of_batch);
+        const double weighted = simplex_volume(dim_) * deterministic_sum(batches, of_batch);
         for (Lanes& weight : *weights) weight *= volume_ / weighted;
     }
+}
+
+void DistortionEnergy::measure() {
+    const int batches = static_cast<int>(ideal_jacobian_.size());
+    volume_ = simplex_volume(dim_) * deterministic_sum(batches, [this](int k) { return sum_of_lanes(ideal_jacobian_[k]); });
+}
+
+DistortionEnergy::DistortionEnergy(const DistortionEnergy& whole, const Mesh& mesh, const std::vector<int>& position)
+    : dim_(whole.dim_),
+      element_count_(mesh.element_count()),
+      params_(whole.params_),
+      reference_(whole.reference_),
+      chunks_(chunk_elements(mesh)),
+      chunk_value_(chunks_.count()) {
+    resize();
+    const int m = reference_.nodes, entries = dim_ * dim_;
+    parallel_for(static_cast<int>(weight_.size()) * lanes, [&](int k) {
+        const int e = chunks_.order[std::min(k, element_count_ - 1)], batch = k / lanes, lane = k % lanes;
+        const int from = position[e] / lanes, from_lane = position[e] % lanes;
+        std::copy_n(mesh.element(e), m, &nodes_[static_cast<std::size_t>(k) * m]);
+        for (int ij = 0; ij < entries; ++ij)
+            ideal_inverse_[static_cast<std::size_t>(batch) * entries + ij][lane] =
+                whole.ideal_inverse_[static_cast<std::size_t>(from) * entries + ij][from_lane];
+        const bool weighs = k < element_count_;
+        ideal_jacobian_[batch][lane] = weighs ? whole.ideal_jacobian_[from][from_lane] : 0;
+        weight_[batch][lane] = weighs ? whole.weight_[from][from_lane] : 0;
+        damping_weight_[batch][lane] = weighs ? whole.damping_weight_[from][from_lane] : 0;
+    });
+    measure();
+    set_places(mesh.nodes());
+}
+
+DistortionEnergy DistortionEnergy::part(const std::vector<double>& x, const std::vector<char>& moves,
+                                        std::vector<int>& node) const {
+    const int m = reference_.nodes;
+    Mesh mesh;
+    mesh.dim = dim_;
+    mesh.degree = reference_.degree;
+    node.clear();
+    std::vector<int> position, number(moves.size(), -1);
+    for (int k = 0; k < element_count_; ++k) {
+        const int* const of_element = &nodes_[static_cast<std::size_t>(k) * m];
+        if (std::none_of(of_element, of_element + m, [&](int i) { return moves[i]; })) continue;
+        position.push_back(k);
+        for (int i = 0; i < m; ++i) {
+            int& own = number[of_element[i]];
+            if (own < 0) {
+                own = static_cast<int>(node.size());
+                node.push_back(of_element[i]);
+                mesh.x.insert(mesh.x.end(), &x[static_cast<std::size_t>(of_element[i]) * dim_],
+                              &x[static_cast<std::size_t>(of_element[i]) * dim_] + dim_);
+            }
+            mesh.elements.push_back(own);
+        }
+    }
+    return {*this, mesh, position};
+}
+
+void DistortionEnergy::set_places(int node_count) {
+    CellPattern of_elements = pattern_and_places_of_cells(node_count, dim_, nodes_, reference_.nodes);
+    pattern_ = std::move(of_elements.pattern);
+    place_ = std::move(of_elements.place);
 }
 
 BlockCsr DistortionEnergy::hessian_pattern() const {

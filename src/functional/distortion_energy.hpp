@@ -57,6 +57,10 @@ class DistortionEnergy {
     // ideal: node_count x dim positions of the ideal mesh, whose elements must have positive volume.
     DistortionEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params);
 
+    // The elements that have a node with moves[i], with the same weights, as an energy of its own of their nodes;
+    // node: their numbers in this mesh. x: node_count x dim, near positions make good chunks.
+    DistortionEnergy part(const std::vector<double>& x, const std::vector<char>& moves, std::vector<int>& node) const;
+
     // Infinite as soon as one quadrature point has infinite distortion.
     double energy(const std::vector<double>& x) const;
     // Adds to g (node_count x dim); x must have finite energy.
@@ -85,7 +89,13 @@ class DistortionEnergy {
     mutable std::vector<double> chunk_value_;  // chunk, sums before they are added
     BlockCsr pattern_;  // without values
 
+    // Of the elements at `position` in chunks_.order of `whole`, as a mesh of their own.
+    DistortionEnergy(const DistortionEnergy& whole, const Mesh& mesh, const std::vector<int>& position);
+
+    void resize();
+    void measure();
     void set_geometry(const Mesh& mesh, const std::vector<double>& ideal);
+    void set_places(int node_count);
     template <int n, class Body>
     void every_batch(int chunk, const std::vector<double>& x, const Body& body) const;
     template <class Body>

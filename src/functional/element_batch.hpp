@@ -20,6 +20,7 @@ namespace almesh {
 
 // Quadrature on the reference element with the derivatives of the basis; linear elements (m = n + 1) have one point.
 struct ReferenceElement {
+    int degree = 0;                 // p
     int nodes = 0;                  // m
     int points = 0;
     std::vector<double> weight;     // points

@@ -19,7 +19,7 @@ struct Quantity {
     Kind kind;
 };
 
-constexpr std::array<Quantity, 28> quantities = {{
+constexpr std::array<Quantity, 30> quantities = {{
     {"status", Kind::word},
     {"dimension", Kind::count},
     {"degree", Kind::count},
@@ -29,6 +29,7 @@ constexpr std::array<Quantity, 28> quantities = {{
     {"newton_iterations", Kind::count},
     {"coarse_newton_iterations", Kind::count},
     {"linear_iterations", Kind::count},
+    {"pocket_steps", Kind::count},
     {"constraint_norm", Kind::decimal},
     {"projected_constraint_norm", Kind::decimal},
     {"max_boundary_error", Kind::decimal},
@@ -46,6 +47,7 @@ constexpr std::array<Quantity, 28> quantities = {{
     {"time_assembly", Kind::decimal},
     {"time_linear", Kind::decimal},
     {"time_line_search", Kind::decimal},
+    {"time_pockets", Kind::decimal},
     {"threads", Kind::count},
     {"peak_memory_mb", Kind::decimal},
 }};

@@ -180,6 +180,7 @@ AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& 
         });
         result.newton_iterations += solved.iterations;
         result.linear_iterations += solved.linear_iterations;
+        result.pocket_steps += solved.pocket_steps;
 
         AlIteration row = measure(distortion, constraint, x, result.distortion);
         row.iteration = k;

@@ -70,7 +70,7 @@ struct AlResult {
     std::vector<AlIteration> iterations;
     DistortionStatistics distortion;  // of the last iterate
     std::vector<double> lambda;       // trace nodes x dim
-    int newton_iterations = 0, linear_iterations = 0;
+    int newton_iterations = 0, linear_iterations = 0, pocket_steps = 0;
 };
 
 struct AlObserver {

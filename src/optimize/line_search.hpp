@@ -5,9 +5,10 @@
 // holds. E is infinite for an element inverted at a quadrature point, so every accepted iterate is a valid mesh (unless
 // the distortion is regularised, delta > 0).
 //
-// Lengthening. A projected Hessian can be many times stiffer than the energy along d, and its full step then stops far
-// short of the minimum. Where t = 1 gives more than two thirds of what the slope promises, the parabola through E(x), the
-// slope and E(x + d) is lower still at t = 2: t is doubled while that pays. An exact model gives one half: it is left alone.
+// Lengthening. A projected Hessian can be many times stiffer than the energy along d, and its full step then stops
+// far short of the minimum. Where t = 1 gives more than two thirds of what the slope promises, the parabola through E(x),
+// the slope and E(x + d) is lower still at t = 2: t is doubled while that pays. An exact model gives one half: nothing is
+// tried.
 //
 // Rounding. When the decrease that the full step promises is below the rounding error of E, energies can no longer be
 // compared: the full step is taken if E stays the same to rounding.
@@ -28,8 +29,8 @@ struct LineSearchResult {
 // E; infinite for invalid meshes.
 using EnergyFunction = std::function<double(const std::vector<double>&)>;
 
-// energy: E(x), finite. slope: grad E . d < 0. Where there is a step length x becomes x + t d, else it stays. trial: work
-// space, the size of x.
+// energy: E(x), finite. slope: grad E . d < 0. Where there is a step length x becomes x + t d, else it stays. trial:
+// work space, the size of x.
 LineSearchResult line_search(const EnergyFunction& E, double energy, double slope, const std::vector<double>& d,
                              std::vector<double>& x, std::vector<double>& trial);
 

@@ -6,6 +6,7 @@
 #include "base/interrupt.hpp"
 #include "linalg/vector_ops.hpp"
 #include "optimize/line_search.hpp"
+#include "optimize/pockets.hpp"
 
 namespace almesh {
 namespace {
@@ -18,6 +19,9 @@ constexpr double careful_forcing = 1e-7;
 // The damping falls after a full step and grows after one that was cut; above `full_below` no step is worth trying
 // without it.
 constexpr double damping_shrinks = 0.2, damping_grows = 4, full_below = 0.1;
+
+constexpr int steps_without_pockets = 10;
+constexpr double worthwhile = 0.01;  // decrease of a local step, in units of that of the global step before
 
 // The next Hessian to try where `kind` gave no descent direction; false where there is none.
 bool fall_back(HessianKind& kind) {
@@ -105,6 +109,18 @@ NewtonStatus Newton::take_step(const AugmentedFunctional& E, std::vector<double>
     return NewtonStatus::line_search_failed;
 }
 
+// Minimises over the nodes that hold up the others, where there are such. gained: decrease of E by the step.
+void Newton::relax(const AugmentedFunctional& E, double gained, std::vector<double>& x, double& energy,
+                   NewtonStep& step, Timings& time) {
+    relaxes_ = relaxes_ || step.iteration > steps_without_pockets;
+    if (!relaxes_) return;
+    const TimeAdder adder(time.pockets);
+    E.gradient(x, g_);
+    const Relaxation relaxed = relax_pockets(E, H_, g_, worthwhile * gained, x, energy);
+    step.pocket_nodes = relaxed.nodes;
+    step.pocket_steps = relaxed.steps;
+}
+
 NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& params, std::vector<double>& x,
                               Timings& time, const NewtonObserver& observe) {
     const auto evaluate_gradient = [&] {
@@ -119,7 +135,10 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
     const double omega = result.omega = std::max(std::min(params.omega, wanted), params.omega_star);
     HessianKind kind = params.first;
     double eta = forcing_ == Forcing::fixed ? linear_tolerance_ : std::max(careful_forcing, linear_tolerance_);
-    if (kind == HessianKind::squared_projected) damping_ = 1;
+    if (kind == HessianKind::squared_projected) {
+        damping_ = 1;
+        relaxes_ = false;
+    }
     while (!(result.gradient_norm <= omega)) {
         if (result.iterations == params.max_iterations) {
             result.status = NewtonStatus::max_iterations;
@@ -141,6 +160,8 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
             result.status = failure;
             return result;
         }
+        if (!by_rounding) relax(E, energy_before - result.energy, x, result.energy, step, time);
+        result.pocket_steps += step.pocket_steps;
         const double before = result.gradient_norm;
         result.gradient_norm = step.gradient_norm = evaluate_gradient();
         if (forcing_ == Forcing::automatic)

@@ -17,6 +17,9 @@
 // Step length: line_search.hpp. Where it tells that energies can no longer be compared, the iteration ends as
 // `rounding_floor` when a step does not halve |grad E|.
 //
+// Pockets. A subproblem that takes more than ten steps has places where a few nodes hold up all others: from then on,
+// and in the following subproblems, each step is followed by a local minimisation over them (pockets.hpp).
+//
 // Out of reach. Without multipliers a mesh that meets the target has the energy of its distortion alone, which is not
 // less than the minimum of E. Where that minimum is above `largest_energy` and nine tenths of it are penalty, only meshes of
 // no use could meet the target, if any: the iteration ends as soon as full steps have found the minimum to 0.1 %.
@@ -65,6 +68,7 @@ struct NewtonStep {
     int cuts_inverted = 0;     // trial lengths refused because an element was inverted
     int cuts_decrease = 0;     // trial lengths refused because E did not decrease enough
     HessianKind hessian = HessianKind::projected;
+    int pocket_nodes = 0, pocket_steps = 0;  // of the local minimisation after the step
     int linear_iterations = 0;
     SolverKind solver = SolverKind::automatic;  // who made the direction
     SolveStatus fallback = SolveStatus::converged;  // how an iterative solver failed before Cholesky took over
@@ -74,6 +78,7 @@ struct NewtonResult {
     NewtonStatus status = NewtonStatus::converged;
     int iterations = 0;
     int linear_iterations = 0;
+    int pocket_steps = 0;
     double energy = 0, gradient_norm = 0;
     double omega = 0;  // the tolerance that was used
 };
@@ -109,12 +114,15 @@ class Newton {
     Forcing forcing_;
     double linear_tolerance_;  // of the deck: what `fixed` uses, and the floor of `automatic`
     std::vector<double> g_, minus_g_, d_, trial_;
+    bool relaxes_ = false;  // pockets after each step; kept like the damping
     double damping_ = 0.1;  // relative to the root mean square of the density; kept from one subproblem to the next
     SystemObserver observe_system_;
 
     bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonStep& step, Timings& time);
     NewtonStatus take_step(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step,
                            bool& by_rounding, Timings& time);
+    void relax(const AugmentedFunctional& E, double gained, std::vector<double>& x, double& energy, NewtonStep& step,
+               Timings& time);
 };
 
 }  // namespace almesh

@@ -67,6 +67,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "newton_iterations",
                                            "coarse_newton_iterations",
                                            "linear_iterations",
+                                           "pocket_steps",
                                            "constraint_norm",
                                            "projected_constraint_norm",
                                            "max_boundary_error",
@@ -84,6 +85,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "time_assembly",
                                            "time_linear",
                                            "time_line_search",
+                                           "time_pockets",
                                            "threads",
                                            "peak_memory_mb"});
     CHECK(keys == summary_quantities());

@@ -16,7 +16,7 @@ struct BenchDeck {
     bool cheap;
 };
 
-// aircraft-squared is left out: its hundreds of steps are those of aircraft over again.
+// aircraft-squared is left out: its many steps are those of aircraft over again.
 constexpr std::array<BenchDeck, 13> decks = {{{"circle", true},
                                               {"circle-refined-1", true},
                                               {"circle-refined-2", true},

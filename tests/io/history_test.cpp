@@ -38,6 +38,8 @@ NewtonStep newton_row() {
     step.energy = 7;
     step.gradient_norm = 3;
     step.step_length = 0.25;
+    step.pocket_nodes = 40;
+    step.pocket_steps = 3;
     step.cuts_inverted = 2;
     step.hessian = HessianKind::full;
     step.linear_iterations = 17;
@@ -112,6 +114,8 @@ TEST_CASE("a Newton row, in the mesh's units, says why its step was cut") {
     CHECK(cells["energy"] == "56");
     CHECK(cells["gradient_norm"] == "12");
     CHECK(cells["step_length"] == "0.25");
+    CHECK(cells["pocket_nodes"] == "40");
+    CHECK(cells["pocket_steps"] == "3");
     CHECK(cells["cuts_inverted"] == "2");
     CHECK(cells["cuts_decrease"] == "0");
     CHECK(cells["cut_reason"] == "inverted element");
@@ -141,7 +145,7 @@ TEST_CASE("rows stand in the order they were added, below one header, all of its
     history.add(al_row());
     const auto rows = csv_rows(history.csv());
     REQUIRE(rows.size() == 5);
-    for (const auto& row : rows) CHECK(row.size() == 25);
+    for (const auto& row : rows) CHECK(row.size() == 27);
     CHECK(rows[1][0] == "al");
     CHECK(rows[2][0] == "newton");
     CHECK(rows[3][0] == "newton");

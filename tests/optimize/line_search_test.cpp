@@ -14,7 +14,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // From x = 0 along d = 1.
 LineSearchResult search(const std::function<double(double)>& E, double slope, double& x) {
     std::vector<double> at = {0}, trial = {0};
-    const auto result = line_search([&](const std::vector<double>& y) { return E(y[0]); }, E(0), slope, {1}, at, trial);
+    const auto energy = [&](const std::vector<double>& y) { return E(y[0]); };
+    const LineSearchResult result = line_search(energy, E(0), slope, {1}, at, trial);
     x = at[0];
     return result;
 }
