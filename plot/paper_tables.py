@@ -228,7 +228,7 @@ def document(checks):
         "## Eq. (5) as printed, element weights, and the aircraft with ∫η²",
         "The paper's quality of the circle is that of ∫η², which `circle` and `curving` minimise; the decks "
         "`-printed`, `aircraft` and `aircraft-weighted` minimise ∫(η − 1)², Eq. (5). The paper's largest distortion of "
-        f"the circle is {CIRCLE_MAX_DISTORTION}. `aircraft-squared` is stated whatever it ends with.",
+        f"the circle is {CIRCLE_MAX_DISTORTION}. `aircraft-squared` has no counterpart in the paper.",
         outcomes(["circle", "circle-printed", "curving", "curving-printed", "aircraft", "aircraft-weighted", *STATED]),
         f"Sizes: the boundary layer has the paper's {CURVING_SIZE[0]} vertices and {CURVING_SIZE[1]} triangles "
         f"({curving['nodes']} nodes in degree 4); the aircraft has {aircraft['nodes']} nodes and "
