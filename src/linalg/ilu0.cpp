@@ -70,7 +70,7 @@ Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start) : d_(pattern.d), sta
 
 // Rows begin .. end-1, whose columns must be done or among them. T: one row of blocks. Returns the bad row, or -1.
 template <int d>
-int Ilu0::factor_rows(const BlockCsr& A, int begin, int end, double* T) {
+int Ilu0::factor_rows(const BlockCsr& A, double shift, int begin, int end, double* T) {
     constexpr int block = d * d;
     for (int i = begin; i < end; ++i) {
         const double* const Ai = A.block(A.row[i]);  // as many blocks as L has in this row, then the diagonal one
@@ -87,6 +87,7 @@ int Ilu0::factor_rows(const BlockCsr& A, int begin, int end, double* T) {
         }
         double D[block];
         std::copy_n(Ai + (row_[i + 1] - row_[i]) * block, block, D);
+        for (double& entry : D) entry *= 1 + shift;
         for (int k = 0; k < row_[i + 1] - row_[i]; ++k)
             subtract_product_transposed<d>(T + k * block, T + k * block, D);
         double* const C_inverse = C_inverse_.data() + static_cast<std::size_t>(i) * block;
@@ -103,19 +104,19 @@ int Ilu0::factor_rows(const BlockCsr& A, int begin, int end, double* T) {
 }
 
 template <int d>
-void Ilu0::factor_blocks(const BlockCsr& A) {
+void Ilu0::factor_blocks(const BlockCsr& A, double shift) {
     const std::size_t row = static_cast<std::size_t>(longest_) * d * d;
 #pragma omp parallel for schedule(static) if (domains() > 1)
-    for (int k = 0; k < domains(); ++k) bad_[k] = factor_rows<d>(A, start_[k], start_[k + 1], row_of_.data() + k * row);
+    for (int k = 0; k < domains(); ++k) bad_[k] = factor_rows<d>(A, shift, start_[k], start_[k + 1], row_of_.data() + k * row);
     int& last = bad_.back() = -1;
     if (std::all_of(bad_.begin(), bad_.end(), [](int bad) { return bad < 0; }))
-        last = factor_rows<d>(A, start_.back(), rows(), row_of_.data() + domains() * row);
+        last = factor_rows<d>(A, shift, start_.back(), rows(), row_of_.data() + domains() * row);
 }
 
-Ilu0Result Ilu0::factor(const BlockCsr& A) {
-    if (d_ == 1) factor_blocks<1>(A);
-    if (d_ == 2) factor_blocks<2>(A);
-    if (d_ == 3) factor_blocks<3>(A);
+Ilu0Result Ilu0::factor(const BlockCsr& A, double shift) {
+    if (d_ == 1) factor_blocks<1>(A, shift);
+    if (d_ == 2) factor_blocks<2>(A, shift);
+    if (d_ == 3) factor_blocks<3>(A, shift);
     for (int bad : bad_)
         if (bad >= 0) return {Ilu0Status::not_positive_definite, bad};
     return {Ilu0Status::factored, -1};

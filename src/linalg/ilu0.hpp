@@ -35,7 +35,8 @@ public:
     explicit Ilu0(const BlockCsr& pattern);
 
     // A: the values, on the pattern given to the constructor. Afterwards solve() may be called if the status is factored.
-    Ilu0Result factor(const BlockCsr& A);
+    // shift: what is factored is A with its diagonal blocks times 1 + shift.
+    Ilu0Result factor(const BlockCsr& A, double shift = 0);
 
     // z = (C (I + L) (I + L') C')^{-1} r; r, z: n*d, and they may be the same array.
     void solve(const double* r, double* z);
@@ -46,9 +47,9 @@ public:
 
 private:
     template <int d>
-    int factor_rows(const BlockCsr& A, int begin, int end, double* T);
+    int factor_rows(const BlockCsr& A, double shift, int begin, int end, double* T);
     template <int d>
-    void factor_blocks(const BlockCsr& A);
+    void factor_blocks(const BlockCsr& A, double shift);
     template <int d>
     double sweep_forward(int begin, int end, const double* r);
     template <int d>

@@ -61,7 +61,8 @@ std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g) 
 }
 
 // Newton's method on the pocket: the full Hessian after a full step, else the projected one. Small systems, so
-// Cholesky, and no damping: a step that is cut costs little here. Returns the number of steps; y: start, then the last iterate.
+// Cholesky, and no damping: a step that is cut costs little here. Returns the number of steps; y: start, then the last
+// iterate.
 int minimise_pocket(const PocketFunctional& E, double worthwhile, std::vector<double>& y) {
     BlockCsr H = E.hessian_pattern();
     LinearSolver solver(H, H.d, {.kind = SolverKind::cholesky});
