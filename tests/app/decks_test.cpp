@@ -67,7 +67,7 @@ TEST_CASE("algorithm = adaptive takes few Newton steps on the decks of the paper
 TEST_CASE("conjugate gradients take at most 60 iterations to 1e-8 in every Newton step of the aircraft, however soft") {
     if (!std::filesystem::is_directory("inputs")) return;
     for (const std::string deck : {"inputs/aircraft.deck", "inputs/aircraft-weighted.deck"})
-        for (const char* algorithm : {"algorithm=paper", "algorithm=adaptive"}) {
+        for (const std::string algorithm : {"algorithm=paper", "algorithm=adaptive"}) {
             CAPTURE(deck);
             CAPTURE(algorithm);
             const TemporaryFolder folder;

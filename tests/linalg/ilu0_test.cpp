@@ -161,6 +161,19 @@ TEST_CASE("factor() refills the pattern, and names the row of a pivot block that
     }
 }
 
+TEST_CASE("a shift factors A with a heavier diagonal") {
+    const BlockCsr A = random_spd(49, 2, grid(7, 7));
+    BlockCsr heavier = A;
+    for (int i = 0; i < A.n; ++i)
+        for (int e = 0; e < 4; ++e) heavier.block(A.find(i, i))[e] *= 1.25;
+    const std::vector<double> r = random_vector(A.size());
+    Ilu0 ilu(A);
+    REQUIRE(ilu.factor(heavier).status == Ilu0Status::factored);
+    const std::vector<double> z = solved(ilu, r);
+    REQUIRE(ilu.factor(A, 0.25).status == Ilu0Status::factored);
+    CHECK(solved(ilu, r) == z);
+}
+
 TEST_CASE("an empty matrix") {
     const BlockCsr A = matrix_of_cells(0, 2, {}, 2);
     CHECK(Ilu0(A).factor(A).status == Ilu0Status::factored);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/parallel.hpp"
+#include "linalg/ilu0.hpp"
 #include "matrices.hpp"
 
 using namespace almesh;
@@ -169,6 +170,32 @@ TEST_CASE("a pivot of ILU(0) that is not positive is reported at once, with its 
         CHECK(result.used == kind);
         CHECK(result.relative_residual == 1);
         CHECK(x == std::vector<double>(60, 0.0));
+    }
+}
+
+TEST_CASE("in 3D a bad pivot of ILU(0) is answered by a heavier diagonal, where A may be taken for positive definite") {
+    // Four nodes in a ring with springs of alternating sign: positive definite, but not without its fill.
+    const Edges ring = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
+    BlockCsr A = random_spd(4, 3, ring);
+    for (double& v : A.value) v = 0;
+    const auto set = [&](int i, int j, double v) {
+        for (int a = 0; a < 3; ++a) A.block(A.find(i, j))[a * 3 + a] = A.block(A.find(j, i))[a * 3 + a] = v;
+    };
+    for (int i = 0; i < 4; ++i) set(i, i, 1.6);  // eigenvalues 1.6 +- sqrt 2
+    set(0, 1, 1), set(1, 2, 1), set(2, 3, 1), set(0, 3, -1);
+    REQUIRE(Ilu0(A).factor(A).status == Ilu0Status::not_positive_definite);
+    const std::vector<double> b = random_vector(A.size());
+    std::vector<double> x;
+    for (SolverKind kind : {SolverKind::cg, SolverKind::gmres}) {
+        const SolveResult result = LinearSolver(A, 3, params_of(kind)).solve(A, b, x);
+        CHECK(result.status == SolveStatus::converged);
+        CHECK(result.used == kind);
+        CHECK_FALSE(result.fell_back);
+        CHECK(scaled_residual(A, x, b) < 1e-10);
+        CHECK(LinearSolver(A, 3, params_of(kind)).solve(A, b, x, true).status == SolveStatus::indefinite_preconditioner);
+        const SolveResult flat = LinearSolver(A, 2, params_of(kind)).solve(A, b, x);
+        CHECK(flat.used == SolverKind::cholesky);
+        CHECK(flat.iterative_status == SolveStatus::indefinite_preconditioner);
     }
 }
 

@@ -15,7 +15,10 @@ using Edges = std::vector<std::pair<int, int>>;
 // Symmetric positive definite: random d x d blocks on the edges, diagonal blocks that dominate them by `excess`.
 inline BlockCsr random_spd(int n, int d, const Edges& edges, double excess = 0.1, unsigned seed = 1) {
     std::vector<int> cells;
-    for (const auto& [i, j] : edges) cells.insert(cells.end(), {i, j});
+    for (const auto& [i, j] : edges) {
+        cells.push_back(i);
+        cells.push_back(j);
+    }
     BlockCsr A = matrix_of_cells(n, d, cells, 2);
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> uniform(-1, 1);
