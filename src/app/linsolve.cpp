@@ -218,11 +218,12 @@ bool solve_by(const Options& options, const BlockCsr& A, const std::vector<doubl
 // What the output calls it where none is asked for.
 const char* ordering_name(const Options& options) {
     if (options.ordering) return to_string(*options.ordering);
-    return options.solver == SolverKind::cholesky ? to_string(Ordering::nested_dissection) : "domains (rcm inside each)";
+    return options.solver == SolverKind::cholesky ? to_string(Ordering::nested_dissection)
+                                                  : "domains (rcm inside each)";
 }
 
-// With b = A (1, 1/2, 1/3, 1/4, 1/5, 1, 1/2, ...) where no file gives it: not the same at all nodes, which deflation would
-// find without an iteration.
+// With b = A (1, 1/2, 1/3, 1/4, 1/5, 1, 1/2, ...) where no file gives it: not the same at all nodes, which deflation
+// would find without an iteration.
 std::vector<double> right_hand_side(const BlockCsr& A, const Options& options) {
     if (!options.right.empty()) return read_matrix_market_vector(options.right, A.size());
     std::vector<double> b(A.size()), x(A.size());

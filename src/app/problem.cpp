@@ -31,9 +31,9 @@ std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
         const auto it = std::find_if(deck.boundaries.begin(), deck.boundaries.end(),
                                      [&](const DeckBoundary& boundary) { return boundary.name == name; });
         if (it == deck.boundaries.end())
-            throw UsageError(deck.path + ": boundary `" + name + "` of the mesh has no motion; add the line `boundary " +
-                             (name.find(' ') == std::string::npos ? name : with_quotes(name)) +
-                             " = fixed` (or another motion)");
+            throw UsageError(
+                deck.path + ": boundary `" + name + "` of the mesh has no motion; add the line `boundary " +
+                (name.find(' ') == std::string::npos ? name : with_quotes(name)) + " = fixed` (or another motion)");
         motions.push_back(it->motion);
     }
     return motions;

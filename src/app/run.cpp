@@ -44,9 +44,10 @@ const char* advice(AlStatus status) {
 
 void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
     const AlIteration& last = solution.al.iterations.back();
-    const std::string coarse = solution.coarse_newton_iterations
-                                   ? " (and " + std::to_string(solution.coarse_newton_iterations) + " on coarser meshes)"
-                                   : "";
+    const std::string coarse =
+        solution.coarse_newton_iterations
+            ? " (and " + std::to_string(solution.coarse_newton_iterations) + " on coarser meshes)"
+            : "";
     std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s; |c_D| = %.3g, largest boundary error %.3g\n",
                  advice(solution.al.status), solution.al.iterations.size() - 1, solution.al.newton_iterations,
                  coarse.c_str(), solution.time.total, last.constraint_norm * problem.length,
@@ -90,8 +91,10 @@ void write_system(const Deck& deck, Newton& newton, const History& history) {
 
 void print_refusal(std::FILE* out, double bytes) {
     if (bytes == 0) return;
-    std::fprintf(out, "the Cholesky factor takes %.3g GB, more than this machine's memory: solve with solver=cg, or take a "
-                 "coarser mesh\n", bytes / 1e9);
+    std::fprintf(out,
+                 "the Cholesky factor takes %.3g GB, more than this machine's memory: solve with solver=cg, or take a "
+                 "coarser mesh\n",
+                 bytes / 1e9);
 }
 
 bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary) {

@@ -5,10 +5,10 @@
 namespace almesh {
 
 class Stopwatch {
-   public:
+public:
     double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
-   private:
+private:
     using Clock = std::chrono::steady_clock;
     Clock::time_point start_ = Clock::now();
 };
@@ -20,13 +20,13 @@ struct Timings {
 
 // Adds the time it lives to one of the fields of Timings.
 class TimeAdder {
-   public:
+public:
     explicit TimeAdder(double& sum) : sum_(sum) {}
     ~TimeAdder() { sum_ += watch_.seconds(); }
     TimeAdder(const TimeAdder&) = delete;
     TimeAdder& operator=(const TimeAdder&) = delete;
 
-   private:
+private:
     double& sum_;
     Stopwatch watch_;
 };

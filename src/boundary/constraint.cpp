@@ -18,7 +18,8 @@ double face_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
                ideal[static_cast<std::size_t>(mesh.face(f)[0]) * mesh.dim + a];
     };
     if (mesh.dim == 2) return std::hypot(edge(1, 0), edge(1, 1));
-    const double n0 = edge(1, 1) * edge(2, 2) - edge(1, 2) * edge(2, 1), n1 = edge(1, 2) * edge(2, 0) - edge(1, 0) * edge(2, 2),
+    const double n0 = edge(1, 1) * edge(2, 2) - edge(1, 2) * edge(2, 1),
+                 n1 = edge(1, 2) * edge(2, 0) - edge(1, 0) * edge(2, 2),
                  n2 = edge(1, 0) * edge(2, 1) - edge(1, 1) * edge(2, 0);
     return 0.5 * std::hypot(n0, n1, n2);
 }
@@ -67,7 +68,8 @@ void BoundaryConstraint::assemble_mass(const std::vector<double>& face_weight) {
     for (int q = 0; q < target_.quadrature.count; ++q)
         for (int i = 0; i < m; ++i)
             for (int j = 0; j < m; ++j)
-                reference[i * m + j] += target_.quadrature.weight[q] * face_values_[static_cast<std::size_t>(q) * m + i] *
+                reference[i * m + j] += target_.quadrature.weight[q] *
+                                        face_values_[static_cast<std::size_t>(q) * m + i] *
                                         face_values_[static_cast<std::size_t>(q) * m + j];
     M_ = matrix_of_cells(static_cast<int>(nodes_.size()), 1, faces_, m);
     for (int f = 0; f < mesh_.face_count(); ++f) {
@@ -82,7 +84,8 @@ void BoundaryConstraint::project_target(const std::vector<double>& ideal, const 
     const int m = mesh_.face_nodes(), points = target_.quadrature.count;
     Cholesky factorisation(M_);
     if (factorisation.factor(M_).status != CholeskyStatus::factored)
-        throw InputError("the mass matrix of the boundary cannot be factored: a boundary face is degenerate or memory is short");
+        throw InputError(
+            "the mass matrix of the boundary cannot be factored: a boundary face is degenerate or memory is short");
     const auto ideal_at = [&](int t, int a) { return ideal[static_cast<std::size_t>(nodes_[t]) * dim_ + a]; };
     std::vector<double> right(nodes_.size()), displacement(nodes_.size());
     for (int a = 0; a < dim_; ++a) {
@@ -97,13 +100,15 @@ void BoundaryConstraint::project_target(const std::vector<double>& ideal, const 
             }
         }
         factorisation.solve(right.data(), displacement.data());
-        for (std::size_t t = 0; t < nodes_.size(); ++t) g_h_[t * dim_ + a] = ideal_at(static_cast<int>(t), a) + displacement[t];
+        for (std::size_t t = 0; t < nodes_.size(); ++t)
+            g_h_[t * dim_ + a] = ideal_at(static_cast<int>(t), a) + displacement[t];
     }
 }
 
 void BoundaryConstraint::interpolate_target() {
     for (std::size_t k = faces_.size(); k-- > 0;)  // the first face that holds a node decides, as in target_check
-        for (int a = 0; a < dim_; ++a) g_h_[static_cast<std::size_t>(faces_[k]) * dim_ + a] = target_.node[k * dim_ + a];
+        for (int a = 0; a < dim_; ++a)
+            g_h_[static_cast<std::size_t>(faces_[k]) * dim_ + a] = target_.node[k * dim_ + a];
 }
 
 // floor^2 = sum over faces of the weighted integral of |g_h - g_D|^2.
@@ -123,8 +128,8 @@ double BoundaryConstraint::difference(const std::vector<double>& x, int trace_no
 }
 
 // |u - g_D|^2 at a quadrature point of a face, u having the value trace[nodes[face node] x dim] at each face node.
-double BoundaryConstraint::squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face,
-                                                 int point) const {
+double BoundaryConstraint::squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes,
+                                                 int face, int point) const {
     const int m = mesh_.face_nodes(), points = target_.quadrature.count;
     double squared = 0;
     for (int a = 0; a < dim_; ++a) {
@@ -181,7 +186,8 @@ void BoundaryConstraint::add_gradient(const std::vector<double>& x, const std::v
     const int count = static_cast<int>(nodes_.size());
     for (int a = 0; a < dim_; ++a) {
         for (int t = 0; t < count; ++t)
-            r_[t] = (mu * difference(x, t, a) / norm_of_one_ - lambda[static_cast<std::size_t>(t) * dim_ + a]) / norm_of_one_;
+            r_[t] = (mu * difference(x, t, a) / norm_of_one_ - lambda[static_cast<std::size_t>(t) * dim_ + a]) /
+                    norm_of_one_;
         multiply(M_, r_.data(), Mr_.data());
         for (int t = 0; t < count; ++t) g[static_cast<std::size_t>(nodes_[t]) * dim_ + a] += Mr_[t];
     }
@@ -201,7 +207,8 @@ void BoundaryConstraint::add_hessian(double mu, BlockCsr& H, const std::vector<i
     });
 }
 
-void BoundaryConstraint::update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) const {
+void BoundaryConstraint::update_multipliers(const std::vector<double>& x, double mu,
+                                            std::vector<double>& lambda) const {
     for (int t = 0; t < static_cast<int>(nodes_.size()); ++t)
         for (int a = 0; a < dim_; ++a)
             lambda[static_cast<std::size_t>(t) * dim_ + a] -= mu * difference(x, t, a) / norm_of_one_;

@@ -1,6 +1,7 @@
 // The boundary constraint of the augmented Lagrangian (paper, Eq. 6),
 //
-//     c_D = (phi - g_D) / |1|,   (u, v) = sum over boundary faces f of  integral over f of  u . v / h_f,   |1|^2 = (1, 1),
+//     c_D = (phi - g_D) / |1|,   (u, v) = sum over boundary faces f of the integral over f of u . v / h_f,
+//     |1|^2 = (1, 1),
 //
 // h_f the length (2D) or the square root of the area (3D) of the ideal face.
 //
@@ -27,9 +28,10 @@ namespace almesh {
 enum class TargetKind { exact, nodal };
 
 class BoundaryConstraint {
-   public:
+public:
     // ideal: node_count x dim positions of the ideal mesh.
-    BoundaryConstraint(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target, TargetKind kind);
+    BoundaryConstraint(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
+                       TargetKind kind);
 
     int size() const { return static_cast<int>(nodes_.size()) * dim_; }  // of the multipliers
     const std::vector<int>& nodes() const { return nodes_; }             // trace node -> mesh node
@@ -39,18 +41,20 @@ class BoundaryConstraint {
     // x: node_count x dim. lambda: trace nodes x dim.
     double projected_norm(const std::vector<double>& x) const;  // |P c_D|
     double norm(const std::vector<double>& x) const;            // |c_D|
-    // Largest |phi - g_D| over the nodes of the boundary faces and, unless the target is nodal, their quadrature points.
+    // Largest |phi - g_D| over the nodes of the boundary faces and, unless the target is nodal, their quadrature
+    // points.
     double max_error(const std::vector<double>& x) const;
 
     double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) const;
-    void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu, std::vector<double>& g) const;
+    void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
+                      std::vector<double>& g) const;
     // row: block row of H for each mesh node, or -1 where H leaves it out; nullptr: the node's own number.
     void add_hessian(double mu, BlockCsr& H, const std::vector<int>* row = nullptr) const;
     void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) const;
     // P c_D at the trace nodes (trace nodes x dim).
     std::vector<double> projected_constraint(const std::vector<double>& x) const;
 
-   private:
+private:
     int dim_;
     TargetKind kind_;
     const Mesh& mesh_;
@@ -69,7 +73,8 @@ class BoundaryConstraint {
     void interpolate_target();
     void measure_floor(const std::vector<double>& face_weight);
     double difference(const std::vector<double>& x, int trace_node, int component) const;
-    double squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face, int point) const;
+    double squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face,
+                                 int point) const;
     double dot_mass_difference(const std::vector<double>& x, const double* weights) const;
 };
 

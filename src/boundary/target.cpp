@@ -63,7 +63,8 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
         for (int c = 0; c < dim; ++c) difference = std::max(difference, std::abs(a[c] - b[c]));
         const double tolerance = 1e-6 * std::min(face_size(mesh, seen / m), face_size(mesh, k / m));
         if (difference <= tolerance + rounding) continue;
-        throw InputError("node " + std::to_string(mesh.node_id[mesh.faces[k]]) + " lies on two boundaries whose motions disagree: " +
+        throw InputError("node " + std::to_string(mesh.node_id[mesh.faces[k]]) +
+                         " lies on two boundaries whose motions disagree: " +
                          mesh.boundaries[mesh.face_boundary[seen / m]] + " takes it to " + point_text(a, dim) + ", " +
                          mesh.boundaries[mesh.face_boundary[k / m]] + " to " + point_text(b, dim));
     }
@@ -81,11 +82,14 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion) 
     target.quadrature = simplex_quadrature(dim - 1, 2 * mesh.degree + (target.in_trace_space ? 0 : 10));
     const int points = target.quadrature.count;
     std::vector<double> N(static_cast<std::size_t>(points) * m);
-    for (int q = 0; q < points; ++q) basis.values(&target.quadrature.xi[q * (dim - 1)], &N[static_cast<std::size_t>(q) * m]);
+    for (int q = 0; q < points; ++q)
+        basis.values(&target.quadrature.xi[q * (dim - 1)], &N[static_cast<std::size_t>(q) * m]);
 
     for (int f = 0; f < mesh.face_count(); ++f) {
         const int boundary = mesh.face_boundary[f];
-        const auto node_position = [&](int i, int a) { return mesh.x[static_cast<std::size_t>(mesh.face(f)[i]) * dim + a]; };
+        const auto node_position = [&](int i, int a) {
+            return mesh.x[static_cast<std::size_t>(mesh.face(f)[i]) * dim + a];
+        };
         for (int i = 0; i < m; ++i) {
             double x[3] = {};
             for (int a = 0; a < dim; ++a) x[a] = node_position(i, a);

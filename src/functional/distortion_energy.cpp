@@ -111,7 +111,8 @@ void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>&
 
 void DistortionEnergy::measure() {
     const int batches = static_cast<int>(ideal_jacobian_.size());
-    volume_ = simplex_volume(dim_) * deterministic_sum(batches, [this](int k) { return sum_of_lanes(ideal_jacobian_[k]); });
+    volume_ =
+        simplex_volume(dim_) * deterministic_sum(batches, [this](int k) { return sum_of_lanes(ideal_jacobian_[k]); });
 }
 
 DistortionEnergy::DistortionEnergy(const DistortionEnergy& whole, const Mesh& mesh, const std::vector<int>& position)

@@ -53,7 +53,7 @@ struct DistortionStatistics {
 };
 
 class DistortionEnergy {
-   public:
+public:
     // ideal: node_count x dim positions of the ideal mesh, whose elements must have positive volume.
     DistortionEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params);
 
@@ -72,7 +72,7 @@ class DistortionEnergy {
     DistortionStatistics statistics(const std::vector<double>& x) const;
     double domain_volume() const { return volume_; }
 
-   private:
+private:
     int dim_, element_count_;
     DistortionParams params_;
     ReferenceElement reference_;

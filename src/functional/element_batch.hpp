@@ -29,7 +29,7 @@ struct ReferenceElement {
 
 template <int n>
 class ElementBatch {
-   public:
+public:
     explicit ElementBatch(const ReferenceElement& reference)
         : of_(reference), m_(reference.nodes), size_(m_ * n), position_(workspace(room())) {
         gradient_ = position_ + size_;
@@ -110,7 +110,7 @@ class ElementBatch {
     // Distance from one element to the next where each has `count` numbers: whole registers.
     static std::size_t stride(int count) { return (count + lanes - 1) / lanes * lanes; }
 
-   private:
+private:
     static constexpr int point_block = 8;               // points whose tensors fit the innermost cache
     static constexpr int tile_rows = n == 2 ? 5 : 3;    // blocks K_ij of one j that fit the registers
 

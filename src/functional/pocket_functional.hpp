@@ -13,7 +13,7 @@
 namespace almesh {
 
 class PocketFunctional {
-   public:
+public:
     // x: node_count x dim, a valid mesh. moves: per node, not all zero.
     PocketFunctional(const AugmentedFunctional& E, const std::vector<double>& x, const std::vector<char>& moves);
 
@@ -26,7 +26,7 @@ class PocketFunctional {
     BlockCsr hessian_pattern() const { return distortion_.hessian_pattern(); }
     void hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H) const;
 
-   private:
+private:
     int dim_;
     std::vector<int> node_;  // here -> mesh
     DistortionEnergy distortion_;

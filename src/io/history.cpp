@@ -35,7 +35,7 @@ void History::add(const AlIteration& row) {
         text_ += joined({"al", "0", "", "", "", to_text(row.constraint_norm * length_),
                          to_text(row.projected_constraint_norm * length_), "", "", "", to_text(row.relative_quality),
                          to_text(row.max_distortion), "", "", "", "", "", "", "", "", "", "", "", "", "", "",
-                         to_text(row.seconds)});
+                        to_text(row.seconds)});
         return;
     }
     add("al", row, row.newton_iterations, to_string(row.update), "");
@@ -55,14 +55,15 @@ void History::add(const std::string& kind, const AlIteration& row, int newton_it
                      to_text(row.omega * energy / length_), to_text(row.epsilon * length_ * length_),
                      to_text(row.relative_quality), to_text(row.max_distortion), std::to_string(newton_iterations),
                      to_string(row.newton_status), update, "", "", "", "", "", "", "", "", "", "", nodes,
-                      to_text(row.seconds)});
+                     to_text(row.seconds)});
 }
 
 void History::add(int al_iteration, const NewtonStep& step) {
     ++newton_steps_;
     const double energy = std::pow(length_, dim_);
-    text_ += joined({"newton", std::to_string(al_iteration), std::to_string(step.iteration), to_text(step.energy * energy),
-                     to_text(step.gradient_norm * energy / length_), "", "", "", "", "", "", "", "", "", "",
+    text_ += joined({"newton", std::to_string(al_iteration), std::to_string(step.iteration),
+                     to_text(step.energy * energy), to_text(step.gradient_norm * energy / length_), "", "", "", "", "",
+                     "", "", "", "", "",
                      to_text(step.step_length), std::to_string(step.cuts_inverted), std::to_string(step.cuts_decrease),
                      cut_reason(step), to_string(step.hessian), to_string(step.solver),
                      step.fallback == SolveStatus::converged ? "" : to_string(step.fallback),

@@ -9,7 +9,7 @@
 namespace almesh {
 
 class History {
-   public:
+public:
     // Lengths in rows are multiplied by `length`, energies by length^dim: the run's unit to the mesh's.
     History(int dim, double length);
     void add(const CoarseStage& stage);
@@ -18,7 +18,7 @@ class History {
     const std::string& csv() const { return text_; }
     int newton_steps() const { return newton_steps_; }
 
-   private:
+private:
     int dim_;
     double length_;
     std::string text_;

@@ -18,7 +18,7 @@ std::vector<IdAndIndex> sorted_ids(const std::vector<Item>& items) {
 }
 
 class IdIndex {
-   public:
+public:
     IdIndex() = default;
 
     // sorted: ascending by id, no id twice.
@@ -43,7 +43,7 @@ class IdIndex {
         return it != sorted_.end() && it->first == id ? it->second : -1;
     }
 
-   private:
+private:
     unsigned long long lowest_ = 0;
     std::vector<int> table_;           // by id - lowest_
     std::vector<IdAndIndex> sorted_;

@@ -14,27 +14,28 @@ Terminal::Terminal(std::FILE* out, int dim, double length)
       mu_unit_(std::pow(length, dim - 2)) {}
 
 void Terminal::header() {
-    std::fprintf(out_, "%3s  %9s  %9s  %8s  %9s  %8s  %-9s  %6s  %8s\n", "AL", "|c_D|", "|grad E|", "q", "max eta", "mu",
-                 "update", "Newton", "time");
+    std::fprintf(out_, "%3s  %9s  %9s  %8s  %9s  %8s  %-9s  %6s  %8s\n", "AL", "|c_D|", "|grad E|", "q", "max eta",
+                 "mu", "update", "Newton", "time");
 }
 
 void Terminal::row(const CoarseStage& stage) {
     std::fprintf(out_, "%3d  %9.3e  %9.2e  %8.6f  %9.4g  %8.2e  %-9s  %6d  %7.2fs  %d nodes%s\n", stage.last.iteration,
-                 stage.last.constraint_norm * length_, stage.last.gradient_norm * gradient_unit_, stage.last.relative_quality,
-                 stage.last.max_distortion, stage.last.mu * mu_unit_, "coarse", stage.newton_iterations, stage.last.seconds,
-                 stage.nodes, stage.status == AlStatus::converged ? "" : ", not used");
+                 stage.last.constraint_norm * length_, stage.last.gradient_norm * gradient_unit_,
+                 stage.last.relative_quality, stage.last.max_distortion, stage.last.mu * mu_unit_, "coarse",
+                 stage.newton_iterations, stage.last.seconds, stage.nodes,
+                 stage.status == AlStatus::converged ? "" : ", not used");
     std::fflush(out_);
 }
 
 void Terminal::row(const AlIteration& it) {
     clear_live_line();
     if (it.iteration == 0)
-        std::fprintf(out_, "%3d  %9.3e  %9s  %8.6f  %9.4g  %8s  %-9s  %6s  %7.2fs\n", 0, it.constraint_norm * length_, "-",
-                     it.relative_quality, it.max_distortion, "-", "-", "-", it.seconds);
+        std::fprintf(out_, "%3d  %9.3e  %9s  %8.6f  %9.4g  %8s  %-9s  %6s  %7.2fs\n", 0, it.constraint_norm * length_,
+                     "-", it.relative_quality, it.max_distortion, "-", "-", "-", it.seconds);
     else
         std::fprintf(out_, "%3d  %9.3e  %9.2e  %8.6f  %9.4g  %8.2e  %-9s  %6d  %7.2fs\n", it.iteration,
-                     it.constraint_norm * length_, it.gradient_norm * gradient_unit_, it.relative_quality, it.max_distortion,
-                     it.mu * mu_unit_, to_string(it.update), it.newton_iterations, it.seconds);
+                     it.constraint_norm * length_, it.gradient_norm * gradient_unit_, it.relative_quality,
+                     it.max_distortion, it.mu * mu_unit_, to_string(it.update), it.newton_iterations, it.seconds);
     std::fflush(out_);
 }
 

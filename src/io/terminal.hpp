@@ -9,7 +9,7 @@
 namespace almesh {
 
 class Terminal {
-   public:
+public:
     // length: the run's unit in units of the mesh; norms are printed in those of the mesh.
     Terminal(std::FILE* out, int dim, double length);
 
@@ -18,7 +18,7 @@ class Terminal {
     void row(const AlIteration& iteration);
     void live(int al_iteration, const NewtonStep& step);  // nothing where out is no terminal
 
-   private:
+private:
     std::FILE* out_;
     bool is_terminal_;
     double length_, gradient_unit_, mu_unit_;

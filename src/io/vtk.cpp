@@ -89,7 +89,7 @@ struct VtkNumbers {
         if (binary) sink("\n");
     }
 
-   private:
+private:
     template <class Unsigned>
     static void big_endian(std::string& text, Unsigned bits) {
         char bytes[sizeof bits];

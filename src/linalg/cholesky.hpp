@@ -2,8 +2,9 @@
 // Liu, SIAM Review 34, 1992): every front of the assembly tree gathers its columns of A and the update matrices of its
 // children, eliminates its columns by dense kernels and passes its own update matrix on.
 //
-// Analysis (ordering of the node graph, by default nested dissection) once per pattern, then any number of factorisations. Parallel over
-// independent subtrees and inside the large fronts above them; same bits for any number of threads.
+// Analysis (ordering of the node graph, by default nested dissection) once per pattern, then any number of
+// factorisations. Parallel over independent subtrees and inside the large fronts above them; same bits for any number
+// of threads.
 #pragma once
 #include <memory>
 #include <vector>

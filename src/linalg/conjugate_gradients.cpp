@@ -81,9 +81,10 @@ double ConjugateGradients::next_direction(const CgPreconditioner& M, int d, doub
     return rz;
 }
 
-// From the x, r and p at hand, r'z = rz, until the r that is carried along is down to the targets of |r| and of r'M^{-1}r.
-ConjugateGradients::Cycle ConjugateGradients::cycle(const BlockCsr& A, const CgPreconditioner& M, double r_norm, double rz,
-                                                    const Targets& targets, int& iterations, double* x) {
+// From the x, r and p at hand, r'z = rz, until the r that is carried along is down to the targets of |r| and of
+// r'M^{-1}r.
+ConjugateGradients::Cycle ConjugateGradients::cycle(const BlockCsr& A, const CgPreconditioner& M, double r_norm,
+                                                    double rz, const Targets& targets, int& iterations, double* x) {
     StagnationTest progress{r_norm};
     for (;;) {
         if (!std::isfinite(rz)) return Cycle::not_finite;

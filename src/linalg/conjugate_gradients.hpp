@@ -4,8 +4,8 @@
 // definite: p'Ap <= 0 for a search direction p.
 //
 // Cost of an iteration: one product with A, one with M^{-1}, two sums; memory 4 n doubles. All threads run the whole
-// iteration side by side and share its loops, with waits between them. Sums go over fixed blocks, so the bits do not depend
-// on the number of threads.
+// iteration side by side and share its loops, with waits between them. Sums go over fixed blocks, so the bits do not
+// depend on the number of threads.
 #pragma once
 #include <vector>
 
@@ -17,8 +17,9 @@ namespace almesh {
 
 struct CgParams {
     int max_iterations = 600;  // products with A
-    double tolerance = 1e-10;  // on |r|_2 / |b|_2 and on |r|_M / |b|_M, r = b - A x and |r|_M^2 = r'M^{-1}r: the first is
-                               // all but blind to soft parts of A beside stiff ones, such as a penalised boundary
+    // On |r|_2 / |b|_2 and on |r|_M / |b|_M, r = b - A x and |r|_M^2 = r'M^{-1}r: the first is all but blind to soft
+    // parts of A beside stiff ones, such as a penalised boundary.
+    double tolerance = 1e-10;
 };
 
 enum class CgStatus {
@@ -47,8 +48,8 @@ public:
 
     void set_tolerance(double tolerance) { params_.tolerance = tolerance; }
 
-    // Solves A x = b from x_0 = 0; A symmetric. Allocates nothing. Whatever the status, x is the last iterate, zero if that
-    // is not finite. Sizes: b, x: A.size().
+    // Solves A x = b from x_0 = 0; A symmetric. Allocates nothing. Whatever the status, x is the last iterate, zero if
+    // that is not finite. Sizes: b, x: A.size().
     CgResult solve(const BlockCsr& A, const CgPreconditioner& M, const double* b, double* x);
 
 private:

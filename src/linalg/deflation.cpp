@@ -19,7 +19,8 @@ constexpr int group_size = 200;
 // The group of every node: the graph is coarsened until a vertex stands for `group_size` nodes or it gets no coarser.
 std::vector<int> grouped(const Graph& graph) {
     const int n = graph.size();
-    WeightedGraph coarse{graph.start, graph.adjacent, std::vector<int>(graph.adjacent.size(), 1), std::vector<int>(n, 1)};
+    WeightedGraph coarse{graph.start, graph.adjacent, std::vector<int>(graph.adjacent.size(), 1),
+                         std::vector<int>(n, 1)};
     std::vector<int> group(n);
     std::iota(group.begin(), group.end(), 0);
     for (int step = 0; coarse.size() > n / group_size + 1; ++step) {
@@ -44,7 +45,11 @@ BlockCsr coarse_pattern(const BlockCsr& A, const std::vector<int>& group) {
 }  // namespace
 
 Deflation::Deflation(const BlockCsr& pattern)
-    : group_(grouped(graph_of(pattern))), E_(coarse_pattern(pattern, group_)), factor_(E_), r_(E_.size()), c_(E_.size()) {
+    : group_(grouped(graph_of(pattern))),
+      E_(coarse_pattern(pattern, group_)),
+      factor_(E_),
+      r_(E_.size()),
+      c_(E_.size()) {
     member_.resize(pattern.n);
     std::iota(member_.begin(), member_.end(), 0);
     std::stable_sort(member_.begin(), member_.end(), [&](int a, int b) { return group_[a] < group_[b]; });

@@ -1,9 +1,9 @@
 // The soft part of a symmetric positive definite matrix, solved exactly on a coarse space, for preconditioners such as
-// ILU(0) that only see a few neighbours: a mesh that is hardly held moves almost as a rigid body, and without the coarse
-// space conjugate gradients need an iteration for every layer of elements such a motion has to cross.
+// ILU(0) that only see a few neighbours: a mesh that is hardly held moves almost as a rigid body, and without the
+// coarse space conjugate gradients need an iteration for every layer of elements such a motion has to cross.
 //
-// The nodes are put into groups of neighbours, and the coarse space is that of vectors constant on each of them: Z has the
-// d x d identity in block (i, group of i). Deflation (Nicolaides, SIAM J. Numer. Anal. 24, 1987) turns a
+// The nodes are put into groups of neighbours, and the coarse space is that of vectors constant on each of them: Z has
+// the d x d identity in block (i, group of i). Deflation (Nicolaides, SIAM J. Numer. Anal. 24, 1987) turns a
 // preconditioner M^{-1} into
 //     (I - Z E^{-1} Z'A) M^{-1} + Z E^{-1} Z',   E = Z'A Z
 // ("A-DEF2" of Tang, Nabben, Vuik, Erlangga, J. Sci. Comput. 39, 2009, which is safe against rounding). It needs r and
@@ -21,8 +21,8 @@ namespace almesh {
 
 class Deflation {
 public:
-    // pattern: of all matrices to come, symmetric with both triangles and the diagonal, d = 1, 2, 3; near rows should have
-    // near columns (domains.hpp).
+    // pattern: of all matrices to come, symmetric with both triangles and the diagonal, d = 1, 2, 3; near rows should
+    // have near columns (domains.hpp).
     explicit Deflation(const BlockCsr& pattern);
 
     int groups() const { return E_.n; }

@@ -71,7 +71,8 @@ void separate(const Graph& graph, int separators, std::vector<int>& domain) {
     std::stable_sort(candidates.begin(), candidates.end(), [&](int a, int b) { return seen[a] > seen[b]; });
     for (int v : candidates) {
         const int* const u = graph.adjacent.data() + graph.start[v];
-        if (std::any_of(u, u + graph.degree(v), [&](int w) { return domain[w] != separators && domain[w] != domain[v]; }))
+        if (std::any_of(u, u + graph.degree(v),
+                        [&](int w) { return domain[w] != separators && domain[w] != domain[v]; }))
             domain[v] = separators;
     }
 }

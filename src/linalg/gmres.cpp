@@ -115,7 +115,8 @@ GmresResult Gmres::solve(const BlockCsr& A, Ilu0* M, const double* b, double* x)
         if (residual <= target) continue;
         if (end == Cycle::not_finite || end == Cycle::space_ended)
             return {GmresStatus::breakdown, iterations, residual / b_norm};
-        if (end == Cycle::stagnated || (residual > 0.9 * before && (end == Cycle::small_residual || k == params_.restart)))
+        if (end == Cycle::stagnated ||
+            (residual > 0.9 * before && (end == Cycle::small_residual || k == params_.restart)))
             return {GmresStatus::stagnated, iterations, residual / b_norm};
     }
 }

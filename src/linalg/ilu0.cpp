@@ -78,7 +78,8 @@ int Ilu0::factor_rows(const BlockCsr& A, double shift, int begin, int end, doubl
         for (int k = row_[i]; k < row_[i + 1]; ++k) {
             const int j = col_[k];
             double Tj[block] = {};
-            subtract_product_transposed<d>(Ai + (k - row_[i]) * block, C_inverse_.data() + static_cast<std::size_t>(j) * block, Tj);
+            subtract_product_transposed<d>(Ai + (k - row_[i]) * block,
+                                           C_inverse_.data() + static_cast<std::size_t>(j) * block, Tj);
             for (int e = 0; e < block; ++e) Tj[e] = -Tj[e];
             for (int t = term_start_[k]; t < term_start_[k + 1]; ++t)
                 subtract_product_transposed<d>(T + term_[t].left * block,
@@ -96,7 +97,8 @@ int Ilu0::factor_rows(const BlockCsr& A, double shift, int begin, int end, doubl
             double Lk[block] = {};
             for (int r = 0; r < d; ++r)
                 for (int s = 0; s <= r; ++s)
-                    for (int c = 0; c < d; ++c) Lk[r * d + c] += C_inverse[r * d + s] * T[(k - row_[i]) * block + s * d + c];
+                    for (int c = 0; c < d; ++c)
+                        Lk[r * d + c] += C_inverse[r * d + s] * T[(k - row_[i]) * block + s * d + c];
             std::copy_n(Lk, block, L_.data() + static_cast<std::size_t>(k) * block);
         }
     }
@@ -107,7 +109,8 @@ template <int d>
 void Ilu0::factor_blocks(const BlockCsr& A, double shift) {
     const std::size_t row = static_cast<std::size_t>(longest_) * d * d;
 #pragma omp parallel for schedule(static) if (domains() > 1)
-    for (int k = 0; k < domains(); ++k) bad_[k] = factor_rows<d>(A, shift, start_[k], start_[k + 1], row_of_.data() + k * row);
+    for (int k = 0; k < domains(); ++k)
+        bad_[k] = factor_rows<d>(A, shift, start_[k], start_[k + 1], row_of_.data() + k * row);
     int& last = bad_.back() = -1;
     if (std::all_of(bad_.begin(), bad_.end(), [](int bad) { return bad < 0; }))
         last = factor_rows<d>(A, shift, start_.back(), rows(), row_of_.data() + domains() * row);

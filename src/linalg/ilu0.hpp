@@ -27,22 +27,23 @@ struct Ilu0Result {
 
 class Ilu0 {
 public:
-    // Sets up the pattern of L. pattern: symmetric with both triangles and the diagonal, d = 1, 2, 3. start: domain k has
-    // the rows start[k] .. start[k+1]-1 and the separators those from start.back() on; no edge may join two domains.
+    // Sets up the pattern of L. pattern: symmetric with both triangles and the diagonal, d = 1, 2, 3. start: domain k
+    // has the rows start[k] .. start[k+1]-1 and the separators those from start.back() on; no edge may join two
+    // domains.
     Ilu0(const BlockCsr& pattern, std::vector<int> start);
 
     // The same as one domain.
     explicit Ilu0(const BlockCsr& pattern);
 
-    // A: the values, on the pattern given to the constructor. Afterwards solve() may be called if the status is factored.
-    // shift: what is factored is A with its diagonal blocks times 1 + shift.
+    // A: the values, on the pattern given to the constructor. Afterwards solve() may be called if the status is
+    // factored. shift: what is factored is A with its diagonal blocks times 1 + shift.
     Ilu0Result factor(const BlockCsr& A, double shift = 0);
 
     // z = (C (I + L) (I + L') C')^{-1} r; r, z: n*d, and they may be the same array.
     void solve(const double* r, double* z);
 
-    // The same, called by all threads of a parallel region together; all have z when it returns. Returns r'z, which is the
-    // square of the vector between the sweeps.
+    // The same, called by all threads of a parallel region together; all have z when it returns. Returns r'z, which is
+    // the square of the vector between the sweeps.
     double solve_in_team(const double* r, double* z);
 
 private:

@@ -95,7 +95,8 @@ struct LinearSolver::Iterative {
     std::optional<Gmres> gmres;
     std::vector<double> right, solution;
 
-    Iterative(const BlockCsr& A, const LinearSolverParams& params) : Iterative(A, params, cut_into_domains(graph_of(A))) {}
+    Iterative(const BlockCsr& A, const LinearSolverParams& params)
+        : Iterative(A, params, cut_into_domains(graph_of(A))) {}
 
     Iterative(const BlockCsr& A, const LinearSolverParams& params, const Domains& domains)
         : system(A, domains.order), ilu(system.matrix(), domains.start), right(A.size()), solution(A.size()) {
@@ -158,7 +159,8 @@ bool LinearSolver::iterative_first(const BlockCsr& A) {
     return !direct(A).cholesky.fits();
 }
 
-SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, bool doubtful) {
+SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
+                                bool doubtful) {
     x.assign(A.size(), 0.0);
     if (!iterative_first(A)) return solve_directly(A, b, x);
     const SolveResult first = solve_iteratively(A, b, x, doubtful);

@@ -3,8 +3,8 @@
 //
 // `automatic`: Cholesky in 2D, where the factor is small and ILU(0) fails on stretched elements; conjugate gradients in
 // 3D but for small systems, decided by their size because already the analysis of a large 3D pattern costs more than
-// several iterative solves. Where an iterative solver does not converge, the same system goes to Cholesky, and after two
-// such failures in a row all further ones do. Analyses and memory are made when first needed, then kept.
+// several iterative solves. Where an iterative solver does not converge, the same system goes to Cholesky, and after
+// two such failures in a row all further ones do. Analyses and memory are made when first needed, then kept.
 #pragma once
 #include <memory>
 #include <vector>
@@ -76,7 +76,8 @@ private:
     Iterative& iterative(const BlockCsr& A);
     Direct& direct(const BlockCsr& A);
     bool iterative_first(const BlockCsr& A);
-    SolveResult solve_iteratively(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, bool doubtful);
+    SolveResult solve_iteratively(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
+                                  bool doubtful);
     SolveResult solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
 
     int dimension_;

@@ -1,8 +1,8 @@
 // A matrix in another order of its nodes, P A P', with the vectors to go with it.
 //
 // A mesh generator's numbering has the neighbours of a node anywhere in memory. Iterative solvers pass over the matrix
-// dozens of times, so they work on a copy in the order of their preconditioner (domains.hpp), in which rows that are near
-// have near columns: one pass to copy, and every product and sweep after it finds its vectors in the cache.
+// dozens of times, so they work on a copy in the order of their preconditioner (domains.hpp), in which rows that are
+// near have near columns: one pass to copy, and every product and sweep after it finds its vectors in the cache.
 #pragma once
 #include <vector>
 

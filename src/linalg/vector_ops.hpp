@@ -6,7 +6,7 @@
 namespace almesh {
 
 double dot(int n, const double* x, const double* y);
-double dot_of_piece(int n, const double* x, const double* y);  // the same by the calling thread alone: for n of some hundred
+double dot_of_piece(int n, const double* x, const double* y);  // the same by this thread alone: for n of some hundred
 double norm_2(int n, const double* x);
 double norm_inf(int n, const double* x);                     // 0 for n = 0; not a number if any entry is not
 void axpy(int n, double a, const double* x, double* y);      // y += a x

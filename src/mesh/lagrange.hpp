@@ -12,7 +12,8 @@ namespace almesh {
 
 using MultiIndex = std::array<int, 4>;  // a_0 .. a_dim; entries beyond dim are zero
 
-// binomial(degree + dim, dim). Asked for at every element of a loop: inline, divisions by constants are multiplications.
+// binomial(degree + dim, dim). Asked for at every element of a loop: inline, divisions by constants are
+// multiplications.
 constexpr int simplex_node_count(int dim, int degree) {
     if (dim == 3) return (degree + 1) * (degree + 2) * (degree + 3) / 6;
     if (dim == 2) return (degree + 1) * (degree + 2) / 2;

@@ -103,7 +103,7 @@ bool is_straight(const Mesh& mesh) {
 // Midpoint nodes by edge, appended to x. The edges hang in a chain on the lower one of their two vertices, which in
 // most meshes has a handful: found in a few steps, without hashing.
 class Midpoints {
-   public:
+public:
     Midpoints(int dim, std::vector<double>& x)
         : dim_(dim), vertices_(static_cast<int>(x.size()) / dim), x_(x), first_(vertices_, -1) {}
 
@@ -118,7 +118,7 @@ class Midpoints {
         return vertices_ + first_[low];
     }
 
-   private:
+private:
     struct Edge {
         int high, next;  // higher vertex; next edge with the same lower one, -1: none
     };

@@ -49,8 +49,10 @@ constexpr double adaptive_mu0 = 1e5;     // in units of |1|^2
 constexpr double adaptive_omega0 = 1e3;  // in units of omega_star
 constexpr double wanted_reduction = 0.1;  // of |c_D| per iteration, else the penalty grows tenfold
 
-// Where the constraint holds already only |grad E| has to follow: its tolerance becomes the final one, the penalty stays.
-AlUpdate update_adaptive(const AugmentedLagrangianParams& p, double constraint, double previous_constraint, Schedule& s) {
+// Where the constraint holds already only |grad E| has to follow: its tolerance becomes the final one, the penalty
+// stays.
+AlUpdate update_adaptive(const AugmentedLagrangianParams& p, double constraint, double previous_constraint,
+                         Schedule& s) {
     const bool holds = constraint * constraint <= p.epsilon_star;
     s.omega = holds ? p.omega_star : 0.1 * s.omega;
     if (holds || constraint <= wanted_reduction * previous_constraint) return AlUpdate::multipliers;
@@ -119,8 +121,8 @@ AlUpdate update(const AugmentedLagrangianParams& p, const std::vector<AlIteratio
     return update_adaptive(p, c, rows[rows.size() - 2].projected_constraint_norm, s);
 }
 
-AlIteration measure(const DistortionEnergy& distortion, const BoundaryConstraint& constraint, const std::vector<double>& x,
-                    DistortionStatistics& statistics) {
+AlIteration measure(const DistortionEnergy& distortion, const BoundaryConstraint& constraint,
+                    const std::vector<double>& x, DistortionStatistics& statistics) {
     AlIteration row;
     row.projected_constraint_norm = constraint.projected_norm(x);
     row.constraint_norm = std::hypot(row.projected_constraint_norm, constraint.floor());
@@ -158,8 +160,8 @@ const char* to_string(AlUpdate update) {
 }
 
 AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& constraint, Newton& newton,
-                  const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time, const AlObserver& observer,
-                  const AlStart& start) {
+                  const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time,
+                  const AlObserver& observer, const AlStart& start) {
     const Stopwatch watch;
     const double one_squared = constraint.norm_of_one() * constraint.norm_of_one();
     const bool adaptive = params.algorithm == Algorithm::adaptive;

@@ -37,8 +37,8 @@ struct AugmentedLagrangianParams {
 enum class AlStatus {
     converged,
     max_iterations,
-    infeasible,        // no valid mesh seems to reach the target: the constraint stopped falling while the penalty grew,
-                       // or the first minimum is out of reach (newton.hpp)
+    infeasible,        // no valid mesh seems to reach the target: the constraint stopped falling while the penalty
+                       // grew, or the first minimum is out of reach (newton.hpp)
     rounding_floor,    // the constraint holds, but rounding ended |grad E| above omega0 (a penalty beyond all measure)
     ended_as_printed,  // literal: the loop as printed ends when one of its two tests holds, and only one did
     max_newton_iterations,
@@ -86,7 +86,7 @@ struct AlStart {
 
 // x: node_count x dim, a valid mesh on entry (the identity map or a better guess), the last accepted iterate on return.
 AlResult minimise(const DistortionEnergy& distortion, const BoundaryConstraint& constraint, Newton& newton,
-                  const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time, const AlObserver& observer,
-                  const AlStart& start = {});
+                  const AugmentedLagrangianParams& params, std::vector<double>& x, Timings& time,
+                  const AlObserver& observer, const AlStart& start = {});
 
 }  // namespace almesh

@@ -6,9 +6,9 @@
 // the distortion is regularised, delta > 0).
 //
 // Lengthening. A projected Hessian can be many times stiffer than the energy along d, and its full step then stops
-// far short of the minimum. Where t = 1 gives more than two thirds of what the slope promises, the parabola through E(x),
-// the slope and E(x + d) is lower still at t = 2: t is doubled while that pays. An exact model gives one half: nothing is
-// tried.
+// far short of the minimum. Where t = 1 gives more than two thirds of what the slope promises, the parabola through
+// E(x), the slope and E(x + d) is lower still at t = 2: t is doubled while that pays. An exact model gives one half:
+// nothing is tried.
 //
 // Rounding. When the decrease that the full step promises is below the rounding error of E, energies can no longer be
 // compared: the full step is taken if E stays the same to rounding.

@@ -71,7 +71,8 @@ Newton::Newton(const DistortionEnergy& distortion, const LinearSolverParams& lin
       trial_(H_.size()) {}
 
 // Solves H d = -grad E, weakening the Hessian until d is a descent direction. Names what it used in `step`.
-bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonStep& step, Timings& time) {
+bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonStep& step,
+                            Timings& time) {
     for (std::size_t i = 0; i < g_.size(); ++i) minus_g_[i] = -g_[i];
     const double damping = damping_ * std::sqrt(E.distortion.energy(x) / E.distortion.domain_volume());
     do {
@@ -129,6 +130,10 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         return norm_2(g_);
     };
     NewtonResult result;
+    const auto end = [&result](NewtonStatus status) {
+        result.status = status;
+        return result;
+    };
     result.energy = E.energy(x);
     result.gradient_norm = evaluate_gradient();
     const double wanted = params.wanted_reduction < 1 ? params.wanted_reduction * result.gradient_norm : params.omega;
@@ -140,14 +145,8 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         relaxes_ = false;
     }
     while (!(result.gradient_norm <= omega)) {
-        if (result.iterations == params.max_iterations) {
-            result.status = NewtonStatus::max_iterations;
-            return result;
-        }
-        if (interrupted()) {
-            result.status = NewtonStatus::interrupted;
-            return result;
-        }
+        if (result.iterations == params.max_iterations) return end(NewtonStatus::max_iterations);
+        if (interrupted()) return end(NewtonStatus::interrupted);
         const double energy_before = result.energy;
         NewtonStep step;
         step.iteration = ++result.iterations;
@@ -156,10 +155,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         bool by_rounding = false;
         const NewtonStatus failure = take_step(E, x, result.energy, step, by_rounding, time);
         result.linear_iterations += step.linear_iterations;
-        if (failure != NewtonStatus::converged) {
-            result.status = failure;
-            return result;
-        }
+        if (failure != NewtonStatus::converged) return end(failure);
         if (!by_rounding) relax(E, energy_before - result.energy, x, result.energy, step, time);
         result.pocket_steps += step.pocket_steps;
         const double before = result.gradient_norm;
@@ -171,18 +167,14 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         step.energy = result.energy;
         if (observe) observe(step);
         if (result.energy > params.largest_energy && step.step_length >= 1 && gained < 1e-3 * result.energy &&
-            E.distortion.energy(x) < 0.1 * result.energy) {
-            result.status = NewtonStatus::out_of_reach;
-            return result;
-        }
-        if (by_rounding && result.gradient_norm > 0.5 * before && result.gradient_norm > omega) {
-            result.status = NewtonStatus::rounding_floor;
-            return result;
-        }
+            E.distortion.energy(x) < 0.1 * result.energy)
+            return end(NewtonStatus::out_of_reach);
+        if (by_rounding && result.gradient_norm > 0.5 * before && result.gradient_norm > omega)
+            return end(NewtonStatus::rounding_floor);
         damping_ = step.step_length >= 1 ? damping_shrinks * damping_ : std::min(1.0, damping_grows * damping_);
         kind = step.step_length >= 1 && damping_ <= full_below ? HessianKind::full : HessianKind::projected;
     }
-    return result;
+    return end(NewtonStatus::converged);
 }
 
 }  // namespace almesh

@@ -24,7 +24,8 @@ Problem problem_of(const Mesh& mesh) {
 
 // Of a mesh moved to x, with multipliers on its boundary (trace nodes x dim).
 CoarseSolution solution_of(const Minimisation& from, const std::vector<double>& x, const std::vector<double>& lambda) {
-    CoarseSolution solution{from.mesh, from.ideal, x, std::vector<double>(x.size(), 0.0), from.constraint.norm_of_one(), 50};
+    CoarseSolution solution{from.mesh, from.ideal, x, std::vector<double>(x.size(), 0.0), from.constraint.norm_of_one(),
+                            50};
     for (std::size_t i = 0; i < x.size(); ++i) solution.displacement[i] -= from.ideal[i];
     const std::size_t dim = from.mesh.dim;
     for (std::size_t k = 0; k < lambda.size(); ++k)
@@ -59,7 +60,8 @@ TEST_CASE("distortion and multipliers do the same work on both meshes along ever
         std::vector<double> g(x.size()), fine_x, fine_g(fine.ideal.size());
         E.gradient(x, g);
 
-        const AlStart start = start_from(solution_of(coarse, x, E.lambda), problem_of(fine.mesh), fine.distortion, fine.constraint, fine_x);
+        const AlStart start = start_from(solution_of(coarse, x, E.lambda), problem_of(fine.mesh), fine.distortion,
+                                         fine.constraint, fine_x);
         CHECK(start.mu == 500);
         AugmentedFunctional fine_E = fine.functional(0);
         REQUIRE(start.lambda.size() == fine_E.lambda.size());
@@ -75,7 +77,8 @@ TEST_CASE("distortion and multipliers do the same work on both meshes along ever
 }
 
 TEST_CASE("without a coarse solution, or with one that inverts an element, the start is the identity map") {
-    const Minimisation coarse(ring_mesh(12, 3, 6), {}, Objective::squared), fine(refine(coarse.mesh, 1), {}, Objective::squared);
+    const Minimisation coarse(ring_mesh(12, 3, 6), {}, Objective::squared),
+        fine(refine(coarse.mesh, 1), {}, Objective::squared);
     const std::vector<double> lambda(coarse.constraint.size(), 1.0);
     std::vector<double> inverted = coarse.ideal;
     for (std::size_t i = 0; i < inverted.size(); i += 2) inverted[i] *= -1;
@@ -87,11 +90,14 @@ TEST_CASE("without a coarse solution, or with one that inverts an element, the s
         CHECK(start.mu == 0);
     }
     std::vector<double> x;
-    CHECK(!start_from(solution_of(coarse, coarse.ideal, lambda), problem_of(fine.mesh), fine.distortion, fine.constraint, x).lambda.empty());
+    CHECK(!start_from(solution_of(coarse, coarse.ideal, lambda), problem_of(fine.mesh), fine.distortion,
+                      fine.constraint, x)
+               .lambda.empty());
 }
 
 TEST_CASE("the penalty carried over has a limit, but never falls") {
-    const Minimisation coarse(ring_mesh(12, 3, 6), {}, Objective::squared), fine(refine(coarse.mesh, 1), {}, Objective::squared);
+    const Minimisation coarse(ring_mesh(12, 3, 6), {}, Objective::squared),
+        fine(refine(coarse.mesh, 1), {}, Objective::squared);
     CoarseSolution solution = solution_of(coarse, coarse.ideal, std::vector<double>(coarse.constraint.size(), 0.0));
     std::vector<double> x;
     for (const auto& [before, after] : {std::pair(1e3, 1e4), std::pair(3e5, 1e6), std::pair(1e7, 1e7)}) {
@@ -123,7 +129,8 @@ TEST_CASE("refined twice, a coarse start takes at most 5 steps on the deck's mes
         CHECK(number(summary_of(ring.output), "time_coarse") <= number(summary_of(ring.output), "time_total"));
         const Mesh mesh = mesh_of(ring.output + "/final.msh");
         double largest = 0;
-        for (std::size_t i = 0; i < mesh.x.size(); ++i) largest = std::max(largest, std::abs(mesh.x[i] - expected.x[i]));
+        for (std::size_t i = 0; i < mesh.x.size(); ++i)
+            largest = std::max(largest, std::abs(mesh.x[i] - expected.x[i]));
         CHECK(largest < 1e-6);
     }
 }
@@ -131,9 +138,11 @@ TEST_CASE("refined twice, a coarse start takes at most 5 steps on the deck's mes
 TEST_CASE("a coarse start in 3D, and with curved elements") {
     const TemporaryFolder folder;
     folder.write("cube.msh", msh_of(cube_mesh(2)));
-    const std::string deck = folder.write("cube.deck", "mesh = cube.msh\nthreads = 1\nrefine = 1\nboundary bottom = scale 1 1 1.5\n"
-                                                       "boundary top = scale 1 1 1.5\nboundary sides = scale 1 1 1.5\n"
-                                                       "output = " + folder.path("out") + "\n");
+    const std::string deck = folder.write("cube.deck",
+                                          "mesh = cube.msh\nthreads = 1\nrefine = 1\nboundary bottom = scale 1 1 1.5\n"
+                                          "boundary top = scale 1 1 1.5\nboundary sides = scale 1 1 1.5\n"
+                                          "output = " +
+                                              folder.path("out") + "\n");
     REQUIRE(almesh_with({deck}).code == 0);
     CHECK(count_of(folder.path("out"), "newton_iterations") <= 4);
     const RingDeck ring;

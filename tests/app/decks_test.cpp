@@ -46,21 +46,24 @@ TEST_CASE("algorithm = adaptive takes few Newton steps on the decks of the paper
         const char *name, *setting;
         int newton;
     };
-    for (const Bound& bound :
-         {Bound{"circle", "refine=0", 9}, Bound{"circle", "refine=2", 9}, Bound{"circle", "refine=3", 9},
-          Bound{"circle", "refine=4", 9}, Bound{"circle-printed", "refine=0", 9}, Bound{"circle-printed", "refine=2", 9},
-          Bound{"circle-printed", "refine=3", 16}, Bound{"circle-printed", "refine=4", 16}, Bound{"curving", "refine=0", 8},
-          Bound{"curving-printed", "refine=0", 14}, Bound{"aircraft", "refine=0", 17}, Bound{"aircraft-weighted", "refine=0", 12}}) {
+    for (const Bound& bound : {Bound{"circle", "refine=0", 9}, Bound{"circle", "refine=2", 9},
+                               Bound{"circle", "refine=3", 9}, Bound{"circle", "refine=4", 9},
+                               Bound{"circle-printed", "refine=0", 9}, Bound{"circle-printed", "refine=2", 9},
+                               Bound{"circle-printed", "refine=3", 16}, Bound{"circle-printed", "refine=4", 16},
+                               Bound{"curving", "refine=0", 8}, Bound{"curving-printed", "refine=0", 14},
+                               Bound{"aircraft", "refine=0", 17}, Bound{"aircraft-weighted", "refine=0", 12}}) {
         CAPTURE(bound.name);
         CAPTURE(bound.setting);
         const TemporaryFolder folder;
         const std::string deck = std::string("inputs/") + bound.name + ".deck";
-        almesh_with({deck, "output=" + folder.path("out"), "vtk=none", "algorithm=adaptive", "start=identity", bound.setting});
+        almesh_with(
+            {deck, "output=" + folder.path("out"), "vtk=none", "algorithm=adaptive", "start=identity", bound.setting});
         const auto summary = summary_of(folder.path("out"));
         CHECK(summary.at("status") == "converged");
         CHECK(summary.at("certified_valid") == "yes");
         CHECK(number(summary, "newton_iterations") <= bound.newton);
-        CHECK(most_in_a_step("cuts_inverted", folder.path("out")) <= 5);  // damping has learned from the steps before: no row of hopeless trials
+        // Damping has learned from the steps before: no row of hopeless trials.
+        CHECK(most_in_a_step("cuts_inverted", folder.path("out")) <= 5);
     }
 }
 

@@ -35,8 +35,8 @@ TEST_CASE("linsolve: both solvers solve a positive definite matrix, whatever the
         CHECK(has(direct.out, "A.mtx: 96 unknowns in " + std::to_string(96 / (block[6] - '0')) + " nodes"));
         CHECK(printed(direct.out, "nnz(A)") == A.value.size());
         CHECK(printed(direct.out, "nnz(L)") >= 96);
-        for (const char* part : {"\nordering        nested_dissection\n", "\nfill ", "\nflops ", "\nmemory ", "\nanalysis ",
-                                 "\nfactorisation ", " GF/s\n", "\nsolve ", " GB/s\n"})
+        for (const char* part : {"\nordering        nested_dissection\n", "\nfill ", "\nflops ", "\nmemory ",
+                                 "\nanalysis ", "\nfactorisation ", " GF/s\n", "\nsolve ", " GB/s\n"})
             CHECK(has(direct.out, part));
         CHECK(printed(direct.out, "scaled residual") < 1e-14);
 
@@ -93,7 +93,8 @@ TEST_CASE("linsolve: the right-hand side of a file") {
                      "solver=gmres"});
     CHECK(outcome.code == 0);
     CHECK(printed(outcome.out, "nnz(A)") == 7);
-    CHECK(printed(outcome.out, "iterations") <= 2);  // ILU(0) of a tridiagonal matrix is exact, but for single precision
+    // ILU(0) of a tridiagonal matrix is exact, but for single precision.
+    CHECK(printed(outcome.out, "iterations") <= 2);
 }
 
 TEST_CASE("linsolve: threads are those asked for") {

@@ -109,7 +109,8 @@ TEST_CASE("mesh files whose contents cannot be meant: code 2 with file and line"
 
 TEST_CASE("a quadrature that cannot see the nodes inside an element: code 1, naming the line") {
     const RingDeck ring(ring_mesh(8, 2, 4));
-    check_refused(ring.run({"degree=3", "quadrature=1"}), 1, {"command line: quadrature = 1", "degree 3", "at least 4"});
+    check_refused(ring.run({"degree=3", "quadrature=1"}), 1,
+                  {"command line: quadrature = 1", "degree 3", "at least 4"});
 }
 
 // All boundary nodes are where they should be, but an inner one lies outside its neighbours.

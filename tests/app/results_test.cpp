@@ -48,7 +48,8 @@ TEST_CASE("VTK files in binary, and none") {
         CHECK(has(text_of(ring.output + "/" + name), "\nBINARY\n"));
     std::filesystem::remove_all(ring.output);
     REQUIRE(ring.run({"vtk=none"}).code == 0);
-    for (const auto& entry : std::filesystem::directory_iterator(ring.output)) CHECK(entry.path().extension() != ".vtk");
+    for (const auto& entry : std::filesystem::directory_iterator(ring.output))
+        CHECK(entry.path().extension() != ".vtk");
     CHECK(std::filesystem::exists(ring.output + "/final.msh"));
 }
 
@@ -104,8 +105,8 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
     CHECK(number(summary, "relative_quality") < 1);
     CHECK(number(summary, "peak_memory_mb") > 1);
     CHECK(number(summary, "time_total") >= number(summary, "time_assembly") + number(summary, "time_linear"));
-    const double phases = number(summary, "time_setup") + number(summary, "time_total") + number(summary, "time_certify") +
-                          number(summary, "time_write");
+    const double phases = number(summary, "time_setup") + number(summary, "time_total") +
+                          number(summary, "time_certify") + number(summary, "time_write");
     CHECK(number(summary, "time_run") == doctest::Approx(phases).epsilon(0.01).scale(1));
     CHECK(summary.at("coarse_newton_iterations") == "0");
 }

@@ -110,7 +110,8 @@ void measure_decks(const Machine& machine, bool quick, Table& table) {
 void measure_scaling(bool quick, Table& table) {
     std::vector<double> unknowns, seconds, memory;
     for (int level = 1; level <= (quick ? 4 : 6); ++level) {
-        const std::string refine = "refine=" + std::to_string(level - 1), name = "circle level " + std::to_string(level);
+        const std::string refine = "refine=" + std::to_string(level - 1),
+                          name = "circle level " + std::to_string(level);
         std::vector<DeckRun> runs;
         for (const Stopwatch all; runs.empty() || (runs.size() < most_runs && all.seconds() < budget);)
             runs.push_back(run_deck("circle", {refine}));

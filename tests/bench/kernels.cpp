@@ -115,7 +115,9 @@ void measure_products(const std::string& name, const NewtonSystem& system, const
         table.add("sparse", name, threads, "coarse space", best_seconds(budget, [&] { deflation.factor(A); }), "s");
         ConjugateGradients cg(A.size(), {.tolerance = 1e-8});
         CgResult solved{};
-        const double seconds = best_seconds(budget, [&] { solved = cg.solve(A, {&ilu, &deflation}, b.data(), y.data()); });
+        const double seconds = best_seconds(budget, [&] {
+            solved = cg.solve(A, {&ilu, &deflation}, b.data(), y.data());
+        });
         if (solved.status != CgStatus::converged) continue;
         table.add("sparse", name, threads, "CG to 1e-8", solved.iterations, "iterations");
         table.add("sparse", name, threads, "CG", 1e3 * seconds / solved.iterations, "ms/iteration");
@@ -139,7 +141,8 @@ Times time_assembly(const std::string& name, const Assembly& assembly, NewtonSys
     const auto add = [&](const std::string& what, const auto& body) {
         times.push_back(1e9 * best_seconds(budget, body) / elements);
         table.add("assembly", name, threads, what, times.back(), "ns/element");
-        if (!faster.empty()) table.add("assembly", name, threads, what + " ratio", times.back() / faster[times.size() - 1]);
+        if (!faster.empty())
+            table.add("assembly", name, threads, what + " ratio", times.back() / faster[times.size() - 1]);
     };
     add("energy", [&] { energy += assembly.energy(x); });
     add("gradient", [&] { assembly.add_gradient(x, g); });
@@ -188,9 +191,12 @@ void measure_kernels(const Machine& machine, bool quick, Table& table) {
         measure_products(chosen.name, system, machine, table);
         measure_assembly(chosen.name, system, machine, table);
     }
-    table.print("cholesky", "Sparse Cholesky of the first Newton matrix: factor against the peak, solve against the bandwidth");
-    table.print("sparse", "Passes over the matrix, against the bandwidth (of memory: small matrices stay in the caches)");
-    table.print("assembly", "Assembly of the distortion; plain: one element after the other, dense; ratio: times the fast one");
+    table.print("cholesky",
+                "Sparse Cholesky of the first Newton matrix: factor against the peak, solve against the bandwidth");
+    table.print("sparse",
+                "Passes over the matrix, against the bandwidth (of memory: small matrices stay in the caches)");
+    table.print("assembly",
+                "Assembly of the distortion; plain: one element after the other, dense; ratio: times the fast one");
 }
 
 }  // namespace almesh::bench

@@ -22,7 +22,7 @@ struct NewtonSystem {
     NewtonSystem(const NewtonSystem&) = delete;
     NewtonSystem& operator=(const NewtonSystem&) = delete;
 
-   private:
+private:
     explicit NewtonSystem(const Deck& deck)
         : problem(make_problem(deck)),
           params(deck.distortion),

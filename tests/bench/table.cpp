@@ -26,8 +26,8 @@ std::string label(const Entry& entry) { return entry.name + ", " + std::to_strin
 
 }  // namespace
 
-void Table::add(const std::string& group, const std::string& name, int threads, const std::string& quantity, double value,
-                const std::string& unit) {
+void Table::add(const std::string& group, const std::string& name, int threads, const std::string& quantity,
+                double value, const std::string& unit) {
     entries_.push_back({group, name, threads, quantity, value, unit});
 }
 
@@ -45,7 +45,8 @@ void Table::print(const std::string& group, const std::string& title) const {
         for (const std::string& column : columns) {
             std::string cell;
             for (const Entry& entry : entries_)
-                if (entry.group == group && label(entry) == line && heading(entry) == column) cell = number(entry.value);
+                if (entry.group == group && label(entry) == line && heading(entry) == column)
+                    cell = number(entry.value);
             std::printf("  %*s", width(column), cell.c_str());
         }
     }

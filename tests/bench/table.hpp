@@ -14,14 +14,14 @@ struct Entry {
 };
 
 class Table {
-   public:
+public:
     void add(const std::string& group, const std::string& name, int threads, const std::string& quantity, double value,
              const std::string& unit = "");
     // Prints the entries of one group: a line per name and number of threads, a column per quantity.
     void print(const std::string& group, const std::string& title) const;
     std::string csv() const;
 
-   private:
+private:
     std::vector<Entry> entries_;
 };
 

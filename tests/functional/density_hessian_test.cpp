@@ -31,7 +31,9 @@ Mat<n> apply(const Tensor<n>& C, const Mat<n>& dF, int lane) {
 
 template <int n>
 Tensor<n> hessian(const Mat<n, Lanes>& F, double delta, Objective objective, bool projected) {
-    return in_element_coordinates<n>(frame_hessian<n>(F, delta, in_all_lanes(objective == Objective::deviation), projected), identity<n>(), in_all_lanes(1));
+    return in_element_coordinates<n>(
+        frame_hessian<n>(F, delta, in_all_lanes(objective == Objective::deviation), projected), identity<n>(),
+        in_all_lanes(1));
 }
 
 // Central differences of the gradient: the error must fall as t^2, in every lane.
@@ -118,9 +120,11 @@ TEST_CASE("in the coordinates of an element the second derivative is that along 
         set_lane<3>(inverse_of_A, l, random_gradient<3>(random, 1));
     }
     const Tensor<3> in_F = hessian<3>(F, 0, Objective::squared, false);
-    const Tensor<3> in_J = in_element_coordinates<3>(frame_hessian<3>(F, 0, in_all_lanes(0), false), inverse_of_A, in_all_lanes(3));
+    const Tensor<3> in_J =
+        in_element_coordinates<3>(frame_hessian<3>(F, 0, in_all_lanes(0), false), inverse_of_A, in_all_lanes(3));
     for (int l = 0; l < lanes; ++l) {
         const Mat<3> dJ = random_matrix<3>(random), dF = multiply<3>(dJ, lane_of<3>(inverse_of_A, l));
-        CHECK(inner<3>(dJ, apply<3>(in_J, dJ, l)) == doctest::Approx(3 * inner<3>(dF, apply<3>(in_F, dF, l))).epsilon(1e-12));
+        CHECK(inner<3>(dJ, apply<3>(in_J, dJ, l)) ==
+              doctest::Approx(3 * inner<3>(dF, apply<3>(in_F, dF, l))).epsilon(1e-12));
     }
 }

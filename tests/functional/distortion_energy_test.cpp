@@ -24,7 +24,7 @@ Case deformed(const Mesh& linear, int degree, double amplitude) {
 }
 
 std::vector<Case> cases() {
-    return {deformed(square_mesh(3), 1, 0.05),  deformed(square_mesh(2), 3, 0.05), deformed(ring_mesh(8, 3, 4), 2, 0.02),
+    return {deformed(square_mesh(3), 1, 0.05), deformed(square_mesh(2), 3, 0.05), deformed(ring_mesh(8, 3, 4), 2, 0.02),
             deformed(cube_mesh(2), 1, 0.04), deformed(cube_mesh(1), 2, 0.04)};
 }
 
@@ -140,7 +140,8 @@ TEST_CASE("Hessians are symmetric and the projected ones positive semidefinite")
                 for (int k = H.row[i]; k < H.row[i + 1]; ++k) {
                     const double* transposed = H.block(H.find(H.col[k], i));
                     for (int a = 0; a < d; ++a)
-                        for (int b = 0; b < d; ++b) CHECK(std::abs(H.block(k)[a * d + b] - transposed[b * d + a]) <= 1e-13 * scale);
+                        for (int b = 0; b < d; ++b)
+                            CHECK(std::abs(H.block(k)[a * d + b] - transposed[b * d + a]) <= 1e-13 * scale);
                 }
             if (kind == HessianKind::full) continue;
             std::vector<double> v(H.size()), Hv(H.size());
@@ -170,7 +171,8 @@ TEST_CASE("rigid motions and scalings of the mesh do not change the energy") {
 
 TEST_CASE("element weights keep the total weight and favour small elements") {
     const Mesh ring = ring_mesh(12, 4, 20);
-    const DistortionEnergy plain(ring, ring.x, {Objective::squared, 0, 1, 0}), weighted(ring, ring.x, {Objective::squared, 0, 0, 0});
+    const DistortionEnergy plain(ring, ring.x, {Objective::squared, 0, 1, 0}),
+        weighted(ring, ring.x, {Objective::squared, 0, 0, 0});
     CHECK(weighted.energy(ring.x) == doctest::Approx(plain.energy(ring.x)));
     std::vector<double> x = ring.x;
     x[0] -= 0.05;  // a node of the inner circle, where the elements are small
@@ -186,7 +188,8 @@ TEST_CASE("an ideal element without volume is refused") {
 
 TEST_CASE("energy, gradient, Hessian and statistics have the same bits for any number of threads") {
     const int before = max_threads();
-    for (const Case& c : {deformed(square_mesh(40), 1, 0.005), deformed(square_mesh(7), 4, 0.01), deformed(cube_mesh(8), 1, 0.01)}) {
+    for (const Case& c :
+         {deformed(square_mesh(40), 1, 0.005), deformed(square_mesh(7), 4, 0.01), deformed(cube_mesh(8), 1, 0.01)}) {
         const DistortionEnergy E(c.mesh, c.ideal, {});
         set_threads(1);
         const double energy = E.energy(c.x);

@@ -90,7 +90,8 @@ TEST_CASE("lanes give what a single number gives, the infinite ones too") {
             CHECK(eta[l] == doctest::Approx(distortion<3>(single, delta)).epsilon(1e-14));
             const Mat<3> expected = density_gradient<3>(single, delta, Objective::deviation);
             for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j) CHECK(P[i][j][l] == doctest::Approx(expected[i][j]).epsilon(1e-12).scale(1));
+                for (int j = 0; j < 3; ++j)
+                    CHECK(P[i][j][l] == doctest::Approx(expected[i][j]).epsilon(1e-12).scale(1));
         }
     }
 }

@@ -135,8 +135,12 @@ TEST_CASE("energies, gradients and Hessians of whole meshes are those of the pla
     }
 }
 
-TEST_CASE("elements stretched and turned by any angle, with equal and with tiny singular values: 2D") { check_single_elements<2>(); }
-TEST_CASE("elements stretched and turned by any angle, with equal and with tiny singular values: 3D") { check_single_elements<3>(); }
+TEST_CASE("elements stretched and turned by any angle, with equal and with tiny singular values: 2D") {
+    check_single_elements<2>();
+}
+TEST_CASE("elements stretched and turned by any angle, with equal and with tiny singular values: 3D") {
+    check_single_elements<3>();
+}
 
 TEST_CASE("nearly inverted elements: det F = 1e-8") {
     // Nodes moved exactly onto a plane but for 2^-27 or so: the determinant has no rounding error to speak of.
@@ -177,8 +181,9 @@ TEST_CASE("one inverted element among many is found in any lane, and leaves the 
 }
 
 TEST_CASE("regularised, gradients and Hessians of flat, folded and inverted elements are finite and have slope 2") {
-    for (const Mat<3>& F : {Mat<3>{}, Mat<3>{{{0, 0, 2}, {0, 0, 0}, {0, 0, 0}}}, Mat<3>{{{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}},
-                            Mat<3>{{{0, 0, 1}, {0, 1, 0}, {1, 0, 0}}}, Mat<3>{{{0.3, 1, 0}, {0.3, 1, 0}, {2, 0.1, 0.4}}}}) {
+    for (const Mat<3>& F :
+         {Mat<3>{}, Mat<3>{{{0, 0, 2}, {0, 0, 0}, {0, 0, 0}}}, Mat<3>{{{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}},
+          Mat<3>{{{0, 0, 1}, {0, 1, 0}, {1, 0, 0}}}, Mat<3>{{{0.3, 1, 0}, {0.3, 1, 0}, {2, 0.1, 0.4}}}}) {
         const Mesh mesh = single_element<3>(1);
         const DistortionEnergy E(mesh, mesh.x, {Objective::squared, 0.5, 1, 0});
         const std::vector<double> x = mapped<3>(mesh.x, F);

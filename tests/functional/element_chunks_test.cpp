@@ -16,7 +16,8 @@ TEST_CASE("chunks hold every element once, and those of one colour share no node
         const ElementChunks chunks = chunk_elements(mesh);
         CHECK(chunks.size % lanes == 0);
         CHECK(chunks.count() == (mesh.element_count() + chunks.size - 1) / chunks.size);
-        CHECK(std::set<int>(chunks.order.begin(), chunks.order.end()).size() == static_cast<std::size_t>(mesh.element_count()));
+        CHECK(std::set<int>(chunks.order.begin(), chunks.order.end()).size() ==
+              static_cast<std::size_t>(mesh.element_count()));
         CHECK(std::set<int>(chunks.coloured.begin(), chunks.coloured.end()).size() == chunks.coloured.size());
         CHECK(chunks.colour_start.back() == chunks.count());
         for (int colour = 0; colour < chunks.colours(); ++colour) {

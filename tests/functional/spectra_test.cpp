@@ -30,8 +30,9 @@ std::vector<Mat<n>> matrices(std::mt19937& random) {
             cases.push_back(Mat<n>{});
             cases.back()[i][j] = i < j ? 2 : -0.5;
         }
-    const std::vector<Vec<3>> values = {{1, 1, 1},    {2, 2, 2},         {2, 2, 0.1},   {3, 1, 1},    {1, 1e-8, 1},
-                                        {1, 1e-8, 0}, {1, 1e-12, 1e-12}, {1, 1, -1e-8}, {5, 3, -0.1}, {1, 1 + 1e-12, 1 - 1e-12}};
+    const std::vector<Vec<3>> values = {
+        {1, 1, 1},    {2, 2, 2},         {2, 2, 0.1},   {3, 1, 1},    {1, 1e-8, 1},
+        {1, 1e-8, 0}, {1, 1e-12, 1e-12}, {1, 1, -1e-8}, {5, 3, -0.1}, {1, 1 + 1e-12, 1 - 1e-12}};
     for (const Vec<3>& s : values) {
         Vec<n> some;
         for (int k = 0; k < n; ++k) some[k] = s[3 - n + k];
@@ -70,7 +71,8 @@ void check_singular_values() {
             Mat<n> US = U;
             for (auto& row : US)
                 for (int k = 0; k < n; ++k) row[k] *= svd.s[k][l];
-            CHECK(distance<n>(multiply<n>(US, transpose<n>(V)), single) < 1e-14 * std::sqrt(frobenius_squared<n>(single)) + 1e-299);
+            CHECK(distance<n>(multiply<n>(US, transpose<n>(V)), single) <
+                  1e-14 * std::sqrt(frobenius_squared<n>(single)) + 1e-299);
             CHECK(distance<n>(multiply<n>(U, transpose<n>(U)), identity<n>()) < 2e-15);
             CHECK(distance<n>(multiply<n>(V, transpose<n>(V)), identity<n>()) < 4e-15);
             CHECK(determinant(U) == doctest::Approx(1));
@@ -84,8 +86,9 @@ void check_singular_values() {
 template <int n>
 std::vector<Mat<n>> symmetric_matrices(std::mt19937& random) {
     std::vector<Mat<n>> cases = {Mat<n>{}};
-    const std::vector<Vec<3>> values = {{1, 2, 3},  {-1, -2, -3}, {1, 1, 1},  {-1, -1, -1}, {1, -1, 2},      {1, -1, -1},
-                                        {0, 0, -5}, {0, 0, 5},    {1e8, 1, -1}, {-1e8, 1, 1}, {1, 1e-8, -1e-8}, {2, -3, 0}};
+    const std::vector<Vec<3>> values = {{1, 2, 3},    {-1, -2, -3}, {1, 1, 1},        {-1, -1, -1},
+                                        {1, -1, 2},   {1, -1, -1},  {0, 0, -5},       {0, 0, 5},
+                                        {1e8, 1, -1}, {-1e8, 1, 1}, {1, 1e-8, -1e-8}, {2, -3, 0}};
     for (const Vec<3>& value : values)
         for (int trial = 0; trial < 4; ++trial) {
             const Mat<n> Q = trial == 0 ? identity<n>() : random_rotation<n>(random);

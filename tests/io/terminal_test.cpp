@@ -62,7 +62,8 @@ TEST_CASE("a coarser mesh has a row with its nodes, and says where it was not us
     terminal.row(stage);
     const auto lines = pieces(contents(file), '\n');
     REQUIRE(lines.size() == 2);
-    CHECK(lines[0] == "  2  5.000e-01   3.00e-03  1.000000          1  3.20e+02  coarse          9     1.25s  841 nodes");
+    CHECK(lines[0] ==
+          "  2  5.000e-01   3.00e-03  1.000000          1  3.20e+02  coarse          9     1.25s  841 nodes");
     CHECK(lines[1] == lines[0] + ", not used");
     std::fclose(file);
 }

@@ -98,14 +98,18 @@ TEST_CASE("a binary file to the letter") {
     const std::string text = vtk_text("t", 2, 1, {0, 0, 1, 0, 0, -2}, {0, 1, 2}, 2, {{"move", 2, {1, 0, 0, 0, 0, 0}}},
                                       {{"eta", 1, {0.5}}}, {{"deck", "a b"}}, VtkFormat::binary);
     const auto zeros = [](int count) { return std::string(count, '\0'); };
-    const std::string one = std::string("\x3f\xf0").append(6, '\0'), two = std::string("\xc0").append(7, '\0');  // 1 and -2
+    const std::string one = std::string("\x3f\xf0").append(6, '\0'),
+                      two = std::string("\xc0").append(7, '\0');  // 1 and -2
     const auto small = [&](char value) { return zeros(3).append(1, value); };
-    CHECK(text == "# vtk DataFile Version 3.0\nt\nBINARY\nDATASET UNSTRUCTURED_GRID\nFIELD FieldData 1\ndeck 1 1 string\n"
-                  "\xc3" "a b\nPOINTS 3 double\n" + zeros(24) + one + zeros(16) + zeros(8) + two + zeros(8) +
-                  "\nCELLS 1 4\n" + small(3) + small(0) + small(1) + small(2) + "\nCELL_TYPES 1\n" + small(5) +
-                  "\nPOINT_DATA 3\nVECTORS move double\n" + one + zeros(64) +
-                  "\nCELL_DATA 1\nSCALARS eta double 1\nLOOKUP_TABLE default\n\x3f\xe0" + zeros(6) + "\n");
-    const std::string length_300 = vtk_text("t", 2, 1, {}, {}, 2, {}, {}, {{"deck", std::string(300, 'a')}}, VtkFormat::binary);
+    CHECK(text ==
+          "# vtk DataFile Version 3.0\nt\nBINARY\nDATASET UNSTRUCTURED_GRID\nFIELD FieldData 1\ndeck 1 1 string\n"
+          "\xc3"
+          "a b\nPOINTS 3 double\n" +
+              zeros(24) + one + zeros(16) + zeros(8) + two + zeros(8) + "\nCELLS 1 4\n" + small(3) + small(0) +
+              small(1) + small(2) + "\nCELL_TYPES 1\n" + small(5) + "\nPOINT_DATA 3\nVECTORS move double\n" + one +
+              zeros(64) + "\nCELL_DATA 1\nSCALARS eta double 1\nLOOKUP_TABLE default\n\x3f\xe0" + zeros(6) + "\n");
+    const std::string length_300 =
+        vtk_text("t", 2, 1, {}, {}, 2, {}, {}, {{"deck", std::string(300, 'a')}}, VtkFormat::binary);
     CHECK(contains(length_300, "string\n\x81\x2c" "aaa"));
 }
 

@@ -25,7 +25,8 @@ TEST_CASE("the pattern of many rows is that of every pair of neighbours, for any
     const int k = 100, n = k * k;  // more rows than one thread takes at a time
     std::vector<int> cells;
     for (int j = 0; j + 1 < k; ++j)
-        for (int i = 0; i + 1 < k; ++i) cells.insert(cells.end(), {j * k + i, j * k + i + 1, (j + 1) * k + i + 1, (j + 1) * k + i});
+        for (int i = 0; i + 1 < k; ++i)
+            cells.insert(cells.end(), {j * k + i, j * k + i + 1, (j + 1) * k + i + 1, (j + 1) * k + i});
     const int before = max_threads();
     for (int threads : {1, 2, 3, 8}) {
         set_threads(threads);
@@ -43,7 +44,8 @@ TEST_CASE("the pattern of many rows is that of every pair of neighbours, for any
         for (int i = 0; i < n; ++i)
             for (int m = A.row[i]; m < A.row[i + 1]; ++m) {
                 const int j = A.col[m];
-                right = right && std::abs(i % k - j % k) <= 1 && std::abs(i / k - j / k) <= 1 && (m == A.row[i] || A.col[m - 1] < j);
+                right = right && std::abs(i % k - j % k) <= 1 && std::abs(i / k - j / k) <= 1 &&
+                        (m == A.row[i] || A.col[m - 1] < j);
             }
         CHECK(right);
     }

@@ -91,7 +91,8 @@ TEST_CASE("the correction solves the system on the coarse space") {
         for (int j = 0; j < size; ++j) {
             std::vector<double> unit(size, 0.0);
             unit[j] = 1;
-            const std::vector<double> column = restricted(group, deflation.groups(), d, product(A, prolonged(group, d, unit)));
+            const std::vector<double> column =
+                restricted(group, deflation.groups(), d, product(A, prolonged(group, d, unit)));
             for (int i = 0; i < size; ++i) E(i, j) = column[i];
         }
         REQUIRE(dense_cholesky(E) == -1);
@@ -141,7 +142,8 @@ TEST_CASE("deflation goes without ILU(0) as well, for any d") {
         Deflation deflation(A);
         REQUIRE(deflation.factor(A));
         std::vector<double> x(A.size());
-        const CgResult result = ConjugateGradients(A.size(), {1000, 1e-12}).solve(A, {nullptr, &deflation}, b.data(), x.data());
+        const CgResult result =
+            ConjugateGradients(A.size(), {1000, 1e-12}).solve(A, {nullptr, &deflation}, b.data(), x.data());
         CHECK(result.status == CgStatus::converged);
         CHECK(max_difference(x, expected) < 1e-12 * norm_1(A) / 1e-1 * norm_2(expected));
     }
@@ -153,7 +155,8 @@ TEST_CASE("the corrected iteration ends where the coarse space holds the solutio
     REQUIRE(deflation.factor(A));
     const std::vector<double> ones(A.size(), 1.0), b = product(A, ones);
     std::vector<double> x(A.size());
-    const CgResult result = ConjugateGradients(A.size(), {100, 1e-10}).solve(A, {nullptr, &deflation}, b.data(), x.data());
+    const CgResult result =
+        ConjugateGradients(A.size(), {100, 1e-10}).solve(A, {nullptr, &deflation}, b.data(), x.data());
     CHECK(result.status == CgStatus::converged);
     CHECK(result.iterations == 0);
     CHECK(max_difference(x, ones) < 1e-10);

@@ -17,7 +17,8 @@ std::vector<int> domain_of(const Domains& domains) {
     std::vector<int> domain(domains.order.size());
     for (int i = 0; i < static_cast<int>(domains.order.size()); ++i)
         domain[domains.order[i]] =
-            static_cast<int>(std::upper_bound(domains.start.begin(), domains.start.end(), i) - domains.start.begin()) - 1;
+            static_cast<int>(std::upper_bound(domains.start.begin(), domains.start.end(), i) - domains.start.begin()) -
+            1;
     return domain;
 }
 

@@ -149,7 +149,8 @@ TEST_CASE("factor() refills the pattern, and names the row of a pivot block that
         const BlockCsr& A = grid.A;
         Ilu0 ilu(A, grid.start);
         CHECK(ilu.factor(A).status == Ilu0Status::factored);
-        for (const double bad : {-1.0, 0.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+        for (const double bad :
+             {-1.0, 0.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
             for (int row : {4, A.n / 2, A.n - 1}) {
                 BlockCsr B = A;
                 B.block(B.find(row, row))[3] = bad;

@@ -102,8 +102,8 @@ TEST_CASE("where an iterative solver fails Cholesky takes over, and the result s
 }
 
 TEST_CASE("negative curvature is about the matrix: no Cholesky is tried") {
-    // A Laplacian made indefinite by a shift below what ILU(0) notices. The coarse space sees it at once, but not where a
-    // node is held, around which the soft mode bends.
+    // A Laplacian made indefinite by a shift below what ILU(0) notices. The coarse space sees it at once, but not where
+    // a node is held, around which the soft mode bends.
     for (double held : {0.0, 10.0}) {
         BlockCsr A = random_spd(400, 1, grid(20, 20));
         for (int i = 0; i < A.n; ++i)
@@ -192,7 +192,8 @@ TEST_CASE("in 3D a bad pivot of ILU(0) is answered by a heavier diagonal, where 
         CHECK(result.used == kind);
         CHECK_FALSE(result.fell_back);
         CHECK(scaled_residual(A, x, b) < 1e-10);
-        CHECK(LinearSolver(A, 3, params_of(kind)).solve(A, b, x, true).status == SolveStatus::indefinite_preconditioner);
+        CHECK(LinearSolver(A, 3, params_of(kind)).solve(A, b, x, true).status ==
+              SolveStatus::indefinite_preconditioner);
         const SolveResult flat = LinearSolver(A, 2, params_of(kind)).solve(A, b, x);
         CHECK(flat.used == SolverKind::cholesky);
         CHECK(flat.iterative_status == SolveStatus::indefinite_preconditioner);

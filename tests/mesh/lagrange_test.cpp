@@ -51,7 +51,8 @@ TEST_CASE("basis functions sum to one, their gradients to zero, and gradients ha
                     basis.values(up, plus.data());
                     basis.values(down, minus.data());
                     for (int i = 0; i < basis.count; ++i)
-                        error[level] = std::max(error[level], std::abs((plus[i] - minus[i]) / (2 * t) - dN[i * dim + k]));
+                        error[level] =
+                            std::max(error[level], std::abs((plus[i] - minus[i]) / (2 * t) - dN[i * dim + k]));
                 }
                 if (degree >= 3) CHECK(std::log2(error[0] / error[1]) == doctest::Approx(2).epsilon(0.05));
                 else CHECK(error[0] < 1e-12);  // central differences are exact for quadratics

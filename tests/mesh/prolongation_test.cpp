@@ -50,7 +50,8 @@ std::vector<double> carried(const Pair& pair, const std::vector<double>& field) 
 TEST_CASE("polynomials of the degree of the coarse elements are reproduced") {
     for (const Pair& pair : pairs())
         for (int degree = 1; degree <= pair.coarse.degree; ++degree) {
-            const std::vector<double> fine = carried(pair, polynomial(straight_sided(pair.coarse), pair.coarse.dim, degree));
+            const std::vector<double> fine =
+                carried(pair, polynomial(straight_sided(pair.coarse), pair.coarse.dim, degree));
             const std::vector<double> expected = polynomial(straight_sided(pair.fine), pair.fine.dim, degree);
             REQUIRE(fine.size() == expected.size());
             double largest = 0, size = 0;
@@ -84,7 +85,8 @@ TEST_CASE("on the boundary the values on the boundary decide") {
         for (int node : pair.coarse.faces)
             for (int a = 0; a < pair.coarse.dim; ++a) field[static_cast<std::size_t>(node) * pair.coarse.dim + a] = 3;
         const std::vector<double> fine = carried(pair, field);
-        for (int node : pair.fine.faces) CHECK(fine[static_cast<std::size_t>(node) * pair.fine.dim] == doctest::Approx(3).epsilon(1e-14));
+        for (int node : pair.fine.faces)
+            CHECK(fine[static_cast<std::size_t>(node) * pair.fine.dim] == doctest::Approx(3).epsilon(1e-14));
     }
 }
 

@@ -58,7 +58,8 @@ std::vector<std::array<double, 5>> points_of(const Quadrature& rule) {
 
 bool contains(const std::vector<std::array<double, 5>>& points, const std::array<double, 5>& wanted) {
     return std::any_of(points.begin(), points.end(), [&](const std::array<double, 5>& point) {
-        return std::equal(point.begin(), point.end(), wanted.begin(), [](double x, double y) { return std::abs(x - y) < 1e-14; });
+        return std::equal(point.begin(), point.end(), wanted.begin(),
+                          [](double x, double y) { return std::abs(x - y) < 1e-14; });
     });
 }
 
@@ -77,7 +78,8 @@ TEST_CASE("monomials up to the stated degree are integrated exactly") {
 
 TEST_CASE("a symmetric rule is exact to its degree and no further, and its points are permuted among themselves") {
     for (int dim : {2, 3})
-        for (int exactness = 1; const SymmetricRule* found = symmetric_rule(dim, exactness); exactness = found->exactness + 1) {
+        for (int exactness = 1; const SymmetricRule* found = symmetric_rule(dim, exactness);
+             exactness = found->exactness + 1) {
             CAPTURE(dim);
             CAPTURE(exactness);
             CHECK(found->exactness >= exactness);
@@ -95,9 +97,11 @@ TEST_CASE("a symmetric rule is exact to its degree and no further, and its point
 
 TEST_CASE("symmetric rules take few points") {
     const std::array<int, 14> triangle = {1, 1, 3, 6, 6, 7, 12, 15, 16, 19, 25, 33, 33, 37};
-    for (int exactness = 0; exactness < 14; ++exactness) CHECK(simplex_quadrature(2, exactness).count == triangle[exactness]);
+    for (int exactness = 0; exactness < 14; ++exactness)
+        CHECK(simplex_quadrature(2, exactness).count == triangle[exactness]);
     const std::array<int, 9> tetrahedron = {1, 1, 4, 8, 14, 14, 24, 35, 46};
-    for (int exactness = 0; exactness < 9; ++exactness) CHECK(simplex_quadrature(3, exactness).count == tetrahedron[exactness]);
+    for (int exactness = 0; exactness < 9; ++exactness)
+        CHECK(simplex_quadrature(3, exactness).count == tetrahedron[exactness]);
 }
 
 TEST_CASE("one point is the centroid") {

@@ -99,7 +99,8 @@ TEST_CASE("raising the degree puts nodes on the lattice and shares them between 
         CHECK(p.nodes() == (2 * degree + 1) * (2 * degree + 1));  // the lattice of a square grid
         check_faces(p);
         const std::vector<double> straight = straight_sided(p);
-        for (std::size_t i = 0; i < p.x.size(); ++i) CHECK(p.x[i] == doctest::Approx(straight[i]).epsilon(1e-14).scale(1));
+        for (std::size_t i = 0; i < p.x.size(); ++i)
+            CHECK(p.x[i] == doctest::Approx(straight[i]).epsilon(1e-14).scale(1));
     }
     for (int degree : {2, 3, 4}) {
         const Mesh p = raise_degree(cube_mesh(2), degree);
@@ -136,10 +137,12 @@ TEST_CASE("new nodes never take an id of the mesh they come from") {
     const long long largest = *std::max_element(quadratic.node_id.begin(), quadratic.node_id.end());
     const Mesh quartic = raise_degree(quadratic, 4);
     for (int i = 0; i < quartic.nodes(); ++i) {
-        const bool kept = std::find(quadratic.node_id.begin(), quadratic.node_id.end(), quartic.node_id[i]) != quadratic.node_id.end();
+        const bool kept = std::find(quadratic.node_id.begin(), quadratic.node_id.end(), quartic.node_id[i]) !=
+                          quadratic.node_id.end();
         CHECK((kept || quartic.node_id[i] > largest));
         if (!kept) continue;
-        const auto at = std::find(quadratic.node_id.begin(), quadratic.node_id.end(), quartic.node_id[i]) - quadratic.node_id.begin();
+        const auto at = std::find(quadratic.node_id.begin(), quadratic.node_id.end(), quartic.node_id[i]) -
+                        quadratic.node_id.begin();
         for (int a = 0; a < 2; ++a) CHECK(quartic.x[2 * i + a] == quadratic.x[2 * at + a]);
     }
 }

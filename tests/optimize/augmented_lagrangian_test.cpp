@@ -340,7 +340,8 @@ TEST_CASE("every status and update has a name of its own") {
     CHECK(std::string(to_string(AlUpdate::both)) == "lambda+mu");
 }
 
-// mu0 is in units of |1|^2 = the sum of |f|/h: twice the faces, twice the penalty, the same balance with the distortion.
+// mu0 is in units of |1|^2 = the sum of |f|/h: twice the faces, twice the penalty, the same balance with the
+// distortion.
 TEST_CASE("the number of boundary faces does not change what a motion costs") {
     for (const Objective objective : objectives) {
         std::vector<int> al, newton;

@@ -25,7 +25,8 @@ TEST_CASE("a ring is curved and its inner circle turned, degrees 1 to 6") {
     for (int degree = 1; degree <= 6; ++degree) {
         const Mesh mesh = raise_degree(ring_mesh(10, 3, 4), degree);
         for (const Objective objective : objectives) {
-            const Minimisation problem(mesh, {{"inner", "circle 0 0 1; rotate 20 about 0 0"}, {"outer", "circle 0 0 4"}}, objective);
+            const Minimisation problem(
+                mesh, {{"inner", "circle 0 0 1; rotate 20 about 0 0"}, {"outer", "circle 0 0 4"}}, objective);
             check_solved(problem);
         }
     }

@@ -61,7 +61,8 @@ TEST_CASE("a step that stops short of the minimum is doubled while that pays, an
     CHECK(std::isfinite(endless.step_length));
 }
 
-TEST_CASE("below rounding the full step is taken where the energy stays the same; without a decrease there is no step") {
+TEST_CASE(
+    "below rounding the full step is taken where the energy stays the same; without a decrease there is no step") {
     double x;
     const auto flat = search([](double) { return 1.0; }, -1e-16, x);
     CHECK(flat.by_rounding);

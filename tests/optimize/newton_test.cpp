@@ -185,7 +185,8 @@ TEST_CASE("a target out of reach is told from the first minimum, and only there"
     }
     // A weak penalty is most of the energy too, but of an energy that tells nothing.
     const Minimisation near = moved_ring(Objective::squared);
-    const Run r = run(near, near.functional(1), {.omega = 1e-8, .largest_energy = 400 * near.distortion.domain_volume()});
+    const Run r =
+        run(near, near.functional(1), {.omega = 1e-8, .largest_energy = 400 * near.distortion.domain_volume()});
     CHECK(r.result.status == NewtonStatus::converged);
 }
 

@@ -46,7 +46,8 @@ Mesh linear_mesh(int dim, std::vector<double> x, std::vector<int> elements, cons
         mesh.face_id.push_back(static_cast<long long>(mesh.face_id.size()) + 1);
     }
     for (int i = 0; i < mesh.nodes(); ++i) mesh.node_id.push_back(i + 1);
-    for (int e = 0; e < mesh.element_count(); ++e) mesh.element_id.push_back(static_cast<long long>(mesh.face_id.size()) + e + 1);
+    for (int e = 0; e < mesh.element_count(); ++e)
+        mesh.element_id.push_back(static_cast<long long>(mesh.face_id.size()) + e + 1);
     mesh.element_physical.assign(mesh.element_count(), 100);
     mesh.element_entity.assign(mesh.element_count(), 1);
     mesh.groups.push_back({dim, 100, "domain"});
@@ -97,7 +98,8 @@ Mesh ring_mesh(int around, int layers, double outer) {
     std::vector<double> x;
     for (int l = 0; l <= layers; ++l)
         for (int i = 0; i < around; ++i) {
-            const double r = std::pow(outer, static_cast<double>(l) / layers), angle = 2 * std::numbers::pi * i / around;
+            const double r = std::pow(outer, static_cast<double>(l) / layers),
+                         angle = 2 * std::numbers::pi * i / around;
             x.insert(x.end(), {r * std::cos(angle), r * std::sin(angle)});
         }
     std::vector<int> elements;

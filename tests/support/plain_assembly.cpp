@@ -147,7 +147,8 @@ PlainAssembly::PlainAssembly(const Mesh& mesh, const std::vector<double>& ideal,
     double damped_volume = 0;
     for (double jacobian : jacobians) damped_volume += std::pow(jacobian, std::min(1.5 / n, params.weight_exponent));
     for (std::size_t e = 0; e < jacobians.size(); ++e)
-        damping_.push_back(std::pow(jacobians[e], std::min(1.5 / n, params.weight_exponent)) * volume / damped_volume / weight_[e]);
+        damping_.push_back(std::pow(jacobians[e], std::min(1.5 / n, params.weight_exponent)) * volume / damped_volume /
+                           weight_[e]);
 }
 
 template <class Body>

@@ -1,6 +1,6 @@
-// The distortion energy, its gradient and its Hessian the plain way: the oracle of functional/, and the yardstick of its
-// speed. One element after the other, the second derivative of eta as a fourth-order tensor written down from F^{-T}, a
-// general eigensolver for the projection, dense loops, every block found in its row by bisection.
+// The distortion energy, its gradient and its Hessian the plain way: the oracle of functional/, and the yardstick of
+// its speed. One element after the other, the second derivative of eta as a fourth-order tensor written down from
+// F^{-T}, a general eigensolver for the projection, dense loops, every block found in its row by bisection.
 //
 //     eta_F      = 2 / (n D^{2/n}) F - 2/n eta F^{-T}
 //     eta_FF: dF = 2 / (n D^{2/n}) (dF - 2/n (F^{-T} : dF) F) - 2/n (eta_F : dF) F^{-T} + 2/n eta F^{-T} dF^T F^{-T}
@@ -13,7 +13,7 @@
 namespace almesh::test {
 
 class PlainAssembly {
-   public:
+public:
     // params.delta must be 0. The mesh must outlive this.
     PlainAssembly(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params);
 
@@ -21,7 +21,7 @@ class PlainAssembly {
     void add_gradient(const std::vector<double>& x, std::vector<double>& g) const;
     void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H) const;
 
-   private:
+private:
     const Mesh& mesh_;
     DistortionParams params_;
     Quadrature quadrature_;

@@ -14,7 +14,7 @@ namespace almesh {
 using LatticePoint = std::array<int, 3>;  // coordinates times n * degree
 
 class SampleMesh {
-   public:
+public:
     SampleMesh(int dim, int degree, int n, bool turn_every_other = false) : dim_(dim), degree_(degree), n_(n) {
         raw.path = "sample.msh";
         raw.groups = {{dim - 1, 1, "left"}, {dim, 9, "inside"}};
@@ -30,7 +30,7 @@ class SampleMesh {
 
     RawMesh raw;
 
-   private:
+private:
     int dim_, degree_, n_;
     std::map<LatticePoint, int> node_;
 

@@ -10,7 +10,7 @@
 namespace almesh::test {
 
 class TemporaryFolder {
-   public:
+public:
     TemporaryFolder() {
         static int count = 0;
         path_ = std::filesystem::temp_directory_path() /
@@ -32,7 +32,7 @@ class TemporaryFolder {
         return path(name);
     }
 
-   private:
+private:
     std::filesystem::path path_;
 };
 
@@ -44,7 +44,7 @@ inline std::string text_of(const std::string& path) {
 
 // Makes `path` the current folder for as long as it lives.
 class CurrentFolder {
-   public:
+public:
     explicit CurrentFolder(const std::string& path) : before_(std::filesystem::current_path()) {
         std::filesystem::current_path(path);
     }
@@ -52,7 +52,7 @@ class CurrentFolder {
     CurrentFolder(const CurrentFolder&) = delete;
     CurrentFolder& operator=(const CurrentFolder&) = delete;
 
-   private:
+private:
     std::filesystem::path before_;
 };
 
