@@ -163,7 +163,7 @@ SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b,
                                 bool doubtful) {
     x.assign(A.size(), 0.0);
     if (!iterative_first(A)) return solve_directly(A, b, x);
-    const SolveResult first = solve_iteratively(A, b, x, doubtful);
+    const SolveResult first = solve_iteratively(A, b, x);
     if (first.status == SolveStatus::converged) failures_ = 0;
     if (first.status == SolveStatus::converged || first.status == SolveStatus::not_positive_definite) return first;
     if (doubtful && first.status == SolveStatus::indefinite_preconditioner) return first;
@@ -176,8 +176,7 @@ SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b,
     return second;
 }
 
-SolveResult LinearSolver::solve_iteratively(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
-                                            bool doubtful) {
+SolveResult LinearSolver::solve_iteratively(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
     Iterative& own = iterative(A);
     const auto result_of = [&](SolverKind used, SolveStatus status, int iterations, double residual) {
         SolveResult result;
@@ -193,7 +192,7 @@ SolveResult LinearSolver::solve_iteratively(const BlockCsr& A, const std::vector
     Ilu0Result factored{};
     for (double shift : ilu_shifts) {
         factored = own.ilu.factor(B, shift);
-        if (factored.status == Ilu0Status::factored || doubtful || dimension_ == 2) break;
+        if (factored.status == Ilu0Status::factored || dimension_ == 2) break;
     }
     if (factored.status == Ilu0Status::not_positive_definite) {
         SolveResult result = result_of(kind, SolveStatus::indefinite_preconditioner, 0, 1);

@@ -76,8 +76,7 @@ private:
     Iterative& iterative(const BlockCsr& A);
     Direct& direct(const BlockCsr& A);
     bool iterative_first(const BlockCsr& A);
-    SolveResult solve_iteratively(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
-                                  bool doubtful);
+    SolveResult solve_iteratively(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
     SolveResult solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
 
     int dimension_;

@@ -173,7 +173,7 @@ TEST_CASE("a pivot of ILU(0) that is not positive is reported at once, with its 
     }
 }
 
-TEST_CASE("in 3D a bad pivot of ILU(0) is answered by a heavier diagonal, where A may be taken for positive definite") {
+TEST_CASE("in 3D a bad pivot of ILU(0) is answered by a heavier diagonal") {
     // Four nodes in a ring with springs of alternating sign: positive definite, but not without its fill.
     const Edges ring = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
     BlockCsr A = random_spd(4, 3, ring);
@@ -192,8 +192,6 @@ TEST_CASE("in 3D a bad pivot of ILU(0) is answered by a heavier diagonal, where 
         CHECK(result.used == kind);
         CHECK_FALSE(result.fell_back);
         CHECK(scaled_residual(A, x, b) < 1e-10);
-        CHECK(LinearSolver(A, 3, params_of(kind)).solve(A, b, x, true).status ==
-              SolveStatus::indefinite_preconditioner);
         const SolveResult flat = LinearSolver(A, 2, params_of(kind)).solve(A, b, x);
         CHECK(flat.used == SolverKind::cholesky);
         CHECK(flat.iterative_status == SolveStatus::indefinite_preconditioner);
