@@ -56,7 +56,7 @@ Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start) : d_(pattern.d), sta
                 a += left <= right;
                 b += right <= left;
             }
-            term_start_.push_back(static_cast<int>(term_.size()));
+            term_start_.push_back(term_.size());
         }
     }
     const std::size_t n = pattern.n, block = static_cast<std::size_t>(d_) * d_;
@@ -81,7 +81,7 @@ int Ilu0::factor_rows(const BlockCsr& A, double shift, int begin, int end, doubl
             subtract_product_transposed<d>(Ai + (k - row_[i]) * block,
                                            C_inverse_.data() + static_cast<std::size_t>(j) * block, Tj);
             for (int e = 0; e < block; ++e) Tj[e] = -Tj[e];
-            for (int t = term_start_[k]; t < term_start_[k + 1]; ++t)
+            for (std::size_t t = term_start_[k]; t < term_start_[k + 1]; ++t)
                 subtract_product_transposed<d>(T + term_[t].left * block,
                                                L_.data() + static_cast<std::size_t>(term_[t].right) * block, Tj);
             std::copy_n(Tj, block, T + (k - row_[i]) * block);
