@@ -35,7 +35,7 @@ void History::add(const AlIteration& row) {
         text_ += joined({"al", "0", "", "", "", to_text(row.constraint_norm * length_),
                          to_text(row.projected_constraint_norm * length_), "", "", "", to_text(row.relative_quality),
                          to_text(row.max_distortion), "", "", "", "", "", "", "", "", "", "", "", "", "", "",
-                        to_text(row.seconds)});
+                         to_text(row.seconds)});
         return;
     }
     add("al", row, row.newton_iterations, to_string(row.update), "");

@@ -41,6 +41,7 @@ const char* to_string(SolverKind kind) {
 namespace {
 
 constexpr int failures_to_give_up = 2;   // of iterative solvers in a row, if the choice is ours
+
 // Where ILU(0) of a positive definite matrix meets a bad pivot, that of one with a heavier diagonal may not, and serves
 // nearly as well (Manteuffel, Math. Comp. 34, 1980): tried one after the other, in 3D. In 2D bad pivots come from
 // stretched elements, and iterations stagnate with any shift.

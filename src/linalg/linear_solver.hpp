@@ -1,5 +1,5 @@
 // Solves the symmetric systems A x = b of Newton's method on one fixed pattern, by sparse Cholesky or by conjugate
-// gradients or GMRES with ILU(0), and knows which of them suits.
+// gradients (deflated) or GMRES with ILU(0), and knows which of them suits.
 //
 // `automatic`: Cholesky in 2D, where the factor is small and ILU(0) fails on stretched elements; conjugate gradients in
 // 3D but for small systems, decided by their size because already the analysis of a large 3D pattern costs more than
@@ -20,8 +20,10 @@ enum class SolveStatus {
     max_iterations,             // iterative
     stagnated,                  // iterative
     breakdown,                  // numbers that are not finite, or a solution that does not satisfy the system
-    indefinite_preconditioner,  // ILU(0) met a pivot that is not positive; the matrix may be positive definite
-    not_positive_definite,      // Cholesky; conjugate gradients: a direction of no positive curvature
+    indefinite_preconditioner,  // ILU(0), in 3D also of A with a heavier diagonal, met a pivot that is not
+                                // positive; the matrix may be positive definite
+    not_positive_definite,      // Cholesky; conjugate gradients: the coarse matrix, or a direction of no
+                                // positive curvature
     too_large                   // the Cholesky factor would not fit the memory
 };
 

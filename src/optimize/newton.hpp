@@ -12,7 +12,7 @@
 // deformed, asks for steps that invert thousands of elements, and a step length that suits them all hardly moves the
 // mesh. So the projected Hessian is damped by t times a Hessian that knows about element sizes (distortion_energy.hpp),
 // t = damping x root mean square of the density: 0.2 times as large after a full or longer step, 4 times after one that
-// was cut. The full Hessian, undamped, is used once the damping is below 0.1 of what it began with.
+// was cut. The full Hessian, undamped, is used once the damping is 0.1 or less.
 //
 // Step length: line_search.hpp. Where it tells that energies can no longer be compared, the iteration ends as
 // `rounding_floor` when a step does not halve |grad E|.
