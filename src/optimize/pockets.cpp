@@ -16,6 +16,7 @@ namespace {
 constexpr double part_of_nodes = 0.01, part_of_decrease = 0.9;
 constexpr int layers = 2;
 constexpr int most_steps = 30;
+constexpr double pocket_forcing = 1e-4;    // relative residual of iterative solvers
 constexpr double part_of_gain = 1e-3;  // of what the pocket has gained: less is not worth a step
 
 // Decrease of E that each node could reach alone.
@@ -60,12 +61,11 @@ std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g) 
     return chosen;
 }
 
-// Newton's method on the pocket: the full Hessian after a full step, else the projected one. Small systems, so
-// Cholesky, and no damping: a step that is cut costs little here. Returns the number of steps; y: start, then the last
-// iterate.
+// Newton's method on the pocket: the full Hessian after a full step, else the projected one. No damping: a step that is
+// cut costs little here. Returns the number of steps; y: start, then the last iterate.
 int minimise_pocket(const PocketFunctional& E, double worthwhile, std::vector<double>& y) {
     BlockCsr H = E.hessian_pattern();
-    LinearSolver solver(H, H.d, {.kind = SolverKind::cholesky});
+    LinearSolver solver(H, H.d, {.tolerance = pocket_forcing});
     const auto energy_of = [&E](const std::vector<double>& at) { return E.energy(at); };
     std::vector<double> g(y.size()), minus_g(y.size()), d, trial(y.size());
     const auto step_with = [&](HessianKind kind, double energy) -> LineSearchResult {
@@ -102,6 +102,7 @@ Relaxation relax_pockets(const AugmentedFunctional& E, const BlockCsr& H, const 
     Relaxation result;
     result.nodes = static_cast<int>(std::count(chosen.begin(), chosen.end(), 1));
     result.steps = minimise_pocket(pocket, worthwhile, y);
+    if (result.steps == 0) return result;
     pocket.write(y, x);
     const double relaxed = E.energy(x);
     if (relaxed <= energy)

@@ -5,7 +5,7 @@
 // make the full Hessian indefinite, and creep on for hundreds of steps after the rest has converged. Minimising over
 // these nodes first, all others held, leaves to a Newton step what is smooth (nonlinear elimination: Lanzkron, Rose,
 // Wilkes, SIAM J. Sci. Comput. 17, 1996; Cai & Li, SIAM J. Sci. Comput. 33, 2011). A step on a pocket costs its share
-// of the mesh.
+// of the mesh: with their neighbours a hundredth of the nodes can be a third of it.
 //
 // Which nodes: those with the largest decrease that they could reach alone by a quadratic model with the diagonal of
 // the Hessian, |g_i|^2 / (2 h_i), h_i = trace of H_ii / dim, until they make up nine tenths of the sum over all nodes
