@@ -25,6 +25,15 @@ constexpr double node_part = 0.001;
 // The damping weighs elements by their size to the power 3/2, in 2D and 3D, or like the objective if that has less.
 double damping_exponent(int dim, double weight_exponent) { return std::min(1.5 / dim, weight_exponent); }
 
+// body(position, batch, lane) for all lanes. A batch is one thread's: to write a lane may be to write the whole
+// register.
+template <class Body>
+void each_lane(int batches, const Body& body) {
+    parallel_for(batches, [&](int batch) {
+        for (int lane = 0; lane < lanes; ++lane) body(batch * lanes + lane, batch, lane);
+    }, 10.0 * lanes);
+}
+
 double simplex_volume(int dim) { return dim == 2 ? 0.5 : 1.0 / 6; }
 
 void add_node_points(const LagrangeBasis& basis, Quadrature& quadrature) {
@@ -81,8 +90,8 @@ void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>&
     std::atomic<int> flat = element_count_;  // first element without volume
     with_dimension(dim_, [&](auto dimension) {
         constexpr int n = dimension;
-        parallel_for(batches * lanes, [&](int k) {
-            const int e = chunks_.order[std::min(k, element_count_ - 1)], batch = k / lanes, lane = k % lanes;
+        each_lane(batches, [&](int k, int batch, int lane) {
+            const int e = chunks_.order[std::min(k, element_count_ - 1)];
             std::copy_n(mesh.element(e), m, &nodes_[static_cast<std::size_t>(k) * m]);
             const Mat<n> A = straight_jacobian<n>(mesh.element(e), ideal);
             const double jacobian = determinant(A);
@@ -124,8 +133,8 @@ DistortionEnergy::DistortionEnergy(const DistortionEnergy& whole, const Mesh& me
       chunk_value_(chunks_.count()) {
     resize();
     const int m = reference_.nodes, entries = dim_ * dim_;
-    parallel_for(static_cast<int>(weight_.size()) * lanes, [&](int k) {
-        const int e = chunks_.order[std::min(k, element_count_ - 1)], batch = k / lanes, lane = k % lanes;
+    each_lane(static_cast<int>(weight_.size()), [&](int k, int batch, int lane) {
+        const int e = chunks_.order[std::min(k, element_count_ - 1)];
         const int from = position[e] / lanes, from_lane = position[e] % lanes;
         std::copy_n(mesh.element(e), m, &nodes_[static_cast<std::size_t>(k) * m]);
         for (int ij = 0; ij < entries; ++ij)

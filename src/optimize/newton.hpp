@@ -3,10 +3,10 @@
 //
 // Direction. Far from the minimum the Hessian is indefinite; each step uses one of three (HessianKind): the full one,
 // whose convergence is quadratic, after a step of length one or more, the projected one after a step that was cut, and
-// whenever the full one is found not to be positive definite (by Cholesky, by negative curvature, or by a pivot of
-// ILU(0): no factorisation is spent on finding out) or gives no descent direction. The Hessian of the objective
-// (eta - 1)^2 vanishes at the identity, so there the very first step takes the damping alone. Iterative solvers need to
-// be no more exact than the model is: forcing_term() below.
+// whenever the full one is found not to be positive definite (by Cholesky, by negative curvature, or by pivots of
+// ILU(0) with any shift: no Cholesky factorisation is spent on finding out) or gives no descent direction. The Hessian
+// of the objective (eta - 1)^2 vanishes at the identity, so there the very first step takes the damping alone.
+// Iterative solvers need to be no more exact than the model is: forcing_term() below.
 //
 // Damping (Levenberg). A projected Hessian that is nearly singular, as that of (eta - 1)^2 is where the mesh has hardly
 // deformed, asks for steps that invert thousands of elements, and a step length that suits them all hardly moves the
