@@ -85,10 +85,18 @@ Domains cut_into_domains(const Graph& graph) {
     separate(graph, count, domain);
     std::vector<std::vector<int>> pieces(count + 1);
     for (int v : reverse_cuthill_mckee(graph)) pieces[domain[v]].push_back(v);
+    // Those with most work first, so that threads that take one after the other end at the same time.
+    std::vector<long long> work(count, 0);
+    for (int v = 0; v < graph.size(); ++v)
+        if (domain[v] < count) work[domain[v]] += graph.degree(v);
+    std::vector<int> by_work(count);
+    std::iota(by_work.begin(), by_work.end(), 0);
+    std::stable_sort(by_work.begin(), by_work.end(), [&](int a, int b) { return work[a] > work[b]; });
+    by_work.push_back(count);  // the separators
     Domains domains;
-    for (const std::vector<int>& piece : pieces) {
+    for (int k : by_work) {
         domains.start.push_back(static_cast<int>(domains.order.size()));
-        domains.order.insert(domains.order.end(), piece.begin(), piece.end());
+        domains.order.insert(domains.order.end(), pieces[k].begin(), pieces[k].end());
     }
     return domains;
 }

@@ -13,7 +13,8 @@ namespace almesh {
 
 struct Domains {
     std::vector<int> order;  // order[new] = old; reverse Cuthill-McKee inside each domain and inside the separators
-    std::vector<int> start;  // domain k: new numbers start[k] .. start[k+1]; separators: from start.back() on
+    std::vector<int> start;  // domain k: new numbers start[k] .. start[k+1]; separators: from start.back() on.
+                             // Domains with most edges come first.
 
     int count() const { return static_cast<int>(start.size()) - 1; }
 };

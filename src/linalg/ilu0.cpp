@@ -66,6 +66,33 @@ Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start) : d_(pattern.d), sta
     row_of_.resize(start_.size() * longest_ * block);
     squares_.resize(start_.size());
     bad_.resize(start_.size());
+    find_links();
+}
+
+void Ilu0::find_links() {
+    const int first = start_.back();
+    std::vector<std::vector<Link>> of_domain(domains());
+    std::vector<int> domain_of_link;
+    for (int i = first; i < rows(); ++i) {
+        int k = row_[i];
+        separator_row_.push_back({static_cast<int>(domain_of_link.size()), k});
+        for (int domain = 0; domain < domains(); ++domain) {
+            const int begin = k;
+            while (k < row_[i + 1] && col_[k] < start_[domain + 1]) ++k;
+            if (k == begin) continue;
+            link_of_row_.push_back(static_cast<int>(of_domain[domain].size()));
+            domain_of_link.push_back(domain);
+            of_domain[domain].push_back({i, begin, k});
+        }
+        separator_row_.back().begin = k;
+    }
+    separator_row_.push_back({static_cast<int>(domain_of_link.size()), 0});
+    for (const std::vector<Link>& links : of_domain) {
+        link_.insert(link_.end(), links.begin(), links.end());
+        link_start_.push_back(static_cast<int>(link_.size()));
+    }
+    for (std::size_t l = 0; l < link_of_row_.size(); ++l) link_of_row_[l] += link_start_[domain_of_link[l]];
+    link_product_.resize(link_.size());
 }
 
 // Rows begin .. end-1, whose columns must be done or among them. T: one row of blocks. Returns the bad row, or -1.
@@ -108,7 +135,7 @@ int Ilu0::factor_rows(const BlockCsr& A, double shift, int begin, int end, doubl
 template <int d>
 void Ilu0::factor_blocks(const BlockCsr& A, double shift) {
     const std::size_t row = static_cast<std::size_t>(longest_) * d * d;
-#pragma omp parallel for schedule(static) if (domains() > 1)
+#pragma omp parallel for schedule(dynamic, 1) if (domains() > 1)
     for (int k = 0; k < domains(); ++k)
         bad_[k] = factor_rows<d>(A, shift, start_[k], start_[k + 1], row_of_.data() + k * row);
     int& last = bad_.back() = -1;
@@ -125,66 +152,112 @@ Ilu0Result Ilu0::factor(const BlockCsr& A, double shift) {
     return {Ilu0Status::factored, -1};
 }
 
-// y_i = C_i^{-1} r_i - sum over j < i of L_ij y_j; returns the sum of their squares. Row r of L_ij is read with what
-// comes after it, which meets the zeros of y_j.
+// The sum of L_ij y_j over the blocks begin .. end-1. Row r of a block is read with what comes after it, which meets the
+// zeros of y_j.
 template <int d>
-double Ilu0::sweep_forward(int begin, int end, const double* r) {
+[[gnu::always_inline]] inline Four Ilu0::product(int begin, int end) const {
+    Four products[d] = {};
+    for (int k = begin; k < end; ++k) {
+        const float* const L = L_.data() + static_cast<std::size_t>(k) * d * d;
+        const Four y = y_[col_[k]];
+        for (int a = 0; a < d; ++a) products[a] += __builtin_convertvector(four(L + a * d), Four) * y;
+    }
+    Four sum{};
+    for (int a = 0; a < d; ++a)
+        for (int b = 0; b < d; ++b) sum[a] += products[a][b];
+    return sum;
+}
+
+// y_i = C_i^{-1} r_i - sum; returns its square.
+template <int d>
+[[gnu::always_inline]] inline double Ilu0::solve_row(int i, const double* r, Four sum) {
+    const double* const C_inverse = C_inverse_.data() + static_cast<std::size_t>(i) * d * d;
+    const double* const ri = r + static_cast<std::size_t>(i) * d;
+    Four y{};
+    double square = 0;
+    for (int a = 0; a < d; ++a) {
+        for (int b = 0; b <= a; ++b) y[a] += C_inverse[a * d + b] * ri[b];
+        y[a] -= sum[a];
+        square += y[a] * y[a];
+    }
+    y_[i] = y;
+    return square;
+}
+
+// y_j -= L_ij' y over the blocks begin .. end-1. The entries of y_j from d on become anything.
+template <int d>
+[[gnu::always_inline]] inline void Ilu0::subtract_transposed(int begin, int end, Four y) {
+    Four entry[d];
+    for (int a = 0; a < d; ++a) entry[a] = Four{} + y[a];
+    for (int k = begin; k < end; ++k) {
+        const float* const L = L_.data() + static_cast<std::size_t>(k) * d * d;
+        Four product = __builtin_convertvector(four(L), Four) * entry[0];
+        for (int a = 1; a < d; ++a) product += __builtin_convertvector(four(L + a * d), Four) * entry[a];
+        y_[col_[k]] -= product;
+    }
+}
+
+// z_i = C_i^{-T} y_i
+template <int d>
+[[gnu::always_inline]] inline void Ilu0::finish_row(int i, double* z) const {
+    const double* const C_inverse = C_inverse_.data() + static_cast<std::size_t>(i) * d * d;
+    for (int b = 0; b < d; ++b) {
+        double sum = 0;
+        for (int a = b; a < d; ++a) sum += C_inverse[a * d + b] * y_[i][a];
+        z[static_cast<std::size_t>(i) * d + b] = sum;
+    }
+}
+
+// (I + L) y = C^{-1} r: in a domain, and what it adds to the rows of the separators.
+template <int d>
+double Ilu0::sweep_forward(int domain, const double* r) {
     double squares = 0;
-    for (int i = begin; i < end; ++i) {
-        Four products[d] = {};
-        for (int k = row_[i]; k < row_[i + 1]; ++k) {
-            const float* const L = L_.data() + static_cast<std::size_t>(k) * d * d;
-            const Four y = y_[col_[k]];
-            for (int a = 0; a < d; ++a) products[a] += __builtin_convertvector(four(L + a * d), Four) * y;
-        }
-        const double* const C_inverse = C_inverse_.data() + static_cast<std::size_t>(i) * d * d;
-        const double* const ri = r + static_cast<std::size_t>(i) * d;
-        Four y{};
-        for (int a = 0; a < d; ++a) {
-            for (int b = 0; b <= a; ++b) y[a] += C_inverse[a * d + b] * ri[b];
-            for (int b = 0; b < d; ++b) y[a] -= products[a][b];
-            squares += y[a] * y[a];
-        }
-        y_[i] = y;
+    for (int i = start_[domain]; i < start_[domain + 1]; ++i)
+        squares += solve_row<d>(i, r, product<d>(row_[i], row_[i + 1]));
+    for (int l = link_start_[domain]; l < link_start_[domain + 1]; ++l)
+        link_product_[l] = product<d>(link_[l].begin, link_[l].end);
+    return squares;
+}
+
+// Forward and back through the separators.
+template <int d>
+double Ilu0::sweep_separators(const double* r, double* z) {
+    double squares = 0;
+    const int first = start_.back();
+    for (int i = first; i < rows(); ++i) {
+        const SeparatorRow& own = separator_row_[i - first];
+        Four sum = product<d>(own.begin, row_[i + 1]);
+        for (int l = own.first_link; l < separator_row_[i - first + 1].first_link; ++l)
+            sum += link_product_[link_of_row_[l]];
+        squares += solve_row<d>(i, r, sum);
+    }
+    for (int i = rows() - 1; i >= first; --i) {
+        subtract_transposed<d>(separator_row_[i - first].begin, row_[i + 1], y_[i]);
+        finish_row<d>(i, z);
     }
     return squares;
 }
 
-// y_i -= sum over j > i of L_ji' y_j, by columns of L' as they become known, and z_i = C_i^{-T} y_i. The entries of y_i
-// from d on become anything.
+// (I + L') w = y, z = C^{-T} w: by columns of L', as they become known.
 template <int d>
-void Ilu0::sweep_backward(int begin, int end, double* z) {
-    for (int i = end - 1; i >= begin; --i) {
-        const Four y = y_[i];
-        Four entry[d];
-        for (int a = 0; a < d; ++a) entry[a] = Four{} + y[a];
-        for (int k = row_[i]; k < row_[i + 1]; ++k) {
-            const float* const L = L_.data() + static_cast<std::size_t>(k) * d * d;
-            Four product = __builtin_convertvector(four(L), Four) * entry[0];
-            for (int a = 1; a < d; ++a) product += __builtin_convertvector(four(L + a * d), Four) * entry[a];
-            y_[col_[k]] -= product;
-        }
-        const double* const C_inverse = C_inverse_.data() + static_cast<std::size_t>(i) * d * d;
-        for (int b = 0; b < d; ++b) {
-            double sum = 0;
-            for (int a = b; a < d; ++a) sum += C_inverse[a * d + b] * y[a];
-            z[static_cast<std::size_t>(i) * d + b] = sum;
-        }
+void Ilu0::sweep_backward(int domain, double* z) {
+    for (int l = link_start_[domain]; l < link_start_[domain + 1]; ++l)
+        subtract_transposed<d>(link_[l].begin, link_[l].end, y_[link_[l].row]);
+    for (int i = start_[domain + 1] - 1; i >= start_[domain]; --i) {
+        subtract_transposed<d>(row_[i], row_[i + 1], y_[i]);
+        finish_row<d>(i, z);
     }
 }
 
 template <int d>
 double Ilu0::sweep(const double* r, double* z) {
-#pragma omp for schedule(static)
-    for (int k = 0; k < domains(); ++k) squares_[k] = sweep_forward<d>(start_[k], start_[k + 1], r);
+#pragma omp for schedule(dynamic, 1)
+    for (int k = 0; k < domains(); ++k) squares_[k] = sweep_forward<d>(k, r);
 #pragma omp single
-    {
-        squares_.back() = sweep_forward<d>(start_.back(), rows(), r);
-        sweep_backward<d>(start_.back(), rows(), z);
-    }
+    squares_.back() = sweep_separators<d>(r, z);
     const double rz = std::accumulate(squares_.begin(), squares_.end(), 0.0);
-#pragma omp for schedule(static)
-    for (int k = 0; k < domains(); ++k) sweep_backward<d>(start_[k], start_[k + 1], z);
+#pragma omp for schedule(dynamic, 1)
+    for (int k = 0; k < domains(); ++k) sweep_backward<d>(k, z);
     return rz;
 }
 

@@ -5,6 +5,7 @@
 //
 // The matrix comes numbered domain by domain, separators last (domains.hpp), so that domains are factored and swept in
 // parallel, with one wait before and one after the separators; inside, reverse Cuthill-McKee keeps the factor accurate.
+// Sweeps read most of a separator's row with the domain that it joins: little is left for one thread alone.
 // C carries the units of A, so L is of order one and is kept in single precision: the sweeps move half the bytes.
 // Cost: O(sum over rows of neighbours^2 d^3) to factor, two passes over L to solve. Memory: L, half a matrix in single
 // precision, and 8 bytes for every three nodes that are neighbours of each other: little for linear elements, more than
@@ -55,12 +56,23 @@ private:
     template <int d>
     void factor_blocks(const BlockCsr& A, double shift);
     template <int d>
-    double sweep_forward(int begin, int end, const double* r);
+    Four product(int begin, int end) const;
     template <int d>
-    void sweep_backward(int begin, int end, double* z);
+    double solve_row(int i, const double* r, Four sum);
+    template <int d>
+    void subtract_transposed(int begin, int end, Four y);
+    template <int d>
+    void finish_row(int i, double* z) const;
+    template <int d>
+    double sweep_forward(int domain, const double* r);
+    template <int d>
+    void sweep_backward(int domain, double* z);
+    template <int d>
+    double sweep_separators(const double* r, double* z);
     template <int d>
     double sweep(const double* r, double* z);
 
+    void find_links();
     int rows() const { return static_cast<int>(row_.size()) - 1; }
     int domains() const { return static_cast<int>(start_.size()) - 1; }
 
@@ -73,6 +85,19 @@ private:
     };
     std::vector<std::size_t> term_start_{0};  // the terms of block k: term_start_[k] .. term_start_[k+1]
     std::vector<Term> term_;
+    // The blocks of a separator's row in the columns of one domain.
+    struct Link {
+        int row, begin, end;
+    };
+    std::vector<Link> link_;             // those of domain k: link_start_[k] .. link_start_[k+1]
+    std::vector<int> link_start_{0};
+    std::vector<Four> link_product_;     // of its blocks with y
+    struct SeparatorRow {
+        int first_link;                  // its links: link_of_row_[first_link] .. up to those of the next row
+        int begin;                       // its blocks in columns of separators: begin .. up to the next row
+    };
+    std::vector<SeparatorRow> separator_row_;  // one more than rows
+    std::vector<int> link_of_row_;
     std::vector<float> L_;               // d*d per block, row-major
     std::vector<double> C_inverse_;      // d*d per row, lower triangular
     std::vector<Four> y_;                // n: the vector between the sweeps, d entries each and zeros

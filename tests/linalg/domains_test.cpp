@@ -52,6 +52,16 @@ TEST_CASE("eight domains of like size that no edge joins, and few vertices betwe
     }
 }
 
+TEST_CASE("domains with most edges come first") {
+    const Graph graph = graph_with(6000, random_edges(6000, 4000, 5));
+    const Domains domains = cut_into_domains(graph);
+    std::vector<int> edges(domains.count(), 0);
+    for (int k = 0; k < domains.count(); ++k)
+        for (int i = domains.start[k]; i < domains.start[k + 1]; ++i) edges[k] += graph.degree(domains.order[i]);
+    CHECK(std::is_sorted(edges.rbegin(), edges.rend()));
+    CHECK(edges.front() > edges.back());
+}
+
 TEST_CASE("the separators of a plane grid are lines") {
     const Domains domains = cut_into_domains(graph_with(10000, grid(100, 100)));
     CHECK(10000 - domains.start.back() < 1000);  // 100 + 2 * 50 + 4 * 50 at best
