@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "boundary/target_check.hpp"
 #include "io/msh_reader.hpp"
@@ -21,6 +22,13 @@ std::string hash_of(const std::string& text) {
     char out[17];
     std::snprintf(out, sizeof out, "%016llx", static_cast<unsigned long long>(hash));
     return out;
+}
+
+RawMesh read_mesh_file(const std::string& path, std::string& hash) {
+    const std::string text = read_text_file(path);
+    RawMesh raw;
+    at_once([&] { raw = parse_msh(text, path); }, [&] { hash = hash_of(text); });
+    return raw;
 }
 
 // One motion per boundary of the mesh; each must have one in the deck.
@@ -89,9 +97,7 @@ void change_unit(Problem& problem) {
 Problem make_problem(const Deck& deck) {
     Problem problem;
     check_start(deck);
-    const std::string text = read_text_file(deck.mesh);
-    problem.mesh_hash = hash_of(text);
-    problem.base = build_mesh(parse_msh(text, deck.mesh), problem.notes);
+    problem.base = build_mesh(read_mesh_file(deck.mesh, problem.mesh_hash), problem.notes);
     check_quadrature(deck, std::max(deck.degree, problem.base.degree));
     discretise(deck, problem.base, deck.refine, problem);
     const TargetReport report = check_target(problem.mesh, problem.target.node);

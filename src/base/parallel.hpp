@@ -5,6 +5,7 @@
 // thread from left to right, and the block sums are added in order. Without OpenMP everything runs serially.
 #pragma once
 #include <algorithm>
+#include <exception>
 #include <vector>
 #ifdef _OPENMP
 #include <omp.h>
@@ -37,6 +38,28 @@ template <class Body>
 void parallel_for(int n, const Body& body, [[maybe_unused]] double work = 10) {
 #pragma omp parallel for schedule(static) if (n * work >= 10.0 * parallel_work)
     for (int i = 0; i < n; ++i) body(i);
+}
+
+// first() and second() at the same time, each on one thread; an exception of the first goes before one of the second.
+template <class First, class Second>
+void at_once(const First& first, const Second& second) {
+    std::exception_ptr thrown[2];
+    const auto guarded = [](const auto& work, std::exception_ptr& by_it) {
+        try {
+            work();
+        } catch (...) {
+            by_it = std::current_exception();
+        }
+    };
+#pragma omp parallel sections
+    {
+#pragma omp section
+        guarded(first, thrown[0]);
+#pragma omp section
+        guarded(second, thrown[1]);
+    }
+    for (const std::exception_ptr& exception : thrown)
+        if (exception) std::rethrow_exception(exception);
 }
 
 // Sum of term(i), i in [0, n), in fixed blocks.

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <numeric>
 
+#include "base/parallel.hpp"
+
 namespace almesh {
 
 Graph graph_of(const BlockCsr& A) {
@@ -159,14 +161,15 @@ BlockCsr permuted_pattern(const BlockCsr& A, const std::vector<int>& order, std:
     B.n = A.n;
     B.d = A.d;
     B.row.assign(1, 0);
-    for (int v : order) {
-        const std::size_t begin = source.size();
-        for (int k = A.row[v]; k < A.row[v + 1]; ++k) source.push_back(k);
-        std::sort(source.begin() + begin, source.end(),
-                  [&](int a, int b) { return position[A.col[a]] < position[A.col[b]]; });
-        for (std::size_t k = begin; k < source.size(); ++k) B.col.push_back(position[A.col[source[k]]]);
-        B.row.push_back(static_cast<int>(source.size()));
-    }
+    for (int v : order) B.row.push_back(B.row.back() + A.row[v + 1] - A.row[v]);
+    source.resize(A.col.size());
+    B.col.resize(A.col.size());
+    parallel_for(A.n, [&](int i) {
+        const auto begin = source.begin() + B.row[i], end = source.begin() + B.row[i + 1];
+        std::iota(begin, end, A.row[order[i]]);
+        std::sort(begin, end, [&](int a, int b) { return position[A.col[a]] < position[A.col[b]]; });
+        std::transform(begin, end, B.col.begin() + B.row[i], [&](int k) { return position[A.col[k]]; });
+    }, 500);
     B.value.resize(A.value.size());
     return B;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/parallel.hpp"
 #include "linalg/cholesky.hpp"
 #include "linalg/conjugate_gradients.hpp"
 #include "linalg/domains.hpp"
@@ -90,7 +91,7 @@ double norm_inf(const BlockCsr& A) {
 
 struct LinearSolver::Iterative {
     Reordered system;  // domain by domain
-    Ilu0 ilu;
+    std::optional<Ilu0> ilu;
     std::optional<Deflation> deflation;    // with cg
     std::optional<ConjugateGradients> cg;  // one of the two
     std::optional<Gmres> gmres;
@@ -100,11 +101,13 @@ struct LinearSolver::Iterative {
         : Iterative(A, params, cut_into_domains(graph_of(A))) {}
 
     Iterative(const BlockCsr& A, const LinearSolverParams& params, const Domains& domains)
-        : system(A, domains.order), ilu(system.matrix(), domains.start), right(A.size()), solution(A.size()) {
+        : system(A, domains.order), right(A.size()), solution(A.size()) {
+        const auto set_up_ilu = [&] { ilu.emplace(system.matrix(), domains.start); };
         if (params.kind == SolverKind::gmres) {
+            set_up_ilu();
             gmres.emplace(A.size(), GmresParams{params.restart, params.max_iterations, params.tolerance});
         } else {
-            deflation.emplace(system.matrix());
+            at_once(set_up_ilu, [&] { deflation.emplace(system.matrix()); });
             cg.emplace(A.size(), CgParams{params.max_iterations, params.tolerance});
         }
     }
@@ -192,7 +195,7 @@ SolveResult LinearSolver::solve_iteratively(const BlockCsr& A, const std::vector
     const BlockCsr& B = own.system.matrix();
     Ilu0Result factored{};
     for (double shift : ilu_shifts) {
-        factored = own.ilu.factor(B, shift);
+        factored = own.ilu->factor(B, shift);
         if (factored.status == Ilu0Status::factored || dimension_ == 2) break;
     }
     if (factored.status == Ilu0Status::not_positive_definite) {
@@ -207,8 +210,8 @@ SolveResult LinearSolver::solve_iteratively(const BlockCsr& A, const std::vector
         return result_of(kind, status_of(solved.status), solved.iterations, solved.relative_residual);
     };
     const double* const right = own.right.data();
-    if (own.gmres) return finish(own.gmres->solve(B, &own.ilu, right, own.solution.data()));
-    return finish(own.cg->solve(B, {&own.ilu, &*own.deflation}, right, own.solution.data()));
+    if (own.gmres) return finish(own.gmres->solve(B, &*own.ilu, right, own.solution.data()));
+    return finish(own.cg->solve(B, {&*own.ilu, &*own.deflation}, right, own.solution.data()));
 }
 
 SolveResult LinearSolver::solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
