@@ -152,25 +152,27 @@ Ilu0Result Ilu0::factor(const BlockCsr& A, double shift) {
     return {Ilu0Status::factored, -1};
 }
 
-// The sum of L_ij y_j over the blocks begin .. end-1. Row r of a block is read with what comes after it, which meets the
-// zeros of y_j.
+// The four kernels below are small and called for every row: not worth a call each. Registers go in and out of them by
+// reference: not every machine can pass so many numbers in one.
+
+// product <- the sum of L_ij y_j over the blocks begin .. end-1. Row r of a block is read with what comes after it,
+// which meets the zeros of y_j.
 template <int d>
-[[gnu::always_inline]] inline Four Ilu0::product(int begin, int end) const {
+[[gnu::always_inline]] inline void Ilu0::multiply_row(int begin, int end, Four& product) const {
     Four products[d] = {};
     for (int k = begin; k < end; ++k) {
         const float* const L = L_.data() + static_cast<std::size_t>(k) * d * d;
         const Four y = y_[col_[k]];
         for (int a = 0; a < d; ++a) products[a] += __builtin_convertvector(four(L + a * d), Four) * y;
     }
-    Four sum{};
+    product = Four{};
     for (int a = 0; a < d; ++a)
-        for (int b = 0; b < d; ++b) sum[a] += products[a][b];
-    return sum;
+        for (int b = 0; b < d; ++b) product[a] += products[a][b];
 }
 
 // y_i = C_i^{-1} r_i - sum; returns its square.
 template <int d>
-[[gnu::always_inline]] inline double Ilu0::solve_row(int i, const double* r, Four sum) {
+[[gnu::always_inline]] inline double Ilu0::solve_row(int i, const double* r, const Four& sum) {
     const double* const C_inverse = C_inverse_.data() + static_cast<std::size_t>(i) * d * d;
     const double* const ri = r + static_cast<std::size_t>(i) * d;
     Four y{};
@@ -186,7 +188,7 @@ template <int d>
 
 // y_j -= L_ij' y over the blocks begin .. end-1. The entries of y_j from d on become anything.
 template <int d>
-[[gnu::always_inline]] inline void Ilu0::subtract_transposed(int begin, int end, Four y) {
+[[gnu::always_inline]] inline void Ilu0::subtract_transposed(int begin, int end, const Four& y) {
     Four entry[d];
     for (int a = 0; a < d; ++a) entry[a] = Four{} + y[a];
     for (int k = begin; k < end; ++k) {
@@ -212,10 +214,13 @@ template <int d>
 template <int d>
 double Ilu0::sweep_forward(int domain, const double* r) {
     double squares = 0;
-    for (int i = start_[domain]; i < start_[domain + 1]; ++i)
-        squares += solve_row<d>(i, r, product<d>(row_[i], row_[i + 1]));
+    Four product;
+    for (int i = start_[domain]; i < start_[domain + 1]; ++i) {
+        multiply_row<d>(row_[i], row_[i + 1], product);
+        squares += solve_row<d>(i, r, product);
+    }
     for (int l = link_start_[domain]; l < link_start_[domain + 1]; ++l)
-        link_product_[l] = product<d>(link_[l].begin, link_[l].end);
+        multiply_row<d>(link_[l].begin, link_[l].end, link_product_[l]);
     return squares;
 }
 
@@ -224,9 +229,10 @@ template <int d>
 double Ilu0::sweep_separators(const double* r, double* z) {
     double squares = 0;
     const int first = start_.back();
+    Four sum;
     for (int i = first; i < rows(); ++i) {
         const SeparatorRow& own = separator_row_[i - first];
-        Four sum = product<d>(own.begin, row_[i + 1]);
+        multiply_row<d>(own.begin, row_[i + 1], sum);
         for (int l = own.first_link; l < separator_row_[i - first + 1].first_link; ++l)
             sum += link_product_[link_of_row_[l]];
         squares += solve_row<d>(i, r, sum);

@@ -56,11 +56,11 @@ private:
     template <int d>
     void factor_blocks(const BlockCsr& A, double shift);
     template <int d>
-    Four product(int begin, int end) const;
+    void multiply_row(int begin, int end, Four& product) const;
     template <int d>
-    double solve_row(int i, const double* r, Four sum);
+    double solve_row(int i, const double* r, const Four& sum);
     template <int d>
-    void subtract_transposed(int begin, int end, Four y);
+    void subtract_transposed(int begin, int end, const Four& y);
     template <int d>
     void finish_row(int i, double* z) const;
     template <int d>
