@@ -59,6 +59,21 @@ void transpose_lanes(Lanes (&rows)[lanes]) {
     if constexpr (step > 1) transpose_lanes<step / 2>(rows);
 }
 
+constexpr int whole_registers(int count) { return (count + lanes - 1) / lanes * lanes; }
+
+// `count` numbers of each lane after those of the lane before: those of lane l from l * whole_registers(count) on. Both
+// arrays: whole_registers(count) registers, whose numbers from `count` on have no meaning.
+inline const double* separate_lanes(const Lanes* numbers, int count, Lanes* separate) {
+    const int registers = whole_registers(count) / lanes;
+    for (int k = 0; k < registers; ++k) {
+        Lanes rows[lanes];
+        for (int r = 0; r < lanes; ++r) rows[r] = numbers[k * lanes + r];
+        transpose_lanes(rows);
+        for (int l = 0; l < lanes; ++l) separate[l * registers + k] = rows[l];
+    }
+    return reinterpret_cast<const double*>(separate);
+}
+
 inline Lanes abs(Lanes v) { return select(v < 0, -v, v); }
 inline Lanes max(Lanes a, Lanes b) { return select(a < b, b, a); }
 

@@ -4,23 +4,18 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "mesh/lagrange.hpp"
-#include "mesh/quadrature.hpp"
+#include "functional/curved_batch.hpp"
+#include "functional/linear_batch.hpp"
 #include "mesh/straight_jacobian.hpp"
 
 namespace almesh {
 
-int default_exactness(int degree) { return degree == 1 ? 0 : 2 * degree + 2; }
-
 namespace {
-
-// Elements of degree p > 1 fold at vertices and edges first, where the quadrature has no points: a part `node_part` of
-// the weight goes to the nodes, where the distortion then stops them as it does inside.
-constexpr double node_part = 0.001;
 
 // The damping weighs elements by their size to the power 3/2, in 2D and 3D, or like the objective if that has less.
 double damping_exponent(int dim, double weight_exponent) { return std::min(1.5 / dim, weight_exponent); }
@@ -36,37 +31,13 @@ void each_lane(int batches, const Body& body) {
 
 double simplex_volume(int dim) { return dim == 2 ? 0.5 : 1.0 / 6; }
 
-void add_node_points(const LagrangeBasis& basis, Quadrature& quadrature) {
-    double volume = 0;
-    for (double& weight : quadrature.weight) {
-        volume += weight;
-        weight *= 1 - node_part;
-    }
-    for (const MultiIndex& a : basis.nodes)
-        for (int k = 1; k <= basis.dim; ++k) quadrature.xi.push_back(static_cast<double>(a[k]) / basis.degree);
-    quadrature.weight.insert(quadrature.weight.end(), basis.count, node_part * volume / basis.count);
-    quadrature.count += basis.count;
-}
-
-ReferenceElement reference_element(const LagrangeBasis& basis, int exactness) {
-    const bool by_default = exactness == 0 || basis.degree == 1;  // F is constant on linear elements: one point will do
-    Quadrature quadrature = simplex_quadrature(basis.dim, by_default ? default_exactness(basis.degree) : exactness);
-    if (basis.degree > 1) add_node_points(basis, quadrature);
-    ReferenceElement element{basis.degree, basis.count, quadrature.count, quadrature.weight, {}};
-    const std::size_t stride = static_cast<std::size_t>(basis.count) * basis.dim;
-    element.gradients.resize(stride * quadrature.count);
-    for (int q = 0; q < quadrature.count; ++q)
-        basis.gradients(&quadrature.xi[q * basis.dim], &element.gradients[stride * q]);
-    return element;
-}
-
 }  // namespace
 
 DistortionEnergy::DistortionEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
     : dim_(mesh.dim),
       element_count_(mesh.element_count()),
       params_(params),
-      reference_(reference_element(LagrangeBasis(mesh.dim, mesh.degree), params.exactness)),
+      reference_(reference_element(mesh.dim, mesh.degree, params.exactness)),
       chunks_(chunk_elements(mesh)),
       chunk_value_(chunks_.count()) {
     resize();
@@ -187,10 +158,20 @@ BlockCsr DistortionEnergy::hessian_pattern() const {
     return H;
 }
 
+// body(std::type_identity<Batch>), Batch: the class for elements of this dimension and degree.
+template <class Body>
+void DistortionEnergy::with_batches(const Body& body) const {
+    with_dimension(dim_, [&](auto n) {
+        if (reference_.degree == 1) body(std::type_identity<LinearBatch<n()>>());
+        else body(std::type_identity<CurvedBatch<n()>>());
+    });
+}
+
 // body(batch of elements, its number) for the batches of a chunk, in order.
-template <int n, class Body>
+template <class Batch, class Body>
 void DistortionEnergy::every_batch(int chunk, const std::vector<double>& x, const Body& body) const {
-    ElementBatch<n> elements(reference_);
+    constexpr int n = Batch::dimension;
+    Batch elements(reference_);
     const int end = std::min(element_count_, (chunk + 1) * chunks_.size);
     for (int k = chunk * chunks_.size; k < end; k += lanes) {
         const int batch = k / lanes;
@@ -212,12 +193,13 @@ void DistortionEnergy::every_colour(const Body& body) const {
 
 double DistortionEnergy::energy(const std::vector<double>& x) const {
     std::atomic<bool> inverted = false;  // one inverted element settles it: the other chunks are skipped
-    with_dimension(dim_, [&](auto dimension) {
+    with_batches([&](auto of_type) {
+        using Batch = typename decltype(of_type)::type;
 #pragma omp parallel for schedule(dynamic, 1) if (is_large_)
         for (int chunk = 0; chunk < chunks_.count(); ++chunk) {
             if (inverted.load(std::memory_order_relaxed)) continue;
             Lanes sum{};
-            every_batch<dimension()>(chunk, x, [&](const auto& elements, int batch) {
+            every_batch<Batch>(chunk, x, [&](const Batch& elements, int batch) {
                 sum += weight_[batch] * elements.energy(params_.delta, params_.objective);
             });
             chunk_value_[chunk] = sum_of_lanes(sum);
@@ -229,41 +211,35 @@ double DistortionEnergy::energy(const std::vector<double>& x) const {
 }
 
 void DistortionEnergy::add_gradient(const std::vector<double>& x, std::vector<double>& g) const {
-    const int m = reference_.nodes;
-    with_dimension(dim_, [&](auto dimension) {
-        constexpr int n = dimension;
+    with_batches([&](auto of_type) {
+        using Batch = typename decltype(of_type)::type;
         every_colour([&](int chunk) {
-            every_batch<n>(chunk, x, [&](auto& elements, int batch) {
-                const double* part = elements.gradient(params_.delta, params_.objective, weight_[batch]);
-                const int first = batch * lanes, end = std::min(first + lanes, element_count_);
-                for (int k = first; k < end; ++k, part += elements.stride(m * n)) {
-                    const int* const node = &nodes_[static_cast<std::size_t>(k) * m];
-                    for (int i = 0; i < m; ++i)
-                        for (int a = 0; a < n; ++a) g[static_cast<std::size_t>(node[i]) * n + a] += part[i * n + a];
-                }
+            every_batch<Batch>(chunk, x, [&](Batch& elements, int batch) {
+                const int count = std::min(lanes, element_count_ - batch * lanes);
+                elements.add_gradient(params_.delta, params_.objective, weight_[batch], count, g.data());
             });
         });
     });
 }
 
 void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping) const {
-    const int m = reference_.nodes;
     const bool projected = kind != HessianKind::full, of_objective = kind != HessianKind::squared_projected;
     const double added = kind == HessianKind::projected ? damping : of_objective ? 0 : 1;
-    with_dimension(dim_, [&](auto dimension) {
-        constexpr int n = dimension;
+    with_batches([&](auto of_type) {
+        using Batch = typename decltype(of_type)::type;
         every_colour([&](int chunk) {
-            every_batch<n>(chunk, x, [&](auto& elements, int batch) {
+            every_batch<Batch>(chunk, x, [&](Batch& elements, int batch) {
                 const Lanes own = of_objective ? weight_[batch] : Lanes{};
                 const Lanes weight = own + added * damping_weight_[batch];
                 const bool shifted = params_.objective == Objective::deviation;
                 const Lanes shift = shifted ? own / max(weight, in_all_lanes(1e-300)) : Lanes{};
-                const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
+                const int m = elements.nodes(), first = batch * lanes, count = std::min(lanes, element_count_ - first);
                 const int* place = &place_[static_cast<std::size_t>(first) * m * m];
                 // On their way from memory while the numbers to add are computed.
                 for (int k = 0; k < count * m * m; ++k) __builtin_prefetch(H.block(place[k]), 1);
+                constexpr int n = Batch::dimension;
                 const double* part = elements.hessian(params_.delta, shift, projected, weight);
-                for (int k = 0; k < count; ++k, part += elements.stride(m * m * n * n), place += m * m) {
+                for (int k = 0; k < count; ++k, part += elements.stride(), place += m * m) {
                     for (int ij = 0; ij < m * m; ++ij) {
                         double* const block = H.block(place[ij]);
                         double sum[n * n];  // first all, then stored: the compiler need not fear that they overlap
@@ -279,10 +255,11 @@ void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kin
 DistortionStatistics DistortionEnergy::statistics(const std::vector<double>& x) const {
     DistortionStatistics result;
     result.element_max.resize(element_count_);
-    with_dimension(dim_, [&](auto dimension) {
+    with_batches([&](auto of_type) {
+        using Batch = typename decltype(of_type)::type;
         parallel_for(chunks_.count(), [&](int chunk) {
             Lanes sum{};
-            every_batch<dimension()>(chunk, x, [&](const auto& elements, int batch) {
+            every_batch<Batch>(chunk, x, [&](const Batch& elements, int batch) {
                 Lanes largest{}, squared{};
                 for (int q = 0; q < reference_.points; ++q) {
                     const Lanes eta = elements.distortion_at(q);

@@ -13,15 +13,17 @@
 // Benney, J. Appl. Mech. 70, 2003). Since (w + t w')(eta - s)^2 with s = w/(w + t w') has the second derivatives of
 // w (eta - 1)^2 + t w' eta^2, it costs nothing to add.
 //
-// Elements are worked on in batches, one in each lane of the vector registers (element_batch.hpp), and in the order of
-// element_chunks.hpp: the same bits for any number of threads. Cost per quadrature point and element with m nodes:
-// O(m n^2) for the energy, O(m^2 n^3) for the Hessian, none of that for linear elements.
+// Elements are worked on in batches, one in each lane of the vector registers (linear_batch.hpp, curved_batch.hpp), and
+// in the order of element_chunks.hpp: the same bits for any number of threads. Cost per quadrature point and element
+// with m nodes: O(m n^2) for the energy, O(m^2 n^3) for the Hessian, none of that for linear elements.
 // Memory per element: 4 m (m + 1) + 8 n^2 + 28 bytes.
 #pragma once
 #include <vector>
 
-#include "functional/element_batch.hpp"
+#include "base/lanes.hpp"
+#include "functional/distortion.hpp"
 #include "functional/element_chunks.hpp"
+#include "functional/reference_element.hpp"
 #include "linalg/block_csr.hpp"
 #include "mesh/mesh.hpp"
 
@@ -33,11 +35,6 @@ struct DistortionParams {
     double weight_exponent = 1;  // alpha
     int exactness = 0;           // of the quadrature for p > 1; 0: default_exactness(degree)
 };
-
-// One point for constant F (p = 1). For p > 1 more than |F|^2 (degree 2 p - 2) needs: with 2 p + 2 the relative quality
-// has six digits of what more points give, and below it the worst elements suffer. For p > 1 a thousandth of the weight
-// goes to the element's nodes: see add_node_points().
-int default_exactness(int degree);
 
 enum class HessianKind {
     full,              // second derivative of the objective
@@ -96,7 +93,9 @@ private:
     void measure();
     void set_geometry(const Mesh& mesh, const std::vector<double>& ideal);
     void set_places(int node_count);
-    template <int n, class Body>
+    template <class Body>
+    void with_batches(const Body& body) const;
+    template <class Batch, class Body>
     void every_batch(int chunk, const std::vector<double>& x, const Body& body) const;
     template <class Body>
     void every_colour(const Body& body) const;
