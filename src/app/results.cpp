@@ -63,8 +63,10 @@ void write_volume(const Deck& deck, const Problem& problem, const char* what, co
     cell_data.push_back({"quality", 1, std::move(quality)});
     if (scaled_jacobian) cell_data.push_back({"min_scaled_jacobian", 1, *scaled_jacobian});
     cell_data.push_back({"element_id", 1, std::move(id)});
-    write_vtk(deck.output + "/" + what + ".vtk", title(deck, what), mesh.dim, mesh.degree, scaled(x, problem.length),
-              mesh.elements, mesh.dim, point_data, cell_data, provenance(deck, problem), format_of(deck));
+    write_vtk(deck.output + "/" + what + ".vtk",
+              {title(deck, what), mesh.dim, mesh.degree, scaled(x, problem.length), mesh.elements, mesh.dim,
+               std::move(point_data), std::move(cell_data), provenance(deck, problem)},
+              format_of(deck));
 }
 
 // Boundary faces on the trace nodes, with the multipliers and the projected constraint.
@@ -87,11 +89,14 @@ void write_boundary(const Deck& deck, const Problem& problem, const BoundaryCons
     for (int b : mesh.face_boundary) boundary.push_back(b);
     const double lambda_unit = std::pow(problem.length, 0.5 * dim);  // of energy / ((u, v) c), see constraint.hpp
     const double constraint_unit = std::pow(problem.length, 2 - 0.5 * dim);
-    write_vtk(deck.output + "/boundary.vtk", title(deck, "boundary"), dim, mesh.degree, x, cells, dim - 1,
-              {{"multipliers", dim, scaled(solution.al.lambda, lambda_unit)},
-               {"multiplier_magnitude", 1, scaled(magnitude, lambda_unit)},
-               {"constraint", dim, scaled(constraint.projected_constraint(solution.x), constraint_unit)}},
-              {{"boundary", 1, boundary}}, provenance(deck, problem), format_of(deck));
+    std::vector<VtkArray> point_data = {
+        {"multipliers", dim, scaled(solution.al.lambda, lambda_unit)},
+        {"multiplier_magnitude", 1, scaled(magnitude, lambda_unit)},
+        {"constraint", dim, scaled(constraint.projected_constraint(solution.x), constraint_unit)}};
+    write_vtk(deck.output + "/boundary.vtk",
+              {title(deck, "boundary"), dim, mesh.degree, std::move(x), std::move(cells), dim - 1,
+               std::move(point_data), {{"boundary", 1, std::move(boundary)}}, provenance(deck, problem)},
+              format_of(deck));
 }
 
 std::string lines(const Pairs& pairs) {

@@ -154,50 +154,39 @@ std::vector<int> vtk_node_order(int cell_dim, int degree) {
 
 namespace {
 
-void write_text(const TextSink& sink, const std::string& title, int dim, int degree,
-                const std::vector<double>& positions, const std::vector<int>& cells, int cell_dim,
-                const std::vector<VtkArray>& point_data, const std::vector<VtkArray>& cell_data,
-                const std::vector<std::pair<std::string, std::string>>& provenance, const VtkNumbers& numbers) {
-    std::string head = "# vtk DataFile Version 3.0\n" + title.substr(0, std::min<std::size_t>(title.find('\n'), 255));
+void write_grid(const TextSink& sink, const VtkGrid& grid, const VtkNumbers& numbers) {
+    const std::string title = grid.title.substr(0, std::min<std::size_t>(grid.title.find('\n'), 255));
+    std::string head = "# vtk DataFile Version 3.0\n" + title;
     head += numbers.binary ? "\nBINARY\n" : "\nASCII\n";
     head += "DATASET UNSTRUCTURED_GRID\n";
-    if (!provenance.empty()) head += "FIELD FieldData " + std::to_string(provenance.size()) + "\n";
-    for (const auto& [name, value] : provenance) {
+    if (!grid.provenance.empty()) head += "FIELD FieldData " + std::to_string(grid.provenance.size()) + "\n";
+    for (const auto& [name, value] : grid.provenance) {
         head += encoded(name) + " 1 1 string\n";
         append_string(head, value, numbers.binary);
     }
-    const int nodes = static_cast<int>(positions.size()) / dim;
+    const int nodes = static_cast<int>(grid.positions.size()) / grid.dim;
     sink(head + "POINTS " + std::to_string(nodes) + " double\n");
     append_rows(sink, nodes, [&](std::string& part, int i) {
-        const double* const x = &positions[static_cast<std::size_t>(i) * dim];
-        for (int a = 0; a < 3; ++a) numbers.position(part, a < dim ? x[a] : 0.0, a < 2 ? ' ' : '\n');
+        const double* const x = &grid.positions[static_cast<std::size_t>(i) * grid.dim];
+        for (int a = 0; a < 3; ++a) numbers.position(part, a < grid.dim ? x[a] : 0.0, a < 2 ? ' ' : '\n');
     });
     numbers.end(sink);
-    append_cells(sink, cells, cell_dim, degree, numbers);
-    append_arrays(sink, "POINT_DATA ", nodes, point_data, numbers);
-    append_arrays(sink, "CELL_DATA ", cells.size() / simplex_node_count(cell_dim, degree), cell_data, numbers);
+    append_cells(sink, grid.cells, grid.cell_dim, grid.degree, numbers);
+    append_arrays(sink, "POINT_DATA ", nodes, grid.point_data, numbers);
+    append_arrays(sink, "CELL_DATA ", grid.cells.size() / simplex_node_count(grid.cell_dim, grid.degree),
+                  grid.cell_data, numbers);
 }
 
 }  // namespace
 
-std::string vtk_text(const std::string& title, int dim, int degree, const std::vector<double>& positions,
-                     const std::vector<int>& cells, int cell_dim, const std::vector<VtkArray>& point_data,
-                     const std::vector<VtkArray>& cell_data,
-                     const std::vector<std::pair<std::string, std::string>>& provenance, VtkFormat format) {
+std::string vtk_text(const VtkGrid& grid, VtkFormat format) {
     std::string text;
-    write_text([&](std::string_view piece) { text += piece; }, title, dim, degree, positions, cells, cell_dim,
-               point_data, cell_data, provenance, {format == VtkFormat::binary});
+    write_grid([&](std::string_view piece) { text += piece; }, grid, {format == VtkFormat::binary});
     return text;
 }
 
-void write_vtk(const std::string& path, const std::string& title, int dim, int degree,
-               const std::vector<double>& positions, const std::vector<int>& cells, int cell_dim,
-               const std::vector<VtkArray>& point_data, const std::vector<VtkArray>& cell_data,
-               const std::vector<std::pair<std::string, std::string>>& provenance, VtkFormat format) {
-    write_file(path, [&](const TextSink& sink) {
-        write_text(sink, title, dim, degree, positions, cells, cell_dim, point_data, cell_data, provenance,
-                   {format == VtkFormat::binary});
-    });
+void write_vtk(const std::string& path, const VtkGrid& grid, VtkFormat format) {
+    write_file(path, [&](const TextSink& sink) { write_grid(sink, grid, {format == VtkFormat::binary}); });
 }
 
 }  // namespace almesh

@@ -24,20 +24,22 @@ struct VtkArray {
 // Node order of a VTK simplex by Gmsh's: node i of the VTK cell is node vtk_node_order(...)[i] of Gmsh's.
 std::vector<int> vtk_node_order(int cell_dim, int degree);
 
-// positions: node_count x dim. cells: cell_count x nodes of a simplex of dimension cell_dim (1, 2, 3) and the given
-// degree, Gmsh order. provenance: name and text pairs, kept in the file as field data.
+// An unstructured grid of one kind of cell.
+struct VtkGrid {
+    std::string title;                           // its first line, at most 255 characters, is written
+    int dim, degree;
+    std::vector<double> positions;               // node_count x dim
+    std::vector<int> cells;                      // cell_count x nodes of a simplex of `degree`, Gmsh order
+    int cell_dim;                                // 1, 2, 3
+    std::vector<VtkArray> point_data, cell_data;
+    std::vector<std::pair<std::string, std::string>> provenance;  // names and texts, kept in the file as field data
+};
+
 // Data have 9 digits in ASCII. VTK readers turn inf and nan into 0, so +inf and nan are written as 1e300, -inf as
-// -1e300. Title: the first line of it, at most 255 characters.
-std::string vtk_text(const std::string& title, int dim, int degree, const std::vector<double>& positions,
-                     const std::vector<int>& cells, int cell_dim, const std::vector<VtkArray>& point_data,
-                     const std::vector<VtkArray>& cell_data,
-                     const std::vector<std::pair<std::string, std::string>>& provenance,
-                     VtkFormat format = VtkFormat::ascii);
+// -1e300.
+std::string vtk_text(const VtkGrid& grid, VtkFormat format = VtkFormat::ascii);
 
 // Throws InputError where the file cannot be written.
-void write_vtk(const std::string& path, const std::string& title, int dim, int degree,
-               const std::vector<double>& positions, const std::vector<int>& cells, int cell_dim,
-               const std::vector<VtkArray>& point_data, const std::vector<VtkArray>& cell_data,
-               const std::vector<std::pair<std::string, std::string>>& provenance, VtkFormat format = VtkFormat::ascii);
+void write_vtk(const std::string& path, const VtkGrid& grid, VtkFormat format = VtkFormat::ascii);
 
 }  // namespace almesh

@@ -20,11 +20,11 @@ namespace {
 std::string one_cell(int dim, int degree) {
     std::vector<int> cell(simplex_node_count(dim, degree));
     std::iota(cell.begin(), cell.end(), 0);
-    return vtk_text("", 3, degree, std::vector<double>(3 * cell.size(), 0.0), cell, dim, {}, {}, {});
+    return vtk_text({"", 3, degree, std::vector<double>(3 * cell.size(), 0.0), cell, dim, {}, {}, {}});
 }
 
 std::string with_data(const std::vector<VtkArray>& point_data, const std::vector<VtkArray>& cell_data) {
-    return vtk_text("t", 2, 1, {0, 0, 1, 0, 0, 1}, {0, 1, 2}, 2, point_data, cell_data, {});
+    return vtk_text({"t", 2, 1, {0, 0, 1, 0, 0, 1}, {0, 1, 2}, 2, point_data, cell_data, {}});
 }
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
@@ -64,8 +64,8 @@ TEST_CASE("cell types by dimension and degree") {
 
 TEST_CASE("a file to the letter") {
     const std::string text =
-        vtk_text("two lines\nof title", 2, 1, {0, 0, 1, 0, 0.1, 1e-17}, {0, 1, 2}, 2,
-                 {{"move", 2, {1, 2, 3, 4, 5, 6}}}, {{"eta", 1, {1.0 / 3}}}, {{"the deck", "mu = 50 %\nend"}});
+        vtk_text({"two lines\nof title", 2, 1, {0, 0, 1, 0, 0.1, 1e-17}, {0, 1, 2}, 2,
+                  {{"move", 2, {1, 2, 3, 4, 5, 6}}}, {{"eta", 1, {1.0 / 3}}}, {{"the deck", "mu = 50 %\nend"}}});
     CHECK(text == R"(# vtk DataFile Version 3.0
 two lines
 ASCII
@@ -95,8 +95,8 @@ LOOKUP_TABLE default
 
 // Bytes as VTK 9.1 reads them: big-endian, a string behind its length, a line end behind each array.
 TEST_CASE("a binary file to the letter") {
-    const std::string text = vtk_text("t", 2, 1, {0, 0, 1, 0, 0, -2}, {0, 1, 2}, 2, {{"move", 2, {1, 0, 0, 0, 0, 0}}},
-                                      {{"eta", 1, {0.5}}}, {{"deck", "a b"}}, VtkFormat::binary);
+    const std::string text = vtk_text({"t", 2, 1, {0, 0, 1, 0, 0, -2}, {0, 1, 2}, 2, {{"move", 2, {1, 0, 0, 0, 0, 0}}},
+                                       {{"eta", 1, {0.5}}}, {{"deck", "a b"}}}, VtkFormat::binary);
     const auto zeros = [](int count) { return std::string(count, '\0'); };
     const std::string one = std::string("\x3f\xf0").append(6, '\0'),
                       two = std::string("\xc0").append(7, '\0');  // 1 and -2
@@ -109,7 +109,7 @@ TEST_CASE("a binary file to the letter") {
               small(1) + small(2) + "\nCELL_TYPES 1\n" + small(5) + "\nPOINT_DATA 3\nVECTORS move double\n" + one +
               zeros(64) + "\nCELL_DATA 1\nSCALARS eta double 1\nLOOKUP_TABLE default\n\x3f\xe0" + zeros(6) + "\n");
     const std::string length_300 =
-        vtk_text("t", 2, 1, {}, {}, 2, {}, {}, {{"deck", std::string(300, 'a')}}, VtkFormat::binary);
+        vtk_text({"t", 2, 1, {}, {}, 2, {}, {}, {{"deck", std::string(300, 'a')}}}, VtkFormat::binary);
     CHECK(contains(length_300, "string\n\x81\x2c" "aaa"));
 }
 
@@ -128,14 +128,14 @@ TEST_CASE("names are encoded, 3-vectors written as they are") {
 }
 
 TEST_CASE("the title is one line of at most 255 characters") {
-    const std::string text = vtk_text(std::string(300, 'a'), 2, 1, {}, {}, 2, {}, {}, {});
+    const std::string text = vtk_text({std::string(300, 'a'), 2, 1, {}, {}, 2, {}, {}, {}});
     CHECK(contains(text, "\n" + std::string(255, 'a') + "\nASCII\n"));
 }
 
 TEST_CASE("to a file, and to a place where none can be") {
     const auto path = std::filesystem::temp_directory_path() / ("almesh_vtk_test_" + std::to_string(getpid()));
-    write_vtk(path.string(), "t", 2, 1, {0, 0, 1, 0, 0, 1}, {0, 1, 2}, 2, {}, {}, {});
+    write_vtk(path.string(), {"t", 2, 1, {0, 0, 1, 0, 0, 1}, {0, 1, 2}, 2, {}, {}, {}});
     CHECK(read_text_file(path.string()) == with_data({}, {}));
     std::filesystem::remove(path);
-    CHECK_THROWS_AS(write_vtk("/no/such/folder/a.vtk", "t", 2, 1, {}, {}, 2, {}, {}, {}), InputError);
+    CHECK_THROWS_AS(write_vtk("/no/such/folder/a.vtk", {"t", 2, 1, {}, {}, 2, {}, {}, {}}), InputError);
 }
