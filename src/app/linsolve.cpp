@@ -22,7 +22,6 @@
 namespace almesh {
 namespace {
 
-constexpr double refuse_above = 1e-8;  // scaled residual at which x no longer counts as a solution
 constexpr int most_threads = 1024;
 
 struct Options {
@@ -179,7 +178,7 @@ bool solve_iteratively(SolverKind solver, const BlockCsr& A, const std::vector<d
 
     const Stopwatch preconditioner;
     system.set(A);
-    const Ilu0Result factored = ilu.factor(system.matrix());
+    const Ilu0Result factored = ilu.factor_heavier(system.matrix());
     const bool definite = !deflation || deflation->factor(system.matrix());
     print_time(out, deflation ? "ILU(0), coarse" : "ILU(0)", preconditioner.seconds());
     if (factored.status == Ilu0Status::not_positive_definite) {
@@ -191,6 +190,9 @@ bool solve_iteratively(SolverKind solver, const BlockCsr& A, const std::vector<d
         std::fprintf(out, "not solved: %s\n", reason(CgStatus::not_positive_definite));
         return false;
     }
+
+    if (factored.shift > 0)
+        std::fprintf(out, "shift           %g: ILU(0) of the matrix with a heavier diagonal\n", factored.shift);
 
     const Stopwatch iteration;
     std::vector<double> right(b.size()), solution(b.size());
@@ -250,8 +252,8 @@ ExitCode linsolve(const std::vector<std::string>& arguments, std::FILE* out) {
     const bool solved = solve_by(options, A, b, x, out);
     const double residual = scaled_residual(A, x, b);
     std::fprintf(out, "scaled residual %.3g%s\n", residual, solved ? "" : " of the last x");
-    if (solved && !(residual <= refuse_above)) std::fprintf(out, "not solved: the residual is too large\n");
-    return solved && residual <= refuse_above ? ExitCode::success : ExitCode::not_converged;
+    if (solved && !(residual <= acceptable_residual)) std::fprintf(out, "not solved: the residual is too large\n");
+    return solved && residual <= acceptable_residual ? ExitCode::success : ExitCode::not_converged;
 }
 
 }  // namespace almesh

@@ -55,8 +55,9 @@ void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, con
     if (last.newton_status == NewtonStatus::rounding_floor)
         std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
     if (solution.fallbacks)
-        std::fprintf(out, "the iterative solver failed in %d Newton steps, which were solved by Cholesky "
-                     "(history.csv tells why)\n", solution.fallbacks);
+        std::fprintf(out,
+                     "the iterative solver failed in %d Newton step%s, solved by Cholesky (history.csv tells why)\n",
+                     solution.fallbacks, solution.fallbacks == 1 ? "" : "s");
     std::fprintf(out, "%s: scaled Jacobian >= %.4g everywhere; results in %s\n",
                  solution.certificate.valid ? "certified valid" : "NOT certified valid",
                  solution.certificate.min_scaled_jacobian, deck.output.c_str());

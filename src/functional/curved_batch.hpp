@@ -1,5 +1,5 @@
-// Energy, gradient and Hessian of `lanes` elements of degree p > 1 at once, each element in its own lane: all arrays here
-// are structures of lanes, so that every formula is that of one element.
+// Energy, gradient and Hessian of `lanes` elements of degree p > 1 at once, each element in its own lane: all arrays
+// here are structures of lanes, so that every formula is that of one element.
 //
 // Derivatives of the basis are those on the reference element, the same for all elements: the density is differentiated
 // with respect to J = sum x_i (grad N_i)^T = F A instead of F, which costs nothing (density_hessian.hpp). The Hessian's
@@ -22,6 +22,7 @@ template <int n>
 class CurvedBatch {
 public:
     static constexpr int dimension = n;
+
     explicit CurvedBatch(const ReferenceElement& reference)
         : of_(reference), m_(reference.nodes), size_(m_ * n), position_(workspace(room())) {
         gradient_ = position_ + size_;

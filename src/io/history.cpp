@@ -26,15 +26,15 @@ History::History(int dim, double length) : dim_(dim), length_(length) {
     text_ = joined({"kind", "al_iteration", "newton_iteration", "energy", "gradient_norm", "constraint_norm",
                     "projected_constraint_norm", "mu", "omega", "epsilon", "relative_quality", "max_distortion",
                     "newton_iterations", "newton_status", "update", "step_length", "cuts_inverted", "cuts_decrease",
-                    "cut_reason", "hessian", "solver", "fallback", "linear_iterations", "pocket_nodes",
-                    "pocket_steps", "nodes", "seconds"});
+                    "cut_reason", "hessian", "solver", "fallback", "linear_iterations", "ilu_shift",
+                    "pocket_nodes", "pocket_steps", "nodes", "seconds"});
 }
 
 void History::add(const AlIteration& row) {
     if (row.iteration == 0) {  // nothing was minimised yet
         text_ += joined({"al", "0", "", "", "", to_text(row.constraint_norm * length_),
                          to_text(row.projected_constraint_norm * length_), "", "", "", to_text(row.relative_quality),
-                         to_text(row.max_distortion), "", "", "", "", "", "", "", "", "", "", "", "", "", "",
+                         to_text(row.max_distortion), "", "", "", "", "", "", "", "", "", "", "", "", "", "", "",
                          to_text(row.seconds)});
         return;
     }
@@ -54,7 +54,7 @@ void History::add(const std::string& kind, const AlIteration& row, int newton_it
                      to_text(row.projected_constraint_norm * length_), to_text(row.mu * energy / (length_ * length_)),
                      to_text(row.omega * energy / length_), to_text(row.epsilon * length_ * length_),
                      to_text(row.relative_quality), to_text(row.max_distortion), std::to_string(newton_iterations),
-                     to_string(row.newton_status), update, "", "", "", "", "", "", "", "", "", "", nodes,
+                     to_string(row.newton_status), update, "", "", "", "", "", "", "", "", "", "", "", nodes,
                      to_text(row.seconds)});
 }
 
@@ -67,7 +67,7 @@ void History::add(int al_iteration, const NewtonStep& step) {
                      to_text(step.step_length), std::to_string(step.cuts_inverted), std::to_string(step.cuts_decrease),
                      cut_reason(step), to_string(step.hessian), to_string(step.solver),
                      step.fallback == SolveStatus::converged ? "" : to_string(step.fallback),
-                     std::to_string(step.linear_iterations), std::to_string(step.pocket_nodes),
+                     std::to_string(step.linear_iterations), to_text(step.shift), std::to_string(step.pocket_nodes),
                      std::to_string(step.pocket_steps), "", ""});
 }
 

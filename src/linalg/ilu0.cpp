@@ -148,8 +148,17 @@ Ilu0Result Ilu0::factor(const BlockCsr& A, double shift) {
     if (d_ == 2) factor_blocks<2>(A, shift);
     if (d_ == 3) factor_blocks<3>(A, shift);
     for (int bad : bad_)
-        if (bad >= 0) return {Ilu0Status::not_positive_definite, bad};
-    return {Ilu0Status::factored, -1};
+        if (bad >= 0) return {Ilu0Status::not_positive_definite, bad, shift};
+    return {Ilu0Status::factored, -1, shift};
+}
+
+Ilu0Result Ilu0::factor_heavier(const BlockCsr& A) {
+    Ilu0Result result{};
+    for (const double shift : {0.0, 0.01, 0.1}) {
+        result = factor(A, shift);
+        if (result.status == Ilu0Status::factored) break;
+    }
+    return result;
 }
 
 // The four kernels below are small and called for every row: not worth a call each. Registers go in and out of them by

@@ -26,7 +26,8 @@ enum class Ilu0Status {
 
 struct Ilu0Result {
     Ilu0Status status;
-    int bad_row;  // block row of the first such pivot in elimination order, -1 if factored
+    int bad_row;   // block row of the first such pivot in elimination order, -1 if factored
+    double shift;  // the one it was factored with
 };
 
 class Ilu0 {
@@ -42,6 +43,10 @@ public:
     // A: the values, on the pattern given to the constructor. Afterwards solve() may be called if the status is
     // factored. shift: what is factored is A with its diagonal blocks times 1 + shift.
     Ilu0Result factor(const BlockCsr& A, double shift = 0);
+
+    // Where ILU(0) of a positive definite matrix meets a bad pivot, that of one with a heavier diagonal may not, and
+    // serves nearly as well (Manteuffel, Math. Comp. 34, 1980): tries the shifts 0, 0.01 and 0.1 until one serves.
+    Ilu0Result factor_heavier(const BlockCsr& A);
 
     // z = (C (I + L) (I + L') C')^{-1} r; r, z: n*d, and they may be the same array.
     void solve(const double* r, double* z);

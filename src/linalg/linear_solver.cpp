@@ -43,13 +43,7 @@ namespace {
 
 constexpr int failures_to_give_up = 2;   // of iterative solvers in a row, if the choice is ours
 
-// Where ILU(0) of a positive definite matrix meets a bad pivot, that of one with a heavier diagonal may not, and serves
-// nearly as well (Manteuffel, Math. Comp. 34, 1980): tried one after the other, in 3D. In 2D bad pivots come from
-// stretched elements, and iterations stagnate with any shift.
-constexpr double ilu_shifts[] = {0, 0.01, 0.1};
-
 constexpr double refine_above = 1e-15;   // scaled residual from which a step of iterative refinement is worth a solve
-constexpr double refuse_above = 1e-8;    // scaled residual at which x no longer counts as a solution
 
 SolveStatus status_of(GmresStatus status) {
     switch (status) {
@@ -126,7 +120,7 @@ struct LinearSolver::Direct {
         : cholesky(A, params), residual(A.size()), correction(A.size()) {}
 };
 
-LinearSolver::LinearSolver(const BlockCsr&, int dimension, const LinearSolverParams& params)
+LinearSolver::LinearSolver(int dimension, const LinearSolverParams& params)
     : dimension_(dimension), params_(params) {}
 
 LinearSolver::~LinearSolver() = default;
@@ -193,11 +187,8 @@ SolveResult LinearSolver::solve_iteratively(const BlockCsr& A, const std::vector
     const SolverKind kind = own.cg ? SolverKind::cg : SolverKind::gmres;
     own.system.set(A);
     const BlockCsr& B = own.system.matrix();
-    Ilu0Result factored{};
-    for (double shift : ilu_shifts) {
-        factored = own.ilu->factor(B, shift);
-        if (factored.status == Ilu0Status::factored || dimension_ == 2) break;
-    }
+    // In 2D bad pivots come from stretched elements, and iterations stagnate with any shift.
+    const Ilu0Result factored = dimension_ == 3 ? own.ilu->factor_heavier(B) : own.ilu->factor(B);
     if (factored.status == Ilu0Status::not_positive_definite) {
         SolveResult result = result_of(kind, SolveStatus::indefinite_preconditioner, 0, 1);
         result.bad_node = own.system.order()[factored.bad_row];
@@ -207,7 +198,9 @@ SolveResult LinearSolver::solve_iteratively(const BlockCsr& A, const std::vector
     own.system.gather(b.data(), own.right.data());
     const auto finish = [&](const auto& solved) {
         own.system.scatter(own.solution.data(), x.data());
-        return result_of(kind, status_of(solved.status), solved.iterations, solved.relative_residual);
+        SolveResult result = result_of(kind, status_of(solved.status), solved.iterations, solved.relative_residual);
+        result.shift = factored.shift;
+        return result;
     };
     const double* const right = own.right.data();
     if (own.gmres) return finish(own.gmres->solve(B, &*own.ilu, right, own.solution.data()));
@@ -248,7 +241,7 @@ SolveResult LinearSolver::solve_directly(const BlockCsr& A, const std::vector<do
             residual = refined;
         }
     }
-    if (!(residual <= refuse_above)) {
+    if (!(residual <= acceptable_residual)) {
         result.status = SolveStatus::breakdown;
         x.assign(n, 0.0);
         return result;

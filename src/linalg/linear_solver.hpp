@@ -15,6 +15,9 @@ namespace almesh {
 
 enum class SolverKind { automatic, cg, gmres, cholesky };
 
+// Scaled residual |b - A x|_inf / (|A|_1 |x|_inf + |b|_inf) above which x does not count as a solution.
+inline constexpr double acceptable_residual = 1e-8;
+
 enum class SolveStatus {
     converged,
     max_iterations,             // iterative
@@ -46,23 +49,24 @@ struct SolveResult {
     SolverKind used = SolverKind::cholesky;  // cg, gmres or cholesky: who made x
     bool fell_back = false;          // an iterative solver was tried before, and ended with iterative_status
     SolveStatus iterative_status = SolveStatus::converged;
+    double shift = 0;                // ILU(0) is of A with its diagonal blocks times 1 + shift
     int bad_node = -1;               // block row of the bad pivot of ILU(0) or Cholesky
 };
 
 class LinearSolver {
 public:
-    // pattern: of all matrices to come, symmetric, with all diagonal blocks. dimension: 2 or 3, of the mesh. Takes no
-    // time: the pattern is analysed by the first solve that needs it.
-    LinearSolver(const BlockCsr& pattern, int dimension, const LinearSolverParams& params);
+    // dimension: 2 or 3, of the mesh. Takes no time: the pattern is analysed by the first solve that needs it.
+    LinearSolver(int dimension, const LinearSolverParams& params);
     ~LinearSolver();
 
     // For inexact Newton methods: the tolerance of iterative solvers from the next solve on.
     void set_tolerance(double tolerance);
 
-    // A: symmetric, both triangles stored. b, x: A.size(); x is resized. Unless the status is converged, x is the
-    // last iterate of an iterative solver or zero. Its convergence does not mean that A is positive definite.
-    // not_positive_definite is about A itself, so nothing else is tried then. doubtful: A may be indefinite, and the
-    // caller has another matrix in its place; then indefinite_preconditioner, a sign of that, ends the solve too.
+    // A: symmetric, both triangles stored, with all diagonal blocks, on the pattern of the first A. b, x: A.size(); x
+    // is resized. Unless the status is converged, x is the last iterate of an iterative solver or zero. Its convergence
+    // does not mean that A is positive definite. not_positive_definite is about A itself, so nothing else is tried
+    // then. doubtful: A may be indefinite, and the caller has another matrix in its place; then
+    // indefinite_preconditioner, a sign of that, ends the solve too.
     SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, bool doubtful = false);
 
     // Scalar entries of the Cholesky factor and operations to compute it; 0 until it has been analysed.

@@ -61,7 +61,7 @@ double forcing_term(double g_before, double g, double omega, double floor) {
 
 Newton::Newton(const DistortionEnergy& distortion, const LinearSolverParams& linear, Forcing forcing)
     : H_(distortion.hessian_pattern()),
-      solver_(H_, H_.d, linear),
+      solver_(H_.d, linear),
       forcing_(forcing),
       linear_tolerance_(linear.tolerance),
       g_(H_.size()),
@@ -86,6 +86,7 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
         const SolveResult solve = solver_.solve(H_, minus_g_, d_, step.hessian == HessianKind::full);
         step.linear_iterations += solve.iterations;
         step.solver = solve.used;
+        step.shift = solve.shift;
         step.fallback = solve.fell_back ? solve.iterative_status : SolveStatus::converged;
         if (solve.status == SolveStatus::converged && dot(g_, d_) < 0) return true;
     } while (fall_back(step.hessian));

@@ -65,7 +65,7 @@ std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g) 
 // cut costs little here. Returns the number of steps; y: start, then the last iterate.
 int minimise_pocket(const PocketFunctional& E, double worthwhile, std::vector<double>& y) {
     BlockCsr H = E.hessian_pattern();
-    LinearSolver solver(H, H.d, {.tolerance = pocket_forcing});
+    LinearSolver solver(H.d, {.tolerance = pocket_forcing});
     const auto energy_of = [&E](const std::vector<double>& at) { return E.energy(at); };
     std::vector<double> g(y.size()), minus_g(y.size()), d, trial(y.size());
     const auto step_with = [&](HessianKind kind, double energy) -> LineSearchResult {

@@ -110,6 +110,17 @@ TEST_CASE("linsolve: threads are those asked for") {
     set_threads(before);
 }
 
+TEST_CASE("linsolve: where ILU(0) breaks down it is of a heavier diagonal, and says so") {
+    const TemporaryFolder folder;
+    // Four nodes in a ring, springs of alternating sign: positive definite, but not without its fill.
+    const std::string path = folder.write(
+        "A.mtx", header + "4 4 8\n1 1 1.6\n2 1 1\n4 1 -1\n2 2 1.6\n3 2 1\n3 3 1.6\n4 3 1\n4 4 1.6\n");
+    const Outcome outcome = almesh_with({"linsolve", path, "solver=cg"});
+    CHECK(outcome.code == 0);
+    CHECK(has(outcome.out, "\nshift           0.1: ILU(0) of the matrix with a heavier diagonal\n"));
+    CHECK_FALSE(has(almesh_with({"linsolve", path}).out, "shift"));
+}
+
 TEST_CASE("linsolve: an indefinite matrix ends with code 3 and names its row") {
     const TemporaryFolder folder;
     const std::string path = folder.write("A.mtx", header + "4 4 4\n1 1 1\n2 2 1\n3 3 -1\n4 4 1\n");

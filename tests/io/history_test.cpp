@@ -44,6 +44,7 @@ NewtonStep newton_row() {
     step.hessian = HessianKind::full;
     step.linear_iterations = 17;
     step.solver = SolverKind::gmres;
+    step.shift = 0.01;
     return step;
 }
 
@@ -115,6 +116,7 @@ TEST_CASE("a Newton row, in the mesh's units, says why its step was cut") {
     CHECK(cells["gradient_norm"] == "12");
     CHECK(cells["step_length"] == "0.25");
     CHECK(cells["pocket_nodes"] == "40");
+    CHECK(cells["ilu_shift"] == "0.01");
     CHECK(cells["pocket_steps"] == "3");
     CHECK(cells["cuts_inverted"] == "2");
     CHECK(cells["cuts_decrease"] == "0");
@@ -145,7 +147,7 @@ TEST_CASE("rows stand in the order they were added, below one header, all of its
     history.add(al_row());
     const auto rows = csv_rows(history.csv());
     REQUIRE(rows.size() == 5);
-    for (const auto& row : rows) CHECK(row.size() == 27);
+    for (const auto& row : rows) CHECK(row.size() == 28);
     CHECK(rows[1][0] == "al");
     CHECK(rows[2][0] == "newton");
     CHECK(rows[3][0] == "newton");
