@@ -35,9 +35,10 @@ public:
     int nodes() const { return m_; }
 
     // node: lanes x m nodes of the elements, x: nodes x n. ideal_inverse: A^{-1} of the elements.
+    // node and ideal_inverse are looked at until the next start().
     void start(const int* node, const std::vector<double>& x, const Mat<n, Lanes>& ideal_inverse) {
         node_ = node;
-        ideal_inverse_ = ideal_inverse;
+        ideal_inverse_ = &ideal_inverse;
         for (int i = 0; i < m_; ++i)
             for (int l = 0; l < lanes; ++l) {
                 const double* const xi = &x[static_cast<std::size_t>(node[l * m_ + i]) * n];
@@ -47,22 +48,22 @@ public:
             for (int a = 0; a < n; ++a) position_[i * n + a] -= position_[a];
     }
 
-    Lanes distortion_at(int q) const { return distortion<n>(multiply<n>(jacobian(q), ideal_inverse_), 0); }
+    Lanes distortion_at(int q) const { return distortion<n>(multiply<n>(jacobian(q), *ideal_inverse_), 0); }
 
     // Per unit of det A; infinite or nan for an inverted element.
     Lanes energy(double delta, Objective objective) const {
         Lanes sum{};
         for (int q = 0; q < of_.points; ++q)
-            sum += of_.weight[q] * density(distortion<n>(multiply<n>(jacobian(q), ideal_inverse_), delta), objective);
+            sum += of_.weight[q] * density(distortion<n>(multiply<n>(jacobian(q), *ideal_inverse_), delta), objective);
         return sum;
     }
 
     // Adds to g (nodes x n) the gradient of the first `count` elements, times `factor`.
     void add_gradient(double delta, Objective objective, Lanes factor, int count, double* g) {
-        const Mat<n, Lanes> turned = transpose<n>(ideal_inverse_);
+        const Mat<n, Lanes> turned = transpose<n>(*ideal_inverse_);
         std::fill_n(gradient_, size_, Lanes{});
         for (int q = 0; q < of_.points; ++q) {
-            const Mat<n, Lanes> F = multiply<n>(jacobian(q), ideal_inverse_);
+            const Mat<n, Lanes> F = multiply<n>(jacobian(q), *ideal_inverse_);
             const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F, delta, objective), turned);
             const Lanes weight = factor * of_.weight[q];
             const double* const dN = gradients(q);
@@ -111,7 +112,7 @@ private:
     const ReferenceElement& of_;
     const int m_, size_;
     const int* node_ = nullptr;
-    Mat<n, Lanes> ideal_inverse_;
+    const Mat<n, Lanes>* ideal_inverse_ = nullptr;
     Lanes* const position_;  // m x n, relative to the first node
     Lanes* gradient_;        // m x n
     Lanes* hessian_;         // m x m blocks of n x n
@@ -144,8 +145,8 @@ private:
     }
 
     Tensor<n> second_derivatives(int q, double delta, Lanes shift, bool projected, Lanes factor) const {
-        const Mat<n, Lanes> F = multiply<n>(jacobian(q), ideal_inverse_);
-        return in_element_coordinates<n>(frame_hessian<n>(F, delta, shift, projected), ideal_inverse_,
+        const Mat<n, Lanes> F = multiply<n>(jacobian(q), *ideal_inverse_);
+        return in_element_coordinates<n>(frame_hessian<n>(F, delta, shift, projected), *ideal_inverse_,
                                       factor * of_.weight[q]);
     }
 

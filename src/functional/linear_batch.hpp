@@ -23,9 +23,10 @@ public:
     explicit LinearBatch(const ReferenceElement& reference) : volume_(reference.weight[0]) {}
 
     // node: lanes x m nodes of the elements, x: nodes x n. ideal_inverse: A^{-1} of the elements.
+    // node and ideal_inverse are looked at until the next start().
     void start(const int* node, const std::vector<double>& x, const Mat<n, Lanes>& ideal_inverse) {
         node_ = node;
-        ideal_inverse_ = ideal_inverse;
+        ideal_inverse_ = &ideal_inverse;
         Mat<n, Lanes> J;
         for (int a = 0; a < n; ++a) {
             const Lanes origin = gathered(x.data() + a, node, all_lanes());
@@ -43,7 +44,7 @@ public:
 
     // Adds to g (nodes x n) the gradient of the first `count` elements, times `factor`.
     void add_gradient(double delta, Objective objective, Lanes factor, int count, double* g) const {
-        const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F_, delta, objective), transpose<n>(ideal_inverse_));
+        const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F_, delta, objective), transpose<n>(*ideal_inverse_));
         const Lanes weight = factor * volume_;
         Lanes part[m][n];
         for (int a = 0; a < n; ++a) {
@@ -70,7 +71,7 @@ public:
     // The Hessian of each element after the other, times `factor`: lanes x stride(), blocks (i, j) of n x n numbers row
     // by row, both triangles.
     const double* hessian(double delta, Lanes shift, bool projected, Lanes factor) {
-        const Tensor<n> C = in_element_coordinates<n>(frame_hessian<n>(F_, delta, shift, projected), ideal_inverse_,
+        const Tensor<n> C = in_element_coordinates<n>(frame_hessian<n>(F_, delta, shift, projected), *ideal_inverse_,
                                                       factor * volume_);
         for (int a = 0; a < n; ++a)
             for (int b = 0; b < n; ++b) {
@@ -104,7 +105,8 @@ private:
 
     const double volume_;  // of the reference element
     const int* node_ = nullptr;
-    Mat<n, Lanes> F_, ideal_inverse_;
+    const Mat<n, Lanes>* ideal_inverse_ = nullptr;
+    Mat<n, Lanes> F_;
     Lanes hessian_[whole_registers(entries)], separate_[whole_registers(entries)];
 };
 
