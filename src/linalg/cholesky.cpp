@@ -109,7 +109,7 @@ bool Cholesky::fits() const {
 void Cholesky::allocate() {
     const int threads = max_threads();
     if (!factor_) {
-        factor_ = std::make_unique_for_overwrite<double[]>(plan_.panel_at.back());
+        factor_ = large_array(plan_.panel_at.back());
         smallest_.resize(plan_.tree.order.size() * plan_.d);
         permuted_.resize(plan_.tree.order.size() * plan_.d);
         passed_on_.resize(plan_.tree.rows.size() * plan_.d);
@@ -117,7 +117,7 @@ void Cholesky::allocate() {
     if (threads <= threads_) return;
     threads_ = threads;
     updates_.reset();
-    updates_ = std::make_unique_for_overwrite<double[]>(plan_.shared_size + plan_.thread_size * threads);
+    updates_ = large_array(plan_.shared_size + plan_.thread_size * threads);
 }
 
 double* Cholesky::update_of(int f, int thread) {

@@ -6,9 +6,9 @@
 // factorisations. Parallel over independent subtrees and inside the large fronts above them; same bits for any number
 // of threads.
 #pragma once
-#include <memory>
 #include <vector>
 
+#include "base/large_array.hpp"
 #include "linalg/block_csr.hpp"
 #include "linalg/dense_kernels.hpp"
 #include "linalg/factor_plan.hpp"
@@ -58,8 +58,8 @@ private:
 
     CholeskyParams params_;
     FactorPlan plan_;
-    std::unique_ptr<double[]> factor_;        // panels of all fronts
-    std::unique_ptr<double[]> updates_;       // shared memory, then that of each thread
+    LargeArray factor_;                       // panels of all fronts
+    LargeArray updates_;                      // shared memory, then that of each thread
     int threads_ = 0;                         // number of threads there is memory for
     std::vector<double> smallest_;            // n*d: smallest acceptable pivot of each column
     std::vector<double> passed_on_;           // d per tree.rows: contributions to the right-hand side
