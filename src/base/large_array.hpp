@@ -1,6 +1,7 @@
 // Uninitialised arrays of many megabytes. The system hands out memory page by page, clears each page when it is first
 // written to, and the processor remembers where only some thousand pages are: on Linux large arrays ask for pages of
-// 2 MB instead of 4 kB, which is 512 times less to do and to remember.
+// 2 MB instead of 4 kB, which is 512 times less to do and to remember. All threads together write to them once, so that
+// none has to wait later while another one has its pages cleared.
 #pragma once
 #include <cstddef>
 #include <cstdlib>
@@ -27,6 +28,10 @@ inline LargeArray large_array(std::size_t size) {
 #ifdef MADV_HUGEPAGE
     if (alignment == huge_page) madvise(array.get(), bytes, MADV_HUGEPAGE);  // if it refuses nothing else changes
 #endif
+    constexpr std::size_t small_page = 4096 / sizeof(double), chunk = huge_page / sizeof(double);
+#pragma omp parallel for schedule(dynamic, 1) if (size > chunk)
+    for (std::size_t k = 0; k < size / chunk; ++k)
+        for (std::size_t i = 0; i < chunk; i += small_page) array[k * chunk + i] = 0;
     return array;
 }
 
