@@ -22,8 +22,10 @@ BENCH     := $(shell find tests/bench -name '*.cpp' | sort) tests/support/plain_
 BENCH_OBJECTS := $(BENCH:%.cpp=$(BUILD)/%.o)
 
 # Threads that wait soon sleep: spinning ones are slow on a machine with other work to do (src/main.cpp).
-export OMP_WAIT_POLICY ?= passive
+ifndef OMP_WAIT_POLICY
+export OMP_WAIT_POLICY := passive
 export GOMP_SPINCOUNT ?= 1000
+endif
 # Compile on all cores.
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || sysctl -n hw.ncpu 2>/dev/null || echo 2)
 

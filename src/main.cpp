@@ -28,7 +28,7 @@ void start_with_sleeping_threads([[maybe_unused]] char** argv) {
 // An exception cannot leave a parallel loop, so that running out of memory inside one would end in std::terminate.
 void end_without_memory() {
     std::fflush(stdout);
-    std::fputs("almesh: out of memory; take a coarser mesh, or solver=cg\n", stderr);
+    std::fputs(almesh::out_of_memory, stderr);
     std::_Exit(static_cast<int>(almesh::ExitCode::input));
 }
 

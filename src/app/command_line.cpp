@@ -65,7 +65,7 @@ int command_line(const std::vector<std::string>& arguments, std::FILE* out, std:
         std::fprintf(error, "almesh: %s\n", problem.what());
         return static_cast<int>(problem.exit_code);
     } catch (const std::bad_alloc&) {
-        std::fprintf(error, "almesh: out of memory\n");
+        std::fputs(out_of_memory, error);
         return static_cast<int>(ExitCode::input);
     } catch (const std::exception& unexpected) {
         std::fprintf(error, "almesh: unexpected error: %s\n", unexpected.what());

@@ -178,7 +178,8 @@ bool solve_iteratively(SolverKind solver, const BlockCsr& A, const std::vector<d
 
     const Stopwatch preconditioner;
     system.set(A);
-    const Ilu0Result factored = ilu.factor_heavier(system.matrix());
+    // Blocks of two are of a 2D mesh, where a heavier diagonal is of no use: see linear_solver.cpp.
+    const Ilu0Result factored = A.d == 2 ? ilu.factor(system.matrix()) : ilu.factor_heavier(system.matrix());
     const bool definite = !deflation || deflation->factor(system.matrix());
     print_time(out, deflation ? "ILU(0), coarse" : "ILU(0)", preconditioner.seconds());
     if (factored.status == Ilu0Status::not_positive_definite) {

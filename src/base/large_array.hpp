@@ -1,10 +1,9 @@
-// Uninitialised arrays of many megabytes. The system hands out memory page by page, clears each page when it is first
-// written to, and the processor remembers where only some thousand pages are: on Linux large arrays ask for pages of
-// 2 MB instead of 4 kB, which is 512 times less to do and to remember. All threads together write to them once, so that
-// none has to wait later while another one has its pages cleared.
+// Arrays of many megabytes, their values anything. The system hands out memory page by page, clears each page when it is
+// first written to, and the processor remembers where only some thousand pages are: on Linux large arrays ask for pages
+// of 2 MB instead of 4 kB, which is 512 times less to do and to remember. All threads together touch these pages at
+// once, so that none has to wait later while another one has its own cleared.
 #pragma once
 #include <cstddef>
-#include <cstdlib>
 #include <memory>
 #include <new>
 #ifdef __linux__
@@ -14,17 +13,18 @@
 namespace almesh {
 
 struct FreeArray {
-    void operator()(double* array) const { std::free(array); }
+    std::align_val_t alignment{};
+    void operator()(double* array) const { ::operator delete[](array, alignment); }
 };
 using LargeArray = std::unique_ptr<double[], FreeArray>;
 
-// Throws std::bad_alloc where there is not so much memory.
+// Where there is not so much memory: as `new`.
 inline LargeArray large_array(std::size_t size) {
     constexpr std::size_t huge_page = std::size_t{1} << 21, cache_line = 64;
     const std::size_t alignment = size * sizeof(double) < huge_page ? cache_line : huge_page;
     const std::size_t bytes = (size * sizeof(double) + alignment - 1) / alignment * alignment;
-    LargeArray array(static_cast<double*>(std::aligned_alloc(alignment, bytes)));
-    if (!array && bytes > 0) throw std::bad_alloc();
+    const FreeArray free{std::align_val_t{alignment}};
+    LargeArray array(static_cast<double*>(::operator new[](bytes, free.alignment)), free);
 #ifdef MADV_HUGEPAGE
     if (alignment == huge_page) madvise(array.get(), bytes, MADV_HUGEPAGE);  // if it refuses nothing else changes
 #endif

@@ -15,7 +15,7 @@
 //
 // Elements are worked on in batches, one in each lane of the vector registers (linear_batch.hpp, curved_batch.hpp), and
 // in the order of element_chunks.hpp: the same bits for any number of threads. Cost per quadrature point and element
-// with m nodes: O(m n^2) for the energy, O(m^2 n^3) for the Hessian, none of that for linear elements.
+// with m nodes: O(m n^2) for the energy, O(m^2 n^3) for the Hessian.
 // Memory per element: 4 m (m + 1) + 8 n^2 + 28 bytes.
 #pragma once
 #include <vector>

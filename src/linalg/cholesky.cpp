@@ -134,7 +134,7 @@ void Cholesky::gather_entries(const BlockCsr& A, int f, const Front& target, boo
     const int d = plan_.d, ld = front_ld(target.m);
     double* const smallest = smallest_.data() + static_cast<std::size_t>(plan_.tree.first[f]) * d;
     auto clear = [&](int j) { std::fill_n(target.panel + static_cast<std::size_t>(j) * ld, ld, 0.0); };
-    if (parallel) {  // the system clears its pages here, too, the first time
+    if (parallel) {
         parallel_for(target.k, clear, target.m);
     } else {
         for (int j = 0; j < target.k; ++j) clear(j);

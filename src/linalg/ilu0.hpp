@@ -5,7 +5,7 @@
 //
 // The matrix comes numbered domain by domain, separators last (domains.hpp), so that domains are factored and swept in
 // parallel, with one wait before and one after the separators; inside, reverse Cuthill-McKee keeps the factor accurate.
-// Sweeps read most of a separator's row with the domain that it joins: little is left for one thread alone.
+// The part of a separator's row in the columns of a domain is swept with that domain: little is left for one thread.
 // C carries the units of A, so L is of order one and is kept in single precision: the sweeps move half the bytes.
 // Cost: O(sum over rows of neighbours^2 d^3) to factor, two passes over L to solve. Memory: L, half a matrix in single
 // precision, and 8 bytes for every three nodes that are neighbours of each other: little for linear elements, more than
@@ -27,7 +27,7 @@ enum class Ilu0Status {
 struct Ilu0Result {
     Ilu0Status status;
     int bad_row;   // block row of the first such pivot in elimination order, -1 if factored
-    double shift;  // the one it was factored with
+    double shift;  // the last one tried
 };
 
 class Ilu0 {
