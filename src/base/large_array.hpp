@@ -1,7 +1,7 @@
-// Arrays of many megabytes, their values anything. The system hands out memory page by page, clears each page when it is
-// first written to, and the processor remembers where only some thousand pages are: on Linux large arrays ask for pages
-// of 2 MB instead of 4 kB, which is 512 times less to do and to remember. All threads together touch these pages at
-// once, so that none has to wait later while another one has its own cleared.
+// Arrays of many megabytes, their values anything. The system hands out memory page by page, clears each page when it
+// is first written to, and the processor remembers where only some thousand pages are: on Linux large arrays ask for
+// pages of 2 MB instead of 4 kB, which is 512 times less to do and to remember. All threads together touch these pages
+// at once, so that none has to wait later while another one has its own cleared.
 #pragma once
 #include <cstddef>
 #include <memory>
