@@ -26,8 +26,10 @@ ifndef OMP_WAIT_POLICY
 export OMP_WAIT_POLICY := passive
 export GOMP_SPINCOUNT ?= 1000
 endif
-# Compile on all cores.
+# Compile on all cores; a make started by this one shares them.
+ifeq ($(MAKELEVEL),0)
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || sysctl -n hw.ncpu 2>/dev/null || echo 2)
+endif
 
 # The decks of the paper.
 PAPER     := circle circle-refined-1 circle-refined-2 circle-refined-3 circle-refined-4 circle-printed \
