@@ -16,8 +16,6 @@ enum class ExitCode {
     expectation_failed = 5  // an `expect` line of the deck does not hold
 };
 
-inline constexpr const char* out_of_memory = "almesh: out of memory; a coarser mesh takes less, and so may solver=cg\n";
-
 // what() says what is wrong, where (file and line, or "command line") and what to do.
 struct Error : std::runtime_error {
     ExitCode exit_code;
@@ -31,5 +29,8 @@ struct UsageError : Error {
 struct InputError : Error {
     explicit InputError(const std::string& message) : Error(ExitCode::input, message) {}
 };
+
+// Said where an allocation fails, by whoever notices first; exit code `input`.
+inline constexpr const char* out_of_memory = "almesh: out of memory; a coarser mesh takes less, and so may solver=cg\n";
 
 }  // namespace almesh
