@@ -1,38 +1,62 @@
-// Arrays of many megabytes, their values anything. The system hands out memory page by page, clears each page when it
-// is first written to, and the processor remembers where only some thousand pages are: on Linux large arrays ask for
-// pages of 2 MB instead of 4 kB, which is 512 times less to do and to remember. All threads together touch these pages
-// at once, so that none has to wait later while another one has its own cleared.
+// Arrays of many megabytes; elements without a value have any. The system hands out memory page by page, clears each
+// page when it is first written to, and the processor remembers where only some thousand pages are: on Linux large
+// arrays ask for pages of 2 MB instead of 4 kB, which is 512 times less to do and to remember. All threads together
+// touch these pages at once, so that none has to wait later while another one has its own cleared.
 #pragma once
 #include <cstddef>
-#include <memory>
 #include <new>
+#include <utility>
+#include <vector>
 #ifdef __linux__
 #include <sys/mman.h>
 #endif
 
 namespace almesh {
 
-struct FreeArray {
-    std::align_val_t alignment{};
-    void operator()(double* array) const { ::operator delete[](array, alignment); }
-};
-using LargeArray = std::unique_ptr<double[], FreeArray>;
+template <class T>
+struct LargeAllocator {
+    using value_type = T;
 
-// Where there is not so much memory: as `new`.
-inline LargeArray large_array(std::size_t size) {
-    constexpr std::size_t huge_page = std::size_t{1} << 21, cache_line = 64;
-    const std::size_t alignment = size * sizeof(double) < huge_page ? cache_line : huge_page;
-    const std::size_t bytes = (size * sizeof(double) + alignment - 1) / alignment * alignment;
-    const FreeArray free{std::align_val_t{alignment}};
-    LargeArray array(static_cast<double*>(::operator new[](bytes, free.alignment)), free);
+    LargeAllocator() = default;
+    template <class Other>
+    LargeAllocator(const LargeAllocator<Other>&) {}
+
+    // Where there is not so much memory: as `new`.
+    T* allocate(std::size_t count) {
+        const std::size_t bytes = count * sizeof(T);
+        if (bytes < huge_page) return static_cast<T*>(::operator new(bytes, std::align_val_t{cache_line}));
+        const std::size_t pages = (bytes + huge_page - 1) / huge_page;
+        void* const memory = ::operator new(pages * huge_page, std::align_val_t{huge_page});
+        touch(static_cast<char*>(memory), pages);
+        return static_cast<T*>(memory);
+    }
+    void deallocate(T* memory, std::size_t count) {
+        ::operator delete(memory, std::align_val_t{count * sizeof(T) < huge_page ? cache_line : huge_page});
+    }
+
+    // Elements without a value get none.
+    template <class Element, class... Values>
+    void construct(Element* element, Values&&... values) {
+        if constexpr (sizeof...(values) == 0) ::new (static_cast<void*>(element)) Element;
+        else ::new (static_cast<void*>(element)) Element(std::forward<Values>(values)...);
+    }
+
+    bool operator==(const LargeAllocator&) const = default;
+
+private:
+    static constexpr std::size_t huge_page = std::size_t{1} << 21, small_page = 4096, cache_line = 64;
+
+    static void touch(char* memory, std::size_t pages) {
 #ifdef MADV_HUGEPAGE
-    if (alignment == huge_page) madvise(array.get(), bytes, MADV_HUGEPAGE);  // if it refuses nothing else changes
+        madvise(memory, pages * huge_page, MADV_HUGEPAGE);  // if it refuses nothing else changes
 #endif
-    constexpr std::size_t small_page = 4096 / sizeof(double), chunk = huge_page / sizeof(double);
-#pragma omp parallel for schedule(dynamic, 1) if (size > chunk)
-    for (std::size_t k = 0; k < size / chunk; ++k)
-        for (std::size_t i = 0; i < chunk; i += small_page) array[k * chunk + i] = 0;
-    return array;
-}
+#pragma omp parallel for schedule(dynamic, 1)
+        for (std::size_t page = 0; page < pages; ++page)
+            for (std::size_t at = 0; at < huge_page; at += small_page) memory[page * huge_page + at] = 0;
+    }
+};
+
+template <class T>
+using LargeVector = std::vector<T, LargeAllocator<T>>;
 
 }  // namespace almesh

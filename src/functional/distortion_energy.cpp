@@ -235,16 +235,21 @@ void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kin
                 const Lanes shift = shifted ? own / max(weight, in_all_lanes(1e-300)) : Lanes{};
                 const int m = elements.nodes(), first = batch * lanes, count = std::min(lanes, element_count_ - first);
                 const int* place = &place_[static_cast<std::size_t>(first) * m * m];
-                // On their way from memory while the numbers to add are computed.
-                for (int k = 0; k < count * m * m; ++k) __builtin_prefetch(H.block(place[k]), 1);
-                constexpr int n = Batch::dimension;
+                // On their way from memory while the numbers to add are computed: a block may lie on two lines of it.
+                constexpr int n = Batch::dimension, block_size = n * n;
+                double* const values = H.value.data();
+                for (int k = 0; k < count * m * m; ++k) {
+                    const double* const block = values + static_cast<std::size_t>(place[k]) * block_size;
+                    __builtin_prefetch(block, 1);
+                    __builtin_prefetch(block + block_size - 1, 1);
+                }
                 const double* part = elements.hessian(params_.delta, shift, projected, weight);
                 for (int k = 0; k < count; ++k, part += elements.stride(), place += m * m) {
                     for (int ij = 0; ij < m * m; ++ij) {
-                        double* const block = H.block(place[ij]);
-                        double sum[n * n];  // first all, then stored: the compiler need not fear that they overlap
-                        for (int ab = 0; ab < n * n; ++ab) sum[ab] = block[ab] + part[ij * n * n + ab];
-                        std::copy_n(sum, n * n, block);
+                        double* const block = values + static_cast<std::size_t>(place[ij]) * block_size;
+                        double sum[block_size];  // first all, then stored: the compiler need not fear that they overlap
+                        for (int ab = 0; ab < block_size; ++ab) sum[ab] = block[ab] + part[ij * block_size + ab];
+                        std::copy_n(sum, block_size, block);
                     }
                 }
             });

@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/large_array.hpp"
+
 namespace almesh {
 
 struct BlockCsr {
@@ -14,7 +16,7 @@ struct BlockCsr {
     int d = 1;                  // block size
     std::vector<int> row;       // n + 1 offsets into col
     std::vector<int> col;       // block columns, ascending within a row
-    std::vector<double> value;  // d*d per block
+    LargeVector<double> value;  // d*d per block
 
     int blocks() const { return static_cast<int>(col.size()); }
     int size() const { return n * d; }

@@ -108,25 +108,25 @@ bool Cholesky::fits() const {
 
 void Cholesky::allocate() {
     const int threads = max_threads();
-    if (!factor_) {
-        factor_ = large_array(plan_.panel_at.back());
+    if (factor_.empty()) {
+        factor_.resize(plan_.panel_at.back());
         smallest_.resize(plan_.tree.order.size() * plan_.d);
         permuted_.resize(plan_.tree.order.size() * plan_.d);
         passed_on_.resize(plan_.tree.rows.size() * plan_.d);
     }
     if (threads <= threads_) return;
     threads_ = threads;
-    updates_.reset();
-    updates_ = large_array(plan_.shared_size + plan_.thread_size * threads);
+    updates_ = {};  // first, so that there is never memory for both
+    updates_.resize(plan_.shared_size + plan_.thread_size * threads);
 }
 
 double* Cholesky::update_of(int f, int thread) {
     const std::size_t base = plan_.update_shared[f] ? 0 : plan_.shared_size + plan_.thread_size * thread;
-    return updates_.get() + base + plan_.update_at[f];
+    return updates_.data() + base + plan_.update_at[f];
 }
 
 Front Cholesky::front(int f, int thread) {
-    return {plan_.rows(f), plan_.pivots(f), factor_.get() + plan_.panel_at[f], update_of(f, thread)};
+    return {plan_.rows(f), plan_.pivots(f), factor_.data() + plan_.panel_at[f], update_of(f, thread)};
 }
 
 // The panel's share of A, and what its pivots are measured by.

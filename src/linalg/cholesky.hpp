@@ -58,8 +58,8 @@ private:
 
     CholeskyParams params_;
     FactorPlan plan_;
-    LargeArray factor_;                       // panels of all fronts
-    LargeArray updates_;                      // shared memory, then that of each thread
+    LargeVector<double> factor_;                       // panels of all fronts
+    LargeVector<double> updates_;                      // shared memory, then that of each thread
     int threads_ = 0;                         // number of threads there is memory for
     std::vector<double> smallest_;            // n*d: smallest acceptable pivot of each column
     std::vector<double> passed_on_;           // d per tree.rows: contributions to the right-hand side

@@ -46,7 +46,7 @@ private:
     std::vector<int> group_;                     // of each node
     std::vector<int> member_start_{0}, member_;  // nodes of group g: member_[member_start_[g] .. member_start_[g+1])
     std::vector<int> row_{0}, col_;              // pattern of Z'A: a block row per group, a block column per node
-    std::vector<double> value_;                  // d*d per block, row-major
+    LargeVector<double> value_;                  // d*d per block, row-major
     std::vector<int> place_;                     // block of Z'A for every block of A
     std::vector<int> coarse_place_;              // block of E for every block of Z'A
     BlockCsr E_;

@@ -41,7 +41,8 @@ std::vector<int> expand(const CompressedGraph& compressed, const std::vector<int
 // of Large Sparse Positive Definite Systems, 1981, ch. 4). Returns order[new] = old. O(edges log degree).
 std::vector<int> reverse_cuthill_mckee(const Graph& graph);
 
-// The pattern of A with rows and columns renumbered; source[k]: the block of A that block k comes from.
+// The pattern of A with rows and columns renumbered, its values anything; source[k]: the block of A that block k comes
+// from.
 BlockCsr permuted_pattern(const BlockCsr& A, const std::vector<int>& order, std::vector<int>& source);
 
 }  // namespace almesh

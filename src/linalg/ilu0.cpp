@@ -60,7 +60,7 @@ Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start) : d_(pattern.d), sta
         }
     }
     const std::size_t n = pattern.n, block = static_cast<std::size_t>(d_) * d_;
-    L_.resize(col_.size() * block + 3);  // four() reads beyond the last block
+    L_.resize(col_.size() * block + 3, 0.0f);  // four() reads beyond the last block
     C_inverse_.resize(n * block);
     y_.resize(n);
     row_of_.resize(start_.size() * longest_ * block);

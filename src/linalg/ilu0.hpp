@@ -103,7 +103,7 @@ private:
     };
     std::vector<SeparatorRow> separator_row_;  // one more than rows
     std::vector<int> link_of_row_;
-    std::vector<float> L_;               // d*d per block, row-major
+    LargeVector<float> L_;               // d*d per block, row-major
     std::vector<double> C_inverse_;      // d*d per row, lower triangular
     std::vector<Four> y_;                // n: the vector between the sweeps, d entries each and zeros
     std::vector<double> row_of_;         // d*d per block of the longest row, for each domain and the separators

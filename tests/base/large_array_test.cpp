@@ -8,12 +8,22 @@ using namespace almesh;
 
 TEST_CASE("large arrays can be written to the end, and begin where registers and pages do") {
     const std::size_t page = (std::size_t{1} << 21) / sizeof(double);
-    for (const std::size_t size : {std::size_t{0}, std::size_t{1}, page - 1, page, page + 1, 5 * page}) {
-        LargeArray array = large_array(size);
+    for (const std::size_t size : {std::size_t{1}, page - 1, page, page + 1, 5 * page}) {
+        LargeVector<double> array(size);
         for (std::size_t i = 0; i < size; ++i) array[i] = static_cast<double>(i);
         bool kept = true;
         for (std::size_t i = 0; i < size; ++i) kept = kept && array[i] == static_cast<double>(i);
         CHECK(kept);
-        CHECK(reinterpret_cast<std::uintptr_t>(array.get()) % (size < page ? 64 : page * sizeof(double)) == 0);
+        CHECK(reinterpret_cast<std::uintptr_t>(array.data()) % (size < page ? 64 : page * sizeof(double)) == 0);
     }
+}
+
+TEST_CASE("large arrays keep the values they are given when they are copied and grow") {
+    LargeVector<float> array(3, 0.5f);
+    const LargeVector<float> copy = array;
+    array.resize(std::size_t{1} << 20);
+    CHECK(array[2] == 0.5f);
+    CHECK(copy == LargeVector<float>{0.5f, 0.5f, 0.5f});
+    array.assign(2, 1.5f);
+    CHECK(array == LargeVector<float>{1.5f, 1.5f});
 }

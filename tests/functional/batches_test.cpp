@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <span>
 
 #include "base/error.hpp"
 #include "support/meshes.hpp"
@@ -17,14 +18,14 @@ namespace {
 constexpr HessianKind kinds[] = {HessianKind::full, HessianKind::projected, HessianKind::squared_projected};
 constexpr Objective objectives[] = {Objective::squared, Objective::deviation};
 
-double largest(const std::vector<double>& v) {
+double largest(std::span<const double> v) {
     double most = 0;
     for (double entry : v) most = std::max(most, std::abs(entry));
     return most;
 }
 
 // max |a - b| in units of max |b|; nan where an entry is nan.
-double relative_difference(const std::vector<double>& a, const std::vector<double>& b) {
+double relative_difference(std::span<const double> a, std::span<const double> b) {
     double most = 0;
     for (std::size_t i = 0; i < a.size(); ++i)
         if (!(std::abs(a[i] - b[i]) <= most)) most = std::abs(a[i] - b[i]);

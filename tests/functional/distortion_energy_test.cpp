@@ -193,7 +193,8 @@ TEST_CASE("energy, gradient, Hessian and statistics have the same bits for any n
         const DistortionEnergy E(c.mesh, c.ideal, {});
         set_threads(1);
         const double energy = E.energy(c.x);
-        const std::vector<double> g = gradient(E, c.x), h = hessian(E, c.mesh, c.x, HessianKind::projected).value;
+        const std::vector<double> g = gradient(E, c.x);
+        const LargeVector<double> h = hessian(E, c.mesh, c.x, HessianKind::projected).value;
         const DistortionStatistics statistics = E.statistics(c.x);
         CHECK(std::isfinite(energy));
         for (int threads : {2, 3, 8}) {

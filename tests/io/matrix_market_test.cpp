@@ -43,7 +43,7 @@ TEST_CASE("a symmetric matrix is read with both triangles and its whole diagonal
     CHECK(A.n == 3);
     CHECK(A.row == std::vector<int>{0, 2, 3, 5});
     CHECK(A.col == std::vector<int>{0, 2, 1, 0, 2});
-    CHECK(A.value == std::vector<double>{2, -0.5, 1e-3, -0.5, 0});
+    CHECK(A.value == LargeVector<double>{2, -0.5, 1e-3, -0.5, 0});
 }
 
 TEST_CASE("a general matrix with symmetric values is the same matrix") {
@@ -57,7 +57,7 @@ TEST_CASE("rows are grouped into blocks") {
     const BlockCsr A = matrix_of(symmetric + "4 4 5\n1 1 1\n2 2 2\n3 3 3\n4 4 4\n4 1 9\n", 2);
     CHECK(A.n == 2);
     CHECK(A.d == 2);
-    CHECK(A.value == std::vector<double>{1, 0, 0, 2, 0, 9, 0, 0, 0, 0, 9, 0, 3, 0, 0, 4});
+    CHECK(A.value == LargeVector<double>{1, 0, 0, 2, 0, 9, 0, 0, 0, 0, 9, 0, 3, 0, 0, 4});
     CHECK_THROWS_AS(matrix_of(symmetric + "4 4 4\n1 1 1\n2 2 2\n3 3 3\n4 4 4\n", 3), UsageError);
 }
 

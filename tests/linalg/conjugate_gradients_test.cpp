@@ -16,7 +16,7 @@ namespace {
 
 BlockCsr diagonal(const std::vector<double>& entries) {
     BlockCsr A = matrix_of_cells(static_cast<int>(entries.size()), 1, {}, 2);
-    A.value = entries;
+    A.value.assign(entries.begin(), entries.end());
     return A;
 }
 

@@ -21,7 +21,7 @@ double relative_residual(const BlockCsr& A, const std::vector<double>& x, const 
 
 BlockCsr diagonal(const std::vector<double>& entries) {
     BlockCsr A = matrix_of_cells(static_cast<int>(entries.size()), 1, {}, 2);
-    A.value = entries;
+    A.value.assign(entries.begin(), entries.end());
     return A;
 }
 
