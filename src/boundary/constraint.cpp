@@ -204,7 +204,7 @@ void BoundaryConstraint::add_hessian(double mu, BlockCsr& H, const std::vector<i
             double* block = H.block(place);
             for (int a = 0; a < dim_; ++a) block[a * dim_ + a] += factor * M_.value[k];
         }
-    });
+    }, 200);
 }
 
 void BoundaryConstraint::update_multipliers(const std::vector<double>& x, double mu,

@@ -258,7 +258,7 @@ void check_pairs(Check& check) {
     for (const Patch& patch : check.target.patches) boxes.push_back(box_of(patch));
     const BoxTree tree(boxes);
     std::vector<std::vector<FacePair>> found(faces);  // by place in the tree, with faces behind it
-    parallel_for(faces, [&](int place) {
+    parallel_for_uneven(faces, [&](int place) {
         const int face = tree.items[place];
         if (check.bad[face]) return;
         tree.visit_overlapping(boxes[face], [&](int other) {

@@ -12,7 +12,8 @@ namespace almesh {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-constexpr int block_elements = 64;  // elements that share one workspace
+constexpr int block_elements = 64;    // elements that share one workspace
+constexpr double element_work = 500;  // simple operations for one element, at least
 
 enum class Validity { valid, invalid, undecided };
 
@@ -166,7 +167,7 @@ std::vector<Bound> bound_elements(const Mesh& mesh, const std::vector<double>& x
         work.value.resize(tables.jacobian.count);
         for (int e = block * block_elements; e < std::min(count, (block + 1) * block_elements); ++e)
             bounds[e] = bound_element<n>(mesh, x, e, tables, params, work);
-    });
+    }, element_work * block_elements);
     return bounds;
 }
 

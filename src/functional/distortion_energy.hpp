@@ -76,8 +76,8 @@ private:
     ElementChunks chunks_;
     // By position in chunks_.order, filled up to whole batches with copies of the last element that weigh nothing:
     std::vector<int> nodes_;             // position x element nodes
-    std::vector<int> place_;             // position x element node x element node: block of the pattern
-    std::vector<Lanes> ideal_inverse_;   // batch x dim x dim, A^{-1}
+    LargeVector<int> place_;             // position x element node x element node: block of the pattern
+    LargeVector<Lanes> ideal_inverse_;   // batch x dim x dim, A^{-1}
     std::vector<Lanes> ideal_jacobian_;  // batch, det A
     std::vector<Lanes> weight_;          // batch, w_e det A
     std::vector<Lanes> damping_weight_;  // batch, the same with the exponent of the damping

@@ -14,6 +14,7 @@ namespace {
 constexpr double flatness = 0.05;  // deviation of a piece over its size, below which the distance has one minimum on it
 constexpr int max_depth = 8;       // bisections of a face
 constexpr int block_nodes = 256;   // nodes that share one workspace
+constexpr double node_work = 1000;  // simple operations to find the distance of one node, at least
 
 // A nearly flat part of a face. The descent over the whole face starts from its corners or its centre, whichever is
 // closest.
@@ -122,7 +123,7 @@ std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x
             const double far = std::numeric_limits<double>::max();
             distance[i] = std::sqrt(tree.nearest_squared(point, mesh.dim, far, to_piece));
         }
-    });
+    }, node_work * block_nodes);
     return distance;
 }
 

@@ -33,7 +33,7 @@ NodeCells cells_of_nodes(int n, const std::vector<int>& cells) {
     return around;
 }
 
-constexpr int row_block = 4096;  // rows whose columns one thread collects at a time
+constexpr int row_block = 1024;  // rows whose columns one thread collects at a time
 
 BlockCsr pattern_of(int n, int d, const std::vector<int>& cells, int cell_nodes, const NodeCells& around) {
     BlockCsr A;
@@ -78,7 +78,7 @@ BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_
 
 CellPattern pattern_and_places_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes) {
     const NodeCells around = cells_of_nodes(n, cells);
-    CellPattern result{pattern_of(n, d, cells, cell_nodes, around), std::vector<int>(cells.size() * cell_nodes)};
+    CellPattern result{pattern_of(n, d, cells, cell_nodes, around), LargeVector<int>(cells.size() * cell_nodes)};
     const BlockCsr& A = result.pattern;
 #pragma omp parallel if (n >= parallel_work)
     {

@@ -35,7 +35,7 @@ BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_
 // (node a of cell c, node b of cell c).
 struct CellPattern {
     BlockCsr pattern;
-    std::vector<int> place;  // cell x cell node x cell node
+    LargeVector<int> place;  // cell x cell node x cell node
 };
 CellPattern pattern_and_places_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/parallel.hpp"
 #include "linalg/hierarchy.hpp"
 #include "linalg/separator.hpp"
 
@@ -81,10 +82,14 @@ void separate(const Graph& graph, int separators, std::vector<int>& domain) {
 
 Domains cut_into_domains(const Graph& graph) {
     const int count = graph.size() < worth_cutting ? 1 : 1 << bisections;
-    std::vector<int> domain = domains_of_vertices(graph);
-    separate(graph, count, domain);
+    std::vector<int> domain, order;
+    const auto cut = [&] {
+        domain = domains_of_vertices(graph);
+        separate(graph, count, domain);
+    };
+    at_once(cut, [&] { order = reverse_cuthill_mckee(graph); });
     std::vector<std::vector<int>> pieces(count + 1);
-    for (int v : reverse_cuthill_mckee(graph)) pieces[domain[v]].push_back(v);
+    for (int v : order) pieces[domain[v]].push_back(v);
     // Those with most work first, so that threads that take one after the other end at the same time.
     std::vector<long long> work(count, 0);
     for (int v = 0; v < graph.size(); ++v)

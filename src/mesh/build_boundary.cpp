@@ -40,7 +40,7 @@ Side side_of(const int* vertex, int count, int owner, int opposite) {
     return side;
 }
 
-// Ascending. The smallest vertex, in [-1, node_count), picks the bucket; a bucket is small.
+// Ascending. The smallest vertex, in [-1, node_count), picks the bucket; a bucket is small, that of a low vertex larger.
 std::vector<Side> sorted_sides(const std::vector<Side>& sides, int node_count) {
     std::vector<int> start(node_count + 2, 0);
     for (const Side& side : sides) ++start[side.vertex[0] + 2];
@@ -48,7 +48,9 @@ std::vector<Side> sorted_sides(const std::vector<Side>& sides, int node_count) {
     std::vector<int> next(start.begin(), start.end() - 1);
     std::vector<Side> sorted(sides.size());
     for (const Side& side : sides) sorted[next[side.vertex[0] + 1]++] = side;
-    parallel_for(node_count + 1, [&](int i) { std::sort(sorted.begin() + start[i], sorted.begin() + start[i + 1]); });
+    parallel_for_uneven(node_count + 1, [&](int i) {
+        std::sort(sorted.begin() + start[i], sorted.begin() + start[i + 1]);
+    });
     return sorted;
 }
 
