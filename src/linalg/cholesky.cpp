@@ -110,6 +110,7 @@ void Cholesky::allocate() {
     const int threads = max_threads();
     if (factor_.empty()) {
         factor_.resize(plan_.panel_at.back());
+        unfinished_.resize(plan_.tree.fronts());
         smallest_.resize(plan_.tree.order.size() * plan_.d);
         permuted_.resize(plan_.tree.order.size() * plan_.d);
         passed_on_.resize(plan_.tree.rows.size() * plan_.d);
@@ -170,30 +171,36 @@ int Cholesky::factor_one(const BlockCsr& A, int f, int thread, bool parallel) {
     return bad;
 }
 
+// Fronts of a range in order, up to the first bad column known: the first in elimination order, whichever thread is
+// faster, since only later columns are given up.
+void Cholesky::factor_fronts(const BlockCsr& A, FrontRange range, bool parallel, std::atomic<int>& first_bad) {
+    for (int f = range.begin; f < range.end && plan_.tree.first[f] < first_bad; ++f) {
+        const int bad = factor_one(A, f, thread_number(), parallel);
+        if (bad < 0) continue;
+        const int column = plan_.tree.first[f] + bad / plan_.d;
+        for (int seen = first_bad; column < seen && !first_bad.compare_exchange_weak(seen, column);) {
+        }
+    }
+}
+
 CholeskyResult Cholesky::factor(const BlockCsr& A) {
     if (!fits()) return {CholeskyStatus::too_large, -1};
     allocate();
-    const AssemblyTree& tree = plan_.tree;
     constexpr int none = std::numeric_limits<int>::max();
-    // The first bad column in elimination order, whichever thread is faster: only later columns are given up.
     std::atomic<int> first_bad = none;
+    for (const int f : plan_.single) unfinished_[f] = plan_.child_start[f + 1] - plan_.child_start[f];
     const int subtrees = static_cast<int>(plan_.subtrees.size());
 #pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
-    for (int s = 0; s < subtrees; ++s)
-        for (int f = plan_.subtrees[s].begin; f < plan_.subtrees[s].end && tree.first[f] < first_bad; ++f) {
-            const int bad = factor_one(A, f, thread_number(), false);
-            if (bad < 0) continue;
-            const int column = tree.first[f] + bad / plan_.d;
-            for (int seen = first_bad; column < seen && !first_bad.compare_exchange_weak(seen, column);) {
-            }
-            break;
+    for (int s = 0; s < subtrees; ++s) {
+        factor_fronts(A, plan_.subtrees[s], false, first_bad);
+        // Whoever is done with the last child of a single front goes on with the front.
+        for (int f = plan_.subtrees[s].end - 1; (f = plan_.tree.parent[f]) >= 0;) {
+            if (std::atomic_ref(unfinished_[f]).fetch_sub(1) != 1) break;
+            factor_fronts(A, {f, f + 1}, false, first_bad);
         }
-    for (int f : plan_.top) {
-        if (tree.first[f] > first_bad) break;
-        const int bad = factor_one(A, f, 0, true);
-        if (bad >= 0) first_bad = tree.first[f] + bad / plan_.d;
     }
-    if (first_bad < none) return {CholeskyStatus::not_positive_definite, tree.order[first_bad]};
+    for (const int f : plan_.top) factor_fronts(A, {f, f + 1}, true, first_bad);
+    if (first_bad < none) return {CholeskyStatus::not_positive_definite, plan_.tree.order[first_bad]};
     return {CholeskyStatus::factored, -1};
 }
 

@@ -3,9 +3,10 @@
 // children, eliminates its columns by dense kernels and passes its own update matrix on.
 //
 // Analysis (ordering of the node graph, by default nested dissection) once per pattern, then any number of
-// factorisations. Parallel over independent subtrees and inside the large fronts above them; same bits for any number
-// of threads.
+// factorisations. Parallel over independent subtrees and fronts and inside the large fronts above them; same bits for
+// any number of threads.
 #pragma once
+#include <atomic>
 #include <vector>
 
 #include "base/large_array.hpp"
@@ -52,6 +53,7 @@ private:
     double* update_of(int f, int thread);
     Front front(int f, int thread);
     int factor_one(const BlockCsr& A, int f, int thread, bool parallel);
+    void factor_fronts(const BlockCsr& A, FrontRange range, bool parallel, std::atomic<int>& first_bad);
     void gather_entries(const BlockCsr& A, int f, const Front& target, bool parallel);
     void solve_forward_one(int f, double* x, bool parallel);
     void solve_backward_one(int f, double* x, bool parallel);
@@ -60,6 +62,7 @@ private:
     FactorPlan plan_;
     LargeVector<double> factor_;                       // panels of all fronts
     LargeVector<double> updates_;                      // shared memory, then that of each thread
+    std::vector<int> unfinished_;             // children of each single front that are not done yet; others: <= 0
     int threads_ = 0;                         // number of threads there is memory for
     std::vector<double> smallest_;            // n*d: smallest acceptable pivot of each column
     std::vector<double> passed_on_;           // d per tree.rows: contributions to the right-hand side

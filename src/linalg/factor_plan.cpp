@@ -10,6 +10,7 @@ namespace almesh {
 namespace {
 
 constexpr double subtree_share = 1.0 / 16;  // largest part of all work that one subtree may hold
+constexpr double single_share = 1.0 / 8;    // and the subtree of a front that one thread works on
 constexpr double smallest_cost = 2e7;       // less work than this is one subtree: threads would cost more
 
 void find_children(FactorPlan& plan) {
@@ -101,7 +102,8 @@ void cut_into_subtrees(FactorPlan& plan) {
     }
     for (int f = 0; f < fronts; ++f) {
         const int p = tree.parent[f];
-        if (work[f] > total * subtree_share) plan.top.push_back(f);
+        if (work[f] > total * single_share) plan.top.push_back(f);
+        else if (work[f] > total * subtree_share) plan.single.push_back(f);
         else if (p < 0 || work[p] > total * subtree_share) plan.subtrees.push_back({begin[f], f + 1});
     }
     std::stable_sort(plan.subtrees.begin(), plan.subtrees.end(), [&](const FrontRange& a, const FrontRange& b) {
@@ -111,12 +113,13 @@ void cut_into_subtrees(FactorPlan& plan) {
 
 void sort_into_levels(FactorPlan& plan) {
     std::vector<int> depth(plan.tree.fronts(), 0);
-    for (std::size_t k = plan.top.size(); k-- > 0;) {
-        const int f = plan.top[k], p = plan.tree.parent[f];
-        if (p >= 0) depth[f] = depth[p] + 1;
-        if (depth[f] >= static_cast<int>(plan.levels.size())) plan.levels.resize(depth[f] + 1);
-        plan.levels[depth[f]].push_back(f);
-    }
+    for (const std::vector<int>* fronts : {&plan.top, &plan.single})
+        for (std::size_t k = fronts->size(); k-- > 0;) {
+            const int f = (*fronts)[k], p = plan.tree.parent[f];
+            if (p >= 0) depth[f] = depth[p] + 1;
+            if (depth[f] >= static_cast<int>(plan.levels.size())) plan.levels.resize(depth[f] + 1);
+            plan.levels[depth[f]].push_back(f);
+        }
     std::reverse(plan.levels.begin(), plan.levels.end());
 }
 
@@ -153,14 +156,17 @@ void place_updates(FactorPlan& plan) {
     plan.update_at.assign(fronts, 0);
     plan.update_shared.assign(fronts, 0);
 
+    const auto hand_over = [&](int f) {
+        handed_over[f] = plan.update_shared[f] = 1;
+        plan.update_at[f] = plan.shared_size;
+        plan.shared_size += update_size(plan.rows(f), plan.pivots(f));
+    };
     std::size_t even = 0, odd = 0;
     for (const FrontRange& range : plan.subtrees) {
         Stacks stacks;
         for (int f = range.begin; f < range.end; ++f) {
             if (f == range.end - 1 && tree.parent[f] >= 0) {
-                handed_over[f] = plan.update_shared[f] = 1;
-                plan.update_at[f] = plan.shared_size;
-                plan.shared_size += update_size(plan.rows(f), plan.pivots(f));
+                hand_over(f);
                 continue;
             }
             push_update(plan, f, parity[f], stacks);
@@ -173,6 +179,7 @@ void place_updates(FactorPlan& plan) {
         for (int f = range.begin; f < range.end; ++f)
             if (!handed_over[f]) raise_odd(plan, f, parity[f], even);
     plan.thread_size = even + odd;
+    for (int f : plan.single) hand_over(f);
 
     Stacks stacks;
     for (int f : plan.top) {

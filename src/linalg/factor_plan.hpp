@@ -3,8 +3,9 @@
 //
 // Update matrices live on two stacks, those of fronts at even and at odd depth: children are popped from one while
 // their parent's is pushed on the other, so none is ever moved, and all places are known beforehand. The tree is cut
-// into subtrees, each worked on by one thread with stacks of its own, and the top above them, where all threads share
-// the work inside each front. Update matrices of the subtrees' roots are handed over in a place of their own.
+// into subtrees, each worked on by one thread with stacks of its own, single fronts above them, each worked on by one
+// thread as soon as its children are done, and the top above these, where all threads share the work inside each front.
+// Update matrices of subtrees' roots and single fronts are handed over in a place of their own.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -31,8 +32,9 @@ struct FactorPlan {
     std::vector<std::size_t> entry_start;     // fronts + 1 offsets into entries
     std::vector<FrontEntry> entries;
     std::vector<FrontRange> subtrees;         // costliest first
-    std::vector<int> top;                     // fronts above the subtrees, children before parents
-    std::vector<std::vector<int>> levels;     // the same fronts by their depth, the deepest first
+    std::vector<int> single;                  // fronts above the subtrees, children before parents
+    std::vector<int> top;                     // fronts above those, children before parents
+    std::vector<std::vector<int>> levels;     // all fronts above the subtrees by their depth, the deepest first
 
     // Memory, in doubles.
     std::vector<std::size_t> panel_at;        // fronts + 1 offsets into the factor

@@ -70,9 +70,10 @@ TEST_CASE("every block of the lower triangle goes to one place of one front, tha
     }
 }
 
-TEST_CASE("subtrees and top cover all fronts once, the subtrees are independent") {
+TEST_CASE("subtrees, single fronts and top cover all fronts once, the subtrees are independent") {
     const FactorPlan plan = plan_of(random_spd(6400, 2, grid(80, 80)));
     CHECK(plan.subtrees.size() > 4);
+    CHECK(!plan.single.empty());
     CHECK(!plan.top.empty());
     std::vector<int> owner(plan.tree.fronts(), -1);
     for (std::size_t s = 0; s < plan.subtrees.size(); ++s)
@@ -80,19 +81,25 @@ TEST_CASE("subtrees and top cover all fronts once, the subtrees are independent"
             CHECK(owner[f] == -1);
             owner[f] = static_cast<int>(s);
         }
-    for (int f : plan.top) {
+    for (int f : plan.single) {
         CHECK(owner[f] == -1);
         owner[f] = -2;
+    }
+    for (int f : plan.top) {
+        CHECK(owner[f] == -1);
+        owner[f] = -3;
     }
     for (int f = 0; f < plan.tree.fronts(); ++f) {
         CHECK(owner[f] != -1);
         const int p = plan.tree.parent[f];
-        CHECK((p < 0 || owner[p] == owner[f] || owner[p] == -2));
+        CHECK((p < 0 || owner[p] == owner[f] || (owner[p] == -2 && owner[f] >= 0) || owner[p] == -3));
     }
+    for (const std::vector<int>* fronts : {&plan.single, &plan.top})
+        CHECK(std::is_sorted(fronts->begin(), fronts->end()));  // children before parents
     CHECK(plan_of(random_spd(100, 2, grid(10, 10))).subtrees.size() == 1);
 }
 
-TEST_CASE("levels hold the fronts of the top once, parents above their children") {
+TEST_CASE("levels hold the fronts above the subtrees once, parents above their children") {
     const FactorPlan plan = plan_of(random_spd(90 * 90, 2, grid(90, 90)));
     std::vector<int> level(plan.tree.fronts(), -1), listed;
     for (std::size_t l = 0; l < plan.levels.size(); ++l)
@@ -102,10 +109,11 @@ TEST_CASE("levels hold the fronts of the top once, parents above their children"
         }
     CHECK(plan.levels.size() > 1);
     std::sort(listed.begin(), listed.end());
-    std::vector<int> top = plan.top;
-    std::sort(top.begin(), top.end());
-    CHECK(listed == top);
-    for (int f : plan.top)
+    std::vector<int> above = plan.top;
+    above.insert(above.end(), plan.single.begin(), plan.single.end());
+    std::sort(above.begin(), above.end());
+    CHECK(listed == above);
+    for (int f : above)
         if (const int p = plan.tree.parent[f]; p >= 0) CHECK(level[p] == level[f] + 1);
 }
 
@@ -137,5 +145,16 @@ TEST_CASE("update matrices that are needed at the same time never overlap") {
         for (int f = subtree.begin; f < subtree.end; ++f) run(f);
     }
     live[0].clear();
+    for (int f : plan.single) run(f);
     for (int f : plan.top) run(f);
+
+    // Threads are at any of the subtrees and single fronts at the same time.
+    std::vector<Range> handed_over;
+    const auto keep = [&](int f) {
+        for (const Range& other : handed_over) CHECK(range(f).apart(other));
+        handed_over.push_back(range(f));
+    };
+    for (const FrontRange& subtree : plan.subtrees)
+        if (plan.tree.parent[subtree.end - 1] >= 0) keep(subtree.end - 1);
+    for (int f : plan.single) keep(f);
 }
