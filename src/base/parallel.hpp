@@ -6,6 +6,7 @@
 #pragma once
 #include <algorithm>
 #include <exception>
+#include <thread>
 #include <vector>
 #ifdef _OPENMP
 #include <omp.h>
@@ -68,6 +69,14 @@ void at_once(const First& first, const Second& second) {
     }
     for (const std::exception_ptr& exception : thrown)
         if (exception) std::rethrow_exception(exception);
+}
+
+// For short waits: looks again and again, but lets other threads have the core if it takes long.
+template <class Test>
+void wait_until(const Test& test) {
+    constexpr int patience = 1000;
+    for (int tries = 0; !test(); ++tries)
+        if (tries > patience) std::this_thread::yield();
 }
 
 // Sum of term(i), i in [0, n), in fixed blocks.

@@ -181,16 +181,6 @@ void DistortionEnergy::every_batch(int chunk, const std::vector<double>& x, cons
     }
 }
 
-// body(chunk): those of one colour in parallel, the colours in order.
-template <class Body>
-void DistortionEnergy::every_colour(const Body& body) const {
-#pragma omp parallel if (is_large_)
-    for (int colour = 0; colour < chunks_.colours(); ++colour) {
-#pragma omp for schedule(dynamic, 1)
-        for (int c = chunks_.colour_start[colour]; c < chunks_.colour_start[colour + 1]; ++c) body(chunks_.coloured[c]);
-    }
-}
-
 double DistortionEnergy::energy(const std::vector<double>& x) const {
     std::atomic<bool> inverted = false;  // one inverted element settles it: the other chunks are skipped
     with_batches([&](auto of_type) {
@@ -213,7 +203,7 @@ double DistortionEnergy::energy(const std::vector<double>& x) const {
 void DistortionEnergy::add_gradient(const std::vector<double>& x, std::vector<double>& g) const {
     with_batches([&](auto of_type) {
         using Batch = typename decltype(of_type)::type;
-        every_colour([&](int chunk) {
+        chunks_.in_turn(is_large_, [&](int chunk) {
             every_batch<Batch>(chunk, x, [&](Batch& elements, int batch) {
                 const int count = std::min(lanes, element_count_ - batch * lanes);
                 elements.add_gradient(params_.delta, params_.objective, weight_[batch], count, g.data());
@@ -227,7 +217,7 @@ void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kin
     const double added = kind == HessianKind::projected ? damping : of_objective ? 0 : 1;
     with_batches([&](auto of_type) {
         using Batch = typename decltype(of_type)::type;
-        every_colour([&](int chunk) {
+        chunks_.in_turn(is_large_, [&](int chunk) {
             every_batch<Batch>(chunk, x, [&](Batch& elements, int batch) {
                 const Lanes own = of_objective ? weight_[batch] : Lanes{};
                 const Lanes weight = own + added * damping_weight_[batch];

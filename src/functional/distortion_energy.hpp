@@ -97,8 +97,6 @@ private:
     void with_batches(const Body& body) const;
     template <class Batch, class Body>
     void every_batch(int chunk, const std::vector<double>& x, const Body& body) const;
-    template <class Body>
-    void every_colour(const Body& body) const;
 };
 
 }  // namespace almesh

@@ -13,8 +13,12 @@
 namespace almesh {
 namespace {
 
-// Small enough for a core's cache and for some chunks per thread and colour, large enough to share few nodes.
+// Small enough for a core's cache and for some chunks per thread, large enough to share few nodes.
 constexpr int largest_chunk = 256, wanted_chunks = 128;
+
+constexpr int walks = 16;   // through the mesh at the same time
+constexpr int apart = 8;    // turns between two neighbours, if possible
+constexpr int window = 64;  // next chunks that are looked at for one without a neighbour
 
 // A mesh whose own order shares fewer nodes than this keeps it: refined meshes are in good order, and their nodes too.
 constexpr double well_ordered = 1.5;  // chunks per node
@@ -74,32 +78,60 @@ double chunks_per_node(const Mesh& mesh, const ElementChunks& chunks) {
     return touched / std::max(mesh.nodes(), 1);
 }
 
-// First fit, colour after colour: a chunk takes the colour if none of its nodes has it yet.
-void colour_chunks(const Mesh& mesh, ElementChunks& chunks) {
-    const int elements = mesh.element_count(), m = mesh.element_nodes();
-    std::vector<int> rest((elements + chunks.size - 1) / chunks.size), later, last_colour(mesh.nodes(), -1);
-    std::iota(rest.begin(), rest.end(), 0);
-    const auto every_node = [&](int chunk, const auto& test) {
-        for (int k = chunk * chunks.size, end = std::min(elements, k + chunks.size); k < end; ++k) {
-            const int* const node = mesh.element(chunks.order[k]);
-            if (!std::all_of(node, node + m, test)) return false;
-        }
-        return true;
+// The chunks that share a node with each chunk.
+std::vector<std::vector<int>> neighbours_of_chunks(const Mesh& mesh, const ElementChunks& chunks) {
+    struct Visit {
+        int chunk, before;  // before: an earlier visit of the same node, or -1
     };
-    chunks.colour_start = {0};
-    for (int colour = 0; !rest.empty(); ++colour) {
-        later.clear();
-        for (const int chunk : rest) {
-            const bool free = every_node(chunk, [&](int i) { return last_colour[i] != colour; });
-            (free ? chunks.coloured : later).push_back(chunk);
-            if (free)
-                every_node(chunk, [&](int i) {
-                    last_colour[i] = colour;
-                    return true;
-                });
+    const int m = mesh.element_nodes(), count = (mesh.element_count() + chunks.size - 1) / chunks.size;
+    std::vector<Visit> visits;
+    std::vector<int> last_visit(mesh.nodes(), -1), seen(count, -1);
+    std::vector<std::vector<int>> neighbours(count);
+    for (int k = 0; k < mesh.element_count(); ++k)
+        for (int i = 0; i < m; ++i) {
+            const int chunk = k / chunks.size;
+            int& last = last_visit[mesh.element(chunks.order[k])[i]];
+            if (last >= 0 && visits[last].chunk == chunk) continue;
+            for (int visit = last; visit >= 0; visit = visits[visit].before)
+                if (const int other = visits[visit].chunk; std::exchange(seen[other], chunk) != chunk) {
+                    neighbours[chunk].push_back(other);
+                    neighbours[other].push_back(chunk);
+                }
+            visits.push_back({chunk, std::exchange(last, static_cast<int>(visits.size()))});
         }
-        chunks.colour_start.push_back(static_cast<int>(chunks.coloured.size()));
-        rest.swap(later);
+    return neighbours;
+}
+
+// Chunk after chunk from several places on, equally far apart.
+std::vector<int> walk(int count) {
+    std::vector<int> chunks;
+    for (int step = 0; static_cast<int>(chunks.size()) < count; ++step)
+        for (long long w = 0; w < walks; ++w)
+            if (const long long chunk = count * w / walks + step; chunk < count * (w + 1) / walks)
+                chunks.push_back(static_cast<int>(chunk));
+    return chunks;
+}
+
+// As they come on the walk, but where a neighbour has just had its turn, one of the next few chunks comes first.
+void take_turns(const std::vector<std::vector<int>>& neighbours, ElementChunks& chunks) {
+    const int count = static_cast<int>(neighbours.size());
+    std::vector<int> to_come = walk(count), turn_of(count, -1), last_turn(count, -apart);  // last_turn: of a neighbour
+    std::reverse(to_come.begin(), to_come.end());                                          // to be taken from the end
+    chunks.wait_start = {0};
+    for (int turn = 0; turn < count; ++turn) {
+        const auto first = to_come.end() - std::min<std::ptrdiff_t>(window, to_come.end() - to_come.begin());
+        auto best = to_come.end() - 1;
+        for (auto it = best; it != first && last_turn[*best] > turn - apart; --it)
+            if (last_turn[it[-1]] < last_turn[*best]) best = it - 1;
+        const int chunk = *best;
+        to_come.erase(best);
+        chunks.turn.push_back(chunk);
+        turn_of[chunk] = turn;
+        for (const int other : neighbours[chunk]) {
+            last_turn[other] = turn;
+            if (turn_of[other] >= 0) chunks.wait_for.push_back(turn_of[other]);
+        }
+        chunks.wait_start.push_back(static_cast<int>(chunks.wait_for.size()));
     }
 }
 
@@ -111,7 +143,7 @@ ElementChunks chunk_elements(const Mesh& mesh) {
     chunks.order.resize(mesh.element_count());
     std::iota(chunks.order.begin(), chunks.order.end(), 0);
     if (chunks_per_node(mesh, chunks) > well_ordered) sort_along_curve(mesh, chunks.order);
-    colour_chunks(mesh, chunks);
+    take_turns(neighbours_of_chunks(mesh, chunks), chunks);
     return chunks;
 }
 

@@ -40,7 +40,7 @@ Side side_of(const int* vertex, int count, int owner, int opposite) {
     return side;
 }
 
-// Ascending. The smallest vertex, in [-1, node_count), picks the bucket; a bucket is small, that of a low vertex larger.
+// Ascending. The smallest vertex, in [-1, node_count), picks the bucket: small ones, though larger for low vertices.
 std::vector<Side> sorted_sides(const std::vector<Side>& sides, int node_count) {
     std::vector<int> start(node_count + 2, 0);
     for (const Side& side : sides) ++start[side.vertex[0] + 2];
