@@ -44,7 +44,7 @@ void parallel_for(int n, const Body& body, [[maybe_unused]] double work = 10) {
 // The same where some iterations are much more work than others: threads take what comes next, a few at a time.
 template <class Body>
 void parallel_for_uneven(int n, const Body& body, [[maybe_unused]] double work = 10) {
-    constexpr int turns = 256;
+    [[maybe_unused]] constexpr int turns = 256;
 #pragma omp parallel for schedule(dynamic, std::max(1, n / turns)) if (n * work >= 10.0 * parallel_work)
     for (int i = 0; i < n; ++i) body(i);
 }

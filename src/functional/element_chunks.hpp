@@ -23,7 +23,7 @@ struct ElementChunks {
 
     // body(chunk) for all chunks, in turn, by many threads if asked for. One call at a time.
     template <class Body>
-    void in_turn(bool parallel, const Body& body) const {
+    void in_turn([[maybe_unused]] bool parallel, const Body& body) const {
         ++rounds_;
         done_.resize(turn.size(), 0);
         // A turn waits for earlier ones only, and threads take them in order: the earliest one at work never waits.
