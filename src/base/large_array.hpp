@@ -50,7 +50,7 @@ private:
 #ifdef MADV_HUGEPAGE
         madvise(memory, pages * huge_page, MADV_HUGEPAGE);  // if it refuses nothing else changes
 #endif
-#pragma omp parallel for schedule(dynamic, 1)
+#pragma omp parallel for schedule(dynamic, 1) if (pages > 1)
         for (std::size_t page = 0; page < pages; ++page)
             for (std::size_t at = 0; at < huge_page; at += small_page) memory[page * huge_page + at] = 0;
     }

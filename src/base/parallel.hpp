@@ -75,8 +75,10 @@ void at_once(const First& first, const Second& second) {
 template <class Test>
 void wait_until(const Test& test) {
     constexpr int patience = 1000;
-    for (int tries = 0; !test(); ++tries)
-        if (tries > patience) std::this_thread::yield();
+    for (int tries = 0; !test();) {
+        if (tries < patience) ++tries;
+        else std::this_thread::yield();
+    }
 }
 
 // Sum of term(i), i in [0, n), in fixed blocks.

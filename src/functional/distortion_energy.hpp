@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "base/lanes.hpp"
+#include "base/large_array.hpp"
 #include "functional/distortion.hpp"
 #include "functional/element_chunks.hpp"
 #include "functional/reference_element.hpp"

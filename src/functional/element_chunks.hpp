@@ -41,7 +41,8 @@ private:
     mutable int rounds_ = 0;         // calls of in_turn()
 };
 
-// Depends on the mesh alone. Cost: linear in the number of elements times their nodes, and sorting them.
+// Depends on the mesh alone. Cost: linear in the number of elements times their nodes, sorting them, and for each node
+// the square of the number of chunks around it.
 ElementChunks chunk_elements(const Mesh& mesh);
 
 }  // namespace almesh

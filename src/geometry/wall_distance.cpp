@@ -14,7 +14,7 @@ namespace {
 constexpr double flatness = 0.05;  // deviation of a piece over its size, below which the distance has one minimum on it
 constexpr int max_depth = 8;       // bisections of a face
 constexpr int block_nodes = 256;   // nodes that share one workspace
-constexpr double node_work = 1000;  // simple operations to find the distance of one node, at least
+constexpr double node_work = 1e3;  // simple operations to find the distance of one node, at least
 
 // A nearly flat part of a face. The descent over the whole face starts from its corners or its centre, whichever is
 // closest.

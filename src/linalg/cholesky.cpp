@@ -109,16 +109,16 @@ bool Cholesky::fits() const {
 void Cholesky::allocate() {
     const int threads = max_threads();
     if (factor_.empty()) {
-        factor_.resize(plan_.panel_at.back());
         unfinished_.resize(plan_.tree.fronts());
         smallest_.resize(plan_.tree.order.size() * plan_.d);
         permuted_.resize(plan_.tree.order.size() * plan_.d);
         passed_on_.resize(plan_.tree.rows.size() * plan_.d);
+        factor_.resize(plan_.panel_at.back());
     }
     if (threads <= threads_) return;
-    threads_ = threads;
-    updates_ = {};  // first, so that there is never memory for both
+    updates_ = LargeVector<double>();  // first, so that there is never memory for both
     updates_.resize(plan_.shared_size + plan_.thread_size * threads);
+    threads_ = threads;
 }
 
 double* Cholesky::update_of(int f, int thread) {

@@ -60,8 +60,8 @@ private:
 
     CholeskyParams params_;
     FactorPlan plan_;
-    LargeVector<double> factor_;                       // panels of all fronts
-    LargeVector<double> updates_;                      // shared memory, then that of each thread
+    LargeVector<double> factor_;              // panels of all fronts
+    LargeVector<double> updates_;             // shared memory, then that of each thread
     std::vector<int> unfinished_;             // children of each single front that are not done yet; others: <= 0
     int threads_ = 0;                         // number of threads there is memory for
     std::vector<double> smallest_;            // n*d: smallest acceptable pivot of each column

@@ -14,6 +14,7 @@
 #pragma once
 #include <vector>
 
+#include "base/large_array.hpp"
 #include "linalg/block_csr.hpp"
 #include "linalg/cholesky.hpp"
 

@@ -9,8 +9,8 @@ namespace almesh {
 
 namespace {
 
-constexpr double subtree_share = 1.0 / 16;  // largest part of all work that one subtree may hold
-constexpr double single_share = 1.0 / 8;    // and the subtree of a front that one thread works on
+constexpr double subtree_share = 1.0 / 16;  // largest part of all work that a subtree of several fronts may hold
+constexpr double single_share = 1.0 / 8;    // and the subtree of any front that one thread works on
 constexpr double smallest_cost = 2e7;       // less work than this is one subtree: threads would cost more
 
 void find_children(FactorPlan& plan) {
@@ -103,7 +103,7 @@ void cut_into_subtrees(FactorPlan& plan) {
     for (int f = 0; f < fronts; ++f) {
         const int p = tree.parent[f];
         if (work[f] > total * single_share) plan.top.push_back(f);
-        else if (work[f] > total * subtree_share) plan.single.push_back(f);
+        else if (work[f] > total * subtree_share && begin[f] < f) plan.single.push_back(f);
         else if (p < 0 || work[p] > total * subtree_share) plan.subtrees.push_back({begin[f], f + 1});
     }
     std::stable_sort(plan.subtrees.begin(), plan.subtrees.end(), [&](const FrontRange& a, const FrontRange& b) {

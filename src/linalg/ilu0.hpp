@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/large_array.hpp"
 #include "linalg/block_csr.hpp"
 #include "linalg/small_blocks.hpp"
 

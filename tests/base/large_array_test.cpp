@@ -4,6 +4,9 @@
 
 #include <cstdint>
 
+#include "base/lanes.hpp"
+#include "base/parallel.hpp"
+
 using namespace almesh;
 
 TEST_CASE("large arrays can be written to the end, and begin where registers and pages do") {
@@ -16,6 +19,18 @@ TEST_CASE("large arrays can be written to the end, and begin where registers and
         CHECK(kept);
         CHECK(reinterpret_cast<std::uintptr_t>(array.data()) % (size < page ? 64 : page * sizeof(double)) == 0);
     }
+}
+
+TEST_CASE("large arrays may be empty, hold registers, and be made inside a parallel region") {
+    CHECK(LargeVector<double>().empty());
+    CHECK(LargeVector<double>(0).empty());
+    LargeVector<Lanes> registers(100000);
+    registers.back() = in_all_lanes(2);
+    CHECK(registers.back()[lanes - 1] == 2);
+    std::size_t size[2] = {};
+    at_once([&] { size[0] = LargeVector<int>(1 << 21).size(); }, [&] { size[1] = LargeVector<int>(1 << 22).size(); });
+    CHECK(size[0] == 1 << 21);
+    CHECK(size[1] == 1 << 22);
 }
 
 TEST_CASE("large arrays keep the values they are given when they are copied and grow") {

@@ -3,7 +3,10 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <set>
+#include <thread>
 
 #include "base/lanes.hpp"
 #include "support/meshes.hpp"
@@ -85,6 +88,31 @@ TEST_CASE("every node sees its chunks in the order of their turns, for any numbe
             for (int node : nodes_of(mesh, chunks, chunk)) seen[node].push_back(chunk);
         });
         CHECK(seen == expected);
+    }
+    set_threads(before);
+}
+
+TEST_CASE("a turn waits however long the earlier one takes, every time") {
+    ElementChunks chain;
+    const int count = 40;
+    chain.wait_start = {0};
+    for (int t = 0; t < count; ++t) {
+        chain.turn.push_back(t);
+        if (t > 0) chain.wait_for.push_back(t - 1);
+        chain.wait_start.push_back(static_cast<int>(chain.wait_for.size()));
+    }
+    const ElementChunks copy = chain, *const again[] = {&chain, &chain, &copy, &chain};
+    const int before = max_threads();
+    set_threads(2);
+    for (const ElementChunks* chunks : again) {
+        std::atomic<int> next = 0;
+        bool in_order = true;
+        chunks->in_turn(true, [&](int chunk) {
+            if (chunk % 2 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            in_order = in_order && next++ == chunk;
+        });
+        CHECK(in_order);
+        CHECK(next == count);
     }
     set_threads(before);
 }

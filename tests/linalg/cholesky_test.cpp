@@ -163,6 +163,58 @@ TEST_CASE("the factor and the bad node are the same for any number of threads") 
     set_threads(before);
 }
 
+namespace {
+
+// Ten cliques of 220 nodes: fronts without children, each a tenth of all work. linked: all next to one more node.
+BlockCsr cliques(bool linked) {
+    Edges edges;
+    for (int clique = 0; clique < 10; ++clique)
+        for (const auto& [i, j] : complete(220)) edges.push_back({220 * clique + i, 220 * clique + j});
+    for (int i = 0; linked && i < 2200; ++i) edges.push_back({i, 2200});
+    return random_spd(linked ? 2201 : 2200, 1, edges);
+}
+
+}  // namespace
+
+TEST_CASE("large fronts without children are factored, too") {
+    for (const bool linked : {false, true}) {
+        const BlockCsr A = cliques(linked);
+        const std::vector<double> b = random_vector(A.size());
+        const int before = max_threads();
+        for (int threads : {1, 2, 3}) {
+            set_threads(threads);
+            CHECK(scaled_residual(A, solve(A, b), b) < 1e-14);
+        }
+        set_threads(before);
+    }
+}
+
+TEST_CASE("a bad pivot is named wherever in the tree it is, and leaves nothing behind") {
+    const BlockCsr A = random_spd(10000, 2, grid(100, 100));
+    const Graph graph = graph_of(A);
+    const FactorPlan plan = plan_factorisation(A, graph, order_vertices(graph, Ordering::nested_dissection));
+    REQUIRE(!plan.single.empty());
+    REQUIRE(!plan.top.empty());
+    const std::vector<double> b = random_vector(A.size());
+    const std::vector<double> expected = solve(A, b);
+    std::vector<double> x(A.size());
+    Cholesky cholesky(A);
+    const int before = max_threads();
+    for (int f : {plan.subtrees.front().begin, plan.subtrees.back().end - 1, plan.single.front(), plan.single.back(),
+                  plan.top.front(), plan.top.back()})
+        for (int threads : {1, 2, 3, 8}) {
+            set_threads(threads);
+            BlockCsr bad = A;
+            const int node = plan.tree.order[plan.tree.first[f]];
+            bad.block(bad.find(node, node))[0] = -1;
+            CHECK(cholesky.factor(bad).bad_node == node);
+            REQUIRE(cholesky.factor(A).status == CholeskyStatus::factored);
+            cholesky.solve(b.data(), x.data());
+            CHECK(x == expected);
+        }
+    set_threads(before);
+}
+
 TEST_CASE("a factorisation that does not fit the memory is refused") {
     const BlockCsr A = random_spd(400, 2, grid(20, 20));
     Cholesky small(A, {1000.0, 1e-14});

@@ -96,6 +96,7 @@ TEST_CASE("subtrees, single fronts and top cover all fronts once, the subtrees a
     }
     for (const std::vector<int>* fronts : {&plan.single, &plan.top})
         CHECK(std::is_sorted(fronts->begin(), fronts->end()));  // children before parents
+    for (int f : plan.single) CHECK(plan.child_start[f] < plan.child_start[f + 1]);  // whose last one starts it
     CHECK(plan_of(random_spd(100, 2, grid(10, 10))).subtrees.size() == 1);
 }
 
@@ -148,6 +149,7 @@ TEST_CASE("update matrices that are needed at the same time never overlap") {
     for (int f : plan.single) run(f);
     for (int f : plan.top) run(f);
 
+    CHECK(!plan.single.empty());
     // Threads are at any of the subtrees and single fronts at the same time.
     std::vector<Range> handed_over;
     const auto keep = [&](int f) {
