@@ -225,7 +225,7 @@ void DistortionEnergy::add_hessian(const std::vector<double>& x, HessianKind kin
                 const Lanes shift = shifted ? own / max(weight, in_all_lanes(1e-300)) : Lanes{};
                 const int m = elements.nodes(), first = batch * lanes, count = std::min(lanes, element_count_ - first);
                 const int* place = &place_[static_cast<std::size_t>(first) * m * m];
-                // On their way from memory while the numbers to add are computed: a block may lie on two lines of it.
+                // On their way from memory while the numbers to add are computed: a block may lie on two cache lines.
                 constexpr int n = Batch::dimension, block_size = n * n;
                 double* const values = H.value.data();
                 for (int k = 0; k < count * m * m; ++k) {
