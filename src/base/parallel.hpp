@@ -81,9 +81,9 @@ void wait_until(const Test& test) {
     }
 }
 
-// Sum of term(i), i in [0, n), in fixed blocks.
+// Sum of term(i), i in [0, n), in fixed blocks. work: simple operations that a term takes.
 template <class Term>
-double deterministic_sum(int n, const Term& term) {
+double deterministic_sum(int n, const Term& term, [[maybe_unused]] double work = 10) {
     const int blocks = (n + sum_block - 1) / sum_block;
     if (blocks <= 1) {
         double sum = 0;
@@ -93,7 +93,7 @@ double deterministic_sum(int n, const Term& term) {
     thread_local std::vector<double> partial;  // kept between calls: nothing is allocated inside the Newton loop
     partial.assign(blocks, 0.0);
     double* const out = partial.data();
-#pragma omp parallel for schedule(static) if (n >= parallel_work)
+#pragma omp parallel for schedule(static) if (n * work >= 10.0 * parallel_work)
     for (int b = 0; b < blocks; ++b) {
         double sum = 0;
         for (int i = b * sum_block, end = std::min(n, i + sum_block); i < end; ++i) sum += term(i);

@@ -5,11 +5,14 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "base/small_matrix.hpp"
 #include "linalg/cholesky.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {
 namespace {
+
+constexpr double mass_work = 40;  // simple operations that a row of M takes
 
 // Length of the edge or area of the triangle spanned by the face's vertices.
 double face_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
@@ -57,8 +60,7 @@ void BoundaryConstraint::number_trace_nodes() {
     nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
     for (std::size_t t = 0; t < nodes_.size(); ++t) trace[nodes_[t]] = static_cast<int>(t);
     for (int node : mesh_.faces) faces_.push_back(trace[node]);
-    r_.resize(nodes_.size());
-    Mr_.resize(nodes_.size());
+    v_.resize(nodes_.size() * dim_);
     g_h_.resize(nodes_.size() * dim_);
 }
 
@@ -142,20 +144,40 @@ double BoundaryConstraint::squared_difference_at(const std::vector<double>& trac
     return squared;
 }
 
-// sum over components of w^T M (x - g_h); weights: trace nodes x dim, or null for x - g_h itself.
-double BoundaryConstraint::dot_mass_difference(const std::vector<double>& x, const double* weights) const {
-    const int count = static_cast<int>(nodes_.size());
+// v <- entry(trace node, component)
+template <class Entry>
+void BoundaryConstraint::set_v(const Entry& entry) const {
+    parallel_for(M_.n, [&](int t) {
+        for (int a = 0; a < dim_; ++a) v_[static_cast<std::size_t>(t) * dim_ + a] = entry(t, a);
+    });
+}
+
+// The n entries of M v at a trace node.
+template <int n>
+void BoundaryConstraint::mass_times_v(int trace_node, double* Mv) const {
+    std::fill_n(Mv, n, 0.0);
+    for (int k = M_.row[trace_node]; k < M_.row[trace_node + 1]; ++k)
+        for (int a = 0; a < n; ++a) Mv[a] += M_.value[k] * v_[static_cast<std::size_t>(M_.col[k]) * n + a];
+}
+
+// w^T M v, w_k = weight(k), k = trace node * dim + component.
+template <class Weight>
+double BoundaryConstraint::dot_mass_times_v(const Weight& weight) const {
     double sum = 0;
-    for (int a = 0; a < dim_; ++a) {
-        for (int t = 0; t < count; ++t) r_[t] = difference(x, t, a);
-        multiply(M_, r_.data(), Mr_.data());
-        sum += deterministic_sum(count, [&](int t) { return (weights ? weights[t * dim_ + a] : r_[t]) * Mr_[t]; });
-    }
+    with_dimension(dim_, [&](auto n) {
+        sum = deterministic_sum(M_.n, [&](int t) {
+            double Mv[n], product = 0;
+            mass_times_v<n>(t, Mv);
+            for (int a = 0; a < n; ++a) product += weight(t * n + a) * Mv[a];
+            return product;
+        }, mass_work);
+    });
     return sum;
 }
 
 double BoundaryConstraint::projected_norm(const std::vector<double>& x) const {
-    const double squared = dot_mass_difference(x, nullptr);
+    set_v([&](int t, int a) { return difference(x, t, a); });
+    const double squared = dot_mass_times_v([this](int k) { return v_[k]; });
     return std::sqrt(squared < 0 ? 0 : squared) / norm_of_one_;  // rounding may be negative; nan stays nan
 }
 
@@ -177,20 +199,24 @@ double BoundaryConstraint::max_error(const std::vector<double>& x) const {
 }
 
 double BoundaryConstraint::value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) const {
-    const double projected = projected_norm(x);
-    return -dot_mass_difference(x, lambda.data()) / norm_of_one_ + 0.5 * mu * (projected * projected + floor_ * floor_);
+    set_v([&](int t, int a) { return difference(x, t, a); });
+    const double half = 0.5 * mu / norm_of_one_;
+    return dot_mass_times_v([&](int k) { return half * v_[k] - lambda[k]; }) / norm_of_one_ + 0.5 * mu * floor_ * floor_;
 }
 
 void BoundaryConstraint::add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                                       std::vector<double>& g) const {
-    const int count = static_cast<int>(nodes_.size());
-    for (int a = 0; a < dim_; ++a) {
-        for (int t = 0; t < count; ++t)
-            r_[t] = (mu * difference(x, t, a) / norm_of_one_ - lambda[static_cast<std::size_t>(t) * dim_ + a]) /
-                    norm_of_one_;
-        multiply(M_, r_.data(), Mr_.data());
-        for (int t = 0; t < count; ++t) g[static_cast<std::size_t>(nodes_[t]) * dim_ + a] += Mr_[t];
-    }
+    set_v([&](int t, int a) {
+        const double scaled = mu * difference(x, t, a) / norm_of_one_;
+        return (scaled - lambda[static_cast<std::size_t>(t) * dim_ + a]) / norm_of_one_;
+    });
+    with_dimension(dim_, [&](auto n) {
+        parallel_for(M_.n, [&](int t) {
+            double Mv[n];
+            mass_times_v<n>(t, Mv);
+            for (int a = 0; a < n; ++a) g[static_cast<std::size_t>(nodes_[t]) * n + a] += Mv[a];
+        }, mass_work);
+    });
 }
 
 void BoundaryConstraint::add_hessian(double mu, BlockCsr& H, const std::vector<int>* row) const {

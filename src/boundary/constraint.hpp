@@ -65,7 +65,7 @@ private:
     std::vector<double> g_h_;       // trace nodes x dim
     std::vector<double> face_values_;  // quadrature point x face node: N
     double norm_of_one_ = 0, floor_ = 0;
-    mutable std::vector<double> r_, Mr_;  // trace nodes, one component at a time
+    mutable std::vector<double> v_;  // trace nodes x dim: what M is applied to
 
     void number_trace_nodes();
     void assemble_mass(const std::vector<double>& face_weight);
@@ -75,7 +75,12 @@ private:
     double difference(const std::vector<double>& x, int trace_node, int component) const;
     double squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face,
                                  int point) const;
-    double dot_mass_difference(const std::vector<double>& x, const double* weights) const;
+    template <class Entry>
+    void set_v(const Entry& entry) const;
+    template <int n>
+    void mass_times_v(int trace_node, double* Mv) const;
+    template <class Weight>
+    double dot_mass_times_v(const Weight& weight) const;
 };
 
 }  // namespace almesh

@@ -27,6 +27,13 @@ struct AugmentedFunctional {
         return std::isfinite(value) ? value + constraint.value(x, lambda, penalty) : value;
     }
 
+    // Root mean square of the distortion, or of what the objective measures in its place. energy: E(x), so that no
+    // element need be looked at again.
+    double mean_distortion(const std::vector<double>& x, double energy) const {
+        const double of_distortion = std::max(0.0, energy - constraint.value(x, lambda, penalty));
+        return std::sqrt(of_distortion / distortion.domain_volume());
+    }
+
     void gradient(const std::vector<double>& x, std::vector<double>& g) const {
         std::fill(g.begin(), g.end(), 0.0);
         distortion.add_gradient(x, g);

@@ -69,16 +69,15 @@ Newton::Newton(const DistortionEnergy& distortion, const LinearSolverParams& lin
       d_(H_.size()),
       trial_(H_.size()) {}
 
-// Solves H d = -grad E, weakening the Hessian until d is a descent direction. Names what it used in `step`.
-bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonStep& step,
+// Solves H d = -grad E, weakening the Hessian until d is a descent direction. energy: E(x). Names what it used in
+// `step`.
+bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<double>& x, double energy, NewtonStep& step,
                             Timings& time) {
     for (std::size_t i = 0; i < g_.size(); ++i) minus_g_[i] = -g_[i];
     do {
         {
             const TimeAdder adder(time.assembly);
-            const double damping = step.hessian == HessianKind::projected
-                                       ? damping_ * std::sqrt(E.distortion.energy(x) / E.distortion.domain_volume())
-                                       : 0;
+            const double damping = step.hessian == HessianKind::projected ? damping_ * E.mean_distortion(x, energy) : 0;
             E.hessian(x, step.hessian, H_, damping);
         }
         if (observe_system_) observe_system_(H_, minus_g_);
@@ -97,7 +96,7 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
 NewtonStatus Newton::take_step(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step,
                                bool& by_rounding, Timings& time) {
     do {
-        if (!find_direction(E, x, step, time)) return NewtonStatus::linear_solver_failed;
+        if (!find_direction(E, x, energy, step, time)) return NewtonStatus::linear_solver_failed;
         const TimeAdder adder(time.line_search);
         const auto energy_of = [&E](const std::vector<double>& y) { return E.energy(y); };
         const LineSearchResult found = line_search(energy_of, energy, dot(g_, d_), d_, x, trial_);

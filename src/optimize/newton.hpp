@@ -122,7 +122,8 @@ private:
     double damping_ = 0.1;  // relative to the root mean square of the density; kept from one subproblem to the next
     SystemObserver observe_system_;
 
-    bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonStep& step, Timings& time);
+    bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, double energy, NewtonStep& step,
+                        Timings& time);
     NewtonStatus take_step(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step,
                            bool& by_rounding, Timings& time);
     void relax(const AugmentedFunctional& E, double gained, std::vector<double>& x, double& energy, NewtonStep& step,
