@@ -201,7 +201,8 @@ double BoundaryConstraint::max_error(const std::vector<double>& x) const {
 double BoundaryConstraint::value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) const {
     set_v([&](int t, int a) { return difference(x, t, a); });
     const double half = 0.5 * mu / norm_of_one_;
-    return dot_mass_times_v([&](int k) { return half * v_[k] - lambda[k]; }) / norm_of_one_ + 0.5 * mu * floor_ * floor_;
+    const double of_projection = dot_mass_times_v([&](int k) { return half * v_[k] - lambda[k]; }) / norm_of_one_;
+    return of_projection + 0.5 * mu * floor_ * floor_;
 }
 
 void BoundaryConstraint::add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,

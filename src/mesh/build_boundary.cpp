@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <exception>
 
 #include "base/files.hpp"
 #include "base/parallel.hpp"
@@ -14,15 +15,22 @@ namespace {
 
 // A face by its vertices in ascending order (-1: none), whose it is, the element's vertex opposite to it (-1: no
 // element), and whether ascending is an even permutation of the order in which the vertices were given. Two elements on
-// opposite sides of a face see them in opposite senses. The walk over all sides finds here what it needs: the elements
-// themselves lie far apart.
+// opposite sides of a face see them in opposite senses.
 struct Side {
     std::array<int, 3> vertex;
     int owner;
     int opposite;
     bool even;
 
-    auto operator<=>(const Side&) const = default;
+    // Asked for millions of times: the comparisons of std::array are calls.
+    bool has_vertices_of(const Side& other) const {
+        return vertex[0] == other.vertex[0] && vertex[1] == other.vertex[1] && vertex[2] == other.vertex[2];
+    }
+    bool operator<(const Side& other) const {
+        for (int k = 0; k < 3; ++k)
+            if (vertex[k] != other.vertex[k]) return vertex[k] < other.vertex[k];
+        return owner < other.owner;
+    }
 };
 
 Side side_of(const int* vertex, int count, int owner, int opposite) {
@@ -40,39 +48,53 @@ Side side_of(const int* vertex, int count, int owner, int opposite) {
     return side;
 }
 
-// Ascending. The smallest vertex, in [-1, node_count), picks the bucket: small ones, though larger for low vertices.
-std::vector<Side> sorted_sides(const std::vector<Side>& sides, int node_count) {
-    std::vector<int> start(node_count + 2, 0);
-    for (const Side& side : sides) ++start[side.vertex[0] + 2];
-    for (int i = 0; i <= node_count; ++i) start[i + 1] += start[i];
-    std::vector<int> next(start.begin(), start.end() - 1);
-    std::vector<Side> sorted(sides.size());
-    for (const Side& side : sides) sorted[next[side.vertex[0] + 1]++] = side;
-    parallel_for_uneven(node_count + 1, [&](int i) {
-        std::sort(sorted.begin() + start[i], sorted.begin() + start[i + 1]);
-    });
-    return sorted;
-}
-
+// The sides of elements by their smallest vertex: owner[start[v]] .. owner[start[v + 1] - 1] for vertex v.
 // owner: element * (dim + 1) + local vertex opposite the face.
-std::vector<Side> element_sides(const Mesh& mesh) {
+struct SidesOfVertices {
+    std::vector<int> start, owner;
+};
+
+// add(smallest vertex, owner) for every side: the smallest vertex of the element is that of all its sides but the one
+// opposite to it.
+template <class Add>
+void for_all_sides(const Mesh& mesh, const Add& add) {
     const int corners = mesh.dim + 1;
-    std::vector<Side> sides(static_cast<std::size_t>(mesh.element_count()) * corners);
-    parallel_for(mesh.element_count(), [&](int e) {
-        for (int v = 0; v < corners; ++v) {
-            const std::array<int, 3> local = outward_face(mesh.dim, v);
-            int vertex[3];
-            for (int i = 0; i < mesh.dim; ++i) vertex[i] = mesh.element(e)[local[i]];
-            const int k = e * corners + v;
-            sides[k] = side_of(vertex, mesh.dim, k, mesh.element(e)[v]);
-        }
-    });
-    return sorted_sides(sides, mesh.nodes());
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        const int* const node = mesh.element(e);
+        const int least = static_cast<int>(std::min_element(node, node + corners) - node);
+        int second = node[least == 0];
+        for (int v = 0; v < corners; ++v)
+            if (v != least) second = std::min(second, node[v]);
+        for (int v = 0; v < corners; ++v) add(v == least ? second : node[least], e * corners + v);
+    }
 }
 
-// owner: index into chosen.faces. A vertex without element has the node index -1.
-std::vector<Side> tagged_sides(const RawMesh& raw, const Selection& chosen, const std::vector<int>& index,
-                               int node_count) {
+SidesOfVertices sides_of_vertices(const Mesh& mesh) {
+    SidesOfVertices sides{std::vector<int>(mesh.nodes() + 2, 0),
+                          std::vector<int>(static_cast<std::size_t>(mesh.element_count()) * (mesh.dim + 1))};
+    for_all_sides(mesh, [&](int vertex, int) { ++sides.start[vertex + 2]; });
+    for (int i = 0; i < mesh.nodes(); ++i) sides.start[i + 2] += sides.start[i + 1];
+    for_all_sides(mesh, [&](int vertex, int owner) { sides.owner[sides.start[vertex + 1]++] = owner; });
+    return sides;
+}
+
+// Those of one vertex, ascending.
+void sort_sides(const Mesh& mesh, const SidesOfVertices& sides, int vertex, std::vector<Side>& sorted) {
+    const int corners = mesh.dim + 1;
+    sorted.clear();
+    for (int k = sides.start[vertex]; k < sides.start[vertex + 1]; ++k) {
+        const int owner = sides.owner[k];
+        const int* const node = mesh.element(owner / corners);
+        const std::array<int, 3> local = outward_face(mesh.dim, owner % corners);
+        int face[3];
+        for (int i = 0; i < mesh.dim; ++i) face[i] = node[local[i]];
+        sorted.push_back(side_of(face, mesh.dim, owner, node[owner % corners]));
+    }
+    std::sort(sorted.begin(), sorted.end());
+}
+
+// Ascending. owner: index into chosen.faces. A vertex without element has the node index -1.
+std::vector<Side> tagged_sides(const RawMesh& raw, const Selection& chosen, const std::vector<int>& index) {
     std::vector<Side> sides;
     for (std::size_t f = 0; f < chosen.faces.size(); ++f) {
         const int* const node = &raw.element_nodes[raw.elements[chosen.faces[f]].first];
@@ -80,8 +102,17 @@ std::vector<Side> tagged_sides(const RawMesh& raw, const Selection& chosen, cons
         for (int k = 0; k < chosen.dim; ++k) vertex[k] = index[node[k]];
         sides.push_back(side_of(vertex, chosen.dim, static_cast<int>(f), -1));
     }
-    return sorted_sides(sides, node_count);
+    std::sort(sides.begin(), sides.end());
+    return sides;
 }
+
+// What the sides of some vertices hold.
+struct Matched {
+    std::vector<int> untagged;       // sides of elements
+    int inside = 0, repeated = 0;    // tagged faces dropped
+    FoldedPairs folded;
+    std::exception_ptr refused;      // the first error among them
+};
 
 // Finds the boundary faces and their tags.
 struct BoundaryMatcher {
@@ -91,9 +122,7 @@ struct BoundaryMatcher {
     const Mesh& mesh;
     std::vector<std::vector<int>> face_nodes;  // by opposite vertex: local nodes of the element's face
     std::vector<int> side_of_face;             // by index into chosen.faces: side of an element, -1: dropped
-    std::vector<int> untagged;                 // sides
-    int inside = 0, repeated = 0;              // tagged faces dropped
-    FoldedPairs folded;
+    Matched all;
 
     const RawElement& element_of(int side) const { return raw.elements[chosen.elements[side / (mesh.dim + 1)]]; }
     const RawElement& tagged_face(const Side& side) const { return raw.elements[chosen.faces[side.owner]]; }
@@ -106,6 +135,8 @@ struct BoundaryMatcher {
     }
 
     void match();
+    void match_vertex(const std::vector<Side>& sides, const Side* tagged, const Side* tagged_end, Matched& found);
+    void gather(const Matched& found);
     void check_elements(const Side* begin, const Side* end) const;
     void check_tags(const Side* begin, const Side* end) const;
     void check_face(const Side& tagged, int side) const;
@@ -162,7 +193,7 @@ void BoundaryMatcher::refuse_without_element(const Side& tagged) const {
 }
 
 void BoundaryMatcher::refuse_untagged() const {
-    const int corners = mesh.dim + 1, first = *std::min_element(untagged.begin(), untagged.end());
+    const int corners = mesh.dim + 1, first = *std::min_element(all.untagged.begin(), all.untagged.end());
     const std::array<int, 3> local = outward_face(mesh.dim, first % corners);
     int vertex[3];
     std::string centre;
@@ -174,46 +205,81 @@ void BoundaryMatcher::refuse_untagged() const {
         append(centre, sum / mesh.dim, 6);
     }
     const std::string what = dimension_name(mesh.dim - 1);
-    refuse(raw, "an untagged boundary: " + counted(untagged.size(), "boundary face") + " without a physical " + what +
-                    ", the first has the nodes " + node_ids(mesh, vertex, mesh.dim) + " and the centre (" + centre +
+    refuse(raw, "an untagged boundary: " + counted(all.untagged.size(), "boundary face") + " without a physical " +
+                    what + ", the first has the nodes " + node_ids(mesh, vertex, mesh.dim) + " and the centre (" + centre +
                     "); put every boundary " + what + " into a Physical " + (mesh.dim == 2 ? "Curve" : "Surface") +
                     " of the .geo file and mesh again, without -save_all");
 }
 
-// Walks over the sides of the elements and the tagged faces, both ascending by their vertices.
-void BoundaryMatcher::match() {
-    const std::vector<Side> sides = element_sides(mesh);
-    const std::vector<Side> tagged = tagged_sides(raw, chosen, index, mesh.nodes());
-    side_of_face.assign(chosen.faces.size(), -1);
-    const auto run_end = [](const Side* s, const Side* last, const std::array<int, 3>& vertex) {
-        while (s != last && s->vertex == vertex) ++s;
+// Walks over the sides of elements and the tagged faces that have the same smallest vertex, both ascending.
+void BoundaryMatcher::match_vertex(const std::vector<Side>& sides, const Side* t, const Side* t_last, Matched& found) {
+    const auto run_end = [](const Side* s, const Side* last, const Side& side) {
+        while (s != last && s->has_vertices_of(side)) ++s;
         return s;
     };
-    const Side *t = tagged.data(), *const t_last = t + tagged.size(), *const s_last = sides.data() + sides.size();
+    const Side* const s_last = sides.data() + sides.size();
     for (const Side *s = sides.data(), *s_end; s != s_last; s = s_end) {
-        s_end = run_end(s, s_last, s->vertex);
+        s_end = run_end(s, s_last, *s);
         check_elements(s, s_end);
         if (t != t_last && t->vertex < s->vertex) refuse_without_element(*t);
-        const Side* const t_end = run_end(t, t_last, s->vertex);
+        const Side* const t_end = run_end(t, t_last, *s);
         check_tags(t, t_end);
         const int tags = static_cast<int>(t_end - t);
         if (s_end - s == 2) {
-            inside += tags;
-            if (s[0].even == s[1].even && folded.count++ == 0) {
-                folded.first = s[0].owner / (mesh.dim + 1);
-                folded.second = s[1].owner / (mesh.dim + 1);
+            found.inside += tags;
+            if (s[0].even == s[1].even && found.folded.count++ == 0) {
+                found.folded.first = s[0].owner / (mesh.dim + 1);
+                found.folded.second = s[1].owner / (mesh.dim + 1);
             }
         } else if (tags == 0) {
-            untagged.push_back(s->owner);
+            found.untagged.push_back(s->owner);
         } else {
             check_face(*t, s->owner);
             side_of_face[t->owner] = s->owner;
-            repeated += tags - 1;
+            found.repeated += tags - 1;
         }
         t = t_end;
     }
     if (t != t_last) refuse_without_element(*t);
-    if (!untagged.empty()) refuse_untagged();
+}
+
+void BoundaryMatcher::gather(const Matched& found) {
+    if (found.refused) std::rethrow_exception(found.refused);
+    all.untagged.insert(all.untagged.end(), found.untagged.begin(), found.untagged.end());
+    all.inside += found.inside;
+    all.repeated += found.repeated;
+    if (all.folded.count == 0) all.folded = found.folded;
+    else all.folded.count += found.folded.count;
+}
+
+// Block by block of vertices: the first error is that of the first block that has one.
+void BoundaryMatcher::match() {
+    constexpr int block = 256;
+    const SidesOfVertices sides = sides_of_vertices(mesh);
+    const std::vector<Side> tagged = tagged_sides(raw, chosen, index);
+    if (!tagged.empty() && tagged[0].vertex[0] < 0) refuse_without_element(tagged[0]);
+    side_of_face.assign(chosen.faces.size(), -1);
+    const auto first_tagged = [&](int vertex) {
+        const auto before = [](const Side& side, int v) { return side.vertex[0] < v; };
+        return tagged.data() + (std::lower_bound(tagged.begin(), tagged.end(), vertex, before) - tagged.begin());
+    };
+    std::vector<Matched> found((mesh.nodes() + block - 1) / block);
+    parallel_for_uneven(static_cast<int>(found.size()), [&](int b) {
+        std::vector<Side> of_vertex;
+        const Side* t = first_tagged(b * block);
+        try {
+            for (int v = b * block, end = std::min(mesh.nodes(), v + block); v < end; ++v) {
+                sort_sides(mesh, sides, v, of_vertex);
+                const Side* const t_begin = t;
+                while (t != tagged.data() + tagged.size() && t->vertex[0] == v) ++t;
+                match_vertex(of_vertex, t_begin, t, found[b]);
+            }
+        } catch (...) {
+            found[b].refused = std::current_exception();
+        }
+    }, 1000.0 * block);
+    for (const Matched& of_block : found) gather(of_block);
+    if (!all.untagged.empty()) refuse_untagged();
 }
 
 std::string boundary_name(const RawMesh& raw, int dim, int tag) {
@@ -252,13 +318,14 @@ void fill_faces(const BoundaryMatcher& matcher, Mesh& mesh) {
 FoldedPairs fill_boundary(const RawMesh& raw, const Selection& chosen, const std::vector<int>& index, Mesh& mesh,
                           std::vector<std::string>& notes) {
     const LagrangeBasis basis(mesh.dim, mesh.degree);
-    BoundaryMatcher matcher{raw, chosen, index, mesh, {}, {}, {}, 0, 0, {}};
+    BoundaryMatcher matcher{raw, chosen, index, mesh, {}, {}, {}};
     for (int v = 0; v <= mesh.dim; ++v) matcher.face_nodes.push_back(basis.face_nodes(v));
     matcher.match();
-    if (matcher.inside) notes.push_back(counted(matcher.inside, "tagged face") + " inside the mesh dropped");
-    if (matcher.repeated) notes.push_back(counted(matcher.repeated, "repeated boundary face") + " dropped");
+    const Matched& all = matcher.all;
+    if (all.inside) notes.push_back(counted(all.inside, "tagged face") + " inside the mesh dropped");
+    if (all.repeated) notes.push_back(counted(all.repeated, "repeated boundary face") + " dropped");
     fill_faces(matcher, mesh);
-    return matcher.folded;
+    return all.folded;
 }
 
 }  // namespace almesh

@@ -180,6 +180,26 @@ TEST_CASE("neighbours and their boundary share all nodes of a face") {
     }
 }
 
+TEST_CASE("large meshes report the same first error, and all there is to count, for any number of threads") {
+    const RawMesh good = SampleMesh(3, 1, 9).raw;  // 1000 nodes
+    RawMesh twice = good, untagged = good, inside = good;
+    const auto node = [&good](int tetrahedron) { return &good.element_nodes[good.elements[tetrahedron + 972].first]; };
+    for (const int k : {400, 40, 4000}) append_element(twice, 3, 9, {node(k), node(k) + 4});
+    for (const int k : {1212, 2184, 3156}) append_element(inside, 2, 9, {node(k), node(k) + 3});
+    for (RawElement& element : untagged.elements)
+        if (element.dim == 2) element.physical = 0;
+    const int before = max_threads();
+    for (const int threads : {1, 2, 3, 5}) {
+        set_threads(threads);
+        check_refused(twice, "element 5348 has the vertices of element 1013 (line 2012)");
+        check_refused(untagged, "972 boundary faces without a physical surface, the first has the nodes");
+        Strings notes;
+        build_mesh(inside, notes);
+        CHECK(notes == Strings{"3 tagged faces inside the mesh dropped"});
+    }
+    set_threads(before);
+}
+
 TEST_CASE("the same mesh for any number of threads") {
     Strings notes;
     const RawMesh raw = SampleMesh(3, 1, 6, true).raw;
