@@ -17,14 +17,22 @@ Point centre(const Patch& patch, int m) {
     return sum;
 }
 
+struct Axes {
+    std::array<Point, 18> axis;
+    int count = 0;
+
+    void add(const Point& direction) { axis[count++] = direction; }
+};
+
 // Directions among which there is a separating one if the flat patches do not cross.
-std::vector<Point> candidate_axes(const Patch& a, const Patch& b, int m) {
-    std::vector<Point> axes = {centre(b, m) - centre(a, m)};
+Axes candidate_axes(const Patch& a, const Patch& b, int m) {
+    Axes axes;
+    axes.add(centre(b, m) - centre(a, m));
     if (m == 1) {
         for (const Patch* patch : {&a, &b}) {
             const Point side = patch->point(1) - patch->point(0);
-            axes.push_back(side);
-            axes.push_back({side[1], -side[0], 0});
+            axes.add(side);
+            axes.add({side[1], -side[0], 0});
         }
         return axes;
     }
@@ -34,11 +42,12 @@ std::vector<Point> candidate_axes(const Patch& a, const Patch& b, int m) {
         sides[3 + k] = b.point((k + 1) % 3) - b.point(k);
     }
     const Point normal_a = cross(sides[0], sides[1]), normal_b = cross(sides[3], sides[4]);
-    axes.insert(axes.end(), {normal_a, normal_b});
+    axes.add(normal_a);
+    axes.add(normal_b);
     for (int k = 0; k < 3; ++k) {
-        axes.push_back(cross(normal_a, sides[k]));
-        axes.push_back(cross(normal_b, sides[3 + k]));
-        for (int l = 3; l < 6; ++l) axes.push_back(cross(sides[k], sides[l]));
+        axes.add(cross(normal_a, sides[k]));
+        axes.add(cross(normal_b, sides[3 + k]));
+        for (int l = 3; l < 6; ++l) axes.add(cross(sides[k], sides[l]));
     }
     return axes;
 }
@@ -61,9 +70,10 @@ double gap_along(const Point& axis, const Point& origin, const Patch& a, const P
 }
 
 // Largest gap over the axes between the first `points` Bezier points of the patches; stops above `enough`.
-double largest_gap(const std::vector<Point>& axes, const Patch& a, const Patch& b, int points, double enough) {
+double largest_gap(const Axes& axes, const Patch& a, const Patch& b, int points, double enough) {
     double largest = -std::numeric_limits<double>::infinity();
-    for (const Point& axis : axes) {
+    for (int k = 0; k < axes.count; ++k) {
+        const Point& axis = axes.axis[k];
         const double length = std::sqrt(dot(axis, axis));
         if (length == 0) continue;
         largest = std::max(largest, gap_along(axis, a.point(0), a, b, points) / length);
@@ -72,33 +82,41 @@ double largest_gap(const std::vector<Point>& axes, const Patch& a, const Patch& 
     return largest;
 }
 
+struct Pair {
+    Patch s, t;
+};
+
+// Tells of the patches as they are whether they touch or cross. Where they are too bent for that, the answer is
+// `undecided`, and the pairs with the halves of the more bent one are added to the ones to test.
+Contact test_or_halve(const Bernstein& basis, const Patch& s, const Patch& t, std::vector<Pair>& pairs) {
+    const int m = basis.dim;
+    const double touching = rounding * std::min(size_of(s, m), size_of(t, m));
+    const Axes axes = candidate_axes(s, t, m);
+    if (largest_gap(axes, s, t, basis.count, -touching) >= -touching) return Contact::apart;
+    const double bent_s = deviation(basis, s), bent_t = deviation(basis, t), bent = bent_s + bent_t;
+    if (largest_gap(axes, s, t, m + 1, -bent - touching) < -bent - touching) return Contact::crossing;
+    const bool halves_s = bent_s >= bent_t;
+    const auto [i, j] = longest_side(halves_s ? s : t, m);
+    auto [near, far] = bisect(basis, halves_s ? s : t, i, j);
+    for (Patch* half : {&near, &far}) {
+        if (halves_s) pairs.push_back({std::move(*half), t});
+        else pairs.push_back({s, std::move(*half)});
+    }
+    return Contact::undecided;
+}
+
 }  // namespace
 
 Contact patch_contact(const Bernstein& basis, const Patch& a, const Patch& b) {
-    const int m = basis.dim;
-    std::vector<std::pair<Patch, Patch>> pairs = {{a, b}};
-    for (int tested = 0; !pairs.empty(); ++tested) {
+    std::vector<Pair> pairs;
+    Contact contact = test_or_halve(basis, a, b, pairs);
+    for (int tested = 1; contact != Contact::crossing && !pairs.empty(); ++tested) {
         if (tested == max_pairs) return Contact::undecided;
-        const auto [s, t] = std::move(pairs.back());
+        const Pair pair = std::move(pairs.back());
         pairs.pop_back();
-        const double touching = rounding * std::min(size_of(s, m), size_of(t, m));
-        const std::vector<Point> axes = candidate_axes(s, t, m);
-        if (largest_gap(axes, s, t, basis.count, -touching) >= -touching) continue;
-        const double bent_s = deviation(basis, s), bent_t = deviation(basis, t), bent = bent_s + bent_t;
-        if (largest_gap(axes, s, t, m + 1, -bent - touching) < -bent - touching) return Contact::crossing;
-        if (bent_s >= bent_t) {
-            const auto [i, j] = longest_side(s, m);
-            auto [near, far] = bisect(basis, s, i, j);
-            pairs.push_back({std::move(near), t});
-            pairs.push_back({std::move(far), t});
-        } else {
-            const auto [i, j] = longest_side(t, m);
-            auto [near, far] = bisect(basis, t, i, j);
-            pairs.push_back({s, std::move(near)});
-            pairs.push_back({s, std::move(far)});
-        }
+        contact = test_or_halve(basis, pair.s, pair.t, pairs);
     }
-    return Contact::apart;
+    return contact;
 }
 
 }  // namespace almesh
