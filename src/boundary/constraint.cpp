@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
@@ -55,11 +56,14 @@ BoundaryConstraint::BoundaryConstraint(const Mesh& mesh, const std::vector<doubl
 
 void BoundaryConstraint::number_trace_nodes() {
     std::vector<int> trace(mesh_.nodes(), -1);
-    nodes_ = mesh_.faces;
-    std::sort(nodes_.begin(), nodes_.end());
-    nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
-    for (std::size_t t = 0; t < nodes_.size(); ++t) trace[nodes_[t]] = static_cast<int>(t);
-    for (int node : mesh_.faces) faces_.push_back(trace[node]);
+    for (int node : mesh_.faces) trace[node] = 0;
+    for (int node = 0; node < mesh_.nodes(); ++node) {
+        if (trace[node] < 0) continue;
+        trace[node] = static_cast<int>(nodes_.size());
+        nodes_.push_back(node);
+    }
+    faces_.resize(mesh_.faces.size());
+    std::transform(mesh_.faces.begin(), mesh_.faces.end(), faces_.begin(), [&](int node) { return trace[node]; });
     v_.resize(nodes_.size() * dim_);
     g_h_.resize(nodes_.size() * dim_);
 }
@@ -73,12 +77,12 @@ void BoundaryConstraint::assemble_mass(const std::vector<double>& face_weight) {
                 reference[i * m + j] += target_.quadrature.weight[q] *
                                         face_values_[static_cast<std::size_t>(q) * m + i] *
                                         face_values_[static_cast<std::size_t>(q) * m + j];
-    M_ = matrix_of_cells(static_cast<int>(nodes_.size()), 1, faces_, m);
-    for (int f = 0; f < mesh_.face_count(); ++f) {
-        const int* trace = &faces_[static_cast<std::size_t>(f) * m];
-        for (int i = 0; i < m; ++i)
-            for (int j = 0; j < m; ++j) M_.value[M_.find(trace[i], trace[j])] += face_weight[f] * reference[i * m + j];
-    }
+    CellPattern of_faces = pattern_and_places_of_cells(static_cast<int>(nodes_.size()), 1, faces_, m);
+    M_ = std::move(of_faces.pattern);
+    M_.value.assign(M_.col.size(), 0.0);
+    for (int f = 0; f < mesh_.face_count(); ++f)
+        for (int ij = 0; ij < m * m; ++ij)
+            M_.value[of_faces.place[static_cast<std::size_t>(f) * m * m + ij]] += face_weight[f] * reference[ij];
 }
 
 // Solves M (g_h - y) = (N, g_D - y): relative to the ideal positions y, a boundary that stays has no rounding error.
