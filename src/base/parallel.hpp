@@ -49,6 +49,25 @@ void parallel_for_uneven(int n, const Body& body, [[maybe_unused]] double work =
     for (int i = 0; i < n; ++i) body(i);
 }
 
+// The same where iterations may throw: all are tried, and then the exception of the first one that threw is thrown.
+template <class Body>
+void parallel_for_throwing(int n, const Body& body, double work = 10) {
+    std::exception_ptr thrown;
+    int first = n;
+    parallel_for_uneven(n, [&](int i) {
+        try {
+            body(i);
+        } catch (...) {
+#pragma omp critical(almesh_first_exception)
+            if (i < first) {
+                first = i;
+                thrown = std::current_exception();
+            }
+        }
+    }, work);
+    if (thrown) std::rethrow_exception(thrown);
+}
+
 // first() and second() at the same time, each on one thread; an exception of the first goes before one of the second.
 template <class First, class Second>
 void at_once(const First& first, const Second& second) {

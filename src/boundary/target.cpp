@@ -6,10 +6,13 @@
 #include <sstream>
 
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {
 namespace {
+
+constexpr double move_work = 50;  // simple operations that moving a point takes
 
 std::string point_text(const double* x, int dim) {
     std::ostringstream out;
@@ -53,6 +56,8 @@ double face_size(const Mesh& mesh, int f) {
 void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
     const int dim = mesh.dim, m = mesh.face_nodes();
     const double rounding = 1e-14 * extent(mesh);
+    std::vector<double> size(mesh.face_count());
+    parallel_for(mesh.face_count(), [&](int f) { size[f] = face_size(mesh, f); });
     std::vector<int> first(mesh.nodes(), -1);  // face * m + local node that first gave the target
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
         int& seen = first[mesh.faces[k]];
@@ -61,7 +66,7 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
         const double* b = &target.node[static_cast<std::size_t>(k) * dim];
         double difference = 0;
         for (int c = 0; c < dim; ++c) difference = std::max(difference, std::abs(a[c] - b[c]));
-        const double tolerance = 1e-6 * std::min(face_size(mesh, seen / m), face_size(mesh, k / m));
+        const double tolerance = 1e-6 * std::min(size[seen / m], size[k / m]);
         if (difference <= tolerance + rounding) continue;
         throw InputError("node " + std::to_string(mesh.node_id[mesh.faces[k]]) +
                          " lies on two boundaries whose motions disagree: " +
@@ -85,25 +90,25 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion) 
     for (int q = 0; q < points; ++q)
         basis.values(&target.quadrature.xi[q * (dim - 1)], &N[static_cast<std::size_t>(q) * m]);
 
-    for (int f = 0; f < mesh.face_count(); ++f) {
+    target.node.resize(mesh.faces.size() * dim);
+    target.sample.resize(static_cast<std::size_t>(mesh.face_count()) * points * dim);
+    parallel_for_throwing(mesh.face_count(), [&](int f) {
         const int boundary = mesh.face_boundary[f];
         const auto node_position = [&](int i, int a) {
             return mesh.x[static_cast<std::size_t>(mesh.face(f)[i]) * dim + a];
         };
         for (int i = 0; i < m; ++i) {
-            double x[3] = {};
+            double* const x = &target.node[(static_cast<std::size_t>(f) * m + i) * dim];
             for (int a = 0; a < dim; ++a) x[a] = node_position(i, a);
             move(motion[boundary], mesh, boundary, x);
-            target.node.insert(target.node.end(), x, x + dim);
         }
         for (int q = 0; q < points; ++q) {
-            double x[3] = {};
+            double* const x = &target.sample[(static_cast<std::size_t>(f) * points + q) * dim];
             for (int i = 0; i < m; ++i)
                 for (int a = 0; a < dim; ++a) x[a] += N[static_cast<std::size_t>(q) * m + i] * node_position(i, a);
             move(motion[boundary], mesh, boundary, x);
-            target.sample.insert(target.sample.end(), x, x + dim);
         }
-    }
+    }, move_work * (m + points));
     check_shared_nodes(mesh, target);
     return target;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <exception>
 
 #include "base/files.hpp"
 #include "base/parallel.hpp"
@@ -111,7 +110,6 @@ struct Matched {
     std::vector<int> untagged;       // sides of elements
     int inside = 0, repeated = 0;    // tagged faces dropped
     FoldedPairs folded;
-    std::exception_ptr refused;      // the first error among them
 };
 
 // Finds the boundary faces and their tags.
@@ -244,7 +242,6 @@ void BoundaryMatcher::match_vertex(const std::vector<Side>& sides, const Side* t
 }
 
 void BoundaryMatcher::gather(const Matched& found) {
-    if (found.refused) std::rethrow_exception(found.refused);
     all.untagged.insert(all.untagged.end(), found.untagged.begin(), found.untagged.end());
     all.inside += found.inside;
     all.repeated += found.repeated;
@@ -252,7 +249,7 @@ void BoundaryMatcher::gather(const Matched& found) {
     else all.folded.count += found.folded.count;
 }
 
-// Block by block of vertices: the first error is that of the first block that has one.
+// Block by block of vertices.
 void BoundaryMatcher::match() {
     constexpr int block = 256;
     const SidesOfVertices sides = sides_of_vertices(mesh);
@@ -264,18 +261,14 @@ void BoundaryMatcher::match() {
         return tagged.data() + (std::lower_bound(tagged.begin(), tagged.end(), vertex, before) - tagged.begin());
     };
     std::vector<Matched> found((mesh.nodes() + block - 1) / block);
-    parallel_for_uneven(static_cast<int>(found.size()), [&](int b) {
+    parallel_for_throwing(static_cast<int>(found.size()), [&](int b) {
         std::vector<Side> of_vertex;
         const Side* t = first_tagged(b * block);
-        try {
-            for (int v = b * block, end = std::min(mesh.nodes(), v + block); v < end; ++v) {
-                sort_sides(mesh, sides, v, of_vertex);
-                const Side* const t_begin = t;
-                while (t != tagged.data() + tagged.size() && t->vertex[0] == v) ++t;
-                match_vertex(of_vertex, t_begin, t, found[b]);
-            }
-        } catch (...) {
-            found[b].refused = std::current_exception();
+        for (int v = b * block, end = std::min(mesh.nodes(), v + block); v < end; ++v) {
+            sort_sides(mesh, sides, v, of_vertex);
+            const Side* const t_begin = t;
+            while (t != tagged.data() + tagged.size() && t->vertex[0] == v) ++t;
+            match_vertex(of_vertex, t_begin, t, found[b]);
         }
     }, 1000.0 * block);
     for (const Matched& of_block : found) gather(of_block);

@@ -2,7 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <stdexcept>
+#include <string>
 
 using namespace almesh;
 
@@ -20,6 +22,23 @@ TEST_CASE("at_once() does both, and passes on what the first one throws, or else
         CHECK_THROWS_WITH(at_once([&] { first = 4; }, fails("two")), "two");
         CHECK(first == 4);
         CHECK_THROWS_WITH(at_once(fails("one"), fails("two")), "one");
+    }
+    set_threads(before);
+}
+
+TEST_CASE("parallel_for_throwing() does all, and passes on what the first iteration to throw throws") {
+    const int before = max_threads();
+    for (int threads : {1, 2, 3}) {
+        set_threads(threads);
+        std::atomic<int> done = 0;
+        const auto body = [&](int i) {
+            if (i == 700 || i == 41 || i == 42) throw std::runtime_error(std::to_string(i));
+            ++done;
+        };
+        CHECK_THROWS_WITH(parallel_for_throwing(1000, body, 1000), "41");
+        CHECK(done == 997);
+        parallel_for_throwing(41, body, 1e6);
+        CHECK(done == 997 + 41);
     }
     set_threads(before);
 }
