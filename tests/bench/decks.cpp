@@ -31,8 +31,8 @@ constexpr std::array<BenchDeck, 13> decks = {{{"circle", true},
                                               {"aircraft", false},
                                               {"aircraft-weighted", false}}};
 
-constexpr int least_pairs = 3, most_runs = 7;
-constexpr double budget = 10;  // seconds for the repetitions of one deck
+constexpr int least_pairs = 3, most_pairs = 11, most_runs = 5;
+constexpr double pairs_budget = 30, runs_budget = 6;  // seconds for the repetitions of one deck
 
 std::string threads_setting(int threads) { return "threads=" + std::to_string(threads); }
 
@@ -68,7 +68,7 @@ void measure_deck(const std::string& name, const Machine& machine, Table& table)
     std::vector<std::vector<DeckRun>> runs(machine.threads.size());
     std::vector<double> ratios;
     for (const Stopwatch all;
-         ratios.size() < least_pairs || (ratios.size() < most_runs && all.seconds() < budget);) {
+         ratios.size() < least_pairs || (ratios.size() < most_pairs && all.seconds() < pairs_budget);) {
         for (std::size_t t = 0; t < runs.size(); ++t)
             runs[t].push_back(run_deck(name, {threads_setting(machine.threads[t])}));
         ratios.push_back(runs.front().back().wall / runs.back().back().wall);
@@ -116,7 +116,7 @@ void measure_scaling(bool quick, Table& table) {
         const std::string refine = "refine=" + std::to_string(level - 1),
                           name = "circle level " + std::to_string(level);
         std::vector<DeckRun> runs;
-        for (const Stopwatch all; runs.empty() || (runs.size() < most_runs && all.seconds() < budget);)
+        for (const Stopwatch all; runs.empty() || (runs.size() < most_runs && all.seconds() < runs_budget);)
             runs.push_back(run_deck("circle", {refine}));
         sort(runs);
         const DeckRun& run = runs[runs.size() / 2];
