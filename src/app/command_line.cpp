@@ -1,5 +1,6 @@
 #include "app/command_line.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <new>
 
@@ -44,7 +45,8 @@ ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
         std::fputs(text.c_str(), out);
         return ExitCode::success;
     };
-    if (first == "--help" || first == "-h") return print(help);
+    const auto asks = [](const std::string& argument) { return argument == "--help" || argument == "-h"; };
+    if (std::any_of(arguments.begin(), arguments.end(), asks)) return print(help);
     if (first == "--keys") return print(keys_table());
     if (first == "--version") return print(version() + ", commit " + commit() + "\n" + compiler() + "\n");
     if (first == "quality") {

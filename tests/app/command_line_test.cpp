@@ -40,6 +40,10 @@ TEST_CASE("--help tells usage and exit codes") {
         for (const char* part :
              {"almesh DECK", "almesh quality FILE", "--keys", "--version", "Exit codes", "boundary inner"})
             CHECK(has(outcome.out, part));
+        // Wherever it stands.
+        CHECK(almesh_with({"linsolve", option}).out == outcome.out);
+        CHECK(almesh_with({"quality", option}).out == outcome.out);
+        CHECK(almesh_with({"no-such.deck", option}).out == outcome.out);
     }
 }
 
