@@ -204,9 +204,9 @@ void BoundaryMatcher::refuse_untagged() const {
     }
     const std::string what = dimension_name(mesh.dim - 1);
     refuse(raw, "an untagged boundary: " + counted(all.untagged.size(), "boundary face") + " without a physical " +
-                    what + ", the first has the nodes " + node_ids(mesh, vertex, mesh.dim) + " and the centre (" + centre +
-                    "); put every boundary " + what + " into a Physical " + (mesh.dim == 2 ? "Curve" : "Surface") +
-                    " of the .geo file and mesh again, without -save_all");
+                    what + ", the first has the nodes " + node_ids(mesh, vertex, mesh.dim) + " and the centre (" +
+                    centre + "); put every boundary " + what + " into a Physical " +
+                    (mesh.dim == 2 ? "Curve" : "Surface") + " of the .geo file and mesh again, without -save_all");
 }
 
 // Walks over the sides of elements and the tagged faces that have the same smallest vertex, both ascending.

@@ -36,9 +36,10 @@ constexpr double pairs_budget = 30, runs_budget = 6;  // seconds for the repetit
 
 std::string threads_setting(int threads) { return "threads=" + std::to_string(threads); }
 
-// By wall time: the best run is the first one then, and the median one in the middle.
-void sort(std::vector<DeckRun>& runs) {
+// The median run by wall time, by which the runs are sorted afterwards.
+const DeckRun& median_run(std::vector<DeckRun>& runs) {
     std::sort(runs.begin(), runs.end(), [](const DeckRun& a, const DeckRun& b) { return a.wall < b.wall; });
+    return runs[runs.size() / 2];
 }
 
 // Every time_<stage> of the summary as a share of the whole run; time_total, time_run and time_coarse sum up others.
@@ -74,8 +75,7 @@ void measure_deck(const std::string& name, const Machine& machine, Table& table)
         ratios.push_back(runs.front().back().wall / runs.back().back().wall);
     }
     for (std::size_t t = 0; t < runs.size(); ++t) {
-        sort(runs[t]);
-        const DeckRun& run = runs[t][runs[t].size() / 2];
+        const DeckRun& run = median_run(runs[t]);
         add_deck(table, name, machine.threads[t], run);
         add_split(table, name, machine.threads[t], run);
     }
@@ -106,7 +106,8 @@ double fitted_exponent(const std::vector<double>& x, const std::vector<double>& 
 void measure_decks(const Machine& machine, bool quick, Table& table) {
     for (const BenchDeck& deck : decks)
         if (deck.cheap || !quick) measure_deck(deck.name, machine, table);
-    table.print("deck", "Decks, each a process of its own; speed-up: one thread over all, runs taking turns, median of pairs");
+    table.print("deck",
+                "Decks, each a process of its own; speed-up: one thread over all, runs taking turns, median of pairs");
     table.print("split", "Shares of the whole run");
 }
 
@@ -118,8 +119,7 @@ void measure_scaling(bool quick, Table& table) {
         std::vector<DeckRun> runs;
         for (const Stopwatch all; runs.empty() || (runs.size() < most_runs && all.seconds() < runs_budget);)
             runs.push_back(run_deck("circle", {refine}));
-        sort(runs);
-        const DeckRun& run = runs[runs.size() / 2];
+        const DeckRun& run = median_run(runs);
         const int threads = static_cast<int>(run.summary.at("threads"));
         unknowns.push_back(2 * run.summary.at("nodes"));
         seconds.push_back(run.wall);
