@@ -9,8 +9,8 @@
 #include "app/run.hpp"
 #include "app/version.hpp"
 #include "base/error.hpp"
-#include "io/deck.hpp"
-#include "io/deck_keys.hpp"
+#include "app/deck.hpp"
+#include "app/deck_keys.hpp"
 
 namespace almesh {
 namespace {

@@ -9,7 +9,7 @@
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
-#include "boundary/target_check.hpp"
+#include "check/target_check.hpp"
 #include "io/msh_reader.hpp"
 #include "mesh/build.hpp"
 

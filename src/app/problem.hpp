@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "boundary/target.hpp"
-#include "io/deck.hpp"
+#include "constraint/target.hpp"
+#include "app/deck.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {

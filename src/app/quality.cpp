@@ -1,8 +1,8 @@
 #include "app/quality.hpp"
 
 #include "app/uncertified.hpp"
-#include "certify/certificate.hpp"
-#include "certify/quality.hpp"
+#include "check/certificate.hpp"
+#include "check/quality.hpp"
 #include "io/msh_reader.hpp"
 #include "mesh/build.hpp"
 

@@ -8,7 +8,7 @@
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
-#include "geometry/wall_distance.hpp"
+#include "check/wall_distance.hpp"
 #include "io/msh_writer.hpp"
 #include "io/vtk.hpp"
 

@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "app/problem.hpp"
-#include "boundary/constraint.hpp"
-#include "certify/certificate.hpp"
-#include "io/deck.hpp"
-#include "io/expectation.hpp"
-#include "optimize/augmented_lagrangian.hpp"
+#include "constraint/dirichlet.hpp"
+#include "check/certificate.hpp"
+#include "app/deck.hpp"
+#include "app/expectation.hpp"
+#include "method/augmented_lagrangian.hpp"
 
 namespace almesh {
 

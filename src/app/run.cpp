@@ -2,15 +2,15 @@
 
 #include <optional>
 
-#include "app/continuation.hpp"
+#include "method/continuation.hpp"
 #include "app/problem.hpp"
 #include "app/results.hpp"
 #include "app/uncertified.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
-#include "io/history.hpp"
+#include "app/history.hpp"
 #include "io/matrix_market.hpp"
-#include "io/terminal.hpp"
+#include "app/terminal.hpp"
 
 namespace almesh {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "base/error.hpp"
-#include "io/deck.hpp"
+#include "app/deck.hpp"
 
 namespace almesh {
 

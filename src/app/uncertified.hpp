@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "certify/certificate.hpp"
+#include "check/certificate.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {

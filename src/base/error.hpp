@@ -1,6 +1,6 @@
 // Errors a user can cause, carried as exceptions with the exit code they end the program with.
 // What the solvers meet on the way (no convergence, an indefinite matrix) is a result, not an error: see the
-// status enums of linalg/ and optimize/.
+// status enums of linalg/ and method/.
 #pragma once
 #include <stdexcept>
 #include <string>

@@ -5,13 +5,13 @@
 #include <optional>
 
 #include "base/parallel.hpp"
-#include "linalg/cholesky.hpp"
-#include "linalg/conjugate_gradients.hpp"
-#include "linalg/domains.hpp"
-#include "linalg/gmres.hpp"
-#include "linalg/graph.hpp"
-#include "linalg/ilu0.hpp"
-#include "linalg/reordered.hpp"
+#include "linalg/direct/cholesky.hpp"
+#include "linalg/krylov/conjugate_gradients.hpp"
+#include "linalg/ordering/domains.hpp"
+#include "linalg/krylov/gmres.hpp"
+#include "linalg/ordering/graph.hpp"
+#include "linalg/krylov/ilu0.hpp"
+#include "linalg/krylov/reordered.hpp"
 #include "linalg/vector_ops.hpp"
 
 namespace almesh {

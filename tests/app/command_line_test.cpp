@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "certify/certificate.hpp"
-#include "io/deck_keys.hpp"
+#include "check/certificate.hpp"
+#include "app/deck_keys.hpp"
 #include "support/meshes.hpp"
 #include "support/program.hpp"
 

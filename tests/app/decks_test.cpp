@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "io/deck.hpp"
+#include "app/deck.hpp"
 #include "support/program.hpp"
 
 using namespace almesh;

@@ -4,7 +4,7 @@
 
 #include "base/parallel.hpp"
 #include "io/matrix_market.hpp"
-#include "linalg/matrices.hpp"
+#include "support/matrices.hpp"
 #include "support/program.hpp"
 #include "support/ring_deck.hpp"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "certify/certificate.hpp"
-#include "io/expectation.hpp"
+#include "check/certificate.hpp"
+#include "app/expectation.hpp"
 #include "support/ring_deck.hpp"
 
 using namespace almesh;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "certify/certificate.hpp"
+#include "check/certificate.hpp"
 #include "support/ring_deck.hpp"
 #include "support/targets.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <csignal>
 
-#include "certify/certificate.hpp"
+#include "check/certificate.hpp"
 #include "support/meshes.hpp"
 #include "support/minimisation.hpp"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/problem.hpp"
-#include "functional/augmented_functional.hpp"
+#include "method/augmented_functional.hpp"
 
 namespace almesh::bench {
 

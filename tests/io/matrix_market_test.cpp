@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "base/error.hpp"
-#include "linalg/matrices.hpp"
+#include "support/matrices.hpp"
 #include "support/temporary_folder.hpp"
 
 using namespace almesh;

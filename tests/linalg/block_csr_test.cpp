@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/parallel.hpp"
-#include "matrices.hpp"
+#include "support/matrices.hpp"
 
 using namespace almesh;
 

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "base/parallel.hpp"
-#include "linalg/ilu0.hpp"
-#include "matrices.hpp"
+#include "linalg/krylov/ilu0.hpp"
+#include "support/matrices.hpp"
 
 using namespace almesh;
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "functional/distortion_energy.hpp"
+#include "energy/distortion_energy.hpp"
 #include "support/meshes.hpp"
 #include "support/targets.hpp"
 

@@ -1,10 +1,10 @@
-// A ring or cube with a moving boundary, ready to be minimised, for the tests of optimize/.
+// A ring or cube with a moving boundary, ready to be minimised, for the tests of method/.
 #pragma once
 #include <map>
 #include <string>
 #include <vector>
 
-#include "optimize/augmented_lagrangian.hpp"
+#include "method/augmented_lagrangian.hpp"
 #include "support/targets.hpp"
 
 namespace almesh::test {

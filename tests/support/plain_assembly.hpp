@@ -1,4 +1,4 @@
-// The distortion energy, its gradient and its Hessian the plain way: the oracle of functional/, and the yardstick of
+// The distortion energy, its gradient and its Hessian the plain way: the oracle of energy/, and the yardstick of
 // its speed. One element after the other, the second derivative of eta as a fourth-order tensor written down from
 // F^{-T}, a general eigensolver for the projection, dense loops, every block found in its row by bisection.
 //
@@ -7,7 +7,7 @@
 #pragma once
 #include <vector>
 
-#include "functional/distortion_energy.hpp"
+#include "energy/distortion_energy.hpp"
 #include "mesh/quadrature.hpp"
 
 namespace almesh::test {

@@ -1,4 +1,4 @@
-// Random 2x2 and 3x3 matrices for the tests of functional/.
+// Random 2x2 and 3x3 matrices for the tests of energy/.
 #pragma once
 #include <cmath>
 #include <random>

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "boundary/target.hpp"
+#include "constraint/target.hpp"
 
 namespace almesh::test {
 

@@ -1,0 +1,222 @@
+#include "app/deck.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "app/deck_keys.hpp"
+
+namespace almesh {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* command_line = "command line";
+constexpr std::size_t largest_file = 1000000;
+
+// A setting may replace one from elsewhere (the command line comes after the file), not one from the same place.
+void check_repeat(const std::string& what, const std::string& earlier, const std::string& where) {
+    if ((earlier == command_line) == (where == command_line))
+        throw UsageError(what + " is already set (" + earlier + "): remove one of the two");
+}
+
+void read_key(Deck& deck, std::string_view name, std::string_view value, const std::string& where) {
+    const DeckKey* const key = find_key(name);
+    if (!key) {
+        std::vector<std::string> names = {"boundary", "expect"};
+        for (const DeckKey& known : deck_keys()) names.push_back(known.name);
+        throw UsageError("unknown key " + in_backquotes(name) + ": did you mean " +
+                         in_backquotes(nearest(name, names)) + "?");
+    }
+    if (const auto it = deck.given.find(key->name); it != deck.given.end())
+        check_repeat(in_backquotes(key->name), it->second, where);
+    set_value(deck, *key, value);
+    deck.given[key->name] = where;
+    if (key->name == "mesh" && !deck.mesh.empty()) {
+        const fs::path start = where == command_line ? fs::path() : fs::path(deck.folder);
+        deck.mesh = (start / deck.mesh).lexically_normal().string();
+    }
+}
+
+// Takes NAME = off the front of `text`.
+std::string take_boundary_name(std::string_view& text) {
+    const bool in_quotes = !text.empty() && text[0] == '"';
+    const auto close = in_quotes ? text.find('"', 1) : std::string_view::npos;
+    const auto equals = text.find('=', in_quotes ? std::min(close, text.size()) : 0);
+    const std::string_view written = trim(text.substr(0, equals));
+    const auto name = without_quotes(written);
+    if (equals == std::string_view::npos || !name || name->empty())
+        throw UsageError("expected `boundary NAME = MOTION` or `boundary \"NAME\" = MOTION`");
+    if (!in_quotes && words(written).size() > 1)
+        throw UsageError("the boundary name " + in_backquotes(*name) + " has blanks: put it in double quotes");
+    text.remove_prefix(equals + 1);
+    return *name;
+}
+
+void read_boundary(Deck& deck, std::string_view text, const std::string& where) {
+    DeckBoundary boundary;
+    boundary.name = take_boundary_name(text);
+    boundary.where = where;
+    const std::string shown = "boundary " + with_quotes(boundary.name);
+    try {
+        boundary.motion = parse_motion(text);
+    } catch (const UsageError& error) {
+        throw UsageError(shown + ": " + error.what());
+    }
+    const auto it = std::find_if(deck.boundaries.begin(), deck.boundaries.end(),
+                                 [&](const DeckBoundary& other) { return other.name == boundary.name; });
+    if (it == deck.boundaries.end()) {
+        deck.boundaries.push_back(boundary);
+        return;
+    }
+    check_repeat(shown, it->where, where);
+    *it = boundary;
+}
+
+void read_expectation(Deck& deck, std::string_view text, const std::string& where) {
+    Expectation expectation = parse_expectation(text);
+    expectation.where = where;
+    const auto replaced = [&](const Expectation& other) {
+        return other.quantity == expectation.quantity && where == command_line && other.where != command_line;
+    };
+    std::erase_if(deck.expectations, replaced);
+    for (const Expectation& other : deck.expectations)
+        if (other.quantity == expectation.quantity && other.relation == expectation.relation)
+            check_repeat(in_backquotes("expect " + to_string(other)), other.where, where);
+    deck.expectations.push_back(expectation);
+}
+
+// One setting without its comment.
+void read_setting(Deck& deck, std::string_view text, const std::string& where) {
+    const std::string_view first = text.substr(0, std::min(text.find_first_of(" \t="), text.size()));
+    const std::string_view rest = trim(text.substr(first.size()));
+    if (first == "boundary") return read_boundary(deck, rest, where);
+    if (first == "expect") return read_expectation(deck, rest, where);
+    const auto equals = text.find('=');
+    if (equals == std::string_view::npos)
+        throw UsageError("expected `key = value`, got " + in_backquotes(text.substr(0, 60)));
+    read_key(deck, trim(text.substr(0, equals)), trim(text.substr(equals + 1)), where);
+}
+
+void check_text(std::string_view line) {
+    const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t'; };
+    if (std::any_of(line.begin(), line.end(), control))
+        throw UsageError("control characters: a deck is plain text, is this another file?");
+}
+
+std::string_view without_comment(std::string_view line) {
+    bool in_quotes = false;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        if (line[i] == '"') in_quotes = !in_quotes;
+        if (line[i] == '#' && !in_quotes) return line.substr(0, i);
+    }
+    if (in_quotes) throw UsageError("a double quote is not closed");
+    return line;
+}
+
+void read_line(Deck& deck, std::string_view line, const std::string& where) {
+    const bool in_file = where != command_line;
+    try {
+        if (in_file && line.ends_with('\r')) line.remove_suffix(1);
+        check_text(line);
+        const std::string_view text = trim(in_file ? without_comment(line) : line);
+        if (!text.empty() || !in_file) read_setting(deck, text, where);
+    } catch (const UsageError& error) {
+        throw UsageError(where + ": " + error.what());
+    }
+}
+
+void complete(Deck& deck) {
+    if (deck.mesh.empty()) throw UsageError(deck.path + ": no mesh: add a line `mesh = FILE`, from the deck's folder");
+    if (deck.output.empty()) deck.output = (fs::path("outputs") / deck.name).string();
+}
+
+// `file` as seen from `folder`, both given from the current folder.
+std::string seen_from(const std::string& folder, const std::string& file) {
+    const fs::path from = fs::path(folder).lexically_normal(), to = fs::path(file);
+    const bool reachable = from.is_relative() && to.is_relative() && !from.string().starts_with("..");
+    const fs::path relative = reachable ? to.lexically_relative(from) : fs::path();
+    return relative.empty() ? fs::absolute(to).string() : relative.string();
+}
+
+// A boundary name as it stands in a deck.
+std::string name_text(const std::string& name) {
+    const bool bare = words(name).size() == 1 && trim(name) == name && name.find_first_of("#=\"") == std::string::npos;
+    return bare ? name : with_quotes(name);
+}
+
+}  // namespace
+
+Deck parse_deck(std::string_view text, const std::string& path, const std::vector<std::string>& overrides) {
+    Deck deck;
+    deck.path = path;
+    deck.folder = fs::path(path).parent_path().string();
+    deck.name = fs::path(path).stem().string();
+    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+    for (int number = 1; !text.empty(); ++number) {
+        const auto end = std::min(text.find('\n'), text.size());
+        read_line(deck, text.substr(0, end), path + ":" + std::to_string(number));
+        text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    for (const std::string& setting : overrides) read_line(deck, setting, command_line);
+    complete(deck);
+    return deck;
+}
+
+Deck read_deck(const std::string& path, const std::vector<std::string>& overrides) {
+    std::error_code ignored;
+    if (fs::is_directory(path, ignored)) throw UsageError(path + ": a folder, expected a deck file");
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw UsageError(path + ": cannot be opened: check the path of the deck");
+    std::string text(largest_file + 1, '\0');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    if (file.bad()) throw UsageError(path + ": cannot be read");
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    if (text.size() > largest_file)
+        throw UsageError(path + ": more than 1 MB: a deck is a page of text, is this a mesh?");
+    return parse_deck(text, path, overrides);
+}
+
+void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string>& mesh_boundaries) {
+    const auto check_name = [&](const std::string& name, const std::string& where) {
+        if (std::find(mesh_boundaries.begin(), mesh_boundaries.end(), name) != mesh_boundaries.end()) return;
+        std::string list;
+        for (const std::string& other : mesh_boundaries) list += (list.empty() ? "" : ", ") + with_quotes(other);
+        throw UsageError(where + ": the mesh has no boundary " + with_quotes(name) + ", only " + list);
+    };
+    for (const DeckBoundary& boundary : deck.boundaries) {
+        check_name(boundary.name, boundary.where);
+        try {
+            check_dimension(boundary.motion, dim);
+        } catch (const UsageError& error) {
+            throw UsageError(boundary.where + ": boundary " + with_quotes(boundary.name) + ": " + error.what());
+        }
+    }
+    if (deck.wall.empty()) return;
+    const auto it = deck.given.find("wall");
+    check_name(deck.wall, (it == deck.given.end() ? deck.path : it->second) + ": wall");
+}
+
+std::string resolved(const Deck& deck) {
+    Deck shown = deck;
+    shown.mesh = seen_from(deck.output, deck.mesh);
+    std::string text = "# Every key with its value: repeats the run from the folder in which it was started.\n";
+    for (const DeckKey& key : deck_keys()) {
+        text += "\n";
+        std::string comment = "[";
+        comment += legal_values(key) + "] " + key.meaning;
+        for (const std::string& line : wrap(comment, 98)) text += "# " + line + "\n";
+        text += key.name + " = " + value_text(shown, key) + "\n";
+    }
+    if (!deck.boundaries.empty()) text += "\n# Motions of the boundaries.\n";
+    for (const DeckBoundary& boundary : deck.boundaries)
+        text += "boundary " + name_text(boundary.name) + " = " + to_string(boundary.motion) + "\n";
+    if (!deck.expectations.empty()) text += "\n# Checked at the end of the run.\n";
+    for (const Expectation& expectation : deck.expectations) text += "expect " + to_string(expectation) + "\n";
+    return text;
+}
+
+}  // namespace almesh

@@ -1,0 +1,79 @@
+// The deck: the input file of a run, plain text of `key = value` lines.
+//
+//   mesh = meshes/circle.msh        # from the deck's folder
+//   boundary inner = translate 8 0
+//   boundary "outer wall" = fixed
+//   expect relative_quality = 0.9365 +- 0.0005
+//
+// `#` starts a comment. A boundary name with blanks, and a text with a `#` or with blanks at its ends, stands in double
+// quotes; a `"` inside cannot be written. Every key, its legal values and meaning: the table of deck_keys.cpp. Settings
+// of the same form on the command line replace those of the file: `refine=2`, `boundary inner=translate 4 0`,
+// `expect nodes = 3324` (which replaces all that the file expects of that quantity).
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "constraint/dirichlet.hpp"
+#include "constraint/motion.hpp"
+#include "check/certificate.hpp"
+#include "app/expectation.hpp"
+#include "method/augmented_lagrangian.hpp"
+
+namespace almesh {
+
+struct DeckBoundary {
+    std::string name;  // of the mesh's physical group
+    Motion motion;
+    std::string where;  // "circle.deck:12" or "command line"
+};
+
+enum class Start { automatic, identity, coarse };
+enum class VtkOutput { ascii, binary, none };
+
+struct Deck {
+    // The keys, with their defaults, those of a part of the method in its own struct; an empty optional is `auto`.
+    std::string mesh;    // path as seen from the current folder
+    std::string output;  // folder, from the current one; outputs/<name> where the deck says nothing
+    std::string title;
+    int degree = 0;
+    int refine = 0;
+    TargetKind target = TargetKind::exact;
+    DistortionParams distortion;
+    AugmentedLagrangianParams method;
+    Start start = Start::automatic;
+    std::optional<double> length_scale;
+    LinearSolverParams linear;
+    Forcing forcing = Forcing::automatic;
+    CertificateParams certificate;
+    int write_system = 0;
+    VtkOutput vtk = VtkOutput::ascii;
+    std::string wall;  // boundary name, "" for none
+    int threads = 0;
+
+    std::vector<DeckBoundary> boundaries;   // in the order written
+    std::vector<Expectation> expectations;  // in the order written
+
+    std::string path, folder, name;            // of the deck file: inputs/circle.deck, inputs, circle
+    std::map<std::string, std::string> given;  // key -> where it was set, for errors found later
+};
+
+// Reads the file, then the settings of the command line. Throws UsageError naming file and line (or "command line") for
+// anything that is not a legal setting, a repeated one, a missing mesh, and a file that is no text or over 1 MB.
+Deck read_deck(const std::string& path, const std::vector<std::string>& overrides = {});
+
+// The same from text in memory; `path` stands for the file.
+Deck parse_deck(std::string_view text, const std::string& path, const std::vector<std::string>& overrides = {});
+
+// What only the mesh tells: throws UsageError where a boundary line or `wall` names no boundary of the mesh, or where a
+// motion does not fit the dimension.
+void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string>& mesh_boundaries);
+
+// Every key with its value, commented, as text of a deck to stand in the output folder. Read from the same current
+// folder it gives the same Deck but for path, folder, name and places. A mesh that cannot be reached by a relative
+// path from there is given by its absolute one.
+std::string resolved(const Deck& deck);
+
+}  // namespace almesh

@@ -1,0 +1,116 @@
+#include "constraint/target.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <sstream>
+
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+#include "mesh/lagrange.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double move_work = 50;  // simple operations that moving a point takes
+
+std::string point_text(const double* x, int dim) {
+    std::ostringstream out;
+    out << '(';
+    for (int a = 0; a < dim; ++a) out << (a ? ", " : "") << x[a];
+    out << ')';
+    return out.str();
+}
+
+void move(const Motion& motion, const Mesh& mesh, int boundary, double* x) {
+    std::array<double, 3> before{};
+    std::copy_n(x, mesh.dim, before.begin());
+    if (!apply(motion, mesh.dim, x))
+        throw InputError("boundary " + mesh.boundaries[boundary] + ": the closest point to " +
+                         point_text(before.data(), mesh.dim) + " is not defined (it is the centre or on the axis)");
+    for (int a = 0; a < mesh.dim; ++a)
+        if (!std::isfinite(x[a]))
+            throw InputError("boundary " + mesh.boundaries[boundary] + ": the motion takes " +
+                             point_text(before.data(), mesh.dim) + " to a place that is not finite");
+}
+
+double extent(const Mesh& mesh) {
+    double size = 0;
+    for (double v : mesh.x) size = std::max(size, std::abs(v));
+    return size;
+}
+
+double face_size(const Mesh& mesh, int f) {
+    double squared = 0;
+    for (int v = 1; v < mesh.dim; ++v) {
+        double edge = 0;
+        for (int a = 0; a < mesh.dim; ++a)
+            edge += std::pow(mesh.x[static_cast<std::size_t>(mesh.face(f)[v]) * mesh.dim + a] -
+                                 mesh.x[static_cast<std::size_t>(mesh.face(f)[0]) * mesh.dim + a], 2);
+        squared = std::max(squared, edge);
+    }
+    return std::sqrt(squared);
+}
+
+// A node on two boundaries must have one target, to a small part of the faces around it.
+void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
+    const int dim = mesh.dim, m = mesh.face_nodes();
+    const double rounding = 1e-14 * extent(mesh);
+    std::vector<double> size(mesh.face_count());
+    parallel_for(mesh.face_count(), [&](int f) { size[f] = face_size(mesh, f); });
+    std::vector<int> first(mesh.nodes(), -1);  // face * m + local node that first gave the target
+    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
+        int& seen = first[mesh.faces[k]];
+        if (seen < 0) seen = k;
+        const double* a = &target.node[static_cast<std::size_t>(seen) * dim];
+        const double* b = &target.node[static_cast<std::size_t>(k) * dim];
+        double difference = 0;
+        for (int c = 0; c < dim; ++c) difference = std::max(difference, std::abs(a[c] - b[c]));
+        const double tolerance = 1e-6 * std::min(size[seen / m], size[k / m]);
+        if (difference <= tolerance + rounding) continue;
+        throw InputError("node " + std::to_string(mesh.node_id[mesh.faces[k]]) +
+                         " lies on two boundaries whose motions disagree: " +
+                         mesh.boundaries[mesh.face_boundary[seen / m]] + " takes it to " + point_text(a, dim) + ", " +
+                         mesh.boundaries[mesh.face_boundary[k / m]] + " to " + point_text(b, dim));
+    }
+}
+
+}  // namespace
+
+BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion) {
+    const int dim = mesh.dim, m = mesh.face_nodes();
+    for (const Motion& each : motion) check_dimension(each, dim);
+    const LagrangeBasis basis(dim - 1, mesh.degree);
+    BoundaryTarget target;
+    target.in_trace_space = std::all_of(motion.begin(), motion.end(), is_affine);
+    // Exact for N_i N_j. A g_D beyond the trace space needs far more to be integrated to rounding on a fair mesh.
+    target.quadrature = simplex_quadrature(dim - 1, 2 * mesh.degree + (target.in_trace_space ? 0 : 10));
+    const int points = target.quadrature.count;
+    std::vector<double> N(static_cast<std::size_t>(points) * m);
+    for (int q = 0; q < points; ++q)
+        basis.values(&target.quadrature.xi[q * (dim - 1)], &N[static_cast<std::size_t>(q) * m]);
+
+    target.node.resize(mesh.faces.size() * dim);
+    target.sample.resize(static_cast<std::size_t>(mesh.face_count()) * points * dim);
+    parallel_for_throwing(mesh.face_count(), [&](int f) {
+        const int boundary = mesh.face_boundary[f];
+        const auto node_position = [&](int i, int a) {
+            return mesh.x[static_cast<std::size_t>(mesh.face(f)[i]) * dim + a];
+        };
+        for (int i = 0; i < m; ++i) {
+            double* const x = &target.node[(static_cast<std::size_t>(f) * m + i) * dim];
+            for (int a = 0; a < dim; ++a) x[a] = node_position(i, a);
+            move(motion[boundary], mesh, boundary, x);
+        }
+        for (int q = 0; q < points; ++q) {
+            double* const x = &target.sample[(static_cast<std::size_t>(f) * points + q) * dim];
+            for (int i = 0; i < m; ++i)
+                for (int a = 0; a < dim; ++a) x[a] += N[static_cast<std::size_t>(q) * m + i] * node_position(i, a);
+            move(motion[boundary], mesh, boundary, x);
+        }
+    }, move_work * (m + points));
+    check_shared_nodes(mesh, target);
+    return target;
+}
+
+}  // namespace almesh

@@ -1,0 +1,23 @@
+// The Dirichlet data g_D of the constraint phi = g_D (paper, Eq. 4): for each boundary face, where the motion of its
+// boundary takes the face as read from the file.
+#pragma once
+#include <vector>
+
+#include "constraint/motion.hpp"
+#include "mesh/mesh.hpp"
+#include "mesh/quadrature.hpp"
+
+namespace almesh {
+
+struct BoundaryTarget {
+    bool in_trace_space = false;  // all motions are affine: g_D is of the mesh's degree on every face
+    Quadrature quadrature;        // on the reference face
+    std::vector<double> node;     // face x face node x dim: g_D at the nodes of the face
+    std::vector<double> sample;   // face x quadrature point x dim: g_D at the quadrature points
+};
+
+// motion: one per mesh.boundaries. Throws UsageError where one does not fit the dimension, InputError where a
+// projection is undefined (a node at the centre), or where two boundaries send a node they share to different places.
+BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion);
+
+}  // namespace almesh

@@ -1,0 +1,187 @@
+// Energy, gradient and Hessian of `lanes` elements of degree p > 1 at once, each element in its own lane: all arrays
+// here are structures of lanes, so that every formula is that of one element.
+//
+// Derivatives of the basis are those on the reference element, the same for all elements: the density is differentiated
+// with respect to J = sum x_i (grad N_i)^T = F A instead of F, which costs nothing (density_hessian.hpp). The Hessian's
+// block of nodes i and j is then a sum over the points q and the directions k, l
+//
+//     K_ij = sum_q sum_k dN_i/dxi_k T_jk,   T_jk = sum_l C_kl dN_j/dxi_l,   C_kl: n x n blocks of second derivatives,
+//
+// n + n/(m-i) multiplications per entry and point. Points are taken in blocks, so that a tile of K stays in registers
+// while it gathers a block's share.
+#pragma once
+#include <algorithm>
+#include <vector>
+
+#include "energy/density_hessian.hpp"
+#include "mesh/reference_element.hpp"
+
+namespace almesh {
+
+template <int n>
+class CurvedBatch {
+public:
+    static constexpr int dimension = n;
+
+    explicit CurvedBatch(const ReferenceElement& reference)
+        : of_(reference), m_(reference.nodes), size_(m_ * n), position_(workspace(room())) {
+        gradient_ = position_ + size_;
+        hessian_ = gradient_ + size_;
+        separate_ = hessian_ + stride();
+        second_ = separate_ + stride();
+        applied_ = second_ + point_block * n * n * n * n;
+    }
+
+    int nodes() const { return m_; }
+
+    // node: lanes x m nodes of the elements, x: nodes x n. ideal_inverse: A^{-1} of the elements.
+    // node and ideal_inverse are looked at until the next start().
+    void start(const int* node, const std::vector<double>& x, const Mat<n, Lanes>& ideal_inverse) {
+        node_ = node;
+        ideal_inverse_ = &ideal_inverse;
+        for (int i = 0; i < m_; ++i)
+            for (int l = 0; l < lanes; ++l) {
+                const double* const xi = &x[static_cast<std::size_t>(node[l * m_ + i]) * n];
+                for (int a = 0; a < n; ++a) position_[i * n + a][l] = xi[a];
+            }
+        for (int i = m_ - 1; i >= 0; --i)  // relative to the element's first node: exact differences
+            for (int a = 0; a < n; ++a) position_[i * n + a] -= position_[a];
+    }
+
+    Lanes distortion_at(int q) const { return distortion<n>(multiply<n>(jacobian(q), *ideal_inverse_), 0); }
+
+    // Per unit of det A; infinite or nan for an inverted element.
+    Lanes energy(double delta, Objective objective) const {
+        Lanes sum{};
+        for (int q = 0; q < of_.points; ++q)
+            sum += of_.weight[q] * density(distortion<n>(multiply<n>(jacobian(q), *ideal_inverse_), delta), objective);
+        return sum;
+    }
+
+    // Adds to g (nodes x n) the gradient of the first `count` elements, times `factor`.
+    void add_gradient(double delta, Objective objective, Lanes factor, int count, double* g) {
+        const Mat<n, Lanes> turned = transpose<n>(*ideal_inverse_);
+        std::fill_n(gradient_, size_, Lanes{});
+        for (int q = 0; q < of_.points; ++q) {
+            const Mat<n, Lanes> F = multiply<n>(jacobian(q), *ideal_inverse_);
+            const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F, delta, objective), turned);
+            const Lanes weight = factor * of_.weight[q];
+            const double* const dN = gradients(q);
+            for (int i = 0; i < m_; ++i)
+                for (int a = 0; a < n; ++a) {
+                    Lanes sum = P[a][0] * dN[i * n];
+                    for (int k = 1; k < n; ++k) sum += P[a][k] * dN[i * n + k];
+                    gradient_[i * n + a] += weight * sum;
+                }
+        }
+        const double* part = separate_lanes(gradient_, size_, separate_);
+        for (int l = 0; l < count; ++l, part += whole_registers(size_))
+            for (int i = 0; i < m_; ++i)
+                for (int a = 0; a < n; ++a)
+                    g[static_cast<std::size_t>(node_[l * m_ + i]) * n + a] += part[i * n + a];
+    }
+
+    // The Hessian of each element after the other, times `factor`: lanes x stride(), blocks (i, j) of n x n numbers row
+    // by row, both triangles.
+    const double* hessian(double delta, Lanes shift, bool projected, Lanes factor) {
+        std::fill_n(hessian_, size_ * size_, Lanes{});
+        for (int q = 0; q < of_.points; q += point_block) {
+            const int count = std::min(point_block, of_.points - q);
+            for (int k = 0; k < count; ++k)
+                tensor(k) = second_derivatives(q + k, delta, shift, projected, factor);
+            for (int j = 0; j < m_; ++j) {
+                apply_to_node(j, q, count);
+                int i = j;
+                for (; i + tile_rows <= m_; i += tile_rows) add_blocks<tile_rows>(i, j, q, count);
+                for (; i < m_; ++i) add_blocks<1>(i, j, q, count);
+            }
+        }
+        for (int i = 0; i < m_; ++i)
+            for (int j = 0; j < i; ++j)
+                for (int a = 0; a < n; ++a)
+                    for (int b = 0; b < n; ++b) block(j, i)[b * n + a] = block(i, j)[a * n + b];
+        return separate_lanes(hessian_, size_ * size_, separate_);
+    }
+
+    std::size_t stride() const { return whole_registers(size_ * size_); }
+
+private:
+    static constexpr int point_block = 8;               // points whose tensors fit the innermost cache
+    static constexpr int tile_rows = n == 2 ? 5 : 3;    // blocks K_ij of one j that fit the registers
+
+    const ReferenceElement& of_;
+    const int m_, size_;
+    const int* node_ = nullptr;
+    const Mat<n, Lanes>* ideal_inverse_ = nullptr;
+    Lanes* const position_;  // m x n, relative to the first node
+    Lanes* gradient_;        // m x n
+    Lanes* hessian_;         // m x m blocks of n x n
+    Lanes* separate_;        // the gradient or Hessian, element after element
+    Lanes* second_;          // point_block tensors C
+    Lanes* applied_;         // point_block x n x n x n: T_jk for the current j
+
+    std::size_t room() const {
+        return 2 * size_ + 2 * stride() + point_block * (n * n * n * n + n * n * n);
+    }
+    Lanes* block(int i, int j) { return hessian_ + (i * m_ + j) * n * n; }
+
+    // Kept by each thread between calls: nothing is allocated inside the Newton loop.
+    static Lanes* workspace(std::size_t size) {
+        thread_local std::vector<Lanes> values;
+        if (values.size() < size) values.resize(size);
+        return values.data();
+    }
+
+    const double* gradients(int q) const { return &of_.gradients[static_cast<std::size_t>(q) * size_]; }
+    Tensor<n>& tensor(int k) { return reinterpret_cast<Tensor<n>*>(second_)[k]; }
+
+    Mat<n, Lanes> jacobian(int q) const {
+        Mat<n, Lanes> J = {};
+        const double* const dN = gradients(q);
+        for (int i = 1; i < m_; ++i)  // the first node is the origin
+            for (int a = 0; a < n; ++a)
+                for (int k = 0; k < n; ++k) J[a][k] += position_[i * n + a] * dN[i * n + k];
+        return J;
+    }
+
+    Tensor<n> second_derivatives(int q, double delta, Lanes shift, bool projected, Lanes factor) const {
+        const Mat<n, Lanes> F = multiply<n>(jacobian(q), *ideal_inverse_);
+        return in_element_coordinates<n>(frame_hessian<n>(F, delta, shift, projected), *ideal_inverse_,
+                                      factor * of_.weight[q]);
+    }
+
+    // T_jk for the points q, q + 1, ..., q + count - 1.
+    void apply_to_node(int j, int q, int count) {
+        for (int point = 0; point < count; ++point) {
+            const double* const dN = gradients(q + point) + j * n;
+            const Tensor<n>& C = tensor(point);
+            Lanes* T = applied_ + point * n * n * n;
+            for (int k = 0; k < n; ++k)
+                for (int a = 0; a < n; ++a)
+                    for (int b = 0; b < n; ++b) {
+                        Lanes sum = C[k][0][a][b] * dN[0];
+                        for (int l = 1; l < n; ++l) sum += C[k][l][a][b] * dN[l];
+                        *T++ = sum;
+                    }
+        }
+    }
+
+    // Adds a block of points to the blocks (i, j), ..., (i + rows - 1, j).
+    template <int rows>
+    void add_blocks(int i, int j, int q, int count) {
+        Lanes sum[rows][n * n];
+        for (int r = 0; r < rows; ++r)
+            for (int e = 0; e < n * n; ++e) sum[r][e] = block(i + r, j)[e];
+        const Lanes* T = applied_;
+        for (int point = 0; point < count; ++point) {
+            const double* const dN = gradients(q + point) + i * n;
+            for (int k = 0; k < n; ++k, T += n * n)
+                for (int e = 0; e < n * n; ++e)
+                    for (int r = 0; r < rows; ++r) sum[r][e] += T[e] * dN[r * n + k];
+        }
+        for (int r = 0; r < rows; ++r)
+            for (int e = 0; e < n * n; ++e) block(i + r, j)[e] = sum[r][e];
+    }
+};
+
+}  // namespace almesh

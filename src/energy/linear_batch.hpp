@@ -1,0 +1,113 @@
+// Energy, gradient and Hessian of `lanes` linear elements at once, each element in its own lane: every formula is that
+// of one element. F is constant on a linear element, so that one point is enough and everything fits the registers.
+//
+// The derivatives of the basis on the reference element are unit vectors but for the first node's, which are minus the
+// sum of the others'. So the gradient is the density's derivative by J = F A and minus its row sums, and the Hessian
+// its second derivatives by J (density_hessian.hpp), bordered by minus their row sums.
+#pragma once
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "energy/density_hessian.hpp"
+#include "mesh/reference_element.hpp"
+
+namespace almesh {
+
+template <int n>
+class LinearBatch {
+public:
+    static constexpr int dimension = n;
+    static constexpr int nodes() { return m; }
+
+    explicit LinearBatch(const ReferenceElement& reference) : volume_(reference.weight[0]) {}
+
+    // node: lanes x m nodes of the elements, x: nodes x n. ideal_inverse: A^{-1} of the elements.
+    // node and ideal_inverse are looked at until the next start().
+    void start(const int* node, const std::vector<double>& x, const Mat<n, Lanes>& ideal_inverse) {
+        node_ = node;
+        ideal_inverse_ = &ideal_inverse;
+        Mat<n, Lanes> J;
+        for (int a = 0; a < n; ++a) {
+            const Lanes origin = gathered(x.data() + a, node, all_lanes());
+            for (int k = 0; k < n; ++k) J[a][k] = gathered(x.data() + a, node + k + 1, all_lanes()) - origin;
+        }
+        F_ = multiply<n>(J, ideal_inverse);
+    }
+
+    Lanes distortion_at(int) const { return distortion<n>(F_, 0); }
+
+    // Per unit of det A; infinite or nan for an inverted element.
+    Lanes energy(double delta, Objective objective) const {
+        return volume_ * density(distortion<n>(F_, delta), objective);
+    }
+
+    // Adds to g (nodes x n) the gradient of the first `count` elements, times `factor`.
+    void add_gradient(double delta, Objective objective, Lanes factor, int count, double* g) const {
+        const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F_, delta, objective), transpose<n>(*ideal_inverse_));
+        const Lanes weight = factor * volume_;
+        Lanes part[m][n];
+        for (int a = 0; a < n; ++a) {
+            Lanes sum{};
+            for (int k = 0; k < n; ++k) {
+                sum += P[a][k];
+                part[k + 1][a] = weight * P[a][k];
+            }
+            part[0][a] = -weight * sum;
+        }
+        // The first two components of each lane side by side, to be added as a pair: those of lane l are in register
+        // l & 1 from l & ~1 on.
+        for (int i = 0; i < m; ++i) exchange_blocks<1>(part[i][0], part[i][1], all_lanes());
+        for (int l = 0; l < count; ++l)
+            for (int i = 0; i < m; ++i) {
+                const double* const pair = reinterpret_cast<const double*>(&part[i][l & 1]) + (l & ~1);
+                double* const gi = g + static_cast<std::size_t>(node_[l * m + i]) * n;
+                gi[0] += pair[0];
+                gi[1] += pair[1];
+                if constexpr (n == 3) gi[2] += part[i][2][l];
+            }
+    }
+
+    // The Hessian of each element after the other, times `factor`: lanes x stride(), blocks (i, j) of n x n numbers row
+    // by row, both triangles.
+    const double* hessian(double delta, Lanes shift, bool projected, Lanes factor) {
+        const Tensor<n> C = in_element_coordinates<n>(frame_hessian<n>(F_, delta, shift, projected), *ideal_inverse_,
+                                                      factor * volume_);
+        for (int a = 0; a < n; ++a)
+            for (int b = 0; b < n; ++b) {
+                Lanes corner{};
+                for (int k = 0; k < n; ++k) {
+                    Lanes row{};
+                    for (int l = 0; l < n; ++l) {
+                        row += C[k][l][a][b];
+                        entry(k + 1, l + 1, a, b) = C[k][l][a][b];
+                    }
+                    entry(k + 1, 0, a, b) = entry(0, k + 1, b, a) = -row;
+                    corner += row;
+                }
+                entry(0, 0, a, b) = corner;
+            }
+        return separate_lanes(hessian_, entries, separate_);
+    }
+    static constexpr std::size_t stride() { return whole_registers(entries); }
+
+private:
+    static constexpr int m = n + 1, entries = m * m * n * n;
+
+    static auto all_lanes() { return std::make_integer_sequence<int, lanes>(); }
+
+    template <int... l>
+    static Lanes gathered(const double* x, const int* node, std::integer_sequence<int, l...>) {
+        return Lanes{x[static_cast<std::size_t>(node[l * m]) * n]...};
+    }
+
+    Lanes& entry(int i, int j, int a, int b) { return hessian_[((i * m + j) * n + a) * n + b]; }
+
+    const double volume_;  // of the reference element
+    const int* node_ = nullptr;
+    const Mat<n, Lanes>* ideal_inverse_ = nullptr;
+    Mat<n, Lanes> F_;
+    Lanes hessian_[whole_registers(entries)], separate_[whole_registers(entries)];
+};
+
+}  // namespace almesh

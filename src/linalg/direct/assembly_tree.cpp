@@ -1,0 +1,283 @@
+#include "linalg/direct/assembly_tree.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace almesh {
+
+namespace {
+
+// Children of every vertex of a forest as linked lists, ascending; the list of the roots stands at n.
+struct Children {
+    std::vector<int> head, next;
+
+    explicit Children(const std::vector<int>& parent) : head(parent.size() + 1, -1), next(parent.size(), -1) {
+        const int n = static_cast<int>(parent.size());
+        for (int v = n - 1; v >= 0; --v) {
+            const int p = parent[v] < 0 ? n : parent[v];
+            next[v] = head[p];
+            head[p] = v;
+        }
+    }
+};
+
+// Vertices of a forest, children before parents and subtrees together.
+std::vector<int> postorder(const std::vector<int>& parent) {
+    const int n = static_cast<int>(parent.size());
+    Children children(parent);
+    std::vector<int> order, stack;
+    order.reserve(n);
+    for (int root = children.head[n]; root >= 0; root = children.next[root]) {
+        stack.push_back(root);
+        while (!stack.empty()) {
+            const int v = stack.back(), child = children.head[v];
+            if (child < 0) {
+                order.push_back(v);
+                stack.pop_back();
+            } else {
+                children.head[v] = children.next[child];
+                stack.push_back(child);
+            }
+        }
+    }
+    return order;
+}
+
+// first <- first after second: new -> middle -> old
+std::vector<int> compose(const std::vector<int>& middle_to_old, const std::vector<int>& new_to_middle) {
+    std::vector<int> result(new_to_middle.size());
+    for (std::size_t k = 0; k < result.size(); ++k) result[k] = middle_to_old[new_to_middle[k]];
+    return result;
+}
+
+// The forest with its vertices renumbered, order[new] = old.
+std::vector<int> renumbered(const std::vector<int>& parent, const std::vector<int>& order) {
+    const std::vector<int> position = inverse(order);
+    std::vector<int> result(parent.size());
+    for (std::size_t k = 0; k < result.size(); ++k) result[k] = parent[order[k]] < 0 ? -1 : position[parent[order[k]]];
+    return result;
+}
+
+// Root of the tree that vertex v has been joined to so far, all vertices on the way shortened to it.
+int find_root(std::vector<int>& ancestor, int v) {
+    int root = v;
+    while (ancestor[root] != root) root = ancestor[root];
+    for (int next; v != root; v = next) {
+        next = ancestor[v];
+        ancestor[v] = root;
+    }
+    return root;
+}
+
+// Entries of each column of L. Column j has one for every row i whose row subtree, the paths from the entries of row i
+// of A up to i, holds j. Each subtree is counted as +1 at its leaves and -1 where two paths meet, then summed up the
+// tree (Gilbert, Ng & Peyton, SIAM J. Matrix Anal. Appl. 15, 1994). The columns are in postorder, so j is a new leaf
+// of row i if no earlier one lies below it, and two paths meet where j's predecessor has been joined to.
+std::vector<int> count_columns(const Graph& graph, const std::vector<int>& order, const std::vector<int>& parent) {
+    const int n = graph.size();
+    const std::vector<int> position = inverse(order);
+    std::vector<int> first(n), count(n, 0), ancestor(n), last_leaf(n, -1);  // first: lowest vertex of the subtree
+    std::iota(first.begin(), first.end(), 0);
+    std::iota(ancestor.begin(), ancestor.end(), 0);
+    for (int j = 0; j < n; ++j) {
+        if (first[j] == j) ++count[j];
+        if (const int p = parent[j]; p >= 0) {
+            first[p] = std::min(first[p], first[j]);
+            --count[p];
+        }
+        for (int v = order[j], k = graph.start[v]; k < graph.start[v + 1]; ++k) {
+            const int i = position[graph.adjacent[k]], leaf = i > j ? last_leaf[i] : j;
+            if (leaf >= first[j]) continue;
+            ++count[j];
+            if (leaf >= 0) --count[find_root(ancestor, leaf)];
+            last_leaf[i] = j;
+        }
+        if (parent[j] >= 0) ancestor[j] = parent[j];
+    }
+    for (int j = 0; j < n; ++j)
+        if (parent[j] >= 0) count[parent[j]] += count[j];
+    return count;
+}
+
+// Supernodes while they are merged: `columns` pivots, `rows` in all, and how many of their entries are known zeros.
+struct Supernode {
+    int parent = -1;
+    long long columns = 0, rows = 0, zeros = 0;
+    long long entries() const { return columns * rows - columns * (columns - 1) / 2; }
+};
+
+// Fundamental supernodes: runs of columns with nested structures, each the only child of the next.
+// supernode_of[j] on return.
+std::vector<Supernode> find_supernodes(const std::vector<int>& parent, const std::vector<int>& count,
+                                       std::vector<int>& supernode_of) {
+    const int n = static_cast<int>(parent.size());
+    std::vector<int> children(n, 0);
+    for (int p : parent)
+        if (p >= 0) ++children[p];
+    std::vector<Supernode> supernodes;
+    supernode_of.resize(n);
+    for (int j = 0; j < n; ++j) {
+        const bool continues = j > 0 && parent[j - 1] == j && children[j] == 1 && count[j - 1] == count[j] + 1;
+        if (!continues) {
+            supernodes.emplace_back();
+            supernodes.back().rows = count[j];
+        }
+        ++supernodes.back().columns;
+        supernode_of[j] = static_cast<int>(supernodes.size()) - 1;
+    }
+    for (int j = 0; j < n; ++j)
+        if (parent[j] >= 0 && supernode_of[parent[j]] != supernode_of[j])
+            supernodes[supernode_of[j]].parent = supernode_of[parent[j]];
+    return supernodes;
+}
+
+// Zeros that may be stored for the sake of larger fronts, as a part of all entries, by scalar columns of the front.
+// Small fronts cost more in overhead than in operations.
+double zeros_allowed(long long columns) {
+    if (columns <= 8) return 0.6;
+    if (columns <= 16) return 0.35;
+    if (columns <= 32) return 0.2;
+    if (columns <= 64) return 0.1;
+    return 0.03;
+}
+
+// Merges supernodes into their parents, bottom up, largest children first. Returns which one each now belongs to.
+std::vector<int> merge_supernodes(std::vector<Supernode>& supernodes, int d) {
+    const int n = static_cast<int>(supernodes.size());
+    std::vector<int> merged_into(n), parent(n), siblings;
+    std::iota(merged_into.begin(), merged_into.end(), 0);
+    for (int s = 0; s < n; ++s) parent[s] = supernodes[s].parent;
+    const Children children(parent);
+    for (int p = 0; p < n; ++p) {
+        siblings.clear();
+        for (int c = children.head[p]; c >= 0; c = children.next[c]) siblings.push_back(c);
+        std::stable_sort(siblings.begin(), siblings.end(),
+                         [&](int a, int b) { return supernodes[a].rows > supernodes[b].rows; });
+        for (int c : siblings) {
+            Supernode both = supernodes[p];
+            both.columns += supernodes[c].columns;
+            both.rows += supernodes[c].columns;
+            both.zeros = both.entries() - (supernodes[c].entries() - supernodes[c].zeros) -
+                         (supernodes[p].entries() - supernodes[p].zeros);
+            if (both.zeros > zeros_allowed(both.columns * d) * both.entries()) continue;
+            supernodes[p] = both;
+            merged_into[c] = p;
+        }
+    }
+    for (int s = n - 1; s >= 0; --s) merged_into[s] = merged_into[merged_into[s]];
+    return merged_into;
+}
+
+// Children of one front in the order in which the stack of update matrices stays lowest: by how much more a subtree
+// needs while it is worked on than it leaves behind (Liu, ACM Trans. Math. Softw. 12, 1986). Returns the fronts in
+// postorder; `fronts` are the merged supernodes, their parents being fronts.
+std::vector<int> order_fronts(const std::vector<Supernode>& fronts) {
+    const int n = static_cast<int>(fronts.size());
+    std::vector<int> parent(n);
+    for (int f = 0; f < n; ++f) parent[f] = fronts[f].parent;
+    const Children children(parent);
+    std::vector<double> peak(n, 0), left(n);
+    std::vector<std::vector<int>> sorted(n + 1);
+    for (int f = 0; f <= n; ++f) {
+        for (int c = children.head[f]; c >= 0; c = children.next[c]) sorted[f].push_back(c);
+        std::stable_sort(sorted[f].begin(), sorted[f].end(),
+                         [&](int a, int b) { return peak[a] - left[a] > peak[b] - left[b]; });
+        if (f == n) break;
+        double stacked = 0;
+        for (int c : sorted[f]) {
+            peak[f] = std::max(peak[f], stacked + peak[c]);
+            stacked += left[c];
+        }
+        left[f] = static_cast<double>(fronts[f].rows - fronts[f].columns) * (fronts[f].rows - fronts[f].columns);
+        peak[f] = std::max(peak[f], stacked + left[f]);
+    }
+    std::vector<int> order, stack(sorted[n].rbegin(), sorted[n].rend());
+    while (!stack.empty()) {  // a preorder with children reversed is a postorder reversed
+        const int f = stack.back();
+        stack.pop_back();
+        order.push_back(f);
+        stack.insert(stack.end(), sorted[f].begin(), sorted[f].end());
+    }
+    std::reverse(order.begin(), order.end());
+    return order;
+}
+
+// Rows of every front below its columns: those of A in its columns and those its children leave.
+void find_rows(const Graph& graph, AssemblyTree& tree) {
+    const std::vector<int> position = inverse(tree.order);
+    std::vector<int> parent = tree.parent, mark(graph.size(), -1);
+    const Children children(parent);
+    tree.row_start.assign(1, 0);
+    for (int f = 0; f < tree.fronts(); ++f) {
+        const std::size_t begin = tree.rows.size();
+        auto add = [&](int row) {
+            if (row < tree.first[f + 1] || mark[row] == f) return;
+            mark[row] = f;
+            tree.rows.push_back(row);
+        };
+        for (int j = tree.first[f]; j < tree.first[f + 1]; ++j)
+            for (int v = tree.order[j], k = graph.start[v]; k < graph.start[v + 1]; ++k)
+                add(position[graph.adjacent[k]]);
+        for (int c = children.head[f]; c >= 0; c = children.next[c])
+            for (std::size_t k = tree.row_start[c]; k < tree.row_start[c + 1]; ++k) add(tree.rows[k]);
+        std::sort(tree.rows.begin() + begin, tree.rows.end());
+        tree.row_start.push_back(tree.rows.size());
+    }
+}
+
+}  // namespace
+
+std::vector<int> elimination_tree(const Graph& graph, const std::vector<int>& order) {
+    const int n = graph.size();
+    const std::vector<int> position = inverse(order);
+    std::vector<int> parent(n, -1), ancestor(n, -1);  // ancestor: shortcuts towards the root
+    for (int i = 0; i < n; ++i)
+        for (int v = order[i], k = graph.start[v]; k < graph.start[v + 1]; ++k) {
+            int j = position[graph.adjacent[k]];
+            while (j >= 0 && j < i) {
+                const int up = ancestor[j];
+                ancestor[j] = i;
+                if (up < 0) parent[j] = i;
+                j = up;
+            }
+        }
+    return parent;
+}
+
+AssemblyTree build_assembly_tree(const Graph& graph, const std::vector<int>& start_order, int d) {
+    const std::vector<int> start_parent = elimination_tree(graph, start_order), post = postorder(start_parent);
+    const std::vector<int> order = compose(start_order, post), parent = renumbered(start_parent, post);
+    const std::vector<int> count = count_columns(graph, order, parent);
+    std::vector<int> supernode_of;
+    std::vector<Supernode> supernodes = find_supernodes(parent, count, supernode_of);
+    const std::vector<int> merged_into = merge_supernodes(supernodes, d);
+
+    std::vector<int> front_of(supernodes.size());  // fronts before they are put in their final order
+    std::vector<Supernode> fronts;
+    for (std::size_t s = 0; s < supernodes.size(); ++s)
+        if (merged_into[s] == static_cast<int>(s)) {
+            front_of[s] = static_cast<int>(fronts.size());
+            fronts.push_back(supernodes[s]);
+        }
+    for (Supernode& front : fronts)
+        if (front.parent >= 0) front.parent = front_of[merged_into[front.parent]];
+    std::vector<std::vector<int>> columns(fronts.size());
+    for (int j = 0; j < graph.size(); ++j) columns[front_of[merged_into[supernode_of[j]]]].push_back(j);
+
+    AssemblyTree tree;
+    const std::vector<int> front_order = order_fronts(fronts), front_position = inverse(front_order);
+    tree.first.push_back(0);
+    for (int f : front_order) {
+        tree.parent.push_back(fronts[f].parent < 0 ? -1 : front_position[fronts[f].parent]);
+        for (int j : columns[f]) {
+            tree.order.push_back(order[j]);
+            tree.column_count.push_back(count[j]);
+        }
+        tree.first.push_back(static_cast<int>(tree.order.size()));
+    }
+    find_rows(graph, tree);
+    return tree;
+}
+
+}  // namespace almesh

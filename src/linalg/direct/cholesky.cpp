@@ -1,0 +1,260 @@
+#include "linalg/direct/cholesky.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.hpp"
+
+namespace almesh {
+
+namespace {
+
+constexpr double parallel_front = 2e7;  // operations from which a front is worth a team of threads
+
+int thread_number() {
+#ifdef _OPENMP
+    return omp_get_thread_num();
+#else
+    return 0;
+#endif
+}
+
+double physical_memory() {
+    return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+FactorPlan plan_in_order(const BlockCsr& pattern, Ordering ordering) {
+    const Graph graph = graph_of(pattern);
+    return plan_factorisation(pattern, graph, order_vertices(graph, ordering));
+}
+
+// Rows of an update matrix that stay next to each other in the parent front; scalar, counted from its first row.
+struct Run {
+    int begin, end, target;
+};
+
+void find_runs(const int* in_parent, int rows, int d, std::vector<Run>& runs) {
+    runs.clear();
+    for (int i = 0; i < rows; ++i) {
+        if (i == 0 || in_parent[i] != in_parent[i - 1] + 1) runs.push_back({i * d, i * d, in_parent[i] * d});
+        runs.back().end += d;
+    }
+}
+
+// Adds the lower triangle of a child's update matrix to its parent's front.
+struct ExtendAdd {
+    Front child, parent;
+    const std::vector<Run>& runs;
+
+    // Column j, which stands in run r, from the diagonal down.
+    void column(std::size_t r, int j) const {
+        const int ld = update_ld(child.m, child.k);
+        const double* const from = child.update + static_cast<std::size_t>(j) * ld + child.k - update_row(child.k);
+        const int target = runs[r].target + j - runs[r].begin;
+        double* const to = column_of_parent(target);
+        for (int begin = j; r < runs.size(); ++r, begin = r < runs.size() ? runs[r].begin : 0) {
+            double* const run_to = to + runs[r].target - runs[r].begin;
+            for (int i = begin; i < runs[r].end; ++i) run_to[i] += from[i];
+        }
+    }
+
+    // Such that row i of the front stands at [i].
+    double* column_of_parent(int j) const {
+        if (j < parent.k) return parent.panel + static_cast<std::size_t>(j) * front_ld(parent.m);
+        const std::size_t ld = update_ld(parent.m, parent.k);
+        return parent.update + (j - parent.k) * ld - update_row(parent.k);
+    }
+
+    // Columns that go to the parent's pivots (panel) or to its update matrix.
+    void add(bool panel, bool parallel) const {
+        for (std::size_t r = 0; r < runs.size(); ++r) {
+            const int pivots = std::clamp(parent.k - runs[r].target + runs[r].begin, runs[r].begin, runs[r].end);
+            const int begin = panel ? runs[r].begin : pivots, end = panel ? pivots : runs[r].end;
+            if (parallel && end - begin > 32) {
+                parallel_for(end - begin, [&](int j) { column(r, begin + j); });
+            } else {
+                for (int j = begin; j < end; ++j) column(r, j);
+            }
+        }
+    }
+};
+
+// Solves read each panel once, so all threads together on one front wait more than they work: fronts of one level go
+// side by side, and only a single one is shared.
+template <class Body>
+void for_level(const std::vector<int>& level, const Body& body) {
+    const int count = static_cast<int>(level.size());
+    if (count == 1) return body(level.front(), true);
+#pragma omp parallel for schedule(dynamic, 1)
+    for (int i = 0; i < count; ++i) body(level[i], false);
+}
+
+}  // namespace
+
+Cholesky::Cholesky(const BlockCsr& pattern, const CholeskyParams& params)
+    : params_(params), plan_(plan_in_order(pattern, params.ordering)) {
+    for (int f = 0; f < plan_.tree.fronts(); ++f) largest_front_ = std::max(largest_front_, plan_.rows(f));
+}
+
+double Cholesky::predicted_bytes() const { return plan_.bytes(max_threads()); }
+
+bool Cholesky::fits() const {
+    return predicted_bytes() <= (params_.memory_limit > 0 ? params_.memory_limit : physical_memory());
+}
+
+void Cholesky::allocate() {
+    const int threads = max_threads();
+    if (factor_.empty()) {
+        unfinished_.resize(plan_.tree.fronts());
+        smallest_.resize(plan_.tree.order.size() * plan_.d);
+        permuted_.resize(plan_.tree.order.size() * plan_.d);
+        passed_on_.resize(plan_.tree.rows.size() * plan_.d);
+        factor_.resize(plan_.panel_at.back());
+    }
+    if (threads <= threads_) return;
+    updates_ = LargeVector<double>();  // first, so that there is never memory for both
+    updates_.resize(plan_.shared_size + plan_.thread_size * threads);
+    threads_ = threads;
+}
+
+double* Cholesky::update_of(int f, int thread) {
+    const std::size_t base = plan_.update_shared[f] ? 0 : plan_.shared_size + plan_.thread_size * thread;
+    return updates_.data() + base + plan_.update_at[f];
+}
+
+Front Cholesky::front(int f, int thread) {
+    return {plan_.rows(f), plan_.pivots(f), factor_.data() + plan_.panel_at[f], update_of(f, thread)};
+}
+
+// The panel's share of A, and what its pivots are measured by.
+void Cholesky::gather_entries(const BlockCsr& A, int f, const Front& target, bool parallel) {
+    const int d = plan_.d, ld = front_ld(target.m);
+    double* const smallest = smallest_.data() + static_cast<std::size_t>(plan_.tree.first[f]) * d;
+    auto clear = [&](int j) { std::fill_n(target.panel + static_cast<std::size_t>(j) * ld, ld, 0.0); };
+    if (parallel) {
+        parallel_for(target.k, clear, target.m);
+    } else {
+        for (int j = 0; j < target.k; ++j) clear(j);
+    }
+    for (std::size_t e = plan_.entry_start[f]; e < plan_.entry_start[f + 1]; ++e) {
+        const FrontEntry& entry = plan_.entries[e];
+        const double* block = A.block(entry.block);  // row-major, row = the entry's column, as A is symmetric
+        double* to = target.panel + static_cast<std::size_t>(entry.column) * d * ld + entry.row * d;
+        for (int c = 0; c < d; ++c)
+            for (int r = 0; r < d; ++r) to[c * ld + r] = block[c * d + r];
+        for (int c = 0; c < d && entry.row == entry.column; ++c)
+            smallest[entry.column * d + c] = params_.smallest_pivot * std::abs(block[c * d + c]);
+    }
+}
+
+// Returns -1 or the bad column of the front.
+int Cholesky::factor_one(const BlockCsr& A, int f, int thread, bool parallel) {
+    thread_local std::vector<Run> runs;
+    const Front target = front(f, thread);
+    parallel = parallel && static_cast<double>(target.k) * target.m * target.m > parallel_front;
+    gather_entries(A, f, target, parallel);
+    auto add_children = [&](bool panel) {
+        for (int k = plan_.child_start[f]; k < plan_.child_start[f + 1]; ++k) {
+            const int c = plan_.child[k];
+            find_runs(plan_.in_parent.data() + plan_.tree.row_start[c], plan_.tree.update_rows(c), plan_.d, runs);
+            ExtendAdd{front(c, thread), target, runs}.add(panel, parallel);
+        }
+    };
+    add_children(true);
+    const double* smallest = smallest_.data() + static_cast<std::size_t>(plan_.tree.first[f]) * plan_.d;
+    const int bad = factor_front(target, smallest, parallel);
+    if (bad < 0) add_children(false);  // factor_front() writes the update matrix, it does not add to it
+    return bad;
+}
+
+// Fronts of a range in order, up to the first bad column known: the first in elimination order, whichever thread is
+// faster, since only later columns are given up.
+void Cholesky::factor_fronts(const BlockCsr& A, FrontRange range, bool parallel, std::atomic<int>& first_bad) {
+    for (int f = range.begin; f < range.end && plan_.tree.first[f] < first_bad; ++f) {
+        const int bad = factor_one(A, f, thread_number(), parallel);
+        if (bad < 0) continue;
+        const int column = plan_.tree.first[f] + bad / plan_.d;
+        for (int seen = first_bad; column < seen && !first_bad.compare_exchange_weak(seen, column);) {
+        }
+    }
+}
+
+CholeskyResult Cholesky::factor(const BlockCsr& A) {
+    if (!fits()) return {CholeskyStatus::too_large, -1};
+    allocate();
+    constexpr int none = std::numeric_limits<int>::max();
+    std::atomic<int> first_bad = none;
+    for (const int f : plan_.single) unfinished_[f] = plan_.child_start[f + 1] - plan_.child_start[f];
+    const int subtrees = static_cast<int>(plan_.subtrees.size());
+#pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
+    for (int s = 0; s < subtrees; ++s) {
+        factor_fronts(A, plan_.subtrees[s], false, first_bad);
+        // Whoever is done with the last child of a single front goes on with the front.
+        for (int f = plan_.subtrees[s].end - 1; (f = plan_.tree.parent[f]) >= 0;) {
+            if (std::atomic_ref(unfinished_[f]).fetch_sub(1) != 1) break;
+            factor_fronts(A, {f, f + 1}, false, first_bad);
+        }
+    }
+    for (const int f : plan_.top) factor_fronts(A, {f, f + 1}, true, first_bad);
+    if (first_bad < none) return {CholeskyStatus::not_positive_definite, plan_.tree.order[first_bad]};
+    return {CholeskyStatus::factored, -1};
+}
+
+void Cholesky::solve_forward_one(int f, double* x, bool parallel) {
+    thread_local std::vector<double> work;
+    const Front L = front(f, 0);
+    const int d = plan_.d;
+    work.resize(largest_front_);
+    double* const own = x + static_cast<std::size_t>(plan_.tree.first[f]) * d;
+    std::copy_n(own, L.k, work.data());
+    std::fill(work.begin() + L.k, work.begin() + L.m, 0.0);
+    for (int k = plan_.child_start[f]; k < plan_.child_start[f + 1]; ++k) {
+        const std::size_t begin = plan_.tree.row_start[plan_.child[k]], end = plan_.tree.row_start[plan_.child[k] + 1];
+        for (std::size_t i = begin; i < end; ++i)
+            for (int r = 0; r < d; ++r) work[plan_.in_parent[i] * d + r] += passed_on_[i * d + r];
+    }
+    solve_forward(L, work.data(), parallel);
+    std::copy_n(work.data(), L.k, own);
+    std::copy(work.begin() + L.k, work.begin() + L.m, passed_on_.begin() + plan_.tree.row_start[f] * d);
+}
+
+void Cholesky::solve_backward_one(int f, double* x, bool parallel) {
+    thread_local std::vector<double> work;
+    const Front L = front(f, 0);
+    const int d = plan_.d;
+    work.resize(largest_front_);
+    double* const own = x + static_cast<std::size_t>(plan_.tree.first[f]) * d;
+    std::copy_n(own, L.k, work.data());
+    double* to = work.data() + L.k;
+    for (std::size_t i = plan_.tree.row_start[f]; i < plan_.tree.row_start[f + 1]; ++i, to += d)
+        std::copy_n(x + static_cast<std::size_t>(plan_.tree.rows[i]) * d, d, to);
+    solve_backward(L, work.data(), parallel);
+    std::copy_n(work.data(), L.k, own);
+}
+
+void Cholesky::solve(const double* b, double* x) {
+    const std::size_t d = plan_.d;
+    const std::vector<int>& order = plan_.tree.order;
+    const std::vector<FrontRange>& ranges = plan_.subtrees;
+    const int subtrees = static_cast<int>(ranges.size()), nodes = static_cast<int>(order.size());
+    double* const y = permuted_.data();
+    parallel_for(nodes, [&](int i) { std::copy_n(b + order[i] * d, d, y + i * d); });
+#pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
+    for (int s = 0; s < subtrees; ++s)
+        for (int f = ranges[s].begin; f < ranges[s].end; ++f) solve_forward_one(f, y, false);
+    const std::vector<std::vector<int>>& levels = plan_.levels;
+    for (const std::vector<int>& level : levels)
+        for_level(level, [&](int f, bool parallel) { solve_forward_one(f, y, parallel); });
+    for (std::size_t l = levels.size(); l-- > 0;)
+        for_level(levels[l], [&](int f, bool parallel) { solve_backward_one(f, y, parallel); });
+#pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
+    for (int s = 0; s < subtrees; ++s)
+        for (int f = ranges[s].end - 1; f >= ranges[s].begin; --f) solve_backward_one(f, y, false);
+    parallel_for(nodes, [&](int i) { std::copy_n(y + i * d, d, x + order[i] * d); });
+}
+
+}  // namespace almesh

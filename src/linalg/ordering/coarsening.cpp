@@ -1,0 +1,154 @@
+#include "linalg/ordering/coarsening.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <utility>
+
+namespace almesh {
+
+namespace {
+
+constexpr int largest_group = 3;  // vertices merged into one
+constexpr int shuffled = 64;      // vertices shuffled among themselves: near ones stay near in memory
+
+// Large graphs are worked on in blocks, so many whatever the number of threads.
+int blocks_of(int n) { return n < 40000 ? 1 : 8; }
+
+// Blocks begin where the shuffled pieces do.
+int block_begin(int n, int blocks, int b) {
+    return b == blocks ? n : static_cast<int>(static_cast<long long>(n) * b / blocks / shuffled * shuffled);
+}
+
+// Vertices in the order in which they choose.
+std::vector<int> visiting_order(int n, std::uint64_t seed) {
+    std::vector<int> order(n);
+    std::iota(order.begin(), order.end(), 0);
+    std::minstd_rand random(static_cast<unsigned>(seed % 2147483646u + 1));
+    for (int i = n - 1; i > 0; --i) {
+        const int first = i / shuffled * shuffled;
+        std::swap(order[i], order[first + random() % (i - first + 1)]);
+    }
+    return order;
+}
+
+// Groups while they form. leader[v]: a vertex that stands for the group of v, -1 if it has not chosen yet; members and
+// weight are those of the group where v is a leader.
+struct Groups {
+    std::vector<int> leader, members, weight;
+};
+
+// Vertex v joins the group at the other end of its heaviest edge, the smallest group among equals; only vertices of
+// [begin, end) come into question.
+void join(const WeightedGraph& graph, int v, int begin, int end, int heaviest, Groups& groups) {
+    int best = v, best_weight = 0;
+    for (int k = graph.start[v]; k < graph.start[v + 1]; ++k) {
+        const int u = graph.adjacent[k];
+        if (graph.edge_weight[k] < best_weight || u < begin || u >= end) continue;
+        const int group = groups.leader[u] < 0 ? u : groups.leader[u];
+        if (graph.edge_weight[k] == best_weight && groups.members[group] >= groups.members[best]) continue;
+        if (groups.members[group] == largest_group || groups.weight[group] + graph.weight[v] > heaviest) continue;
+        best = group;
+        best_weight = graph.edge_weight[k];
+    }
+    groups.leader[best] = best;
+    if (best == v) return;
+    groups.leader[v] = best;
+    ++groups.members[best];
+    groups.weight[best] += graph.weight[v];
+}
+
+// Blocks of vertices choose independently among themselves, those left alone at their edges from all others.
+std::vector<int> find_groups(const WeightedGraph& graph, int heaviest, std::uint64_t seed) {
+    const int n = graph.size(), blocks = blocks_of(n);
+    const std::vector<int> order = visiting_order(n, seed);
+    Groups groups{std::vector<int>(n, -1), std::vector<int>(n, 1), graph.weight};
+#pragma omp parallel for schedule(dynamic, 1) if (blocks > 1)
+    for (int b = 0; b < blocks; ++b) {
+        const int begin = block_begin(n, blocks, b), end = block_begin(n, blocks, b + 1);
+        for (int i = begin; i < end; ++i)
+            if (groups.leader[order[i]] < 0) join(graph, order[i], begin, end, heaviest, groups);
+    }
+    for (int i = 0; i < n && blocks > 1; ++i)
+        if (const int v = order[i]; groups.leader[v] == v && groups.members[v] == 1)
+            join(graph, v, 0, n, heaviest, groups);
+    return std::move(groups.leader);
+}
+
+// Appends the edges of fine vertex v to coarse vertex c; place[h] = where the edge c-h stands, if >= begin.
+void append_edges(const WeightedGraph& fine, int v, int c, const std::vector<int>& coarse_of, int begin,
+                  std::vector<int>& place, WeightedGraph& coarse) {
+    for (int k = fine.start[v]; k < fine.start[v + 1]; ++k) {
+        const int h = coarse_of[fine.adjacent[k]];
+        if (h == c) continue;
+        if (place[h] < begin) {
+            place[h] = static_cast<int>(coarse.adjacent.size());
+            coarse.adjacent.push_back(h);
+            coarse.edge_weight.push_back(0);
+        }
+        coarse.edge_weight[place[h]] += fine.edge_weight[k];
+    }
+}
+
+// Coarse vertices [begin, end): their members stand in lists from first[c] on, linked by `next`.
+WeightedGraph contract(const WeightedGraph& fine, const std::vector<int>& coarse_of, const std::vector<int>& first,
+                       const std::vector<int>& next, int begin, int end) {
+    std::vector<int> place(first.size(), -1);
+    WeightedGraph coarse;
+    const std::size_t edges = fine.adjacent.size() / std::max<std::size_t>(1, first.size()) * (end - begin);
+    coarse.start.reserve(end - begin + 1);
+    coarse.weight.assign(end - begin, 0);
+    coarse.adjacent.reserve(edges);
+    coarse.edge_weight.reserve(edges);
+    for (int c = begin; c < end; ++c) {
+        const int edges_before = static_cast<int>(coarse.adjacent.size());
+        for (int v = first[c]; v >= 0; v = next[v]) {
+            append_edges(fine, v, c, coarse_of, edges_before, place, coarse);
+            coarse.weight[c - begin] += fine.weight[v];
+        }
+        coarse.start.push_back(static_cast<int>(coarse.adjacent.size()));
+    }
+    return coarse;
+}
+
+// Appends the vertices of a piece, whose edges name vertices of the whole graph.
+void append(const WeightedGraph& piece, WeightedGraph& whole) {
+    const int edges = static_cast<int>(whole.adjacent.size());
+    for (int v = 1; v <= piece.size(); ++v) whole.start.push_back(edges + piece.start[v]);
+    whole.adjacent.insert(whole.adjacent.end(), piece.adjacent.begin(), piece.adjacent.end());
+    whole.edge_weight.insert(whole.edge_weight.end(), piece.edge_weight.begin(), piece.edge_weight.end());
+    whole.weight.insert(whole.weight.end(), piece.weight.begin(), piece.weight.end());
+}
+
+}  // namespace
+
+Coarsening coarsen(const WeightedGraph& graph, int heaviest, std::uint64_t seed) {
+    const int n = graph.size();
+    const std::vector<int> leader = find_groups(graph, heaviest, seed);
+    Coarsening result;
+    result.coarse_of.assign(n, -1);
+    std::vector<int> first, last, next(n, -1);  // the members of each group as a list, ascending
+    for (int v = 0; v < n; ++v) {
+        int& c = result.coarse_of[leader[v]];
+        if (c < 0) {
+            c = static_cast<int>(first.size());
+            first.push_back(v);
+            last.push_back(v);
+        } else {
+            last[c] = next[last[c]] = v;
+        }
+        result.coarse_of[v] = c;
+    }
+    const int groups = static_cast<int>(first.size());
+    const int blocks = blocks_of(groups);
+    std::vector<WeightedGraph> pieces(blocks);
+#pragma omp parallel for schedule(dynamic, 1) if (blocks > 1)
+    for (int b = 0; b < blocks; ++b)
+        pieces[b] = contract(graph, result.coarse_of, first, next, block_begin(groups, blocks, b),
+                             block_begin(groups, blocks, b + 1));
+    result.graph = std::move(pieces[0]);
+    for (int b = 1; b < blocks; ++b) append(pieces[b], result.graph);
+    return result;
+}
+
+}  // namespace almesh

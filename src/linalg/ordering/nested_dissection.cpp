@@ -1,0 +1,111 @@
+#include "linalg/ordering/nested_dissection.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "linalg/ordering/hierarchy.hpp"
+#include "linalg/ordering/minimum_degree.hpp"
+#include "linalg/ordering/separator.hpp"
+
+namespace almesh {
+
+namespace {
+
+constexpr int leaf_size = 150;        // groups ordered by minimum degree
+constexpr int shared_steps = 3;       // of coarsening, made once for all pieces
+constexpr int largest_leaf = 3000;    // beyond this, a piece that cannot be split keeps its order
+[[maybe_unused]] constexpr int task_size = 2000;  // pieces that are worth a task of their own
+
+struct Dissection {
+    const CompressedGraph& all;
+    std::vector<int>& order;        // groups; every piece fills its own range
+    std::vector<char> numbered;     // group stands in a separator: it is eliminated after everything still to do
+};
+
+// A piece of the graph: its own copy of the edges inside it, and its groups in the whole graph.
+struct Piece {
+    Hierarchy graphs;
+    std::vector<int> group;
+};
+
+Piece extract(const Piece& from, const std::vector<Part>& part, Part side) {
+    Piece piece;
+    std::vector<int> kept;
+    for (std::size_t v = 0; v < part.size(); ++v)
+        if (part[v] == side) {
+            kept.push_back(static_cast<int>(v));
+            piece.group.push_back(from.group[v]);
+        }
+    piece.graphs = restrict_to(from.graphs, kept);
+    return piece;
+}
+
+// Minimum degree on the piece with the separators next to it as halo.
+void order_leaf(const Dissection& dissection, const Piece& piece, int first) {
+    SmallGraph small;
+    const int n = small.size = small.eliminable = static_cast<int>(piece.group.size());
+    const WeightedGraph& own = piece.graphs.finest;
+    small.weight = own.weight;
+    std::vector<std::pair<int, int>> outside;  // (group in the halo, vertex of the piece)
+    const Graph& all = dissection.all.graph;
+    for (int v = 0; v < n; ++v) {
+        for (int k = own.start[v]; k < own.start[v + 1]; ++k) small.edges.push_back({v, own.adjacent[k]});
+        const int g = piece.group[v];
+        for (int k = all.start[g]; k < all.start[g + 1]; ++k)
+            if (dissection.numbered[all.adjacent[k]]) outside.push_back({all.adjacent[k], v});
+    }
+    std::sort(outside.begin(), outside.end());
+    for (std::size_t k = 0; k < outside.size(); ++k) {
+        if (k == 0 || outside[k].first != outside[k - 1].first) {
+            ++small.size;
+            small.weight.push_back(dissection.all.weight[outside[k].first]);
+        }
+        small.edges.push_back({small.size - 1, outside[k].second});
+    }
+    for (int v : minimum_degree(small)) dissection.order[first++] = piece.group[v];
+}
+
+void dissect(Dissection& dissection, const Piece& piece, int first) {
+    const int n = static_cast<int>(piece.group.size());
+    if (n <= leaf_size) return order_leaf(dissection, piece, first);
+    const std::vector<Part> part = find_separator(piece.graphs, static_cast<std::uint64_t>(first) * 7919 + n);
+    int count[3] = {0, 0, 0};
+    for (Part p : part) ++count[p];
+    if (count[left] == 0 || count[right] == 0) {
+        if (n <= largest_leaf) return order_leaf(dissection, piece, first);
+        std::copy(piece.group.begin(), piece.group.end(), dissection.order.begin() + first);
+        return;
+    }
+    int last = first + n;
+    for (int v = n - 1; v >= 0; --v)
+        if (part[v] == separator) {
+            dissection.order[--last] = piece.group[v];
+            dissection.numbered[piece.group[v]] = 1;
+        }
+#pragma omp task shared(dissection, piece, part) if (count[left] > task_size)
+    dissect(dissection, extract(piece, part, left), first);
+    dissect(dissection, extract(piece, part, right), first + count[left]);
+#pragma omp taskwait
+}
+
+}  // namespace
+
+std::vector<int> nested_dissection(const Graph& graph) {
+    const CompressedGraph compressed = compress(graph);
+    const int groups = compressed.graph.size();
+    std::vector<int> group_order(groups);
+    Dissection dissection{compressed, group_order, std::vector<char>(groups, 0)};
+    WeightedGraph finest{compressed.graph.start, compressed.graph.adjacent, {}, compressed.weight};
+    finest.edge_weight.assign(finest.adjacent.size(), 1);
+    Piece whole;
+    whole.graphs = build_hierarchy(std::move(finest), shared_steps, groups);
+    whole.group.resize(groups);
+    std::iota(whole.group.begin(), whole.group.end(), 0);
+#pragma omp parallel
+#pragma omp single
+    dissect(dissection, whole, 0);
+    return expand(compressed, group_order);
+}
+
+}  // namespace almesh

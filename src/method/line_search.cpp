@@ -1,0 +1,56 @@
+#include "method/line_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace almesh {
+namespace {
+
+constexpr double sufficient_decrease = 1e-4;  // c1
+constexpr double smallest_step = 1e-14, largest_step = 64;
+constexpr double energy_rounding = 1e-14;  // relative error of a sum of element energies
+constexpr double worth_lengthening = 2.0 / 3;  // of what the slope promises
+
+}  // namespace
+
+LineSearchResult line_search(const EnergyFunction& E, double energy, double slope, const std::vector<double>& d,
+                             std::vector<double>& x, std::vector<double>& trial) {
+    const auto place = [&](double t) {
+        for (std::size_t i = 0; i < x.size(); ++i) trial[i] = x[i] + t * d[i];
+    };
+    const auto energy_at = [&](double t) {
+        place(t);
+        return E(trial);
+    };
+    LineSearchResult result;
+    const double noise = energy_rounding * std::abs(energy);
+    result.by_rounding = -slope <= noise;
+    double t = 1, found = energy_at(t);
+    while (!(found <= energy + sufficient_decrease * t * slope) &&
+           !(result.by_rounding && t == 1 && std::abs(found - energy) <= noise)) {
+        if (!std::isfinite(found)) {
+            ++result.cuts_inverted;
+            t *= 0.5;
+        } else {
+            ++result.cuts_decrease;  // minimiser of the parabola through E(x), its slope and E(x + t d), safeguarded
+            const double parabola = -slope * t * t / (2 * (found - energy - t * slope));
+            t = std::clamp(parabola, 0.1 * t, 0.5 * t);
+        }
+        if (t < smallest_step) return result;
+        found = energy_at(t);
+    }
+    if (t == 1 && !result.by_rounding && energy - found > worth_lengthening * -slope)
+        while (t < largest_step) {
+            const double longer = energy_at(2 * t);
+            if (!(longer < found)) break;
+            found = longer;
+            t *= 2;
+        }
+    place(t);
+    x.swap(trial);
+    result.step_length = t;
+    result.energy = found;
+    return result;
+}
+
+}  // namespace almesh

@@ -1,0 +1,115 @@
+#include "method/pockets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "method/pocket_functional.hpp"
+#include "linalg/linear_solver.hpp"
+#include "linalg/vector_ops.hpp"
+#include "method/line_search.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double part_of_nodes = 0.01, part_of_decrease = 0.9;
+constexpr int layers = 2;
+constexpr int most_steps = 30;
+constexpr double pocket_forcing = 1e-4;    // relative residual of iterative solvers
+constexpr double part_of_gain = 1e-3;  // of what the pocket has gained: less is not worth a step
+
+// Decrease of E that each node could reach alone.
+std::vector<double> reachable_decrease(const BlockCsr& H, const std::vector<double>& g) {
+    std::vector<double> decrease(H.n);
+    for (int i = 0; i < H.n; ++i) {
+        const double* const block = H.block(H.find(i, i));
+        double trace = 0, squared = 0;
+        for (int a = 0; a < H.d; ++a) {
+            trace += block[a * H.d + a];
+            squared += g[static_cast<std::size_t>(i) * H.d + a] * g[static_cast<std::size_t>(i) * H.d + a];
+        }
+        decrease[i] = 0.5 * squared * H.d / std::max(std::abs(trace), std::numeric_limits<double>::min());
+    }
+    return decrease;
+}
+
+std::vector<char> with_neighbours(const BlockCsr& H, const std::vector<char>& chosen) {
+    std::vector<char> result = chosen;
+    for (int i = 0; i < H.n; ++i)
+        if (chosen[i])
+            for (int k = H.row[i]; k < H.row[i + 1]; ++k) result[H.col[k]] = 1;
+    return result;
+}
+
+std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g) {
+    const std::vector<double> decrease = reachable_decrease(H, g);
+    std::vector<int> order(H.n);
+    std::iota(order.begin(), order.end(), 0);
+    const int most = std::max(1, static_cast<int>(part_of_nodes * H.n));
+    std::partial_sort(order.begin(), order.begin() + most, order.end(), [&](int i, int j) {
+        return decrease[i] != decrease[j] ? decrease[i] > decrease[j] : i < j;
+    });
+    const double wanted = part_of_decrease * std::accumulate(decrease.begin(), decrease.end(), 0.0);
+    std::vector<char> chosen(H.n, 0);
+    double sum = 0;
+    for (int k = 0; k < most && sum <= wanted; ++k) {
+        chosen[order[k]] = 1;
+        sum += decrease[order[k]];
+    }
+    for (int layer = 0; layer < layers; ++layer) chosen = with_neighbours(H, chosen);
+    return chosen;
+}
+
+// Newton's method on the pocket: the full Hessian after a full step, else the projected one. No damping: a step that is
+// cut costs little here. Returns the number of steps; y: start, then the last iterate.
+int minimise_pocket(const PocketFunctional& E, double worthwhile, std::vector<double>& y) {
+    BlockCsr H = E.hessian_pattern();
+    LinearSolver solver(H.d, {.tolerance = pocket_forcing});
+    const auto energy_of = [&E](const std::vector<double>& at) { return E.energy(at); };
+    std::vector<double> g(y.size()), minus_g(y.size()), d, trial(y.size());
+    const auto step_with = [&](HessianKind kind, double energy) -> LineSearchResult {
+        E.hessian(y, kind, H);
+        if (solver.solve(H, minus_g, d).status != SolveStatus::converged) return {};
+        const double slope = dot(g, d);
+        return slope < 0 ? line_search(energy_of, energy, slope, d, y, trial) : LineSearchResult{};
+    };
+    const double first = E.energy(y);
+    double energy = first;
+    bool try_full = true;
+    for (int step = 0; step < most_steps; ++step) {
+        E.gradient(y, g);
+        for (std::size_t i = 0; i < g.size(); ++i) minus_g[i] = -g[i];
+        LineSearchResult found;
+        if (try_full) found = step_with(HessianKind::full, energy);
+        if (found.step_length == 0) found = step_with(HessianKind::projected, energy);
+        if (found.step_length == 0) return step;
+        const double gained = energy - found.energy;
+        energy = found.energy;
+        if (gained <= worthwhile || gained <= part_of_gain * (first - energy)) return step + 1;
+        try_full = found.step_length >= 1;
+    }
+    return most_steps;
+}
+
+}  // namespace
+
+Relaxation relax_pockets(const AugmentedFunctional& E, const BlockCsr& H, const std::vector<double>& g,
+                         double worthwhile, std::vector<double>& x, double& energy) {
+    const std::vector<char> chosen = choose_nodes(H, g);
+    const PocketFunctional pocket(E, x, chosen);
+    std::vector<double> y = pocket.start();
+    Relaxation result;
+    result.nodes = static_cast<int>(std::count(chosen.begin(), chosen.end(), 1));
+    result.steps = minimise_pocket(pocket, worthwhile, y);
+    if (result.steps == 0) return result;
+    pocket.write(y, x);
+    const double relaxed = E.energy(x);
+    if (relaxed <= energy)
+        energy = relaxed;
+    else  // a gain below rounding
+        pocket.write(pocket.start(), x);
+    return result;
+}
+
+}  // namespace almesh

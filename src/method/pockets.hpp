@@ -1,0 +1,30 @@
+// Relaxation of pockets: between two steps of Newton's method, a local minimisation over the few nodes that hold it up.
+//
+// Where small elements weigh little (the integral of eta^2, alpha = 1) they fold and buckle in a few places, and
+// most of what a Newton step promises is at a hundredth of the nodes: their elements limit the length of every step,
+// make the full Hessian indefinite, and creep on for hundreds of steps after the rest has converged. Minimising over
+// these nodes first, all others held, leaves to a Newton step what is smooth (nonlinear elimination: Lanzkron, Rose,
+// Wilkes, SIAM J. Sci. Comput. 17, 1996; Cai & Li, SIAM J. Sci. Comput. 33, 2011). A step on a pocket costs its share
+// of the mesh: with their neighbours a hundredth of the nodes can be a third of it.
+//
+// Which nodes: those with the largest decrease that they could reach alone by a quadratic model with the diagonal of
+// the Hessian, |g_i|^2 / (2 h_i), h_i = trace of H_ii / dim, until they make up nine tenths of the sum over all nodes
+// or a hundredth of the nodes; with two layers of neighbours, so that they have room to move.
+#pragma once
+#include <vector>
+
+#include "method/augmented_functional.hpp"
+
+namespace almesh {
+
+struct Relaxation {
+    int nodes = 0;  // that were free to move
+    int steps = 0;  // of the local minimisation
+};
+
+// x, energy: a valid mesh and E(x), on return not greater. g: grad E(x). H: a Hessian of E near x; only its diagonal
+// and its pattern count. worthwhile: the local minimisation goes on while a step decreases E by that much.
+Relaxation relax_pockets(const AugmentedFunctional& E, const BlockCsr& H, const std::vector<double>& g,
+                         double worthwhile, std::vector<double>& x, double& energy);
+
+}  // namespace almesh

@@ -1,0 +1,83 @@
+#include "check/quality.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "support/high_order.hpp"
+#include "support/meshes.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+Mesh single(int dim, std::vector<double> x) {
+    std::vector<int> element(dim + 1);
+    std::iota(element.begin(), element.end(), 0);
+    return linear_mesh(dim, std::move(x), element, [](const double*) { return "wall"; });
+}
+
+}  // namespace
+
+TEST_CASE("regular simplices of any size have quality one") {
+    const Mesh triangle = single(2, {0, 0, 1e-3, 0, 0.5e-3, std::sqrt(0.75) * 1e-3});
+    CHECK(mesh_quality(triangle, triangle.x).min == doctest::Approx(1).epsilon(1e-14));
+    const Mesh tetrahedron = single(3, {1, 1, 1, 1, -1, -1, -1, -1, 1, -1, 1, -1});
+    CHECK(mesh_quality(tetrahedron, tetrahedron.x).min == doctest::Approx(1).epsilon(1e-14));
+    CHECK(mesh_quality(tetrahedron, tetrahedron.x).histogram[9] == 1);
+}
+
+TEST_CASE("quality of right simplices is the closed form of Eq. (1)") {
+    // F maps the regular simplex to the unit one. Triangle: |F|^2 = 8/3, det F = 2/sqrt 3; tetrahedron: 9/2 and sqrt 2.
+    const Mesh triangle = single(2, {0, 0, 1, 0, 0, 1});
+    CHECK(mesh_quality(triangle, triangle.x).min == doctest::Approx(std::sqrt(0.75)));
+    const Mesh tetrahedron = single(3, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1});
+    CHECK(mesh_quality(tetrahedron, tetrahedron.x).min == doctest::Approx(2 * std::cbrt(2.0) / 3));
+}
+
+TEST_CASE("a mesh has relative quality one against itself, and stretching gives 2 s / (1 + s^2)") {
+    for (int dim = 2; dim <= 3; ++dim)
+        for (int degree : {1, 3}) {
+            const Mesh mesh = with_degree(dim == 2 ? square_mesh(3) : cube_mesh(2), degree);
+            CHECK(relative_quality(mesh, mesh.x, mesh.x).min == doctest::Approx(1));
+            const std::vector<double> x = mapped(mesh, [](double* p) { p[0] *= 3; });
+            const double expected = dim == 2 ? 2 * 3.0 / (1 + 9) : 3 * std::cbrt(9.0) / (9 + 2);
+            const QualityStatistics statistics = relative_quality(mesh, x, mesh.x);
+            CHECK(statistics.min == doctest::Approx(expected));
+            CHECK(statistics.mean == doctest::Approx(expected));
+        }
+}
+
+TEST_CASE("inverted elements have quality zero and head the list of the worst") {
+    const Mesh mesh = square_mesh(4);
+    std::vector<double> x = mesh.x;
+    x[2 * 12] += 0.6;  // the centre node leaves its patch
+    const QualityStatistics statistics = mesh_quality(mesh, x);
+    CHECK(statistics.inverted > 0);
+    CHECK(statistics.min == 0);
+    CHECK(statistics.worst.size() == 10);
+    for (std::size_t k = 1; k < statistics.worst.size(); ++k)
+        CHECK(statistics.worst[k - 1].quality <= statistics.worst[k].quality);
+    const WorstElement& first = statistics.worst[0];
+    CHECK(first.quality == 0);
+    double centre = 0;
+    for (int v = 0; v < 3; ++v) centre += x[mesh.element(first.element)[v] * 2] / 3;
+    CHECK(first.centre[0] == doctest::Approx(centre));
+    CHECK(std::accumulate(statistics.histogram.begin(), statistics.histogram.end(), 0) == mesh.element_count());
+    CHECK(mesh_quality(single(2, {0, 0, 1, 0, 0, 1}), {0, 0, 1, 0, 2, 0}).min == 0);
+}
+
+TEST_CASE("edges and the printed histogram") {
+    const Mesh mesh = square_mesh(2);
+    const QualityStatistics statistics = mesh_quality(mesh, mesh.x);
+    CHECK(statistics.min_edge == doctest::Approx(0.5));
+    CHECK(statistics.max_edge == doctest::Approx(std::sqrt(0.5)));
+    CHECK(statistics.histogram[8] == 8);
+    const std::string text = histogram_text(statistics);
+    CHECK(std::count(text.begin(), text.end(), '\n') == 10);
+    CHECK(text.find("0.8 - 0.9         8  " + std::string(50, '#') + "\n") != std::string::npos);
+    CHECK(text.find("0.9 - 1.0         0\n") != std::string::npos);
+}

@@ -1,0 +1,215 @@
+#include "constraint/motion.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "base/error.hpp"
+
+using namespace almesh;
+
+namespace {
+
+using Point = std::array<double, 3>;
+
+Point moved(const std::string& text, int dim, Point x) {
+    const Motion motion = parse_motion(text);
+    check_dimension(motion, dim);
+    REQUIRE(apply(motion, dim, x.data()));
+    return x;
+}
+
+void check_near(const Point& a, const Point& b, double tolerance = 1e-14) {
+    for (int i = 0; i < 3; ++i) CHECK(std::abs(a[i] - b[i]) <= tolerance);
+}
+
+std::string error_of(const std::string& text) {
+    try {
+        parse_motion(text);
+    } catch (const UsageError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+std::string misfit_of(const std::string& text, int dim) {
+    try {
+        check_dimension(parse_motion(text), dim);
+    } catch (const UsageError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("single steps move a point where they should") {
+    CHECK(moved("fixed", 2, {0.1, 0.2, 0}) == Point{0.1, 0.2, 0});
+    CHECK(moved("translate 8 0", 2, {1, 2, 0}) == Point{9, 2, 0});
+    CHECK(moved("translate 1 2 3", 3, {1, 1, 1}) == Point{2, 3, 4});
+    CHECK(moved("rotate 90 about 1 0", 2, {2, 0, 0}) == Point{1, 1, 0});
+    CHECK(moved("rotate 180", 2, {2, 3, 0}) == Point{-2, -3, 0});
+    CHECK(moved("rotate -90", 2, {1, 0, 0}) == Point{0, -1, 0});
+    CHECK(moved("rotate 3690", 2, {1, 0, 0}) == Point{0, 1, 0});
+    CHECK(moved("rotate 90 axis 0 0 5", 3, {1, 0, 7}) == Point{0, 1, 7});
+    CHECK(moved("rotate 90 axis 1 0 0 about 0 1 0", 3, {4, 2, 0}) == Point{4, 1, 1});
+    CHECK(moved("scale 2 about 1 1", 2, {2, 3, 0}) == Point{3, 5, 0});
+    CHECK(moved("scale 2 0.5", 2, {2, 3, 0}) == Point{4, 1.5, 0});
+    CHECK(moved("scale 1 2 3 about 1 1 1", 3, {2, 2, 2}) == Point{2, 3, 4});
+    CHECK(moved("circle 1 0 2", 2, {1, 5, 0}) == Point{1, 2, 0});
+    CHECK(moved("sphere 0 0 1 2", 3, {0, 0, 0.5}) == Point{0, 0, -1});
+    CHECK(moved("cylinder 0 0 5 0 0 -3 2", 3, {0.5, 0, 9}) == Point{2, 0, 9});
+    const double h = std::sqrt(0.5);
+    check_near(moved("rotate 45", 2, {1, 0, 0}), {h, h, 0});
+    check_near(moved("rotate 30", 2, {1, 0, 0}), {std::sqrt(0.75), 0.5, 0});
+    check_near(moved("rotate 120 axis 1 1 1", 3, {1, 2, 3}), {3, 1, 2}, 4e-15);
+}
+
+TEST_CASE("steps act in the order written") {
+    CHECK(moved("rotate 90 about 0 0; translate 8 0", 2, {1, 0, 0}) == Point{8, 1, 0});
+    CHECK(moved("translate 8 0; rotate 90 about 0 0", 2, {1, 0, 0}) == Point{0, 9, 0});
+    CHECK(moved("translate 1 0 ; translate 0 1;scale 2", 2, {0, 0, 0}) == Point{2, 2, 0});
+}
+
+TEST_CASE("a motion is affine unless it projects") {
+    for (const char* text : {"fixed", "translate 1 2", "rotate 30; scale 2; translate 1 0"})
+        CHECK(is_affine(parse_motion(text)));
+    for (const char* text : {"circle 0 0 1", "sphere 0 0 0 1", "translate 1 0 0; cylinder 0 0 0 0 0 1 2"})
+        CHECK(!is_affine(parse_motion(text)));
+}
+
+TEST_CASE("rotations keep distances and orientation, their inverse undoes them") {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> coordinate(-3, 3);
+    for (int trial = 0; trial < 50; ++trial) {
+        const Point x = {coordinate(random), coordinate(random), coordinate(random)};
+        const std::string angle = std::to_string(200 * coordinate(random));
+        const std::string rest = " axis 0.3 -2 1.5 about 1 -1 0.5";
+        const Point y = moved("rotate " + angle + rest, 3, x);
+        check_near(moved("rotate " + angle + " axis -0.3 2 -1.5 about 1 -1 0.5", 3, y), x, 1e-13);
+        const double before = std::hypot(x[0] - 1, x[1] + 1, x[2] - 0.5),
+                     after = std::hypot(y[0] - 1, y[1] + 1, y[2] - 0.5);
+        CHECK(after == doctest::Approx(before).epsilon(1e-14));
+    }
+}
+
+TEST_CASE("projections reach the surface, are idempotent and go to its closest point") {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> coordinate(-3, 3);
+    const auto surface_point = [&](const std::string& surface, int dim) {
+        return moved(surface, dim, {coordinate(random), coordinate(random), dim == 3 ? coordinate(random) : 0});
+    };
+    for (const auto& [surface, dim] : {std::pair("circle 0.5 -0.25 1.5", 2), std::pair("sphere 0.5 -0.25 1 1.5", 3),
+                                       std::pair("cylinder 0.5 -0.25 1 1 2 -0.5 1.5", 3)})
+        for (int trial = 0; trial < 50; ++trial) {
+            const Point x = {coordinate(random), coordinate(random), dim == 3 ? coordinate(random) : 0};
+            const Point y = moved(surface, dim, x);
+            check_near(moved(surface, dim, y), y, 1e-14);
+            const Point z = surface_point(surface, dim);
+            const double to_y = std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
+            const double to_z = std::hypot(x[0] - z[0], x[1] - z[1], x[2] - z[2]);
+            CHECK(to_y <= to_z + 1e-14);
+        }
+    const Point y = surface_point("circle 0.5 -0.25 1.5", 2);
+    CHECK(std::hypot(y[0] - 0.5, y[1] + 0.25) == doctest::Approx(1.5).epsilon(1e-15));
+}
+
+TEST_CASE("a projection is undefined at the centre or on the axis, and the point stays") {
+    const auto fails = [](const std::string& text, int dim, Point x) {
+        const Point before = x;
+        const bool undefined = !apply(parse_motion(text), dim, x.data());
+        return undefined && x == before;
+    };
+    CHECK(fails("circle 1 2 3", 2, {1, 2, 0}));
+    CHECK(fails("circle 1 2 3", 2, {1 + 1e-15, 2, 0}));
+    CHECK(fails("sphere 1 2 3 4", 3, {1, 2, 3}));
+    CHECK(fails("cylinder 0 0 0 1 1 1 2", 3, {0.3, 0.3, 0.3}));
+    CHECK(fails("translate 1 0; circle 1 0 2", 2, {0, 0, 0}));
+    CHECK(!fails("circle 1 2 3", 2, {1.001, 2, 0}));
+}
+
+TEST_CASE("2D motions leave memory beyond the two coordinates alone") {
+    double x[3] = {1, 0, 7};
+    CHECK(apply(parse_motion("rotate 30; translate 1 2; circle 0 0 1"), 2, x));
+    CHECK(x[2] == 7);
+}
+
+TEST_CASE("very long axes do not overflow") {
+    check_near(moved("rotate 90 axis 0 0 1e308", 3, {1, 0, 0}), {0, 1, 0});
+    check_near(moved("rotate 120 axis 1.7e308 1.7e308 1.7e308", 3, {1, 0, 0}), {0, 1, 0});
+    check_near(moved("rotate 90 axis 0 0 1e-320", 3, {1, 0, 0}), {0, 1, 0});
+}
+
+TEST_CASE("text of a motion reads back to the same motion") {
+    for (const char* text : {"fixed", "translate 8 0", "translate 0.1 0.2 1e-09", "rotate 30", "rotate 30 about 1 2",
+                             "rotate -12.5 axis 0 0 1 about 1 2 3", "rotate 5 axis 1 0 0", "scale 2",
+                             "scale 2 3 about 1 1", "scale 1 2 3 about 0 0 1", "circle 0 0 21", "sphere 0 0 0 30",
+                             "cylinder 1 2 3 0 0 1 0.5", "rotate 30 about 0 0; translate 8 0; circle 8 0 1"}) {
+        const Motion motion = parse_motion(text);
+        CHECK(to_string(motion) == text);
+        CHECK(parse_motion(to_string(motion)) == motion);
+    }
+    CHECK(to_string(parse_motion("  rotate +30.0   about 0 0;translate 8 0 ")) == "rotate 30 about 0 0; translate 8 0");
+    CHECK(to_string(parse_motion("rotate 30 about 1 2 3 axis 0 0 1")) == "rotate 30 axis 0 0 1 about 1 2 3");
+    CHECK(!(parse_motion("scale 2") == parse_motion("scale 2 2")));
+}
+
+TEST_CASE("bad motions are refused with the reason and the form") {
+    CHECK(has(error_of("translat 8 0"), "did you mean `translate`"));
+    CHECK(has(error_of("translate 8"), "1 number; expected translate DX DY [DZ]"));
+    CHECK(has(error_of("translate 1 2 3 4"), "4 numbers"));
+    CHECK(has(error_of("translate 8, 0"), "`8,` is not a number"));
+    CHECK(has(error_of("translate nan 0"), "`nan` is not a number"));
+    CHECK(has(error_of("translate 1 0 about 0 0"), "`about` is not a number"));
+    CHECK(has(error_of(""), "empty"));
+    CHECK(has(error_of("translate 1 0;"), "empty"));
+    CHECK(has(error_of("; translate 1 0"), "empty"));
+    CHECK(has(error_of("fixed 1"), "1 number;"));
+    CHECK(has(error_of("fixed; translate 1 0"), "`fixed` beside other steps"));
+    CHECK(has(error_of("rotate"), "0 numbers"));
+    CHECK(has(error_of("rotate 30 abuot 0 0"), "`abuot` is not a number"));
+    CHECK(has(error_of("rotate 30 about"), "`about` needs numbers"));
+    CHECK(has(error_of("rotate 30 axis about 0 0 0"), "`axis` needs numbers"));
+    CHECK(has(error_of("rotate 30 about 1"), "`about` needs 2 numbers"));
+    CHECK(has(error_of("rotate 30 about 1 2 3 4"), "`about` needs 2 numbers"));
+    CHECK(has(error_of("rotate 30 about 1 2 about 3 4"), "`about` stands twice"));
+    CHECK(has(error_of("rotate 30 axis 0 1"), "`axis` needs 3 numbers"));
+    CHECK(has(error_of("rotate 30 axis 0 0 0"), "the axis is zero"));
+    CHECK(has(error_of("scale 0"), "every factor must be > 0"));
+    CHECK(has(error_of("scale 1 -1"), "every factor must be > 0"));
+    CHECK(has(error_of("scale 2 axis 0 0 1"), "`axis` is not a number"));
+    CHECK(has(error_of("circle 0 0 0"), "the radius must be > 0"));
+    CHECK(has(error_of("sphere 0 0 0 -1"), "the radius must be > 0"));
+    CHECK(has(error_of("cylinder 0 0 0 0 0 0 1"), "the axis is zero"));
+    CHECK(has(error_of("cylinder 0 0 0 0 0 1"), "6 numbers"));
+    CHECK(has(error_of("translate 1 0; sphere 0 0 0 1"), "fits no dimension"));
+    CHECK(has(error_of("rotate 30 axis 0 0 1 about 0 0"), "fits no dimension"));
+}
+
+TEST_CASE("the dimension of the mesh decides which steps fit") {
+    CHECK(misfit_of("fixed", 2) == "");
+    CHECK(misfit_of("fixed", 3) == "");
+    CHECK(misfit_of("scale 2", 2) == "");
+    CHECK(misfit_of("scale 2", 3) == "");
+    CHECK(has(misfit_of("translate 8 0", 3), "`translate 8 0` needs 3 components in 3D"));
+    CHECK(has(misfit_of("translate 8 0 0", 2), "needs 2 components in 2D"));
+    CHECK(has(misfit_of("rotate 30 about 0 0", 3), "needs `axis AX AY AZ` in 3D"));
+    CHECK(has(misfit_of("rotate 30 axis 0 0 1", 2), "must not have an axis in 2D"));
+    CHECK(has(misfit_of("scale 1 2", 3), "needs one factor or 3 in 3D"));
+    CHECK(has(misfit_of("scale 1 2 3", 2), "needs one factor or 2 in 2D"));
+    CHECK(has(misfit_of("scale 2 about 0 0", 3), "needs 3 numbers after `about` in 3D"));
+    CHECK(has(misfit_of("circle 0 0 1", 3), "does not act in 3D"));
+    CHECK(has(misfit_of("sphere 0 0 0 1", 2), "does not act in 2D"));
+    CHECK(has(misfit_of("cylinder 0 0 0 0 0 1 1", 2), "does not act in 2D"));
+}
+
+TEST_CASE("the list of steps names every one") {
+    for (const char* name : {"fixed", "translate", "rotate", "scale", "circle", "sphere", "cylinder"})
+        CHECK(has(motion_forms(), name));
+}

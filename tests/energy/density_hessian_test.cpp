@@ -1,0 +1,130 @@
+#include "energy/density_hessian.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "support/random_matrices.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+template <int n>
+Mat<n, Lanes> identity() {
+    Mat<n, Lanes> I{};
+    for (int i = 0; i < n; ++i) I[i][i] = in_all_lanes(1);
+    return I;
+}
+
+// The Hessian applied to dF, in one lane.
+template <int n>
+Mat<n> apply(const Tensor<n>& C, const Mat<n>& dF, int lane) {
+    Mat<n> result{};
+    for (int k = 0; k < n; ++k)
+        for (int l = 0; l < n; ++l)
+            for (int a = 0; a < n; ++a)
+                for (int b = 0; b < n; ++b) result[a][k] += C[k][l][a][b][lane] * dF[b][l];
+    return result;
+}
+
+template <int n>
+Tensor<n> hessian(const Mat<n, Lanes>& F, double delta, Objective objective, bool projected) {
+    return in_element_coordinates<n>(
+        frame_hessian<n>(F, delta, in_all_lanes(objective == Objective::deviation), projected), identity<n>(),
+        in_all_lanes(1));
+}
+
+// Central differences of the gradient: the error must fall as t^2, in every lane.
+template <int n>
+void check_slopes(std::mt19937& random, double thin, double delta, Objective objective, double step) {
+    Mat<n, Lanes> F;
+    for (int l = 0; l < lanes; ++l) set_lane<n>(F, l, random_gradient<n>(random, thin));
+    const Tensor<n> C = hessian<n>(F, delta, objective, false);
+    const Mat<n> dF = random_matrix<n>(random);
+    for (int l = 0; l < lanes; ++l) {
+        const Mat<n> single = lane_of<n>(F, l), exact = apply<n>(C, dF, l);
+        double error[2];
+        for (int k = 0; k < 2; ++k) {
+            const double t = step / (1 + k);
+            Mat<n> difference = density_gradient<n>(shifted<n>(single, dF, t), delta, objective);
+            difference = shifted<n>(difference, density_gradient<n>(shifted<n>(single, dF, -t), delta, objective), -1);
+            for (auto& row : difference)
+                for (double& v : row) v /= 2 * t;
+            error[k] = std::sqrt(frobenius_squared<n>(shifted<n>(difference, exact, -1)));
+        }
+        CHECK(std::log2(error[0] / error[1]) == doctest::Approx(2).epsilon(0.05));
+    }
+}
+
+template <int n>
+void check_second_derivatives() {
+    std::mt19937 random(7);
+    for (const Objective objective : {Objective::squared, Objective::deviation}) {
+        check_slopes<n>(random, 1, 0, objective, 2e-2);
+        check_slopes<n>(random, 1e-2, 0, objective, 2e-4);  // nearly inverted
+        check_slopes<n>(random, -0.5, 0.3, objective, 1e-2);  // inverted, regularised
+    }
+}
+
+// dF : (projected Hessian) dF is neither negative nor below the unprojected form, and above it for some.
+template <int n>
+void check_projection() {
+    std::mt19937 random(11);
+    int lifted = 0;
+    for (int trial = 0; trial < 50; ++trial) {
+        Mat<n, Lanes> F;
+        for (int l = 0; l < lanes; ++l) set_lane<n>(F, l, random_gradient<n>(random, l % 2 ? 0.2 : 0.05));
+        const Tensor<n> full = hessian<n>(F, 0, Objective::deviation, false);
+        const Tensor<n> projected = hessian<n>(F, 0, Objective::deviation, true);
+        for (int l = 0; l < lanes; ++l) {
+            const Mat<n> dF = random_matrix<n>(random);
+            const double scale = std::sqrt(frobenius_squared<n>(apply<n>(full, dF, l)));
+            const double before = inner<n>(dF, apply<n>(full, dF, l)), after = inner<n>(dF, apply<n>(projected, dF, l));
+            CHECK(after >= -1e-14 * scale);
+            CHECK(after >= before - 1e-13 * scale);
+            lifted += after > before + 1e-6 * scale;
+        }
+    }
+    CHECK(lifted > 0);  // otherwise there is nothing to project
+}
+
+}  // namespace
+
+TEST_CASE("second derivatives have slope 2 in 2D") { check_second_derivatives<2>(); }
+TEST_CASE("second derivatives have slope 2 in 3D") { check_second_derivatives<3>(); }
+TEST_CASE("the projected Hessian has no negative part and lies above the full one") {
+    check_projection<2>();
+    check_projection<3>();
+}
+
+TEST_CASE("at the identity the Hessian of Eq. 5 is zero and that of eta^2 has the conformal maps as kernel") {
+    const Tensor<3> zero = hessian<3>(identity<3>(), 0, Objective::deviation, false);
+    const Tensor<3> A = hessian<3>(identity<3>(), 0, Objective::squared, false);
+    const Mat<3> rotation = {{{0, 1, 2}, {-1, 0, 3}, {-2, -3, 0}}}, shear = {{{0, 1, 0}, {1, 0, 0}, {0, 0, 0}}};
+    const Mat<3> scaling = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    for (int l = 0; l < lanes; ++l) {
+        CHECK(frobenius_squared<3>(apply<3>(zero, shear, l)) < 1e-26);
+        CHECK(frobenius_squared<3>(apply<3>(A, rotation, l)) < 1e-26);
+        CHECK(frobenius_squared<3>(apply<3>(A, scaling, l)) < 1e-26);
+        CHECK(inner<3>(shear, apply<3>(A, shear, l)) > 1);
+    }
+}
+
+TEST_CASE("in the coordinates of an element the second derivative is that along dJ A^{-1}") {
+    std::mt19937 random(13);
+    Mat<3, Lanes> F, inverse_of_A;
+    for (int l = 0; l < lanes; ++l) {
+        set_lane<3>(F, l, random_gradient<3>(random, 0.5));
+        set_lane<3>(inverse_of_A, l, random_gradient<3>(random, 1));
+    }
+    const Tensor<3> in_F = hessian<3>(F, 0, Objective::squared, false);
+    const Tensor<3> in_J =
+        in_element_coordinates<3>(frame_hessian<3>(F, 0, in_all_lanes(0), false), inverse_of_A, in_all_lanes(3));
+    for (int l = 0; l < lanes; ++l) {
+        const Mat<3> dJ = random_matrix<3>(random), dF = multiply<3>(dJ, lane_of<3>(inverse_of_A, l));
+        CHECK(inner<3>(dJ, apply<3>(in_J, dJ, l)) ==
+              doctest::Approx(3 * inner<3>(dF, apply<3>(in_F, dF, l))).epsilon(1e-12));
+    }
+}

@@ -1,0 +1,200 @@
+#include "linalg/krylov/conjugate_gradients.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "base/parallel.hpp"
+#include "linalg/ordering/domains.hpp"
+#include "linalg/ordering/graph.hpp"
+#include "linalg/krylov/reordered.hpp"
+#include "support/matrices.hpp"
+
+using namespace almesh;
+
+namespace {
+
+BlockCsr diagonal(const std::vector<double>& entries) {
+    BlockCsr A = matrix_of_cells(static_cast<int>(entries.size()), 1, {}, 2);
+    A.value.assign(entries.begin(), entries.end());
+    return A;
+}
+
+// The Laplacian of a path, with `excess` on the diagonal.
+BlockCsr laplacian(int n, double excess) {
+    BlockCsr A = random_spd(n, 1, path(n));
+    for (int i = 0; i < n; ++i)
+        for (int k = A.row[i]; k < A.row[i + 1]; ++k) A.value[k] = A.col[k] == i ? 2 + excess : -1;
+    return A;
+}
+
+double relative_residual(const BlockCsr& A, const std::vector<double>& x, const std::vector<double>& b) {
+    std::vector<double> r(b.size());
+    multiply(A, x.data(), r.data());
+    double rr = 0, bb = 0;
+    for (std::size_t i = 0; i < b.size(); ++i) rr += (r[i] - b[i]) * (r[i] - b[i]), bb += b[i] * b[i];
+    return std::sqrt(rr / bb);
+}
+
+}  // namespace
+
+TEST_CASE("conjugate gradients find the solution of a dense Cholesky, to what the condition number leaves of it") {
+    for (int d = 1; d <= 3; ++d) {
+        constexpr double tolerance = 1e-11, smallest_eigenvalue = 0.1;  // of random_spd, by Gershgorin
+        const BlockCsr A = random_spd(100, d, grid(10, 10), smallest_eigenvalue);
+        const std::vector<double> b = random_vector(A.size());
+        Dense L = to_dense(A);
+        REQUIRE(dense_cholesky(L) == -1);
+        const std::vector<double> expected = dense_solve(L, b);
+        double length = 0;
+        for (double v : expected) length += v * v;
+        std::vector<double> x(A.size());
+        Ilu0 ilu(A);
+        REQUIRE(ilu.factor(A).status == Ilu0Status::factored);
+        int iterations[2];
+        for (Ilu0* M : {static_cast<Ilu0*>(nullptr), &ilu}) {
+            const CgResult result = ConjugateGradients(A.size(), {1000, tolerance}).solve(A, {M}, b.data(), x.data());
+            CHECK(result.status == CgStatus::converged);
+            CHECK(result.relative_residual <= tolerance);
+            CHECK(result.relative_residual == doctest::Approx(relative_residual(A, x, b)).epsilon(1e-3));
+            CHECK(max_difference(x, expected) <= norm_1(A) / smallest_eigenvalue * tolerance * std::sqrt(length));
+            iterations[M != nullptr] = result.iterations;
+        }
+        CHECK(iterations[1] < iterations[0]);
+    }
+}
+
+TEST_CASE("as many iterations as there are different eigenvalues") {
+    for (int different : {1, 2, 3, 5, 10}) {
+        std::vector<double> entries(60);
+        for (int i = 0; i < 60; ++i) entries[i] = 1 + i % different;
+        const BlockCsr A = diagonal(entries);
+        const std::vector<double> b = random_vector(60);
+        std::vector<double> x(60);
+        const CgResult result = ConjugateGradients(60, {100, 1e-12}).solve(A, {}, b.data(), x.data());
+        CHECK(result.status == CgStatus::converged);
+        CHECK(result.iterations == different);
+        for (int i = 0; i < 60; ++i) CHECK(x[i] == doctest::Approx(b[i] / entries[i]));
+    }
+}
+
+TEST_CASE("an exact preconditioner: one or two iterations") {
+    const BlockCsr A = random_spd(60, 2, path(60));
+    Ilu0 ilu(A);
+    ilu.factor(A);
+    const std::vector<double> b = random_vector(A.size());
+    std::vector<double> x(A.size());
+    const CgResult result = ConjugateGradients(A.size(), {100, 1e-12}).solve(A, {&ilu}, b.data(), x.data());
+    CHECK(result.status == CgStatus::converged);
+    CHECK(result.iterations <= 2);
+}
+
+TEST_CASE("negative and zero curvature are reported in the iteration that meets them") {
+    std::vector<double> x(3);
+    ConjugateGradients cg(3, {100, 1e-10});
+    const auto solve = [&](const std::vector<double>& entries, std::vector<double> b) {
+        return cg.solve(diagonal(entries), {}, b.data(), x.data());
+    };
+    const CgResult first = solve({1, 1, -3}, {1, 1, 1});
+    CHECK(first.status == CgStatus::not_positive_definite);
+    CHECK(first.iterations == 1);
+    CHECK(first.relative_residual == 1);
+    CHECK(x == std::vector<double>{0, 0, 0});
+    CHECK(solve({1, 1, -2}, {1, 1, 1}).iterations == 1);  // p'Ap = 0
+    const CgResult later = solve({1, 2, -0.1}, {1, 1, 1});
+    CHECK(later.status == CgStatus::not_positive_definite);
+    CHECK(later.iterations > 1);
+    CHECK(x[0] + x[1] + x[2] > 0);  // b'x: what there is of x is a direction of descent
+    CHECK(solve({0, 0, 0}, {1, 0, 0}).status == CgStatus::not_positive_definite);
+}
+
+TEST_CASE("stagnation is noticed within a few windows of twenty iterations") {
+    // The residual of the Laplacian of a path with b = e_0 travels along the path, one entry an iteration.
+    const BlockCsr A = laplacian(4000, 0);
+    std::vector<double> b(4000, 0.0), x(4000);
+    b[0] = 1;
+    const CgResult result = ConjugateGradients(4000, {1000, 1e-8}).solve(A, {}, b.data(), x.data());
+    CHECK(result.status == CgStatus::stagnated);
+    CHECK(result.iterations <= 100);
+    CHECK(result.relative_residual < 1);
+    CHECK(result.relative_residual == doctest::Approx(relative_residual(A, x, b)));
+}
+
+TEST_CASE("a tolerance below rounding is stagnation, not an endless loop") {
+    const BlockCsr A = random_spd(400, 1, grid(20, 20));
+    const std::vector<double> b = random_vector(400);
+    std::vector<double> x(400);
+    const CgResult result = ConjugateGradients(400, {100000, 1e-30}).solve(A, {}, b.data(), x.data());
+    CHECK(result.status != CgStatus::converged);
+    CHECK(result.relative_residual < 1e-13);
+    CHECK(result.iterations < 2000);
+}
+
+TEST_CASE("max_iterations: x is the iterate it was reached with") {
+    const BlockCsr A = laplacian(900, 1e-3);
+    const std::vector<double> b = random_vector(900);
+    std::vector<double> x(900);
+    for (int limit : {0, 1, 7}) {
+        const CgResult result = ConjugateGradients(900, {limit, 1e-10}).solve(A, {}, b.data(), x.data());
+        CHECK(result.status == CgStatus::max_iterations);
+        CHECK(result.iterations == limit);
+        CHECK(result.relative_residual == doctest::Approx(relative_residual(A, x, b)));
+    }
+}
+
+TEST_CASE("the tolerance can be changed between solves") {
+    const BlockCsr A = laplacian(100, 1);
+    const std::vector<double> b = random_vector(100);
+    std::vector<double> x(100);
+    ConjugateGradients cg(100, {});
+    const int exact = cg.solve(A, {}, b.data(), x.data()).iterations;
+    cg.set_tolerance(1e-2);
+    CHECK(cg.solve(A, {}, b.data(), x.data()).iterations < exact);
+}
+
+TEST_CASE("breakdown: numbers that are not finite") {
+    std::vector<double> b{1, 1, 1}, x(3);
+    ConjugateGradients cg(3, {});
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    CHECK(cg.solve(diagonal({1, nan, 1}), {}, b.data(), x.data()).status == CgStatus::breakdown);
+    CHECK(x == std::vector<double>{0, 0, 0});
+    b[0] = std::numeric_limits<double>::infinity();
+    CHECK(cg.solve(diagonal({1, 1, 1}), {}, b.data(), x.data()).status == CgStatus::breakdown);
+    CHECK(x == std::vector<double>{0, 0, 0});
+}
+
+TEST_CASE("zero right-hand side, 1 x 1 and empty systems") {
+    std::vector<double> b{0, 0}, x{5, 5};
+    CHECK(ConjugateGradients(2, {}).solve(diagonal({1, 2}), {}, b.data(), x.data()).status == CgStatus::converged);
+    CHECK(x == b);
+    b = {1};
+    CHECK(ConjugateGradients(1, {}).solve(diagonal({4}), {}, b.data(), x.data()).status == CgStatus::converged);
+    CHECK(x[0] == 0.25);
+    CHECK(ConjugateGradients(0, {}).solve(diagonal({}), {}, b.data(), x.data()).status == CgStatus::converged);
+}
+
+TEST_CASE("conjugate gradients give the same bits for any number of threads") {
+    const BlockCsr grid = random_spd(8000, 3, grid_3d(20), 1e-2);
+    const Domains domains = cut_into_domains(graph_of(grid));
+    Reordered reordered(grid, domains.order);
+    reordered.set(grid);
+    const BlockCsr& A = reordered.matrix();
+    const std::vector<double> b = random_vector(A.size());
+    const int before = max_threads();
+    set_threads(1);
+    Ilu0 ilu(A, domains.start);
+    REQUIRE(ilu.factor(A).status == Ilu0Status::factored);
+    Deflation deflation(A);
+    REQUIRE(deflation.factor(A));
+    ConjugateGradients cg(A.size(), {});
+    std::vector<double> first(A.size()), x(A.size());
+    CHECK(cg.solve(A, {&ilu, &deflation}, b.data(), first.data()).status == CgStatus::converged);
+    for (int threads : {2, 3, 8}) {
+        set_threads(threads);
+        ilu.factor(A);
+        deflation.factor(A);
+        cg.solve(A, {&ilu, &deflation}, b.data(), x.data());
+        CHECK(x == first);
+    }
+    set_threads(before);
+}

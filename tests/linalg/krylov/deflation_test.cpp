@@ -1,0 +1,184 @@
+#include "linalg/krylov/deflation.hpp"
+
+#include <doctest/doctest.h>
+
+#include <map>
+
+#include "linalg/krylov/conjugate_gradients.hpp"
+#include "linalg/vector_ops.hpp"
+#include "support/matrices.hpp"
+
+using namespace almesh;
+
+namespace {
+
+// The group of every node, numbered as they come.
+std::vector<int> groups_of(const Deflation& deflation, int nodes) {
+    std::map<const double*, int> number;
+    std::vector<int> group;
+    for (int i = 0; i < nodes; ++i)
+        group.push_back(number.try_emplace(deflation.correction(i), static_cast<int>(number.size())).first->second);
+    return group;
+}
+
+// Z' v and Z c for d entries per node.
+std::vector<double> restricted(const std::vector<int>& group, int groups, int d, const std::vector<double>& v) {
+    std::vector<double> sum(groups * d, 0.0);
+    for (std::size_t i = 0; i < v.size(); ++i) sum[group[i / d] * d + i % d] += v[i];
+    return sum;
+}
+
+std::vector<double> prolonged(const std::vector<int>& group, int d, const std::vector<double>& c) {
+    std::vector<double> v;
+    for (int g : group) v.insert(v.end(), c.begin() + g * d, c.begin() + (g + 1) * d);
+    return v;
+}
+
+std::vector<double> product(const BlockCsr& A, const std::vector<double>& x) {
+    std::vector<double> y(x.size());
+    multiply(A, x.data(), y.data());
+    return y;
+}
+
+// The Laplacian of a graph, the same for each of the d entries, with `excess` on the diagonal.
+BlockCsr laplacian(int n, int d, const Edges& edges, double excess) {
+    BlockCsr A = random_spd(n, d, edges);
+    for (double& v : A.value) v = 0;
+    for (int i = 0; i < A.n; ++i)
+        for (int k = A.row[i]; k < A.row[i + 1]; ++k)
+            for (int a = 0; a < d; ++a)
+                A.block(k)[a * d + a] = A.col[k] == i ? A.row[i + 1] - A.row[i] - 1 + excess : -1;
+    return A;
+}
+
+}  // namespace
+
+TEST_CASE("the groups are a few hundred neighbours each") {
+    const BlockCsr A = random_spd(8000, 1, grid_3d(20));
+    const Deflation deflation(A);
+    const std::vector<int> group = groups_of(deflation, A.n);
+    std::vector<int> members(deflation.groups(), 0);
+    for (int g : group) ++members[g];
+    CHECK(deflation.groups() >= 20);
+    CHECK(deflation.groups() <= 41);
+    for (int count : members) CHECK((count > 0 && count <= 400));
+    // Every group hangs together: spread the smallest number of a member from neighbour to neighbour.
+    std::vector<int> smallest(A.n);
+    for (int i = 0; i < A.n; ++i) smallest[i] = i;
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (int i = 0; i < A.n; ++i)
+            for (int k = A.row[i]; k < A.row[i + 1]; ++k)
+                if (group[A.col[k]] == group[i] && smallest[A.col[k]] < smallest[i]) {
+                    smallest[i] = smallest[A.col[k]];
+                    changed = true;
+                }
+    }
+    int pieces = 0;
+    for (int i = 0; i < A.n; ++i) pieces += smallest[i] == i;
+    CHECK(pieces == deflation.groups());
+}
+
+TEST_CASE("the correction solves the system on the coarse space") {
+    for (int d = 1; d <= 3; ++d) {
+        const BlockCsr A = random_spd(1331, d, grid_3d(11), 1e-2);
+        Deflation deflation(A);
+        REQUIRE(deflation.factor(A));
+        const std::vector<int> group = groups_of(deflation, A.n);
+        const int size = deflation.groups() * d;
+        REQUIRE(deflation.groups() > 1);
+        Dense E{size, std::vector<double>(size * size)};
+        for (int j = 0; j < size; ++j) {
+            std::vector<double> unit(size, 0.0);
+            unit[j] = 1;
+            const std::vector<double> column =
+                restricted(group, deflation.groups(), d, product(A, prolonged(group, d, unit)));
+            for (int i = 0; i < size; ++i) E(i, j) = column[i];
+        }
+        REQUIRE(dense_cholesky(E) == -1);
+        const std::vector<double> r = random_vector(A.size(), 1), z = random_vector(A.size(), 2);
+        for (bool with_z : {false, true}) {
+            std::vector<double> residual = r;
+            if (with_z) axpy(-1, product(A, z), residual);
+            const std::vector<double> c = dense_solve(E, restricted(group, deflation.groups(), d, residual));
+            const std::vector<double> expected = prolonged(group, d, c);
+            const double rZc = deflation.solve_in_team(r.data(), with_z ? z.data() : nullptr);
+            for (int i = 0; i < A.size(); ++i)
+                CHECK(deflation.correction(i / d)[i % d] == doctest::Approx(expected[i]).epsilon(1e-10));
+            CHECK(rZc == doctest::Approx(dot(r, expected)).epsilon(1e-10));
+        }
+    }
+}
+
+TEST_CASE("conjugate gradients take fewer iterations, more so the softer the matrix, and find the same solution") {
+    const auto solve = [](double excess, bool deflated) {
+        const BlockCsr A = laplacian(8000, 1, grid(20, 400), excess);  // a strip, held by nothing else
+        const std::vector<double> b = random_vector(A.size());
+        Ilu0 ilu(A);
+        Deflation deflation(A);
+        REQUIRE(ilu.factor(A).status == Ilu0Status::factored);
+        REQUIRE(deflation.factor(A));
+        std::vector<double> x(A.size());
+        const CgPreconditioner M{&ilu, deflated ? &deflation : nullptr};
+        const CgResult result = ConjugateGradients(A.size(), {1000, 1e-10}).solve(A, M, b.data(), x.data());
+        if (result.status == CgStatus::converged) {
+            std::vector<double> residual = b;
+            axpy(-1, product(A, x), residual);
+            CHECK(norm_2(residual) <= 1.001e-10 * norm_2(b));
+        }
+        return result;
+    };
+    CHECK(solve(1e-2, true).iterations < 0.6 * solve(1e-2, false).iterations);
+    CHECK(solve(1e-4, false).status == CgStatus::stagnated);
+    const CgResult soft = solve(1e-4, true);
+    CHECK(soft.status == CgStatus::converged);
+    CHECK(soft.iterations < 100);
+}
+
+TEST_CASE("deflation goes without ILU(0) as well, for any d") {
+    for (int d = 1; d <= 3; ++d) {
+        const BlockCsr A = random_spd(1331, d, grid_3d(11), 1e-1);
+        const std::vector<double> expected = random_vector(A.size()), b = product(A, expected);
+        Deflation deflation(A);
+        REQUIRE(deflation.factor(A));
+        std::vector<double> x(A.size());
+        const CgResult result =
+            ConjugateGradients(A.size(), {1000, 1e-12}).solve(A, {nullptr, &deflation}, b.data(), x.data());
+        CHECK(result.status == CgStatus::converged);
+        CHECK(max_difference(x, expected) < 1e-12 * norm_1(A) / 1e-1 * norm_2(expected));
+    }
+}
+
+TEST_CASE("the corrected iteration ends where the coarse space holds the solution") {
+    const BlockCsr A = laplacian(1728, 1, grid_3d(12), 1e-3);
+    Deflation deflation(A);
+    REQUIRE(deflation.factor(A));
+    const std::vector<double> ones(A.size(), 1.0), b = product(A, ones);
+    std::vector<double> x(A.size());
+    const CgResult result =
+        ConjugateGradients(A.size(), {100, 1e-10}).solve(A, {nullptr, &deflation}, b.data(), x.data());
+    CHECK(result.status == CgStatus::converged);
+    CHECK(result.iterations == 0);
+    CHECK(max_difference(x, ones) < 1e-10);
+}
+
+TEST_CASE("a coarse matrix that is not positive definite shows that A is not") {
+    BlockCsr A = laplacian(1728, 2, grid_3d(12), 1e-3);
+    Deflation deflation(A);
+    CHECK(deflation.factor(A));
+    for (int i = 0; i < A.n; ++i) A.block(A.find(i, i))[0] -= 2e-3;
+    CHECK_FALSE(deflation.factor(A));
+}
+
+TEST_CASE("small, empty and unconnected matrices are their own coarse space") {
+    for (int n : {0, 1, 5}) {
+        const BlockCsr A = random_spd(n, 2, {});
+        Deflation deflation(A);
+        REQUIRE(deflation.factor(A));
+        const std::vector<double> b = random_vector(A.size());
+        std::vector<double> x(A.size());
+        const CgResult result = ConjugateGradients(A.size(), {}).solve(A, {nullptr, &deflation}, b.data(), x.data());
+        CHECK(result.status == CgStatus::converged);
+        CHECK(max_difference(product(A, x), b) < 1e-12);
+    }
+}

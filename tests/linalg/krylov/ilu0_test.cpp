@@ -1,0 +1,211 @@
+#include "linalg/krylov/ilu0.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "base/parallel.hpp"
+#include "linalg/ordering/domains.hpp"
+#include "linalg/ordering/graph.hpp"
+#include "linalg/krylov/reordered.hpp"
+#include "linalg/vector_ops.hpp"
+#include "support/matrices.hpp"
+
+using namespace almesh;
+
+namespace {
+
+constexpr double single = 1e-5;  // L is kept in single precision
+
+std::vector<double> solved(Ilu0& ilu, const std::vector<double>& r) {
+    std::vector<double> z(r.size());
+    ilu.solve(r.data(), z.data());
+    return z;
+}
+
+// A 3D grid numbered domain by domain, and where its domains start: one domain for m <= 15.
+struct CutGrid {
+    BlockCsr A;
+    std::vector<int> start;
+
+    explicit CutGrid(int m, int d, double excess = 1.0) : A(random_spd(m * m * m, d, grid_3d(m), excess)) {
+        const Domains domains = cut_into_domains(graph_of(A));
+        Reordered reordered(A, domains.order);
+        reordered.set(A);
+        A = reordered.matrix();
+        start = domains.start;
+    }
+};
+
+}  // namespace
+
+TEST_CASE("ILU(0) of a block tridiagonal and of a dense matrix is exact: one solve gives the solution") {
+    for (int d = 1; d <= 3; ++d)
+        for (const Edges& edges : {path(40), complete(40)}) {
+            const BlockCsr A = random_spd(40, d, edges);
+            const std::vector<double> x = random_vector(A.size());
+            std::vector<double> y(A.size());
+            multiply(A, x.data(), y.data());
+            Ilu0 ilu(A);
+            CHECK(ilu.factor(A).status == Ilu0Status::factored);
+            CHECK(max_difference(x, solved(ilu, y)) < single);
+            ilu.solve(y.data(), y.data());
+            CHECK(max_difference(x, y) < single);
+        }
+}
+
+TEST_CASE("a block diagonal matrix is inverted to the last digits: C is kept in double precision") {
+    for (int d = 1; d <= 3; ++d) {
+        const BlockCsr A = random_spd(50, d, {});
+        const std::vector<double> x = random_vector(A.size());
+        std::vector<double> y(A.size());
+        multiply(A, x.data(), y.data());
+        Ilu0 ilu(A);
+        REQUIRE(ilu.factor(A).status == Ilu0Status::factored);
+        CHECK(max_difference(x, solved(ilu, y)) < 1e-13);
+    }
+}
+
+TEST_CASE("on its pattern, the product of the factors is the matrix") {
+    const BlockCsr A = random_spd(25, 2, grid(5, 5), 2.0);
+    Ilu0 ilu(A);
+    REQUIRE(ilu.factor(A).status == Ilu0Status::factored);
+    const int n = A.size();
+    Dense inverse{n, std::vector<double>(static_cast<std::size_t>(n) * n, 0.0)};
+    for (int j = 0; j < n; ++j) {
+        std::vector<double> e(n, 0.0);
+        e[j] = 1;
+        const std::vector<double> column = solved(ilu, e);
+        for (int i = 0; i < n; ++i) inverse(i, j) = column[i];
+    }
+    // The product itself, by Gauss-Jordan on its inverse.
+    Dense M{n, std::vector<double>(static_cast<std::size_t>(n) * n, 0.0)};
+    for (int i = 0; i < n; ++i) M(i, i) = 1;
+    for (int k = 0; k < n; ++k) {
+        const double pivot = inverse(k, k);
+        for (int j = 0; j < n; ++j) inverse(k, j) /= pivot, M(k, j) /= pivot;
+        for (int i = 0; i < n; ++i) {
+            const double factor = inverse(i, k);
+            for (int j = 0; j < n && i != k; ++j) inverse(i, j) -= factor * inverse(k, j), M(i, j) -= factor * M(k, j);
+        }
+    }
+    const Dense expected = to_dense(A);
+    double on_pattern = 0, elsewhere = 0;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            double& worst = A.find(i / 2, j / 2) >= 0 ? on_pattern : elsewhere;
+            worst = std::max(worst, std::abs(M(i, j) - expected(i, j)));
+        }
+    CHECK(on_pattern < single);
+    CHECK(elsewhere > 1e-3);
+}
+
+TEST_CASE("the preconditioner is symmetric and positive definite, in several domains too") {
+    for (int m : {6, 18}) {
+        const CutGrid grid(m, 2, 1e-2);
+        const BlockCsr& A = grid.A;
+        Ilu0 ilu(A, grid.start);
+        CHECK(grid.start.size() == (m == 6 ? 2 : 9));
+        REQUIRE(ilu.factor(A).status == Ilu0Status::factored);
+        const std::vector<double> u = random_vector(A.size(), 1), v = random_vector(A.size(), 2);
+        const std::vector<double> Mu = solved(ilu, u), Mv = solved(ilu, v);
+        CHECK(dot(u, Mv) == doctest::Approx(dot(v, Mu)).epsilon(1e-12));
+        CHECK(dot(u, Mu) > 0);
+    }
+}
+
+TEST_CASE("domains and separators are swept as the same rows in one piece are") {
+    for (int d = 1; d <= 3; ++d) {
+        const CutGrid grid(17, d, 1e-2);
+        REQUIRE(grid.start.size() == 9);
+        Ilu0 parts(grid.A, grid.start), whole(grid.A);
+        REQUIRE(parts.factor(grid.A).status == Ilu0Status::factored);
+        REQUIRE(whole.factor(grid.A).status == Ilu0Status::factored);
+        const std::vector<double> r = random_vector(grid.A.size());
+        CHECK(max_difference(solved(parts, r), solved(whole, r)) < 1e-13 * norm_inf(solved(whole, r)));
+    }
+}
+
+TEST_CASE("a solve by a team returns r'z too") {
+    for (int d = 1; d <= 3; ++d)
+        for (int m : {6, 17}) {
+            const CutGrid grid(m, d, 1e-2);
+            Ilu0 ilu(grid.A, grid.start);
+            REQUIRE(ilu.factor(grid.A).status == Ilu0Status::factored);
+            const std::vector<double> r = random_vector(grid.A.size(), 1), expected = solved(ilu, r);
+            std::vector<double> z(r.size());
+            CHECK(ilu.solve_in_team(r.data(), z.data()) == doctest::Approx(dot(r, expected)).epsilon(1e-12));
+            CHECK(z == expected);
+        }
+}
+
+TEST_CASE("the units of the matrix do not matter, though L is in single precision") {
+    BlockCsr A = random_spd(49, 3, grid(7, 7));
+    const std::vector<double> r = random_vector(A.size());
+    Ilu0 ilu(A);
+    REQUIRE(ilu.factor(A).status == Ilu0Status::factored);
+    const std::vector<double> z = solved(ilu, r);
+    for (int exponent : {-400, 400}) {
+        BlockCsr B = A;
+        for (double& v : B.value) v = std::ldexp(v, exponent);
+        REQUIRE(ilu.factor(B).status == Ilu0Status::factored);
+        std::vector<double> scaled = solved(ilu, r);
+        for (double& v : scaled) v = std::ldexp(v, exponent);
+        CHECK(scaled == z);
+    }
+}
+
+TEST_CASE("factor() refills the pattern, and names the row of a pivot block that is not positive") {
+    for (int m : {4, 17}) {  // one domain, and several
+        const CutGrid grid(m, 2);
+        const BlockCsr& A = grid.A;
+        Ilu0 ilu(A, grid.start);
+        CHECK(ilu.factor(A).status == Ilu0Status::factored);
+        for (const double bad :
+             {-1.0, 0.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+            for (int row : {4, A.n / 2, A.n - 1}) {
+                BlockCsr B = A;
+                B.block(B.find(row, row))[3] = bad;
+                const Ilu0Result result = ilu.factor(B);
+                CHECK(result.status == Ilu0Status::not_positive_definite);
+                CHECK(result.bad_row == row);
+            }
+        CHECK(ilu.factor(A).bad_row == -1);
+    }
+}
+
+TEST_CASE("a shift factors A with a heavier diagonal") {
+    const BlockCsr A = random_spd(49, 2, grid(7, 7));
+    BlockCsr heavier = A;
+    for (int i = 0; i < A.n; ++i)
+        for (int e = 0; e < 4; ++e) heavier.block(A.find(i, i))[e] *= 1.25;
+    const std::vector<double> r = random_vector(A.size());
+    Ilu0 ilu(A);
+    REQUIRE(ilu.factor(heavier).status == Ilu0Status::factored);
+    const std::vector<double> z = solved(ilu, r);
+    REQUIRE(ilu.factor(A, 0.25).status == Ilu0Status::factored);
+    CHECK(solved(ilu, r) == z);
+}
+
+TEST_CASE("an empty matrix") {
+    const BlockCsr A = matrix_of_cells(0, 2, {}, 2);
+    CHECK(Ilu0(A).factor(A).status == Ilu0Status::factored);
+}
+
+TEST_CASE("ILU(0) gives the same bits for any number of threads") {
+    const CutGrid grid(20, 3, 1e-2);
+    const BlockCsr& A = grid.A;
+    const std::vector<double> r = random_vector(A.size());
+    const int before = max_threads();
+    set_threads(1);
+    Ilu0 ilu(A, grid.start);
+    ilu.factor(A);
+    const std::vector<double> first = solved(ilu, r);
+    for (int threads : {2, 3, 8}) {
+        set_threads(threads);
+        Ilu0 other(A, grid.start);
+        other.factor(A);
+        CHECK(solved(other, r) == first);
+    }
+    set_threads(before);
+}

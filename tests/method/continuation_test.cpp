@@ -1,0 +1,214 @@
+#include "method/continuation.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "mesh/prolongation.hpp"
+#include "support/minimisation.hpp"
+#include "support/ring_deck.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+Problem problem_of(const Mesh& mesh) {
+    Problem problem;
+    problem.mesh = mesh;
+    problem.ideal = straight_sided(mesh);
+    return problem;
+}
+
+// Of a mesh moved to x, with multipliers on its boundary (trace nodes x dim).
+CoarseSolution solution_of(const Minimisation& from, const std::vector<double>& x, const std::vector<double>& lambda) {
+    CoarseSolution solution{from.mesh, from.ideal, x, std::vector<double>(x.size(), 0.0), from.constraint.norm_of_one(),
+                            50};
+    for (std::size_t i = 0; i < x.size(); ++i) solution.displacement[i] -= from.ideal[i];
+    const std::size_t dim = from.mesh.dim;
+    for (std::size_t k = 0; k < lambda.size(); ++k)
+        solution.lambda[from.constraint.nodes()[k / dim] * dim + k % dim] = lambda[k];
+    return solution;
+}
+
+double dot_product(const std::vector<double>& a, const std::vector<double>& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
+
+int count_of(const std::string& folder, const std::string& key) {
+    return static_cast<int>(number(summary_of(folder), key));
+}
+
+std::vector<std::vector<std::string>> rows_of_kind(const std::string& folder, const std::string& kind) {
+    auto rows = csv_rows(text_of(folder + "/history.csv"));
+    std::erase_if(rows, [&](const auto& row) { return row[0] != kind; });
+    return rows;
+}
+
+}  // namespace
+
+// E_fine of an interpolated map is E_coarse of the map, so its derivative along interpolated motions is that on the
+// coarse mesh, if the multipliers put the same forces on the boundary.
+TEST_CASE("distortion and multipliers do the same work on both meshes along every motion of the coarse one") {
+    for (const Mesh& mesh : {ring_mesh(12, 3, 6), cube_mesh(2)}) {
+        const Minimisation coarse(mesh, {}, Objective::squared), fine(refine(mesh, 1), {}, Objective::squared);
+        const std::vector<double> x = wavy(coarse.ideal, mesh.dim, 0.1);
+        AugmentedFunctional E = coarse.functional(0);
+        for (std::size_t k = 0; k < E.lambda.size(); ++k) E.lambda[k] = 3 * std::sin(1.0 + k);
+        std::vector<double> g(x.size()), fine_x, fine_g(fine.ideal.size());
+        E.gradient(x, g);
+
+        const AlStart start = start_from(solution_of(coarse, x, E.lambda), problem_of(fine.mesh), fine.distortion,
+                                         fine.constraint, fine_x);
+        CHECK(start.mu == 500);
+        AugmentedFunctional fine_E = fine.functional(0);
+        REQUIRE(start.lambda.size() == fine_E.lambda.size());
+        fine_E.lambda = start.lambda;
+        fine_E.gradient(fine_x, fine_g);
+        for (int k = 0; k < 5; ++k) {
+            std::vector<double> v(x.size());
+            for (std::size_t i = 0; i < v.size(); ++i) v[i] = std::cos(k + 0.7 * static_cast<double>(i));
+            const std::vector<double> fine_v = prolong(coarse.mesh, coarse.ideal, fine.mesh, fine.ideal, v);
+            CHECK(dot_product(fine_g, fine_v) == doctest::Approx(dot_product(g, v)).epsilon(1e-11));
+        }
+    }
+}
+
+TEST_CASE("without a coarse solution, or with one that inverts an element, the start is the identity map") {
+    const Minimisation coarse(ring_mesh(12, 3, 6), {}, Objective::squared),
+        fine(refine(coarse.mesh, 1), {}, Objective::squared);
+    const std::vector<double> lambda(coarse.constraint.size(), 1.0);
+    std::vector<double> inverted = coarse.ideal;
+    for (std::size_t i = 0; i < inverted.size(); i += 2) inverted[i] *= -1;
+    for (const CoarseSolution& solution : {CoarseSolution(), solution_of(coarse, inverted, lambda)}) {
+        std::vector<double> x;
+        const AlStart start = start_from(solution, problem_of(fine.mesh), fine.distortion, fine.constraint, x);
+        CHECK(x == fine.ideal);
+        CHECK(start.lambda.empty());
+        CHECK(start.mu == 0);
+    }
+    std::vector<double> x;
+    CHECK(!start_from(solution_of(coarse, coarse.ideal, lambda), problem_of(fine.mesh), fine.distortion,
+                      fine.constraint, x)
+               .lambda.empty());
+}
+
+TEST_CASE("the penalty carried over has a limit, but never falls") {
+    const Minimisation coarse(ring_mesh(12, 3, 6), {}, Objective::squared),
+        fine(refine(coarse.mesh, 1), {}, Objective::squared);
+    CoarseSolution solution = solution_of(coarse, coarse.ideal, std::vector<double>(coarse.constraint.size(), 0.0));
+    std::vector<double> x;
+    for (const auto& [before, after] : {std::pair(1e3, 1e4), std::pair(3e5, 1e6), std::pair(1e7, 1e7)}) {
+        solution.mu = before;
+        CHECK(start_from(solution, problem_of(fine.mesh), fine.distortion, fine.constraint, x).mu == after);
+    }
+}
+
+TEST_CASE("refined twice, a coarse start takes at most 5 steps on the deck's mesh, and reaches the same mesh") {
+    for (const char* objective : {"objective=squared", "objective=deviation"}) {
+        const RingDeck ring;
+        REQUIRE(ring.run({"refine=2", objective, "start=identity"}).code == 0);
+        const int from_identity = count_of(ring.output, "newton_iterations");
+        CHECK(count_of(ring.output, "coarse_newton_iterations") == 0);
+        CHECK(rows_of_kind(ring.output, "coarse").empty());
+        const Mesh expected = mesh_of(ring.output + "/final.msh");
+
+        const Outcome outcome = ring.run({"refine=2", objective});
+        REQUIRE(outcome.code == 0);
+        CHECK(count_of(ring.output, "newton_iterations") <= 5);
+        CHECK(count_of(ring.output, "newton_iterations") <= from_identity - 3);
+        const auto coarse = rows_of_kind(ring.output, "coarse");
+        REQUIRE(coarse.size() == 2);
+        CHECK(std::stoi(coarse[0][12]) + std::stoi(coarse[1][12]) == count_of(ring.output, "coarse_newton_iterations"));
+        CHECK(coarse[0][26] == "48");
+        CHECK(coarse[0][14] == "finer mesh");
+        CHECK(has(outcome.out, "48 nodes\n"));
+        CHECK(has(outcome.out, " on coarser meshes) in "));
+        CHECK(number(summary_of(ring.output), "time_coarse") <= number(summary_of(ring.output), "time_total"));
+        const Mesh mesh = mesh_of(ring.output + "/final.msh");
+        double largest = 0;
+        for (std::size_t i = 0; i < mesh.x.size(); ++i)
+            largest = std::max(largest, std::abs(mesh.x[i] - expected.x[i]));
+        CHECK(largest < 1e-6);
+    }
+}
+
+TEST_CASE("a coarse start in 3D, and with curved elements") {
+    const TemporaryFolder folder;
+    folder.write("cube.msh", msh_of(cube_mesh(2)));
+    const std::string deck = folder.write("cube.deck",
+                                          "mesh = cube.msh\nthreads = 1\nrefine = 1\nboundary bottom = scale 1 1 1.5\n"
+                                          "boundary top = scale 1 1 1.5\nboundary sides = scale 1 1 1.5\n"
+                                          "output = " +
+                                              folder.path("out") + "\n");
+    REQUIRE(almesh_with({deck}).code == 0);
+    CHECK(count_of(folder.path("out"), "newton_iterations") <= 4);
+    const RingDeck ring;
+    REQUIRE(ring.run({"degree=2", "refine=1", "start=identity"}).code == 0);
+    const int from_identity = count_of(ring.output, "newton_iterations");
+    REQUIRE(ring.run({"degree=2", "refine=1"}).code == 0);
+    CHECK(count_of(ring.output, "newton_iterations") < from_identity);
+    CHECK(count_of(ring.output, "coarse_newton_iterations") > 0);
+}
+
+TEST_CASE("coarse meshes are solved with the deck's forcing") {
+    const RingDeck ring;
+    const std::vector<std::string> settings = {"refine=1", "solver=gmres", "linear_tolerance=1e-12"};
+    std::vector<std::string> energy;
+    for (const char* forcing : {"forcing=fixed", "forcing=auto"}) {
+        std::vector<std::string> all = settings;
+        all.push_back(forcing);
+        REQUIRE(ring.run(all).code == 0);
+        energy.push_back(rows_of_kind(ring.output, "coarse")[0][3]);
+    }
+    CHECK(std::stod(energy[0]) == doctest::Approx(std::stod(energy[1])).epsilon(1e-4));
+    CHECK(energy[0] != energy[1]);
+}
+
+TEST_CASE("which decks start coarse") {
+    Deck deck;
+    CHECK(!starts_coarse(deck));  // not refined
+    deck.refine = 1;
+    CHECK(starts_coarse(deck));
+    deck.method.algorithm = Algorithm::paper;
+    CHECK(!starts_coarse(deck));  // the paper's tables
+    deck.start = Start::coarse;
+    CHECK(starts_coarse(deck));
+    deck.method.algorithm = Algorithm::adaptive;
+    deck.start = Start::identity;
+    CHECK(!starts_coarse(deck));
+}
+
+TEST_CASE("the algorithm as printed does not start coarse") {
+    const RingDeck ring;
+    const Outcome outcome = ring.run({"refine=1", "algorithm=literal", "start=coarse"});
+    CHECK(outcome.code == 1);
+    CHECK(has(outcome.error, "command line: start = coarse does not go with algorithm = literal"));
+}
+
+TEST_CASE("where the coarse mesh fails, the next one starts from the identity map") {
+    const RingDeck ring;
+    const Outcome outcome = ring.run({"refine=1", "max_newton_iterations=1"});
+    CHECK(outcome.code == 3);
+    CHECK(has(outcome.out, "48 nodes, not used\n"));
+    CHECK(rows_of_kind(ring.output, "coarse")[0][14] == "dropped");
+    const auto al = rows_of_kind(ring.output, "al");
+    CHECK(std::stod(al[0][11]) == doctest::Approx(1).epsilon(1e-14));  // max eta of the start
+}
+
+TEST_CASE("a coarse start gives the same files for any number of threads") {
+    const int before = max_threads();
+    const RingDeck ring(ring_mesh(16, 4, 6), "refine = 3\n");
+    std::vector<std::string> mesh;
+    std::vector<std::vector<std::vector<std::string>>> history;
+    for (int threads : {1, 2, 3, 8}) {
+        REQUIRE(ring.run({"threads=" + std::to_string(threads)}).code == 0);
+        mesh.push_back(text_of(ring.output + "/final.msh"));
+        history.push_back(history_without_times(ring.output));
+        CHECK(mesh.back() == mesh[0]);
+        CHECK(history.back() == history[0]);
+    }
+    set_threads(before);
+}

@@ -1,0 +1,73 @@
+#include "method/line_search.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+using namespace almesh;
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// From x = 0 along d = 1.
+LineSearchResult search(const std::function<double(double)>& E, double slope, double& x) {
+    std::vector<double> at = {0}, trial = {0};
+    const auto energy = [&](const std::vector<double>& y) { return E(y[0]); };
+    const LineSearchResult result = line_search(energy, E(0), slope, {1}, at, trial);
+    x = at[0];
+    return result;
+}
+
+}  // namespace
+
+TEST_CASE("an exact model takes the full step, and asks for one energy") {
+    double x;
+    int energies = -1;  // that at 0 is the caller's
+    const auto r = search([&](double t) { return ++energies, t * t - 2 * t + 5; }, -2, x);
+    CHECK(r.step_length == 1);
+    CHECK(r.energy == 4);
+    CHECK(r.cuts_inverted + r.cuts_decrease == 0);
+    CHECK(!r.by_rounding);
+    CHECK(energies == 1);
+    CHECK(x == 1);
+}
+
+TEST_CASE("a step that inverts is halved, one that does not decrease goes to the minimum of the parabola") {
+    double x;
+    const auto inverted = search([](double t) { return t > 0.3 ? infinity : -t; }, -1, x);
+    CHECK(inverted.step_length == 0.25);
+    CHECK(inverted.cuts_inverted == 2);
+    CHECK(inverted.cuts_decrease == 0);
+    CHECK(x == 0.25);
+    const auto longer = search([](double t) { return 2 * t * t - t; }, -1, x);  // minimum at 1/4
+    CHECK(longer.step_length == 0.25);
+    CHECK(longer.cuts_decrease == 1);
+    CHECK(longer.energy == -0.125);
+}
+
+TEST_CASE("a step that stops short of the minimum is doubled while that pays, and not into an inverted element") {
+    double x;
+    const auto far = search([](double t) { return 0.5 * t * t / 5 - t; }, -1, x);  // minimum at 5
+    CHECK(far.step_length == 4);
+    CHECK(x == 4);
+    CHECK(far.energy == doctest::Approx(0.5 * 16 / 5 - 4));
+    const auto wall = search([](double t) { return t > 3 ? infinity : -t; }, -1, x);
+    CHECK(wall.step_length == 2);
+    CHECK(wall.cuts_inverted == 0);  // the step is not cut
+    CHECK(x == 2);
+    const auto endless = search([](double t) { return -t; }, -1, x);
+    CHECK(endless.step_length == 64);
+}
+
+TEST_CASE(
+    "below rounding the full step is taken where the energy stays the same; without a decrease there is no step") {
+    double x;
+    const auto flat = search([](double) { return 1.0; }, -1e-16, x);
+    CHECK(flat.by_rounding);
+    CHECK(flat.step_length == 1);
+    const auto uphill = search([](double t) { return 1 + t; }, -1, x);
+    CHECK(uphill.step_length == 0);
+    CHECK(x == 0);
+    CHECK(uphill.cuts_decrease > 0);
+}

@@ -1,0 +1,107 @@
+#include "method/pocket_functional.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "support/meshes.hpp"
+#include "support/minimisation.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+// Every third node moves: inside and on the boundary.
+std::vector<char> some_nodes(int count) {
+    std::vector<char> moves(count, 0);
+    for (int i = 0; i < count; i += 3) moves[i] = 1;
+    return moves;
+}
+
+// Small, and different for every coordinate.
+double shift(std::size_t i) { return 0.01 * std::sin(1.0 + static_cast<double>(i)); }
+
+std::vector<double> moved(std::vector<double> x, const std::vector<char>& moves) {
+    const std::size_t dim = x.size() / moves.size();
+    for (std::size_t i = 0; i < x.size(); ++i)
+        if (moves[i / dim]) x[i] += shift(i);
+    return x;
+}
+
+}  // namespace
+
+TEST_CASE("a pocket's energy, gradient and Hessian are those of the functional, for the nodes that move") {
+    for (const Mesh& mesh : {raise_degree(ring_mesh(8, 2, 3), 2), cube_mesh(2)}) {
+        const std::map<std::string, std::string> ring = {{"inner", "translate 0.1 0"}},
+                                                 cube = {{"top", "scale 1 1 1.2"}, {"sides", "scale 1 1 1.2"}};
+        const Minimisation problem(mesh, mesh.dim == 2 ? ring : cube, Objective::squared);
+        const DistortionEnergy weighted(problem.mesh, problem.ideal, {.weight_exponent = 0.5});
+        AugmentedFunctional E{weighted, problem.constraint, std::vector<double>(problem.constraint.size(), 0.3), 50};
+        const std::vector<char> moves = some_nodes(problem.mesh.nodes());
+        const PocketFunctional pocket(E, problem.ideal, moves);
+
+        // At the start and away from it, in the pocket's numbers.
+        const std::vector<double> x = moved(problem.ideal, moves);
+        std::vector<double> number(problem.ideal.size()), y = pocket.start(), of_mesh(number.size(), -1.0);
+        for (std::size_t i = 0; i < y.size(); ++i) y[i] = static_cast<double>(i);
+        pocket.write(y, of_mesh);  // place in the pocket of every coordinate that moves
+        y = pocket.start();
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            CHECK((of_mesh[i] >= 0) == static_cast<bool>(moves[i / problem.mesh.dim]));
+            if (of_mesh[i] >= 0) y[static_cast<std::size_t>(of_mesh[i])] = x[i];
+        }
+        CHECK(pocket.energy(y) - pocket.energy(pocket.start()) ==
+              doctest::Approx(E.energy(x) - E.energy(problem.ideal)).epsilon(1e-10));
+
+        std::vector<double> g(y.size()), whole(x.size());
+        pocket.gradient(y, g);
+        E.gradient(x, whole);
+        long nonzero = 0;
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            if (of_mesh[i] >= 0)
+                CHECK(g[static_cast<std::size_t>(of_mesh[i])] == doctest::Approx(whole[i]).epsilon(1e-10).scale(1));
+        }
+        for (const double value : g) nonzero += value != 0;
+        CHECK(nonzero <= std::count_if(of_mesh.begin(), of_mesh.end(), [](double place) { return place >= 0; }));
+
+        // The columns of the Hessian of nodes that move, from those of the functional.
+        BlockCsr H = pocket.hessian_pattern(), full = weighted.hessian_pattern();
+        pocket.hessian(y, HessianKind::full, H);
+        E.hessian(x, HessianKind::full, full);
+        std::vector<double> v(y.size(), 0.0), Hv(y.size()), w(x.size(), 0.0), Hw(x.size());
+        for (std::size_t i = 0; i < x.size(); ++i)
+            if (of_mesh[i] >= 0) w[i] = v[static_cast<std::size_t>(of_mesh[i])] = shift(2 * i);
+        multiply(H, v.data(), Hv.data());
+        multiply(full, w.data(), Hw.data());
+        for (std::size_t i = 0; i < x.size(); ++i)
+            if (of_mesh[i] >= 0)
+                CHECK(Hv[static_cast<std::size_t>(of_mesh[i])] == doctest::Approx(Hw[i]).epsilon(1e-10).scale(1));
+    }
+}
+
+TEST_CASE("a pocket's Hessian leaves held nodes alone, and inverted elements have infinite energy") {
+    const Minimisation problem(ring_mesh(8, 2, 3), {}, Objective::squared);
+    const AugmentedFunctional E = problem.functional(10);
+    std::vector<char> moves(problem.mesh.nodes(), 0);
+    moves[0] = 1;
+    const PocketFunctional pocket(E, problem.ideal, moves);
+    CHECK(pocket.size() < static_cast<int>(problem.ideal.size()));
+    BlockCsr H = pocket.hessian_pattern();
+    pocket.hessian(pocket.start(), HessianKind::projected, H);
+    int unit = 0;
+    for (int i = 0; i < H.n; ++i) unit += H.block(H.find(i, i))[0] == 1 && H.block(H.find(i, i))[1] == 0;
+    CHECK(unit == H.n - 1);
+    std::vector<double> x = problem.ideal, y = pocket.start();
+    for (double& value : y) value = -3 * value;
+    pocket.write(y, x);
+    CHECK(x[0] == -3 * problem.ideal[0]);
+    CHECK(x[2] == problem.ideal[2]);
+    y = pocket.start();
+    for (std::size_t i = 0; i < y.size(); ++i)
+        if (y[i] == problem.ideal[0]) y[i] += 100;  // the node far outside its elements
+    CHECK(std::isinf(pocket.energy(y)));
+}
