@@ -27,7 +27,7 @@ std::string hash_of(const std::string& text) {
 RawMesh read_mesh_file(const std::string& path, std::string& hash) {
     const std::string text = read_text_file(path);
     RawMesh raw;
-    at_once([&] { raw = parse_msh(text, path); }, [&] { hash = hash_of(text); });
+    parallel_invoke([&] { raw = parse_msh(text, path); }, [&] { hash = hash_of(text); });
     return raw;
 }
 

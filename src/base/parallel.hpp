@@ -70,7 +70,7 @@ void parallel_for_throwing(int n, const Body& body, double work = 10) {
 
 // first() and second() at the same time, each on one thread; an exception of the first goes before one of the second.
 template <class First, class Second>
-void at_once(const First& first, const Second& second) {
+void parallel_invoke(const First& first, const Second& second) {
     std::exception_ptr thrown[2];
     const auto guarded = [](const auto& work, std::exception_ptr& by_it) {
         try {
@@ -92,7 +92,7 @@ void at_once(const First& first, const Second& second) {
 
 // For short waits: looks again and again, but lets other threads have the core if it takes long.
 template <class Test>
-void wait_until(const Test& test) {
+void spin_wait(const Test& test) {
     constexpr int patience = 1000;
     for (int tries = 0; !test();) {
         if (tries < patience) ++tries;

@@ -30,7 +30,7 @@ struct ElementChunks {
 #pragma omp parallel for schedule(monotonic : dynamic, 1) if (parallel)
         for (int t = 0; t < count(); ++t) {
             for (int k = wait_start[t]; k < wait_start[t + 1]; ++k)
-                wait_until([&] { return std::atomic_ref(done_[wait_for[k]]).load() == rounds_; });
+                spin_wait([&] { return std::atomic_ref(done_[wait_for[k]]).load() == rounds_; });
             body(turn[t]);
             std::atomic_ref(done_[t]).store(rounds_);
         }

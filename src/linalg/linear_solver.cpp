@@ -101,7 +101,7 @@ struct LinearSolver::Iterative {
             set_up_ilu();
             gmres.emplace(A.size(), GmresParams{params.restart, params.max_iterations, params.tolerance});
         } else {
-            at_once(set_up_ilu, [&] { deflation.emplace(system.matrix()); });
+            parallel_invoke(set_up_ilu, [&] { deflation.emplace(system.matrix()); });
             cg.emplace(A.size(), CgParams{params.max_iterations, params.tolerance});
         }
     }

@@ -87,7 +87,7 @@ Domains cut_into_domains(const Graph& graph) {
         domain = domains_of_vertices(graph);
         separate(graph, count, domain);
     };
-    at_once(cut, [&] { order = reverse_cuthill_mckee(graph); });
+    parallel_invoke(cut, [&] { order = reverse_cuthill_mckee(graph); });
     std::vector<std::vector<int>> pieces(count + 1);
     for (int v : order) pieces[domain[v]].push_back(v);
     // Those with most work first, so that threads that take one after the other end at the same time.
