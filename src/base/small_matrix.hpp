@@ -1,5 +1,5 @@
-// Fixed-size n x n matrices, n = 2 or 3, for the deformation gradient F and its kin. Row-major: m[row][column]. T is
-// double, or Lanes (base/lanes.hpp) for as many matrices at once.
+// Vectors of n and n x n matrices, n = 2 or 3: points, the deformation gradient F and its derivatives. Row-major:
+// m[row][column]. T is double, or Lanes (base/lanes.hpp) for as many matrices as a SIMD register has lanes.
 #pragma once
 #include <array>
 #include <cmath>
@@ -17,6 +17,14 @@ template <class Body>
 void with_dimension(int dim, const Body& body) {
     if (dim == 2) body(std::integral_constant<int, 2>());
     else body(std::integral_constant<int, 3>());
+}
+
+template <class T>
+T dot(const Vec<3, T>& a, const Vec<3, T>& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+template <class T>
+Vec<3, T> cross(const Vec<3, T>& a, const Vec<3, T>& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 template <int n, class T = double>

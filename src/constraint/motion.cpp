@@ -1,9 +1,15 @@
+// The steps of a motion. Each kind of step is one row of the table `forms`: how it is written, what its numbers mean,
+// which dimensions it fits, and how it moves a point. A step acts on d = x - c, c being its centre:
+//
+//   rotate      d -> d cos t + (u x d) sin t + u (u . d) (1 - cos t), u the unit axis (Rodrigues' formula)
+//   projection  d -> d_axial + r d_radial / |d_radial|, the closest point at distance r from the centre or the axis
 #include "constraint/motion.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "base/error.hpp"
 #include "base/small_matrix.hpp"
@@ -11,182 +17,29 @@
 
 namespace almesh {
 
+struct MotionForm {
+    const char* name;
+    const char* form;  // as it is written
+    const char* meaning;
+    std::size_t fewest = 0, most = 0;  // numbers after the name
+    bool axis = false, about = false;  // whether these clauses may follow
+    std::size_t centre = 0;            // so many leading numbers are the centre; 0: `about`, or else the origin
+    bool affine = true;
+    // Why its numbers make no sense, whatever the dimension; "" where they do.
+    const char* (*fault)(const MotionStep&) = [](const MotionStep&) { return ""; };
+    // Why it does not fit `dim` dimensions, to stand after the text of the step; "" where it does.
+    std::string (*misfit)(const MotionStep&, int dim) = [](const MotionStep&, int) { return std::string(); };
+    // Moves a point given relative to the centre; false where its image is undefined. nullptr: every point stays.
+    bool (*move)(const MotionStep&, Vec<3>& d) = nullptr;
+};
+
 namespace {
 
-struct StepForm {
-    MotionKind kind;
-    const char* name;
-    std::size_t fewest, most;  // numbers after the name
-    bool axis, about;          // which clauses may follow
-    const char* form;
-    const char* meaning;
-};
-
-constexpr std::array<StepForm, 7> step_forms = {{
-    {MotionKind::fixed, "fixed", 0, 0, false, false, "fixed", "stays where the mesh file has it"},
-    {MotionKind::translate, "translate", 2, 3, false, false, "translate DX DY [DZ]", "shift"},
-    {MotionKind::rotate, "rotate", 1, 1, true, true, "rotate ANGLE [axis AX AY AZ] [about PX PY [PZ]]",
-     "degrees, right-handed; the axis in 3D only; about the origin if not said"},
-    {MotionKind::scale, "scale", 1, 3, false, true, "scale S [about PX PY [PZ]]",
-     "one factor > 0, or one per axis: SX SY [SZ]"},
-    {MotionKind::circle, "circle", 3, 3, false, false, "circle CX CY R", "2D: to the closest point of the circle"},
-    {MotionKind::sphere, "sphere", 4, 4, false, false, "sphere CX CY CZ R", "3D: to the closest point of the sphere"},
-    {MotionKind::cylinder, "cylinder", 7, 7, false, false, "cylinder PX PY PZ AX AY AZ R",
-     "3D: to the closest point at distance R from the axis through P along A"},
-}};
-
-const StepForm& form_of(MotionKind kind) { return step_forms[static_cast<std::size_t>(kind)]; }
-
-const StepForm& find_form(std::string_view name) {
-    std::vector<std::string> names;
-    for (const StepForm& form : step_forms) {
-        if (name == form.name) return form;
-        names.push_back(form.name);
-    }
-    throw UsageError("unknown motion " + in_backquotes(name) + ": did you mean " + in_backquotes(nearest(name, names)) +
-                     "?");
-}
-
-[[noreturn]] void refuse(const StepForm& form, const std::string& why) {
-    throw UsageError(in_backquotes(form.name) + ": " + why + "; expected " + form.form);
-}
-
-// The numbers of a step, by the clause they stand in.
-struct Numbers {
-    std::vector<double> plain, axis, about;
-};
-
-Numbers read_numbers(const StepForm& form, const std::vector<std::string_view>& text) {
-    Numbers numbers;
-    std::vector<double>* clause = &numbers.plain;
-    for (std::size_t i = 1; i < text.size(); ++i) {
-        const bool axis = form.axis && text[i] == "axis", about = form.about && text[i] == "about";
-        if (axis || about) {
-            clause = axis ? &numbers.axis : &numbers.about;
-            const bool empty = i + 1 == text.size() || !parse_double(text[i + 1]);
-            if (!clause->empty() || empty)
-                refuse(form, in_backquotes(text[i]) + (empty ? " needs numbers" : " stands twice"));
-            continue;
-        }
-        const auto number = parse_double(text[i]);
-        if (!number) refuse(form, in_backquotes(text[i]) + " is not a number (separate numbers by blanks)");
-        clause->push_back(*number);
-    }
-    return numbers;
-}
-
-void check_counts(const StepForm& form, const Numbers& numbers) {
-    const std::size_t count = numbers.plain.size();
-    if (count < form.fewest || count > form.most)
-        refuse(form, std::to_string(count) + (count == 1 ? " number" : " numbers"));
-    if (!numbers.axis.empty() && numbers.axis.size() != 3) refuse(form, "`axis` needs 3 numbers");
-    if (!numbers.about.empty() && numbers.about.size() != 2 && numbers.about.size() != 3)
-        refuse(form, "`about` needs 2 numbers, or 3 in 3D");
-}
-
-void check_values(const StepForm& form, const MotionStep& step) {
-    const auto zero = [](double v) { return v == 0; };
-    const auto positive = [](double v) { return v > 0; };
-    const bool has_axis =
-        form.kind == MotionKind::cylinder || (form.kind == MotionKind::rotate && !step.vector.empty());
-    if (has_axis && std::all_of(step.vector.begin(), step.vector.end(), zero)) refuse(form, "the axis is zero");
-    if (form.kind >= MotionKind::circle && step.amount <= 0) refuse(form, "the radius must be > 0");
-    if (form.kind == MotionKind::scale && !std::all_of(step.vector.begin(), step.vector.end(), positive))
-        refuse(form, "every factor must be > 0 (half a turn is `rotate 180`)");
-}
-
-MotionStep parse_step(std::string_view text) {
-    const auto text_words = words(text);
-    if (text_words.empty()) throw UsageError("a step of the motion is empty: put a step on both sides of every `;`");
-    const StepForm& form = find_form(text_words[0]);
-    Numbers numbers = read_numbers(form, text_words);
-    check_counts(form, numbers);
-
-    MotionStep step;
-    step.kind = form.kind;
-    const auto& plain = numbers.plain;
-    switch (form.kind) {
-        case MotionKind::fixed: break;
-        case MotionKind::translate: step.vector = plain; break;
-        case MotionKind::scale:
-            step.vector = plain;
-            step.point = std::move(numbers.about);
-            break;
-        case MotionKind::rotate:
-            step.amount = plain[0];
-            step.vector = std::move(numbers.axis);
-            step.point = std::move(numbers.about);
-            break;
-        case MotionKind::circle:
-        case MotionKind::sphere:
-            step.point.assign(plain.begin(), plain.end() - 1);
-            step.amount = plain.back();
-            break;
-        case MotionKind::cylinder:
-            step.point.assign(plain.begin(), plain.begin() + 3);
-            step.vector.assign(plain.begin() + 3, plain.begin() + 6);
-            step.amount = plain[6];
-            break;
-    }
-    check_values(form, step);
-    return step;
-}
-
-std::string to_string(const std::vector<double>& numbers) {
-    std::string text;
-    for (double v : numbers) text += ' ' + to_text(v);
-    return text;
-}
-
-std::string to_string(const MotionStep& step) {
-    const std::string amount = ' ' + to_text(step.amount), vector = to_string(step.vector),
-                      point = to_string(step.point);
-    const std::string about = point.empty() ? "" : " about" + point;
-    const std::string name = form_of(step.kind).name;
-    switch (step.kind) {
-        case MotionKind::fixed: return name;
-        case MotionKind::translate: return name + vector;
-        case MotionKind::rotate: return name + amount + (vector.empty() ? "" : " axis" + vector) + about;
-        case MotionKind::scale: return name + vector + about;
-        case MotionKind::circle:
-        case MotionKind::sphere:
-        case MotionKind::cylinder: break;
-    }
-    return name + point + vector + amount;
-}
-
-// Why the step cannot act in `dim` dimensions; "" where it can.
-std::string misfit(const MotionStep& step, int dim) {
-    const std::size_t n = static_cast<std::size_t>(dim);
-    const std::string mesh = std::to_string(dim) + "D", step_text = in_backquotes(to_string(step));
-    if (step.kind == MotionKind::circle && dim != 2)
-        return step_text + " does not act in " + mesh + ": use a sphere or a cylinder";
-    const bool spatial = step.kind == MotionKind::sphere || step.kind == MotionKind::cylinder;
-    if (spatial && dim != 3) return step_text + " does not act in " + mesh + ": use a circle";
-    if (step.kind == MotionKind::rotate && (step.vector.size() == 3) != (dim == 3))
-        return step_text + (dim == 3 ? " needs `axis AX AY AZ` in " : " must not have an axis in ") + mesh;
-    if (step.kind == MotionKind::translate && step.vector.size() != n)
-        return step_text + " needs " + std::to_string(dim) + " components in " + mesh;
-    if (step.kind == MotionKind::scale && step.vector.size() != 1 && step.vector.size() != n)
-        return step_text + " needs one factor or " + std::to_string(dim) + " in " + mesh;
-    if (!step.point.empty() && step.point.size() != n)
-        return step_text + " needs " + std::to_string(dim) + " numbers after `about` in " + mesh;
-    return "";
-}
-
-std::string misfit(const Motion& motion, int dim) {
-    for (const MotionStep& step : motion.steps)
-        if (const std::string why = misfit(step, dim); !why.empty()) return why;
-    return "";
-}
-
-Vec<3> padded(const std::vector<double>& v) {
+Vec<3> padded(std::span<const double> v) {
     Vec<3> result{};
     std::copy(v.begin(), v.end(), result.begin());
     return result;
 }
-
-double dot(const Vec<3>& a, const Vec<3>& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 // v is not zero. Scaled first, so that no length overflows.
 Vec<3> unit(const Vec<3>& v) {
@@ -213,50 +66,186 @@ SineCosine sine_cosine_of_degrees(double degrees) {
     }
 }
 
-// d -> d cos + (u x d) sin + u (u . d) (1 - cos), u the unit axis (Rodrigues); in 2D u is the normal of the plane.
-void rotate(const MotionStep& step, Vec<3>& d) {
-    const Vec<3> u = step.vector.empty() ? Vec<3>{0, 0, 1} : unit(padded(step.vector));
-    const auto [s, c] = sine_cosine_of_degrees(step.amount);
-    const Vec<3> cross = {u[1] * d[2] - u[2] * d[1], u[2] * d[0] - u[0] * d[2], u[0] * d[1] - u[1] * d[0]};
+// About the unit axis u.
+void rotate(const Vec<3>& u, double degrees, Vec<3>& d) {
+    const auto [s, c] = sine_cosine_of_degrees(degrees);
+    const Vec<3> normal = cross(u, d);
     const double along = dot(u, d) * (1 - c);
-    for (int i = 0; i < 3; ++i) d[i] = d[i] * c + cross[i] * s + u[i] * along;
+    for (int i = 0; i < 3; ++i) d[i] = d[i] * c + normal[i] * s + u[i] * along;
 }
 
-// Splits d into its part along the axis (none for circle and sphere) and the rest, which gets the length of the radius.
-bool project(const MotionStep& step, Vec<3>& d) {
-    Vec<3> axial{};
-    if (!step.vector.empty()) {
-        const Vec<3> u = unit(padded(step.vector));
-        const double along = dot(u, d);
-        for (int i = 0; i < 3; ++i) axial[i] = along * u[i];
-    }
+// Gives the part of d other than `axial` the length `radius`.
+bool project(const Vec<3>& axial, double radius, Vec<3>& d) {
     const Vec<3> radial = {d[0] - axial[0], d[1] - axial[1], d[2] - axial[2]};
     const double length = std::hypot(radial[0], radial[1], radial[2]);
     // Nearer than this, the direction is a rounding error of the point.
-    if (!(length > 1e-12 * std::max(step.amount, std::hypot(d[0], d[1], d[2])))) return false;
-    for (int i = 0; i < 3; ++i) d[i] = axial[i] + step.amount * (radial[i] / length);
+    if (!(length > 1e-12 * std::max(radius, std::hypot(d[0], d[1], d[2])))) return false;
+    for (int i = 0; i < 3; ++i) d[i] = axial[i] + radius * (radial[i] / length);
     return true;
 }
 
-bool apply_step(const MotionStep& step, Vec<3>& x) {
-    const Vec<3> origin = padded(step.point);
-    Vec<3> d = {x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]};
-    switch (step.kind) {
-        case MotionKind::fixed: return true;
-        case MotionKind::translate:
-            for (std::size_t i = 0; i < step.vector.size(); ++i) d[i] += step.vector[i];
-            break;
-        case MotionKind::rotate: rotate(step, d); break;
-        case MotionKind::scale:
-            for (std::size_t i = 0; i < 3; ++i) d[i] *= step.vector[std::min(i, step.vector.size() - 1)];
-            break;
-        case MotionKind::circle:
-        case MotionKind::sphere:
-        case MotionKind::cylinder:
-            if (!project(step, d)) return false;
-            break;
+// Circle and sphere, centre and radius: the radius is the last number, as that of the cylinder.
+bool project_from_centre(const MotionStep& step, Vec<3>& d) { return project({}, step.numbers.back(), d); }
+
+const char* radius_fault(const MotionStep& step) { return step.numbers.back() > 0 ? "" : "the radius must be > 0"; }
+
+const char* axis_fault(std::span<const double> axis) {
+    return padded(axis) == Vec<3>{} ? "the axis is zero" : "";
+}
+
+std::string in_dimensions(int dim) { return " in " + std::to_string(dim) + "D"; }
+
+std::string planar_only(const MotionStep&, int dim) {
+    return dim == 2 ? "" : " does not act" + in_dimensions(dim) + ": use a sphere or a cylinder";
+}
+
+std::string spatial_only(const MotionStep&, int dim) {
+    return dim == 3 ? "" : " does not act" + in_dimensions(dim) + ": use a circle";
+}
+
+constexpr std::array<MotionForm, 7> forms = {{
+    {.name = "fixed", .form = "fixed", .meaning = "stays where the mesh file has it"},
+
+    {.name = "translate", .form = "translate DX DY [DZ]", .meaning = "shift", .fewest = 2, .most = 3,
+     .misfit = [](const MotionStep& step, int dim) -> std::string {
+         if (static_cast<int>(step.numbers.size()) == dim) return "";
+         return " needs " + std::to_string(dim) + " components" + in_dimensions(dim);
+     },
+     .move = [](const MotionStep& step, Vec<3>& d) {
+         for (std::size_t i = 0; i < step.numbers.size(); ++i) d[i] += step.numbers[i];
+         return true;
+     }},
+
+    {.name = "rotate", .form = "rotate ANGLE [axis AX AY AZ] [about PX PY [PZ]]",
+     .meaning = "degrees, right-handed; the axis in 3D only; about the origin if not said",
+     .fewest = 1, .most = 1, .axis = true, .about = true,
+     .fault = [](const MotionStep& step) { return step.axis.empty() ? "" : axis_fault(step.axis); },
+     .misfit = [](const MotionStep& step, int dim) -> std::string {
+         if (step.axis.empty() == (dim == 2)) return "";
+         return (dim == 3 ? " needs `axis AX AY AZ`" : " must not have an axis") + in_dimensions(dim);
+     },
+     .move = [](const MotionStep& step, Vec<3>& d) {
+         rotate(step.axis.empty() ? Vec<3>{0, 0, 1} : unit(padded(step.axis)), step.numbers[0], d);
+         return true;
+     }},
+
+    {.name = "scale", .form = "scale S [about PX PY [PZ]]",
+     .meaning = "one factor > 0, or one per axis: SX SY [SZ]", .fewest = 1, .most = 3, .about = true,
+     .fault = [](const MotionStep& step) {
+         const bool positive = *std::min_element(step.numbers.begin(), step.numbers.end()) > 0;
+         return positive ? "" : "every factor must be > 0 (half a turn is `rotate 180`)";
+     },
+     .misfit = [](const MotionStep& step, int dim) -> std::string {
+         if (step.numbers.size() == 1 || static_cast<int>(step.numbers.size()) == dim) return "";
+         return " needs one factor or " + std::to_string(dim) + in_dimensions(dim);
+     },
+     .move = [](const MotionStep& step, Vec<3>& d) {
+         for (std::size_t i = 0; i < 3; ++i) d[i] *= step.numbers[std::min(i, step.numbers.size() - 1)];
+         return true;
+     }},
+
+    {.name = "circle", .form = "circle CX CY R", .meaning = "2D: to the closest point of the circle",
+     .fewest = 3, .most = 3, .centre = 2, .affine = false,
+     .fault = radius_fault, .misfit = planar_only, .move = project_from_centre},
+
+    {.name = "sphere", .form = "sphere CX CY CZ R", .meaning = "3D: to the closest point of the sphere",
+     .fewest = 4, .most = 4, .centre = 3, .affine = false,
+     .fault = radius_fault, .misfit = spatial_only, .move = project_from_centre},
+
+    {.name = "cylinder", .form = "cylinder PX PY PZ AX AY AZ R",
+     .meaning = "3D: to the closest point at distance R from the axis through P along A",
+     .fewest = 7, .most = 7, .centre = 3, .affine = false,
+     .fault = [](const MotionStep& step) {
+         const char* const axis = axis_fault(std::span(step.numbers).subspan(3, 3));
+         return *axis ? axis : radius_fault(step);
+     },
+     .misfit = spatial_only,
+     .move = [](const MotionStep& step, Vec<3>& d) {
+         const Vec<3> u = unit(padded(std::span(step.numbers).subspan(3, 3)));
+         const double along = dot(u, d);
+         return project({along * u[0], along * u[1], along * u[2]}, step.numbers.back(), d);
+     }},
+}};
+
+const MotionForm& find_form(std::string_view name) {
+    std::vector<std::string> names;
+    for (const MotionForm& form : forms) {
+        if (name == form.name) return form;
+        names.push_back(form.name);
     }
-    for (int i = 0; i < 3; ++i) x[i] = origin[i] + d[i];
+    throw UsageError("unknown motion " + in_backquotes(name) + ": did you mean " + in_backquotes(nearest(name, names)) +
+                     "?");
+}
+
+[[noreturn]] void refuse(const MotionForm& form, const std::string& why) {
+    throw UsageError(in_backquotes(form.name) + ": " + why + "; expected " + form.form);
+}
+
+void check_counts(const MotionForm& form, const MotionStep& step) {
+    const std::size_t count = step.numbers.size();
+    if (count < form.fewest || count > form.most)
+        refuse(form, std::to_string(count) + (count == 1 ? " number" : " numbers"));
+    if (!step.axis.empty() && step.axis.size() != 3) refuse(form, "`axis` needs 3 numbers");
+    if (!step.about.empty() && step.about.size() != 2 && step.about.size() != 3)
+        refuse(form, "`about` needs 2 numbers, or 3 in 3D");
+}
+
+MotionStep parse_step(std::string_view text) {
+    const auto written = words(text);
+    if (written.empty()) throw UsageError("a step of the motion is empty: put a step on both sides of every `;`");
+    const MotionForm& form = find_form(written[0]);
+    MotionStep step{&form, {}, {}, {}};
+    std::vector<double>* clause = &step.numbers;
+    for (std::size_t i = 1; i < written.size(); ++i) {
+        const auto number = parse_double(written[i]);
+        const bool axis = form.axis && written[i] == "axis", about = form.about && written[i] == "about";
+        if (number) {
+            clause->push_back(*number);
+        } else if (axis || about) {
+            clause = axis ? &step.axis : &step.about;
+            const bool empty = i + 1 == written.size() || !parse_double(written[i + 1]);
+            if (empty) refuse(form, in_backquotes(written[i]) + " needs numbers");
+            if (!clause->empty()) refuse(form, in_backquotes(written[i]) + " stands twice");
+        } else {
+            refuse(form, in_backquotes(written[i]) + " is not a number (separate numbers by blanks)");
+        }
+    }
+    check_counts(form, step);
+    if (const std::string why = form.fault(step); !why.empty()) refuse(form, why);
+    return step;
+}
+
+std::string to_string(const std::vector<double>& numbers) {
+    std::string text;
+    for (double v : numbers) text += ' ' + to_text(v);
+    return text;
+}
+
+std::string to_string(const MotionStep& step) {
+    std::string text = step.form->name + to_string(step.numbers);
+    if (!step.axis.empty()) text += " axis" + to_string(step.axis);
+    if (!step.about.empty()) text += " about" + to_string(step.about);
+    return text;
+}
+
+// Why the first step that does not fit `dim` dimensions does not; "" where all do.
+std::string misfit(const Motion& motion, int dim) {
+    for (const MotionStep& step : motion.steps) {
+        std::string why = step.form->misfit(step, dim);
+        if (why.empty() && !step.about.empty() && static_cast<int>(step.about.size()) != dim)
+            why = " needs " + std::to_string(dim) + " numbers after `about`" + in_dimensions(dim);
+        if (!why.empty()) return in_backquotes(to_string(step)) + why;
+    }
+    return "";
+}
+
+bool apply_step(const MotionStep& step, Vec<3>& x) {
+    const MotionForm& form = *step.form;
+    if (!form.move) return true;
+    const Vec<3> c = form.centre > 0 ? padded(std::span(step.numbers).first(form.centre)) : padded(step.about);
+    Vec<3> d = {x[0] - c[0], x[1] - c[1], x[2] - c[2]};
+    if (!form.move(step, d)) return false;
+    for (int i = 0; i < 3; ++i) x[i] = c[i] + d[i];
     return true;
 }
 
@@ -265,7 +254,7 @@ bool apply_step(const MotionStep& step, Vec<3>& x) {
 Motion parse_motion(std::string_view text) {
     Motion motion;
     for (const std::string_view piece : split(text, ';')) motion.steps.push_back(parse_step(piece));
-    const auto is_fixed = [](const MotionStep& step) { return step.kind == MotionKind::fixed; };
+    const auto is_fixed = [](const MotionStep& step) { return !step.form->move; };
     if (motion.steps.size() > 1 && std::any_of(motion.steps.begin(), motion.steps.end(), is_fixed))
         throw UsageError("`fixed` beside other steps: a fixed boundary does not move, remove one or the other");
     const std::string in_2d = misfit(motion, 2), in_3d = misfit(motion, 3);
@@ -287,9 +276,7 @@ bool apply(const Motion& motion, int dim, double* x) {
 }
 
 bool is_affine(const Motion& motion) {
-    return std::none_of(motion.steps.begin(), motion.steps.end(), [](const MotionStep& step) {
-        return step.kind == MotionKind::circle || step.kind == MotionKind::sphere || step.kind == MotionKind::cylinder;
-    });
+    return std::all_of(motion.steps.begin(), motion.steps.end(), [](const MotionStep& s) { return s.form->affine; });
 }
 
 std::string to_string(const Motion& motion) {
@@ -300,7 +287,7 @@ std::string to_string(const Motion& motion) {
 
 std::string motion_forms() {
     std::string text;
-    for (const StepForm& form : step_forms) text += table_row({form.form, form.meaning}, {50, 50});
+    for (const MotionForm& form : forms) text += table_row({form.form, form.meaning}, {50, 50});
     return text;
 }
 

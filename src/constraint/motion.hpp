@@ -3,9 +3,10 @@
 //
 //   boundary inner = rotate 30 about 0 0; translate 8 0
 //
-// The last three steps (circle, sphere, cylinder) map a point to its closest one on a curved surface: the target of
-// mesh curving. Coordinates in a step are those after the steps before it: the centre of a rotation does not move
-// along. Which steps fit a mesh is known only with its dimension: check_dimension().
+// Kinds of steps: fixed, translate, rotate, scale, and the projections circle, sphere, cylinder, which take a point to
+// its closest one on a curved surface: the target of mesh curving. Coordinates in a step are those after the steps
+// before it: the centre of a rotation is not moved by them. Which steps fit a mesh is known only with its dimension:
+// check_dimension(). Cost of apply(): O(number of steps) per point.
 #pragma once
 #include <string>
 #include <string_view>
@@ -13,14 +14,13 @@
 
 namespace almesh {
 
-enum class MotionKind { fixed, translate, rotate, scale, circle, sphere, cylinder };
+struct MotionForm;  // a kind of step: one row of the table in motion.cpp
 
 struct MotionStep {
-    MotionKind kind = MotionKind::fixed;
-    double amount = 0;           // rotate: angle in degrees, counter-clockwise; circle, sphere, cylinder: radius
-    std::vector<double> vector;  // translate: displacement; rotate, cylinder: axis; scale: one factor or one per axis
-    std::vector<double> point;   // rotate, scale: fixed point (empty: the origin); circle, sphere: centre;
-                                 // cylinder: a point of the axis
+    const MotionForm* form = nullptr;
+    std::vector<double> numbers;      // after the name, as `form` says
+    std::vector<double> axis, about;  // after these words; empty: not written
+
     bool operator==(const MotionStep&) const = default;
 };
 
@@ -41,10 +41,10 @@ void check_dimension(const Motion& motion, int dim);
 // projection is undefined: at the centre of the circle or sphere, on the axis of the cylinder.
 bool apply(const Motion& motion, int dim, double* x);
 
-// Whether it takes polynomials to polynomials of the same degree: it has no projection among its steps.
+// Whether it is an affine map, which takes polynomials to polynomials of the same degree: no step is a projection.
 bool is_affine(const Motion& motion);
 
-std::string to_string(const Motion& motion);  // parse_motion() gives the same motion again
+std::string to_string(const Motion& motion);  // parse_motion() reads it back
 
 // The steps, one line each: form and meaning, for the list of keys.
 std::string motion_forms();
