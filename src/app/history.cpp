@@ -1,74 +1,132 @@
 #include "app/history.hpp"
 
-#include <cmath>
+#include <array>
 
 #include "base/text.hpp"
 
 namespace almesh {
 namespace {
 
-std::string joined(const std::vector<std::string>& cells) {
-    std::string line = cells[0];
-    for (std::size_t k = 1; k < cells.size(); ++k) line += "," + cells[k];
-    return line + "\n";
-}
+// What a cell is taken from: a row of kind `al`, of `coarse` where stage is not null ...
+struct AlRow {
+    const AlIteration& it;
+    const CoarseStage* stage;
+    Units units;
+};
 
-// Why the step is shorter than one.
-std::string cut_reason(const NewtonStep& step) {
+// ... or one of kind `newton`.
+struct NewtonRow {
+    int al_iteration;
+    const NewtonStep& step;
+    Units units;
+};
+
+struct Column {
+    const char *name, *meaning;
+    // nullptr: the cell is empty.
+    std::string (*of_al)(const AlRow&);
+    std::string (*of_newton)(const NewtonRow&);
+    bool at_start = false;  // also in row 0, before anything was minimised
+};
+
+std::string text(int count) { return std::to_string(count); }
+std::string text(double value) { return to_text(value); }
+std::string text(const char* word) { return word; }
+
+const char* reason_of_cut(const NewtonStep& step) {
     if (step.cuts_inverted && step.cuts_decrease) return "inverted element; insufficient decrease";
     if (step.cuts_inverted) return "inverted element";
     return step.cuts_decrease ? "insufficient decrease" : "none";
 }
 
+const char* next_of(const CoarseStage& stage) { return stage.status == AlStatus::converged ? "finer mesh" : "dropped"; }
+
+using Al = const AlRow&;
+using Nw = const NewtonRow&;
+constexpr bool at_start = true;
+
+constexpr auto columns = std::to_array<Column>({
+    {"kind", "al: augmented Lagrangian iteration; newton: step of its subproblem; coarse: all of a coarser mesh",
+     [](Al r) { return text(r.stage ? "coarse" : "al"); }, [](Nw) { return text("newton"); }, at_start},
+    {"al_iteration", "number of the augmented Lagrangian iteration; 0: the mesh at the start",
+     [](Al r) { return text(r.it.iteration); }, [](Nw r) { return text(r.al_iteration); }, at_start},
+    {"newton_iteration", "number of the step in its subproblem", nullptr, [](Nw r) { return text(r.step.iteration); }},
+    {"energy", "E (Eq. 6), after the step", [](Al r) { return text(r.units.energy(r.it.energy)); },
+     [](Nw r) { return text(r.units.energy(r.step.energy)); }},
+    {"gradient_norm", "|grad E|, after the step", [](Al r) { return text(r.units.gradient(r.it.gradient_norm)); },
+     [](Nw r) { return text(r.units.gradient(r.step.gradient_norm)); }},
+    {"constraint_norm", "|c_D|", [](Al r) { return text(r.units.distance(r.it.constraint_norm)); }, nullptr, at_start},
+    {"projected_constraint_norm", "|P c_D|, on which convergence is judged",
+     [](Al r) { return text(r.units.distance(r.it.projected_constraint_norm)); }, nullptr, at_start},
+    {"mu", "penalty of the subproblem", [](Al r) { return text(r.units.penalty(r.it.mu)); }, nullptr},
+    {"omega", "tolerance of |grad E| in the subproblem", [](Al r) { return text(r.units.gradient(r.it.omega)); },
+     nullptr},
+    {"epsilon", "tolerance of |P c_D|^2 that decides between the updates",
+     [](Al r) { return text(r.units.squared_distance(r.it.epsilon)); }, nullptr},
+    {"relative_quality", "q", [](Al r) { return text(r.it.relative_quality); }, nullptr, at_start},
+    {"max_distortion", "largest eta", [](Al r) { return text(r.it.max_distortion); }, nullptr, at_start},
+    {"newton_iterations", "Newton steps of the subproblem, or on the coarser mesh",
+     [](Al r) { return text(r.stage ? r.stage->newton_iterations : r.it.newton_iterations); }, nullptr},
+    {"newton_status", "how the subproblem ended", [](Al r) { return text(to_string(r.it.newton_status)); }, nullptr},
+    {"update", "what was updated then: lambda, mu; coarse: whether the next mesh starts from it",
+     [](Al r) { return text(r.stage ? next_of(*r.stage) : to_string(r.it.update)); }, nullptr},
+    {"step_length", "of the line search", nullptr, [](Nw r) { return text(r.step.step_length); }},
+    {"cuts_inverted", "trial lengths refused because an element was inverted", nullptr,
+     [](Nw r) { return text(r.step.cuts_inverted); }},
+    {"cuts_decrease", "trial lengths refused because E did not decrease enough", nullptr,
+     [](Nw r) { return text(r.step.cuts_decrease); }},
+    {"cut_reason", "the two in words", nullptr, [](Nw r) { return text(reason_of_cut(r.step)); }},
+    {"hessian", "which Hessian the direction is from", nullptr, [](Nw r) { return text(to_string(r.step.hessian)); }},
+    {"solver", "which linear solver", nullptr, [](Nw r) { return text(to_string(r.step.solver)); }},
+    {"fallback", "how an iterative solver failed before Cholesky took over", nullptr,
+     [](Nw r) { return text(r.step.fallback == SolveStatus::converged ? "" : to_string(r.step.fallback)); }},
+    {"linear_iterations", "of cg or gmres", nullptr, [](Nw r) { return text(r.step.linear_iterations); }},
+    {"ilu_shift", "ILU(0) is of the matrix with its diagonal blocks times 1 + ilu_shift", nullptr,
+     [](Nw r) { return text(r.step.shift); }},
+    {"pocket_nodes", "nodes of the local minimisations after the step", nullptr,
+     [](Nw r) { return text(r.step.pocket_nodes); }},
+    {"pocket_steps", "Newton steps of these", nullptr, [](Nw r) { return text(r.step.pocket_steps); }},
+    {"nodes", "of the coarser mesh", [](Al r) { return r.stage ? text(r.stage->nodes) : ""; }, nullptr},
+    {"seconds", "since the iterations began; of a coarse row all of that mesh", [](Al r) { return text(r.it.seconds); },
+     nullptr, at_start},
+});
+
+// One line of the file; cell(column) gives its text.
+template <class Cell>
+std::string line(const Cell& cell) {
+    std::string cells;
+    for (const Column& column : columns) cells += cell(column) + ',';
+    cells.back() = '\n';
+    return cells;
+}
+
+std::string line(const AlRow& row) {
+    return line([&](const Column& column) {
+        const bool has_cell = row.it.iteration > 0 || row.stage || column.at_start;
+        return column.of_al && has_cell ? column.of_al(row) : std::string();
+    });
+}
+
 }  // namespace
 
-History::History(int dim, double length) : dim_(dim), length_(length) {
-    text_ = joined({"kind", "al_iteration", "newton_iteration", "energy", "gradient_norm", "constraint_norm",
-                    "projected_constraint_norm", "mu", "omega", "epsilon", "relative_quality", "max_distortion",
-                    "newton_iterations", "newton_status", "update", "step_length", "cuts_inverted", "cuts_decrease",
-                    "cut_reason", "hessian", "solver", "fallback", "linear_iterations", "ilu_shift",
-                    "pocket_nodes", "pocket_steps", "nodes", "seconds"});
+History::History(int dim, double length) : units_{dim, length} {
+    text_ = line([](const Column& column) { return std::string(column.name); });
 }
 
-void History::add(const AlIteration& row) {
-    if (row.iteration == 0) {  // nothing was minimised yet
-        text_ += joined({"al", "0", "", "", "", to_text(row.constraint_norm * length_),
-                         to_text(row.projected_constraint_norm * length_), "", "", "", to_text(row.relative_quality),
-                         to_text(row.max_distortion), "", "", "", "", "", "", "", "", "", "", "", "", "", "", "",
-                         to_text(row.seconds)});
-        return;
-    }
-    add("al", row, row.newton_iterations, to_string(row.update), "");
-}
+void History::add(const AlIteration& row) { text_ += line(AlRow{row, nullptr, units_}); }
 
-void History::add(const CoarseStage& stage) {
-    const char* const next = stage.status == AlStatus::converged ? "finer mesh" : "dropped";
-    add("coarse", stage.last, stage.newton_iterations, next, std::to_string(stage.nodes));
-}
-
-void History::add(const std::string& kind, const AlIteration& row, int newton_iterations, const std::string& update,
-                  const std::string& nodes) {
-    const double energy = std::pow(length_, dim_);
-    text_ += joined({kind, std::to_string(row.iteration), "", to_text(row.energy * energy),
-                     to_text(row.gradient_norm * energy / length_), to_text(row.constraint_norm * length_),
-                     to_text(row.projected_constraint_norm * length_), to_text(row.mu * energy / (length_ * length_)),
-                     to_text(row.omega * energy / length_), to_text(row.epsilon * length_ * length_),
-                     to_text(row.relative_quality), to_text(row.max_distortion), std::to_string(newton_iterations),
-                     to_string(row.newton_status), update, "", "", "", "", "", "", "", "", "", "", "", nodes,
-                     to_text(row.seconds)});
-}
+void History::add(const CoarseStage& stage) { text_ += line(AlRow{stage.last, &stage, units_}); }
 
 void History::add(int al_iteration, const NewtonStep& step) {
     ++newton_steps_;
-    const double energy = std::pow(length_, dim_);
-    text_ += joined({"newton", std::to_string(al_iteration), std::to_string(step.iteration),
-                     to_text(step.energy * energy), to_text(step.gradient_norm * energy / length_), "", "", "", "", "",
-                     "", "", "", "", "",
-                     to_text(step.step_length), std::to_string(step.cuts_inverted), std::to_string(step.cuts_decrease),
-                     cut_reason(step), to_string(step.hessian), to_string(step.solver),
-                     step.fallback == SolveStatus::converged ? "" : to_string(step.fallback),
-                     std::to_string(step.linear_iterations), to_text(step.shift), std::to_string(step.pocket_nodes),
-                     std::to_string(step.pocket_steps), "", ""});
+    const NewtonRow row = {al_iteration, step, units_};
+    text_ += line([&](const Column& column) { return column.of_newton ? column.of_newton(row) : std::string(); });
+}
+
+std::string columns_table() {
+    std::string table;
+    for (const Column& column : columns) table += table_row({column.name, column.meaning}, {27, 73});
+    return table;
 }
 
 }  // namespace almesh

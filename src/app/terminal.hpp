@@ -4,24 +4,26 @@
 #include <cstdio>
 #include <string>
 
+#include "app/units.hpp"
 #include "method/coarse_stage.hpp"
 
 namespace almesh {
 
 class Terminal {
 public:
-    // length: the run's unit in units of the mesh; norms are printed in those of the mesh.
+    // length: the run's unit, in units of the mesh file; norms are printed in those of the file.
     Terminal(std::FILE* out, int dim, double length);
 
     void header();
     void row(const CoarseStage& stage);
     void row(const AlIteration& iteration);
-    void live(int al_iteration, const NewtonStep& step);  // nothing where out is no terminal
+    void live(int al_iteration, const NewtonStep& step);  // prints nothing where out is no terminal
 
 private:
     std::FILE* out_;
     bool is_terminal_;
-    double length_, gradient_unit_, mu_unit_;
+    Units units_;
+    void row(const AlIteration& it, const char* update, int newton_iterations, const std::string& note);
     void clear_live_line();
 };
 
