@@ -19,7 +19,7 @@
 #include "constraint/dirichlet.hpp"
 #include "constraint/motion.hpp"
 #include "check/certificate.hpp"
-#include "app/expectation.hpp"
+#include "app/summary.hpp"
 #include "method/augmented_lagrangian.hpp"
 
 namespace almesh {

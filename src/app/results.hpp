@@ -7,7 +7,7 @@
 #include "constraint/dirichlet.hpp"
 #include "check/certificate.hpp"
 #include "app/deck.hpp"
-#include "app/expectation.hpp"
+#include "app/summary.hpp"
 #include "method/augmented_lagrangian.hpp"
 
 namespace almesh {
@@ -23,7 +23,7 @@ struct PhaseTimes {
 
 // What a run has found, in the run's unit of length (Problem::length).
 struct Solution {
-    std::vector<double> x;  // node_count x dim
+    std::vector<double> x;  // nodes x dim
     AlResult al;
     double max_boundary_error = 0;
     Certificate certificate;
@@ -33,12 +33,10 @@ struct Solution {
     int fallbacks = 0;  // Newton steps in which an iterative solver failed and Cholesky took over
 };
 
-Summary summarise(const Problem& problem, const Solution& solution);
-
 void write_deck(const Deck& deck, const Problem& problem);
 void write_initial(const Deck& deck, const Problem& problem);
 void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint,
                    const Solution& solution);
-void write_summary(const Deck& deck, const Summary& summary);
+void write_summary(const Deck& deck, const Summary& summary);  // summary.txt and expectations.csv
 
 }  // namespace almesh

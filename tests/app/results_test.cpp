@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "check/certificate.hpp"
-#include "app/expectation.hpp"
+#include "app/summary.hpp"
 #include "support/ring_deck.hpp"
 
 using namespace almesh;
@@ -25,8 +25,8 @@ TEST_CASE("a run prints its table and writes all files") {
     std::vector<std::string> files;
     for (const auto& entry : std::filesystem::directory_iterator(ring.output)) files.push_back(entry.path().filename());
     std::sort(files.begin(), files.end());
-    CHECK(files == std::vector<std::string>{"boundary.vtk", "deck.txt", "final.msh", "final.vtk", "history.csv",
-                                            "initial.vtk", "summary.txt"});
+    CHECK(files == std::vector<std::string>{"boundary.vtk", "deck.txt", "expectations.csv", "final.msh", "final.vtk",
+                                            "history.csv", "initial.vtk", "summary.txt"});
     for (const char* name : {"initial.vtk", "final.vtk", "boundary.vtk"}) {
         const std::string text = text_of(ring.output + "/" + name);
         CHECK(text.starts_with("# vtk DataFile Version 3.0\nA ring, "));

@@ -1,4 +1,4 @@
-#include "app/expectation.hpp"
+#include "app/summary.hpp"
 
 #include <doctest/doctest.h>
 
@@ -61,6 +61,17 @@ TEST_CASE("the result says what was expected and what came") {
     CHECK(check(parse_expectation("relative_quality = 0.9365 +- 0.0005"), summary).text ==
           "expected relative_quality = 0.9365 +- 0.0005, got 0.93653: holds");
     CHECK(check(parse_expectation("nodes <= 100"), summary).text == "expected nodes <= 100, got 841: fails");
+}
+
+TEST_CASE("a file of expectations has a row for each, in their order") {
+    CHECK(expectations_csv({}, summary) == "quantity,expected,got,holds\n");
+    CHECK(expectations_csv({parse_expectation("relative_quality = 0.9365 +- 0.0005"),
+                            parse_expectation("nodes <= 100"), parse_expectation("degree = 1")},
+                           summary) ==
+          "quantity,expected,got,holds\n"
+          "relative_quality,= 0.9365 +- 0.0005,0.93653,yes\n"
+          "nodes,<= 100,841,no\n"
+          "degree,= 1,nothing,no\n");
 }
 
 TEST_CASE("text of an expectation reads back") {
