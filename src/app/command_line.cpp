@@ -10,7 +10,6 @@
 #include "app/version.hpp"
 #include "base/error.hpp"
 #include "app/deck.hpp"
-#include "app/deck_keys.hpp"
 
 namespace almesh {
 namespace {

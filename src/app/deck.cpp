@@ -6,7 +6,6 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "app/deck_keys.hpp"
 
 namespace almesh {
 
@@ -142,12 +141,6 @@ std::string seen_from(const std::string& folder, const std::string& file) {
     return relative.empty() ? fs::absolute(to).string() : relative.string();
 }
 
-// A boundary name as it stands in a deck.
-std::string name_text(const std::string& name) {
-    const bool bare = words(name).size() == 1 && trim(name) == name && name.find_first_of("#=\"") == std::string::npos;
-    return bare ? name : with_quotes(name);
-}
-
 }  // namespace
 
 Deck parse_deck(std::string_view text, const std::string& path, const std::vector<std::string>& overrides) {
@@ -206,14 +199,12 @@ std::string resolved(const Deck& deck) {
     std::string text = "# Every key with its value: repeats the run from the folder in which it was started.\n";
     for (const DeckKey& key : deck_keys()) {
         text += "\n";
-        std::string comment = "[";
-        comment += legal_values(key) + "] " + key.meaning;
-        for (const std::string& line : wrap(comment, 98)) text += "# " + line + "\n";
-        text += key.name + " = " + value_text(shown, key) + "\n";
+        for (const std::string& line : wrap("[" + key.value.legal + "] " + key.meaning, 98)) text += "# " + line + "\n";
+        text += key.name + " = " + key.value.text(shown) + "\n";
     }
     if (!deck.boundaries.empty()) text += "\n# Motions of the boundaries.\n";
     for (const DeckBoundary& boundary : deck.boundaries)
-        text += "boundary " + name_text(boundary.name) + " = " + to_string(boundary.motion) + "\n";
+        text += "boundary " + quoted_where_needed(boundary.name, "#=\" \t") + " = " + to_string(boundary.motion) + "\n";
     if (!deck.expectations.empty()) text += "\n# Checked at the end of the run.\n";
     for (const Expectation& expectation : deck.expectations) text += "expect " + to_string(expectation) + "\n";
     return text;

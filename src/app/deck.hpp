@@ -10,6 +10,7 @@
 // of the same form on the command line replace those of the file: `refine=2`, `boundary inner=translate 4 0`,
 // `expect nodes = 3324` (which replaces all that the file expects of that quantity).
 #pragma once
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -67,7 +68,7 @@ Deck read_deck(const std::string& path, const std::vector<std::string>& override
 // The same from text in memory; `path` stands for the file.
 Deck parse_deck(std::string_view text, const std::string& path, const std::vector<std::string>& overrides = {});
 
-// What only the mesh tells: throws UsageError where a boundary line or `wall` names no boundary of the mesh, or where a
+// What only the mesh can tell: throws UsageError where a boundary line or `wall` names no boundary of the mesh, or where a
 // motion does not fit the dimension.
 void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string>& mesh_boundaries);
 
@@ -75,5 +76,31 @@ void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string
 // folder it gives the same Deck but for path, folder, name and places. A mesh that cannot be reached by a relative
 // path from there is given by its absolute one.
 std::string resolved(const Deck& deck);
+
+// The value of a key as text.
+struct DeckValue {
+    std::string legal;  // "integer in 0..8", "exact | nodal", "auto or number > 0"
+    // Reads the text; returns nothing, or where it is not legal a hint, which may be "".
+    std::function<std::optional<std::string>(Deck&, std::string_view)> set;
+    std::function<std::string(const Deck&)> text;  // set() reads it again
+};
+
+// One row of the table in deck_keys.cpp, which feeds the parser, the list of keys and the resolved deck.
+struct DeckKey {
+    std::string name;
+    DeckValue value;
+    std::string meaning;
+};
+
+const std::vector<DeckKey>& deck_keys();
+
+const DeckKey* find_key(std::string_view name);  // nullptr where there is none
+
+// Throws UsageError, without a place, for a text that is not a legal value.
+void set_value(Deck& deck, const DeckKey& key, std::string_view text);
+
+// The text of `almesh --keys`, within 100 columns: all keys with default, legal values and meaning, boundary, its
+// motions, expect, the quantities of the summary, the columns of the history.
+std::string keys_table();
 
 }  // namespace almesh

@@ -130,6 +130,11 @@ std::string in_backquotes(std::string_view text) { return std::string("`").appen
 
 std::string with_quotes(std::string_view text) { return std::string("\"").append(text).append("\""); }
 
+std::string quoted_where_needed(const std::string& text, const char* special) {
+    const bool bare = !text.empty() && trim(text) == text && text.find_first_of(special) == std::string::npos;
+    return bare ? text : with_quotes(text);
+}
+
 std::optional<std::string> without_quotes(std::string_view text) {
     if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
     if (text.find('"') != std::string_view::npos) return std::nullopt;

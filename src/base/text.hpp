@@ -44,6 +44,9 @@ std::string in_backquotes(std::string_view text);  // a word of the user, as mes
 // Text in double quotes. There is no escape: the text itself must not hold a double quote.
 std::string with_quotes(std::string_view text);
 
+// The text, in double quotes where it is empty, has blanks at an end or holds one of the special characters.
+std::string quoted_where_needed(const std::string& text, const char* special);
+
 // What stands inside the quotes, or the text itself where it is not quoted; nothing where a quote stands inside.
 std::optional<std::string> without_quotes(std::string_view text);
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "check/certificate.hpp"
-#include "app/deck_keys.hpp"
+#include "app/deck.hpp"
 #include "support/meshes.hpp"
 #include "support/program.hpp"
 

@@ -7,7 +7,6 @@
 #include <fstream>
 
 #include "base/error.hpp"
-#include "app/deck_keys.hpp"
 
 using namespace almesh;
 
@@ -32,7 +31,7 @@ std::string error_of(const std::string& text, const std::vector<std::string>& ov
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 void check_same(const Deck& a, const Deck& b) {
-    for (const DeckKey& key : deck_keys()) CHECK(value_text(a, key) == value_text(b, key));
+    for (const DeckKey& key : deck_keys()) CHECK(key.value.text(a) == key.value.text(b));
     REQUIRE(a.boundaries.size() == b.boundaries.size());
     for (std::size_t i = 0; i < a.boundaries.size(); ++i) {
         CHECK(a.boundaries[i].name == b.boundaries[i].name);
