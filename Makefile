@@ -31,9 +31,6 @@ ifeq ($(MAKELEVEL),0)
 MAKEFLAGS += -j$(shell nproc 2>/dev/null || sysctl -n hw.ncpu 2>/dev/null || echo 2)
 endif
 
-# The decks of the paper.
-PAPER     := circle circle-refined-1 circle-refined-2 circle-refined-3 circle-refined-4 circle-printed \
-             curving curving-printed aircraft aircraft-weighted aircraft-squared
 PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import numpy, matplotlib' 2>/dev/null && echo $(p))) python3)
 
 .DEFAULT_GOAL := all
@@ -90,7 +87,7 @@ doctest:
 	@CXX='$(CXX)' .ci/install-doctest
 
 paper: almesh ## run the paper's decks, compare with its tables: outputs/paper/tables.md
-	@for deck in $(PAPER); do \
+	@decks=$$($(PYTHON) plot/paper_tables.py --decks) && for deck in $$decks; do \
 	  ./almesh inputs/$$deck.deck; code=$$?; echo; \
 	  if [ $$code -ne 0 ]; then \
 	    echo "make paper: inputs/$$deck.deck ended with exit code $$code"; exit 1; fi; \

@@ -4,7 +4,7 @@ from outputs/bench.csv, where there is one: the growth of time and memory, the s
 
   plot/figures.py [name ...]     all, or those named: fig01 ... fig10, readme, scaling, splits
 
-Ends with exit code 1 where a run is missing, which it names; the other figures are drawn. Needs numpy and matplotlib.
+Ends with exit code 1 where a run, quantity or column is missing, which it names; the other figures are drawn. Needs numpy and matplotlib.
 """
 import sys
 
@@ -49,7 +49,7 @@ def main(names):
         try:
             FIGURES[name]()
             print(f"outputs/figures/{name}.png")
-        except runs.MissingRun as error:
+        except (runs.MissingRun, runs.MissingName) as error:
             print(f"{name} not drawn: {error}", file=sys.stderr)
             missing = True
         except runs.NoBench as error:

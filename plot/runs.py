@@ -1,5 +1,5 @@
-"""What a run leaves in outputs/<deck>/: summary.txt, history.csv and deck.txt; what `make bench` leaves in
-outputs/bench.csv. Standard library only."""
+"""What a run leaves in outputs/<deck>/: summary.txt, expectations.csv, history.csv and deck.txt; what `make bench` leaves
+in outputs/bench.csv. Standard library only."""
 import csv
 from pathlib import Path
 
@@ -10,8 +10,24 @@ class MissingRun(Exception):
     """A file of a run is not there; the text says which deck to run."""
 
 
+class MissingName(Exception):
+    """A file of a run has no quantity or column of this name; the text says which."""
+
+
 class NoBench(Exception):
-    """outputs/bench.csv is not there, or not what it takes."""
+    """outputs/bench.csv is not there, or has no rows of a group."""
+
+
+class Named(dict):
+    """{name: text} of a file of the program. A name that is not there raises MissingName."""
+
+    def __init__(self, path, entries):
+        super().__init__(entries)
+        self.path = path
+
+    def __missing__(self, name):
+        raise MissingName(f"{self.path} has no `{name}`: `./almesh --keys` lists the names that the program writes; run "
+                          "the deck again where the file is of another version")
 
 
 def path_of(deck, file):
@@ -24,14 +40,25 @@ def path_of(deck, file):
 
 def summary(deck):
     """{quantity: text} of summary.txt."""
-    lines = path_of(deck, "summary.txt").read_text().splitlines()
-    return dict(line.split(" = ", 1) for line in lines)
+    path = path_of(deck, "summary.txt")
+    return Named(path, (line.split(" = ", 1) for line in path.read_text().splitlines()))
+
+
+def table(deck, file):
+    """The rows of a CSV file, [{column: text}]."""
+    path = path_of(deck, file)
+    with path.open(newline="") as lines:
+        return [Named(path, row) for row in csv.DictReader(lines)]
+
+
+def expectations(deck):
+    """The `expect` lines of the deck, [{"quantity", "expected", "got", "holds": "yes" or "no"}]."""
+    return table(deck, "expectations.csv")
 
 
 def history(deck):
-    """The rows of history.csv, [{column: text}]: kind `al` per subproblem, `newton` per step, `coarse` per coarser mesh."""
-    with path_of(deck, "history.csv").open(newline="") as file:
-        return list(csv.DictReader(file))
+    """The rows of history.csv: kind `al` per subproblem, `newton` per step, `coarse` per coarser mesh."""
+    return table(deck, "history.csv")
 
 
 def al_rows(deck):
@@ -42,16 +69,6 @@ def al_rows(deck):
 def deck_lines(deck):
     """Lines of the resolved deck."""
     return path_of(deck, "deck.txt").read_text().splitlines()
-
-
-def expectations(deck):
-    """The `expect` lines, [(quantity, relation, value, tolerance)], the tolerance "" where there is none."""
-    found = []
-    for line in deck_lines(deck):
-        if line.startswith("expect "):
-            quantity, relation, value, *tolerance = line.split()[1:]
-            found.append((quantity, relation, value, tolerance[1] if tolerance else ""))
-    return found
 
 
 def bench(group):
