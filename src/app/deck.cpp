@@ -16,7 +16,7 @@ namespace {
 constexpr const char* command_line = "command line";
 constexpr std::size_t largest_file = 1000000;
 
-// A setting may replace one from elsewhere (the command line comes after the file), not one from the same place.
+// A setting of the command line may replace one of the file; two settings of the same place contradict each other.
 void check_repeat(const std::string& what, const std::string& earlier, const std::string& where) {
     if ((earlier == command_line) == (where == command_line))
         throw UsageError(what + " is already set (" + earlier + "): remove one of the two");
@@ -40,7 +40,7 @@ void read_key(Deck& deck, std::string_view name, std::string_view value, const s
     }
 }
 
-// Takes NAME = off the front of `text`.
+// Reads and removes `NAME =` at the beginning of `text`.
 std::string take_boundary_name(std::string_view& text) {
     const bool in_quotes = !text.empty() && text[0] == '"';
     const auto close = in_quotes ? text.find('"', 1) : std::string_view::npos;
@@ -88,7 +88,7 @@ void read_expectation(Deck& deck, std::string_view text, const std::string& wher
     deck.expectations.push_back(expectation);
 }
 
-// One setting without its comment.
+// A setting without its comment.
 void read_setting(Deck& deck, std::string_view text, const std::string& where) {
     const std::string_view first = text.substr(0, std::min(text.find_first_of(" \t="), text.size()));
     const std::string_view rest = trim(text.substr(first.size()));
@@ -128,13 +128,8 @@ void read_line(Deck& deck, std::string_view line, const std::string& where) {
     }
 }
 
-void complete(Deck& deck) {
-    if (deck.mesh.empty()) throw UsageError(deck.path + ": no mesh: add a line `mesh = FILE`, from the deck's folder");
-    if (deck.output.empty()) deck.output = (fs::path("outputs") / deck.name).string();
-}
-
-// `file` as seen from `folder`, both given from the current folder.
-std::string seen_from(const std::string& folder, const std::string& file) {
+// Path of `file` relative to `folder`, both given from the current folder; absolute where there is none.
+std::string relative_path(const std::string& folder, const std::string& file) {
     const fs::path from = fs::path(folder).lexically_normal(), to = fs::path(file);
     const bool reachable = from.is_relative() && to.is_relative() && !from.string().starts_with("..");
     const fs::path relative = reachable ? to.lexically_relative(from) : fs::path();
@@ -155,7 +150,8 @@ Deck parse_deck(std::string_view text, const std::string& path, const std::vecto
         text.remove_prefix(std::min(end + 1, text.size()));
     }
     for (const std::string& setting : overrides) read_line(deck, setting, command_line);
-    complete(deck);
+    if (deck.mesh.empty()) throw UsageError(path + ": no mesh: add a line `mesh = FILE`, from the deck's folder");
+    if (deck.output.empty()) deck.output = (fs::path("outputs") / deck.name).string();
     return deck;
 }
 
@@ -195,7 +191,7 @@ void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string
 
 std::string resolved(const Deck& deck) {
     Deck shown = deck;
-    shown.mesh = seen_from(deck.output, deck.mesh);
+    shown.mesh = relative_path(deck.output, deck.mesh);
     std::string text = "# Every key with its value: repeats the run from the folder in which it was started.\n";
     for (const DeckKey& key : deck_keys()) {
         text += "\n";

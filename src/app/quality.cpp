@@ -1,7 +1,8 @@
 #include "app/quality.hpp"
 
-#include "app/uncertified.hpp"
-#include "check/certificate.hpp"
+#include <array>
+
+#include "base/index.hpp"
 #include "check/quality.hpp"
 #include "io/msh_reader.hpp"
 #include "mesh/build.hpp"
@@ -9,8 +10,10 @@
 namespace almesh {
 namespace {
 
-void print_centre(std::FILE* out, const WorstElement& worst, int dim) {
-    for (int a = 0; a < dim; ++a) std::fprintf(out, "%s%.6g", a ? ", " : "", worst.centre[a]);
+void print_element(std::FILE* out, const Mesh& mesh, int element, const std::array<double, 3>& centre, double value) {
+    std::fprintf(out, "  %lld  (", mesh.element_id[element]);
+    for (int a = 0; a < mesh.dim; ++a) std::fprintf(out, "%s%.6g", a ? ", " : "", centre[a]);
+    std::fprintf(out, ")  %.4g\n", value);
 }
 
 }  // namespace
@@ -26,17 +29,29 @@ ExitCode quality(const std::string& mesh_path, std::FILE* out) {
     std::fprintf(out, "\nshape quality 1/eta against the regular simplex: min %.4g, mean %.4g; edges %.4g to %.4g\n%s",
                  shape.min, shape.mean, shape.min_edge, shape.max_edge, histogram_text(shape).c_str());
     std::fprintf(out, "\nworst elements (id, centre, quality):\n");
-    for (const WorstElement& worst : shape.worst) {
-        std::fprintf(out, "  %lld  (", mesh.element_id[worst.element]);
-        print_centre(out, worst, mesh.dim);
-        std::fprintf(out, ")  %.4g\n", worst.quality);
-    }
+    for (const WorstElement& worst : shape.worst) print_element(out, mesh, worst.element, worst.centre, worst.quality);
 
     const Certificate certificate = certify(mesh, mesh.x);
     std::fprintf(out, "\nscaled Jacobian >= %.6g everywhere", certificate.min_scaled_jacobian);
     std::fprintf(out, certificate.valid ? ": all elements certified valid\n" : "\n");
     print_uncertified(out, mesh, mesh.x, 1, certificate);
     return certificate.valid ? ExitCode::success : ExitCode::not_certified;
+}
+
+void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, double length,
+                       const Certificate& certificate) {
+    constexpr std::size_t shown = 10;
+    const std::vector<int>& bad = certificate.uncertified;
+    if (bad.empty()) return;
+    std::fprintf(out, "%zu elements NOT certified valid; the worst (id, centre, scaled Jacobian >=):\n", bad.size());
+    for (std::size_t k = 0; k < bad.size() && k < shown; ++k) {
+        std::array<double, 3> centre{};
+        for (int v = 0; v <= mesh.dim; ++v)
+            for (int a = 0; a < mesh.dim; ++a)
+                centre[a] += point(x, mesh.element(bad[k])[v], mesh.dim)[a] / (mesh.dim + 1);
+        for (double& coordinate : centre) coordinate *= length;
+        print_element(out, mesh, bad[k], centre, certificate.lower_bound[bad[k]]);
+    }
 }
 
 }  // namespace almesh

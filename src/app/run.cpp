@@ -5,7 +5,7 @@
 #include "method/continuation.hpp"
 #include "app/problem.hpp"
 #include "app/results.hpp"
-#include "app/uncertified.hpp"
+#include "app/quality.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "app/history.hpp"

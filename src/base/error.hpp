@@ -1,6 +1,5 @@
-// Errors a user can cause, carried as exceptions with the exit code they end the program with.
-// What the solvers meet on the way (no convergence, an indefinite matrix) is a result, not an error: see the
-// status enums of linalg/ and method/.
+// Errors that a user can cause, thrown as exceptions that carry the exit code of the program. What a solver ends with (no
+// convergence, an indefinite matrix) is a result, not an error: see the status enums of linalg/ and method/.
 #pragma once
 #include <stdexcept>
 #include <string>
@@ -30,7 +29,7 @@ struct InputError : Error {
     explicit InputError(const std::string& message) : Error(ExitCode::input, message) {}
 };
 
-// Said where an allocation fails, by whoever notices first; exit code `input`.
+// Printed where an allocation fails; the exit code is `input`.
 inline constexpr const char* out_of_memory = "almesh: out of memory; a coarser mesh takes less, and so may solver=cg\n";
 
 }  // namespace almesh

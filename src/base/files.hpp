@@ -1,6 +1,7 @@
-// Text files: read as a whole, written whole or not at all. Numbers are appended to a text buffer without locale,
-// allocation or stream.
+// Text files: read as a whole, written atomically. Long files are handed over piece by piece, formatted in parallel.
+// Numbers are appended to a text buffer without locale or stream.
 #pragma once
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -11,13 +12,32 @@ namespace almesh {
 std::string read_text_file(const std::string& path);
 
 // Writes a temporary file beside `path` and renames it, so that `path` holds the old contents or the new ones, never
-// a part. Symbolic links are followed. Throws InputError (disk full, no such folder, no permission, not a file).
+// a part of them. Symbolic links are followed. Throws InputError (disk full, no such folder, no permission, not a file).
 void write_file(const std::string& path, std::string_view content);
 
-// The same for a long text, handed over piece by piece: fill(sink) calls the sink with one after the other, and no more
-// than a piece need be in memory. fill must not throw.
+// The same for a long text: fill(sink) hands it to the sink piece by piece. fill must not throw.
 using TextSink = std::function<void(std::string_view)>;
 void write_file(const std::string& path, const std::function<void(const TextSink&)>& fill);
+
+// Formats rows 0 .. count - 1 and hands them to the sink; row(part, i) appends row i to `part`. Blocks of rows are
+// formatted in parallel and written in order: the same text for any number of threads, and one block per thread in
+// memory.
+template <class Row>
+void append_rows(const TextSink& sink, int count, const Row& row) {
+    constexpr int block = 4096;
+    const int blocks = (count + block - 1) / block;
+#pragma omp parallel if (blocks > 1)
+    {
+        std::string part;
+#pragma omp for ordered schedule(static, 1)
+        for (int b = 0; b < blocks; ++b) {
+            part.clear();
+            for (int i = b * block, end = std::min(count, i + block); i < end; ++i) row(part, i);
+#pragma omp ordered
+            sink(part);
+        }
+    }
+}
 
 // Makes the folder and those above it where they are missing. Throws InputError where that fails, or where nothing can
 // be written into it.

@@ -1,4 +1,4 @@
-// Wall-clock time, and where a run spends it.
+// Wall-clock times, in seconds, and what they are spent on.
 #pragma once
 #include <chrono>
 
@@ -13,12 +13,12 @@ private:
     Clock::time_point start_ = Clock::now();
 };
 
-// Seconds; total includes what the others leave out.
+// Seconds of the minimisation; total: all of it, what the other four leave out included.
 struct Timings {
     double total = 0, assembly = 0, linear = 0, line_search = 0, pockets = 0;
 };
 
-// Adds the time it lives to one of the fields of Timings.
+// Adds its lifetime to `sum`: the time of the block in which it stands.
 class TimeAdder {
 public:
     explicit TimeAdder(double& sum) : sum_(sum) {}

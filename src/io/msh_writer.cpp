@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "base/files.hpp"
-#include "base/text_rows.hpp"
 #include "io/msh_types.hpp"
 
 namespace almesh {

@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include "base/files.hpp"
-#include "base/text_rows.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {

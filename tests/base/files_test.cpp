@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/error.hpp"
+#include "support/targets.hpp"
 
 using namespace almesh;
 namespace fs = std::filesystem;
@@ -106,4 +107,18 @@ TEST_CASE("numbers are appended shortest, or with the digits asked for") {
     CHECK(shown(1e300, 9) == "1e+300");
     for (const double value : {1.0 / 3, 5e-324, -std::numeric_limits<double>::max(), 0.1 + 0.2})
         CHECK(std::strtod(shown(value).c_str(), nullptr) == value);
+}
+
+TEST_CASE("rows stand in their order behind what the text holds, for any count and number of threads") {
+    for (int count : {0, 1, 4095, 4096, 4097, 300000}) {  // blocks of 4096
+        std::string expected = "before\n";
+        for (int i = 0; i < count; ++i) expected += std::to_string(i) + "\n";
+        const auto texts = test::for_threads([&] {
+            std::string text = "before\n";
+            append_rows([&](std::string_view piece) { text += piece; }, count,
+                        [](std::string& part, int i) { part += std::to_string(i) + "\n"; });
+            return text;
+        });
+        for (const std::string& text : texts) CHECK(text == expected);
+    }
 }
