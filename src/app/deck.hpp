@@ -17,10 +17,10 @@
 #include <string_view>
 #include <vector>
 
+#include "app/summary.hpp"
+#include "check/certificate.hpp"
 #include "constraint/dirichlet.hpp"
 #include "constraint/motion.hpp"
-#include "check/certificate.hpp"
-#include "app/summary.hpp"
 #include "method/augmented_lagrangian.hpp"
 
 namespace almesh {
@@ -35,7 +35,7 @@ enum class Start { automatic, identity, coarse };
 enum class VtkOutput { ascii, binary, none };
 
 struct Deck {
-    // The keys, with their defaults, those of a part of the method in its own struct; an empty optional is `auto`.
+    // The keys with their defaults; parameters of the method stand in its own structs. An empty optional is `auto`.
     std::string mesh;    // path as seen from the current folder
     std::string output;  // folder, from the current one; outputs/<name> where the deck says nothing
     std::string title;
@@ -68,13 +68,13 @@ Deck read_deck(const std::string& path, const std::vector<std::string>& override
 // The same from text in memory; `path` stands for the file.
 Deck parse_deck(std::string_view text, const std::string& path, const std::vector<std::string>& overrides = {});
 
-// What only the mesh can tell: throws UsageError where a boundary line or `wall` names no boundary of the mesh, or where a
-// motion does not fit the dimension.
+// What cannot be checked without the mesh: throws UsageError where a boundary line or `wall` names no boundary of the
+// mesh, or where a motion does not fit the dimension.
 void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string>& mesh_boundaries);
 
 // Every key with its value, commented, as text of a deck to stand in the output folder. Read from the same current
-// folder it gives the same Deck but for path, folder, name and places. A mesh that cannot be reached by a relative
-// path from there is given by its absolute one.
+// folder it gives the same Deck but for path, folder, name and places. The mesh is given by its path relative to the
+// output folder, or by the absolute one where there is none.
 std::string resolved(const Deck& deck);
 
 // The value of a key as text.

@@ -96,8 +96,14 @@ DeckValue number(Range range) {
     return {(whole ? "integer " : optional ? "auto or number " : "number ") + range_text(range, whole), set, text};
 }
 
-std::vector<DeckKey> make_table() {
-    return {
+using Distortion = DistortionParams;
+using Method = AugmentedLagrangianParams;
+using Linear = LinearSolverParams;
+
+}  // namespace
+
+const std::vector<DeckKey>& deck_keys() {
+    static const std::vector<DeckKey> table = {
         {"mesh", text<&Deck::mesh>("file"),
          "Mesh to move; its path starts in the deck's folder, on the command line in the current one. Required."},
         {"output", text<&Deck::output>("folder"),
@@ -107,49 +113,47 @@ std::vector<DeckKey> make_table() {
         {"refine", number<&Deck::refine>({0, 8}), "Uniform refinements of the mesh before the run."},
         {"target", choice<&Deck::target>({"exact", "nodal"}),
          "Boundary target: the motion of every boundary point, or its interpolation at the nodes."},
-        {"objective", choice<&Deck::distortion, &DistortionParams::objective>({"squared", "deviation"}),
+        {"objective", choice<&Deck::distortion, &Distortion::objective>({"squared", "deviation"}),
          "Integral of eta^2 (the tables of the paper) or of (eta - 1)^2 (its Eq. 5)."},
-        {"delta", number<&Deck::distortion, &DistortionParams::delta>(not_negative),
+        {"delta", number<&Deck::distortion, &Distortion::delta>(not_negative),
          "Regularisation of det F in the distortion (Eq. 3), without unit; 0: none. Above 0 inverted elements have "
          "finite energy, and a step may invert one."},
-        {"weight_exponent", number<&Deck::distortion, &DistortionParams::weight_exponent>({0, 1}),
+        {"weight_exponent", number<&Deck::distortion, &Distortion::weight_exponent>({0, 1}),
          "alpha: an element weighs |e|^alpha in the integral; 1: the paper's, 0: all elements alike."},
-        {"algorithm", choice<&Deck::method, &AugmentedLagrangianParams::algorithm>({"adaptive", "paper", "literal"}),
+        {"algorithm", choice<&Deck::method, &Method::algorithm>({"adaptive", "paper", "literal"}),
          "Augmented Lagrangian schedule: multipliers at every step, Algorithm 1 as corrected, or as printed."},
         {"start", choice<&Deck::start>({"auto", "identity", "coarse"}),
          "First iterate: the ideal mesh, or with refine > 0 the solution on the mesh refined less, found the same way; "
          "auto: coarse with algorithm = adaptive, else identity."},
-        {"mu0", number<&Deck::method, &AugmentedLagrangianParams::mu0>(positive),
+        {"mu0", number<&Deck::method, &Method::mu0>(positive),
          "Algorithms paper and literal: first penalty mu, in units of |1|^2, the sum of |f|/h over the boundary "
          "faces."},
-        {"omega0", number<&Deck::method, &AugmentedLagrangianParams::omega0>(positive),
+        {"omega0", number<&Deck::method, &Method::omega0>(positive),
          "Algorithms paper and literal: tolerance of the gradient norm |grad E| in the first subproblem."},
-        {"epsilon0", number<&Deck::method, &AugmentedLagrangianParams::epsilon0>(positive),
+        {"epsilon0", number<&Deck::method, &Method::epsilon0>(positive),
          "Algorithms paper and literal: first tolerance of the squared constraint norm: above it Algorithm 1 raises "
          "mu, below it updates lambda."},
-        {"omega_star", number<&Deck::method, &AugmentedLagrangianParams::omega_star>(positive),
-         "Final tolerance of the gradient norm."},
-        {"epsilon_star", number<&Deck::method, &AugmentedLagrangianParams::epsilon_star>(positive),
+        {"omega_star", number<&Deck::method, &Method::omega_star>(positive), "Final tolerance of the gradient norm."},
+        {"epsilon_star", number<&Deck::method, &Method::epsilon_star>(positive),
          "Final tolerance of the squared constraint norm."},
         {"length_scale", number<&Deck::length_scale>(positive),
          "Length by which positions are divided in all tolerances; auto: |domain|^(1/n), 1: absolute values as in the "
          "paper."},
-        {"max_al_iterations", number<&Deck::method, &AugmentedLagrangianParams::max_iterations>({1, 1000}),
+        {"max_al_iterations", number<&Deck::method, &Method::max_iterations>({1, 1000}),
          "Augmented Lagrangian iterations at most."},
-        {"max_newton_iterations", number<&Deck::method, &AugmentedLagrangianParams::max_newton_iterations>({1, 100000}),
+        {"max_newton_iterations", number<&Deck::method, &Method::max_newton_iterations>({1, 100000}),
          "Newton steps at most, per subproblem."},
-        {"solver", choice<&Deck::linear, &LinearSolverParams::kind>({"auto", "cg", "gmres", "cholesky"}),
+        {"solver", choice<&Deck::linear, &Linear::kind>({"auto", "cg", "gmres", "cholesky"}),
          "Linear solver; auto: Cholesky in 2D and for small meshes, conjugate gradients for large ones in 3D."},
         {"forcing", choice<&Deck::forcing>({"auto", "fixed"}),
-         "Residual at which cg and gmres stop; auto: after full steps as exact as the model deserves "
-         "(Eisenstat-Walker), fixed: linear_tolerance."},
-        {"linear_tolerance", number<&Deck::linear, &LinearSolverParams::tolerance>({1e-15, 0.5}),
+         "Residual at which cg and gmres stop; auto: after full steps by the rule of Eisenstat and Walker, fixed: "
+         "linear_tolerance."},
+        {"linear_tolerance", number<&Deck::linear, &Linear::tolerance>({1e-15, 0.5}),
          "Relative residual at which cg and gmres stop; with forcing = auto the smallest one."},
-        {"gmres_restart", number<&Deck::linear, &LinearSolverParams::restart>({1, 1000}),
-         "GMRES iterations between restarts."},
-        {"gmres_max_iterations", number<&Deck::linear, &LinearSolverParams::max_iterations>({1, 100000}),
+        {"gmres_restart", number<&Deck::linear, &Linear::restart>({1, 1000}), "GMRES iterations between restarts."},
+        {"gmres_max_iterations", number<&Deck::linear, &Linear::max_iterations>({1, 100000}),
          "Iterations of cg or gmres at most, per system."},
-        {"quadrature", number<&Deck::distortion, &DistortionParams::exactness>({0, 40}),
+        {"quadrature", number<&Deck::distortion, &Distortion::exactness>({0, 40}),
          "Polynomial degree integrated exactly; 0: chosen by the degree, as always for linear elements."},
         {"certificate_bisections", number<&Deck::certificate, &CertificateParams::max_bisections>({0, 1000000}),
          "Bisections at most to certify an element valid."},
@@ -162,12 +166,6 @@ std::vector<DeckKey> make_table() {
          "Boundary whose distance is written with the results; \"\": none."},
         {"threads", number<&Deck::threads>({0, 1024}), "Threads; 0: all, or what OMP_NUM_THREADS says."},
     };
-}
-
-}  // namespace
-
-const std::vector<DeckKey>& deck_keys() {
-    static const std::vector<DeckKey> table = make_table();
     return table;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "base/text.hpp"
+#include "method/coarse_stage.hpp"
 
 namespace almesh {
 namespace {

@@ -6,9 +6,12 @@
 #include <string>
 
 #include "app/units.hpp"
-#include "method/coarse_stage.hpp"
 
 namespace almesh {
+
+struct AlIteration;
+struct CoarseStage;
+struct NewtonStep;
 
 class History {
 public:

@@ -2,12 +2,15 @@
 
 #include <cmath>
 
+#include "app/deck.hpp"
+#include "app/problem.hpp"
 #include "app/units.hpp"
 #include "app/version.hpp"
 #include "base/files.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "check/wall_distance.hpp"
+#include "constraint/dirichlet.hpp"
 #include "io/msh_writer.hpp"
 #include "io/vtk.hpp"
 

@@ -1,23 +1,23 @@
-// The files of a run, in the units of the mesh file: what they hold is told in the README under "Results".
+// The files of a run, in the units of the mesh file; what they hold stands in the README under "Results". All functions
+// throw InputError where a file cannot be written.
 #pragma once
-#include <string>
 #include <vector>
 
-#include "app/problem.hpp"
-#include "constraint/dirichlet.hpp"
-#include "check/certificate.hpp"
-#include "app/deck.hpp"
 #include "app/summary.hpp"
+#include "check/certificate.hpp"
 #include "method/augmented_lagrangian.hpp"
 
 namespace almesh {
+
+struct Deck;
+struct Problem;
 
 // Seconds of a run outside the iterations on the deck's own mesh; with them they add up to the run.
 struct PhaseTimes {
     double setup = 0;    // mesh, target and its checks, functional, pattern and ordering of the matrix
     double coarse = 0;   // coarser meshes: part of Timings::total
     double certify = 0;  // certificate, largest distance from the target
-    double write = 0;    // files of results, but for history.csv and summary.txt
+    double write = 0;    // files of results, but for history.csv, summary.txt, expectations.csv
     double run = 0;      // the whole
 };
 
@@ -27,14 +27,15 @@ struct Solution {
     AlResult al;
     double max_boundary_error = 0;
     Certificate certificate;
-    Timings time;           // total: of the coarse stages and the iterations
+    Timings time;  // total: of the coarse stages and the iterations
     PhaseTimes phases;
     int coarse_newton_iterations = 0;  // on the coarser meshes
-    int fallbacks = 0;  // Newton steps in which an iterative solver failed and Cholesky took over
+    int fallbacks = 0;                 // Newton steps in which an iterative solver failed and Cholesky took over
 };
 
-void write_deck(const Deck& deck, const Problem& problem);
-void write_initial(const Deck& deck, const Problem& problem);
+void write_deck(const Deck& deck, const Problem& problem);     // deck.txt
+void write_initial(const Deck& deck, const Problem& problem);  // initial.vtk
+// final.msh, final.vtk, boundary.vtk
 void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint,
                    const Solution& solution);
 void write_summary(const Deck& deck, const Summary& summary);  // summary.txt and expectations.csv

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "app/problem.hpp"
 #include "app/results.hpp"
 #include "app/units.hpp"
 #include "base/error.hpp"

@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include "method/coarse_stage.hpp"
+
 namespace almesh {
 
 Terminal::Terminal(std::FILE* out, int dim, double length)

@@ -1,5 +1,5 @@
-// Errors that a user can cause, thrown as exceptions that carry the exit code of the program. What a solver ends with (no
-// convergence, an indefinite matrix) is a result, not an error: see the status enums of linalg/ and method/.
+// Errors that a user can cause, thrown as exceptions that carry the exit code of the program. What a solver ends with
+// (no convergence, an indefinite matrix) is a result, not an error: see the status enums of linalg/ and method/.
 #pragma once
 #include <stdexcept>
 #include <string>

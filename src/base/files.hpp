@@ -12,7 +12,8 @@ namespace almesh {
 std::string read_text_file(const std::string& path);
 
 // Writes a temporary file beside `path` and renames it, so that `path` holds the old contents or the new ones, never
-// a part of them. Symbolic links are followed. Throws InputError (disk full, no such folder, no permission, not a file).
+// a part of them. Symbolic links are followed. Throws InputError (disk full, no such folder, no permission, not a
+// file).
 void write_file(const std::string& path, std::string_view content);
 
 // The same for a long text: fill(sink) hands it to the sink piece by piece. fill must not throw.

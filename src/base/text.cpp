@@ -87,7 +87,7 @@ int edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
-    const std::string lower = lower_case(word.substr(0, 100));  // the cost of a pasted novel stays small
+    const std::string lower = lower_case(word.substr(0, 100));  // bounds the cost for long texts
     std::string best;
     int least = std::numeric_limits<int>::max();
     for (const std::string& candidate : candidates) {

@@ -1,8 +1,5 @@
-// Text tools of the deck, the motions and the command line: trimming and splitting, strict number parsing,
-// shortest round-trip number printing, spelling suggestions.
-//
-// Edit distance: optimal string alignment (Levenshtein's insert, delete, replace, plus the swap of two neighbours), by
-// dynamic programming in O(|a| |b|).
+// Text of decks and tables: trimming and splitting, strict number parsing, shortest round-trip number printing,
+// spelling suggestions, quotes.
 #pragma once
 #include <limits>
 #include <optional>
@@ -26,13 +23,14 @@ std::optional<int> parse_int(std::string_view text, int lowest = std::numeric_li
 // Shortest text that parse_double() turns into the same bits, as %g prints it: 0.0005, 1e-08, 841.
 std::string to_text(double value);
 
+// Optimal string alignment: least number of insertions, deletions, replacements and swaps of two neighbours that turn
+// one text into the other (Levenshtein's distance with swaps), by dynamic programming in O(|a| |b|).
 int edit_distance(std::string_view a, std::string_view b);
 
-// Candidate of least edit distance to `word`, upper and lower case being the same; the first one of several, "" of
-// none.
+// The candidate of least edit distance to `word`, ignoring case; the first of several, "" of none.
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
 
-// `text` cut at blanks into lines of at most `width` characters (longer words stand alone).
+// `text` broken at blanks into lines of at most `width` characters (longer words stand alone).
 std::vector<std::string> wrap(std::string_view text, std::size_t width);
 
 // One row of a table, with its line end: cell i padded to width[i] characters, the last one wrapped within width[i].

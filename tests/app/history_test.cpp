@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/text.hpp"
+#include "method/coarse_stage.hpp"
 #include "support/rows.hpp"
 
 using namespace almesh;
