@@ -27,8 +27,7 @@ void read_key(Deck& deck, std::string_view name, std::string_view value, const s
     if (!key) {
         std::vector<std::string> names = {"boundary", "expect"};
         for (const DeckKey& known : deck_keys()) names.push_back(known.name);
-        throw UsageError("unknown key " + in_backquotes(name) + ": did you mean " +
-                         in_backquotes(nearest(name, names)) + "?");
+        throw UsageError("unknown key " + in_backquotes(name) + did_you_mean(name, names));
     }
     if (const auto it = deck.given.find(key->name); it != deck.given.end())
         check_repeat(in_backquotes(key->name), it->second, where);

@@ -42,7 +42,7 @@ DeckValue choice(const std::vector<std::string>& names) {
     for (const std::string& name : names) legal += (legal.empty() ? "" : " | ") + name;
     const auto set = [names](Deck& deck, std::string_view written) -> Hint {
         const auto it = std::find(names.begin(), names.end(), written);
-        if (it == names.end()) return ": did you mean " + in_backquotes(nearest(written, names)) + "?";
+        if (it == names.end()) return did_you_mean(written, names);
         auto& value = field<path...>(deck);
         value = static_cast<std::remove_reference_t<decltype(value)>>(it - names.begin());
         return std::nullopt;

@@ -110,8 +110,7 @@ constexpr auto quantities = std::to_array<Quantity>({
 const Quantity& find_quantity(const std::string& name) {
     for (const Quantity& quantity : quantities)
         if (name == quantity.name) return quantity;
-    throw UsageError("the summary has no quantity " + in_backquotes(name) + ": did you mean " +
-                     in_backquotes(nearest(name, summary_quantities())) + "?");
+    throw UsageError("the summary has no quantity " + in_backquotes(name) + did_you_mean(name, summary_quantities()));
 }
 
 std::string with_form(const std::string& why) {

@@ -99,6 +99,10 @@ std::string nearest(std::string_view word, const std::vector<std::string>& candi
     return best;
 }
 
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
+    return ": did you mean " + in_backquotes(nearest(word, candidates)) + "?";
+}
+
 std::vector<std::string> wrap(std::string_view text, std::size_t width) {
     std::vector<std::string> lines;
     for (const std::string_view word : words(text)) {

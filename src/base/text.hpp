@@ -30,6 +30,9 @@ int edit_distance(std::string_view a, std::string_view b);
 // The candidate of least edit distance to `word`, ignoring case; the first of several, "" of none.
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
 
+// ": did you mean `degree`?", with the nearest candidate.
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
+
 // `text` broken at blanks into lines of at most `width` characters (longer words stand alone).
 std::vector<std::string> wrap(std::string_view text, std::size_t width);
 

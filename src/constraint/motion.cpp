@@ -173,8 +173,7 @@ const MotionForm& find_form(std::string_view name) {
         if (name == form.name) return form;
         names.push_back(form.name);
     }
-    throw UsageError("unknown motion " + in_backquotes(name) + ": did you mean " + in_backquotes(nearest(name, names)) +
-                     "?");
+    throw UsageError("unknown motion " + in_backquotes(name) + did_you_mean(name, names));
 }
 
 [[noreturn]] void refuse(const MotionForm& form, const std::string& why) {

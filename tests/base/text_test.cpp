@@ -79,6 +79,7 @@ TEST_CASE("nearest word") {
     CHECK(nearest("erfine", keys) == "refine");
     CHECK(nearest("tree", {"three", "free"}) == "three");  // both at distance 1: the first
     CHECK(nearest("x", {}) == "");
+    CHECK(did_you_mean("degre", keys) == ": did you mean `degree`?");
 }
 
 TEST_CASE("lines and tables") {
