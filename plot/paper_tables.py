@@ -8,6 +8,7 @@ Ends with exit code 1, and one line per failure on stderr, where a deck has not 
 `expect` lines does not hold, or a value is off the paper's by more than the tolerances below. Standard library only.
 """
 import sys
+from collections import namedtuple
 
 import runs
 from paper_values import (AIRCRAFT_SIZE, CIRCLE_MAX_DISTORTION, CONVERGENCE, CURVING_SIZE, CURVING_TIME_IN_TEXT,
@@ -20,17 +21,7 @@ DECKS = ["circle", "circle-refined-1", "circle-refined-2", "circle-refined-3", "
          "curving", "curving-printed", "aircraft", "aircraft-weighted", "aircraft-squared"]
 
 
-class Checks:
-    """Every comparison made: (deck, quantity, expected, got, holds)."""
-
-    def __init__(self):
-        self.rows = []
-
-    def add(self, deck, quantity, expected, got, holds):
-        self.rows.append((deck, quantity, expected, got, holds))
-
-    def failures(self):
-        return [row for row in self.rows if not row[4]]
+Check = namedtuple("Check", "deck quantity expected got holds")
 
 
 # ---------------------------------------------------------------------------------------------------------- comparisons
@@ -40,22 +31,22 @@ def check_deck(checks, deck):
     rows = runs.expectations(deck)
     if not any(row["quantity"] == "status" for row in rows):
         status = runs.summary(deck)["status"]
-        checks.add(deck, "status", "= converged", status, status == "converged")
+        checks.append(Check(deck, "status", "= converged", status, status == "converged"))
     for row in rows:
-        checks.add(deck, row["quantity"], row["expected"], row["got"], row["holds"] == "yes")
+        checks.append(Check(deck, row["quantity"], row["expected"], row["got"], row["holds"] == "yes"))
 
 
 def check_quality(checks, deck, paper, what):
     got = runs.summary(deck)["relative_quality"]
     near = abs(float(got) - paper) <= QUALITY_TOLERANCE
-    checks.add(deck, f"relative_quality ({what})", f"= {paper} +- {QUALITY_TOLERANCE}", got, near)
+    checks.append(Check(deck, f"relative_quality ({what})", f"= {paper} +- {QUALITY_TOLERANCE}", got, near))
 
 
 def check_al_iterations(checks, deck, paper, what, at_most=False):
     got = int(runs.summary(deck)["al_iterations"])
     expected = f"<= {paper}" if at_most else f"= {paper} +- {AL_TOLERANCE}"
     near = got <= paper if at_most else abs(got - paper) <= AL_TOLERANCE
-    checks.add(deck, f"al_iterations ({what})", expected, str(got), near)
+    checks.append(Check(deck, f"al_iterations ({what})", expected, str(got), near))
 
 
 def check_program(checks):
@@ -64,7 +55,7 @@ def check_program(checks):
     for deck in DECKS:
         programs.setdefault(runs.deck_lines(deck)[0].lstrip("# "), []).append(deck)
     got = "; ".join(f"{program} ({', '.join(decks)})" for program, decks in programs.items())
-    checks.add("all decks", "program", "the same: run `make paper`", got, len(programs) == 1)
+    checks.append(Check("all decks", "program", "the same: run `make paper`", got, len(programs) == 1))
 
 
 def check_table1(checks):
@@ -73,7 +64,7 @@ def check_table1(checks):
         nodes = NODES_MEANT if row.nodes == MISPRINTED_NODES else row.nodes
         for quantity, value in (("elements", row.elements), ("nodes", nodes)):
             got = summary[quantity]
-            checks.add(row.deck, f"{quantity} (Table 1)", f"= {value}", got, got == str(value))
+            checks.append(Check(row.deck, f"{quantity} (Table 1)", f"= {value}", got, got == str(value)))
         check_quality(checks, row.deck, row.quality, "Table 1")
         check_al_iterations(checks, row.deck, row.al_iterations, "Table 1")
 
@@ -87,7 +78,7 @@ def check_table2(checks):
 
 
 def all_checks():
-    checks = Checks()
+    checks = []
     for deck in DECKS:
         check_deck(checks, deck)
     check_program(checks)
@@ -178,7 +169,7 @@ def outcomes(decks):
 
 def checked(checks):
     rows = [(f"`{deck}`", quantity, expected, got, "yes" if good else "**no**")
-            for deck, quantity, expected, got, good in checks.rows]
+            for deck, quantity, expected, got, good in checks]
     return markdown(["deck", "quantity", "expected", "got", "holds"], rows)
 
 
@@ -246,10 +237,10 @@ def main(arguments):
     path = runs.OUTPUTS / "paper" / "tables.md"
     path.parent.mkdir(exist_ok=True)
     path.write_text(document(checks))
-    failures = checks.failures()
-    for deck, quantity, expected, got, _ in failures:
-        print(f"{deck}: {quantity}: expected {expected}, got {got}", file=sys.stderr)
-    print(f"outputs/paper/tables.md: {len(checks.rows) - len(failures)} of {len(checks.rows)} checks hold")
+    failures = [check for check in checks if not check.holds]
+    for check in failures:
+        print(f"{check.deck}: {check.quantity}: expected {check.expected}, got {check.got}", file=sys.stderr)
+    print(f"outputs/paper/tables.md: {len(checks) - len(failures)} of {len(checks)} checks hold")
     return 1 if failures else 0
 
 
