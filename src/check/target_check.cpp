@@ -9,7 +9,6 @@
 
 #include "base/parallel.hpp"
 #include "geometry/patch_contact.hpp"
-#include "geometry/patch_normal.hpp"
 
 namespace almesh {
 namespace {
@@ -122,14 +121,13 @@ struct Check {
 enum FaceFault : char { fine, collapsed, folded_back };
 
 FaceFault fault_of_face(const PatchNormal& form, const Patch& patch, int dim) {
-    const int count = form.basis().count;
-    const std::array<std::vector<double>, 3> n = form.coefficients(patch);
-    Point mean;  // the mean of a polynomial is that of its Bezier coefficients
-    for (int c = 0; c < 3; ++c) mean[c] = std::accumulate(n[c].begin(), n[c].end(), 0.0) / count;
+    const std::vector<Vec<3>> n = form.coefficients(patch);
+    Vec<3> mean{};  // the mean of a polynomial is that of its Bezier coefficients
+    for (const Vec<3>& v : n) mean = mean + (1.0 / n.size()) * v;
     const double squared = dot(mean, mean);
     if (!(std::sqrt(squared) > degenerate * std::pow(largest_side(box_of(patch)), dim - 1))) return collapsed;
-    std::vector<double> along(count);
-    for (int a = 0; a < count; ++a) along[a] = dot({n[0][a], n[1][a], n[2][a]}, mean) / squared;
+    std::vector<double> along;
+    for (const Vec<3>& v : n) along.push_back(dot(v, mean) / squared);
     return polynomial_minimum(form.basis(), along.data(), 0.01, 500).upper <= smallest_normal ? folded_back : fine;
 }
 
@@ -150,7 +148,7 @@ std::vector<double> enclosed(const Check& check, const Surface& surface) {
     const PatchNormal form(check.mesh.dim, check.mesh.degree);
     std::vector<double> cone(check.mesh.face_count()), sum(check.parts.size(), 0.0);
     parallel_for(check.mesh.face_count(), [&](int f) {
-        cone[f] = form.cone(surface.patches[f], surface.patches[check.parts[check.part[f]].first_face].point(0));
+        cone[f] = form.cone(surface.patches[f], surface.patches[check.parts[check.part[f]].first_face][0]);
     }, face_work);
     for (int f = 0; f < check.mesh.face_count(); ++f) sum[check.part[f]] += cone[f];
     return sum;
@@ -162,7 +160,7 @@ void check_closed_parts(Check& check) {
     std::vector<double> size(check.parts.size(), 0.0);
     for (int f = 0; f < mesh.face_count(); ++f) {
         const int k = check.part[f];
-        const Point d = check.target.patches[f].point(0) - check.target.patches[check.parts[k].first_face].point(0);
+        const Vec<3> d = check.target.patches[f][0] - check.target.patches[check.parts[k].first_face][0];
         size[k] = std::max(size[k], std::sqrt(dot(d, d)));
     }
     for (std::size_t k = 0; k < check.parts.size(); ++k) {
@@ -187,13 +185,13 @@ std::vector<std::array<int, 2>> shared_corners(const Mesh& mesh, int f, int g) {
 
 // Direction in which the face leaves what it shares with its neighbour: a corner (2D), or the middle of the edge from
 // corner i to corner j, then perpendicular to it.
-Point leaving_corner(const Bernstein& basis, const Patch& patch, int i) { return side_tangent(basis, patch, i, 1 - i); }
+Vec<3> leaving_corner(const Bernstein& basis, const Patch& patch, int i) { return side_tangent(basis, patch, i, 1 - i); }
 
-Point leaving_edge(const Bernstein& basis, const Patch& patch, int i, int j) {
+Vec<3> leaving_edge(const Bernstein& basis, const Patch& patch, int i, int j) {
     const int a = std::min(i, j), b = std::max(i, j);
     const Patch half = bisect(basis, patch, a, b).first;  // the middle is its corner b
-    const Point edge = side_tangent(basis, half, b, a);
-    Point leaving = side_tangent(basis, half, b, 3 - a - b);
+    const Vec<3> edge = side_tangent(basis, half, b, a);
+    Vec<3> leaving = side_tangent(basis, half, b, 3 - a - b);
     const double along = dot(leaving, edge) / dot(edge, edge);
     for (int c = 0; c < 3; ++c) leaving[c] -= along * edge[c];
     return leaving;
@@ -201,8 +199,8 @@ Point leaving_edge(const Bernstein& basis, const Patch& patch, int i, int j) {
 
 bool folded_flat(const Bernstein& basis, const Patch& f, const Patch& g,
                  const std::vector<std::array<int, 2>>& shared) {
-    const auto closed = [](const Point& u, const Point& v) {
-        const Point turn = cross(u, v);
+    const auto closed = [](const Vec<3>& u, const Vec<3>& v) {
+        const Vec<3> turn = cross(u, v);
         return std::atan2(std::sqrt(dot(turn, turn)), dot(u, v)) < flat_fold;
     };
     if (basis.dim == 1)

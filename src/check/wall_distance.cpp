@@ -21,14 +21,14 @@ constexpr double node_work = 1e3;  // simple operations to find the distance of 
 struct Piece {
     int face;                          // number within the wall
     std::array<Barycentric, 4> start;  // m + 2 parameter points
-    std::array<Point, 4> at;           // where they lie, relative to the origin of the face
+    std::array<Vec<3>, 4> at;           // where they lie, relative to the origin of the face
 };
 
 struct Wall {
     int dim;
     FaceProjector projector;
-    std::vector<Point> origin;   // per face: its first vertex
-    std::vector<Point> control;  // per face: projector.count() Bezier points relative to the origin
+    std::vector<Vec<3>> origin;   // per face: its first vertex
+    std::vector<Vec<3>> control;  // per face: projector.count() Bezier points relative to the origin
     std::vector<Piece> pieces;
     std::vector<Box> boxes;      // per piece
 };
@@ -50,7 +50,7 @@ void append_pieces(const Bernstein& basis, const Patch& patch, int face, const s
     Piece piece{face, {}, {}};
     for (int v = 0; v <= m; ++v) {
         piece.start[v] = corner[v];
-        piece.at[v] = patch.point(v) - wall.origin[face];
+        piece.at[v] = patch[v] - wall.origin[face];
         for (int k = 0; k < 3; ++k) {  // the centre lies where it would on the flat piece, as near as a start needs
             piece.start[m + 1][k] += corner[v][k] / (m + 1);
             piece.at[m + 1][k] += piece.at[v][k] / (m + 1);
@@ -72,29 +72,29 @@ Wall make_wall(const Mesh& mesh, const std::vector<double>& x, const std::vector
             nodes.insert(nodes.end(), position, position + dim);
         }
         const Patch patch = make_patch(basis, nodes.data(), dim);
-        wall.origin.push_back(patch.point(0));
+        wall.origin.push_back(patch[0]);
         for (int k = dim * mesh.face_nodes() - 1; k >= 0; --k) nodes[k] -= nodes[k % dim];
         const Patch local = make_patch(basis, nodes.data(), dim);  // exact differences, not those of Bezier points
-        for (int k = 0; k < mesh.face_nodes(); ++k) wall.control.push_back(local.point(k));
+        for (int k = 0; k < mesh.face_nodes(); ++k) wall.control.push_back(local[k]);
         const int face = static_cast<int>(wall.origin.size()) - 1;
         append_pieces(basis.bernstein, patch, face, {{{1, 0, 0}, {0, 1, 0}, {0, 0, m - 1.0}}}, 0, wall);
     }
     return wall;
 }
 
-double squared_distance(const Wall& wall, const Piece& piece, const double* x, std::vector<Point>& work) {
-    Point local{};
+double squared_distance(const Wall& wall, const Piece& piece, const double* x, std::vector<Vec<3>>& work) {
+    Vec<3> local{};
     for (int a = 0; a < wall.dim; ++a) local[a] = x[a] - wall.origin[piece.face][a];
     int closest = 0;
     double best = std::numeric_limits<double>::max();
     for (int s = 0; s <= wall.dim; ++s) {
-        const Point d = piece.at[s] - local;
+        const Vec<3> d = piece.at[s] - local;
         if (dot(d, d) < best) {
             best = dot(d, d);
             closest = s;
         }
     }
-    const Point* const control = &wall.control[static_cast<std::size_t>(piece.face) * wall.projector.count()];
+    const Vec<3>* const control = &wall.control[static_cast<std::size_t>(piece.face) * wall.projector.count()];
     return wall.projector.squared_distance(control, local, piece.start[closest], work);
 }
 
@@ -115,7 +115,7 @@ std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x
     const int count = mesh.nodes();
     std::vector<double> distance(count, 0.0);
     parallel_for((count + block_nodes - 1) / block_nodes, [&](int block) {
-        std::vector<Point> work(2 * static_cast<std::size_t>(wall.projector.count()));
+        std::vector<Vec<3>> work(2 * static_cast<std::size_t>(wall.projector.count()));
         for (int i = block * block_nodes; i < std::min(count, (block + 1) * block_nodes); ++i) {
             if (on_wall[i]) continue;
             const double* const point = &x[static_cast<std::size_t>(i) * mesh.dim];

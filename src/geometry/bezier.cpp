@@ -11,8 +11,6 @@ namespace {
 
 double factorial(int n) { return n < 2 ? 1 : n * factorial(n - 1); }
 
-int edge_place(int dim, int a, int b) { return a * (dim + 1) + b; }
-
 using Terms = std::map<MultiIndex, double>;  // a homogeneous polynomial of the barycentric coordinates
 
 // terms * (degree l_k - j (l_0 + ... + l_dim))
@@ -66,36 +64,20 @@ Bernstein::Bernstein(int dim_, int degree_)
         for (int k = 0; k <= dim; ++k) value /= factorial(a[k]);
         multinomial.push_back(value);
     }
-    rows_.resize(edge_place(dim, dim, dim));
+    rows_.resize((dim + 1) * (dim + 1));
     for (int a = 0; a <= dim; ++a)
         for (int b = a + 1; b <= dim; ++b)
-            for (const MultiIndex& start : index) {
-                if (start[b] != 0 || start[a] == 0) continue;  // every row once, from its end near corner a
-                std::vector<int>& rows = rows_[edge_place(dim, a, b)];
-                rows.push_back(start[a] + 1);
-                MultiIndex at = start;
-                for (int s = 0; s <= start[a]; ++s, --at[a], ++at[b]) rows.push_back(find(at));
+            for (MultiIndex at : index) {
+                if (at[b] != 0 || at[a] == 0) continue;  // every row once, from its end near corner a
+                std::vector<int> row;
+                for (; at[a] >= 0; --at[a], ++at[b]) row.push_back(find(at));
+                rows_[edge(a, b)].push_back(row);
             }
 }
 
 int Bernstein::find(const MultiIndex& a) const {
     const auto it = std::find(index.begin(), index.end(), a);
     return it == index.end() ? -1 : static_cast<int>(it - index.begin());
-}
-
-void Bernstein::bisect(int a, int b, const double* c, double* near_a, double* near_b) const {
-    std::copy(c, c + count, near_a);
-    std::copy(c, c + count, near_b);
-    const std::vector<int>& rows = rows_[edge_place(dim, a, b)];
-    for (std::size_t r = 0; r < rows.size(); r += rows[r] + 1) {
-        const int length = rows[r];
-        const int* row = &rows[r + 1];
-        // near_b holds the averages of the current step; their first one belongs to near_a.
-        for (int step = 1; step < length; ++step) {
-            for (int s = 0; s < length - step; ++s) near_b[row[s]] = 0.5 * (near_b[row[s]] + near_b[row[s + 1]]);
-            near_a[row[step]] = near_b[row[0]];
-        }
-    }
 }
 
 std::vector<int> raised_places(int dim, int degree) {

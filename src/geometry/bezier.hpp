@@ -7,8 +7,10 @@
 // (Farin, Curves and Surfaces for CAGD, 2002, ch. 17; for the Jacobian of elements: Johnen, Remacle, Geuzaine,
 // J. Comput. Phys. 233, 2013).
 #pragma once
+#include <algorithm>
 #include <vector>
 
+#include "base/small_matrix.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {
@@ -23,12 +25,27 @@ struct Bernstein {
     int find(const MultiIndex& a) const;  // place of a coefficient, or -1
 
     // Coefficients of the same polynomial on the two halves that the midpoint of the edge of the corners a < b cuts
-    // the simplex into; the midpoint replaces corner b in near_a and corner a in near_b. c, near_a, near_b: count.
-    void bisect(int a, int b, const double* c, double* near_a, double* near_b) const;
+    // the simplex into; the midpoint replaces corner b in near_a and corner a in near_b. c, near_a, near_b: count
+    // coefficients, double or Vec<3>.
+    template <class T>
+    void bisect(int a, int b, const T* c, T* near_a, T* near_b) const {
+        std::copy(c, c + count, near_a);
+        std::copy(c, c + count, near_b);
+        for (const std::vector<int>& row : rows_[edge(a, b)]) {
+            // near_b holds the averages of the current step; their first one belongs to near_a.
+            for (std::size_t step = 1; step < row.size(); ++step) {
+                for (std::size_t s = 0; s < row.size() - step; ++s)
+                    near_b[row[s]] = 0.5 * (near_b[row[s]] + near_b[row[s + 1]]);
+                near_a[row[step]] = near_b[row[0]];
+            }
+        }
+    }
 
 private:
-    // Per edge, the rows of coefficients that differ along it only: length, then the places from corner a to corner b.
-    std::vector<std::vector<int>> rows_;
+    int edge(int a, int b) const { return a * (dim + 1) + b; }
+
+    // [edge(a, b)]: the rows of coefficients that differ along it only, as places from corner a to corner b.
+    std::vector<std::vector<std::vector<int>>> rows_;
 };
 
 // For each index a of degree `degree`, the places of a + e_0, .., a + e_dim among those of degree + 1: the coefficients

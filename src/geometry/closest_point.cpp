@@ -37,16 +37,16 @@ FaceProjector::FaceProjector(int m, int degree) : m_(m), degree_(degree), count_
 }
 
 // De Casteljau's averages; the last two levels before the value give the derivatives.
-FaceProjector::Jet FaceProjector::evaluate(const Point* control, const Point& x, const Barycentric& l,
-                                          std::vector<Point>& work) const {
+FaceProjector::Jet FaceProjector::evaluate(const Vec<3>* control, const Vec<3>& x, const Barycentric& l,
+                                          std::vector<Vec<3>>& work) const {
     const int m = m_, p = degree_;
-    const Point* at = control;  // the level of degree d
-    Point *next = work.data(), *spare = work.data() + count_;
+    const Vec<3>* at = control;  // the level of degree d
+    Vec<3> *next = work.data(), *spare = work.data() + count_;
     Jet jet{};
     for (int d = p; d > 0; --d) {
         if (d == 2) {  // Gmsh order: corners 0, 1(, 2), then the edges 01(, 12, 20)
             const auto second = [&](int ab, int a, int b) {
-                Point s;
+                Vec<3> s;
                 for (int c = 0; c < 3; ++c) s[c] = p * (p - 1) * (at[ab][c] - at[a][c] - at[b][c] + at[0][c]);
                 return s;
             };
@@ -59,7 +59,7 @@ FaceProjector::Jet FaceProjector::evaluate(const Point* control, const Point& x,
         const std::vector<int>& raised = raised_[d - 1];
         const int below = static_cast<int>(raised.size()) / (m + 1);
         for (int i = 0; i < below; ++i) {
-            Point average{};
+            Vec<3> average{};
             for (int k = 0; k <= m; ++k)
                 for (int c = 0; c < 3; ++c) average[c] += l[k] * at[raised[i * (m + 1) + k]][c];
             next[i] = average;
@@ -115,8 +115,8 @@ bool FaceProjector::feasible_step(const Model& model, const Barycentric& l, Bary
     return gained > 0;
 }
 
-double FaceProjector::squared_distance(const Point* control, const Point& x, Barycentric l,
-                                       std::vector<Point>& work) const {
+double FaceProjector::squared_distance(const Vec<3>* control, const Vec<3>& x, Barycentric l,
+                                       std::vector<Vec<3>>& work) const {
     Jet jet = evaluate(control, x, l, work);
     for (int newton = 0; newton < max_newton_steps; ++newton) {
         const Model model = model_of(jet);

@@ -19,16 +19,16 @@ public:
 
     // Squared distance of x, found by descent from the parameter point l: never more than from c(l). control: the
     // Bezier points of the face. work: 2 count points.
-    double squared_distance(const Point* control, const Point& x, Barycentric l, std::vector<Point>& work) const;
+    double squared_distance(const Vec<3>* control, const Vec<3>& x, Barycentric l, std::vector<Vec<3>>& work) const;
 
     int count() const { return count_; }  // Bezier points of a face
 
 private:
     // r = c - x and the derivatives of c at one parameter point.
     struct Jet {
-        Point r;
-        std::array<Point, 2> first;
-        std::array<Point, 3> second;  // d00, d01, d11
+        Vec<3> r;
+        std::array<Vec<3>, 2> first;
+        std::array<Vec<3>, 3> second;  // d00, d01, d11
         double squared;               // |r|^2
     };
     // Quadratic model of |c - x|^2 / 2: gradient g and Hessian H = (H00, H01, H11), positive definite unless the face
@@ -37,7 +37,7 @@ private:
         std::array<double, 2> g;
         std::array<double, 3> H;
     };
-    Jet evaluate(const Point* control, const Point& x, const Barycentric& l, std::vector<Point>& work) const;
+    Jet evaluate(const Vec<3>* control, const Vec<3>& x, const Barycentric& l, std::vector<Vec<3>>& work) const;
     Model model_of(const Jet& jet) const;
     bool feasible_step(const Model& model, const Barycentric& l, Barycentric& step) const;
 

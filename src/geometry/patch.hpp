@@ -1,22 +1,19 @@
 // One face of a mesh as a polynomial patch in Bezier form: a curve (m = 1 parameter) in the plane, a triangle (m = 2)
-// in space. The patch lies in the convex hull of its Bezier points and has its corners among them.
+// in space. The patch lies in the convex hull of its Bezier points and has its corners among them (Farin, Curves and
+// Surfaces for CAGD, 2002, ch. 5 and 17).
 #pragma once
 #include <array>
 #include <utility>
 #include <vector>
 
+#include "base/small_matrix.hpp"
 #include "geometry/bezier.hpp"
 #include "geometry/box_tree.hpp"
 
 namespace almesh {
 
-using Point = std::array<double, 3>;  // in 2D the third entry is 0
-
-inline double dot(const Point& a, const Point& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-inline Point operator-(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-inline Point cross(const Point& a, const Point& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+// Bezier points in Gmsh's order: the corners come first. In 2D the third coordinate is 0.
+using Patch = std::vector<Vec<3>>;
 
 struct PatchBasis {
     Bernstein bernstein;
@@ -25,27 +22,17 @@ struct PatchBasis {
     PatchBasis(int m, int degree);
 };
 
-struct Patch {
-    std::vector<double> c;  // 3 x count: Bezier coefficients of x, then of y, then of z; the corners first
-
-    int count() const { return static_cast<int>(c.size()) / 3; }
-    double* component(int a) { return c.data() + a * count(); }
-    const double* component(int a) const { return c.data() + a * count(); }
-    Point point(int k) const { return {component(0)[k], component(1)[k], component(2)[k]}; }
-};
-
 // nodes: count x dim positions in Gmsh's order. Corner Bezier points are the nodes to the bit.
 Patch make_patch(const PatchBasis& basis, const double* nodes, int dim);
 
-Box box_of(const Patch& patch);
+inline Box box_of(const Patch& patch) { return box_of_points(patch[0].data(), static_cast<int>(patch.size()), 3); }
+
+std::array<int, 2> longest_side(const Patch& patch, int m);  // corners a < b that are farthest apart
 
 double size_of(const Patch& patch, int m);  // longest distance between two corners
 
-// Corners a < b that are farthest apart.
-std::array<int, 2> longest_side(const Patch& patch, int m);
-
 // Derivative of the patch at corner i along its side towards corner j, divided by the degree.
-Point side_tangent(const Bernstein& basis, const Patch& patch, int i, int j);
+Vec<3> side_tangent(const Bernstein& basis, const Patch& patch, int i, int j);
 
 // The halves beside corner a (midpoint in place of corner b) and beside corner b.
 std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a, int b);
@@ -53,5 +40,27 @@ std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a
 // Largest distance of a Bezier point from its place on the flat patch with the same corners: no point of the patch is
 // farther than this from the flat one.
 double deviation(const Bernstein& basis, const Patch& patch);
+
+// The normal of a patch as a polynomial: dx/dxi turned clockwise by 90 degrees (2D), or dx/dxi_0 x dx/dxi_1 (3D).
+// Outward for the boundary faces of a mesh; its length is the measure of the face per measure of the reference face.
+// Bezier coefficients are products of those of the derivatives, hence exact up to rounding.
+class PatchNormal {
+public:
+    PatchNormal(int dim, int degree);
+
+    const Bernstein& basis() const { return normal_; }  // degree (dim - 1)(degree - 1)
+
+    std::vector<Vec<3>> coefficients(const Patch& patch) const;  // basis().count Bezier coefficients
+
+    // Signed area (2D) or volume of the cone from the apex to the patch, positive where the normal points away from it:
+    // 1 / dim times the integral of (x - apex) . n. Over a closed surface the cones add up to what it encloses.
+    double cone(const Patch& patch, const Vec<3>& apex) const;
+
+private:
+    int dim_;
+    Bernstein position_, gradient_, normal_, integrand_;
+    BezierProduct tangent_tangent_, position_normal_;
+    std::vector<int> raised_;  // gradient_.count x dim
+};
 
 }  // namespace almesh

@@ -1,9 +1,5 @@
-// Whether two polynomial patches cross: curves in the plane, triangles in space.
-//
-// Separating axes (Gottschalk, Lin, Manocha, SIGGRAPH 1996) of the flat patches with the same corners are tried on all
-// Bezier points, whose hulls enclose the patches; pairs that are neither apart nor certainly crossing are bisected.
-// Where flat patches penetrate each other by more than the curved ones deviate from them, the curved ones cross.
-// Touching, at a shared corner or anywhere else, is not crossing; nor is overlapping in a common plane.
+// Whether two polynomial patches cross: curves in the plane, triangles in space. Touching, at a shared corner or
+// anywhere else, is not crossing; nor is overlapping in a common plane.
 #pragma once
 #include "geometry/patch.hpp"
 

@@ -12,21 +12,21 @@ template <class Map>
 Patch interpolated(const PatchBasis& basis, int dim, const Map& map) {
     std::vector<double> nodes;
     for (const MultiIndex& a : basis.bernstein.index) {
-        const Point x = map(1.0 * a[1] / basis.bernstein.degree, 1.0 * a[2] / basis.bernstein.degree);
+        const Vec<3> x = map(1.0 * a[1] / basis.bernstein.degree, 1.0 * a[2] / basis.bernstein.degree);
         nodes.insert(nodes.end(), x.begin(), x.begin() + dim);
     }
     return make_patch(basis, nodes.data(), dim);
 }
 
-inline Patch segment(const PatchBasis& basis, Point a, Point b) {
+inline Patch segment(const PatchBasis& basis, Vec<3> a, Vec<3> b) {
     return interpolated(basis, 2, [&](double t, double) {
-        return Point{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), 0};
+        return Vec<3>{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), 0};
     });
 }
 
-inline Patch triangle(const PatchBasis& basis, Point a, Point b, Point c) {
+inline Patch triangle(const PatchBasis& basis, Vec<3> a, Vec<3> b, Vec<3> c) {
     return interpolated(basis, 3, [&](double s, double t) {
-        Point x = a;
+        Vec<3> x = a;
         for (int k = 0; k < 3; ++k) x[k] += s * (b[k] - a[k]) + t * (c[k] - a[k]);
         return x;
     });
@@ -35,7 +35,7 @@ inline Patch triangle(const PatchBasis& basis, Point a, Point b, Point c) {
 // An arc of a circle of radius r from angle a to angle b.
 inline Patch arc(const PatchBasis& basis, double r, double a, double b) {
     return interpolated(basis, 2, [&](double t, double) {
-        return Point{r * std::cos(a + t * (b - a)), r * std::sin(a + t * (b - a)), 0};
+        return Vec<3>{r * std::cos(a + t * (b - a)), r * std::sin(a + t * (b - a)), 0};
     });
 }
 
