@@ -25,13 +25,6 @@ struct Surface {
     std::vector<Patch> patches;  // per face
 };
 
-std::vector<double> face_positions(const Mesh& mesh, const std::vector<double>& x, int f) {
-    std::vector<double> nodes(static_cast<std::size_t>(mesh.face_nodes()) * mesh.dim);
-    for (int i = 0; i < mesh.face_nodes(); ++i)
-        std::copy_n(&x[static_cast<std::size_t>(mesh.face(f)[i]) * mesh.dim], mesh.dim, &nodes[i * mesh.dim]);
-    return nodes;
-}
-
 Surface make_surface(const Mesh& mesh, const PatchBasis& basis, const std::vector<double>& x) {
     Surface surface{x, std::vector<Patch>(mesh.face_count())};
     parallel_for(mesh.face_count(), [&](int f) {

@@ -1,9 +1,7 @@
-// Distance of every node to a wall: to the curved faces of degree p themselves, not to their nodes.
+// Distance of every node to a wall: to the curved faces of degree p themselves, not to their nodes. The error is of the
+// order of rounding relative to the size of a face, however thin the layers at the wall are.
 //
-// Each face is a polynomial in Bezier form. It is bisected into nearly flat pieces; from the closest corner or centre
-// of a piece the closest point of the whole face is found by FaceProjector, with an error of the order of rounding
-// relative to the size of the face, however thin the layers at the wall are. Only pieces whose box (that of the Bezier
-// points, which encloses them) is nearer than the best distance so far are looked at: a few for each node.
+// Cost: O(log faces) boxes and a few Newton steps for each node.
 #pragma once
 #include <vector>
 

@@ -4,6 +4,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <vector>
 
 namespace almesh {
@@ -62,7 +63,8 @@ struct BoxTree {
     // Least value of squared(i) over all boxes i, where squared(i) is the squared distance of `point` to something
     // inside box i; boxes farther away than the best so far are passed over. Infinite for no boxes.
     template <class Squared>
-    double nearest_squared(const double* point, int dim, double best, const Squared& squared) const {
+    double nearest_squared(const double* point, int dim, const Squared& squared) const {
+        double best = std::numeric_limits<double>::infinity();
         struct Entry {
             double bound;
             int node;

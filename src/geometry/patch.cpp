@@ -14,6 +14,15 @@ namespace almesh {
 PatchBasis::PatchBasis(int m, int degree)
     : bernstein(m, degree), to_bezier(bezier_of_lagrange(LagrangeBasis(m, degree))) {}
 
+std::vector<double> face_positions(const Mesh& mesh, const std::vector<double>& x, int f) {
+    std::vector<double> nodes;
+    for (int i = 0; i < mesh.face_nodes(); ++i) {
+        const double* const position = point(x, mesh.face(f)[i], mesh.dim);
+        nodes.insert(nodes.end(), position, position + mesh.dim);
+    }
+    return nodes;
+}
+
 Patch make_patch(const PatchBasis& basis, const double* nodes, int dim) {
     const int count = basis.bernstein.count;
     Patch patch(count, Vec<3>{});

@@ -9,6 +9,7 @@
 #include "base/small_matrix.hpp"
 #include "geometry/bezier.hpp"
 #include "geometry/box_tree.hpp"
+#include "mesh/mesh.hpp"
 
 namespace almesh {
 
@@ -21,6 +22,9 @@ struct PatchBasis {
 
     PatchBasis(int m, int degree);
 };
+
+// face_nodes x dim positions of the nodes of face f, from x: node_count x dim.
+std::vector<double> face_positions(const Mesh& mesh, const std::vector<double>& x, int f);
 
 // nodes: count x dim positions in Gmsh's order. Corner Bezier points are the nodes to the bit.
 Patch make_patch(const PatchBasis& basis, const double* nodes, int dim);

@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "support/high_order.hpp"
 #include "mesh/lagrange.hpp"
+#include "support/high_order.hpp"
 #include "support/meshes.hpp"
 
 using namespace almesh;
@@ -128,6 +129,38 @@ TEST_CASE("points beyond the rim of a flat wall are measured to its edges and co
             }
             CHECK(error < 1e-14);
         }
+}
+
+TEST_CASE("on one triangle the closest point is inside, on a side or at a corner") {
+    const auto lowest = [](const double* p) { return p[2] < 0.1 ? "wall" : "rest"; };
+    const Mesh mesh = with_degree(linear_mesh(3, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 1, 2, 3}, lowest), 3);
+    const int wall = mesh.boundary_index("wall");
+    const struct {
+        std::array<double, 3> x;
+        double distance;
+    } cases[] = {{{0.2, 0.3, -0.5}, 0.5},
+                 {{0.4, -0.3, 0.4}, 0.5},
+                 {{1, 1, 0}, std::sqrt(0.5)},
+                 {{-3, -4, 0}, 5},
+                 {{2, -0.5, 0}, std::hypot(1, 0.5)},
+                 {{0.25, 0.25, 0}, 0}};
+    const std::vector<int> off = nodes_off_wall(mesh, wall);
+    REQUIRE(off.size() >= std::size(cases));
+    std::vector<double> x = mesh.x;
+    for (std::size_t k = 0; k < std::size(cases); ++k)
+        std::copy(cases[k].x.begin(), cases[k].x.end(), &x[static_cast<std::size_t>(off[k]) * 3]);
+    const std::vector<double> distance = wall_distance(mesh, x, wall);
+    for (std::size_t k = 0; k < std::size(cases); ++k) CHECK(std::abs(distance[off[k]] - cases[k].distance) < 1e-14);
+}
+
+TEST_CASE("degenerate faces are measured as far as they go") {
+    const auto lowest = [](const double* p) { return p[2] < 0.1 ? "wall" : "rest"; };
+    const Mesh mesh = linear_mesh(3, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 1, 2, 3}, lowest);
+    const auto distance_to = [&](const std::vector<double>& x) {
+        return wall_distance(mesh, x, mesh.boundary_index("wall"))[3];
+    };
+    CHECK(distance_to({0, 0, 0, 1, 0, 0, 2, 0, 0, 1.5, 3, 0}) == doctest::Approx(3));  // a segment
+    CHECK(distance_to({1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 4, 5}) == doctest::Approx(5));    // a point
 }
 
 TEST_CASE("no point of a strongly curved wall is nearer than the distance found") {

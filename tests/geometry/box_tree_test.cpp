@@ -65,14 +65,14 @@ TEST_CASE("the tree finds the nearest box without looking at most of them") {
         double expected = infinity;
         for (const Box& box : boxes) expected = std::min(expected, squared_distance(box, p, 3));
         int looked_at = 0;
-        const double found = tree.nearest_squared(p, 3, infinity, [&](int i) {
+        const double found = tree.nearest_squared(p, 3, [&](int i) {
             ++looked_at;
             return squared_distance(boxes[i], p, 3);
         });
         CHECK(found == expected);
         CHECK(looked_at < 200);
     }
-    CHECK(BoxTree({}).nearest_squared(boxes[0].low.data(), 3, infinity, [](int) { return 0.0; }) == infinity);
+    CHECK(BoxTree({}).nearest_squared(boxes[0].low.data(), 3, [](int) { return 0.0; }) == infinity);
 }
 
 TEST_CASE("touching boxes overlap, and equal boxes do not unbalance the tree") {
