@@ -19,10 +19,6 @@ void with_dimension(int dim, const Body& body) {
     else body(std::integral_constant<int, 3>());
 }
 
-inline Vec<3> operator+(const Vec<3>& a, const Vec<3>& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-inline Vec<3> operator-(const Vec<3>& a, const Vec<3>& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-inline Vec<3> operator*(double s, const Vec<3>& a) { return {s * a[0], s * a[1], s * a[2]}; }
-
 template <class T>
 T dot(const Vec<3, T>& a, const Vec<3, T>& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -30,6 +26,10 @@ template <class T>
 Vec<3, T> cross(const Vec<3, T>& a, const Vec<3, T>& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
+
+inline Vec<3> operator+(const Vec<3>& a, const Vec<3>& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline Vec<3> operator-(const Vec<3>& a, const Vec<3>& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline Vec<3> operator*(double s, const Vec<3>& a) { return {s * a[0], s * a[1], s * a[2]}; }
 
 template <int n, class T = double>
 T frobenius_squared(const Mat<n, T>& m) {

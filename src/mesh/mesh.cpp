@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/straight_jacobian.hpp"
@@ -27,6 +28,14 @@ std::vector<double> straight_sided(const Mesh& mesh) {
             }
     }
     return y;
+}
+
+std::array<double, 3> centroid(const Mesh& mesh, const std::vector<double>& x, const int* nodes, int count) {
+    std::array<double, 3> mean{};
+    for (int k = 0; k < count; ++k)
+        for (int a = 0; a < mesh.dim; ++a) mean[a] += point(x, nodes[k], mesh.dim)[a];
+    for (double& coordinate : mean) coordinate /= count;
+    return mean;
 }
 
 double volume(const Mesh& mesh, const std::vector<double>& y) {

@@ -4,6 +4,7 @@
 // at their affine positions (straight_sided()). Data only: built and checked by build_mesh(), changed by
 // raise_degree() and refine().
 #pragma once
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -45,6 +46,9 @@ struct Mesh {
 
 // Node positions (node_count x dim) of the ideal mesh: vertices as in x, the others affine.
 std::vector<double> straight_sided(const Mesh& mesh);
+
+// Mean of the positions x (node_count x dim) of `count` nodes; in 2D the third coordinate is 0.
+std::array<double, 3> centroid(const Mesh& mesh, const std::vector<double>& x, const int* nodes, int count);
 
 // Volume of the straight-sided mesh with the vertex positions y (node_count x dim).
 double volume(const Mesh& mesh, const std::vector<double>& y);
