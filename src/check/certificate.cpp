@@ -1,9 +1,16 @@
+// With J_s = (x_1 - x_0, ..., x_n - x_0) of the element's vertices and y = J_s^{-1} (x - x_0),
+//
+//     det J / det J_s = det dy/dxi,   dy_i/dxi_j = p sum_a (b_{a + e_j} - b_{a + e_0}) B_a,   |a| = p - 1,
+//
+// expanded by its first row into products of polynomials in Bezier form and bounded by polynomial_minimum()
+// (Johnen, Remacle, Geuzaine, J. Comput. Phys. 233, 2013).
 #include "check/certificate.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
 #include "geometry/bezier.hpp"
@@ -22,7 +29,7 @@ struct Bound {
     Validity validity;
 };
 
-// What all elements of one dimension and degree share.
+// The same for all elements of one dimension and degree.
 struct JacobianTables {
     int nodes;
     Bernstein gradient, minor, jacobian;  // degrees p - 1, 2 (p - 1), n (p - 1)
@@ -41,7 +48,7 @@ struct JacobianTables {
         amplification = 0;
         for (int a = 0; a < nodes; ++a) {
             double sum = 0;
-            for (int i = 0; i < nodes; ++i) sum += std::abs(to_bezier[static_cast<std::size_t>(a) * nodes + i]);
+            for (int i = 0; i < nodes; ++i) sum += std::abs(to_bezier[offset(a, nodes, i)]);
             amplification = std::max(amplification, sum);
         }
     }
@@ -51,18 +58,16 @@ struct Workspace {
     std::vector<double> y, control;    // nodes x n: the element in reference coordinates, nodal and Bezier
     std::vector<double> J;             // n x n x gradient.count, scaled coefficients of dy_i/dxi_j
     std::vector<double> minor, value;  // scaled minor; coefficients of the scaled Jacobian
-    double reach;                      // upper bound of the size of the terms that y is the difference of
+    double largest_term;               // upper bound of the terms whose sums are the entries of y
 };
 
-// y = J_s^{-1} (x - x_0), so that det dy/dxi = det J / det J_s. Returns the sign of det J_s, 0 where it is rounding
-// or not finite.
+// Sets work.y. Returns the sign of det J_s, 0 where it is of the order of rounding or not finite.
 template <int n>
 int to_reference(const Mesh& mesh, const std::vector<double>& x, int e, int nodes, Workspace& work) {
     const int* const node = mesh.element(e);
     const auto from_vertex_0 = [&](int i) {
         Vec<n> d;
-        for (int a = 0; a < n; ++a)
-            d[a] = x[static_cast<std::size_t>(node[i]) * n + a] - x[static_cast<std::size_t>(node[0]) * n + a];
+        for (int a = 0; a < n; ++a) d[a] = point(x, node[i], n)[a] - point(x, node[0], n)[a];
         return d;
     };
     Mat<n> Js;
@@ -75,7 +80,7 @@ int to_reference(const Mesh& mesh, const std::vector<double>& x, int e, int node
     const double rounding = 16 * epsilon * std::pow(frobenius_squared<n>(Js), 0.5 * n);
     if (!(std::abs(det) > rounding) || !std::isfinite(det)) return 0;
 
-    work.y.assign(static_cast<std::size_t>(nodes) * n, 0.0);
+    work.y.assign(offset(nodes, n), 0.0);
     double inverse_norm = 0, farthest = 0;
     for (int a = 0; a < n; ++a)
         for (int b = 0; b < n; ++b) inverse_norm = std::max(inverse_norm, std::abs(C[a][b] / det));
@@ -86,25 +91,25 @@ int to_reference(const Mesh& mesh, const std::vector<double>& x, int e, int node
             for (int b = 0; b < n; ++b) work.y[i * n + a] += C[b][a] * d[b] / det;
         }
     }
-    for (int k = 0; k <= n; ++k)  // the vertices are where they are without rounding
+    for (int k = 0; k <= n; ++k)  // the vertices without rounding
         for (int a = 0; a < n; ++a) work.y[k * n + a] = k == a + 1;
-    work.reach = n * inverse_norm * farthest;
+    work.largest_term = n * inverse_norm * farthest;
     return det > 0 ? 1 : -1;
 }
 
-// dy_i/dxi_j = p sum_a (b_{a + e_j} - b_{a + e_0}) B_a; returns its largest coefficient.
+// Sets work.J; returns the largest coefficient of dy/dxi.
 template <int n>
 double differentiate(const JacobianTables& tables, int degree, Workspace& work) {
     work.control.assign(work.y.size(), 0.0);
     for (int a = 0; a < tables.nodes; ++a)
         for (int i = 0; i < tables.nodes; ++i) {
-            const double m = tables.to_bezier[static_cast<std::size_t>(a) * tables.nodes + i];
+            const double m = tables.to_bezier[offset(a, tables.nodes, i)];
             for (int c = 0; c < n; ++c) work.control[a * n + c] += m * work.y[i * n + c];
         }
     const int count = tables.gradient.count;
     double largest = 0;
     for (int a = 0; a < count; ++a) {
-        const int* const shifted = &tables.shifted[static_cast<std::size_t>(a) * (n + 1)];
+        const int* const shifted = &tables.shifted[offset(a, n + 1)];
         for (int i = 0; i < n; ++i)
             for (int j = 0; j < n; ++j) {
                 const double v = degree * (work.control[shifted[j + 1] * n + i] - work.control[shifted[0] * n + i]);
@@ -146,7 +151,7 @@ Bound bound_element(const Mesh& mesh, const std::vector<double>& x, int e, const
     for (double v : work.value)
         if (!std::isfinite(v)) return {0, Validity::invalid};
     // First-order effect of errors of a few units in the last place of y on a sum of n! products of n entries.
-    const double entry_error = 8 * epsilon * work.reach * tables.amplification * 2 * mesh.degree;
+    const double entry_error = 8 * epsilon * work.largest_term * tables.amplification * 2 * mesh.degree;
     const double margin = (n == 2 ? 2 : 6) * n * entry_error * std::pow(std::max(largest, 1.0), n - 1);
     const PolynomialMinimum minimum =
         polynomial_minimum(tables.jacobian, work.value.data(), params.tolerance, params.max_bisections);
@@ -162,7 +167,7 @@ std::vector<Bound> bound_elements(const Mesh& mesh, const std::vector<double>& x
     std::vector<Bound> bounds(count);
     parallel_for((count + block_elements - 1) / block_elements, [&](int block) {
         Workspace work;
-        work.J.resize(static_cast<std::size_t>(n) * n * tables.gradient.count);
+        work.J.resize(offset(n * n, tables.gradient.count));
         work.minor.resize(tables.minor.count);
         work.value.resize(tables.jacobian.count);
         for (int e = block * block_elements; e < std::min(count, (block + 1) * block_elements); ++e)
@@ -177,17 +182,16 @@ Certificate certify(const Mesh& mesh, const std::vector<double>& x, const Certif
     std::vector<Bound> bounds;
     with_dimension(mesh.dim, [&](auto n) { bounds = bound_elements<n()>(mesh, x, params); });
     Certificate certificate{1, true, 0, {}, {}};
+    std::vector<double>& lower = certificate.lower_bound;
+    std::vector<int>& uncertified = certificate.uncertified;
     for (int e = 0; e < mesh.element_count(); ++e) {
-        const Bound& bound = bounds[e];
-        certificate.lower_bound.push_back(bound.lower);
-        certificate.min_scaled_jacobian =
-            e == 0 ? bound.lower : std::min(certificate.min_scaled_jacobian, bound.lower);
-        if (bound.validity != Validity::valid) certificate.uncertified.push_back(e);
-        certificate.undecided += bound.validity == Validity::undecided;
+        lower.push_back(bounds[e].lower);
+        if (bounds[e].validity != Validity::valid) uncertified.push_back(e);
+        certificate.undecided += bounds[e].validity == Validity::undecided;
     }
-    certificate.valid = certificate.uncertified.empty();
-    std::stable_sort(certificate.uncertified.begin(), certificate.uncertified.end(),
-                     [&](int a, int b) { return bounds[a].lower < bounds[b].lower; });
+    if (!lower.empty()) certificate.min_scaled_jacobian = *std::min_element(lower.begin(), lower.end());
+    certificate.valid = uncertified.empty();
+    std::stable_sort(uncertified.begin(), uncertified.end(), [&](int a, int b) { return lower[a] < lower[b]; });
     return certificate;
 }
 

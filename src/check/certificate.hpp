@@ -4,12 +4,12 @@
 // det J / |det J_s| (Toulorge et al., J. Comput. Phys. 254, 2013; exactly 1 for a straight-sided element), a
 // polynomial of degree n (p - 1) in the reference coordinates. Its Bezier coefficients bound it from below; bisection
 // sharpens the bound. The nodes are first taken to reference coordinates by J_s^{-1}, relative to vertex 0, where a
-// boundary-layer element of ratio 1:50000 is of size one like any other; the coefficients are then products of the
+// boundary-layer element of aspect ratio 50000 is of size one like any other; the coefficients are then products of the
 // Bezier coefficients of dx/dxi. Interpolating det J at the nodes of degree n (p - 1) instead would multiply rounding
 // errors by the condition number of that interpolation, which grows exponentially with the degree.
 //
-// Cost: per element, one product of a node matrix and 2 (n = 2) or 9 (n = 3) products of polynomials; few elements of
-// a sensible mesh need bisection.
+// Cost: per element, one product with a matrix of nodes x nodes and 2 (n = 2) or 9 (n = 3) products of polynomials; few
+// elements of a mesh of good quality need bisection.
 #pragma once
 #include <vector>
 

@@ -1,3 +1,5 @@
+// The Jacobian of the map from the regular simplex is F = dx/dxi E^{-1}, E the edge vectors of the regular simplex in
+// columns; eta = |F|^2 / (n (det F)^{2/n}) at the points of a quadrature rule of exactness 2 p.
 #include "check/quality.hpp"
 
 #include <algorithm>
@@ -6,6 +8,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
 #include "energy/distortion.hpp"
@@ -25,32 +28,30 @@ Mat<n> regular_simplex() {
     else return {{{1, 0.5, 0.5}, {0, std::sqrt(0.75), std::sqrt(1.0 / 12)}, {0, 0, std::sqrt(2.0 / 3)}}};
 }
 
+// dx/dxi. dN: count x n.
 template <int n>
 Mat<n> jacobian(const int* node, int count, const std::vector<double>& x, const double* dN) {
     Mat<n> J{};
     for (int i = 0; i < count; ++i)
         for (int a = 0; a < n; ++a)
-            for (int k = 0; k < n; ++k) J[a][k] += x[static_cast<std::size_t>(node[i]) * n + a] * dN[i * n + k];
+            for (int k = 0; k < n; ++k) J[a][k] += point(x, node[i], n)[a] * dN[i * n + k];
     return J;
 }
 
-// ideal: nullptr for the regular simplex.
 template <int n>
-std::vector<double> element_quality(const Mesh& mesh, const std::vector<double>& x, const std::vector<double>* ideal) {
+std::vector<double> element_quality(const Mesh& mesh, const std::vector<double>& x) {
     const LagrangeBasis basis(n, mesh.degree);
     const Quadrature quadrature = simplex_quadrature(n, mesh.degree == 1 ? 1 : 2 * mesh.degree);
-    const std::size_t stride = static_cast<std::size_t>(basis.count) * n;
-    std::vector<double> dN(stride * quadrature.count);
-    for (int q = 0; q < quadrature.count; ++q) basis.gradients(&quadrature.xi[q * n], &dN[stride * q]);
+    const Mat<n> from_regular = inverse<n>(regular_simplex<n>());
+    const int stride = basis.count * n;
+    std::vector<double> dN(offset(quadrature.count, stride));
+    for (int q = 0; q < quadrature.count; ++q) basis.gradients(&quadrature.xi[q * n], &dN[offset(q, stride)]);
     std::vector<double> quality(mesh.element_count());
     parallel_for(mesh.element_count(), [&](int e) {
         double least = 1;
         for (int q = 0; q < quadrature.count; ++q) {
-            const double* const gradients = &dN[stride * q];
-            Mat<n> reference = regular_simplex<n>();
-            if (ideal) reference = jacobian<n>(mesh.element(e), basis.count, *ideal, gradients);
-            const Mat<n> J = jacobian<n>(mesh.element(e), basis.count, x, gradients);
-            least = std::min(least, 1 / distortion<n>(multiply<n>(J, inverse<n>(reference)), 0));
+            const Mat<n> J = jacobian<n>(mesh.element(e), basis.count, x, &dN[offset(q, stride)]);
+            least = std::min(least, 1 / distortion<n>(multiply<n>(J, from_regular), 0));
         }
         quality[e] = std::max(least, 0.0);
     });
@@ -65,8 +66,8 @@ void measure_edges(const Mesh& mesh, const std::vector<double>& x, QualityStatis
             for (int j = i + 1; j <= mesh.dim; ++j) {
                 double squared = 0;
                 for (int a = 0; a < mesh.dim; ++a) {
-                    const double d = x[static_cast<std::size_t>(mesh.element(e)[i]) * mesh.dim + a] -
-                                     x[static_cast<std::size_t>(mesh.element(e)[j]) * mesh.dim + a];
+                    const double d =
+                        point(x, mesh.element(e)[i], mesh.dim)[a] - point(x, mesh.element(e)[j], mesh.dim)[a];
                     squared += d * d;
                 }
                 statistics.min_edge = std::min(statistics.min_edge, std::sqrt(squared));
@@ -81,18 +82,16 @@ void list_worst(const Mesh& mesh, const std::vector<double>& x, QualityStatistic
     std::partial_sort(order.begin(), end, order.end(), [&](int a, int b) {
         return std::pair(statistics.quality[a], a) < std::pair(statistics.quality[b], b);
     });
-    for (auto e = order.begin(); e != end; ++e) {
-        WorstElement worst{*e, statistics.quality[*e], {}};
-        for (int v = 0; v <= mesh.dim; ++v)
-            for (int a = 0; a < mesh.dim; ++a)
-                worst.centre[a] += x[static_cast<std::size_t>(mesh.element(*e)[v]) * mesh.dim + a] / (mesh.dim + 1);
-        statistics.worst.push_back(worst);
-    }
+    for (auto e = order.begin(); e != end; ++e)
+        statistics.worst.push_back(
+            {*e, statistics.quality[*e], centroid(mesh, x, mesh.element(*e), mesh.dim + 1)});
 }
 
-QualityStatistics statistics_of(const Mesh& mesh, const std::vector<double>& x, const std::vector<double>* ideal) {
+}  // namespace
+
+QualityStatistics mesh_quality(const Mesh& mesh, const std::vector<double>& x) {
     QualityStatistics statistics{};
-    with_dimension(mesh.dim, [&](auto n) { statistics.quality = element_quality<n()>(mesh, x, ideal); });
+    with_dimension(mesh.dim, [&](auto n) { statistics.quality = element_quality<n()>(mesh, x); });
     const std::vector<double>& quality = statistics.quality;
     const int count = mesh.element_count();
     statistics.min = count == 0 ? 1 : *std::min_element(quality.begin(), quality.end());
@@ -106,22 +105,12 @@ QualityStatistics statistics_of(const Mesh& mesh, const std::vector<double>& x, 
     return statistics;
 }
 
-}  // namespace
-
-QualityStatistics mesh_quality(const Mesh& mesh, const std::vector<double>& x) {
-    return statistics_of(mesh, x, nullptr);
-}
-
-QualityStatistics relative_quality(const Mesh& mesh, const std::vector<double>& x, const std::vector<double>& ideal) {
-    return statistics_of(mesh, x, &ideal);
-}
-
 std::string histogram_text(const QualityStatistics& statistics) {
     const int most = *std::max_element(statistics.histogram.begin(), statistics.histogram.end());
     std::string text;
     for (int k = 0; k < 10; ++k) {
         const int count = statistics.histogram[k];
-        // At least one mark for a bin that is not empty: the few bad elements are what is looked for.
+        // At least one mark for a bin that is not empty, so that a few bad elements are seen.
         const int bar = count == 0 ? 0 : std::max(1, static_cast<int>(1.0 * count / most * bar_length));
         char line[128];
         std::snprintf(line, sizeof line, "%.1f - %.1f %9d", k / 10.0, (k + 1) / 10.0, count);

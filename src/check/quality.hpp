@@ -1,5 +1,5 @@
-// Shape quality of the elements of a mesh, 1 / eta with eta the distortion of the paper's Eq. (1): of the map from the
-// regular simplex (how good the elements are), or from an ideal mesh (how much they have changed).
+// Shape quality of the elements of a mesh, 1 / eta with eta the distortion (paper, Eq. 1) of the map from the regular
+// simplex: 1 for a regular element, 0 for a degenerate or inverted one.
 //
 // Cost: one Jacobian per element and quadrature point.
 #pragma once
@@ -14,7 +14,7 @@ namespace almesh {
 struct WorstElement {
     int element;
     double quality;
-    std::array<double, 3> centre;  // mean of the vertices, dim entries
+    std::array<double, 3> centre;  // mean of the vertices; in 2D the third coordinate is 0
 };
 
 struct QualityStatistics {
@@ -26,9 +26,8 @@ struct QualityStatistics {
     std::vector<WorstElement> worst; // at most ten, lowest quality first
 };
 
-// x, ideal: node_count x dim positions. mesh_quality: against the regular simplex.
+// x: node_count x dim positions.
 QualityStatistics mesh_quality(const Mesh& mesh, const std::vector<double>& x);
-QualityStatistics relative_quality(const Mesh& mesh, const std::vector<double>& x, const std::vector<double>& ideal);
 
 // Table of the ten bins: range, number of elements, bar. One line each.
 std::string histogram_text(const QualityStatistics& statistics);

@@ -2,13 +2,14 @@
 //
 // No mesh can follow a target on which
 //   - a face is folded or degenerate: its normal n(xi), a polynomial of degree (n - 1)(p - 1) bounded in Bezier form,
-//     turns 90 degrees or more away from its mean over the face (an arc seen under up to 180 degrees passes);
+//     turns 90 degrees or more away from its mean over the face (arcs of up to 180 degrees pass);
 //   - a closed part of the boundary is mirrored, turned inside out or flattened: the area or volume it encloses, the
 //     integral of x . n / dim, changes sign or vanishes;
 //   - faces cross each other, or neighbours are folded flat onto each other;
 //   - distinct nodes fall together.
-// What is so in the initial mesh already (the two sides of a crack) is not a fault. Closed parts that cross each
-// other, such as a body moved through the outer boundary, are noted only: the solver ends with its own status there.
+// Crossings, folds and coincident nodes of the initial mesh (the two sides of a crack) are no faults of the target.
+// Closed parts that cross each other, such as a body moved through the outer boundary, give a note only: there the
+// solver ends with a status of its own.
 // In 3D, non-neighbouring faces that overlap within one plane are not found.
 //
 // Cost: O(faces log faces), plus the bisections of faces that come close to each other.

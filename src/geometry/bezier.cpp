@@ -1,3 +1,6 @@
+// bezier_of_lagrange: N_i = prod_k prod_{j < a_k} (p l_k - j) / (j + 1) (Silvester), each factor made homogeneous with
+// l_0 + ... + l_m = 1, is expanded into monomials of degree p, which are the B_a over their multinomials.
+// polynomial_minimum: branch and bound; lower bound of a piece: its least coefficient, upper: its least corner value.
 #include "geometry/bezier.hpp"
 
 #include <algorithm>
@@ -5,6 +8,8 @@
 #include <map>
 #include <queue>
 #include <tuple>
+
+#include "base/index.hpp"
 
 namespace almesh {
 namespace {
@@ -25,7 +30,7 @@ Terms times_factor(const Terms& terms, int dim, int degree, int k, int j) {
     return product;
 }
 
-// Part of the simplex: its corners in barycentric coordinates and where its coefficients stand.
+// Part of the simplex: its corners in barycentric coordinates, and the place of its coefficients in the pool.
 struct Piece {
     double lower;
     int place;
@@ -94,7 +99,7 @@ std::vector<int> raised_places(int dim, int degree) {
 
 std::vector<double> bezier_of_lagrange(const LagrangeBasis& basis) {
     const Bernstein bernstein(basis.dim, basis.degree);
-    std::vector<double> M(static_cast<std::size_t>(basis.count) * basis.count);
+    std::vector<double> M(offset(basis.count, basis.count));
     for (int i = 0; i < basis.count; ++i) {
         Terms terms = {{MultiIndex{}, 1.0}};
         double denominator = 1;
@@ -104,8 +109,7 @@ std::vector<double> bezier_of_lagrange(const LagrangeBasis& basis) {
                 denominator *= j + 1;
             }
         for (int a = 0; a < basis.count; ++a)
-            M[static_cast<std::size_t>(a) * basis.count + i] =
-                terms[bernstein.index[a]] / (denominator * bernstein.multinomial[a]);
+            M[offset(a, basis.count, i)] = terms[bernstein.index[a]] / (denominator * bernstein.multinomial[a]);
     }
     return M;
 }
@@ -122,7 +126,7 @@ BezierProduct::BezierProduct(const Bernstein& a, const Bernstein& b, const Berns
 
 void BezierProduct::add(double factor, const double* a, const double* b, double* out) const {
     for (int i = 0; i < left; ++i) {
-        const int* const row = &place[static_cast<std::size_t>(i) * right];
+        const int* const row = &place[offset(i, right)];
         const double ai = factor * a[i];
         for (int j = 0; j < right; ++j) out[row[j]] += ai * b[j];
     }
@@ -147,13 +151,13 @@ PolynomialMinimum polynomial_minimum(const Bernstein& basis, const double* c, do
         Piece piece = queue.top();
         queue.pop();
         const auto [a, b] = longest_edge(piece, basis.dim);
-        Piece other = piece;  // takes new room; the piece itself is overwritten by its other half
+        Piece other = piece;  // its coefficients are appended to the pool; the piece keeps the place of the whole
         other.place = static_cast<int>(pool.size() / basis.count);
         for (int k = 0; k <= basis.dim; ++k)
             other.corner[a][k] = piece.corner[b][k] = 0.5 * (piece.corner[a][k] + piece.corner[b][k]);
         pool.resize(pool.size() + basis.count);
-        double* const near_a = &pool[static_cast<std::size_t>(piece.place) * basis.count];
-        double* const near_b = &pool[static_cast<std::size_t>(other.place) * basis.count];
+        double* const near_a = &pool[offset(piece.place, basis.count)];
+        double* const near_b = &pool[offset(other.place, basis.count)];
         std::copy(near_a, near_a + basis.count, parent.begin());
         basis.bisect(a, b, parent.data(), near_a, near_b);
         for (Piece* half : {&piece, &other}) {

@@ -57,8 +57,8 @@ std::vector<int> raised_places(int dim, int degree);
 // numerators are integers below 2^53 for p <= 10); no system is solved.
 std::vector<double> bezier_of_lagrange(const LagrangeBasis& basis);
 
-// Products in the scaled form c_a * multinomial_a, where they are convolutions: all terms enter with weight one, so
-// that products are as accurate as their factors at any degree.
+// Products of polynomials in the scaled form c_a * multinomial_a, where they are convolutions: all terms have weight
+// one, so that a product is as accurate as its factors at any degree.
 struct BezierProduct {
     int left, right;         // counts of the factors
     std::vector<int> place;  // left x right: where each product of two terms goes

@@ -1,3 +1,5 @@
+// Top-down, breadth first: each node's items are split at the median of their centres along the longest side of its box
+// (nth_element), so that the depth is log2 of the number of boxes.
 #include "geometry/box_tree.hpp"
 
 #include <numeric>

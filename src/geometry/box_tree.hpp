@@ -1,4 +1,4 @@
-// A tree of axis-parallel boxes: which of many boxes meet a given one, or could hold the point closest to a given one.
+// A tree of axis-parallel boxes: which of many boxes overlap a given one, or hold the point closest to a given one.
 //
 // Built by halving at the median centre along the longest side; O(n log n) to build, O(log n) for a typical query.
 #pragma once
@@ -18,7 +18,7 @@ Box box_of_points(const double* points, int count, int dim);  // points: count x
 
 double squared_distance(const Box& box, const double* point, int dim);
 
-// Touching boxes overlap. Asked for at every step down a tree, where no branch can be foretold: without branches.
+// Touching boxes overlap. Branch-free: branches here are unpredictable.
 inline bool overlap(const Box& a, const Box& b) {
     bool apart = false;
     for (int k = 0; k < 3; ++k) {
@@ -40,8 +40,8 @@ struct BoxTree {
 
     explicit BoxTree(std::vector<Box> boxes);
 
-    // found(i) for every box i that overlaps `box`, among items[first] and those behind it. With items[k], its box and
-    // first = k + 1, for every place k: each pair of overlapping boxes once.
+    // found(i) for every box i that overlaps `box`, among items[first], items[first + 1], .... Called with the box of
+    // items[k] and first = k + 1 for every k, it finds each pair of overlapping boxes once.
     template <class Found>
     void visit_overlapping(const Box& box, const Found& found, int first = 0) const {
         std::array<int, 64> stack;  // depth of a tree that halves 2^31 items at most
@@ -61,7 +61,7 @@ struct BoxTree {
     }
 
     // Least value of squared(i) over all boxes i, where squared(i) is the squared distance of `point` to something
-    // inside box i; boxes farther away than the best so far are passed over. Infinite for no boxes.
+    // inside box i (branch and bound, the nearer child first). Infinite for no boxes.
     template <class Squared>
     double nearest_squared(const double* point, int dim, const Squared& squared) const {
         double best = std::numeric_limits<double>::infinity();
