@@ -1,4 +1,4 @@
-// A target that makes the boundary itself invalid, found before anything is solved for.
+// Finds, before anything is solved, targets whose boundary is itself invalid.
 //
 // No mesh can follow a target on which
 //   - a face is folded or degenerate: its normal n(xi), a polynomial of degree (n - 1)(p - 1) bounded in Bezier form,

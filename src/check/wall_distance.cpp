@@ -18,10 +18,10 @@
 namespace almesh {
 namespace {
 
-constexpr double flatness = 0.05;  // deviation of a patch over its size, below which the distance has one minimum
-constexpr int max_depth = 8;       // bisections of a face
+constexpr double flatness = 0.05;        // deviation of a patch over its size, below which it is not bisected
+constexpr int max_depth = 8;             // bisections of a face
 constexpr int max_newton_steps = 50;
-constexpr int max_halvings = 30;   // of a step, until the distance decreases
+constexpr int max_halvings = 30;         // of a step, until the distance decreases
 constexpr double at_bound = 1e-12;       // barycentric coordinates below this are 0
 constexpr double regularisation = 1e-8;  // relative, of the diagonal of c_i . c_j, which is singular on flat triangles
 constexpr double node_work = 1e3;        // simple operations to find the distance of one node, at least

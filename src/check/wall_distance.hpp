@@ -1,5 +1,6 @@
 // Distance of every node to a wall: to the curved faces of degree p themselves, not to their nodes. The error is of the
-// order of rounding relative to the size of a face, however thin the layers at the wall are.
+// order of the rounding errors of the coordinates, however thin the layers at the wall are. Where a face is curved so
+// strongly that the distance has several minima on a nearly flat part of it, the least one may be missed.
 //
 // Cost: O(log faces) boxes and a few Newton steps for each node.
 #pragma once
