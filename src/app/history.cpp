@@ -80,7 +80,7 @@ constexpr auto columns = std::to_array<Column>({
     {"hessian", "which Hessian the direction is from", nullptr, [](Nw r) { return text(to_string(r.step.hessian)); }},
     {"solver", "which linear solver", nullptr, [](Nw r) { return text(to_string(r.step.solver)); }},
     {"fallback", "how an iterative solver failed before Cholesky took over", nullptr,
-     [](Nw r) { return text(r.step.fallback == SolveStatus::converged ? "" : to_string(r.step.fallback)); }},
+     [](Nw r) { return text(r.step.fallback ? to_string(*r.step.fallback) : ""); }},
     {"linear_iterations", "of cg or gmres", nullptr, [](Nw r) { return text(r.step.linear_iterations); }},
     {"ilu_shift", "ILU(0) is of the matrix with its diagonal blocks times 1 + ilu_shift", nullptr,
      [](Nw r) { return text(r.step.shift); }},

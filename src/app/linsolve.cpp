@@ -8,16 +8,7 @@
 #include "base/stopwatch.hpp"
 #include "base/text.hpp"
 #include "io/matrix_market.hpp"
-#include "linalg/direct/cholesky.hpp"
-#include "linalg/krylov/conjugate_gradients.hpp"
-#include "linalg/krylov/deflation.hpp"
-#include "linalg/ordering/domains.hpp"
-#include "linalg/krylov/gmres.hpp"
-#include "linalg/krylov/ilu0.hpp"
 #include "linalg/linear_solver.hpp"
-#include "linalg/ordering/ordering.hpp"
-#include "linalg/krylov/reordered.hpp"
-#include "linalg/vector_ops.hpp"
 
 namespace almesh {
 namespace {
@@ -95,127 +86,73 @@ std::string rows_of_node(const BlockCsr& A, int node) {
 void print_time(std::FILE* out, const char* what, double seconds) { std::fprintf(out, "%-16s%.4g s\n", what, seconds); }
 
 // What the analysis knows, before any memory for the factor is taken.
-void print_analysis(std::FILE* out, const Cholesky& cholesky, double entries_of_A, double seconds) {
-    std::fprintf(out, "nnz(L)          %.0f\n", cholesky.factor_entries());
-    std::fprintf(out, "fill            %.4g times the lower triangle of A\n", cholesky.factor_entries() / entries_of_A);
-    std::fprintf(out, "flops           %.4g\n", cholesky.flops());
-    std::fprintf(out, "memory          %.4g GB\n", cholesky.predicted_bytes() / 1e9);
-    print_time(out, "analysis", seconds);
+void print_factor_sizes(std::FILE* out, const LinearSolver& solver, const BlockCsr& A) {
+    const double lower_triangle = (static_cast<double>(A.value.size()) + A.size()) / 2;
+    std::fprintf(out, "nnz(L)          %.0f\n", solver.factor_entries());
+    std::fprintf(out, "fill            %.4g times the lower triangle of A\n", solver.factor_entries() / lower_triangle);
+    std::fprintf(out, "flops           %.4g\n", solver.factor_flops());
+    std::fprintf(out, "memory          %.4g GB\n", solver.factor_bytes() / 1e9);
 }
 
-bool solve_by_cholesky(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, Ordering ordering,
-                       std::FILE* out) {
-    if (ordering == Ordering::minimum_degree && A.n > largest_minimum_degree)
+void print_cholesky_times(std::FILE* out, const LinearSolver& solver, const SolveResult& result) {
+    if (result.solve_seconds == 0) return;
+    std::fprintf(out, "factorisation   %.4g s, %.4g GF/s\n", result.factor_seconds,
+                 solver.factor_flops() / result.factor_seconds / 1e9);
+    std::fprintf(out, "solve           %.4g s, %.4g GB/s\n", result.solve_seconds,  // every entry of L is read twice
+                 2 * sizeof(double) * solver.factor_entries() / result.solve_seconds / 1e9);
+}
+
+void print_iteration(std::FILE* out, const SolveResult& result) {
+    print_time(out, result.used == SolverKind::cg ? "ILU(0), coarse" : "ILU(0)", result.factor_seconds);
+    if (result.solve_seconds == 0) return;
+    if (result.diagonal_shift > 0)
+        std::fprintf(out, "shift           %g: ILU(0) of the matrix with a heavier diagonal\n", result.diagonal_shift);
+    print_time(out, "solve", result.solve_seconds);
+    std::fprintf(out, "iterations      %d\n", result.iterations);
+}
+
+void print_failure(std::FILE* out, const LinearSolver& solver, const SolveResult& result, const BlockCsr& A,
+                   bool nested_dissection) {
+    const bool direct = result.used == SolverKind::cholesky;
+    if (result.status == SolveStatus::too_large)
+        std::fprintf(out, "not solved: the factorisation takes %.3g GB, more than the machine's memory; use %s\n",
+                     solver.factor_bytes() / 1e9, nested_dissection ? "solver=cg" : "ordering=nested_dissection");
+    else if (result.status == SolveStatus::breakdown && direct)
+        std::fprintf(out, "not solved: the residual is too large\n");
+    else if (result.bad_node >= 0)
+        std::fprintf(out, direct ? "not solved: %s, the pivot of %s is not positive\n" : "not solved: %s in %s\n",
+                     reason(result.status), rows_of_node(A, result.bad_node).c_str());
+    else if (result.solve_seconds == 0)  // the coarse matrix is not positive definite
+        std::fprintf(out, "not solved: %s\n", reason(result.status));
+    else
+        std::fprintf(out, "not solved: %s, |b - Ax|/|b| = %.3g\n", reason(result.status), result.relative_residual);
+}
+
+// Through the facade of a run, but that Cholesky does not take over.
+SolveResult solve_by(const Options& options, const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
+                     std::FILE* out) {
+    if (options.ordering == Ordering::minimum_degree && A.n > largest_minimum_degree)
         throw UsageError("ordering=minimum_degree takes at most " + std::to_string(largest_minimum_degree) +
                          " nodes, the matrix has " + std::to_string(A.n) + "; use nested_dissection");
+    LinearSolverParams params;
+    params.kind = options.solver;
+    params.ordering = options.ordering;
+    params.fallback = false;
+    LinearSolver solver(A.d == 2 ? 2 : 3, params);  // blocks of two are of a 2D mesh
     const Stopwatch analysis;
-    CholeskyParams params;
-    params.ordering = ordering;
-    Cholesky cholesky(A, params);
-    print_analysis(out, cholesky, (static_cast<double>(A.value.size()) + A.size()) / 2, analysis.seconds());
+    solver.analyse(A);
+    const double analysis_seconds = analysis.seconds();
+    const bool direct = options.solver == SolverKind::cholesky;
+    if (direct) print_factor_sizes(out, solver, A);
+    print_time(out, "analysis", analysis_seconds);
 
-    const Stopwatch factorisation;
-    const CholeskyResult factored = cholesky.factor(A);
-    const double factor_time = factorisation.seconds();
-    if (factored.status == CholeskyStatus::too_large) {
-        std::fprintf(out, "not solved: the factorisation takes %.3g GB, more than the machine's memory; use %s\n",
-                     cholesky.predicted_bytes() / 1e9,
-                     ordering == Ordering::nested_dissection ? "solver=cg" : "ordering=nested_dissection");
-        return false;
-    }
-    if (factored.status == CholeskyStatus::not_positive_definite) {
-        std::fprintf(out, "not solved: the matrix is not positive definite, the pivot of %s is not positive\n",
-                     rows_of_node(A, factored.bad_node).c_str());
-        return false;
-    }
-    std::fprintf(out, "factorisation   %.4g s, %.4g GF/s\n", factor_time, cholesky.flops() / factor_time / 1e9);
-
-    const Stopwatch solve;
-    cholesky.solve(b.data(), x.data());
-    const double solve_time = solve.seconds();  // every entry of L is read twice
-    std::fprintf(out, "solve           %.4g s, %.4g GB/s\n", solve_time,
-                 2 * sizeof(double) * cholesky.factor_entries() / solve_time / 1e9);
-    return true;
-}
-
-const char* reason(GmresStatus status) {
-    switch (status) {
-        case GmresStatus::converged: return "converged";
-        case GmresStatus::max_iterations: return "too many iterations";
-        case GmresStatus::stagnated: return "stagnated";
-        case GmresStatus::breakdown: return "breakdown: the matrix is singular, or a number was not finite";
-    }
-    return "";
-}
-
-const char* reason(CgStatus status) {
-    switch (status) {
-        case CgStatus::converged: return "converged";
-        case CgStatus::max_iterations: return "too many iterations";
-        case CgStatus::stagnated: return "stagnated";
-        case CgStatus::not_positive_definite: return "the matrix is not positive definite";
-        case CgStatus::breakdown: return "breakdown: a number was not finite";
-    }
-    return "";
-}
-
-// Domain by domain, or in the order asked for, which makes it one domain for one thread.
-Domains domains_for(const BlockCsr& A, std::optional<Ordering> ordering) {
-    if (!ordering) return cut_into_domains(graph_of(A));
-    return {order_vertices(graph_of(A), *ordering), {0, A.n}};
-}
-
-// By GMRES or by conjugate gradients, which are deflated.
-bool solve_iteratively(SolverKind solver, const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
-                       std::optional<Ordering> ordering, std::FILE* out) {
-    const Stopwatch analysis;
-    const Domains domains = domains_for(A, ordering);
-    Reordered system(A, domains.order);
-    Ilu0 ilu(system.matrix(), domains.start);
-    std::optional<Deflation> deflation;
-    if (solver == SolverKind::cg) deflation.emplace(system.matrix());
-    print_time(out, "analysis", analysis.seconds());
-
-    const Stopwatch preconditioner;
-    system.set(A);
-    // Blocks of two are of a 2D mesh, where a heavier diagonal is of no use: see linear_solver.cpp.
-    const Ilu0Result factored = A.d == 2 ? ilu.factor(system.matrix()) : ilu.factor_heavier(system.matrix());
-    const bool definite = !deflation || deflation->factor(system.matrix());
-    print_time(out, deflation ? "ILU(0), coarse" : "ILU(0)", preconditioner.seconds());
-    if (factored.status == Ilu0Status::not_positive_definite) {
-        std::fprintf(out, "not solved: ILU(0) met a pivot that is not positive in %s\n",
-                     rows_of_node(A, domains.order[factored.bad_row]).c_str());
-        return false;
-    }
-    if (!definite) {
-        std::fprintf(out, "not solved: %s\n", reason(CgStatus::not_positive_definite));
-        return false;
-    }
-
-    if (factored.shift > 0)
-        std::fprintf(out, "shift           %g: ILU(0) of the matrix with a heavier diagonal\n", factored.shift);
-
-    const Stopwatch iteration;
-    std::vector<double> right(b.size()), solution(b.size());
-    system.gather(b.data(), right.data());
-    const auto report = [&](const auto& solved) {
-        system.scatter(solution.data(), x.data());
-        print_time(out, "solve", iteration.seconds());
-        std::fprintf(out, "iterations      %d\n", solved.iterations);
-        if (solved.status == decltype(solved.status)::converged) return true;
-        std::fprintf(out, "not solved: %s, |b - Ax|/|b| = %.3g\n", reason(solved.status), solved.relative_residual);
-        return false;
-    };
-    const BlockCsr& B = system.matrix();
-    if (solver == SolverKind::gmres) return report(Gmres(A.size(), {}).solve(B, &ilu, right.data(), solution.data()));
-    return report(ConjugateGradients(A.size(), {}).solve(B, {&ilu, &*deflation}, right.data(), solution.data()));
-}
-
-bool solve_by(const Options& options, const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
-              std::FILE* out) {
-    if (options.solver == SolverKind::cholesky)
-        return solve_by_cholesky(A, b, x, options.ordering.value_or(Ordering::nested_dissection), out);
-    return solve_iteratively(options.solver, A, b, x, options.ordering, out);
+    const SolveResult result = solver.solve(A, b, x);
+    if (direct) print_cholesky_times(out, solver, result);
+    else print_iteration(out, result);
+    if (result.status != SolveStatus::success)
+        print_failure(out, solver, result, A,
+                      options.ordering.value_or(Ordering::nested_dissection) == Ordering::nested_dissection);
+    return result;
 }
 
 // What the output calls it where none is asked for.
@@ -249,8 +186,8 @@ ExitCode linsolve(const std::vector<std::string>& arguments, std::FILE* out) {
     std::fprintf(out, "solver          %s, threads %d\n", to_string(options.solver), max_threads());
     std::fprintf(out, "ordering        %s\n", ordering_name(options));
 
-    std::vector<double> x(A.size(), 0.0);
-    const bool solved = solve_by(options, A, b, x, out);
+    std::vector<double> x;
+    const bool solved = solve_by(options, A, b, x, out).status == SolveStatus::success;
     const double residual = scaled_residual(A, x, b);
     std::fprintf(out, "scaled residual %.3g%s\n", residual, solved ? "" : " of the last x");
     if (solved && !(residual <= acceptable_residual)) std::fprintf(out, "not solved: the residual is too large\n");

@@ -74,7 +74,7 @@ AlObserver observer_of(const Deck& deck, Terminal& terminal, History& history, i
     observer.newton_step = [&](int al_iteration, const NewtonStep& step) {
         terminal.live(al_iteration, step);
         history.add(al_iteration, step);
-        fallbacks += step.fallback != SolveStatus::converged;
+        fallbacks += step.fallback.has_value();
     };
     return observer;
 }

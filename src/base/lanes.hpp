@@ -5,6 +5,7 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <utility>
 
 namespace almesh {
@@ -20,6 +21,24 @@ inline constexpr int lanes = 2;
 
 typedef double Lanes __attribute__((vector_size(lanes * sizeof(double))));
 typedef std::int64_t LaneBits __attribute__((vector_size(lanes * sizeof(double))));  // comparisons: all bits or none
+
+// Four doubles, however wide the registers are: a row of a 3 x 3 block and a pad.
+typedef double Four __attribute__((vector_size(4 * sizeof(double))));
+
+// To and from memory of any alignment. Four goes by reference: not every machine can return that many in a register.
+inline Lanes load(const double* from) {
+    Lanes value;
+    std::memcpy(&value, from, sizeof value);
+    return value;
+}
+inline void load(const double* from, Four& to) { std::memcpy(&to, from, sizeof to); }
+inline void load(const float* from, Four& to) {
+    typedef float FourFloats __attribute__((vector_size(4 * sizeof(float))));
+    FourFloats value;
+    std::memcpy(&value, from, sizeof value);
+    to = __builtin_convertvector(value, Four);
+}
+inline void store(Lanes value, double* to) { std::memcpy(to, &value, sizeof value); }
 
 inline Lanes in_all_lanes(double value) { return Lanes{} + value; }
 

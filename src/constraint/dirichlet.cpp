@@ -89,7 +89,7 @@ void BoundaryConstraint::assemble_mass(const std::vector<double>& face_weight) {
 void BoundaryConstraint::project_target(const std::vector<double>& ideal, const std::vector<double>& face_weight) {
     const int m = mesh_.face_nodes(), points = target_.quadrature.count;
     Cholesky factorisation(M_);
-    if (factorisation.factor(M_).status != CholeskyStatus::factored)
+    if (factorisation.factor(M_).status != SolveStatus::success)
         throw InputError(
             "the mass matrix of the boundary cannot be factored: a boundary face is degenerate or memory is short");
     const auto ideal_at = [&](int t, int a) { return ideal[static_cast<std::size_t>(nodes_[t]) * dim_ + a]; };

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/parallel.hpp"
-#include "linalg/small_blocks.hpp"
+#include "linalg/vector_ops.hpp"
 
 namespace almesh {
 
@@ -88,7 +88,7 @@ CellPattern pattern_and_places_of_cells(int n, int d, const std::vector<int>& ce
             for (int k = A.row[i]; k < A.row[i + 1]; ++k) place_of[A.col[k]] = k;
             for (int k = around.start[i]; k < around.start[i + 1]; ++k) {
                 const int* const cell = &cells[around.at[k] / cell_nodes * cell_nodes];
-                int* const place = &result.place[static_cast<std::size_t>(around.at[k]) * cell_nodes];
+                int* const place = &result.place[offset(around.at[k], cell_nodes)];
                 for (int b = 0; b < cell_nodes; ++b) place[b] = place_of[cell[b]];
             }
         }
@@ -108,8 +108,8 @@ template <int d>
 void multiply_blocks(const BlockCsr& A, int begin, int end, const double* x, double* y) {
     for (int i = begin; i < end; ++i) {
         SumOfProducts<d> sum;
-        for (int k = A.row[i]; k < A.row[i + 1]; ++k) sum.add(A.block(k), x + static_cast<std::size_t>(A.col[k]) * d);
-        for (int r = 0; r < d; ++r) y[static_cast<std::size_t>(i) * d + r] = sum.entry(r);
+        for (int k = A.row[i]; k < A.row[i + 1]; ++k) sum.add(A.block(k), x + offset(A.col[k], d));
+        for (int r = 0; r < d; ++r) y[offset(i, d, r)] = sum.entry(r);
     }
 }
 
@@ -127,28 +127,27 @@ void multiply(const BlockCsr& A, const double* x, double* y) {
                  [&](int b) { multiply_rows(A, b * rows, std::min(A.n, (b + 1) * rows), x, y); }, 10 * rows);
 }
 
-double norm_1(const BlockCsr& A) {
-    std::vector<double> column(A.size(), 0.0);
+// The largest of several numbers does not depend on their order, so the reduction gives the same bits for any number of
+// threads.
+double norm_inf(const BlockCsr& A) {
+    double largest = 0;
+#pragma omp parallel for schedule(static) reduction(max : largest)
     for (int i = 0; i < A.n; ++i)
-        for (int k = A.row[i]; k < A.row[i + 1]; ++k)
-            for (int r = 0; r < A.d; ++r)
-                for (int c = 0; c < A.d; ++c) column[A.col[k] * A.d + c] += std::abs(A.block(k)[r * A.d + c]);
-    return column.empty() ? 0.0 : *std::max_element(column.begin(), column.end());
+        for (int r = 0; r < A.d; ++r) {
+            double sum = 0;
+            for (int k = A.row[i]; k < A.row[i + 1]; ++k)
+                for (int c = 0; c < A.d; ++c) sum += std::abs(A.block(k)[r * A.d + c]);
+            largest = std::max(largest, sum);
+        }
+    return largest;
 }
 
 double scaled_residual(const BlockCsr& A, const std::vector<double>& x, const std::vector<double>& b) {
     std::vector<double> r(b.size());
     multiply(A, x.data(), r.data());
-    double residual = 0, x_max = 0, b_max = 0;
-    bool finite = true;
-    for (std::size_t i = 0; i < b.size(); ++i) {
-        finite = finite && std::isfinite(r[i]) && std::isfinite(x[i]);
-        residual = std::max(residual, std::abs(r[i] - b[i]));
-        x_max = std::max(x_max, std::abs(x[i]));
-        b_max = std::max(b_max, std::abs(b[i]));
-    }
-    const double scale = norm_1(A) * x_max + b_max;
-    if (!finite || !std::isfinite(scale)) return std::numeric_limits<double>::quiet_NaN();
+    subtract(A.size(), b.data(), r.data(), r.data());
+    const double residual = norm_inf(r), scale = norm_inf(A) * norm_inf(x) + norm_inf(b);
+    if (!std::isfinite(residual) || !std::isfinite(scale)) return std::numeric_limits<double>::quiet_NaN();
     return scale > 0 ? residual / scale : residual;
 }
 

@@ -4,9 +4,10 @@
 // Block row i holds the blocks k = row[i] .. row[i+1]-1 in the block columns col[k], ascending and without repeats;
 // block k is value[k*d*d .. (k+1)*d*d), row-major. Symmetric matrices store both triangles.
 #pragma once
-#include <cstddef>
 #include <vector>
 
+#include "base/index.hpp"
+#include "base/lanes.hpp"
 #include "base/large_array.hpp"
 
 namespace almesh {
@@ -20,8 +21,8 @@ struct BlockCsr {
 
     int blocks() const { return static_cast<int>(col.size()); }
     int size() const { return n * d; }
-    double* block(int k) { return value.data() + static_cast<std::size_t>(k) * d * d; }
-    const double* block(int k) const { return value.data() + static_cast<std::size_t>(k) * d * d; }
+    double* block(int k) { return value.data() + offset(k, d * d); }
+    const double* block(int k) const { return value.data() + offset(k, d * d); }
 
     // Place of block (i, j), or -1 where the pattern has none.
     int find(int i, int j) const;
@@ -48,9 +49,49 @@ void multiply(const BlockCsr& A, const double* x, double* y);
 // Block rows begin .. end-1 of it, by the calling thread alone.
 void multiply_rows(const BlockCsr& A, int begin, int end, const double* x, double* y);
 
-double norm_1(const BlockCsr& A);  // largest column sum of absolute values
+// The sum over k of B_k x_k, B_k d x d row-major, for d = 1, 2, 3. One partial sum per column of the blocks, so that no
+// addition waits for the one before it.
+template <int d>
+class SumOfProducts {
+public:
+    void add(const double* B, const double* x) {
+        for (int r = 0; r < d; ++r)
+            for (int c = 0; c < d; ++c) sum_[r][c] += B[r * d + c] * x[c];
+    }
+    double entry(int r) const {
+        double sum = 0;
+        for (int c = 0; c < d; ++c) sum += sum_[r][c];
+        return sum;
+    }
 
-// |Ax - b|_inf / (|A|_1 |x|_inf + |b|_inf): a few machine epsilons for a backward-stable solve (CSparse); nan
+private:
+    double sum_[d][d] = {};
+};
+
+// A row of three in a register of four: rows 0 and 1 with the number after, row 2 with the number before it, so that
+// nothing outside B is read. That number is multiplied by a zero pad.
+template <>
+class SumOfProducts<3> {
+public:
+    void add(const double* B, const double* x) {
+        const Four first = {x[0], x[1], x[2], 0}, last = {0, x[0], x[1], x[2]};
+        Four row[3];
+        load(B, row[0]);
+        load(B + 3, row[1]);
+        load(B + 5, row[2]);
+        sum_[0] += row[0] * first;
+        sum_[1] += row[1] * first;
+        sum_[2] += row[2] * last;
+    }
+    double entry(int r) const { return sum_[r][r / 2] + sum_[r][r / 2 + 1] + sum_[r][r / 2 + 2]; }
+
+private:
+    Four sum_[3] = {};
+};
+
+double norm_inf(const BlockCsr& A);  // largest row sum of absolute values; |A|_1 of a symmetric A
+
+// |Ax - b|_inf / (|A|_inf |x|_inf + |b|_inf): a few machine epsilons for a backward-stable solve (CSparse); nan
 // where a number is not finite.
 double scaled_residual(const BlockCsr& A, const std::vector<double>& x, const std::vector<double>& b);
 

@@ -1,33 +1,24 @@
+// Chooses a solver, falls back from an iterative one to Cholesky, and checks the solution of Cholesky: one step of
+// iterative refinement where it lowers the scaled residual (Higham, Accuracy and Stability of Numerical Algorithms,
+// 2002, chapter 12).
 #include "linalg/linear_solver.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <optional>
+#include <variant>
 
 #include "base/parallel.hpp"
+#include "base/stopwatch.hpp"
 #include "linalg/direct/cholesky.hpp"
 #include "linalg/krylov/conjugate_gradients.hpp"
-#include "linalg/ordering/domains.hpp"
+#include "linalg/krylov/deflated.hpp"
 #include "linalg/krylov/gmres.hpp"
-#include "linalg/ordering/graph.hpp"
 #include "linalg/krylov/ilu0.hpp"
 #include "linalg/krylov/reordered.hpp"
+#include "linalg/ordering/domains.hpp"
+#include "linalg/ordering/graph.hpp"
 #include "linalg/vector_ops.hpp"
 
 namespace almesh {
-
-const char* to_string(SolveStatus status) {
-    switch (status) {
-        case SolveStatus::converged: return "converged";
-        case SolveStatus::max_iterations: return "max_iterations";
-        case SolveStatus::stagnated: return "stagnated";
-        case SolveStatus::breakdown: return "breakdown";
-        case SolveStatus::indefinite_preconditioner: return "indefinite_preconditioner";
-        case SolveStatus::not_positive_definite: return "not_positive_definite";
-        case SolveStatus::too_large: return "too_large";
-    }
-    return "";
-}
 
 const char* to_string(SolverKind kind) {
     switch (kind) {
@@ -41,75 +32,55 @@ const char* to_string(SolverKind kind) {
 
 namespace {
 
-constexpr int failures_to_give_up = 2;   // of iterative solvers in a row, if the choice is ours
+constexpr int failures_to_give_up = 2;  // of iterative solvers in a row, if the choice is ours
+constexpr double refine_above = 1e-15;  // scaled residual from which a step of iterative refinement is worth a solve
 
-constexpr double refine_above = 1e-15;   // scaled residual from which a step of iterative refinement is worth a solve
-
-SolveStatus status_of(GmresStatus status) {
-    switch (status) {
-        case GmresStatus::converged: return SolveStatus::converged;
-        case GmresStatus::max_iterations: return SolveStatus::max_iterations;
-        case GmresStatus::stagnated: return SolveStatus::stagnated;
-        case GmresStatus::breakdown: break;
-    }
-    return SolveStatus::breakdown;
+Domains domains_in(const Graph& graph, std::optional<Ordering> ordering) {
+    if (!ordering) return cut_into_domains(graph);
+    return {order_vertices(graph, *ordering), {0, graph.size()}};
 }
 
-SolveStatus status_of(CgStatus status) {
-    switch (status) {
-        case CgStatus::converged: return SolveStatus::converged;
-        case CgStatus::max_iterations: return SolveStatus::max_iterations;
-        case CgStatus::stagnated: return SolveStatus::stagnated;
-        case CgStatus::not_positive_definite: return SolveStatus::not_positive_definite;
-        case CgStatus::breakdown: break;
-    }
-    return SolveStatus::breakdown;
+// Where ILU(0) of a positive definite matrix meets a bad pivot, that of one with a heavier diagonal may not, and serves
+// nearly as well (Manteuffel, Math. Comp. 34, 1980). Not so in 2D: there bad pivots come from stretched elements, and
+// iterations stagnate with any shift.
+std::vector<double> diagonal_shifts(int dimension) {
+    return dimension == 2 ? std::vector<double>{0} : std::vector<double>{0, 0.01, 0.1};
 }
 
-// Largest sum of absolute values in a row. The largest of several numbers does not depend on their order, so the
-// reduction gives the same bits for any number of threads.
-double norm_inf(const BlockCsr& A) {
-    double largest = 0;
-#pragma omp parallel for schedule(static) reduction(max : largest)
-    for (int i = 0; i < A.n; ++i)
-        for (int r = 0; r < A.d; ++r) {
-            double sum = 0;
-            for (int k = A.row[i]; k < A.row[i + 1]; ++k)
-                for (int c = 0; c < A.d; ++c) sum += std::abs(A.block(k)[r * A.d + c]);
-            largest = std::max(largest, sum);
-        }
-    return largest;
+using Method = std::variant<ConjugateGradients, Gmres>;
+
+Method make_method(int size, const LinearSolverParams& params) {
+    if (params.kind == SolverKind::gmres) return Gmres(size, {params.restart, params.max_iterations, params.tolerance});
+    return ConjugateGradients(size, {params.max_iterations, params.tolerance});
+}
+
+// start: of the domains, see Ilu0.
+std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, const std::vector<int>& start,
+                                                    int dimension, SolverKind kind) {
+    std::unique_ptr<Preconditioner> ilu;
+    const auto set_up_ilu = [&] { ilu = std::make_unique<Ilu0>(pattern, start, diagonal_shifts(dimension)); };
+    if (kind == SolverKind::gmres) return set_up_ilu(), std::move(ilu);
+    std::unique_ptr<CoarseSpace> coarse;
+    parallel_invoke(set_up_ilu, [&] { coarse = std::make_unique<CoarseSpace>(pattern); });
+    return std::make_unique<Deflated>(std::move(ilu), std::move(coarse));
 }
 
 }  // namespace
 
 struct LinearSolver::Iterative {
-    Reordered system;  // domain by domain
-    std::optional<Ilu0> ilu;
-    std::optional<Deflation> deflation;    // with cg
-    std::optional<ConjugateGradients> cg;  // one of the two
-    std::optional<Gmres> gmres;
+    Reordered system;  // in the order of the preconditioner
+    std::unique_ptr<Preconditioner> M;
+    Method method;
     std::vector<double> right, solution;
 
-    Iterative(const BlockCsr& A, const LinearSolverParams& params)
-        : Iterative(A, params, cut_into_domains(graph_of(A))) {}
+    Iterative(const BlockCsr& A, int dimension, const LinearSolverParams& params, const Domains& domains)
+        : system(A, domains.order),
+          M(make_preconditioner(system.matrix(), domains.start, dimension, params.kind)),
+          method(make_method(A.size(), params)),
+          right(A.size()),
+          solution(A.size()) {}
 
-    Iterative(const BlockCsr& A, const LinearSolverParams& params, const Domains& domains)
-        : system(A, domains.order), right(A.size()), solution(A.size()) {
-        const auto set_up_ilu = [&] { ilu.emplace(system.matrix(), domains.start); };
-        if (params.kind == SolverKind::gmres) {
-            set_up_ilu();
-            gmres.emplace(A.size(), GmresParams{params.restart, params.max_iterations, params.tolerance});
-        } else {
-            parallel_invoke(set_up_ilu, [&] { deflation.emplace(system.matrix()); });
-            cg.emplace(A.size(), CgParams{params.max_iterations, params.tolerance});
-        }
-    }
-
-    void set_tolerance(double tolerance) {
-        if (cg) cg->set_tolerance(tolerance);
-        else gmres->set_tolerance(tolerance);
-    }
+    SolverKind kind() const { return std::holds_alternative<Gmres>(method) ? SolverKind::gmres : SolverKind::cg; }
 };
 
 struct LinearSolver::Direct {
@@ -127,18 +98,20 @@ LinearSolver::~LinearSolver() = default;
 
 void LinearSolver::set_tolerance(double tolerance) {
     params_.tolerance = tolerance;
-    if (iterative_) iterative_->set_tolerance(tolerance);
+    if (iterative_) std::visit([=](auto& method) { method.set_tolerance(tolerance); }, iterative_->method);
 }
 
 double LinearSolver::factor_entries() const { return direct_ ? direct_->cholesky.factor_entries() : 0; }
 double LinearSolver::factor_flops() const { return direct_ ? direct_->cholesky.flops() : 0; }
 
-double LinearSolver::refused_bytes() const {
-    return direct_ && !direct_->cholesky.fits() ? direct_->cholesky.predicted_bytes() : 0;
-}
+double LinearSolver::factor_bytes() const { return direct_ ? direct_->cholesky.predicted_bytes() : 0; }
+double LinearSolver::refused_bytes() const { return direct_ && !direct_->cholesky.fits() ? factor_bytes() : 0; }
 
 LinearSolver::Iterative& LinearSolver::iterative(const BlockCsr& A) {
-    if (!iterative_) iterative_ = std::make_unique<Iterative>(A, params_);
+    if (!iterative_) {
+        const Domains domains = domains_in(graph_of(A), params_.ordering);
+        iterative_ = std::make_unique<Iterative>(A, dimension_, params_, domains);
+    }
     return *iterative_;
 }
 
@@ -146,6 +119,7 @@ LinearSolver::Direct& LinearSolver::direct(const BlockCsr& A) {
     if (!direct_) {
         CholeskyParams params;
         params.memory_limit = params_.memory_limit;
+        params.ordering = params_.ordering.value_or(params.ordering);
         direct_ = std::make_unique<Direct>(A, params);
     }
     return *direct_;
@@ -157,54 +131,52 @@ bool LinearSolver::iterative_first(const BlockCsr& A) {
     return !direct(A).cholesky.fits();
 }
 
+void LinearSolver::analyse(const BlockCsr& A) {
+    if (iterative_first(A)) iterative(A);
+    else direct(A);
+}
+
 SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
-                                bool doubtful) {
+                                bool may_be_indefinite) {
     x.assign(A.size(), 0.0);
     if (!iterative_first(A)) return solve_directly(A, b, x);
     const SolveResult first = solve_iteratively(A, b, x);
-    if (first.status == SolveStatus::converged) failures_ = 0;
-    if (first.status == SolveStatus::converged || first.status == SolveStatus::not_positive_definite) return first;
-    if (doubtful && first.status == SolveStatus::indefinite_preconditioner) return first;
+    if (first.status == SolveStatus::success) failures_ = 0;
+    if (first.status == SolveStatus::success || first.status == SolveStatus::not_positive_definite) return first;
+    if (may_be_indefinite && first.status == SolveStatus::indefinite_preconditioner) return first;
     ++failures_;
-    if (!direct(A).cholesky.fits()) return first;
+    if (!params_.fallback || !direct(A).cholesky.fits()) return first;
     SolveResult second = solve_directly(A, b, x);
     second.iterations = first.iterations;
-    second.fell_back = true;
-    second.iterative_status = first.status;
+    second.failed_first = first.status;
     return second;
 }
 
 SolveResult LinearSolver::solve_iteratively(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
     Iterative& own = iterative(A);
-    const auto result_of = [&](SolverKind used, SolveStatus status, int iterations, double residual) {
-        SolveResult result;
-        result.used = used;
-        result.status = result.iterative_status = status;
-        result.iterations = iterations;
-        result.relative_residual = residual;
-        return result;
-    };
-    const SolverKind kind = own.cg ? SolverKind::cg : SolverKind::gmres;
+    SolveResult result;
+    result.used = own.kind();
+    result.relative_residual = 1;
+    const Stopwatch factorisation;
     own.system.set(A);
     const BlockCsr& B = own.system.matrix();
-    // In 2D bad pivots come from stretched elements, and iterations stagnate with any shift.
-    const Ilu0Result factored = dimension_ == 3 ? own.ilu->factor_heavier(B) : own.ilu->factor(B);
-    if (factored.status == Ilu0Status::not_positive_definite) {
-        SolveResult result = result_of(kind, SolveStatus::indefinite_preconditioner, 0, 1);
-        result.bad_node = own.system.order()[factored.bad_row];
-        return result;
-    }
-    if (own.deflation && !own.deflation->factor(B)) return result_of(kind, SolveStatus::not_positive_definite, 0, 1);
+    const FactorResult factored = own.M->factor(B);
+    result.factor_seconds = factorisation.seconds();
+    result.status = factored.status;
+    if (factored.bad_row >= 0) result.bad_node = own.system.order()[factored.bad_row];
+    if (factored.status != SolveStatus::success) return result;
+    result.diagonal_shift = factored.diagonal_shift;
+
+    const Stopwatch iteration;
     own.system.gather(b.data(), own.right.data());
-    const auto finish = [&](const auto& solved) {
-        own.system.scatter(own.solution.data(), x.data());
-        SolveResult result = result_of(kind, status_of(solved.status), solved.iterations, solved.relative_residual);
-        result.shift = factored.shift;
-        return result;
-    };
-    const double* const right = own.right.data();
-    if (own.gmres) return finish(own.gmres->solve(B, &*own.ilu, right, own.solution.data()));
-    return finish(own.cg->solve(B, {&*own.ilu, &*own.deflation}, right, own.solution.data()));
+    const KrylovResult solved = std::visit(
+        [&](auto& method) { return method.solve(B, *own.M, own.right.data(), own.solution.data()); }, own.method);
+    own.system.scatter(own.solution.data(), x.data());
+    result.solve_seconds = iteration.seconds();
+    result.status = solved.status;
+    result.iterations = solved.iterations;
+    result.relative_residual = solved.relative_residual;
+    return result;
 }
 
 SolveResult LinearSolver::solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
@@ -212,23 +184,23 @@ SolveResult LinearSolver::solve_directly(const BlockCsr& A, const std::vector<do
     SolveResult result;
     result.relative_residual = 1;
     x.assign(A.size(), 0.0);
-    const CholeskyResult factored = own.cholesky.factor(A);
-    result.bad_node = factored.bad_node;
-    if (factored.status != CholeskyStatus::factored) {
-        result.status = factored.status == CholeskyStatus::too_large ? SolveStatus::too_large
-                                                                     : SolveStatus::not_positive_definite;
-        return result;
-    }
+    const Stopwatch factorisation;
+    const FactorResult factored = own.cholesky.factor(A);
+    result.factor_seconds = factorisation.seconds();
+    result.status = factored.status;
+    result.bad_node = factored.bad_row;
+    if (factored.status != SolveStatus::success) return result;
 
-    const int n = A.size();
-    const double A_norm = norm_inf(A), b_norm = almesh::norm_inf(b);
-    auto scaled = [&] {  // computes the residual too
+    const Stopwatch substitution;
+    own.cholesky.solve(b.data(), x.data());
+    result.solve_seconds = substitution.seconds();
+    const double A_norm = norm_inf(A), b_norm = norm_inf(b);
+    const auto scaled = [&] {  // computes the residual too
         multiply(A, x.data(), own.residual.data());
-        subtract(n, b.data(), own.residual.data(), own.residual.data());
-        const double scale = A_norm * almesh::norm_inf(x) + b_norm, largest = almesh::norm_inf(own.residual);
+        subtract(A.size(), b.data(), own.residual.data(), own.residual.data());
+        const double scale = A_norm * norm_inf(x) + b_norm, largest = norm_inf(own.residual);
         return scale > 0 ? largest / scale : largest;
     };
-    own.cholesky.solve(b.data(), x.data());
     double residual = scaled();
     if (residual > refine_above) {
         own.cholesky.solve(own.residual.data(), own.correction.data());
@@ -243,11 +215,11 @@ SolveResult LinearSolver::solve_directly(const BlockCsr& A, const std::vector<do
     }
     if (!(residual <= acceptable_residual)) {
         result.status = SolveStatus::breakdown;
-        x.assign(n, 0.0);
+        x.assign(A.size(), 0.0);
         return result;
     }
-    const double length = norm_2(b);
-    result.relative_residual = length > 0 ? norm_2(own.residual) / length : 0;
+    const double b_length = norm_2(b);
+    result.relative_residual = b_length > 0 ? norm_2(own.residual) / b_length : 0;
     return result;
 }
 

@@ -1,37 +1,27 @@
-// Solves the symmetric systems A x = b of Newton's method on one fixed pattern, by sparse Cholesky or by conjugate
-// gradients (deflated) or GMRES with ILU(0), and knows which of them suits.
+// Solves the symmetric systems A x = b of Newton's method on one fixed pattern: by sparse Cholesky, by conjugate
+// gradients with deflated ILU(0), or by GMRES with ILU(0).
 //
-// `automatic`: Cholesky in 2D, where the factor is small and ILU(0) fails on stretched elements; conjugate gradients in
-// 3D but for small systems, decided by their size because already the analysis of a large 3D pattern costs more than
-// several iterative solves. Where an iterative solver does not converge, the same system goes to Cholesky, and after
-// two such failures in a row all further ones do. Analyses and memory are made when first needed, then kept.
+// `automatic` takes Cholesky in 2D, where the factor is small and ILU(0) fails on stretched elements, and conjugate
+// gradients in 3D except for small systems. The size decides, because already the analysis of a large 3D pattern costs
+// more than several iterative solves. Where an iterative solver does not converge, Cholesky solves the same system, and
+// after two such failures in a row all further ones. Analyses and memory are made when first needed, then kept.
 #pragma once
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "linalg/block_csr.hpp"
+#include "linalg/ordering/ordering.hpp"
+#include "linalg/solve_status.hpp"
 
 namespace almesh {
 
 enum class SolverKind { automatic, cg, gmres, cholesky };
 
-// Scaled residual |b - A x|_inf / (|A|_1 |x|_inf + |b|_inf) above which x does not count as a solution.
-inline constexpr double acceptable_residual = 1e-8;
-
-enum class SolveStatus {
-    converged,
-    max_iterations,             // iterative
-    stagnated,                  // iterative
-    breakdown,                  // numbers that are not finite, or a solution that does not satisfy the system
-    indefinite_preconditioner,  // ILU(0), in 3D also of A with a heavier diagonal, met a pivot that is not
-                                // positive; the matrix may be positive definite
-    not_positive_definite,      // Cholesky; conjugate gradients: the coarse matrix, or a direction of no
-                                // positive curvature
-    too_large                   // the Cholesky factor would not fit the memory
-};
-
-const char* to_string(SolveStatus status);
 const char* to_string(SolverKind kind);
+
+// Scaled residual |b - A x|_inf / (|A|_inf |x|_inf + |b|_inf) above which x does not count as a solution.
+inline constexpr double acceptable_residual = 1e-8;
 
 struct LinearSolverParams {
     SolverKind kind = SolverKind::automatic;
@@ -40,17 +30,20 @@ struct LinearSolverParams {
     int max_iterations = 600;    // iterative: in all cycles
     int cg_from_unknowns = 8000; // automatic, 3D: systems from this size on go to conjugate gradients
     double memory_limit = 0;     // bytes for the Cholesky factor; 0: the machine's physical memory
+    bool fallback = true;        // Cholesky takes over where an iterative solver fails
+    // Empty: nested dissection for Cholesky, domains for ILU(0), which any other ordering makes run on one thread.
+    std::optional<Ordering> ordering = {};
 };
 
 struct SolveResult {
-    SolveStatus status = SolveStatus::converged;
+    SolveStatus status = SolveStatus::success;
     int iterations = 0;              // iterations, those of a failed attempt included
     double relative_residual = 0;    // |b - A x|_2 / |b|_2 of the x returned; 1 where x = 0 is returned
-    SolverKind used = SolverKind::cholesky;  // cg, gmres or cholesky: who made x
-    bool fell_back = false;          // an iterative solver was tried before, and ended with iterative_status
-    SolveStatus iterative_status = SolveStatus::converged;
-    double shift = 0;                // ILU(0) is of A with its diagonal blocks times 1 + shift
+    SolverKind used = SolverKind::cholesky;   // cg, gmres or cholesky: who made x
+    std::optional<SolveStatus> failed_first;  // how an iterative solver failed before Cholesky took over
+    double diagonal_shift = 0;       // ILU(0) is of A with its diagonal blocks times 1 + diagonal_shift
     int bad_node = -1;               // block row of the bad pivot of ILU(0) or Cholesky
+    double factor_seconds = 0, solve_seconds = 0;  // of who made x, refinement left out; 0 if that was not reached
 };
 
 class LinearSolver {
@@ -63,17 +56,23 @@ public:
     void set_tolerance(double tolerance);
 
     // A: symmetric, both triangles stored, with all diagonal blocks, on the pattern of the first A. b, x: A.size(); x
-    // is resized. Unless the status is converged, x is the last iterate of an iterative solver or zero. Its convergence
-    // does not mean that A is positive definite. not_positive_definite is about A itself, so nothing else is tried
-    // then. doubtful: A may be indefinite, and the caller has another matrix in its place; then
+    // is resized. Unless the status is success, x is the last iterate of an iterative solver or zero. Success of an
+    // iterative solver does not mean that A is positive definite. not_positive_definite is about A itself, so nothing
+    // else is tried then. may_be_indefinite: the caller has another matrix in place of an indefinite A, so
     // indefinite_preconditioner, a sign of that, ends the solve too.
-    SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, bool doubtful = false);
+    SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
+                      bool may_be_indefinite = false);
 
-    // Scalar entries of the Cholesky factor and operations to compute it; 0 until it has been analysed.
+    // What the first solve does with the pattern of A before it looks at the values.
+    void analyse(const BlockCsr& A);
+
+    // Scalar entries of the Cholesky factor, operations to compute it, bytes of the factorisation with the number of
+    // threads now in force; 0 until it has been analysed.
     double factor_entries() const;
     double factor_flops() const;
+    double factor_bytes() const;
 
-    // Bytes of the factorisation if it has been analysed and does not fit the memory, else 0.
+    // factor_bytes() if they do not fit the memory, else 0.
     double refused_bytes() const;
 
 private:

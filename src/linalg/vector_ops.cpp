@@ -9,7 +9,7 @@ namespace almesh {
 
 namespace {
 
-constexpr int chunk = 64, lanes = 8;
+constexpr int chunk = 64, partial_sums = 8;
 
 // Threads cost more than they bring in short vectors.
 template <class Body>
@@ -22,10 +22,10 @@ void for_all(int n, const Body& body) {
 
 // Eight independent partial sums: they fit a vector register, and the additions do not wait for each other.
 double dot_of_piece(int n, const double* x, const double* y) {
-    double sum[lanes] = {};
+    double sum[partial_sums] = {};
     int i = 0;
-    for (; i + lanes <= n; i += lanes)
-        for (int l = 0; l < lanes; ++l) sum[l] += x[i + l] * y[i + l];
+    for (; i + partial_sums <= n; i += partial_sums)
+        for (int l = 0; l < partial_sums; ++l) sum[l] += x[i + l] * y[i + l];
     for (int l = 0; i < n; ++i, ++l) sum[l] += x[i] * y[i];
     return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
 }

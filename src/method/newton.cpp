@@ -85,9 +85,9 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
         const SolveResult solve = solver_.solve(H_, minus_g_, d_, step.hessian == HessianKind::full);
         step.linear_iterations += solve.iterations;
         step.solver = solve.used;
-        step.shift = solve.shift;
-        step.fallback = solve.fell_back ? solve.iterative_status : SolveStatus::converged;
-        if (solve.status == SolveStatus::converged && dot(g_, d_) < 0) return true;
+        step.shift = solve.diagonal_shift;
+        step.fallback = solve.failed_first;
+        if (solve.status == SolveStatus::success && dot(g_, d_) < 0) return true;
     } while (fall_back(step.hessian));
     return false;
 }

@@ -74,8 +74,8 @@ struct NewtonStep {
     int pocket_nodes = 0, pocket_steps = 0;  // of the local minimisation after the step
     int linear_iterations = 0;
     SolverKind solver = SolverKind::automatic;  // who made the direction
-    double shift = 0;                           // of the diagonal in ILU(0), see Ilu0::factor()
-    SolveStatus fallback = SolveStatus::converged;  // how an iterative solver failed before Cholesky took over
+    double shift = 0;                           // of the diagonal in ILU(0), see SolveResult
+    std::optional<SolveStatus> fallback;        // how an iterative solver failed before Cholesky took over
 };
 
 struct NewtonResult {

@@ -70,7 +70,7 @@ int minimise_pocket(const PocketFunctional& E, double worthwhile, std::vector<do
     std::vector<double> g(y.size()), minus_g(y.size()), d, trial(y.size());
     const auto step_with = [&](HessianKind kind, double energy) -> LineSearchResult {
         E.hessian(y, kind, H);
-        if (solver.solve(H, minus_g, d).status != SolveStatus::converged) return {};
+        if (solver.solve(H, minus_g, d).status != SolveStatus::success) return {};
         const double slope = dot(g, d);
         return slope < 0 ? line_search(energy_of, energy, slope, d, y, trial) : LineSearchResult{};
     };

@@ -8,7 +8,7 @@
 #include "bench/timing.hpp"
 #include "linalg/direct/cholesky.hpp"
 #include "linalg/krylov/conjugate_gradients.hpp"
-#include "linalg/krylov/deflation.hpp"
+#include "linalg/krylov/deflated.hpp"
 #include "linalg/ordering/domains.hpp"
 #include "linalg/ordering/graph.hpp"
 #include "linalg/krylov/ilu0.hpp"
@@ -99,26 +99,30 @@ void measure_products(const std::string& name, const NewtonSystem& system, const
     const BlockCsr& A = reordered.matrix();
     std::vector<double> x(A.size(), 1.0), y(A.size()), b(A.size());
     reordered.gather(system.b.data(), b.data());
-    Ilu0 ilu(A, domains.start);
-    Deflation deflation(A);
+    auto made = std::make_unique<Ilu0>(A, domains.start);
+    Ilu0& ilu = *made;
+    Deflated deflated(std::move(made), std::make_unique<CoarseSpace>(A));
     for (std::size_t t = 0; t < machine.threads.size(); ++t) {
         const int threads = machine.threads[t];
         set_threads(threads);
         const double product = best_seconds(budget, [&] { multiply(A, x.data(), y.data()); });
         add_rate(table, "sparse", name, threads, "A x", bytes_of_product(A) / product, "GB/s", machine.bandwidth[t]);
-        if (ilu.factor(A).status != Ilu0Status::factored) continue;  // stretched elements: a matter for Cholesky
+        if (ilu.factor(A).status != SolveStatus::success) continue;  // stretched elements: a matter for Cholesky
         table.add("sparse", name, threads, "ILU(0) factor", best_seconds(budget, [&] { ilu.factor(A); }), "s");
-        const double solve = best_seconds(budget, [&] { ilu.solve(x.data(), y.data()); });
+        const double solve = best_seconds(budget, [&] {
+#pragma omp parallel
+            ilu.apply(x.data(), y.data());
+        });
         add_rate(table, "sparse", name, threads, "ILU(0) solve", bytes_of_sweeps(A) / solve, "GB/s",
                  machine.bandwidth[t]);
-        if (!deflation.factor(A)) continue;
-        table.add("sparse", name, threads, "coarse space", best_seconds(budget, [&] { deflation.factor(A); }), "s");
+        if (deflated.factor(A).status != SolveStatus::success) continue;
+        table.add("sparse", name, threads, "ILU(0), coarse", best_seconds(budget, [&] { deflated.factor(A); }), "s");
         ConjugateGradients cg(A.size(), {.tolerance = 1e-8});
-        CgResult solved{};
+        KrylovResult solved{};
         const double seconds = best_seconds(budget, [&] {
-            solved = cg.solve(A, {&ilu, &deflation}, b.data(), y.data());
+            solved = cg.solve(A, deflated, b.data(), y.data());
         });
-        if (solved.status != CgStatus::converged) continue;
+        if (solved.status != SolveStatus::success) continue;
         table.add("sparse", name, threads, "CG to 1e-8", solved.iterations, "iterations");
         table.add("sparse", name, threads, "CG", 1e3 * seconds / solved.iterations, "ms/iteration");
     }

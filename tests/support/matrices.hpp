@@ -172,4 +172,13 @@ inline double max_difference(const std::vector<double>& a, const std::vector<dou
     return largest;
 }
 
+inline bool is_permutation(const std::vector<int>& order) {
+    std::vector<char> seen(order.size(), 0);
+    for (int v : order) {
+        if (v < 0 || v >= static_cast<int>(order.size()) || seen[v]) return false;
+        seen[v] = 1;
+    }
+    return true;
+}
+
 }  // namespace almesh

@@ -1,46 +1,41 @@
+// Postorder of the elimination tree, column counts, supernodes, merged supernodes (fronts), postorder of the fronts that
+// needs least memory, rows of each front.
 #include "linalg/direct/assembly_tree.hpp"
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
+#include "linalg/ordering/graph.hpp"
+
 namespace almesh {
+
+// A counting sort by parent, in which roots count as children of vertex n.
+Children::Children(const std::vector<int>& parent) : start_(parent.size() + 2, 0), child_(parent.size()) {
+    const int n = static_cast<int>(parent.size());
+    const auto list = [&](int v) { return parent[v] < 0 ? n : parent[v]; };
+    for (int v = 0; v < n; ++v) ++start_[list(v) + 1];
+    for (int v = 0; v <= n; ++v) start_[v + 1] += start_[v];
+    std::vector<int> next(start_.begin(), start_.end() - 1);
+    for (int v = 0; v < n; ++v) child_[next[list(v)]++] = v;
+}
 
 namespace {
 
-// Children of every vertex of a forest as linked lists, ascending; the list of the roots stands at n.
-struct Children {
-    std::vector<int> head, next;
-
-    explicit Children(const std::vector<int>& parent) : head(parent.size() + 1, -1), next(parent.size(), -1) {
-        const int n = static_cast<int>(parent.size());
-        for (int v = n - 1; v >= 0; --v) {
-            const int p = parent[v] < 0 ? n : parent[v];
-            next[v] = head[p];
-            head[p] = v;
-        }
-    }
-};
-
 // Vertices of a forest, children before parents and subtrees together.
 std::vector<int> postorder(const std::vector<int>& parent) {
-    const int n = static_cast<int>(parent.size());
-    Children children(parent);
-    std::vector<int> order, stack;
-    order.reserve(n);
-    for (int root = children.head[n]; root >= 0; root = children.next[root]) {
-        stack.push_back(root);
-        while (!stack.empty()) {
-            const int v = stack.back(), child = children.head[v];
-            if (child < 0) {
-                order.push_back(v);
-                stack.pop_back();
-            } else {
-                children.head[v] = children.next[child];
-                stack.push_back(child);
-            }
-        }
+    const Children children(parent);
+    std::vector<int> order;
+    order.reserve(parent.size());
+    // A preorder in which the last child comes first is a postorder reversed.
+    std::vector<int> stack(children.roots().begin(), children.roots().end());
+    while (!stack.empty()) {
+        const int v = stack.back();
+        stack.pop_back();
+        order.push_back(v);
+        stack.insert(stack.end(), children.of(v).begin(), children.of(v).end());
     }
+    std::reverse(order.begin(), order.end());
     return order;
 }
 
@@ -59,7 +54,7 @@ std::vector<int> renumbered(const std::vector<int>& parent, const std::vector<in
     return result;
 }
 
-// Root of the tree that vertex v has been joined to so far, all vertices on the way shortened to it.
+// Root of the tree that vertex v has been joined to so far, with path compression.
 int find_root(std::vector<int>& ancestor, int v) {
     int root = v;
     while (ancestor[root] != root) root = ancestor[root];
@@ -86,8 +81,8 @@ std::vector<int> count_columns(const Graph& graph, const std::vector<int>& order
             first[p] = std::min(first[p], first[j]);
             --count[p];
         }
-        for (int v = order[j], k = graph.start[v]; k < graph.start[v + 1]; ++k) {
-            const int i = position[graph.adjacent[k]], leaf = i > j ? last_leaf[i] : j;
+        for (int u : graph.neighbours(order[j])) {
+            const int i = position[u], leaf = i > j ? last_leaf[i] : j;
             if (leaf >= first[j]) continue;
             ++count[j];
             if (leaf >= 0) --count[find_root(ancestor, leaf)];
@@ -150,8 +145,7 @@ std::vector<int> merge_supernodes(std::vector<Supernode>& supernodes, int d) {
     for (int s = 0; s < n; ++s) parent[s] = supernodes[s].parent;
     const Children children(parent);
     for (int p = 0; p < n; ++p) {
-        siblings.clear();
-        for (int c = children.head[p]; c >= 0; c = children.next[c]) siblings.push_back(c);
+        siblings.assign(children.of(p).begin(), children.of(p).end());
         std::stable_sort(siblings.begin(), siblings.end(),
                          [&](int a, int b) { return supernodes[a].rows > supernodes[b].rows; });
         for (int c : siblings) {
@@ -180,7 +174,8 @@ std::vector<int> order_fronts(const std::vector<Supernode>& fronts) {
     std::vector<double> peak(n, 0), left(n);
     std::vector<std::vector<int>> sorted(n + 1);
     for (int f = 0; f <= n; ++f) {
-        for (int c = children.head[f]; c >= 0; c = children.next[c]) sorted[f].push_back(c);
+        const auto unsorted = f < n ? children.of(f) : children.roots();
+        sorted[f].assign(unsorted.begin(), unsorted.end());
         std::stable_sort(sorted[f].begin(), sorted[f].end(),
                          [&](int a, int b) { return peak[a] - left[a] > peak[b] - left[b]; });
         if (f == n) break;
@@ -193,7 +188,7 @@ std::vector<int> order_fronts(const std::vector<Supernode>& fronts) {
         peak[f] = std::max(peak[f], stacked + left[f]);
     }
     std::vector<int> order, stack(sorted[n].rbegin(), sorted[n].rend());
-    while (!stack.empty()) {  // a preorder with children reversed is a postorder reversed
+    while (!stack.empty()) {  // as in postorder()
         const int f = stack.back();
         stack.pop_back();
         order.push_back(f);
@@ -206,8 +201,7 @@ std::vector<int> order_fronts(const std::vector<Supernode>& fronts) {
 // Rows of every front below its columns: those of A in its columns and those its children leave.
 void find_rows(const Graph& graph, AssemblyTree& tree) {
     const std::vector<int> position = inverse(tree.order);
-    std::vector<int> parent = tree.parent, mark(graph.size(), -1);
-    const Children children(parent);
+    std::vector<int> mark(graph.size(), -1);
     tree.row_start.assign(1, 0);
     for (int f = 0; f < tree.fronts(); ++f) {
         const std::size_t begin = tree.rows.size();
@@ -217,9 +211,8 @@ void find_rows(const Graph& graph, AssemblyTree& tree) {
             tree.rows.push_back(row);
         };
         for (int j = tree.first[f]; j < tree.first[f + 1]; ++j)
-            for (int v = tree.order[j], k = graph.start[v]; k < graph.start[v + 1]; ++k)
-                add(position[graph.adjacent[k]]);
-        for (int c = children.head[f]; c >= 0; c = children.next[c])
+            for (int u : graph.neighbours(tree.order[j])) add(position[u]);
+        for (int c : tree.children.of(f))
             for (std::size_t k = tree.row_start[c]; k < tree.row_start[c + 1]; ++k) add(tree.rows[k]);
         std::sort(tree.rows.begin() + begin, tree.rows.end());
         tree.row_start.push_back(tree.rows.size());
@@ -233,8 +226,8 @@ std::vector<int> elimination_tree(const Graph& graph, const std::vector<int>& or
     const std::vector<int> position = inverse(order);
     std::vector<int> parent(n, -1), ancestor(n, -1);  // ancestor: shortcuts towards the root
     for (int i = 0; i < n; ++i)
-        for (int v = order[i], k = graph.start[v]; k < graph.start[v + 1]; ++k) {
-            int j = position[graph.adjacent[k]];
+        for (int u : graph.neighbours(order[i])) {
+            int j = position[u];
             while (j >= 0 && j < i) {
                 const int up = ancestor[j];
                 ancestor[j] = i;
@@ -276,6 +269,7 @@ AssemblyTree build_assembly_tree(const Graph& graph, const std::vector<int>& sta
         }
         tree.first.push_back(static_cast<int>(tree.order.size()));
     }
+    tree.children = Children(tree.parent);
     find_rows(graph, tree);
     return tree;
 }

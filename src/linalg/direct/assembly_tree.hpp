@@ -1,23 +1,38 @@
-// What the elimination of a sparse symmetric matrix will look like, found from its graph alone: elimination tree,
-// entries of L, supernodes, and the assembly tree whose vertices are the fronts of the multifrontal method.
+// Symbolic factorisation of a sparse symmetric matrix, from its graph alone: elimination tree, column counts of L,
+// supernodes, and the assembly tree whose vertices are the fronts of the multifrontal method.
 //
-// Elimination tree: Liu's algorithm with path compression. Entries per column: from the leaves of the row subtrees, in
-// nearly O(edges), so that the size of a hopeless factor is known at once. Supernodes: fundamental ones, then merged
-// with their parents where that stores few zeros (Liu, SIAM J. Matrix Anal. Appl. 11, 1990; Davis, Direct Methods for
-// Sparse Linear Systems, 2006, chapter 4).
+// Elimination tree: Liu's algorithm with path compression. Column counts: from the leaves of the row subtrees, in
+// nearly O(edges), so that the size of a factor that cannot fit is known at once. Supernodes: fundamental ones, then
+// merged with their parents where that stores few zeros (Liu, SIAM J. Matrix Anal. Appl. 11, 1990; Davis, Direct
+// Methods for Sparse Linear Systems, 2006, chapter 4).
 // Columns are vertices of the graph here: the d scalar columns of a node stay together.
 #pragma once
 #include <cstddef>
+#include <span>
 #include <vector>
 
-#include "linalg/ordering/graph.hpp"
-
 namespace almesh {
+
+struct Graph;
+
+// The children of every vertex of a forest, ascending.
+class Children {
+public:
+    Children() = default;
+    explicit Children(const std::vector<int>& parent);  // -1 for a root
+
+    std::span<const int> of(int v) const { return {child_.data() + start_[v], child_.data() + start_[v + 1]}; }
+    std::span<const int> roots() const { return of(static_cast<int>(start_.size()) - 2); }
+
+private:
+    std::vector<int> start_{0, 0}, child_;  // the roots come last
+};
 
 struct AssemblyTree {
     std::vector<int> order;               // order[new] = old, a postorder of the tree
     std::vector<int> first;               // fronts + 1: front f eliminates the columns first[f] .. first[f+1]-1
     std::vector<int> parent;              // front, -1 for a root; parent[f] > f
+    Children children;                    // fronts
     std::vector<std::size_t> row_start;   // fronts + 1 offsets into rows
     std::vector<int> rows;                // rows of front f below its own columns, ascending
     std::vector<int> column_count;        // entries of each column of L, diagonal included, merging left out

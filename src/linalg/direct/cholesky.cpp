@@ -1,3 +1,5 @@
+// For every front in postorder: assemble its columns of A, extend-add the update matrices of the children, partial dense
+// Cholesky. A solve is L y = b in the same order, then L' x = y in the reverse one.
 #include "linalg/direct/cholesky.hpp"
 
 #include <unistd.h>
@@ -7,7 +9,9 @@
 #include <cmath>
 #include <limits>
 
+#include "base/index.hpp"
 #include "base/parallel.hpp"
+#include "linalg/ordering/graph.hpp"
 
 namespace almesh {
 
@@ -37,10 +41,10 @@ struct Run {
     int begin, end, target;
 };
 
-void find_runs(const int* in_parent, int rows, int d, std::vector<Run>& runs) {
+void find_runs(const int* relative_index, int rows, int d, std::vector<Run>& runs) {
     runs.clear();
     for (int i = 0; i < rows; ++i) {
-        if (i == 0 || in_parent[i] != in_parent[i - 1] + 1) runs.push_back({i * d, i * d, in_parent[i] * d});
+        if (i == 0 || relative_index[i] != relative_index[i - 1] + 1) runs.push_back({i * d, i * d, relative_index[i] * d});
         runs.back().end += d;
     }
 }
@@ -53,7 +57,7 @@ struct ExtendAdd {
     // Column j, which stands in run r, from the diagonal down.
     void column(std::size_t r, int j) const {
         const int ld = update_ld(child.m, child.k);
-        const double* const from = child.update + static_cast<std::size_t>(j) * ld + child.k - update_row(child.k);
+        const double* const from = child.update + offset(j, ld) + child.k - update_row(child.k);
         const int target = runs[r].target + j - runs[r].begin;
         double* const to = column_of_parent(target);
         for (int begin = j; r < runs.size(); ++r, begin = r < runs.size() ? runs[r].begin : 0) {
@@ -64,7 +68,7 @@ struct ExtendAdd {
 
     // Such that row i of the front stands at [i].
     double* column_of_parent(int j) const {
-        if (j < parent.k) return parent.panel + static_cast<std::size_t>(j) * front_ld(parent.m);
+        if (j < parent.k) return parent.panel + offset(j, front_ld(parent.m));
         const std::size_t ld = update_ld(parent.m, parent.k);
         return parent.update + (j - parent.k) * ld - update_row(parent.k);
     }
@@ -83,8 +87,8 @@ struct ExtendAdd {
     }
 };
 
-// Solves read each panel once, so all threads together on one front wait more than they work: fronts of one level go
-// side by side, and only a single one is shared.
+// Solves read each panel once, so threads that share a front wait more than they work: parallel across a level, and
+// inside a front only where it is alone.
 template <class Body>
 void for_level(const std::vector<int>& level, const Body& body) {
     const int count = static_cast<int>(level.size());
@@ -130,11 +134,11 @@ Front Cholesky::front(int f, int thread) {
     return {plan_.rows(f), plan_.pivots(f), factor_.data() + plan_.panel_at[f], update_of(f, thread)};
 }
 
-// The panel's share of A, and what its pivots are measured by.
+// Assembles the entries of A in the panel, and sets the smallest acceptable pivots.
 void Cholesky::gather_entries(const BlockCsr& A, int f, const Front& target, bool parallel) {
     const int d = plan_.d, ld = front_ld(target.m);
-    double* const smallest = smallest_.data() + static_cast<std::size_t>(plan_.tree.first[f]) * d;
-    auto clear = [&](int j) { std::fill_n(target.panel + static_cast<std::size_t>(j) * ld, ld, 0.0); };
+    double* const smallest = smallest_.data() + offset(plan_.tree.first[f], d);
+    auto clear = [&](int j) { std::fill_n(target.panel + offset(j, ld), ld, 0.0); };
     if (parallel) {
         parallel_for(target.k, clear, target.m);
     } else {
@@ -143,7 +147,7 @@ void Cholesky::gather_entries(const BlockCsr& A, int f, const Front& target, boo
     for (std::size_t e = plan_.entry_start[f]; e < plan_.entry_start[f + 1]; ++e) {
         const FrontEntry& entry = plan_.entries[e];
         const double* block = A.block(entry.block);  // row-major, row = the entry's column, as A is symmetric
-        double* to = target.panel + static_cast<std::size_t>(entry.column) * d * ld + entry.row * d;
+        double* to = target.panel + offset(entry.column * d, ld, entry.row * d);
         for (int c = 0; c < d; ++c)
             for (int r = 0; r < d; ++r) to[c * ld + r] = block[c * d + r];
         for (int c = 0; c < d && entry.row == entry.column; ++c)
@@ -158,14 +162,13 @@ int Cholesky::factor_one(const BlockCsr& A, int f, int thread, bool parallel) {
     parallel = parallel && static_cast<double>(target.k) * target.m * target.m > parallel_front;
     gather_entries(A, f, target, parallel);
     auto add_children = [&](bool panel) {
-        for (int k = plan_.child_start[f]; k < plan_.child_start[f + 1]; ++k) {
-            const int c = plan_.child[k];
-            find_runs(plan_.in_parent.data() + plan_.tree.row_start[c], plan_.tree.update_rows(c), plan_.d, runs);
+        for (int c : plan_.tree.children.of(f)) {
+            find_runs(plan_.relative_index.data() + plan_.tree.row_start[c], plan_.tree.update_rows(c), plan_.d, runs);
             ExtendAdd{front(c, thread), target, runs}.add(panel, parallel);
         }
     };
     add_children(true);
-    const double* smallest = smallest_.data() + static_cast<std::size_t>(plan_.tree.first[f]) * plan_.d;
+    const double* smallest = smallest_.data() + offset(plan_.tree.first[f], plan_.d);
     const int bad = factor_front(target, smallest, parallel);
     if (bad < 0) add_children(false);  // factor_front() writes the update matrix, it does not add to it
     return bad;
@@ -183,12 +186,12 @@ void Cholesky::factor_fronts(const BlockCsr& A, FrontRange range, bool parallel,
     }
 }
 
-CholeskyResult Cholesky::factor(const BlockCsr& A) {
-    if (!fits()) return {CholeskyStatus::too_large, -1};
+FactorResult Cholesky::factor(const BlockCsr& A) {
+    if (!fits()) return {SolveStatus::too_large};
     allocate();
     constexpr int none = std::numeric_limits<int>::max();
     std::atomic<int> first_bad = none;
-    for (const int f : plan_.single) unfinished_[f] = plan_.child_start[f + 1] - plan_.child_start[f];
+    for (const int f : plan_.single) unfinished_[f] = static_cast<int>(plan_.tree.children.of(f).size());
     const int subtrees = static_cast<int>(plan_.subtrees.size());
 #pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
     for (int s = 0; s < subtrees; ++s) {
@@ -200,8 +203,8 @@ CholeskyResult Cholesky::factor(const BlockCsr& A) {
         }
     }
     for (const int f : plan_.top) factor_fronts(A, {f, f + 1}, true, first_bad);
-    if (first_bad < none) return {CholeskyStatus::not_positive_definite, plan_.tree.order[first_bad]};
-    return {CholeskyStatus::factored, -1};
+    if (first_bad < none) return {SolveStatus::not_positive_definite, plan_.tree.order[first_bad]};
+    return {SolveStatus::success};
 }
 
 void Cholesky::solve_forward_one(int f, double* x, bool parallel) {
@@ -209,14 +212,12 @@ void Cholesky::solve_forward_one(int f, double* x, bool parallel) {
     const Front L = front(f, 0);
     const int d = plan_.d;
     work.resize(largest_front_);
-    double* const own = x + static_cast<std::size_t>(plan_.tree.first[f]) * d;
+    double* const own = x + offset(plan_.tree.first[f], d);
     std::copy_n(own, L.k, work.data());
     std::fill(work.begin() + L.k, work.begin() + L.m, 0.0);
-    for (int k = plan_.child_start[f]; k < plan_.child_start[f + 1]; ++k) {
-        const std::size_t begin = plan_.tree.row_start[plan_.child[k]], end = plan_.tree.row_start[plan_.child[k] + 1];
-        for (std::size_t i = begin; i < end; ++i)
-            for (int r = 0; r < d; ++r) work[plan_.in_parent[i] * d + r] += passed_on_[i * d + r];
-    }
+    for (int c : plan_.tree.children.of(f))
+        for (std::size_t i = plan_.tree.row_start[c]; i < plan_.tree.row_start[c + 1]; ++i)
+            for (int r = 0; r < d; ++r) work[plan_.relative_index[i] * d + r] += passed_on_[i * d + r];
     solve_forward(L, work.data(), parallel);
     std::copy_n(work.data(), L.k, own);
     std::copy(work.begin() + L.k, work.begin() + L.m, passed_on_.begin() + plan_.tree.row_start[f] * d);
@@ -227,11 +228,11 @@ void Cholesky::solve_backward_one(int f, double* x, bool parallel) {
     const Front L = front(f, 0);
     const int d = plan_.d;
     work.resize(largest_front_);
-    double* const own = x + static_cast<std::size_t>(plan_.tree.first[f]) * d;
+    double* const own = x + offset(plan_.tree.first[f], d);
     std::copy_n(own, L.k, work.data());
     double* to = work.data() + L.k;
     for (std::size_t i = plan_.tree.row_start[f]; i < plan_.tree.row_start[f + 1]; ++i, to += d)
-        std::copy_n(x + static_cast<std::size_t>(plan_.tree.rows[i]) * d, d, to);
+        std::copy_n(x + offset(plan_.tree.rows[i], d), d, to);
     solve_backward(L, work.data(), parallel);
     std::copy_n(work.data(), L.k, own);
 }

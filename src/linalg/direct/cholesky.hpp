@@ -14,6 +14,7 @@
 #include "linalg/direct/dense_kernels.hpp"
 #include "linalg/direct/factor_plan.hpp"
 #include "linalg/ordering/ordering.hpp"
+#include "linalg/solve_status.hpp"
 
 namespace almesh {
 
@@ -22,13 +23,6 @@ struct CholeskyParams {
     double smallest_pivot = 1e-14;  // a pivot must exceed this times the diagonal entry of A it began as: what is
                                    // left of it would otherwise be rounding
     Ordering ordering = Ordering::nested_dissection;
-};
-
-enum class CholeskyStatus { factored, not_positive_definite, too_large };
-
-struct CholeskyResult {
-    CholeskyStatus status;
-    int bad_node;  // block row of the first pivot (in elimination order) that is not positive, or -1
 };
 
 class Cholesky {
@@ -42,8 +36,9 @@ public:
     bool fits() const;                                              // predicted_bytes() within the limit
 
     // A: values on the pattern of the constructor; its upper triangle in elimination order is ignored. Allocates in the
-    // first call and when the number of threads has grown. Stops early at a bad pivot.
-    CholeskyResult factor(const BlockCsr& A);
+    // first call and when the number of threads has grown. Stops early at a bad pivot:
+    // not_positive_definite; too_large: nothing is allocated.
+    FactorResult factor(const BlockCsr& A);
 
     // x = A^{-1} b with the last factorisation, which must have succeeded. b, x: n*d; they may be the same array.
     void solve(const double* b, double* x);

@@ -16,7 +16,6 @@ namespace {
 constexpr int tile_columns = lanes == 8 ? 8 : 4;
 constexpr int grid = 8;                           // rows and columns of tiles start at multiples of this
 constexpr int packs = lanes == 2 ? 2 : 3;         // registers per column of the largest tile
-typedef double LanesInMemory __attribute__((vector_size(lanes * sizeof(double)), aligned(sizeof(double)), may_alias));
 
 constexpr int block_columns = 128;                // columns eliminated before the rest of a large front is updated
 constexpr int block_rows = 192;                   // rows and columns of the pieces that threads share out
@@ -25,9 +24,6 @@ constexpr int solve_columns = 64;                 // columns solved for before t
 constexpr int solve_rows = 512;                   // rows of it that one thread updates at a time
 constexpr int solve_parallel = 1500;              // fewer rows than this are not worth waking threads for
 constexpr int packing_size = 160;                 // fronts of more rows are worth copying operands into packed form
-
-inline Lanes load(const double* from) { return *reinterpret_cast<const LanesInMemory*>(from); }
-inline void store(Lanes value, double* to) { *reinterpret_cast<LanesInMemory*>(to) = value; }
 
 // Operand of a tile: entry (row r, column k) at data[k * ld + r].
 struct Operand {

@@ -1,9 +1,13 @@
+// Works on the rows of all fronts once: relative indices by a merge of the sorted rows of child and parent, entries of A
+// by a map from rows to places in the front at hand.
 #include "linalg/direct/factor_plan.hpp"
 
 #include <algorithm>
 
 #include "base/parallel.hpp"
+#include "linalg/block_csr.hpp"
 #include "linalg/direct/dense_kernels.hpp"
+#include "linalg/ordering/graph.hpp"
 
 namespace almesh {
 
@@ -13,22 +17,10 @@ constexpr double subtree_share = 1.0 / 16;  // largest part of all work that a s
 constexpr double single_share = 1.0 / 8;    // and the subtree of any front that one thread works on
 constexpr double smallest_cost = 2e7;       // less work than this is one subtree: threads would cost more
 
-void find_children(FactorPlan& plan) {
-    const int fronts = plan.tree.fronts();
-    plan.child_start.assign(fronts + 1, 0);
-    for (int p : plan.tree.parent)
-        if (p >= 0) ++plan.child_start[p + 1];
-    for (int f = 0; f < fronts; ++f) plan.child_start[f + 1] += plan.child_start[f];
-    std::vector<int> next(plan.child_start.begin(), plan.child_start.end() - 1);
-    plan.child.resize(plan.child_start[fronts]);
-    for (int f = 0; f < fronts; ++f)
-        if (const int p = plan.tree.parent[f]; p >= 0) plan.child[next[p]++] = f;
-}
-
-// Rows of a front are its own columns, then tree.rows, both ascending: walks the two lists of child and parent at once.
-void find_places_in_parents(FactorPlan& plan) {
+// Rows of a front are its own columns, then tree.rows, both ascending.
+void find_relative_indices(FactorPlan& plan) {
     const AssemblyTree& tree = plan.tree;
-    plan.in_parent.resize(tree.rows.size());
+    plan.relative_index.resize(tree.rows.size());
     parallel_for(tree.fronts(), [&](int f) {
         const int p = tree.parent[f];
         if (p < 0) return;
@@ -36,11 +28,11 @@ void find_places_in_parents(FactorPlan& plan) {
         for (std::size_t k = tree.row_start[f]; k < tree.row_start[f + 1]; ++k) {
             const int row = tree.rows[k];
             if (row < tree.first[p + 1]) {
-                plan.in_parent[k] = row - tree.first[p];
+                plan.relative_index[k] = row - tree.first[p];
                 continue;
             }
             while (tree.rows[at] != row) ++at;
-            plan.in_parent[k] = tree.columns(p) + static_cast<int>(at - tree.row_start[p]);
+            plan.relative_index[k] = tree.columns(p) + static_cast<int>(at - tree.row_start[p]);
         }
     }, 100);
 }
@@ -90,8 +82,7 @@ void cut_into_subtrees(FactorPlan& plan) {
     std::vector<int> begin(fronts);       // first front of the subtree
     double total = 0;
     for (int f = 0; f < fronts; ++f) {
-        begin[f] = f;
-        if (plan.child_start[f] < plan.child_start[f + 1]) begin[f] = begin[plan.child[plan.child_start[f]]];
+        begin[f] = tree.children.of(f).empty() ? f : begin[tree.children.of(f).front()];
         work[f] += cost(plan, f);
         total += cost(plan, f);
         if (tree.parent[f] >= 0) work[tree.parent[f]] += work[f];
@@ -123,75 +114,56 @@ void sort_into_levels(FactorPlan& plan) {
     std::reverse(plan.levels.begin(), plan.levels.end());
 }
 
-// The two stacks of some part of the tree, even on `at[0]`, odd on `at[1]`.
-struct Stacks {
-    std::size_t at[2] = {0, 0}, peak[2] = {0, 0};
-};
+// On which stack the update matrix of each front lies: 0 or 1 by the parity of its depth, or `own` if it has a place of
+// its own, which is never popped.
+constexpr int own = 2;
 
-void push_update(FactorPlan& plan, int f, int parity, Stacks& stacks) {
-    plan.update_at[f] = stacks.at[parity];
-    stacks.at[parity] += update_size(plan.rows(f), plan.pivots(f));
-    stacks.peak[parity] = std::max(stacks.peak[parity], stacks.at[parity]);
-}
-
-// Children that stand on a stack lie on its top, the first of them lowest.
-void pop_children(const FactorPlan& plan, int f, const std::vector<char>& handed_over, int parity, Stacks& stacks) {
-    for (int k = plan.child_start[f]; k < plan.child_start[f + 1]; ++k)
-        if (const int c = plan.child[k]; !handed_over[c]) {
-            stacks.at[parity] = plan.update_at[c];
-            return;
-        }
-}
-
-// Offsets of the odd stack are raised by `even_size`, so that it starts where the even one can end.
-void raise_odd(FactorPlan& plan, int f, int parity, std::size_t even_size) {
-    if (parity) plan.update_at[f] += even_size;
+std::vector<int> choose_stacks(const FactorPlan& plan) {
+    const AssemblyTree& tree = plan.tree;
+    std::vector<int> stack(tree.fronts(), 0);
+    for (int f = tree.fronts() - 1; f >= 0; --f)
+        if (tree.parent[f] >= 0) stack[f] = 1 - stack[tree.parent[f]];
+    for (const FrontRange& range : plan.subtrees)
+        if (tree.parent[range.end - 1] >= 0) stack[range.end - 1] = own;
+    for (int f : plan.single) stack[f] = own;
+    return stack;
 }
 
 void place_updates(FactorPlan& plan) {
     const AssemblyTree& tree = plan.tree;
-    const int fronts = tree.fronts();
-    std::vector<char> parity(fronts, 0), handed_over(fronts, 0);
-    for (int f = fronts - 1; f >= 0; --f) parity[f] = tree.parent[f] < 0 ? 0 : 1 - parity[tree.parent[f]];
-    plan.update_at.assign(fronts, 0);
-    plan.update_shared.assign(fronts, 0);
-
-    const auto hand_over = [&](int f) {
-        handed_over[f] = plan.update_shared[f] = 1;
-        plan.update_at[f] = plan.shared_size;
-        plan.shared_size += update_size(plan.rows(f), plan.pivots(f));
-    };
-    std::size_t even = 0, odd = 0;
-    for (const FrontRange& range : plan.subtrees) {
-        Stacks stacks;
-        for (int f = range.begin; f < range.end; ++f) {
-            if (f == range.end - 1 && tree.parent[f] >= 0) {
-                hand_over(f);
-                continue;
+    const std::vector<int> stack = choose_stacks(plan);
+    plan.update_at.assign(tree.fronts(), 0);
+    plan.update_shared.assign(tree.fronts(), 0);
+    std::size_t top[3] = {}, size[3] = {};
+    const auto push = [&](int f) {
+        plan.update_at[f] = top[stack[f]];
+        top[stack[f]] += update_size(plan.rows(f), plan.pivots(f));
+        size[stack[f]] = std::max(size[stack[f]], top[stack[f]]);
+        for (int c : tree.children.of(f))
+            if (stack[c] != own) {  // those on a stack are its topmost, the first of them lowest
+                top[stack[c]] = plan.update_at[c];
+                break;
             }
-            push_update(plan, f, parity[f], stacks);
-            pop_children(plan, f, handed_over, 1 - parity[f], stacks);
-        }
-        even = std::max(even, stacks.peak[0]);
-        odd = std::max(odd, stacks.peak[1]);
+    };
+    // Odd stacks begin where even ones can end.
+    const auto raise = [&](int f, std::size_t base) { plan.update_at[f] += base + (stack[f] == 1 ? size[0] : 0); };
+
+    for (const FrontRange& range : plan.subtrees) {
+        top[0] = top[1] = 0;
+        for (int f = range.begin; f < range.end; ++f) push(f);
     }
     for (const FrontRange& range : plan.subtrees)
         for (int f = range.begin; f < range.end; ++f)
-            if (!handed_over[f]) raise_odd(plan, f, parity[f], even);
-    plan.thread_size = even + odd;
-    for (int f : plan.single) hand_over(f);
+            if (stack[f] != own) raise(f, 0);
+    plan.thread_size = size[0] + size[1];
 
-    Stacks stacks;
-    for (int f : plan.top) {
-        plan.update_shared[f] = 1;
-        push_update(plan, f, parity[f], stacks);
-        pop_children(plan, f, handed_over, 1 - parity[f], stacks);
-    }
-    for (int f : plan.top) {
-        plan.update_at[f] += plan.shared_size;
-        raise_odd(plan, f, parity[f], stacks.peak[0]);
-    }
-    plan.shared_size += stacks.peak[0] + stacks.peak[1];
+    for (int f : plan.single) push(f);
+    top[0] = top[1] = size[0] = size[1] = 0;
+    for (int f : plan.top) push(f);
+    for (int f : plan.top) raise(f, size[own]);
+    plan.shared_size = size[0] + size[1] + size[own];
+    for (int f = 0; f < tree.fronts(); ++f) plan.update_shared[f] = stack[f] == own;
+    for (int f : plan.top) plan.update_shared[f] = 1;
 }
 
 }  // namespace
@@ -207,8 +179,7 @@ FactorPlan plan_factorisation(const BlockCsr& pattern, const Graph& graph, const
     FactorPlan plan;
     plan.d = pattern.d;
     plan.tree = build_assembly_tree(graph, order, pattern.d);
-    find_children(plan);
-    find_places_in_parents(plan);
+    find_relative_indices(plan);
     find_entries(plan, pattern);
     count_work(plan);
     cut_into_subtrees(plan);

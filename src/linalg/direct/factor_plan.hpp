@@ -1,21 +1,23 @@
-// Everything about a multifrontal factorisation that is known before the numbers: where each block of A goes, how the
-// fronts pass their update matrices on, where all of it lies in memory, which subtrees are independent.
+// Everything about a multifrontal factorisation that is known before the values: the front entry that each block of A
+// is added to, the rows of the parent front that each update matrix is added to, all places in memory, and the
+// independent subtrees.
 //
-// Update matrices live on two stacks, those of fronts at even and at odd depth: children are popped from one while
-// their parent's is pushed on the other, so none is ever moved, and all places are known beforehand. The tree is cut
-// into subtrees, each worked on by one thread with stacks of its own, single fronts above them, each worked on by one
-// thread as soon as its children are done, and the top above these, where all threads share the work inside each front.
-// Update matrices of subtrees' roots and single fronts are handed over in a place of their own.
+// The tree is cut into subtrees, each worked on by one thread, single fronts above them, each worked on by one thread as
+// soon as its children are done, and the top above these, where all threads share the work inside each front. The
+// update matrices of the roots of subtrees and of single fronts change threads and have a place of their own. The others
+// live on two stacks, those of fronts at even and at odd depth: the children are popped from one while their parent's
+// is pushed on the other, so none is ever moved. Each thread has two stacks for its subtrees, the top has two.
 #pragma once
 #include <cstddef>
 #include <vector>
 
 #include "linalg/direct/assembly_tree.hpp"
-#include "linalg/block_csr.hpp"
 
 namespace almesh {
 
-// Block `block` of A goes to (row, column) of a front, in nodes.
+struct BlockCsr;
+
+// Block `block` of A is added to (row, column) of a front, in nodes.
 struct FrontEntry {
     int block, row, column;
 };
@@ -27,8 +29,7 @@ struct FrontRange {
 struct FactorPlan {
     AssemblyTree tree;
     int d = 1;
-    std::vector<int> child_start, child;      // children of front f: child[child_start[f] .. child_start[f+1])
-    std::vector<int> in_parent;               // like tree.rows: the row's place in the parent front, in nodes
+    std::vector<int> relative_index;          // like tree.rows: the row's place in the parent front, in nodes
     std::vector<std::size_t> entry_start;     // fronts + 1 offsets into entries
     std::vector<FrontEntry> entries;
     std::vector<FrontRange> subtrees;         // costliest first

@@ -1,9 +1,12 @@
+// The Arnoldi process A M^{-1} V_k = V_{k+1} H_k turns |b - A x| into |beta e_1 - H_k y| for x = x_0 + M^{-1} V_k y.
+// Givens rotations make H_k upper triangular as it grows, and leave the norm of the residual in the last entry of the
+// rotated beta e_1, without forming x.
 #include "linalg/krylov/gmres.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "linalg/krylov/stagnation.hpp"
+#include "base/parallel.hpp"
 #include "linalg/vector_ops.hpp"
 
 namespace almesh {
@@ -11,7 +14,7 @@ namespace almesh {
 Gmres::Gmres(int size, const GmresParams& params) : size_(size), params_(params) {
     params_.restart = std::max(1, std::min(params.restart, std::max(size, 1)));
     const int m = params_.restart;
-    basis_.resize(static_cast<std::size_t>(m + 1) * size);
+    basis_.resize(offset(m + 1, size));
     hessenberg_.resize(m * (m + 1));
     cosine_.resize(m);
     sine_.resize(m);
@@ -19,11 +22,15 @@ Gmres::Gmres(int size, const GmresParams& params) : size_(size), params_(params)
     work_.resize(size);
 }
 
+void Gmres::precondition(Preconditioner& M, const double* r, double* z) const {
+#pragma omp parallel if (size_ >= parallel_work)
+    M.apply(r, z);
+}
+
 // v_{k+1} <- A M^{-1} v_k, orthogonalised against v_0 .. v_k. Fills column k of H above its last entry and returns
 // that one, |v_{k+1}|.
-double Gmres::extend(const BlockCsr& A, Ilu0* M, int k) {
-    if (M) M->solve(V(k), work_.data());
-    else copy(size_, V(k), work_.data());
+double Gmres::extend(const BlockCsr& A, Preconditioner& M, int k) {
+    precondition(M, V(k), work_.data());
     double* const w = V(k + 1);
     multiply(A, work_.data(), w);
     const double before = norm_2(size_, w);
@@ -57,51 +64,52 @@ bool Gmres::rotate(int k, double below) {
     return true;
 }
 
-// One cycle from the residual in v_0, already normalised, of length beta. On return k columns are usable.
-Gmres::Cycle Gmres::cycle(const BlockCsr& A, Ilu0* M, double beta, double target, int& iterations, int& k) {
+// One cycle from the residual in v_0, already normalised, of norm beta. On return k columns are usable.
+// max_iterations: of the cycle or of all.
+SolveStatus Gmres::cycle(const BlockCsr& A, Preconditioner& M, double beta, double target, int& iterations, int& k) {
     rotated_[0] = beta;
     StagnationTest progress{beta};
     for (k = 0; k < params_.restart && iterations < params_.max_iterations;) {
         const double below = extend(A, M, k);
         ++iterations;
-        if (!std::isfinite(below)) return Cycle::not_finite;
-        if (!rotate(k, below)) return Cycle::space_ended;
+        if (!std::isfinite(below)) return SolveStatus::breakdown;
+        if (!rotate(k, below)) return SolveStatus::breakdown;
         ++k;
-        if (std::abs(rotated_[k]) <= target) return Cycle::small_residual;
-        if (below == 0) return Cycle::space_ended;
-        if (progress.stagnates(std::abs(rotated_[k]))) return Cycle::stagnated;
+        if (std::abs(rotated_[k]) <= target) return SolveStatus::success;
+        if (below == 0) return SolveStatus::breakdown;
+        if (progress.stagnates(std::abs(rotated_[k]))) return SolveStatus::stagnated;
     }
-    return Cycle::full;
+    return SolveStatus::max_iterations;
 }
 
 // x += M^{-1} (v_0 .. v_{k-1}) y with R y = rotated
-void Gmres::update(Ilu0* M, int k, double* x) {
+void Gmres::update(Preconditioner& M, int k, double* x) {
     for (int i = k - 1; i >= 0; --i) {
         for (int j = i + 1; j < k; ++j) rotated_[i] -= H(i, j) * rotated_[j];
         rotated_[i] /= H(i, i);
     }
     fill(size_, 0, work_.data());
     for (int i = 0; i < k; ++i) axpy(size_, rotated_[i], V(i), work_.data());
-    if (M) M->solve(work_.data(), work_.data());
-    axpy(size_, 1, work_.data(), x);
+    precondition(M, work_.data(), V(0));  // v_0 is not needed any more
+    axpy(size_, 1, V(0), x);
 }
 
-GmresResult Gmres::solve(const BlockCsr& A, Ilu0* M, const double* b, double* x) {
+KrylovResult Gmres::solve(const BlockCsr& A, Preconditioner& M, const double* b, double* x) {
     fill(size_, 0, x);
     const double b_norm = norm_2(size_, b);
-    if (!std::isfinite(b_norm)) return {GmresStatus::breakdown, 0, b_norm};
-    if (b_norm == 0) return {GmresStatus::converged, 0, 0};
+    if (!std::isfinite(b_norm)) return {SolveStatus::breakdown, 0, b_norm};
+    if (b_norm == 0) return {SolveStatus::success, 0, 0};
     const double target = params_.tolerance * b_norm;
     double residual = b_norm;
     int iterations = 0;
     copy(size_, b, V(0));
     for (;;) {
-        if (residual <= target) return {GmresStatus::converged, iterations, residual / b_norm};
+        if (residual <= target) return {SolveStatus::success, iterations, residual / b_norm};
         if (iterations >= params_.max_iterations)
-            return {GmresStatus::max_iterations, iterations, residual / b_norm};
+            return {SolveStatus::max_iterations, iterations, residual / b_norm};
         scale(size_, 1 / residual, V(0));
         int k = 0;
-        const Cycle end = cycle(A, M, residual, target, iterations, k);
+        const SolveStatus end = cycle(A, M, residual, target, iterations, k);
         update(M, k, x);
 
         multiply(A, x, work_.data());
@@ -110,14 +118,13 @@ GmresResult Gmres::solve(const BlockCsr& A, Ilu0* M, const double* b, double* x)
         residual = norm_2(size_, V(0));
         if (!std::isfinite(residual)) {
             fill(size_, 0, x);
-            return {GmresStatus::breakdown, iterations, 1};
+            return {SolveStatus::breakdown, iterations, 1};
         }
         if (residual <= target) continue;
-        if (end == Cycle::not_finite || end == Cycle::space_ended)
-            return {GmresStatus::breakdown, iterations, residual / b_norm};
-        if (end == Cycle::stagnated ||
-            (residual > 0.9 * before && (end == Cycle::small_residual || k == params_.restart)))
-            return {GmresStatus::stagnated, iterations, residual / b_norm};
+        if (end == SolveStatus::breakdown) return {end, iterations, residual / b_norm};
+        if (end == SolveStatus::stagnated ||
+            (residual > 0.9 * before && (end == SolveStatus::success || k == params_.restart)))
+            return {SolveStatus::stagnated, iterations, residual / b_norm};
     }
 }
 

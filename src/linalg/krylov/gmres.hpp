@@ -7,8 +7,10 @@
 #pragma once
 #include <vector>
 
+#include "base/index.hpp"
 #include "linalg/block_csr.hpp"
-#include "linalg/krylov/ilu0.hpp"
+#include "linalg/krylov/convergence.hpp"
+#include "linalg/krylov/preconditioner.hpp"
 
 namespace almesh {
 
@@ -18,36 +20,24 @@ struct GmresParams {
     double tolerance = 1e-10;  // on |b - A x|_2 / |b|_2
 };
 
-enum class GmresStatus {
-    converged,
-    max_iterations,
-    stagnated,  // stagnation.hpp, a whole cycle took less than a tenth off the residual, or a tolerance below rounding
-    breakdown   // a number was not finite, or the Krylov space ended without holding the solution (A is singular)
-};
-
-struct GmresResult {
-    GmresStatus status;
-    int iterations;
-    double relative_residual;  // |b - A x|_2 / |b|_2, computed from the x returned
-};
-
 class Gmres {
 public:
     Gmres(int size, const GmresParams& params);
 
     void set_tolerance(double tolerance) { params_.tolerance = tolerance; }
 
-    // Solves A x = b from x_0 = 0; M preconditions, nullptr for none. Allocates nothing. Whatever the status, x is the
-    // last iterate, zero if that is not finite. Sizes: b, x: A.size().
-    GmresResult solve(const BlockCsr& A, Ilu0* M, const double* b, double* x);
+    // Solves A x = b from x_0 = 0. Allocates nothing. Whatever the status, x is the last iterate, zero if that is not
+    // finite. breakdown: a number is not finite, or the Krylov space ended without holding the solution (A is
+    // singular). Sizes: b, x: A.size().
+    KrylovResult solve(const BlockCsr& A, Preconditioner& M, const double* b, double* x);
 
 private:
-    enum class Cycle { small_residual, space_ended, full, stagnated, not_finite };
-    Cycle cycle(const BlockCsr& A, Ilu0* M, double beta, double target, int& iterations, int& k);
-    double extend(const BlockCsr& A, Ilu0* M, int k);
+    SolveStatus cycle(const BlockCsr& A, Preconditioner& M, double beta, double target, int& iterations, int& k);
+    double extend(const BlockCsr& A, Preconditioner& M, int k);
     bool rotate(int k, double below);
-    void update(Ilu0* M, int k, double* x);
-    double* V(int k) { return basis_.data() + static_cast<std::size_t>(k) * size_; }
+    void update(Preconditioner& M, int k, double* x);
+    void precondition(Preconditioner& M, const double* r, double* z) const;
+    double* V(int k) { return basis_.data() + offset(k, size_); }
     double& H(int i, int k) { return hessenberg_[k * (params_.restart + 1) + i]; }
 
     int size_;

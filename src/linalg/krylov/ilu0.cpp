@@ -1,3 +1,6 @@
+// Row i of A ~ C (I + L) (I + L') C', with T_ij = C_i L_ij:
+//     T_ij = (A_ij - sum over k < j of T_ik L_jk' C_j') C_j^{-T},   C_i C_i' = A_ii - sum over k < i of T_ik T_ik'.
+// A solve is (I + L) y = C^{-1} r by rows of L, then (I + L') w = y by columns of L', z = C^{-T} w; r'z = |y|^2.
 #include "linalg/krylov/ilu0.hpp"
 
 #include <algorithm>
@@ -5,6 +8,8 @@
 #include <cstddef>
 #include <numeric>
 #include <utility>
+
+#include "base/index.hpp"
 
 namespace almesh {
 
@@ -44,7 +49,8 @@ bool inverse_of_cholesky(const double* D, double* inverse) {
 
 Ilu0::Ilu0(const BlockCsr& pattern) : Ilu0(pattern, {0, pattern.n}) {}
 
-Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start) : d_(pattern.d), start_(std::move(start)) {
+Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts)
+    : d_(pattern.d), start_(std::move(start)), diagonal_shifts_(std::move(diagonal_shifts)) {
     for (int i = 0; i < pattern.n; ++i) {
         for (int k = pattern.row[i]; pattern.col[k] < i; ++k) col_.push_back(pattern.col[k]);
         row_.push_back(static_cast<int>(col_.size()));
@@ -59,13 +65,13 @@ Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start) : d_(pattern.d), sta
             term_start_.push_back(term_.size());
         }
     }
-    const std::size_t n = pattern.n, block = static_cast<std::size_t>(d_) * d_;
-    L_.resize(col_.size() * block + 3, 0.0f);  // four() reads beyond the last block
-    C_inverse_.resize(n * block);
+    const int n = pattern.n, block = d_ * d_;
+    L_.resize(col_.size() * block + 3, 0.0f);  // load() of a row reads beyond the last block
+    C_inverse_.resize(offset(n, block));
     y_.resize(n);
     row_of_.resize(start_.size() * longest_ * block);
     squares_.resize(start_.size());
-    bad_.resize(start_.size());
+    bad_.resize(domains());
     find_links();
 }
 
@@ -97,7 +103,7 @@ void Ilu0::find_links() {
 
 // Rows begin .. end-1, whose columns must be done or among them. T: one row of blocks. Returns the bad row, or -1.
 template <int d>
-int Ilu0::factor_rows(const BlockCsr& A, double shift, int begin, int end, double* T) {
+int Ilu0::factor_rows(const BlockCsr& A, double diagonal_shift, int begin, int end, double* T) {
     constexpr int block = d * d;
     for (int i = begin; i < end; ++i) {
         const double* const Ai = A.block(A.row[i]);  // as many blocks as L has in this row, then the diagonal one
@@ -106,19 +112,19 @@ int Ilu0::factor_rows(const BlockCsr& A, double shift, int begin, int end, doubl
             const int j = col_[k];
             double Tj[block] = {};
             subtract_product_transposed<d>(Ai + (k - row_[i]) * block,
-                                           C_inverse_.data() + static_cast<std::size_t>(j) * block, Tj);
+                                           C_inverse_.data() + offset(j, block), Tj);
             for (int e = 0; e < block; ++e) Tj[e] = -Tj[e];
             for (std::size_t t = term_start_[k]; t < term_start_[k + 1]; ++t)
                 subtract_product_transposed<d>(T + term_[t].left * block,
-                                               L_.data() + static_cast<std::size_t>(term_[t].right) * block, Tj);
+                                               L_.data() + offset(term_[t].right, block), Tj);
             std::copy_n(Tj, block, T + (k - row_[i]) * block);
         }
         double D[block];
         std::copy_n(Ai + (row_[i + 1] - row_[i]) * block, block, D);
-        for (double& entry : D) entry *= 1 + shift;
+        for (double& entry : D) entry *= 1 + diagonal_shift;
         for (int k = 0; k < row_[i + 1] - row_[i]; ++k)
             subtract_product_transposed<d>(T + k * block, T + k * block, D);
-        double* const C_inverse = C_inverse_.data() + static_cast<std::size_t>(i) * block;
+        double* const C_inverse = C_inverse_.data() + offset(i, block);
         if (!inverse_of_cholesky<d>(D, C_inverse)) return i;
         for (int k = row_[i]; k < row_[i + 1]; ++k) {
             double Lk[block] = {};
@@ -126,64 +132,64 @@ int Ilu0::factor_rows(const BlockCsr& A, double shift, int begin, int end, doubl
                 for (int s = 0; s <= r; ++s)
                     for (int c = 0; c < d; ++c)
                         Lk[r * d + c] += C_inverse[r * d + s] * T[(k - row_[i]) * block + s * d + c];
-            std::copy_n(Lk, block, L_.data() + static_cast<std::size_t>(k) * block);
+            std::copy_n(Lk, block, L_.data() + offset(k, block));
         }
     }
     return -1;
 }
 
+// Returns the first bad row, or -1.
 template <int d>
-void Ilu0::factor_blocks(const BlockCsr& A, double shift) {
-    const std::size_t row = static_cast<std::size_t>(longest_) * d * d;
+int Ilu0::factor_blocks(const BlockCsr& A, double diagonal_shift) {
+    const auto rows_of_blocks = [&](int domain) { return row_of_.data() + offset(domain, longest_ * d * d); };
 #pragma omp parallel for schedule(dynamic, 1) if (domains() > 1)
     for (int k = 0; k < domains(); ++k)
-        bad_[k] = factor_rows<d>(A, shift, start_[k], start_[k + 1], row_of_.data() + k * row);
-    int& last = bad_.back() = -1;
-    if (std::all_of(bad_.begin(), bad_.end(), [](int bad) { return bad < 0; }))
-        last = factor_rows<d>(A, shift, start_.back(), rows(), row_of_.data() + domains() * row);
-}
-
-Ilu0Result Ilu0::factor(const BlockCsr& A, double shift) {
-    if (d_ == 1) factor_blocks<1>(A, shift);
-    if (d_ == 2) factor_blocks<2>(A, shift);
-    if (d_ == 3) factor_blocks<3>(A, shift);
+        bad_[k] = factor_rows<d>(A, diagonal_shift, start_[k], start_[k + 1], rows_of_blocks(k));
     for (int bad : bad_)
-        if (bad >= 0) return {Ilu0Status::not_positive_definite, bad, shift};
-    return {Ilu0Status::factored, -1, shift};
+        if (bad >= 0) return bad;
+    return factor_rows<d>(A, diagonal_shift, start_.back(), rows(), rows_of_blocks(domains()));
 }
 
-Ilu0Result Ilu0::factor_heavier(const BlockCsr& A) {
-    Ilu0Result result{};
-    for (const double shift : {0.0, 0.01, 0.1}) {
-        result = factor(A, shift);
-        if (result.status == Ilu0Status::factored) break;
+FactorResult Ilu0::factor(const BlockCsr& A) {
+    FactorResult result{SolveStatus::indefinite_preconditioner};
+    for (const double diagonal_shift : diagonal_shifts_) {
+        result.diagonal_shift = diagonal_shift;
+        result.bad_row = d_ == 1   ? factor_blocks<1>(A, diagonal_shift)
+                         : d_ == 2 ? factor_blocks<2>(A, diagonal_shift)
+                                   : factor_blocks<3>(A, diagonal_shift);
+        if (result.bad_row >= 0) continue;
+        result.status = SolveStatus::success;
+        break;
     }
     return result;
 }
 
-// The four kernels below are small and called for every row: not worth a call each. Registers go in and out of them by
-// reference: not every machine can pass so many numbers in one.
+// The four kernels below run for every row and are inlined. Registers go in and out of them by reference: see lanes.hpp.
 
 // product <- the sum of L_ij y_j over the blocks begin .. end-1. Row r of a block is read with what comes after it,
-// which meets the zeros of y_j.
+// which is multiplied by the zero pads of y_j.
 template <int d>
 [[gnu::always_inline]] inline void Ilu0::multiply_row(int begin, int end, Four& product) const {
     Four products[d] = {};
     for (int k = begin; k < end; ++k) {
-        const float* const L = L_.data() + static_cast<std::size_t>(k) * d * d;
+        const float* const L = L_.data() + offset(k, d * d);
         const Four y = y_[col_[k]];
-        for (int a = 0; a < d; ++a) products[a] += __builtin_convertvector(four(L + a * d), Four) * y;
+        for (int a = 0; a < d; ++a) {
+            Four row;
+            load(L + a * d, row);
+            products[a] += row * y;
+        }
     }
     product = Four{};
     for (int a = 0; a < d; ++a)
         for (int b = 0; b < d; ++b) product[a] += products[a][b];
 }
 
-// y_i = C_i^{-1} r_i - sum; returns its square.
+// y_i = C_i^{-1} r_i - sum; returns its squared norm.
 template <int d>
 [[gnu::always_inline]] inline double Ilu0::solve_row(int i, const double* r, const Four& sum) {
-    const double* const C_inverse = C_inverse_.data() + static_cast<std::size_t>(i) * d * d;
-    const double* const ri = r + static_cast<std::size_t>(i) * d;
+    const double* const C_inverse = C_inverse_.data() + offset(i, d * d);
+    const double* const ri = r + offset(i, d);
     Four y{};
     double square = 0;
     for (int a = 0; a < d; ++a) {
@@ -195,15 +201,20 @@ template <int d>
     return square;
 }
 
-// y_j -= L_ij' y over the blocks begin .. end-1. The entries of y_j from d on become anything.
+// y_j -= L_ij' y over the blocks begin .. end-1. The pads of y_j, entries d and up, lose their zeros.
 template <int d>
 [[gnu::always_inline]] inline void Ilu0::subtract_transposed(int begin, int end, const Four& y) {
     Four entry[d];
     for (int a = 0; a < d; ++a) entry[a] = Four{} + y[a];
     for (int k = begin; k < end; ++k) {
-        const float* const L = L_.data() + static_cast<std::size_t>(k) * d * d;
-        Four product = __builtin_convertvector(four(L), Four) * entry[0];
-        for (int a = 1; a < d; ++a) product += __builtin_convertvector(four(L + a * d), Four) * entry[a];
+        const float* const L = L_.data() + offset(k, d * d);
+        Four row, product;
+        load(L, row);
+        product = row * entry[0];
+        for (int a = 1; a < d; ++a) {
+            load(L + a * d, row);
+            product += row * entry[a];
+        }
         y_[col_[k]] -= product;
     }
 }
@@ -211,11 +222,11 @@ template <int d>
 // z_i = C_i^{-T} y_i
 template <int d>
 [[gnu::always_inline]] inline void Ilu0::finish_row(int i, double* z) const {
-    const double* const C_inverse = C_inverse_.data() + static_cast<std::size_t>(i) * d * d;
+    const double* const C_inverse = C_inverse_.data() + offset(i, d * d);
     for (int b = 0; b < d; ++b) {
         double sum = 0;
         for (int a = b; a < d; ++a) sum += C_inverse[a * d + b] * y_[i][a];
-        z[static_cast<std::size_t>(i) * d + b] = sum;
+        z[offset(i, d, b)] = sum;
     }
 }
 
@@ -276,15 +287,10 @@ double Ilu0::sweep(const double* r, double* z) {
     return rz;
 }
 
-double Ilu0::solve_in_team(const double* r, double* z) {
+double Ilu0::apply(const double* r, double* z) {
     if (d_ == 1) return sweep<1>(r, z);
     if (d_ == 2) return sweep<2>(r, z);
     return sweep<3>(r, z);
-}
-
-void Ilu0::solve(const double* r, double* z) {
-#pragma omp parallel if (domains() > 1)
-    solve_in_team(r, z);
 }
 
 }  // namespace almesh

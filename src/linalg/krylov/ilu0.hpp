@@ -3,64 +3,48 @@
 //     A ~ C (I + L) (I + L') C',   L strictly lower triangular with the pattern of A, C block diagonal
 // (Saad, Iterative Methods for Sparse Linear Systems, 2003, sections 10.3 and 10.6), with half the storage of L U.
 //
-// The matrix comes numbered domain by domain, separators last (domains.hpp), so that domains are factored and swept in
-// parallel, with one wait before and one after the separators; inside, reverse Cuthill-McKee keeps the factor accurate.
-// The part of a separator's row in the columns of a domain is swept with that domain: little is left for one thread.
-// C carries the units of A, so L is of order one and is kept in single precision: the sweeps move half the bytes.
-// Cost: O(sum over rows of neighbours^2 d^3) to factor, two passes over L to solve. Memory: L, half a matrix in single
-// precision, and 8 bytes for every three nodes that are neighbours of each other: little for linear elements, more than
-// the matrix for those of degree 6 and 7.
+// The matrix is ordered by domains, separators last (ordering/domains.hpp), so that domains are factored and swept in
+// parallel, with one barrier before and one after the separators; inside a domain, reverse Cuthill-McKee keeps the
+// factor accurate. The blocks of a separator's row in the columns of a domain are swept with that domain, which leaves
+// little work to a single thread.
+// C carries the units of A, so the entries of L are of order one and are stored in single precision: the sweeps move
+// half the bytes.
+// Cost: O(sum over rows of neighbours^2 d^3) to factor, two passes over L to apply. Memory: L, half a matrix in single
+// precision, and 8 bytes per triangle (3-clique) of the graph: little for linear elements, more than the matrix for
+// those of degree 6 and 7.
 #pragma once
 #include <cstddef>
 #include <vector>
 
+#include "base/lanes.hpp"
 #include "base/large_array.hpp"
-#include "linalg/block_csr.hpp"
-#include "linalg/small_blocks.hpp"
+#include "linalg/krylov/preconditioner.hpp"
 
 namespace almesh {
 
-enum class Ilu0Status {
-    factored,
-    not_positive_definite  // a pivot block is not, or is not finite; A may be positive definite all the same
-};
-
-struct Ilu0Result {
-    Ilu0Status status;
-    int bad_row;   // block row of the first such pivot in elimination order, -1 if factored
-    double shift;  // the last one tried
-};
-
-class Ilu0 {
+class Ilu0 final : public Preconditioner {
 public:
     // Sets up the pattern of L. pattern: symmetric with both triangles and the diagonal, d = 1, 2, 3. start: domain k
     // has the rows start[k] .. start[k+1]-1 and the separators those from start.back() on; no edge may join two
-    // domains.
-    Ilu0(const BlockCsr& pattern, std::vector<int> start);
+    // domains. diagonal_shifts: what is factored is A with its diagonal blocks times 1 + shift, for the first of these
+    // shifts that gives positive pivots.
+    Ilu0(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts = {0});
 
     // The same as one domain.
     explicit Ilu0(const BlockCsr& pattern);
 
-    // A: the values, on the pattern given to the constructor. Afterwards solve() may be called if the status is
-    // factored. shift: what is factored is A with its diagonal blocks times 1 + shift.
-    Ilu0Result factor(const BlockCsr& A, double shift = 0);
+    // indefinite_preconditioner: a pivot block is not positive definite or not finite, with every shift.
+    FactorResult factor(const BlockCsr& A) override;
 
-    // Where ILU(0) of a positive definite matrix meets a bad pivot, that of one with a heavier diagonal may not, and
-    // serves nearly as well (Manteuffel, Math. Comp. 34, 1980): tries the shifts 0, 0.01 and 0.1 until one serves.
-    Ilu0Result factor_heavier(const BlockCsr& A);
-
-    // z = (C (I + L) (I + L') C')^{-1} r; r, z: n*d, and they may be the same array.
-    void solve(const double* r, double* z);
-
-    // The same, called by all threads of a parallel region together; all have z when it returns. Returns r'z, which is
-    // the square of the vector between the sweeps.
-    double solve_in_team(const double* r, double* z);
+    // z = (C (I + L) (I + L') C')^{-1} r; r'z is the squared norm of the vector between the sweeps. r and z may be the
+    // same array.
+    double apply(const double* r, double* z) override;
 
 private:
     template <int d>
-    int factor_rows(const BlockCsr& A, double shift, int begin, int end, double* T);
+    int factor_rows(const BlockCsr& A, double diagonal_shift, int begin, int end, double* T);
     template <int d>
-    void factor_blocks(const BlockCsr& A, double shift);
+    int factor_blocks(const BlockCsr& A, double diagonal_shift);
     template <int d>
     void multiply_row(int begin, int end, Four& product) const;
     template <int d>
@@ -84,6 +68,7 @@ private:
 
     int d_;
     std::vector<int> start_;
+    std::vector<double> diagonal_shifts_;
     std::vector<int> row_{0};            // n + 1 offsets into col_
     std::vector<int> col_;               // block columns of L, ascending within a row: the first ones of the row of A
     struct Term {
@@ -109,7 +94,7 @@ private:
     std::vector<Four> y_;                // n: the vector between the sweeps, d entries each and zeros
     std::vector<double> row_of_;         // d*d per block of the longest row, for each domain and the separators
     std::vector<double> squares_;        // of y over each domain and the separators
-    std::vector<int> bad_;               // first bad row of each domain and of the separators, or -1
+    std::vector<int> bad_;               // first bad row of each domain, or -1
     int longest_ = 0;                    // blocks of the longest row
 };
 

@@ -1,3 +1,5 @@
+// Every vertex in turn joins the group at the other end of its heaviest edge, then the groups are contracted: edges
+// between them are added up.
 #include "linalg/ordering/coarsening.hpp"
 
 #include <algorithm>
@@ -10,6 +12,7 @@ namespace almesh {
 namespace {
 
 constexpr int largest_group = 3;  // vertices merged into one
+constexpr int smallest_coarse = 500;  // vertices; smaller graphs of a hierarchy are coarsened anew, piece by piece
 constexpr int shuffled = 64;      // vertices shuffled among themselves: near ones stay near in memory
 
 // Large graphs are worked on in blocks, so many whatever the number of threads.
@@ -148,6 +151,69 @@ Coarsening coarsen(const WeightedGraph& graph, int heaviest, std::uint64_t seed)
                              block_begin(groups, blocks, b + 1));
     result.graph = std::move(pieces[0]);
     for (int b = 1; b < blocks; ++b) append(pieces[b], result.graph);
+    return result;
+}
+
+WeightedGraph weighted(const Graph& graph) {
+    return {graph.start, graph.adjacent, std::vector<int>(graph.adjacent.size(), 1), std::vector<int>(graph.size(), 1)};
+}
+
+WeightedGraph induced(const WeightedGraph& from, const std::vector<int>& kept) {
+    std::vector<int> local(from.size(), -1);
+    for (std::size_t k = 0; k < kept.size(); ++k) local[kept[k]] = static_cast<int>(k);
+    WeightedGraph graph;
+    graph.start.reserve(kept.size() + 1);
+    graph.weight.reserve(kept.size());
+    std::size_t edges = 0;
+    for (int v : kept) edges += from.start[v + 1] - from.start[v];
+    graph.adjacent.reserve(edges);
+    graph.edge_weight.reserve(edges);
+    for (int v : kept) {
+        for (int k = from.start[v]; k < from.start[v + 1]; ++k)
+            if (const int u = local[from.adjacent[k]]; u >= 0) {
+                graph.adjacent.push_back(u);
+                graph.edge_weight.push_back(from.edge_weight[k]);
+            }
+        graph.start.push_back(static_cast<int>(graph.adjacent.size()));
+        graph.weight.push_back(from.weight[v]);
+    }
+    return graph;
+}
+
+Hierarchy build_hierarchy(WeightedGraph finest, int steps, std::uint64_t seed) {
+    Hierarchy result{std::move(finest), {}};
+    for (int step = 0; step < steps; ++step) {
+        const WeightedGraph& fine = result.coarsest();
+        const long long total = std::accumulate(fine.weight.begin(), fine.weight.end(), 0LL);
+        Coarsening next = coarsen(fine, static_cast<int>(2 + total / smallest_coarse), seed + step);
+        if (next.graph.size() < smallest_coarse || next.graph.size() > 0.8 * fine.size()) break;
+        result.coarser.push_back(std::move(next));
+    }
+    return result;
+}
+
+Hierarchy restrict_to(const Hierarchy& whole, const std::vector<int>& kept) {
+    Hierarchy result{induced(whole.finest, kept), {}};
+    std::vector<int> fine_kept = kept;
+    for (const Coarsening& from : whole.coarser) {
+        std::vector<int> coarse_kept, local(from.graph.size(), -1);
+        for (int v : fine_kept) local[from.coarse_of[v]] = 0;
+        for (int c = 0; c < from.graph.size(); ++c)
+            if (local[c] == 0) {
+                local[c] = static_cast<int>(coarse_kept.size());
+                coarse_kept.push_back(c);
+            }
+        if (static_cast<int>(coarse_kept.size()) < smallest_coarse) break;
+        const WeightedGraph& fine = result.coarsest();
+        Coarsening next{induced(from.graph, coarse_kept), {}};
+        next.graph.weight.assign(coarse_kept.size(), 0);  // some of what a vertex stood for may have gone
+        for (std::size_t v = 0; v < fine_kept.size(); ++v) {
+            next.coarse_of.push_back(local[from.coarse_of[fine_kept[v]]]);
+            next.graph.weight[next.coarse_of[v]] += fine.weight[v];
+        }
+        result.coarser.push_back(std::move(next));
+        fine_kept = std::move(coarse_kept);
+    }
     return result;
 }
 

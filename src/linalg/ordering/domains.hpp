@@ -1,15 +1,14 @@
 // Cuts a graph into a few domains with vertex separators between them, so that sweeps over the rows of a matrix can run
 // on several threads: no edge joins two domains, and only the separators, numbered last, have to wait for all of them.
 //
-// The graph is coarsened a few times, the coarse graph bisected recursively (separator.hpp), and the vertices of the
-// fine graph that still see another domain are taken out. Separators half as large again as those of nested dissection
-// for a fraction of the time: here only their share of the rows counts. O(edges).
+// Only the share of the separators in the rows counts here, so a coarse graph is cut (separator.hpp): that takes a
+// fraction of the time of nested dissection, for separators half as large again. O(edges).
 #pragma once
 #include <vector>
 
-#include "linalg/ordering/graph.hpp"
-
 namespace almesh {
+
+struct Graph;
 
 struct Domains {
     std::vector<int> order;  // order[new] = old; reverse Cuthill-McKee inside each domain and inside the separators

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <numeric>
 
-#include "base/parallel.hpp"
+#include "linalg/block_csr.hpp"
 
 namespace almesh {
 
@@ -26,15 +26,6 @@ std::vector<int> inverse(const std::vector<int>& order) {
     return position;
 }
 
-bool is_permutation(const std::vector<int>& order) {
-    std::vector<char> seen(order.size(), 0);
-    for (int v : order) {
-        if (v < 0 || v >= static_cast<int>(order.size()) || seen[v]) return false;
-        seen[v] = 1;
-    }
-    return true;
-}
-
 namespace {
 
 // group[v] of every vertex, numbered by first appearance. Vertices of equal neighbourhood are neighbours of each
@@ -45,7 +36,7 @@ std::vector<int> group_equal_neighbourhoods(const Graph& graph, int& groups) {
     auto scramble = [](std::uint64_t v) { return (v + 1) * 0x9e3779b97f4a7c15u ^ (v + 77) * 0xbf58476d1ce4e5b9u; };
     for (int v = 0; v < n; ++v) {
         hash[v] = scramble(v);
-        for (int k = graph.start[v]; k < graph.start[v + 1]; ++k) hash[v] += scramble(graph.adjacent[k]);
+        for (int u : graph.neighbours(v)) hash[v] += scramble(u);
     }
     std::vector<int> group(n, -1), mark(n, -1);
     groups = 0;
@@ -53,14 +44,11 @@ std::vector<int> group_equal_neighbourhoods(const Graph& graph, int& groups) {
         if (group[v] >= 0) continue;
         group[v] = groups++;
         mark[v] = v;
-        for (int k = graph.start[v]; k < graph.start[v + 1]; ++k) mark[graph.adjacent[k]] = v;
-        for (int k = graph.start[v]; k < graph.start[v + 1]; ++k) {
-            const int u = graph.adjacent[k];
+        for (int u : graph.neighbours(v)) mark[u] = v;
+        for (int u : graph.neighbours(v)) {
             if (group[u] >= 0 || hash[u] != hash[v] || graph.degree(u) != graph.degree(v)) continue;
-            const auto list = graph.adjacent.begin();
-            const bool equal = std::all_of(list + graph.start[u], list + graph.start[u + 1],
-                                           [&](int w) { return mark[w] == v; });
-            if (equal) group[u] = group[v];
+            const auto near_u = graph.neighbours(u);
+            if (std::all_of(near_u.begin(), near_u.end(), [&](int w) { return mark[w] == v; })) group[u] = group[v];
         }
     }
     return group;
@@ -83,8 +71,8 @@ CompressedGraph compress(const Graph& graph) {
         const int v = result.member[result.member_start[g]];
         mark[g] = g;
         const std::size_t begin = result.graph.adjacent.size();
-        for (int k = graph.start[v]; k < graph.start[v + 1]; ++k) {
-            const int h = group[graph.adjacent[k]];
+        for (int u : graph.neighbours(v)) {
+            const int h = group[u];
             if (mark[h] != g) result.graph.adjacent.push_back(h);
             mark[h] = g;
         }
@@ -101,77 +89,6 @@ std::vector<int> expand(const CompressedGraph& compressed, const std::vector<int
     for (int g : group_order)
         order.insert(order.end(), member + compressed.member_start[g], member + compressed.member_start[g + 1]);
     return order;
-}
-
-namespace {
-
-// Appends the component of `root` to `order` in Cuthill-McKee order and returns how many levels it has; mark[v] =
-// `stamp` for the vertices reached.
-int breadth_first(const Graph& graph, int root, int stamp, std::vector<int>& mark, std::vector<int>& order) {
-    std::size_t begin = order.size(), end = begin + 1;
-    order.push_back(root);
-    mark[root] = stamp;
-    int levels = 0;
-    for (; begin < order.size(); ++levels) {
-        end = order.size();
-        for (; begin < end; ++begin) {
-            const int v = order[begin];
-            const std::size_t first = order.size();
-            for (int k = graph.start[v]; k < graph.start[v + 1]; ++k)
-                if (mark[graph.adjacent[k]] != stamp) {
-                    mark[graph.adjacent[k]] = stamp;
-                    order.push_back(graph.adjacent[k]);
-                }
-            std::stable_sort(order.begin() + first, order.end(),
-                             [&](int a, int b) { return graph.degree(a) < graph.degree(b); });
-        }
-    }
-    return levels;
-}
-
-}  // namespace
-
-std::vector<int> reverse_cuthill_mckee(const Graph& graph) {
-    std::vector<int> order, mark(graph.size(), -1);
-    order.reserve(graph.size());
-    std::vector<char> done(graph.size(), 0);
-    int stamp = 0;
-    for (int v = 0; v < graph.size(); ++v) {
-        if (done[v]) continue;
-        // A last vertex of a longest breadth-first search is a good end of the component (George & Liu's
-        // pseudo-peripheral vertex): start there.
-        const std::size_t begin = order.size();
-        int root = v, levels = 0;
-        for (;;) {
-            const int deeper = breadth_first(graph, root, stamp++, mark, order);
-            if (deeper <= levels) break;
-            levels = deeper;
-            root = order.back();
-            order.resize(begin);
-        }
-        for (std::size_t k = begin; k < order.size(); ++k) done[order[k]] = 1;
-    }
-    std::reverse(order.begin(), order.end());
-    return order;
-}
-
-BlockCsr permuted_pattern(const BlockCsr& A, const std::vector<int>& order, std::vector<int>& source) {
-    const std::vector<int> position = inverse(order);
-    BlockCsr B;
-    B.n = A.n;
-    B.d = A.d;
-    B.row.assign(1, 0);
-    for (int v : order) B.row.push_back(B.row.back() + A.row[v + 1] - A.row[v]);
-    source.resize(A.col.size());
-    B.col.resize(A.col.size());
-    parallel_for(A.n, [&](int i) {
-        const auto begin = source.begin() + B.row[i], end = source.begin() + B.row[i + 1];
-        std::iota(begin, end, A.row[order[i]]);
-        std::sort(begin, end, [&](int a, int b) { return position[A.col[a]] < position[A.col[b]]; });
-        std::transform(begin, end, B.col.begin() + B.row[i], [&](int k) { return position[A.col[k]]; });
-    }, 500);
-    B.value.resize(A.value.size());
-    return B;
 }
 
 }  // namespace almesh

@@ -1,11 +1,13 @@
-#include "linalg/ordering/nested_dissection.hpp"
+// Recursive bisection by multilevel vertex separators (separator.hpp); the leaves by minimum degree. Pieces of the graph
+// are copied out with their part of the coarser graphs, and large ones are tasks of their own.
+#include "linalg/ordering/ordering.hpp"
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
-#include "linalg/ordering/hierarchy.hpp"
-#include "linalg/ordering/minimum_degree.hpp"
+#include "linalg/ordering/coarsening.hpp"
+#include "linalg/ordering/graph.hpp"
 #include "linalg/ordering/separator.hpp"
 
 namespace almesh {
@@ -52,8 +54,8 @@ void order_leaf(const Dissection& dissection, const Piece& piece, int first) {
     for (int v = 0; v < n; ++v) {
         for (int k = own.start[v]; k < own.start[v + 1]; ++k) small.edges.push_back({v, own.adjacent[k]});
         const int g = piece.group[v];
-        for (int k = all.start[g]; k < all.start[g + 1]; ++k)
-            if (dissection.numbered[all.adjacent[k]]) outside.push_back({all.adjacent[k], v});
+        for (int h : all.neighbours(g))
+            if (dissection.numbered[h]) outside.push_back({h, v});
     }
     std::sort(outside.begin(), outside.end());
     for (std::size_t k = 0; k < outside.size(); ++k) {
@@ -96,8 +98,8 @@ std::vector<int> nested_dissection(const Graph& graph) {
     const int groups = compressed.graph.size();
     std::vector<int> group_order(groups);
     Dissection dissection{compressed, group_order, std::vector<char>(groups, 0)};
-    WeightedGraph finest{compressed.graph.start, compressed.graph.adjacent, {}, compressed.weight};
-    finest.edge_weight.assign(finest.adjacent.size(), 1);
+    WeightedGraph finest = weighted(compressed.graph);
+    finest.weight = compressed.weight;
     Piece whole;
     whole.graphs = build_hierarchy(std::move(finest), shared_steps, groups);
     whole.group.resize(groups);

@@ -1,6 +1,5 @@
-// Vertex separators of graphs by the multilevel method: match neighbours along heavy edges and merge them until few
-// vertices are left, split that graph from several seeds, and carry the split back level by level, improving it at
-// each with Fiduccia-Mattheyses moves (Karypis & Kumar, SIAM J. Sci. Comput. 20, 1998; Hendrickson & Rothberg, same
+// Vertex separators of graphs by the multilevel method: merge neighbours along heavy edges until few vertices are left,
+// split that graph from several seeds, and project the split back level by level, refining it at each with Fiduccia-Mattheyses moves (Karypis & Kumar, SIAM J. Sci. Comput. 20, 1998; Hendrickson & Rothberg, same
 // volume, for moves on vertex separators).
 //
 // Cost: O(edges) for each level, and the levels shrink geometrically.
@@ -8,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "linalg/ordering/hierarchy.hpp"
+#include "linalg/ordering/coarsening.hpp"
 
 namespace almesh {
 

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <set>
 
-#include "linalg/ordering/nested_dissection.hpp"
+#include "linalg/ordering/graph.hpp"
+#include "linalg/ordering/ordering.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;

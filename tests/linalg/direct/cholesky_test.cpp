@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/parallel.hpp"
+#include "linalg/ordering/graph.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;
@@ -36,7 +37,7 @@ std::vector<Case> small_cases() {
 std::vector<double> solve(const BlockCsr& A, const std::vector<double>& b) {
     Cholesky cholesky(A);
     std::vector<double> x(A.size());
-    REQUIRE(cholesky.factor(A).status == CholeskyStatus::factored);
+    REQUIRE(cholesky.factor(A).status == SolveStatus::success);
     cholesky.solve(b.data(), x.data());
     return x;
 }
@@ -77,7 +78,7 @@ TEST_CASE("one analysis serves many matrices, b and x may be the same array") {
     const BlockCsr A = random_spd(400, 2, edges, 0.1, 1), B = random_spd(400, 2, edges, 5.0, 2);
     Cholesky cholesky(A);
     for (const BlockCsr* M : {&A, &B, &A}) {
-        REQUIRE(cholesky.factor(*M).status == CholeskyStatus::factored);
+        REQUIRE(cholesky.factor(*M).status == SolveStatus::success);
         const std::vector<double> b = random_vector(M->size());
         std::vector<double> x = b;
         cholesky.solve(x.data(), x.data());
@@ -93,7 +94,7 @@ TEST_CASE("of two mirrored blocks only one is read, so rounding asymmetry of a s
     for (const auto& [i, j] : {std::pair{34, 35}, std::pair{35, 34}}) {
         BlockCsr B = A;
         std::fill_n(B.block(B.find(i, j)), 4, std::numeric_limits<double>::quiet_NaN());
-        if (cholesky.factor(B).status != CholeskyStatus::factored) {
+        if (cholesky.factor(B).status != SolveStatus::success) {
             ++read;
             continue;
         }
@@ -110,17 +111,17 @@ TEST_CASE("not positive definite: the node is named, later matrices are not affe
         Cholesky cholesky(A);
         BlockCsr B = A;
         B.block(B.find(123, 123))[0] = -1;
-        CholeskyResult result = cholesky.factor(B);
-        CHECK(result.status == CholeskyStatus::not_positive_definite);
-        CHECK(result.bad_node == 123);
+        FactorResult result = cholesky.factor(B);
+        CHECK(result.status == SolveStatus::not_positive_definite);
+        CHECK(result.bad_row == 123);
         B = A;
         B.block(B.find(200, 200))[d * d - 1] = std::numeric_limits<double>::quiet_NaN();
-        CHECK(cholesky.factor(B).bad_node == 200);
+        CHECK(cholesky.factor(B).bad_row == 200);
         B.block(B.find(200, 200))[d * d - 1] = std::numeric_limits<double>::infinity();
-        CHECK(cholesky.factor(B).bad_node == 200);
+        CHECK(cholesky.factor(B).bad_row == 200);
         std::fill(B.value.begin(), B.value.end(), 0.0);
-        CHECK(cholesky.factor(B).status == CholeskyStatus::not_positive_definite);
-        CHECK(cholesky.factor(A).status == CholeskyStatus::factored);
+        CHECK(cholesky.factor(B).status == SolveStatus::not_positive_definite);
+        CHECK(cholesky.factor(A).status == SolveStatus::success);
     }
 }
 
@@ -132,13 +133,13 @@ TEST_CASE("indefinite and singular matrices are recognised wherever a dense fact
             for (int r = 0; r < 2; ++r) A.block(A.find(i, i))[r * 3] -= shift;
         Dense L = to_dense(A);
         const bool definite = dense_cholesky(L) == -1;
-        CHECK((Cholesky(A).factor(A).status == CholeskyStatus::factored) == definite);
+        CHECK((Cholesky(A).factor(A).status == SolveStatus::success) == definite);
     }
     BlockCsr laplacian = random_spd(400, 1, grid(20, 20));  // rows sum to zero: singular
     for (int i = 0; i < 400; ++i)
         for (int k = laplacian.row[i]; k < laplacian.row[i + 1]; ++k)
             laplacian.value[k] = laplacian.col[k] == i ? laplacian.row[i + 1] - laplacian.row[i] - 1 : -1;
-    CHECK(Cholesky(laplacian).factor(laplacian).status == CholeskyStatus::not_positive_definite);
+    CHECK(Cholesky(laplacian).factor(laplacian).status == SolveStatus::not_positive_definite);
 }
 
 TEST_CASE("the factor and the bad node are the same for any number of threads") {
@@ -149,16 +150,16 @@ TEST_CASE("the factor and the bad node are the same for any number of threads") 
     std::vector<double> first(A.size()), x(A.size());
     const int before = max_threads();
     set_threads(1);
-    const int bad_node = Cholesky(bad).factor(bad).bad_node;
+    const int bad_node = Cholesky(bad).factor(bad).bad_row;
     first = solve(A, b);
     Cholesky cholesky(A);
     for (int threads : {2, 3, 8}) {
         set_threads(threads);
-        REQUIRE(cholesky.factor(A).status == CholeskyStatus::factored);  // memory grows with the threads
+        REQUIRE(cholesky.factor(A).status == SolveStatus::success);  // memory grows with the threads
         cholesky.solve(b.data(), x.data());
         CHECK(x == first);
         CHECK(solve(A, b) == first);
-        CHECK(cholesky.factor(bad).bad_node == bad_node);
+        CHECK(cholesky.factor(bad).bad_row == bad_node);
     }
     set_threads(before);
 }
@@ -207,8 +208,8 @@ TEST_CASE("a bad pivot is named wherever in the tree it is, and leaves nothing b
             BlockCsr bad = A;
             const int node = plan.tree.order[plan.tree.first[f]];
             bad.block(bad.find(node, node))[0] = -1;
-            CHECK(cholesky.factor(bad).bad_node == node);
-            REQUIRE(cholesky.factor(A).status == CholeskyStatus::factored);
+            CHECK(cholesky.factor(bad).bad_row == node);
+            REQUIRE(cholesky.factor(A).status == SolveStatus::success);
             cholesky.solve(b.data(), x.data());
             CHECK(x == expected);
         }
@@ -219,7 +220,7 @@ TEST_CASE("a factorisation that does not fit the memory is refused") {
     const BlockCsr A = random_spd(400, 2, grid(20, 20));
     Cholesky small(A, {1000.0, 1e-14});
     CHECK_FALSE(small.fits());
-    CHECK(small.factor(A).status == CholeskyStatus::too_large);
+    CHECK(small.factor(A).status == SolveStatus::too_large);
     Cholesky large(A);
     CHECK(large.fits());
     CHECK(large.predicted_bytes() > 8 * large.factor_entries());
@@ -229,7 +230,7 @@ TEST_CASE("a factorisation that does not fit the memory is refused") {
 TEST_CASE("an empty matrix") {
     const BlockCsr A = matrix_of_cells(0, 2, {}, 2);
     Cholesky cholesky(A);
-    CHECK(cholesky.factor(A).status == CholeskyStatus::factored);
+    CHECK(cholesky.factor(A).status == SolveStatus::success);
     cholesky.solve(nullptr, nullptr);
     CHECK(cholesky.factor_entries() == 0);
 }

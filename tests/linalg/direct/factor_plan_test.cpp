@@ -4,8 +4,10 @@
 
 #include <algorithm>
 
+#include "linalg/block_csr.hpp"
 #include "linalg/direct/dense_kernels.hpp"
-#include "linalg/ordering/nested_dissection.hpp"
+#include "linalg/ordering/graph.hpp"
+#include "linalg/ordering/ordering.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;
@@ -66,7 +68,7 @@ TEST_CASE("every block of the lower triangle goes to one place of one front, tha
         }
         if (const int p = plan.tree.parent[f]; p >= 0)
             for (std::size_t k = plan.tree.row_start[f]; k < plan.tree.row_start[f + 1]; ++k)
-                CHECK(plan.tree.rows[k] == row_at(plan, p, plan.in_parent[k]));
+                CHECK(plan.tree.rows[k] == row_at(plan, p, plan.relative_index[k]));
     }
 }
 
@@ -96,7 +98,7 @@ TEST_CASE("subtrees, single fronts and top cover all fronts once, the subtrees a
     }
     for (const std::vector<int>* fronts : {&plan.single, &plan.top})
         CHECK(std::is_sorted(fronts->begin(), fronts->end()));  // children before parents
-    for (int f : plan.single) CHECK(plan.child_start[f] < plan.child_start[f + 1]);  // whose last one starts it
+    for (int f : plan.single) CHECK(!plan.tree.children.of(f).empty());  // whose last one starts it
     CHECK(plan_of(random_spd(100, 2, grid(10, 10))).subtrees.size() == 1);
 }
 
@@ -133,8 +135,7 @@ TEST_CASE("update matrices that are needed at the same time never overlap") {
         std::vector<Range>& memory = live[static_cast<int>(plan.update_shared[f])];
         for (const Range& other : memory) CHECK(own.apart(other));
         memory.push_back(own);
-        for (int k = plan.child_start[f]; k < plan.child_start[f + 1]; ++k) {
-            const int c = plan.child[k];
+        for (int c : plan.tree.children.of(f)) {
             std::vector<Range>& from = live[static_cast<int>(plan.update_shared[c])];
             const auto it = std::find(from.begin(), from.end(), range(c));
             REQUIRE(it != from.end());

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "linalg/ordering/graph.hpp"
+#include "linalg/ordering/ordering.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;

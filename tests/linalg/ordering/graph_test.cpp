@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "linalg/ordering/ordering.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;

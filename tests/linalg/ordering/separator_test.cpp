@@ -11,10 +11,6 @@ using namespace almesh;
 
 namespace {
 
-WeightedGraph weighted(const Graph& graph) {
-    return {graph.start, graph.adjacent, std::vector<int>(graph.adjacent.size(), 1), std::vector<int>(graph.size(), 1)};
-}
-
 struct Weights {
     int part[3] = {0, 0, 0};
 };

@@ -1,4 +1,4 @@
-#include "linalg/krylov/stagnation.hpp"
+#include "linalg/krylov/convergence.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,13 +1,15 @@
-#include "linalg/krylov/deflation.hpp"
+// z = M^{-1} r, then z += Z c with E c = Z'r - (Z'A) z. Z'A has a row for each group, stored as the union of the rows
+// of A in the group; E is factored by sparse Cholesky.
+#include "linalg/krylov/deflated.hpp"
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
 
+#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "linalg/ordering/coarsening.hpp"
 #include "linalg/ordering/graph.hpp"
-#include "linalg/small_blocks.hpp"
 
 namespace almesh {
 
@@ -19,8 +21,7 @@ constexpr int group_size = 200;
 // The group of every node: the graph is coarsened until a vertex stands for `group_size` nodes or it gets no coarser.
 std::vector<int> grouped(const Graph& graph) {
     const int n = graph.size();
-    WeightedGraph coarse{graph.start, graph.adjacent, std::vector<int>(graph.adjacent.size(), 1),
-                         std::vector<int>(n, 1)};
+    WeightedGraph coarse = weighted(graph);
     std::vector<int> group(n);
     std::iota(group.begin(), group.end(), 0);
     for (int step = 0; coarse.size() > n / group_size + 1; ++step) {
@@ -44,7 +45,7 @@ BlockCsr coarse_pattern(const BlockCsr& A, const std::vector<int>& group) {
 
 }  // namespace
 
-Deflation::Deflation(const BlockCsr& pattern)
+CoarseSpace::CoarseSpace(const BlockCsr& pattern)
     : group_(grouped(graph_of(pattern))),
       E_(coarse_pattern(pattern, group_)),
       factor_(E_),
@@ -75,59 +76,80 @@ Deflation::Deflation(const BlockCsr& pattern)
 
 // Z'A and E = (Z'A) Z, row by row.
 template <int d>
-void Deflation::add_up_rows(const BlockCsr& A) {
+void CoarseSpace::add_up_rows(const BlockCsr& A) {
     constexpr int block = d * d;
     const auto add = [](const double* from, double* to) {
         for (int e = 0; e < block; ++e) to[e] += from[e];
     };
     const auto make_row = [&](int g) {
-        double* const row = value_.data() + static_cast<std::size_t>(row_[g]) * block;
-        std::fill_n(row, static_cast<std::size_t>(row_[g + 1] - row_[g]) * block, 0.0);
+        double* const row = value_.data() + offset(row_[g], block);
+        std::fill_n(row, offset(row_[g + 1] - row_[g], block), 0.0);
         for (int m = member_start_[g]; m < member_start_[g + 1]; ++m)
             for (int k = A.row[member_[m]]; k < A.row[member_[m] + 1]; ++k)
-                add(A.block(k), value_.data() + static_cast<std::size_t>(place_[k]) * block);
-        std::fill_n(E_.block(E_.row[g]), static_cast<std::size_t>(E_.row[g + 1] - E_.row[g]) * block, 0.0);
+                add(A.block(k), value_.data() + offset(place_[k], block));
+        std::fill_n(E_.block(E_.row[g]), offset(E_.row[g + 1] - E_.row[g], block), 0.0);
         for (int k = row_[g]; k < row_[g + 1]; ++k)
-            add(value_.data() + static_cast<std::size_t>(k) * block, E_.block(coarse_place_[k]));
+            add(value_.data() + offset(k, block), E_.block(coarse_place_[k]));
     };
     parallel_for(groups(), make_row, static_cast<double>(A.value.size()) / std::max(1, groups()));
 }
 
-bool Deflation::factor(const BlockCsr& A) {
+FactorResult CoarseSpace::factor(const BlockCsr& A) {
     if (A.d == 1) add_up_rows<1>(A);
     if (A.d == 2) add_up_rows<2>(A);
     if (A.d == 3) add_up_rows<3>(A);
-    return factor_.factor(E_).status == CholeskyStatus::factored;
+    return {factor_.factor(E_).status};
 }
 
 // r_ = Z'r and c_ = Z'(r - A z).
 template <int d>
-void Deflation::restrict_residual(const double* r, const double* z) {
+void CoarseSpace::restrict_residual(const double* r, const double* z) {
 #pragma omp for schedule(static)
     for (int g = 0; g < groups(); ++g) {
         double sum[d] = {};
         SumOfProducts<d> product;
         for (int m = member_start_[g]; m < member_start_[g + 1]; ++m)
-            for (int a = 0; a < d; ++a) sum[a] += r[static_cast<std::size_t>(member_[m]) * d + a];
+            for (int a = 0; a < d; ++a) sum[a] += r[offset(member_[m], d, a)];
         for (int k = row_[g]; z && k < row_[g + 1]; ++k)
-            product.add(value_.data() + static_cast<std::size_t>(k) * d * d, z + static_cast<std::size_t>(col_[k]) * d);
+            product.add(value_.data() + offset(k, d * d), z + offset(col_[k], d));
         for (int a = 0; a < d; ++a) {
-            r_[static_cast<std::size_t>(g) * d + a] = sum[a];
-            c_[static_cast<std::size_t>(g) * d + a] = sum[a] - product.entry(a);
+            r_[offset(g, d, a)] = sum[a];
+            c_[offset(g, d, a)] = sum[a] - product.entry(a);
         }
     }
 }
 
-double Deflation::solve_in_team(const double* r, const double* z) {
-    if (E_.d == 1) restrict_residual<1>(r, z);
-    if (E_.d == 2) restrict_residual<2>(r, z);
-    if (E_.d == 3) restrict_residual<3>(r, z);
+double CoarseSpace::correct(const double* r, const double* z, double* x) {
+    const int d = E_.d;
+    if (d == 1) restrict_residual<1>(r, z);
+    if (d == 2) restrict_residual<2>(r, z);
+    if (d == 3) restrict_residual<3>(r, z);
 #pragma omp single
     {
         factor_.solve(c_.data(), c_.data());
         rZc_ = std::inner_product(r_.begin(), r_.end(), c_.begin(), 0.0);
     }
-    return rZc_;  // not written again before the next two waits
+    const double rZc = rZc_;  // not written again before the next barrier
+#pragma omp for schedule(static)
+    for (int node = 0; node < static_cast<int>(group_.size()); ++node)
+        for (int a = 0; a < d; ++a) x[offset(node, d, a)] += c_[offset(group_[node], d, a)];
+    return rZc;
 }
+
+Deflated::Deflated(std::unique_ptr<Preconditioner> M, std::unique_ptr<CoarseSpace> coarse)
+    : M_(std::move(M)), coarse_(std::move(coarse)) {}
+
+FactorResult Deflated::factor(const BlockCsr& A) {
+    FactorResult result = M_->factor(A);
+    if (result.status == SolveStatus::success) result.status = coarse_->factor(A).status;
+    return result;
+}
+
+double Deflated::apply(const double* r, double* z) {
+    const double rz = M_->apply(r, z);
+    return rz + coarse_->correct(r, z, z);
+}
+
+double Deflated::correct_start(const double* r, double* x) { return coarse_->correct(r, nullptr, x); }
 
 }  // namespace almesh

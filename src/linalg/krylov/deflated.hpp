@@ -1,0 +1,72 @@
+// Deflation: the low-energy modes of a weakly constrained mesh are solved for on a coarse space, for preconditioners
+// such as ILU(0) that only couple near nodes. Such a mesh moves almost as a rigid body, and without the coarse space
+// conjugate gradients need an iteration for every layer of elements that this motion has to cross.
+//
+// The nodes are put into groups of neighbours, and the coarse space is that of vectors constant on each of them: Z has
+// the d x d identity in block (i, group of i). Deflation (Nicolaides, SIAM J. Numer. Anal. 24, 1987) turns a
+// preconditioner M^{-1} into
+//     (I - Z E^{-1} Z'A) M^{-1} + Z E^{-1} Z',   E = Z'A Z
+// ("A-DEF2" of Tang, Nabben, Vuik, Erlangga, J. Sci. Comput. 39, 2009, which is robust against rounding). It needs r
+// and z = M^{-1} r only: z + Z c with c = E^{-1} Z'(r - A z), where Z'A is A with the rows of each group added up.
+// Conjugate gradients must start from an x with Z'(b - A x) = 0.
+//
+// Cost: one pass over A to set up; in every iteration one over Z'A, a sixth of A, and the solve with E.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "base/large_array.hpp"
+#include "linalg/direct/cholesky.hpp"
+#include "linalg/krylov/preconditioner.hpp"
+
+namespace almesh {
+
+class CoarseSpace {
+public:
+    // pattern: of all matrices to come, symmetric with both triangles and the diagonal, d = 1, 2, 3; near rows should
+    // have near columns (ordering/domains.hpp).
+    explicit CoarseSpace(const BlockCsr& pattern);
+
+    int groups() const { return E_.n; }
+    int group(int node) const { return group_[node]; }
+
+    // A: the values, on the pattern given to the constructor. not_positive_definite: E is not, and so A is not.
+    FactorResult factor(const BlockCsr& A);
+
+    // x += Z c with c = E^{-1} Z'(r - A z), z = nullptr for zero; returns r'Z c. r, z, x: n*d; x may be z. Called by all
+    // threads of a team; all have x when it returns.
+    double correct(const double* r, const double* z, double* x);
+
+private:
+    template <int d>
+    void add_up_rows(const BlockCsr& A);
+    template <int d>
+    void restrict_residual(const double* r, const double* z);
+
+    std::vector<int> group_;                     // of each node
+    std::vector<int> member_start_{0}, member_;  // nodes of group g: member_[member_start_[g] .. member_start_[g+1])
+    std::vector<int> row_{0}, col_;              // pattern of Z'A: a block row per group, a block column per node
+    LargeVector<double> value_;                  // d*d per block, row-major
+    std::vector<int> place_;                     // block of Z'A for every block of A
+    std::vector<int> coarse_place_;              // block of E for every block of Z'A
+    BlockCsr E_;
+    Cholesky factor_;
+    std::vector<double> r_, c_;                  // groups*d: Z'r, c
+    double rZc_ = 0;
+};
+
+// A preconditioner and a coarse space together.
+class Deflated final : public Preconditioner {
+public:
+    Deflated(std::unique_ptr<Preconditioner> M, std::unique_ptr<CoarseSpace> coarse);
+
+    FactorResult factor(const BlockCsr& A) override;
+    double apply(const double* r, double* z) override;
+    double correct_start(const double* r, double* x) override;  // so that Z'(b - A x) = 0
+
+private:
+    std::unique_ptr<Preconditioner> M_;
+    std::unique_ptr<CoarseSpace> coarse_;
+};
+
+}  // namespace almesh
