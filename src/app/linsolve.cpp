@@ -1,3 +1,4 @@
+// Reads A and b, prints their sizes, solves by LinearSolver with the phases timed, and checks the scaled residual.
 #include "app/linsolve.hpp"
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include "base/text.hpp"
 #include "io/matrix_market.hpp"
 #include "linalg/linear_solver.hpp"
+#include "linalg/vector_ops.hpp"
 
 namespace almesh {
 namespace {
@@ -21,6 +23,12 @@ struct Options {
     std::optional<Ordering> ordering;
     int threads = 0, block = 1;
 };
+
+SolverKind solver_of(const std::string& name) {
+    for (SolverKind kind : {SolverKind::cholesky, SolverKind::cg, SolverKind::gmres})
+        if (name == to_string(kind)) return kind;
+    throw UsageError("solver takes cholesky, cg or gmres, not " + in_backquotes(name));
+}
 
 Ordering ordering_of(const std::string& name) {
     for (Ordering ordering : {Ordering::nested_dissection, Ordering::minimum_degree, Ordering::reverse_cuthill_mckee,
@@ -37,20 +45,12 @@ void set_option(Options& options, const std::string& key, const std::string& val
                              in_backquotes(value));
         return *number;
     };
-    if (key == "threads") {
-        options.threads = integer(most_threads);
-    } else if (key == "block") {
-        options.block = integer(3);
-    } else if (key == "solver") {
-        if (value != "cholesky" && value != "cg" && value != "gmres")
-            throw UsageError("solver takes cholesky, cg or gmres, not " + in_backquotes(value));
-        options.solver = value == "cg" ? SolverKind::cg : value == "gmres" ? SolverKind::gmres : SolverKind::cholesky;
-    } else if (key == "ordering") {
-        options.ordering = ordering_of(value);
-    } else {
-        throw UsageError("linsolve has no key " + in_backquotes(key) +
-                         "; there are solver, ordering, threads and block");
-    }
+    if (key == "threads") options.threads = integer(most_threads);
+    else if (key == "block") options.block = integer(3);
+    else if (key == "solver") options.solver = solver_of(value);
+    else if (key == "ordering") options.ordering = ordering_of(value);
+    else throw UsageError("linsolve has no key " + in_backquotes(key) +
+                          "; there are solver, ordering, threads and block");
 }
 
 Options options_of(const std::vector<std::string>& arguments) {
@@ -73,10 +73,6 @@ Options options_of(const std::vector<std::string>& arguments) {
     return options;
 }
 
-bool all_finite(const std::vector<double>& v) {
-    return std::all_of(v.begin(), v.end(), [](double value) { return std::isfinite(value); });
-}
-
 // Rows as the file counts them, from 1.
 std::string rows_of_node(const BlockCsr& A, int node) {
     const std::string first = std::to_string(node * A.d + 1);
@@ -94,17 +90,18 @@ void print_factor_sizes(std::FILE* out, const LinearSolver& solver, const BlockC
     std::fprintf(out, "memory          %.4g GB\n", solver.factor_bytes() / 1e9);
 }
 
-void print_cholesky_times(std::FILE* out, const LinearSolver& solver, const SolveResult& result) {
-    if (result.solve_seconds == 0) return;
-    std::fprintf(out, "factorisation   %.4g s, %.4g GF/s\n", result.factor_seconds,
-                 solver.factor_flops() / result.factor_seconds / 1e9);
-    std::fprintf(out, "solve           %.4g s, %.4g GB/s\n", result.solve_seconds,  // every entry of L is read twice
-                 2 * sizeof(double) * solver.factor_entries() / result.solve_seconds / 1e9);
-}
-
-void print_iteration(std::FILE* out, const SolveResult& result) {
-    print_time(out, result.used == SolverKind::cg ? "ILU(0), coarse" : "ILU(0)", result.factor_seconds);
-    if (result.solve_seconds == 0) return;
+// Of the phases that were reached.
+void print_phases(std::FILE* out, const LinearSolver& solver, const SolveResult& result) {
+    const bool direct = result.used == SolverKind::cholesky, reached = result.solve_seconds > 0;
+    if (!direct) print_time(out, result.used == SolverKind::cg ? "ILU(0), coarse" : "ILU(0)", result.factor_seconds);
+    if (!reached) return;
+    if (direct) {
+        std::fprintf(out, "factorisation   %.4g s, %.4g GF/s\n", result.factor_seconds,
+                     solver.factor_flops() / result.factor_seconds / 1e9);
+        const double bytes = 2 * sizeof(double) * solver.factor_entries();  // every entry of L is read twice
+        std::fprintf(out, "solve           %.4g s, %.4g GB/s\n", result.solve_seconds, bytes / result.solve_seconds / 1e9);
+        return;
+    }
     if (result.diagonal_shift > 0)
         std::fprintf(out, "shift           %g: ILU(0) of the matrix with a heavier diagonal\n", result.diagonal_shift);
     print_time(out, "solve", result.solve_seconds);
@@ -147,8 +144,7 @@ SolveResult solve_by(const Options& options, const BlockCsr& A, const std::vecto
     print_time(out, "analysis", analysis_seconds);
 
     const SolveResult result = solver.solve(A, b, x);
-    if (direct) print_cholesky_times(out, solver, result);
-    else print_iteration(out, result);
+    print_phases(out, solver, result);
     if (result.status != SolveStatus::success)
         print_failure(out, solver, result, A,
                       options.ordering.value_or(Ordering::nested_dissection) == Ordering::nested_dissection);
@@ -169,7 +165,8 @@ std::vector<double> right_hand_side(const BlockCsr& A, const Options& options) {
     std::vector<double> b(A.size()), x(A.size());
     for (int i = 0; i < A.size(); ++i) x[i] = 1.0 / (1 + i % 5);
     multiply(A, x.data(), b.data());
-    if (!all_finite(b)) throw InputError(options.matrix + ": A x overflows for x near 1; scale the matrix");
+    if (!std::isfinite(norm_inf(b)))
+        throw InputError(options.matrix + ": A x overflows for x near 1; scale the matrix");
     return b;
 }
 

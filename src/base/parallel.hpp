@@ -41,11 +41,11 @@ void parallel_for(int n, const Body& body, [[maybe_unused]] double work = 10) {
     for (int i = 0; i < n; ++i) body(i);
 }
 
-// The same where some iterations are much more work than others: threads take what comes next, a few at a time.
+// The same where some iterations are much more work than others: dynamic scheduling in small chunks.
 template <class Body>
 void parallel_for_uneven(int n, const Body& body, [[maybe_unused]] double work = 10) {
-    [[maybe_unused]] constexpr int turns = 256;
-#pragma omp parallel for schedule(dynamic, std::max(1, n / turns)) if (n * work >= 10.0 * parallel_work)
+    [[maybe_unused]] constexpr int chunks = 256;
+#pragma omp parallel for schedule(dynamic, std::max(1, n / chunks)) if (n * work >= 10.0 * parallel_work)
     for (int i = 0; i < n; ++i) body(i);
 }
 
@@ -90,7 +90,7 @@ void parallel_invoke(const First& first, const Second& second) {
         if (exception) std::rethrow_exception(exception);
 }
 
-// For short waits: looks again and again, but lets other threads have the core if it takes long.
+// For short waits: polls, and yields the core to other threads if it takes long.
 template <class Test>
 void spin_wait(const Test& test) {
     constexpr int patience = 1000;
@@ -109,7 +109,8 @@ double deterministic_sum(int n, const Term& term, [[maybe_unused]] double work =
         for (int i = 0; i < n; ++i) sum += term(i);
         return sum;
     }
-    thread_local std::vector<double> partial;  // kept between calls: nothing is allocated inside the Newton loop
+    // Kept between calls, so that nothing is allocated inside the Newton loop; term() must not call this function.
+    thread_local std::vector<double> partial;
     partial.assign(blocks, 0.0);
     double* const out = partial.data();
 #pragma omp parallel for schedule(static) if (n * work >= 10.0 * parallel_work)

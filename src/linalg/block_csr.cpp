@@ -1,8 +1,8 @@
+// The pattern comes from the cells around each node, row by row; products keep the partial sums of a row in registers.
 #include "linalg/block_csr.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <utility>
 
@@ -19,7 +19,7 @@ int BlockCsr::find(int i, int j) const {
 
 namespace {
 
-// Where each node stands among the nodes of the cells: node i at cells[at[k]], k = start[i] .. start[i+1]-1, ascending.
+// The inverse of `cells`: node i is cells[at[k]] for k = start[i] .. start[i+1]-1, at ascending.
 struct NodeCells {
     std::vector<int> start, at;
 };
@@ -33,7 +33,7 @@ NodeCells cells_of_nodes(int n, const std::vector<int>& cells) {
     return around;
 }
 
-constexpr int row_block = 1024;  // rows whose columns one thread collects at a time
+constexpr int row_block = 1024;  // rows whose columns a thread collects at a time
 
 BlockCsr pattern_of(int n, int d, const std::vector<int>& cells, int cell_nodes, const NodeCells& around) {
     BlockCsr A;
@@ -44,7 +44,7 @@ BlockCsr pattern_of(int n, int d, const std::vector<int>& cells, int cell_nodes,
     std::vector<std::vector<int>> columns(blocks);  // of each block of rows
 #pragma omp parallel if (n >= parallel_work)
     {
-        std::vector<int> last_row(n, -1);  // in which a column was met last, by this thread
+        std::vector<int> last_row(n, -1);  // row in which this thread met a column last
 #pragma omp for schedule(static)
         for (int block = 0; block < blocks; ++block) {
             std::vector<int>& found = columns[block];
@@ -82,7 +82,7 @@ CellPattern pattern_and_places_of_cells(int n, int d, const std::vector<int>& ce
     const BlockCsr& A = result.pattern;
 #pragma omp parallel if (n >= parallel_work)
     {
-        std::vector<int> place_of(n);  // of each column of the row at hand: no search
+        std::vector<int> place_of(n);  // of each column of the current row
 #pragma omp for schedule(static)
         for (int i = 0; i < n; ++i) {
             for (int k = A.row[i]; k < A.row[i + 1]; ++k) place_of[A.col[k]] = k;

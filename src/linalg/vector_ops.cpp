@@ -11,7 +11,7 @@ namespace {
 
 constexpr int chunk = 64, partial_sums = 8;
 
-// Threads cost more than they bring in short vectors.
+// Short vectors are not worth starting a team.
 template <class Body>
 void for_all(int n, const Body& body) {
     if (n > 16384) return parallel_for(n, body);

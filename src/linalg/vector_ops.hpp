@@ -1,14 +1,14 @@
-// Vectors as plain arrays of n doubles: the handful of operations Krylov methods are made of. Same bits for any number
-// of threads: sums go through deterministic_sum() in chunks of 64 terms, each chunk added in eight lanes.
+// Vector operations of Krylov methods, on arrays of n doubles. Same bits for any number of threads: sums go through
+// deterministic_sum() in chunks of 64 terms, each added up in eight partial sums.
 #pragma once
 #include <vector>
 
 namespace almesh {
 
 double dot(int n, const double* x, const double* y);
-double dot_of_piece(int n, const double* x, const double* y);  // the same by this thread alone: for n of some hundred
+double dot_of_piece(int n, const double* x, const double* y);  // by the calling thread alone: for n of some hundred
 double norm_2(int n, const double* x);
-double norm_inf(int n, const double* x);                     // 0 for n = 0; not a number if any entry is not
+double norm_inf(int n, const double* x);                     // 0 for n = 0; nan if any entry is
 void axpy(int n, double a, const double* x, double* y);      // y += a x
 void scale(int n, double a, double* x);                      // x *= a
 void copy(int n, const double* x, double* y);                // y = x

@@ -1,5 +1,5 @@
-// Postorder of the elimination tree, column counts, supernodes, merged supernodes (fronts), postorder of the fronts that
-// needs least memory, rows of each front.
+// Postorder of the elimination tree, column counts, supernodes, merged supernodes (fronts), postorder of the fronts
+// that needs least memory, rows of each front.
 #include "linalg/direct/assembly_tree.hpp"
 
 #include <algorithm>
@@ -22,14 +22,10 @@ Children::Children(const std::vector<int>& parent) : start_(parent.size() + 2, 0
 
 namespace {
 
-// Vertices of a forest, children before parents and subtrees together.
-std::vector<int> postorder(const std::vector<int>& parent) {
-    const Children children(parent);
-    std::vector<int> order;
-    order.reserve(parent.size());
-    // A preorder in which the last child comes first is a postorder reversed.
-    std::vector<int> stack(children.roots().begin(), children.roots().end());
-    while (!stack.empty()) {
+// Vertices of a forest, children before parents and subtrees together, siblings in the order of their list.
+std::vector<int> postorder(const Children& children) {
+    std::vector<int> order, stack(children.roots().begin(), children.roots().end());
+    while (!stack.empty()) {  // a preorder in which the last sibling comes first is a postorder reversed
         const int v = stack.back();
         stack.pop_back();
         order.push_back(v);
@@ -102,18 +98,23 @@ struct Supernode {
     long long entries() const { return columns * rows - columns * (columns - 1) / 2; }
 };
 
+Children children_of(const std::vector<Supernode>& supernodes) {
+    std::vector<int> parent;
+    for (const Supernode& s : supernodes) parent.push_back(s.parent);
+    return Children(parent);
+}
+
 // Fundamental supernodes: runs of columns with nested structures, each the only child of the next.
 // supernode_of[j] on return.
 std::vector<Supernode> find_supernodes(const std::vector<int>& parent, const std::vector<int>& count,
                                        std::vector<int>& supernode_of) {
     const int n = static_cast<int>(parent.size());
-    std::vector<int> children(n, 0);
-    for (int p : parent)
-        if (p >= 0) ++children[p];
+    const Children children(parent);
     std::vector<Supernode> supernodes;
     supernode_of.resize(n);
     for (int j = 0; j < n; ++j) {
-        const bool continues = j > 0 && parent[j - 1] == j && children[j] == 1 && count[j - 1] == count[j] + 1;
+        const bool continues =
+            j > 0 && parent[j - 1] == j && children.of(j).size() == 1 && count[j - 1] == count[j] + 1;
         if (!continues) {
             supernodes.emplace_back();
             supernodes.back().rows = count[j];
@@ -140,15 +141,12 @@ double zeros_allowed(long long columns) {
 // Merges supernodes into their parents, bottom up, largest children first. Returns which one each now belongs to.
 std::vector<int> merge_supernodes(std::vector<Supernode>& supernodes, int d) {
     const int n = static_cast<int>(supernodes.size());
-    std::vector<int> merged_into(n), parent(n), siblings;
+    std::vector<int> merged_into(n);
     std::iota(merged_into.begin(), merged_into.end(), 0);
-    for (int s = 0; s < n; ++s) parent[s] = supernodes[s].parent;
-    const Children children(parent);
+    Children children = children_of(supernodes);
     for (int p = 0; p < n; ++p) {
-        siblings.assign(children.of(p).begin(), children.of(p).end());
-        std::stable_sort(siblings.begin(), siblings.end(),
-                         [&](int a, int b) { return supernodes[a].rows > supernodes[b].rows; });
-        for (int c : siblings) {
+        children.sort(p, [&](int a, int b) { return supernodes[a].rows > supernodes[b].rows; });
+        for (int c : children.of(p)) {
             Supernode both = supernodes[p];
             both.columns += supernodes[c].columns;
             both.rows += supernodes[c].columns;
@@ -168,34 +166,24 @@ std::vector<int> merge_supernodes(std::vector<Supernode>& supernodes, int d) {
 // postorder; `fronts` are the merged supernodes, their parents being fronts.
 std::vector<int> order_fronts(const std::vector<Supernode>& fronts) {
     const int n = static_cast<int>(fronts.size());
-    std::vector<int> parent(n);
-    for (int f = 0; f < n; ++f) parent[f] = fronts[f].parent;
-    const Children children(parent);
+    Children children = children_of(fronts);
     std::vector<double> peak(n, 0), left(n);
-    std::vector<std::vector<int>> sorted(n + 1);
-    for (int f = 0; f <= n; ++f) {
-        const auto unsorted = f < n ? children.of(f) : children.roots();
-        sorted[f].assign(unsorted.begin(), unsorted.end());
-        std::stable_sort(sorted[f].begin(), sorted[f].end(),
-                         [&](int a, int b) { return peak[a] - left[a] > peak[b] - left[b]; });
-        if (f == n) break;
+    const auto sort = [&](int f) {
+        children.sort(f, [&](int a, int b) { return peak[a] - left[a] > peak[b] - left[b]; });
+    };
+    for (int f = 0; f < n; ++f) {
+        sort(f);
         double stacked = 0;
-        for (int c : sorted[f]) {
+        for (int c : children.of(f)) {
             peak[f] = std::max(peak[f], stacked + peak[c]);
             stacked += left[c];
         }
-        left[f] = static_cast<double>(fronts[f].rows - fronts[f].columns) * (fronts[f].rows - fronts[f].columns);
+        const double update_rows = static_cast<double>(fronts[f].rows - fronts[f].columns);
+        left[f] = update_rows * update_rows;
         peak[f] = std::max(peak[f], stacked + left[f]);
     }
-    std::vector<int> order, stack(sorted[n].rbegin(), sorted[n].rend());
-    while (!stack.empty()) {  // as in postorder()
-        const int f = stack.back();
-        stack.pop_back();
-        order.push_back(f);
-        stack.insert(stack.end(), sorted[f].begin(), sorted[f].end());
-    }
-    std::reverse(order.begin(), order.end());
-    return order;
+    sort(n);
+    return postorder(children);
 }
 
 // Rows of every front below its columns: those of A in its columns and those its children leave.
@@ -239,7 +227,8 @@ std::vector<int> elimination_tree(const Graph& graph, const std::vector<int>& or
 }
 
 AssemblyTree build_assembly_tree(const Graph& graph, const std::vector<int>& start_order, int d) {
-    const std::vector<int> start_parent = elimination_tree(graph, start_order), post = postorder(start_parent);
+    const std::vector<int> start_parent = elimination_tree(graph, start_order);
+    const std::vector<int> post = postorder(Children(start_parent));
     const std::vector<int> order = compose(start_order, post), parent = renumbered(start_parent, post);
     const std::vector<int> count = count_columns(graph, order, parent);
     std::vector<int> supernode_of;

@@ -7,6 +7,7 @@
 // Methods for Sparse Linear Systems, 2006, chapter 4).
 // Columns are vertices of the graph here: the d scalar columns of a node stay together.
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -15,7 +16,7 @@ namespace almesh {
 
 struct Graph;
 
-// The children of every vertex of a forest, ascending.
+// The children of every vertex of a forest, ascending or sorted. The roots count as children of vertex `size`.
 class Children {
 public:
     Children() = default;
@@ -24,8 +25,13 @@ public:
     std::span<const int> of(int v) const { return {child_.data() + start_[v], child_.data() + start_[v + 1]}; }
     std::span<const int> roots() const { return of(static_cast<int>(start_.size()) - 2); }
 
+    template <class Less>
+    void sort(int v, const Less& less) {
+        std::stable_sort(child_.begin() + start_[v], child_.begin() + start_[v + 1], less);
+    }
+
 private:
-    std::vector<int> start_{0, 0}, child_;  // the roots come last
+    std::vector<int> start_{0, 0}, child_;
 };
 
 struct AssemblyTree {

@@ -1,5 +1,5 @@
-// For every front in postorder: assemble its columns of A, extend-add the update matrices of the children, partial dense
-// Cholesky. A solve is L y = b in the same order, then L' x = y in the reverse one.
+// For every front in postorder: assemble its columns of A, extend-add the update matrices of the children, partial
+// dense Cholesky. A solve is L y = b in the same order, then L' x = y in the reverse one.
 #include "linalg/direct/cholesky.hpp"
 
 #include <unistd.h>
@@ -41,10 +41,10 @@ struct Run {
     int begin, end, target;
 };
 
-void find_runs(const int* relative_index, int rows, int d, std::vector<Run>& runs) {
+void find_runs(const int* index, int rows, int d, std::vector<Run>& runs) {
     runs.clear();
     for (int i = 0; i < rows; ++i) {
-        if (i == 0 || relative_index[i] != relative_index[i - 1] + 1) runs.push_back({i * d, i * d, relative_index[i] * d});
+        if (i == 0 || index[i] != index[i - 1] + 1) runs.push_back({i * d, i * d, index[i] * d});
         runs.back().end += d;
     }
 }
@@ -157,7 +157,7 @@ void Cholesky::gather_entries(const BlockCsr& A, int f, const Front& target, boo
 
 // Returns -1 or the bad column of the front.
 int Cholesky::factor_one(const BlockCsr& A, int f, int thread, bool parallel) {
-    thread_local std::vector<Run> runs;
+    thread_local std::vector<Run> runs;  // scratch, kept between calls
     const Front target = front(f, thread);
     parallel = parallel && static_cast<double>(target.k) * target.m * target.m > parallel_front;
     gather_entries(A, f, target, parallel);
@@ -208,7 +208,7 @@ FactorResult Cholesky::factor(const BlockCsr& A) {
 }
 
 void Cholesky::solve_forward_one(int f, double* x, bool parallel) {
-    thread_local std::vector<double> work;
+    thread_local std::vector<double> work;  // scratch, kept between calls
     const Front L = front(f, 0);
     const int d = plan_.d;
     work.resize(largest_front_);
@@ -224,7 +224,7 @@ void Cholesky::solve_forward_one(int f, double* x, bool parallel) {
 }
 
 void Cholesky::solve_backward_one(int f, double* x, bool parallel) {
-    thread_local std::vector<double> work;
+    thread_local std::vector<double> work;  // scratch, kept between calls
     const Front L = front(f, 0);
     const int d = plan_.d;
     work.resize(largest_front_);

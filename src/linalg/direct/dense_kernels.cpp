@@ -1,11 +1,13 @@
+// Right-looking blocked Cholesky: factor a block of columns, solve the rows below, update what is to the right. The
+// update, a symmetric rank-k product, is where the time goes: tiles of C stay in registers while the columns of L pass
+// by, packed where the front is large (Goto & van de Geijn, ACM Trans. Math. Softw. 34, 2008).
 #include "linalg/direct/dense_kernels.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <cstring>
 #include <vector>
 
+#include "base/index.hpp"
 #include "base/lanes.hpp"
 
 namespace almesh {
@@ -18,11 +20,11 @@ constexpr int grid = 8;                           // rows and columns of tiles s
 constexpr int packs = lanes == 2 ? 2 : 3;         // registers per column of the largest tile
 
 constexpr int block_columns = 128;                // columns eliminated before the rest of a large front is updated
-constexpr int block_rows = 192;                   // rows and columns of the pieces that threads share out
+constexpr int block_rows = 192;                   // rows and columns of the pieces that are shared among threads
 constexpr int short_front = 300;                  // rows up to which solves go column by column
 constexpr int solve_columns = 64;                 // columns solved for before the rest of a right-hand side is updated
 constexpr int solve_rows = 512;                   // rows of it that one thread updates at a time
-constexpr int solve_parallel = 1500;              // fewer rows than this are not worth waking threads for
+constexpr int solve_parallel = 1500;              // fewer rows than this are not worth a team
 constexpr int packing_size = 160;                 // fronts of more rows are worth copying operands into packed form
 
 // Operand of a tile: entry (row r, column k) at data[k * ld + r].
@@ -150,7 +152,7 @@ void pack_rows(const double* from, std::size_t ld, int count, int depth, double*
     }
 }
 
-// body(i) for i in [0, count), shared out among threads if asked for.
+// body(i) for i in [0, count), by a team of threads if asked for.
 template <class Body>
 void share_out(int count, bool parallel, const Body& body) {
     if (!parallel || count < 2) {
@@ -170,12 +172,12 @@ struct Piece {
 // C <- C - L L' or -L L' in one piece; L: columns [j0, j1) of the panel, C(i, j) at C[j * ldc + i].
 void update_piece(const double* L, std::size_t ld, int depth, const Piece& piece, double* C, std::size_t ldc,
                   bool pack, Store how) {
-    thread_local std::vector<double> packed_rows, packed_columns;  // kept between calls
+    thread_local std::vector<double> packed_rows, packed_columns;  // scratch, kept between calls
     constexpr int full = packs * lanes;
     const int c_grid = piece.c_begin / grid * grid, c_count = piece.c_end - c_grid, rows = piece.r_end - piece.r_begin;
     if (pack) {
-        packed_rows.resize(static_cast<std::size_t>(block_rows) * depth);
-        packed_columns.resize(static_cast<std::size_t>(block_rows) * depth);
+        packed_rows.resize(offset(block_rows, depth));
+        packed_columns.resize(offset(block_rows, depth));
         pack_rows<full>(L + piece.r_begin, ld, rows, depth, packed_rows.data());
         pack_rows<tile_columns>(L + c_grid, ld, (c_count + grid - 1) / grid * grid, depth, packed_columns.data());
     }
@@ -183,14 +185,14 @@ void update_piece(const double* L, std::size_t ld, int depth, const Piece& piece
         const int column = c_grid + c;
         const int c_begin = std::max(0, piece.c_begin - column), c_end = std::min(tile_columns, piece.c_end - column);
         if (c_end <= c_begin) continue;
-        const Operand b = pack ? Operand{packed_columns.data() + static_cast<std::size_t>(c) * depth, tile_columns}
+        const Operand b = pack ? Operand{packed_columns.data() + offset(c, depth), tile_columns}
                                : Operand{L + column, ld};
         // Rows above the diagonal are left out by whole tiles.
         const int skip = std::max(0, column / grid * grid - piece.r_begin) / full * full;
-        double* const target = C + static_cast<std::size_t>(column) * ldc + piece.r_begin;
+        double* const target = C + column * ldc + piece.r_begin;
         for (int r = skip; r < rows; r += full) {
             const int height = std::min(full, rows - r);
-            const Operand a = pack ? Operand{packed_rows.data() + static_cast<std::size_t>(r) * depth, full}
+            const Operand a = pack ? Operand{packed_rows.data() + offset(r, depth), full}
                                    : Operand{L + piece.r_begin + r, ld};
             multiply_strip(height, a, full, b, depth, target + r, ldc, c_begin, c_end, how);
         }
@@ -249,7 +251,7 @@ void subtract_products(const double* panel, std::size_t ld, int j, int begin, in
     }
 }
 
-// Short fronts, column by column: there is little to save.
+// Short fronts, column by column: they fit the cache.
 void solve_forward_short(const Front& front, double* w) {
     const std::size_t ld = front_ld(front.m);
     for (int j = 0; j < front.k; ++j) {

@@ -1,5 +1,5 @@
-// Works on the rows of all fronts once: relative indices by a merge of the sorted rows of child and parent, entries of A
-// by a map from rows to places in the front at hand.
+// Works on the rows of all fronts once: relative indices by a merge of the sorted rows of child and parent, entries of
+// A by a map from rows to places in the front at hand.
 #include "linalg/direct/factor_plan.hpp"
 
 #include <algorithm>

@@ -2,11 +2,11 @@
 // is added to, the rows of the parent front that each update matrix is added to, all places in memory, and the
 // independent subtrees.
 //
-// The tree is cut into subtrees, each worked on by one thread, single fronts above them, each worked on by one thread as
-// soon as its children are done, and the top above these, where all threads share the work inside each front. The
-// update matrices of the roots of subtrees and of single fronts change threads and have a place of their own. The others
-// live on two stacks, those of fronts at even and at odd depth: the children are popped from one while their parent's
-// is pushed on the other, so none is ever moved. Each thread has two stacks for its subtrees, the top has two.
+// The tree is cut into subtrees, each worked on by one thread, single fronts above them, each worked on by one thread
+// as soon as its children are done, and the top above these, where all threads share the work inside each front. The
+// update matrices of the roots of subtrees and of single fronts change threads and have a place of their own. The
+// others live on two stacks, those of fronts at even and at odd depth: the children are popped from one while their
+// parent's is pushed on the other, so none is ever moved. Each thread has two stacks for its subtrees, the top has two.
 #pragma once
 #include <cstddef>
 #include <vector>

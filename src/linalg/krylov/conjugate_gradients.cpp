@@ -37,7 +37,7 @@ double ConjugateGradients::next_direction(Preconditioner& M, double rz_before) {
     const double rz = M.apply(r_.data(), z_.data());
     const double beta = rz_before != 0 ? rz / rz_before : 0;
 #pragma omp for schedule(static)
-    for (int i = 0; i < size_; ++i) p_[i] = beta != 0 ? z_[i] + beta * p_[i] : z_[i];  // the old p is undefined at first
+    for (int i = 0; i < size_; ++i) p_[i] = beta != 0 ? z_[i] + beta * p_[i] : z_[i];  // at first p is undefined
     return rz;
 }
 

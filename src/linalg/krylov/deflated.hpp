@@ -33,8 +33,8 @@ public:
     // A: the values, on the pattern given to the constructor. not_positive_definite: E is not, and so A is not.
     FactorResult factor(const BlockCsr& A);
 
-    // x += Z c with c = E^{-1} Z'(r - A z), z = nullptr for zero; returns r'Z c. r, z, x: n*d; x may be z. Called by all
-    // threads of a team; all have x when it returns.
+    // x += Z c with c = E^{-1} Z'(r - A z), z = nullptr for zero; returns r'Z c. r, z, x: n*d; x may be z. Called by
+    // all threads of a team; all have x when it returns.
     double correct(const double* r, const double* z, double* x);
 
 private:

@@ -33,8 +33,8 @@ BlockCsr permuted_pattern(const BlockCsr& A, const std::vector<int>& order, std:
     return B;
 }
 
-// Block k of `to` is block source[k] of `from`. The size is a template argument, so that a copy is not a call. Blocks of
-// `from` come in a random order and are prefetched 32 blocks ahead.
+// Block k of `to` is block source[k] of `from`. The size is a template argument, so that a copy is not a call. Blocks
+// of `from` come in a random order and are prefetched 32 blocks ahead.
 template <int size>
 void copy_blocks(const std::vector<int>& source, const double* from, double* to) {
     constexpr int ahead = 32;

@@ -16,7 +16,9 @@ struct Graph {
 
     int size() const { return static_cast<int>(start.size()) - 1; }
     int degree(int v) const { return start[v + 1] - start[v]; }
-    std::span<const int> neighbours(int v) const { return {adjacent.data() + start[v], adjacent.data() + start[v + 1]}; }
+    std::span<const int> neighbours(int v) const {
+        return {adjacent.data() + start[v], adjacent.data() + start[v + 1]};
+    }
 };
 
 // One vertex per block row of A, whose pattern is symmetric.

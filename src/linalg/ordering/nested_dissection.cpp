@@ -1,5 +1,5 @@
-// Recursive bisection by multilevel vertex separators (separator.hpp); the leaves by minimum degree. Pieces of the graph
-// are copied out with their part of the coarser graphs, and large ones are tasks of their own.
+// Recursive bisection by multilevel vertex separators (separator.hpp); the leaves by minimum degree. Pieces of the
+// graph are copied out with their part of the coarser graphs, and large ones are tasks of their own.
 #include "linalg/ordering/ordering.hpp"
 
 #include <algorithm>

@@ -41,9 +41,9 @@ struct SmallGraph {
 };
 
 // The vertices [0, eliminable) in elimination order: always one of least weight of neighbours (halo included), the
-// lowest number among equals. The elimination graph is kept explicitly, one row of bits per vertex, so degrees are exact
-// and eliminating a vertex is a few word operations per neighbour: faster than a quotient graph up to a few hundred
-// vertices. Cost: O(n^3 / 64) at worst.
+// lowest number among equals. The elimination graph is kept explicitly, one row of bits per vertex, so degrees are
+// exact and eliminating a vertex is a few word operations per neighbour: faster than a quotient graph up to a few
+// hundred vertices. Cost: O(n^3 / 64) at worst.
 std::vector<int> minimum_degree(const SmallGraph& graph);
 
 }  // namespace almesh

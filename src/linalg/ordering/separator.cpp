@@ -1,3 +1,5 @@
+// Fiduccia-Mattheyses on vertex separators: a pass moves separator vertices to a side, the best gain first and uphill
+// too, each at most once, and returns to the best state on the way.
 #include "linalg/ordering/separator.hpp"
 
 #include <algorithm>
@@ -33,8 +35,33 @@ public:
     const std::vector<Part>& part() const { return part_; }
 
     // Splits anew: the left side grows from the seed, always by the vertex of the largest gain, to half of the weight.
-    void grow(std::minstd_rand& random);
-    void refine();
+    void grow(std::minstd_rand& random) {
+        std::fill(part_.begin(), part_.end(), right);
+        weigh();
+        start_pass(to_left);
+        const long long total = weight_[right];
+        const int n = graph_.size();
+        while (2 * weight_[left] < total - weight_[separator]) {
+            int v = best(left);
+            if (v < 0) {  // the start, or a component is exhausted
+                v = static_cast<int>(random() % n);
+                for (int tried = 0; tried < n && part_[v] != right; ++tried) v = (v + 1) % n;
+                if (part_[v] != right) break;
+                part_[v] = separator;
+                weight_[right] -= graph_.weight[v];
+                weight_[separator] += graph_.weight[v];
+                enter_separator(v);
+            }
+            move(v, left);
+        }
+        collect_boundary();
+    }
+
+    // Passes that push the separator to one side sweep it through the graph, one in both directions smooths it. More of
+    // them cost a quarter of the ordering and leave the fill as it is.
+    void refine() {
+        for (Direction direction : {to_left, to_right, both_ways}) pass(direction);
+    }
 
     // Lexicographic, smaller is better: is a side too heavy, weight of the separator, difference of the sides.
     std::array<long long, 3> cost() const {
@@ -57,17 +84,152 @@ private:
         std::size_t pulled_end;  // pulled_ [previous end, this end): vertices pulled into the separator
     };
 
-    void weigh();
-    void start_pass(Direction direction);
-    void collect_boundary();
-    void update_boundary();
-    void enter_separator(int v);
-    void push(int v, int side);
-    int best(int side);
-    void move(int v, Part side);
-    void undo();
-    void pass(Direction direction);
-    int choose();
+    void weigh() {
+        std::fill_n(weight_, 3, 0);
+        slack_ = 0;
+        for (int v = 0; v < graph_.size(); ++v) {
+            weight_[part_[v]] += graph_.weight[v];
+            slack_ = std::max(slack_, graph_.weight[v]);
+        }
+    }
+
+    // Forgets the moves and candidates of the pass before; versions and pass numbers only grow, so old ones never
+    // match.
+    void start_pass(Direction direction) {
+        open_[left] = direction != to_right;
+        open_[right] = direction != to_left;
+        queue_[left].clear();
+        queue_[right].clear();
+        moves_.clear();
+        pulled_.clear();
+        ++pass_;
+    }
+
+    void collect_boundary() {
+        boundary_.clear();
+        for (int v = 0; v < graph_.size(); ++v)
+            if (part_[v] == separator) boundary_.push_back(v);
+    }
+
+    // The separator of now: what is left of the one before, and what has been pulled in.
+    void update_boundary() {
+        boundary_.insert(boundary_.end(), pulled_.begin(), pulled_.end());
+        std::sort(boundary_.begin(), boundary_.end());
+        boundary_.erase(std::unique(boundary_.begin(), boundary_.end()), boundary_.end());
+        std::erase_if(boundary_, [&](int v) { return part_[v] != separator; });
+    }
+
+    void push(int v, int side) {
+        if (!open_[side] || last_pass_[v] == pass_) return;
+        version_[side][v] = ++clock_;
+        queue_[side].push_back({graph_.weight[v] - pull_[side][v], clock_, v});
+        std::push_heap(queue_[side].begin(), queue_[side].end());
+    }
+
+    // Computes the gains of a vertex that has just become part of the separator.
+    void enter_separator(int v) {
+        pull_[left][v] = pull_[right][v] = 0;
+        for (int k = graph_.start[v]; k < graph_.start[v + 1]; ++k) {
+            const int u = graph_.adjacent[k];
+            if (part_[u] != separator) pull_[1 - part_[u]][v] += graph_.weight[u];
+        }
+        push(v, left);
+        push(v, right);
+    }
+
+    // Vertex of the largest gain towards a side, -1 if there is none. A gain that has become smaller since the
+    // candidate was pushed sends it back into the queue.
+    int best(int side) {
+        auto& queue = queue_[side];
+        while (!queue.empty()) {
+            const Candidate top = queue.front();
+            const bool valid = version_[side][top.vertex] == top.version && part_[top.vertex] == separator;
+            if (valid && top.gain == graph_.weight[top.vertex] - pull_[side][top.vertex]) return top.vertex;
+            std::pop_heap(queue.begin(), queue.end());
+            queue.pop_back();
+            if (valid) push(top.vertex, side);
+        }
+        return -1;
+    }
+
+    void move(int v, Part side) {
+        const Part other = side == left ? right : left;
+        part_[v] = side;
+        last_pass_[v] = pass_;
+        version_[left][v] = version_[right][v] = 0;
+        weight_[separator] -= graph_.weight[v];
+        weight_[side] += graph_.weight[v];
+        for (int k = graph_.start[v]; k < graph_.start[v + 1]; ++k) {
+            const int u = graph_.adjacent[k];
+            if (part_[u] == separator) {
+                pull_[other][u] += graph_.weight[v];  // a smaller gain, which best() notices
+            } else if (part_[u] == other) {
+                part_[u] = separator;
+                weight_[other] -= graph_.weight[u];
+                weight_[separator] += graph_.weight[u];
+                pulled_.push_back(u);
+                for (int l = graph_.start[u]; l < graph_.start[u + 1]; ++l) {
+                    const int w = graph_.adjacent[l];
+                    if (part_[w] != separator || w == u) continue;
+                    pull_[side][w] -= graph_.weight[u];
+                    push(w, side);
+                }
+                enter_separator(u);
+            }
+        }
+        moves_.push_back({v, side, pulled_.size()});
+    }
+
+    // Takes the last move back; gains are not restored.
+    void undo() {
+        const Move last = moves_.back();
+        moves_.pop_back();
+        const Part other = last.side == left ? right : left;
+        const std::size_t begin = moves_.empty() ? 0 : moves_.back().pulled_end;
+        for (std::size_t k = begin; k < last.pulled_end; ++k) {
+            part_[pulled_[k]] = other;
+            weight_[separator] -= graph_.weight[pulled_[k]];
+            weight_[other] += graph_.weight[pulled_[k]];
+        }
+        pulled_.resize(begin);
+        part_[last.vertex] = separator;
+        weight_[last.side] -= graph_.weight[last.vertex];
+        weight_[separator] += graph_.weight[last.vertex];
+    }
+
+    // Side of the next move, -1 if there is none: the one of the larger gain if both are open and it does not grow too
+    // heavy, the lighter one among equals.
+    int choose() {
+        const bool open[2] = {best(left) >= 0, best(right) >= 0};
+        if (!open[left] && !open[right]) return -1;
+        int side = weight_[left] <= weight_[right] ? left : right;
+        const int other = 1 - side;
+        if (!open[side] || (open[other] && queue_[other].front().gain > queue_[side].front().gain)) {
+            const long long heavy = weight_[other] + graph_.weight[queue_[other].front().vertex];
+            if (heavy <= largest_side * (weight_[left] + weight_[right])) return other;
+        }
+        return open[side] ? side : -1;
+    }
+
+    // One pass: every vertex moves at most once, uphill too, and the best state on the way is kept.
+    void pass(Direction direction) {
+        start_pass(direction);
+        for (int v : boundary_) enter_separator(v);
+        auto best_cost = cost();
+        std::size_t best_moves = 0;
+        const std::size_t patience = std::min<std::size_t>(300, boundary_.size() + 20);
+        while (moves_.size() < best_moves + patience) {
+            const int side = choose();
+            if (side < 0) break;
+            move(queue_[side].front().vertex, static_cast<Part>(side));
+            if (cost() < best_cost) {
+                best_cost = cost();
+                best_moves = moves_.size();
+            }
+        }
+        while (moves_.size() > best_moves) undo();
+        update_boundary();
+    }
 
     const WeightedGraph& graph_;
     std::vector<Part> part_;
@@ -83,180 +245,6 @@ private:
     std::vector<Move> moves_;
     std::vector<int> pulled_;
 };
-
-void Split::weigh() {
-    std::fill_n(weight_, 3, 0);
-    slack_ = 0;
-    for (int v = 0; v < graph_.size(); ++v) {
-        weight_[part_[v]] += graph_.weight[v];
-        slack_ = std::max(slack_, graph_.weight[v]);
-    }
-}
-
-// Forgets the moves and candidates of the pass before; versions and pass numbers only grow, so old ones never match.
-void Split::start_pass(Direction direction) {
-    open_[left] = direction != to_right;
-    open_[right] = direction != to_left;
-    queue_[left].clear();
-    queue_[right].clear();
-    moves_.clear();
-    pulled_.clear();
-    ++pass_;
-}
-
-void Split::collect_boundary() {
-    boundary_.clear();
-    for (int v = 0; v < graph_.size(); ++v)
-        if (part_[v] == separator) boundary_.push_back(v);
-}
-
-// The separator of now: what is left of the one before, and what has been pulled in.
-void Split::update_boundary() {
-    boundary_.insert(boundary_.end(), pulled_.begin(), pulled_.end());
-    std::sort(boundary_.begin(), boundary_.end());
-    boundary_.erase(std::unique(boundary_.begin(), boundary_.end()), boundary_.end());
-    std::erase_if(boundary_, [&](int v) { return part_[v] != separator; });
-}
-
-void Split::push(int v, int side) {
-    if (!open_[side] || last_pass_[v] == pass_) return;
-    version_[side][v] = ++clock_;
-    queue_[side].push_back({graph_.weight[v] - pull_[side][v], clock_, v});
-    std::push_heap(queue_[side].begin(), queue_[side].end());
-}
-
-// Computes the gains of a vertex that has just become part of the separator.
-void Split::enter_separator(int v) {
-    pull_[left][v] = pull_[right][v] = 0;
-    for (int k = graph_.start[v]; k < graph_.start[v + 1]; ++k) {
-        const int u = graph_.adjacent[k];
-        if (part_[u] != separator) pull_[1 - part_[u]][v] += graph_.weight[u];
-    }
-    push(v, left);
-    push(v, right);
-}
-
-// Vertex of the largest gain towards a side, -1 if there is none. A gain that has become smaller since the candidate
-// was pushed sends it back into the queue.
-int Split::best(int side) {
-    auto& queue = queue_[side];
-    while (!queue.empty()) {
-        const Candidate top = queue.front();
-        const bool valid = version_[side][top.vertex] == top.version && part_[top.vertex] == separator;
-        if (valid && top.gain == graph_.weight[top.vertex] - pull_[side][top.vertex]) return top.vertex;
-        std::pop_heap(queue.begin(), queue.end());
-        queue.pop_back();
-        if (valid) push(top.vertex, side);
-    }
-    return -1;
-}
-
-void Split::move(int v, Part side) {
-    const Part other = side == left ? right : left;
-    part_[v] = side;
-    last_pass_[v] = pass_;
-    version_[left][v] = version_[right][v] = 0;
-    weight_[separator] -= graph_.weight[v];
-    weight_[side] += graph_.weight[v];
-    for (int k = graph_.start[v]; k < graph_.start[v + 1]; ++k) {
-        const int u = graph_.adjacent[k];
-        if (part_[u] == separator) {
-            pull_[other][u] += graph_.weight[v];  // a smaller gain, which best() notices
-        } else if (part_[u] == other) {
-            part_[u] = separator;
-            weight_[other] -= graph_.weight[u];
-            weight_[separator] += graph_.weight[u];
-            pulled_.push_back(u);
-            for (int l = graph_.start[u]; l < graph_.start[u + 1]; ++l) {
-                const int w = graph_.adjacent[l];
-                if (part_[w] != separator || w == u) continue;
-                pull_[side][w] -= graph_.weight[u];
-                push(w, side);
-            }
-            enter_separator(u);
-        }
-    }
-    moves_.push_back({v, side, pulled_.size()});
-}
-
-// Takes the last move back; gains are not restored.
-void Split::undo() {
-    const Move last = moves_.back();
-    moves_.pop_back();
-    const Part other = last.side == left ? right : left;
-    const std::size_t begin = moves_.empty() ? 0 : moves_.back().pulled_end;
-    for (std::size_t k = begin; k < last.pulled_end; ++k) {
-        part_[pulled_[k]] = other;
-        weight_[separator] -= graph_.weight[pulled_[k]];
-        weight_[other] += graph_.weight[pulled_[k]];
-    }
-    pulled_.resize(begin);
-    part_[last.vertex] = separator;
-    weight_[last.side] -= graph_.weight[last.vertex];
-    weight_[separator] += graph_.weight[last.vertex];
-}
-
-void Split::grow(std::minstd_rand& random) {
-    std::fill(part_.begin(), part_.end(), right);
-    weigh();
-    start_pass(to_left);
-    const long long total = weight_[right];
-    const int n = graph_.size();
-    while (2 * weight_[left] < total - weight_[separator]) {
-        int v = best(left);
-        if (v < 0) {  // the start, or a component is exhausted
-            v = static_cast<int>(random() % n);
-            for (int tried = 0; tried < n && part_[v] != right; ++tried) v = (v + 1) % n;
-            if (part_[v] != right) break;
-            part_[v] = separator;
-            weight_[right] -= graph_.weight[v];
-            weight_[separator] += graph_.weight[v];
-            enter_separator(v);
-        }
-        move(v, left);
-    }
-    collect_boundary();
-}
-
-// Side of the next move, -1 if there is none: the one of the larger gain if both are open and it does not grow too
-// heavy, the lighter one among equals.
-int Split::choose() {
-    const bool open[2] = {best(left) >= 0, best(right) >= 0};
-    if (!open[left] && !open[right]) return -1;
-    int side = weight_[left] <= weight_[right] ? left : right;
-    const int other = 1 - side;
-    if (!open[side] || (open[other] && queue_[other].front().gain > queue_[side].front().gain)) {
-        const long long heavy = weight_[other] + graph_.weight[queue_[other].front().vertex];
-        if (heavy <= largest_side * (weight_[left] + weight_[right])) return other;
-    }
-    return open[side] ? side : -1;
-}
-
-// One pass: every vertex moves at most once, uphill too, and the best state on the way is kept.
-void Split::pass(Direction direction) {
-    start_pass(direction);
-    for (int v : boundary_) enter_separator(v);
-    auto best_cost = cost();
-    std::size_t best_moves = 0;
-    const std::size_t patience = std::min<std::size_t>(300, boundary_.size() + 20);
-    while (moves_.size() < best_moves + patience) {
-        const int side = choose();
-        if (side < 0) break;
-        move(queue_[side].front().vertex, static_cast<Part>(side));
-        if (cost() < best_cost) {
-            best_cost = cost();
-            best_moves = moves_.size();
-        }
-    }
-    while (moves_.size() > best_moves) undo();
-    update_boundary();
-}
-
-// Passes that push the separator to one side sweep it through the graph, one in both directions smooths it. More of
-// them cost a quarter of the ordering and leave the fill as it is.
-void Split::refine() {
-    for (Direction direction : {to_left, to_right, both_ways}) pass(direction);
-}
 
 std::vector<Part> split_coarsest(const WeightedGraph& graph, std::uint64_t seed) {
     std::minstd_rand random(static_cast<unsigned>(seed % 2147483646u + 1));
@@ -277,7 +265,7 @@ std::vector<Part> split_coarsest(const WeightedGraph& graph, std::uint64_t seed)
 }
 
 // The split of a coarser graph becomes that of this one, and is improved.
-void carry_up(const std::vector<Part>& coarse, const std::vector<int>& coarse_of, Split& split) {
+void project(const std::vector<Part>& coarse, const std::vector<int>& coarse_of, Split& split) {
     std::vector<Part> fine(coarse_of.size());
     for (std::size_t v = 0; v < fine.size(); ++v) fine[v] = coarse[coarse_of[v]];
     split.assign(std::move(fine));
@@ -291,12 +279,12 @@ std::vector<Part> separate(const WeightedGraph& graph, int heaviest, int depth, 
     const Coarsening coarse = coarsen(graph, heaviest, seed);
     if (coarse.graph.size() > 0.95 * graph.size()) return split_coarsest(graph, seed);
     Split split(graph);
-    carry_up(separate(coarse.graph, heaviest, depth + 1, seed + 1), coarse.coarse_of, split);
+    project(separate(coarse.graph, heaviest, depth + 1, seed + 1), coarse.coarse_of, split);
     if (depth != branching_depth) return split.part();
     auto best_cost = split.cost();
     std::vector<Part> best = split.part();
     for (int b = 1; b < branches; ++b) {
-        carry_up(separate(coarse.graph, heaviest, depth + 1, seed + 1 + 1000 * b), coarse.coarse_of, split);
+        project(separate(coarse.graph, heaviest, depth + 1, seed + 1 + 1000 * b), coarse.coarse_of, split);
         if (!(split.cost() < best_cost)) continue;
         best_cost = split.cost();
         best = split.part();
@@ -321,7 +309,7 @@ std::vector<Part> find_separator(const Hierarchy& graphs, std::uint64_t seed) {
     std::vector<Part> part = separate(graphs.coarsest(), heaviest_group(graphs.finest), steps, seed);
     for (int k = steps - 1; k >= 0; --k) {
         Split split(k == 0 ? graphs.finest : graphs.coarser[k - 1].graph);
-        carry_up(part, graphs.coarser[k].coarse_of, split);
+        project(part, graphs.coarser[k].coarse_of, split);
         part = split.part();
     }
     return part;

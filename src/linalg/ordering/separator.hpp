@@ -1,6 +1,7 @@
 // Vertex separators of graphs by the multilevel method: merge neighbours along heavy edges until few vertices are left,
-// split that graph from several seeds, and project the split back level by level, refining it at each with Fiduccia-Mattheyses moves (Karypis & Kumar, SIAM J. Sci. Comput. 20, 1998; Hendrickson & Rothberg, same
-// volume, for moves on vertex separators).
+// split that graph from several seeds, and project the split back level by level, refining it at each with
+// Fiduccia-Mattheyses moves (Karypis & Kumar, SIAM J. Sci. Comput. 20, 1998; Hendrickson & Rothberg, same volume, for
+// moves on vertex separators).
 //
 // Cost: O(edges) for each level, and the levels shrink geometrically.
 #pragma once

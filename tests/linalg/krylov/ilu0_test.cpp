@@ -19,7 +19,7 @@ constexpr double single = 1e-5;  // L is kept in single precision
 
 std::vector<double> solved(Ilu0& ilu, const std::vector<double>& r) {
     std::vector<double> z(r.size());
-    const int size = static_cast<int>(r.size());
+    [[maybe_unused]] const int size = static_cast<int>(r.size());
 #pragma omp parallel if (size >= parallel_work)
     ilu.apply(r.data(), z.data());
     return z;
