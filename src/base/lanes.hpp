@@ -1,7 +1,7 @@
-// Arithmetic on `lanes` numbers at once, one per element of a batch, by way of the vector extension that g++ and
-// clang++ share: + - * / and the comparisons act lane by lane, a number stands for the same in all lanes. This file
-// adds what the extension has no operator for, and the same functions of a single double, so that a formula is written
-// once for both.
+// SIMD arithmetic on `lanes` numbers at once, one per element of a batch, by the vector extension that g++ and clang++
+// share: + - * / and the comparisons act lane by lane, and a scalar operand is broadcast to all lanes. This file adds
+// loads, stores and what the extension has no operator for, and the same functions of a single double, so that a
+// formula is written once for both.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -104,7 +104,7 @@ inline Lanes sqrt(Lanes v) {
 }
 inline double sqrt(double v) { return std::sqrt(v); }
 
-// v^{-1/3} for normal v > 0, to a few units in the last place; anything else gives a number without meaning. The bits
+// v^{-1/3} for normal v > 0, to a few units in the last place; undefined otherwise. The bits
 // of a double are nearly its logarithm: minus a third of them is the first guess, at most 3.5 % off, and two steps of
 // order four for y^{-3} = v follow.
 inline Lanes inverse_cbrt(Lanes v) {

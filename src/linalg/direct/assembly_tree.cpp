@@ -62,7 +62,7 @@ int find_root(std::vector<int>& ancestor, int v) {
 }
 
 // Entries of each column of L. Column j has one for every row i whose row subtree, the paths from the entries of row i
-// of A up to i, holds j. Each subtree is counted as +1 at its leaves and -1 where two paths meet, then summed up the
+// of A up to i, contains j. Each subtree is counted as +1 at its leaves and -1 where two paths meet, then summed up the
 // tree (Gilbert, Ng & Peyton, SIAM J. Matrix Anal. Appl. 15, 1994). The columns are in postorder, so j is a new leaf
 // of row i if no earlier one lies below it, and two paths meet where j's predecessor has been joined to.
 std::vector<int> count_columns(const Graph& graph, const std::vector<int>& order, const std::vector<int>& parent) {

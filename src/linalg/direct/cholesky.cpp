@@ -54,7 +54,7 @@ struct ExtendAdd {
     Front child, parent;
     const std::vector<Run>& runs;
 
-    // Column j, which stands in run r, from the diagonal down.
+    // Column j, which is in run r, from the diagonal down.
     void column(std::size_t r, int j) const {
         const int ld = update_ld(child.m, child.k);
         const double* const from = child.update + offset(j, ld) + child.k - update_row(child.k);
@@ -66,7 +66,7 @@ struct ExtendAdd {
         }
     }
 
-    // Such that row i of the front stands at [i].
+    // Column j of the parent, offset so that row i of the front is element [i].
     double* column_of_parent(int j) const {
         if (j < parent.k) return parent.panel + offset(j, front_ld(parent.m));
         const std::size_t ld = update_ld(parent.m, parent.k);
@@ -175,7 +175,7 @@ int Cholesky::factor_one(const BlockCsr& A, int f, int thread, bool parallel) {
 }
 
 // Fronts of a range in order, up to the first bad column known: the first in elimination order, whichever thread is
-// faster, since only later columns are given up.
+// faster, since only later columns are skipped.
 void Cholesky::factor_fronts(const BlockCsr& A, FrontRange range, bool parallel, std::atomic<int>& first_bad) {
     for (int f = range.begin; f < range.end && plan_.tree.first[f] < first_bad; ++f) {
         const int bad = factor_one(A, f, thread_number(), parallel);
@@ -196,7 +196,7 @@ FactorResult Cholesky::factor(const BlockCsr& A) {
 #pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
     for (int s = 0; s < subtrees; ++s) {
         factor_fronts(A, plan_.subtrees[s], false, first_bad);
-        // Whoever is done with the last child of a single front goes on with the front.
+        // The thread that finishes the last child of a single front goes on with the front.
         for (int f = plan_.subtrees[s].end - 1; (f = plan_.tree.parent[f]) >= 0;) {
             if (std::atomic_ref(unfinished_[f]).fetch_sub(1) != 1) break;
             factor_fronts(A, {f, f + 1}, false, first_bad);

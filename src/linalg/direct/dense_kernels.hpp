@@ -2,7 +2,7 @@
 // its columns.
 //
 // A front has m scalar rows, of which the first k are eliminated. Its panel holds the k columns of L, column-major
-// with leading dimension front_ld(m): rows m .. ld-1 are zero, and what stands above the diagonal has no meaning. Its
+// with leading dimension front_ld(m): rows m .. ld-1 are zero, and entries above the diagonal are undefined. Its
 // update matrix -L21 L21' has m - k columns and rows k .. m-1; it starts at row update_row(k), so that rows are aligned
 // with the panel's, and only its lower triangle is set.
 //

@@ -1,5 +1,5 @@
 // Works on the rows of all fronts once: relative indices by a merge of the sorted rows of child and parent, entries of
-// A by a map from rows to places in the front at hand.
+// A by a map from rows to places in the current front.
 #include "linalg/direct/factor_plan.hpp"
 
 #include <algorithm>
@@ -13,9 +13,9 @@ namespace almesh {
 
 namespace {
 
-constexpr double subtree_share = 1.0 / 16;  // largest part of all work that a subtree of several fronts may hold
-constexpr double single_share = 1.0 / 8;    // and the subtree of any front that one thread works on
-constexpr double smallest_cost = 2e7;       // less work than this is one subtree: threads would cost more
+constexpr double subtree_share = 1.0 / 16;  // largest part of all work in a subtree of several fronts
+constexpr double single_share = 1.0 / 8;    // and in the subtree of any front that one thread works on
+constexpr double smallest_cost = 2e7;       // less work than this is one subtree, for one thread
 
 // Rows of a front are its own columns, then tree.rows, both ascending.
 void find_relative_indices(FactorPlan& plan) {

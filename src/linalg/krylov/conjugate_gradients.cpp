@@ -41,7 +41,8 @@ double ConjugateGradients::next_direction(Preconditioner& M, double rz_before) {
     return rz;
 }
 
-// From the x, r and p at hand, r'z = rz, until the recurrence for r is down to the targets of |r| and of r'M^{-1}r.
+// Iterates from the current x, r and p, r'z = rz, until the recurrence for r is down to the targets of |r| and of
+// r'M^{-1}r.
 SolveStatus ConjugateGradients::cycle(const BlockCsr& A, Preconditioner& M, double r_norm, double rz,
                                       const Targets& targets, int& iterations, double* x) {
     StagnationTest progress{r_norm};

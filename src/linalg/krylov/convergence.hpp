@@ -25,9 +25,9 @@ struct StagnationTest {
     bool stagnates(double residual) {
         best = std::min(best, residual);
         if (++count % window != 0) return false;
-        const bool stands = best > 0.5 * best_before;
+        const bool stagnated = best > 0.5 * best_before;
         best_before = best;
-        return stands;
+        return stagnated;
     }
 };
 

@@ -15,10 +15,10 @@ namespace almesh {
 
 namespace {
 
-// Nodes in a group. Smaller groups save iterations, but only where A is soft, and make each one dearer everywhere.
+// Nodes in a group. Smaller groups save iterations where A has low-energy modes, and make every iteration cost more.
 constexpr int group_size = 200;
 
-// The group of every node: the graph is coarsened until a vertex stands for `group_size` nodes or it gets no coarser.
+// The group of every node: the graph is coarsened until a vertex represents `group_size` nodes or it gets no coarser.
 std::vector<int> grouped(const Graph& graph) {
     const int n = graph.size();
     WeightedGraph coarse = weighted(graph);
@@ -55,7 +55,7 @@ CoarseSpace::CoarseSpace(const BlockCsr& pattern)
     std::iota(member_.begin(), member_.end(), 0);
     std::stable_sort(member_.begin(), member_.end(), [&](int a, int b) { return group_[a] < group_[b]; });
     place_.resize(pattern.blocks());
-    std::vector<int> place_of(pattern.n, -1);  // of a column in the row at hand
+    std::vector<int> place_of(pattern.n, -1);  // of a column in the current row
     for (int g = 0, m = 0; g < groups(); ++g) {
         const int first = static_cast<int>(col_.size());
         for (; m < pattern.n && group_[member_[m]] == g; ++m)

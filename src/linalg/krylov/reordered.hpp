@@ -16,7 +16,7 @@ public:
     Reordered(const BlockCsr& pattern, std::vector<int> order);
 
     const std::vector<int>& order() const { return order_; }
-    const BlockCsr& matrix() const { return matrix_; }  // P A P', its values anything before the first set()
+    const BlockCsr& matrix() const { return matrix_; }  // P A P', its values undefined before the first set()
 
     void set(const BlockCsr& A);                      // A: on the pattern given to the constructor
     void gather(const double* x, double* y) const;   // y = P x; x, y: n*d

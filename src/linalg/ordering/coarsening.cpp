@@ -35,7 +35,7 @@ std::vector<int> visiting_order(int n, std::uint64_t seed) {
     return order;
 }
 
-// Groups while they form. leader[v]: a vertex that stands for the group of v, -1 if it has not chosen yet; members and
+// Groups while they form. leader[v]: a vertex that represents the group of v, -1 if it has none yet; members and
 // weight are those of the group where v is a leader.
 struct Groups {
     std::vector<int> leader, members, weight;
@@ -78,7 +78,7 @@ std::vector<int> find_groups(const WeightedGraph& graph, int heaviest, std::uint
     return std::move(groups.leader);
 }
 
-// Appends the edges of fine vertex v to coarse vertex c; place[h] = where the edge c-h stands, if >= begin.
+// Appends the edges of fine vertex v to coarse vertex c; place[h] = index of the edge c-h, if >= begin.
 void append_edges(const WeightedGraph& fine, int v, int c, const std::vector<int>& coarse_of, int begin,
                   std::vector<int>& place, WeightedGraph& coarse) {
     for (int k = fine.start[v]; k < fine.start[v + 1]; ++k) {

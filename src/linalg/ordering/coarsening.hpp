@@ -9,7 +9,7 @@
 
 namespace almesh {
 
-// As Graph, with weights: a vertex stands for `weight` vertices of the finest graph, an edge for `edge_weight` edges.
+// As Graph, with weights: a vertex represents `weight` vertices of the finest graph, an edge for `edge_weight` edges.
 struct WeightedGraph {
     std::vector<int> start{0};
     std::vector<int> adjacent;

@@ -22,7 +22,7 @@ constexpr int largest_leaf = 3000;    // beyond this, a piece that cannot be spl
 struct Dissection {
     const CompressedGraph& all;
     std::vector<int>& order;        // groups; every piece fills its own range
-    std::vector<char> numbered;     // group stands in a separator: it is eliminated after everything still to do
+    std::vector<char> numbered;     // group is in a separator: eliminated after all that is still to be ordered
 };
 
 // A piece of the graph: its own copy of the edges inside it, and its groups in the whole graph.

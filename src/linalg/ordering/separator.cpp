@@ -241,7 +241,7 @@ private:
     int clock_ = 0, pass_ = 0;
     bool open_[2] = {true, true};             // sides to which this pass moves vertices
     long long weight_[3] = {0, 0, 0};
-    int slack_ = 0;                           // weight of the heaviest vertex: a split cannot be evener than that
+    int slack_ = 0;                           // weight of the heaviest vertex: the balance cannot be better than that
     std::vector<Move> moves_;
     std::vector<int> pulled_;
 };
