@@ -11,7 +11,7 @@ namespace almesh {
 namespace {
 
 void print_element(std::FILE* out, const Mesh& mesh, int element, const std::array<double, 3>& centre, double value) {
-    std::fprintf(out, "  %lld  (", mesh.element_id[element]);
+    std::fprintf(out, "  %lld  (", mesh.file.element_id[element]);
     for (int a = 0; a < mesh.dim; ++a) std::fprintf(out, "%s%.6g", a ? ", " : "", centre[a]);
     std::fprintf(out, ")  %.4g\n", value);
 }

@@ -42,7 +42,7 @@ void write_volume(const Deck& deck, const Problem& problem, const char* what, co
     std::vector<double> quality(distortion.size()), id(distortion.size());
     for (std::size_t e = 0; e < distortion.size(); ++e) {
         quality[e] = 1 / distortion[e];
-        id[e] = static_cast<double>(mesh.element_id[e]);
+        id[e] = static_cast<double>(mesh.file.element_id[e]);
     }
     cell_data.push_back({"quality", 1, std::move(quality)});
     if (scaled_jacobian) cell_data.push_back({"min_scaled_jacobian", 1, *scaled_jacobian});

@@ -57,7 +57,7 @@ std::vector<double> node_targets(const Mesh& mesh, const std::vector<double>& ta
 std::string face_name(const Mesh& mesh, int f) {
     const Vec<3> centre = centroid(mesh, mesh.x, mesh.face(f), mesh.dim);
     std::ostringstream out;
-    out << "face " << (mesh.face_id.empty() ? f : mesh.face_id[f]) << " of "
+    out << "face " << (mesh.file.face_id.empty() ? f : mesh.file.face_id[f]) << " of "
         << mesh.boundaries[mesh.face_boundary[f]] << " at (" << centre[0] << ", " << centre[1];
     if (mesh.dim == 3) out << ", " << centre[2];
     out << ')';
@@ -111,7 +111,7 @@ struct Check {
     TargetReport report;
 
     void add_fault(int f, const std::string& what) { report.faults.push_back({f, face_name(mesh, f) + ": " + what}); }
-    std::string id_of_node(int i) const { return std::to_string(mesh.node_id.empty() ? i : mesh.node_id[i]); }
+    std::string id_of_node(int i) const { return std::to_string(mesh.file.node_id.empty() ? i : mesh.file.node_id[i]); }
     std::string boundaries_of(int k) const;  // their names
 };
 

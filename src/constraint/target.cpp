@@ -68,7 +68,7 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
         for (int c = 0; c < dim; ++c) difference = std::max(difference, std::abs(a[c] - b[c]));
         const double tolerance = 1e-6 * std::min(size[seen / m], size[k / m]);
         if (difference <= tolerance + rounding) continue;
-        throw InputError("node " + std::to_string(mesh.node_id[mesh.faces[k]]) +
+        throw InputError("node " + std::to_string(mesh.file.node_id[mesh.faces[k]]) +
                          " lies on two boundaries whose motions disagree: " +
                          mesh.boundaries[mesh.face_boundary[seen / m]] + " takes it to " + point_text(a, dim) + ", " +
                          mesh.boundaries[mesh.face_boundary[k / m]] + " to " + point_text(b, dim));

@@ -78,7 +78,7 @@ void DistortionEnergy::set_geometry(const Mesh& mesh, const std::vector<double>&
         });
     });
     if (flat < element_count_)
-        throw InputError("element " + std::to_string(mesh.element_id[flat]) +
+        throw InputError("element " + std::to_string(mesh.file.element_id[flat]) +
                          " of the ideal mesh has no positive volume");
 
     measure();

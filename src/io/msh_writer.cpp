@@ -20,12 +20,13 @@ struct Cells {
 };
 
 Cells faces_of(const Mesh& m) {
-    return {m.dim - 1, m.face_count(), m.face_nodes(), m.faces, m.face_id, m.face_physical, m.face_entity};
+    return {m.dim - 1,      m.face_count(),       m.face_nodes(), m.faces,
+            m.file.face_id, m.file.face_physical, m.file.face_entity};
 }
 
 Cells elements_of(const Mesh& m) {
     return {m.dim,        m.element_count(),  m.element_nodes(), m.elements,
-            m.element_id, m.element_physical, m.element_entity};
+            m.file.element_id, m.file.element_physical, m.file.element_entity};
 }
 
 void append_row(std::string& text, std::initializer_list<long long> numbers) {
@@ -53,17 +54,17 @@ void append_position(std::string& text, const Mesh& mesh, const std::vector<doub
 void append_cell_nodes(std::string& text, const Mesh& mesh, const Cells& cells, int c) {
     for (int k = 0; k < cells.nodes; ++k) {
         text.back() = ' ';
-        append(text, mesh.node_id[cells.cell(c)[k]]);
+        append(text, mesh.file.node_id[cells.cell(c)[k]]);
         text += '\n';
     }
 }
 
 void append_header(const TextSink& sink, const Mesh& mesh) {
-    sink(mesh.msh_version == 41 ? "$MeshFormat\n4.1" : "$MeshFormat\n2.2");
+    sink(mesh.file.msh_version == 41 ? "$MeshFormat\n4.1" : "$MeshFormat\n2.2");
     sink(" 0 8\n$EndMeshFormat\n");
-    if (mesh.groups.empty()) return;
-    sink("$PhysicalNames\n" + std::to_string(mesh.groups.size()) + "\n");
-    for (const PhysicalGroup& group : mesh.groups)
+    if (mesh.file.groups.empty()) return;
+    sink("$PhysicalNames\n" + std::to_string(mesh.file.groups.size()) + "\n");
+    for (const PhysicalGroup& group : mesh.file.groups)
         sink(std::to_string(group.dim) + " " + std::to_string(group.tag) + " \"" + group.name + "\"\n");
     sink("$EndPhysicalNames\n");
 }
@@ -71,7 +72,7 @@ void append_header(const TextSink& sink, const Mesh& mesh) {
 void append_body_2_2(const TextSink& sink, const Mesh& mesh, const std::vector<double>& x) {
     sink("$Nodes\n" + std::to_string(mesh.nodes()) + "\n");
     append_rows(sink, mesh.nodes(), [&](std::string& part, int i) {
-        append(part, mesh.node_id[i]);
+        append(part, mesh.file.node_id[i]);
         part += ' ';
         append_position(part, mesh, x, i);
     });
@@ -162,7 +163,7 @@ void append_body_4_1(const TextSink& sink, const Mesh& mesh, const std::vector<d
     for (int k : {0, 1})
         for (const Block& block : blocks[k]) sink(entity_text(mesh, x, cells[k], block));
 
-    const auto [node_low, node_high] = std::minmax_element(mesh.node_id.begin(), mesh.node_id.end());
+    const auto [node_low, node_high] = std::minmax_element(mesh.file.node_id.begin(), mesh.file.node_id.end());
     sink("$EndEntities\n$Nodes\n");
     sink(row_of({faces + elements, mesh.nodes(), *node_low, *node_high}));
     for (const auto& of_dim : blocks)
@@ -170,12 +171,12 @@ void append_body_4_1(const TextSink& sink, const Mesh& mesh, const std::vector<d
             const int count = static_cast<int>(block.nodes.size());
             sink(row_of({block.dim, block.entity, 0, count}));
             const std::vector<int>& node = block.nodes;
-            append_rows(sink, count, [&](std::string& part, int k) { append_row(part, {mesh.node_id[node[k]]}); });
+            append_rows(sink, count, [&](std::string& part, int k) { append_row(part, {mesh.file.node_id[node[k]]}); });
             append_rows(sink, count, [&](std::string& part, int k) { append_position(part, mesh, x, node[k]); });
         }
 
-    std::vector<long long> id = mesh.face_id;
-    id.insert(id.end(), mesh.element_id.begin(), mesh.element_id.end());
+    std::vector<long long> id = mesh.file.face_id;
+    id.insert(id.end(), mesh.file.element_id.begin(), mesh.file.element_id.end());
     const auto [id_low, id_high] = std::minmax_element(id.begin(), id.end());
     sink("$EndNodes\n$Elements\n");
     sink(row_of({faces + elements, static_cast<long long>(id.size()), *id_low, *id_high}));
@@ -193,7 +194,7 @@ void append_body_4_1(const TextSink& sink, const Mesh& mesh, const std::vector<d
 
 void write_text(const TextSink& sink, const Mesh& mesh, const std::vector<double>& x) {
     append_header(sink, mesh);
-    if (mesh.msh_version == 41) append_body_4_1(sink, mesh, x);
+    if (mesh.file.msh_version == 41) append_body_4_1(sink, mesh, x);
     else append_body_2_2(sink, mesh, x);
 }
 

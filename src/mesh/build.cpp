@@ -50,11 +50,11 @@ std::vector<int> number_nodes(const RawMesh& raw, const Selection& chosen, Mesh&
             continue;
         }
         index[i] = next++;
-        mesh.node_id.push_back(node.id);
+        mesh.file.node_id.push_back(node.id);
         mesh.x.insert(mesh.x.end(), node.x, node.x + mesh.dim);
     }
     if (first_unused)
-        notes.push_back(counted(raw.nodes.size() - mesh.node_id.size(), "node") +
+        notes.push_back(counted(raw.nodes.size() - mesh.file.node_id.size(), "node") +
                         " without an element dropped, the first with id " + std::to_string(first_unused));
     return index;
 }
@@ -133,9 +133,9 @@ void fill_elements(const RawMesh& raw, const Selection& chosen, const std::vecto
     for (int i : chosen.elements) {
         const RawElement& element = raw.elements[i];
         for (int k = 0; k < count; ++k) mesh.elements.push_back(index[raw.element_nodes[element.first + k]]);
-        mesh.element_id.push_back(element.id);
-        mesh.element_physical.push_back(element.physical);
-        mesh.element_entity.push_back(element.entity);
+        mesh.file.element_id.push_back(element.id);
+        mesh.file.element_physical.push_back(element.physical);
+        mesh.file.element_entity.push_back(element.entity);
     }
 }
 
@@ -166,8 +166,8 @@ Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds
     Mesh mesh;
     mesh.dim = chosen.dim;
     mesh.degree = chosen.degree;
-    mesh.groups = raw.groups;
-    mesh.msh_version = raw.version;
+    mesh.file.groups = raw.groups;
+    mesh.file.msh_version = raw.version;
     const std::vector<int> index = number_nodes(raw, chosen, mesh, notes);
     if (mesh.dim == 2) check_flat(raw, index, notes);
     fill_elements(raw, chosen, index, mesh);
@@ -184,7 +184,7 @@ Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds
     if (folded.count) turn(mesh, minority(mesh, turned));
     else if (!turned.empty())
         notes.push_back(counted(turned.size(), "element") + " with negative orientation turned, the first is element " +
-                        std::to_string(mesh.element_id[turned[0]]));
+                        std::to_string(mesh.file.element_id[turned[0]]));
     return mesh;
 }
 

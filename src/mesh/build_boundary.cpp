@@ -300,9 +300,9 @@ void fill_faces(const BoundaryMatcher& matcher, Mesh& mesh) {
         }
         mesh.face_element.push_back(e);
         mesh.face_boundary.push_back(boundary_of[it - known.begin()]);
-        mesh.face_id.push_back(face.id);
-        mesh.face_physical.push_back(face.physical);
-        mesh.face_entity.push_back(face.entity);
+        mesh.file.face_id.push_back(face.id);
+        mesh.file.face_physical.push_back(face.physical);
+        mesh.file.face_entity.push_back(face.entity);
     }
 }
 

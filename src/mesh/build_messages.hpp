@@ -31,7 +31,7 @@ inline std::string dimension_name(int dim) { return dim == 1 ? "curve" : dim == 
 // Ids of nodes of the mesh, separated by commas.
 inline std::string node_ids(const Mesh& mesh, const int* node, int count) {
     std::string text;
-    for (int v = 0; v < count; ++v) text += (v ? ", " : "") + std::to_string(mesh.node_id[node[v]]);
+    for (int v = 0; v < count; ++v) text += (v ? ", " : "") + std::to_string(mesh.file.node_id[node[v]]);
     return text;
 }
 

@@ -18,6 +18,16 @@ struct PhysicalGroup {
     std::string name;
 };
 
+// What a mesh file says besides the geometry: ids and tags of nodes, elements and boundary faces, so that the result is
+// written with the tags of the input.
+struct FileTags {
+    std::vector<long long> node_id, element_id, face_id;
+    std::vector<int> element_physical, face_physical;  // tag of the physical group; 0: none
+    std::vector<int> element_entity, face_entity;      // tag of the elementary entity; 0: none
+    std::vector<PhysicalGroup> groups;
+    int msh_version = 22;  // 22 or 41
+};
+
 struct Mesh {
     int dim = 2;     // n, 2 or 3
     int degree = 1;  // p
@@ -27,12 +37,7 @@ struct Mesh {
     std::vector<int> face_element;     // element each face belongs to
     std::vector<int> face_boundary;    // index into boundaries
     std::vector<std::string> boundaries;  // physical names (or "tag 7" where the file names none)
-
-    // What a mesh file carries besides, so that the result can be written with the input's ids and tags.
-    std::vector<long long> node_id, element_id, face_id;
-    std::vector<int> element_physical, element_entity, face_physical, face_entity;
-    std::vector<PhysicalGroup> groups;
-    int msh_version = 22;  // 22 or 41: the format the mesh came in
+    FileTags file;
 
     int nodes() const { return static_cast<int>(x.size()) / dim; }
     int element_nodes() const { return simplex_node_count(dim, degree); }

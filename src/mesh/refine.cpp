@@ -61,8 +61,9 @@ int opposite_vertex(const Mesh& mesh, int f) {
 
 // New nodes get the ids after the largest one of the mesh they come from.
 void append_node_ids(const Mesh& from, Mesh& mesh) {
-    long long next = from.node_id.empty() ? 0 : *std::max_element(from.node_id.begin(), from.node_id.end());
-    while (static_cast<int>(mesh.node_id.size()) < mesh.nodes()) mesh.node_id.push_back(++next);
+    const std::vector<long long>& known = from.file.node_id;
+    long long next = known.empty() ? 0 : *std::max_element(known.begin(), known.end());
+    while (static_cast<int>(mesh.file.node_id.size()) < mesh.nodes()) mesh.file.node_id.push_back(++next);
 }
 
 // Linear mesh on the vertices of `mesh`.
@@ -70,7 +71,7 @@ Mesh linear_part(const Mesh& mesh) {
     Mesh linear = mesh;
     linear.degree = 1;
     linear.x.clear();
-    linear.node_id.clear();
+    linear.file.node_id.clear();
     std::vector<int> index(mesh.nodes(), -1);
     for (int e = 0; e < mesh.element_count(); ++e)
         for (int v = 0; v <= mesh.dim; ++v) index[mesh.element(e)[v]] = 0;
@@ -78,7 +79,7 @@ Mesh linear_part(const Mesh& mesh) {
     for (int i = 0; i < mesh.nodes(); ++i) {
         if (index[i] < 0) continue;
         index[i] = count++;
-        linear.node_id.push_back(mesh.node_id[i]);
+        linear.file.node_id.push_back(mesh.file.node_id[i]);
         for (int a = 0; a < mesh.dim; ++a) linear.x.push_back(mesh.x[static_cast<std::size_t>(i) * mesh.dim + a]);
     }
     linear.elements.clear();
@@ -227,15 +228,15 @@ Mesh refine_once(const Mesh& mesh) {
         }
     }
     fine.face_boundary = repeat(mesh.face_boundary, face_children);
-    fine.face_physical = repeat(mesh.face_physical, face_children);
-    fine.face_entity = repeat(mesh.face_entity, face_children);
-    fine.element_physical = repeat(mesh.element_physical, children_count);
-    fine.element_entity = repeat(mesh.element_entity, children_count);
+    fine.file.face_physical = repeat(mesh.file.face_physical, face_children);
+    fine.file.face_entity = repeat(mesh.file.face_entity, face_children);
+    fine.file.element_physical = repeat(mesh.file.element_physical, children_count);
+    fine.file.element_entity = repeat(mesh.file.element_entity, children_count);
     long long id = 0;
-    fine.face_id.resize(fine.face_element.size());
-    for (long long& face_id : fine.face_id) face_id = ++id;
-    fine.element_id.resize(fine.element_count());
-    for (long long& element_id : fine.element_id) element_id = ++id;
+    fine.file.face_id.resize(fine.face_element.size());
+    for (long long& face_id : fine.file.face_id) face_id = ++id;
+    fine.file.element_id.resize(fine.element_count());
+    for (long long& element_id : fine.file.element_id) element_id = ++id;
     append_node_ids(mesh, fine);
     return fine;
 }

@@ -87,7 +87,7 @@ TEST_CASE("mesh files that cannot be read: code 2, naming the file") {
 TEST_CASE("mesh files whose contents cannot be meant: code 2 with file and line") {
     for (int version : {22, 41}) {
         Mesh mesh = ring_mesh(8, 1, 2);
-        mesh.msh_version = version;
+        mesh.file.msh_version = version;
         const std::string good = msh_of(mesh);
         check_refused(run_on(good.substr(0, good.size() / 2)), 2, {"ring.msh:"});
         check_refused(run_on(good.substr(0, good.find("$Elements"))), 2, {"ring.msh", "$Elements"});
@@ -132,7 +132,7 @@ TEST_CASE("targets that make the boundary itself invalid: code 2, naming faces b
     const RingDeck ring(folded);
     check_refused(ring.run(), 2,
                   {"the target makes the boundary itself invalid at 1 face", "folds the face back",
-                   "face " + std::to_string(folded.face_id[bad]) + " of inner"});
+                   "face " + std::to_string(folded.file.face_id[bad]) + " of inner"});
     CHECK(!std::filesystem::exists(ring.output));
 
     // Onto the closest points of a circle elsewhere: the whole inner boundary falls on one side of that.

@@ -144,20 +144,20 @@ TEST_CASE("the history belongs to the summary") {
 TEST_CASE("final.msh is the mesh of the input with new positions") {
     for (int version : {22, 41}) {
         Mesh mesh = raise_degree(ring_mesh(10, 2, 5), 2);
-        mesh.msh_version = version;
-        for (int i = 0; i < mesh.nodes(); ++i) mesh.node_id[i] = 1000 + 7 * i;
+        mesh.file.msh_version = version;
+        for (int i = 0; i < mesh.nodes(); ++i) mesh.file.node_id[i] = 1000 + 7 * i;
         const RingDeck ring(mesh);
         REQUIRE(ring.run().code == 0);
         const Mesh before = mesh_of(ring.folder.path("ring.msh")), after = mesh_of(ring.output + "/final.msh");
-        CHECK(after.msh_version == version);
+        CHECK(after.file.msh_version == version);
         CHECK(after.degree == 2);
-        CHECK(std::is_permutation(after.node_id.begin(), after.node_id.end(), before.node_id.begin(),
-                                  before.node_id.end()));
-        CHECK(std::is_permutation(after.element_id.begin(), after.element_id.end(), before.element_id.begin(),
-                                  before.element_id.end()));
-        CHECK(std::is_permutation(after.face_id.begin(), after.face_id.end(), before.face_id.begin(),
-                                  before.face_id.end()));
-        CHECK(after.element_physical == before.element_physical);
+        CHECK(std::is_permutation(after.file.node_id.begin(), after.file.node_id.end(), before.file.node_id.begin(),
+                                  before.file.node_id.end()));
+        CHECK(std::is_permutation(after.file.element_id.begin(), after.file.element_id.end(),
+                                  before.file.element_id.begin(), before.file.element_id.end()));
+        CHECK(std::is_permutation(after.file.face_id.begin(), after.file.face_id.end(), before.file.face_id.begin(),
+                                  before.file.face_id.end()));
+        CHECK(after.file.element_physical == before.file.element_physical);
         CHECK(after.boundaries == before.boundaries);
         CHECK(certify(after, after.x).valid);
         for (int f = 0; f < after.face_count(); ++f) {

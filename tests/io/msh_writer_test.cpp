@@ -41,7 +41,7 @@ std::map<long long, std::vector<long long>> cells_by_id(const Mesh& mesh, const 
                                                         const std::vector<long long>& id) {
     std::map<long long, std::vector<long long>> cells;
     const std::size_t size = node.size() / id.size();
-    for (std::size_t k = 0; k < node.size(); ++k) cells[id[k / size]].push_back(mesh.node_id[node[k]]);
+    for (std::size_t k = 0; k < node.size(); ++k) cells[id[k / size]].push_back(mesh.file.node_id[node[k]]);
     return cells;
 }
 
@@ -54,7 +54,7 @@ std::map<long long, std::pair<int, int>> tags_by_id(const std::vector<long long>
 
 std::map<long long, std::vector<double>> positions_by_id(const Mesh& mesh, const std::vector<double>& x) {
     std::map<long long, std::vector<double>> positions;
-    for (std::size_t k = 0; k < x.size(); ++k) positions[mesh.node_id[k / mesh.dim]].push_back(x[k]);
+    for (std::size_t k = 0; k < x.size(); ++k) positions[mesh.file.node_id[k / mesh.dim]].push_back(x[k]);
     return positions;
 }
 
@@ -70,20 +70,21 @@ TEST_CASE("what is written reads back with the same ids, tags, names and bits") 
                 const Mesh mesh = sample(dim, degree, version);
                 const std::vector<double> x = moved(mesh);
                 const Mesh back = read_back(msh_text(mesh, x));
-                CHECK(back.msh_version == version);
+                CHECK(back.file.msh_version == version);
                 CHECK(back.degree == degree);
                 CHECK(positions_by_id(back, back.x) == positions_by_id(mesh, x));
-                CHECK(cells_by_id(back, back.elements, back.element_id) ==
-                      cells_by_id(mesh, mesh.elements, mesh.element_id));
-                CHECK(cells_by_id(back, back.faces, back.face_id) == cells_by_id(mesh, mesh.faces, mesh.face_id));
-                CHECK(tags_by_id(back.element_id, back.element_physical, back.element_entity) ==
-                      tags_by_id(mesh.element_id, mesh.element_physical, mesh.element_entity));
-                CHECK(tags_by_id(back.face_id, back.face_physical, back.face_entity) ==
-                      tags_by_id(mesh.face_id, mesh.face_physical, mesh.face_entity));
-                REQUIRE(back.groups.size() == 2);
-                CHECK(back.groups[0].name == "left");
-                CHECK(back.groups[1].dim == dim);
-                if (version == 22) CHECK(back.node_id == mesh.node_id);  // and the same order
+                CHECK(cells_by_id(back, back.elements, back.file.element_id) ==
+                      cells_by_id(mesh, mesh.elements, mesh.file.element_id));
+                CHECK(cells_by_id(back, back.faces, back.file.face_id) ==
+                      cells_by_id(mesh, mesh.faces, mesh.file.face_id));
+                CHECK(tags_by_id(back.file.element_id, back.file.element_physical, back.file.element_entity) ==
+                      tags_by_id(mesh.file.element_id, mesh.file.element_physical, mesh.file.element_entity));
+                CHECK(tags_by_id(back.file.face_id, back.file.face_physical, back.file.face_entity) ==
+                      tags_by_id(mesh.file.face_id, mesh.file.face_physical, mesh.file.face_entity));
+                REQUIRE(back.file.groups.size() == 2);
+                CHECK(back.file.groups[0].name == "left");
+                CHECK(back.file.groups[1].dim == dim);
+                if (version == 22) CHECK(back.file.node_id == mesh.file.node_id);  // and the same order
             }
 }
 
@@ -120,7 +121,8 @@ $EndElements
 
 TEST_CASE("in MSH 4.1 each entity has one physical tag, and each node is listed once, on the boundary first") {
     Mesh mesh = sample(2, 2, 41);
-    std::fill(mesh.face_entity.begin(), mesh.face_entity.end(), 5);  // two boundaries in one entity, as in MSH 2.2
+    // Two boundaries in one entity, as in MSH 2.2.
+    std::fill(mesh.file.face_entity.begin(), mesh.file.face_entity.end(), 5);
     const RawMesh raw = parse_msh(msh_text(mesh, mesh.x), "written.msh");
     REQUIRE(raw.entities.size() == 3);
     CHECK(raw.entities[0].tag == 5);
@@ -134,15 +136,15 @@ TEST_CASE("in MSH 4.1 each entity has one physical tag, and each node is listed 
         CHECK((x == 0 || x == 1 || y == 0 || y == 1) == (i < 16));
     }
     const Mesh back = read_back(msh_text(mesh, mesh.x));
-    CHECK(tags_by_id(back.face_id, back.face_physical, back.face_physical) ==
-          tags_by_id(mesh.face_id, mesh.face_physical, mesh.face_physical));
+    CHECK(tags_by_id(back.file.face_id, back.file.face_physical, back.file.face_physical) ==
+          tags_by_id(mesh.file.face_id, mesh.file.face_physical, mesh.file.face_physical));
 }
 
 TEST_CASE("elements without a physical group stay without one") {
     for (int version : {22, 41}) {
         Mesh mesh = sample(3, 1, version);
-        std::fill(mesh.element_physical.begin(), mesh.element_physical.end(), 0);
-        CHECK(read_back(msh_text(mesh, mesh.x)).element_physical == mesh.element_physical);
+        std::fill(mesh.file.element_physical.begin(), mesh.file.element_physical.end(), 0);
+        CHECK(read_back(msh_text(mesh, mesh.x)).file.element_physical == mesh.file.element_physical);
     }
 }
 

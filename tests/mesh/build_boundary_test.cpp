@@ -86,9 +86,9 @@ TEST_CASE("faces keep ids, tags and names") {
         CHECK(mesh.boundaries == (raw.elements[0].physical == 1 ? Strings{"left", "tag 2"} : Strings{"tag 2", "left"}));
         for (int f = 0; f < mesh.face_count(); ++f) {
             const bool left = mesh.boundaries[mesh.face_boundary[f]] == "left";
-            CHECK(mesh.face_id[f] == f + 1);
-            CHECK(mesh.face_physical[f] == (left ? 1 : 2));
-            CHECK(mesh.face_entity[f] == (left ? 21 : 22));
+            CHECK(mesh.file.face_id[f] == f + 1);
+            CHECK(mesh.file.face_physical[f] == (left ? 1 : 2));
+            CHECK(mesh.file.face_entity[f] == (left ? 21 : 22));
             for (int i = 0; i < mesh.face_nodes(); ++i)
                 if (left) CHECK(position(mesh, mesh.face(f)[i])[0] == 0);
         }
@@ -102,7 +102,7 @@ TEST_CASE("two tags of one name are one boundary") {
     Strings notes;
     const Mesh mesh = build_mesh(raw, notes);
     CHECK(mesh.boundaries == Strings{"wall"});
-    CHECK(mesh.face_physical == std::vector<int>{7, 7, 8, 7});
+    CHECK(mesh.file.face_physical == std::vector<int>{7, 7, 8, 7});
 }
 
 TEST_CASE("a boundary without a tag is refused with what to do") {
@@ -134,7 +134,7 @@ TEST_CASE("a boundary face has one tag") {
     check_refused(raw, "square.msh:1006: element 7 with tag 8 has the vertices of element 1 (line 1000) with tag 7");
     raw.elements.back().physical = 7;
     Strings notes;
-    CHECK(build_mesh(raw, notes).face_id == std::vector<long long>{1, 2, 3, 4});
+    CHECK(build_mesh(raw, notes).file.face_id == std::vector<long long>{1, 2, 3, 4});
     CHECK(notes == Strings{"1 repeated boundary face dropped"});
 
     raw = square();

@@ -90,12 +90,12 @@ TEST_CASE("meshes of every dimension and degree come out with volume 1, ids and 
             CHECK(bend(mesh) < 1e-15);
             const std::size_t faces = mesh.face_count();
             for (int e = 0; e < mesh.element_count(); ++e) {
-                CHECK(mesh.element_id[e] == raw.elements[faces + e].id);
-                CHECK(mesh.element_physical[e] == 9);
-                CHECK(mesh.element_entity[e] == 29);
+                CHECK(mesh.file.element_id[e] == raw.elements[faces + e].id);
+                CHECK(mesh.file.element_physical[e] == 9);
+                CHECK(mesh.file.element_entity[e] == 29);
             }
-            for (int i = 0; i < mesh.nodes(); ++i) CHECK(mesh.node_id[i] == 10 + 3 * i);
-            CHECK(mesh.groups.size() == 2);
+            for (int i = 0; i < mesh.nodes(); ++i) CHECK(mesh.file.node_id[i] == 10 + 3 * i);
+            CHECK(mesh.file.groups.size() == 2);
         }
 }
 
@@ -122,7 +122,7 @@ TEST_CASE("nodes without an element are dropped") {
     CHECK(note_of(raw) == "1 node without an element dropped, the first with id 77");
     std::vector<std::string> notes;
     const Mesh mesh = build_mesh(raw, notes);
-    CHECK(mesh.node_id == std::vector<long long>{1, 2, 3, 4});
+    CHECK(mesh.file.node_id == std::vector<long long>{1, 2, 3, 4});
     CHECK(mesh.x == std::vector<double>{0, 0, 1, 0, 1, 1, 0, 1});
     CHECK(mesh.elements == std::vector<int>{0, 1, 2, 0, 2, 3});
 }

@@ -30,8 +30,8 @@ Mesh with_degree(const Mesh& linear, int degree) {
     };
     for (int e = 0; e < linear.element_count(); ++e) append_nodes(linear.element(e), mesh.dim, mesh.elements);
     for (int f = 0; f < linear.face_count(); ++f) append_nodes(linear.face(f), mesh.dim - 1, mesh.faces);
-    mesh.node_id.clear();
-    for (int i = 0; i < mesh.nodes(); ++i) mesh.node_id.push_back(i + 1);
+    mesh.file.node_id.clear();
+    for (int i = 0; i < mesh.nodes(); ++i) mesh.file.node_id.push_back(i + 1);
     return mesh;
 }
 

@@ -38,19 +38,19 @@ Mesh linear_mesh(int dim, std::vector<double> x, std::vector<int> elements, cons
         const std::string boundary = name(centre.data());
         if (mesh.boundary_index(boundary) < 0) {
             mesh.boundaries.push_back(boundary);
-            mesh.groups.push_back({dim - 1, static_cast<int>(mesh.boundaries.size()), boundary});
+            mesh.file.groups.push_back({dim - 1, static_cast<int>(mesh.boundaries.size()), boundary});
         }
         mesh.face_boundary.push_back(mesh.boundary_index(boundary));
-        mesh.face_physical.push_back(mesh.face_boundary.back() + 1);
-        mesh.face_entity.push_back(mesh.face_boundary.back() + 1);
-        mesh.face_id.push_back(static_cast<long long>(mesh.face_id.size()) + 1);
+        mesh.file.face_physical.push_back(mesh.face_boundary.back() + 1);
+        mesh.file.face_entity.push_back(mesh.face_boundary.back() + 1);
+        mesh.file.face_id.push_back(static_cast<long long>(mesh.file.face_id.size()) + 1);
     }
-    for (int i = 0; i < mesh.nodes(); ++i) mesh.node_id.push_back(i + 1);
+    for (int i = 0; i < mesh.nodes(); ++i) mesh.file.node_id.push_back(i + 1);
     for (int e = 0; e < mesh.element_count(); ++e)
-        mesh.element_id.push_back(static_cast<long long>(mesh.face_id.size()) + e + 1);
-    mesh.element_physical.assign(mesh.element_count(), 100);
-    mesh.element_entity.assign(mesh.element_count(), 1);
-    mesh.groups.push_back({dim, 100, "domain"});
+        mesh.file.element_id.push_back(static_cast<long long>(mesh.file.face_id.size()) + e + 1);
+    mesh.file.element_physical.assign(mesh.element_count(), 100);
+    mesh.file.element_entity.assign(mesh.element_count(), 1);
+    mesh.file.groups.push_back({dim, 100, "domain"});
     return mesh;
 }
 
