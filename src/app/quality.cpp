@@ -22,7 +22,7 @@ ExitCode quality(const std::string& mesh_path, std::FILE* out) {
     std::vector<std::string> notes;
     const Mesh mesh = build_mesh(read_msh(mesh_path), notes, Folds::keep);
     std::fprintf(out, "%s: %d nodes, %d %s of degree %d\n", mesh_path.c_str(), mesh.nodes(), mesh.element_count(),
-                 mesh.dim == 2 ? "triangles" : "tetrahedra", mesh.degree);
+                 mesh.cell().plural, mesh.degree);
     for (const std::string& note : notes) std::fprintf(out, "note: %s\n", note.c_str());
 
     const QualityStatistics shape = mesh_quality(mesh, mesh.x);

@@ -19,7 +19,7 @@ void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem) {
     const Mesh& mesh = problem.mesh;
     if (!deck.title.empty()) std::fprintf(out, "%s\n", deck.title.c_str());
     std::fprintf(out, "%s: %d nodes, %d %s of degree %d, %d boundary faces; %d thread%s\n", deck.mesh.c_str(),
-                 mesh.nodes(), mesh.element_count(), mesh.dim == 2 ? "triangles" : "tetrahedra", mesh.degree,
+                 mesh.nodes(), mesh.element_count(), mesh.cell().plural, mesh.degree,
                  mesh.face_count(), max_threads(), max_threads() == 1 ? "" : "s");
     for (const std::string& note : problem.notes) std::fprintf(out, "note: %s\n", note.c_str());
 }

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "energy/density_hessian.hpp"
-#include "mesh/reference_element.hpp"
+#include "mesh/quadrature.hpp"
 
 namespace almesh {
 

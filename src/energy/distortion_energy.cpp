@@ -11,7 +11,6 @@
 #include "base/parallel.hpp"
 #include "energy/curved_batch.hpp"
 #include "energy/linear_batch.hpp"
-#include "mesh/straight_jacobian.hpp"
 
 namespace almesh {
 
@@ -29,7 +28,7 @@ void each_lane(int batches, const Body& body) {
     }, 10.0 * lanes);
 }
 
-double simplex_volume(int dim) { return dim == 2 ? 0.5 : 1.0 / 6; }
+double simplex_volume(int dim) { return simplex(dim).volume(); }
 
 }  // namespace
 

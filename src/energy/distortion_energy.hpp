@@ -24,7 +24,7 @@
 #include "base/large_array.hpp"
 #include "energy/distortion.hpp"
 #include "energy/element_chunks.hpp"
-#include "mesh/reference_element.hpp"
+#include "mesh/quadrature.hpp"
 #include "linalg/block_csr.hpp"
 #include "mesh/mesh.hpp"
 

@@ -106,7 +106,7 @@ void MshReader::format() {
     const double version = in.real("the format version");
     if (version != 2.2 && version != 4.1)
         in.fail("format version " + shown + ": only 2.2 and 4.1 are read (gmsh -0 IN.msh -format msh41 -o OUT.msh)");
-    mesh.version = version == 2.2 ? 22 : 41;
+    mesh.msh_version = version == 2.2 ? 22 : 41;
     if (in.small_integer("0 (ASCII)") != 0) in.fail("a binary mesh is not read: save it in ASCII (gmsh without -bin)");
     in.small_integer("the size of a number");
     in.end_of_line();
@@ -173,12 +173,12 @@ void MshReader::refuse_repeated(const char* what, const std::vector<IdAndIndex>&
 void MshReader::nodes() {
     if (!mesh.nodes.empty()) in.fail("a second $Nodes section");
     in.next_line();
-    const long long blocks = mesh.version == 41 ? in.integer("the number of blocks", 0, LLONG_MAX) : 1;
+    const long long blocks = mesh.msh_version == 41 ? in.integer("the number of blocks", 0, LLONG_MAX) : 1;
     const long long count = in.integer("the number of nodes", 1, INT_MAX);
-    if (mesh.version == 22) in.end_of_line();
+    if (mesh.msh_version == 22) in.end_of_line();
     else in.rest_of_line();
     mesh.nodes.reserve(room_for(count));
-    if (mesh.version == 22) nodes_2_2(count);
+    if (mesh.msh_version == 22) nodes_2_2(count);
     else nodes_4_1(blocks, count);
     std::vector<IdAndIndex> sorted = sorted_ids(mesh.nodes);
     refuse_repeated("node", sorted, mesh.nodes);
@@ -227,12 +227,12 @@ void MshReader::elements() {
     if (!mesh.elements.empty()) in.fail("a second $Elements section");
     if (mesh.nodes.empty()) in.fail("$Elements before $Nodes");
     in.next_line();
-    const long long blocks = mesh.version == 41 ? in.integer("the number of blocks", 0, LLONG_MAX) : 1;
+    const long long blocks = mesh.msh_version == 41 ? in.integer("the number of blocks", 0, LLONG_MAX) : 1;
     const long long count = in.integer("the number of elements", 1, INT_MAX);
-    if (mesh.version == 22) in.end_of_line();
+    if (mesh.msh_version == 22) in.end_of_line();
     else in.rest_of_line();
     mesh.elements.reserve(room_for(count));
-    if (mesh.version == 22) elements_2_2(count);
+    if (mesh.msh_version == 22) elements_2_2(count);
     else elements_4_1(blocks, count);
     if (!foreign.empty()) refuse_foreign();
     refuse_repeated("element", sorted_ids(mesh.elements), mesh.elements);

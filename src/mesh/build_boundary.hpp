@@ -1,31 +1,36 @@
-// The boundary of a mesh being built: the faces of one element only, with the tags of the file's face elements.
-//
-// Faces are matched by their vertices: at each vertex, those around it that have no smaller one are sorted. Cost:
-// O(elements log(elements around a vertex)) time, 16 bytes per tetrahedron (12 per triangle).
+// The second half of build_mesh(): the boundary faces, which are the faces of one element only, with the tags of the
+// file's face elements; and what both halves share.
 #pragma once
+#include <array>
 #include <string>
 #include <vector>
 
-#include "mesh/mesh.hpp"
 #include "mesh/raw_mesh.hpp"
 
 namespace almesh {
 
-// What of raw.elements makes the mesh, in file order (indices into raw.elements).
-struct Selection {
-    int dim = 0, degree = 0;
-    std::vector<int> elements;  // of dimension dim
-    std::vector<int> faces;     // of dimension dim - 1 with a physical tag
+// A mesh being built from a file.
+struct MeshBuild {
+    const RawMesh& raw;
+    std::vector<std::string>& notes;
+    Mesh mesh;
+    std::vector<int> elements, faces;  // elements of the mesh and tagged faces in file order: indices into raw.elements
+    std::vector<int> node;             // node of the mesh by raw node, -1: none
+
+    const RawElement& element(int e) const { return raw.elements[elements[e]]; }
+    const RawElement& face(int f) const { return raw.elements[faces[f]]; }
+    std::string node_ids(const int* nodes, int count) const;  // of nodes of the mesh, separated by commas
 };
 
-// Pairs of elements on the same side of the face they share: none in a valid mesh.
-struct FoldedPairs {
-    int count = 0, first = -1, second = -1;  // elements of the first pair found
-};
+std::string counted(std::size_t count, const std::string& noun);  // "1 node", "2 nodes"
+std::string entity_kind(int dim);                                 // Gmsh's word: curve, surface or volume
 
-// Fills all that Mesh says of faces; the nodes and elements are there already. index: node of the mesh by raw node, -1:
-// none. Adds to `notes`; throws InputError where faces, elements and tags do not go together (see build_mesh()).
-FoldedPairs fill_boundary(const RawMesh& raw, const Selection& chosen, const std::vector<int>& index, Mesh& mesh,
-                          std::vector<std::string>& notes);
+// Fills all that Mesh says of faces; the nodes and elements are there already. Returns the pairs of elements that lie
+// on the same side of their common face: none in a valid mesh. Throws InputError where faces, elements and tags do not
+// go together (see build_mesh()).
+//
+// Faces are matched by their vertices: those with the same lowest vertex are sorted. Cost: O(elements log(elements
+// around a vertex)) time, in parallel; 32 bytes per tetrahedron (24 per triangle).
+std::vector<std::array<int, 2>> fill_boundary(MeshBuild& build);
 
 }  // namespace almesh

@@ -5,7 +5,6 @@
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "mesh/lagrange.hpp"
-#include "mesh/straight_jacobian.hpp"
 
 namespace almesh {
 
@@ -23,8 +22,8 @@ std::vector<double> straight_sided(const Mesh& mesh) {
             for (int a = 0; a < mesh.dim; ++a) {
                 double position = 0;
                 for (int v = 0; v <= mesh.dim; ++v)
-                    position += basis.nodes[i][v] * mesh.x[static_cast<std::size_t>(node[v]) * mesh.dim + a];
-                y[static_cast<std::size_t>(node[i]) * mesh.dim + a] = position / mesh.degree;
+                    position += basis.nodes[i][v] * mesh.x[offset(node[v], mesh.dim, a)];
+                y[offset(node[i], mesh.dim, a)] = position / mesh.degree;
             }
     }
     return y;
@@ -43,7 +42,7 @@ double volume(const Mesh& mesh, const std::vector<double>& y) {
     with_dimension(mesh.dim, [&](auto dimension) {
         constexpr int n = dimension;
         sum = deterministic_sum(mesh.element_count(), [&](int e) {
-            return determinant(straight_jacobian<n>(mesh.element(e), y)) / (n == 2 ? 2 : 6);
+            return determinant(straight_jacobian<n>(mesh.element(e), y)) / mesh.cell().inverse_volume;
         });
     });
     return sum;

@@ -1,15 +1,15 @@
 // A mesh of simplices (triangles in 2D, tetrahedra in 3D) of Lagrange degree p, with its boundary.
 //
 // The mesh as read may be curved. The ideal mesh of the method is straight-sided: the same vertices, all other nodes
-// at their affine positions (straight_sided()). Data only: built and checked by build_mesh(), changed by
-// raise_degree() and refine().
+// at their affine positions (straight_sided()). Plain data: build_mesh() makes and checks it, raise_degree() and
+// refine() make others of it.
 #pragma once
 #include <array>
-#include <cstddef>
 #include <string>
 #include <vector>
 
-#include "mesh/lagrange.hpp"
+#include "base/index.hpp"
+#include "mesh/cells.hpp"
 
 namespace almesh {
 
@@ -39,13 +39,14 @@ struct Mesh {
     std::vector<std::string> boundaries;  // physical names (or "tag 7" where the file names none)
     FileTags file;
 
+    const CellType& cell() const { return simplex(dim); }  // of all elements; the faces are simplex(dim - 1)
     int nodes() const { return static_cast<int>(x.size()) / dim; }
     int element_nodes() const { return simplex_node_count(dim, degree); }
     int face_nodes() const { return simplex_node_count(dim - 1, degree); }
     int element_count() const { return static_cast<int>(elements.size()) / element_nodes(); }
     int face_count() const { return static_cast<int>(faces.size()) / face_nodes(); }
-    const int* element(int e) const { return elements.data() + static_cast<std::size_t>(e) * element_nodes(); }
-    const int* face(int f) const { return faces.data() + static_cast<std::size_t>(f) * face_nodes(); }
+    const int* element(int e) const { return elements.data() + offset(e, element_nodes()); }
+    const int* face(int f) const { return faces.data() + offset(f, face_nodes()); }
     int boundary_index(const std::string& name) const;  // -1 where there is none
 };
 

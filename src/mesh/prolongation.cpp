@@ -1,17 +1,16 @@
+// For each fine node: a fine element that has it, hence the coarse element around it; its reference coordinates there,
+// rounded to the lattice on which they lie; the coarse basis at them.
 #include "mesh/prolongation.hpp"
 
 #include <cmath>
 
 #include "base/parallel.hpp"
 #include "mesh/lagrange.hpp"
-#include "mesh/straight_jacobian.hpp"
 
 namespace almesh {
 namespace {
 
-constexpr int most_nodes = 120;  // of an element: degree 7 in 3D
-
-// One fine element that has the node, the last one.
+// For each node the last one of the elements that have it.
 std::vector<int> element_of_nodes(const Mesh& mesh) {
     std::vector<int> element(mesh.nodes());
     const int count = mesh.element_nodes();
@@ -24,7 +23,7 @@ std::vector<int> element_of_nodes(const Mesh& mesh) {
 // 1/steps.
 template <int n>
 Vec<n> reference_point(const int* vertex, const std::vector<double>& ideal, const double* y, double steps) {
-    const double* const y0 = &ideal[static_cast<std::size_t>(vertex[0]) * n];
+    const double* const y0 = point(ideal, vertex[0], n);
     const Mat<n> inverse_A = inverse<n>(straight_jacobian<n>(vertex, ideal));
     Vec<n> xi{};
     for (int k = 0; k < n; ++k) {
@@ -47,12 +46,12 @@ std::vector<double> prolong(const Mesh& coarse, const std::vector<double>& coars
         constexpr int n = dimension;
         parallel_for(fine.nodes(), [&](int i) {
             const int* const node = coarse.element(element[i] / children);
-            const std::size_t at = static_cast<std::size_t>(i) * n;
+            const std::size_t at = offset(i, n);
             const Vec<n> xi = reference_point<n>(node, coarse_ideal, &fine_ideal[at], steps);
-            double N[most_nodes];
+            double N[simplex_node_count(n, max_degree)];
             basis.values(xi.data(), N);
             for (int j = 0; j < basis.count; ++j)
-                for (int a = 0; a < n; ++a) result[at + a] += N[j] * field[static_cast<std::size_t>(node[j]) * n + a];
+                for (int a = 0; a < n; ++a) result[at + a] += N[j] * field[offset(node[j], n, a)];
         });
     });
     return result;

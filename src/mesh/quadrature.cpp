@@ -1,9 +1,13 @@
+// Points and weights: either all permutations of the orbits of a symmetric rule, or the conical product of
+// Gauss-Jacobi rules, x_0 = u_0, x_1 = (1 - u_0) u_1, x_2 = (1 - u_0)(1 - u_1) u_2 (Duffy's map), whose Jacobian
+// (1 - u_0)^(n-1) (1 - u_1)^(n-2) is the weight of the rules in u_0 and u_1.
 #include "mesh/quadrature.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "mesh/lagrange.hpp"
 #include "mesh/quadrature_table.hpp"
 
 namespace almesh {
@@ -55,7 +59,6 @@ Line gauss_jacobi(int m, int alpha) {
     return rule;
 }
 
-// Duffy's map: x_0 = u_0, x_1 = (1 - u_0) u_1, x_2 = (1 - u_0)(1 - u_1) u_2.
 Quadrature conical_product(int dim, int exactness) {
     Quadrature q;
     q.dim = dim;
@@ -94,7 +97,7 @@ std::vector<double> first_point(const Orbit& orbit) {
 Quadrature all_points(const SymmetricRule& rule) {
     Quadrature q;
     q.dim = rule.dim;
-    const double volume = rule.dim == 2 ? 1.0 / 2 : 1.0 / 6;
+    const double volume = simplex(rule.dim).volume();
     for (const Orbit& orbit : rule.orbits) {
         std::vector<double> point = first_point(orbit);
         do {
@@ -106,11 +109,40 @@ Quadrature all_points(const SymmetricRule& rule) {
     return q;
 }
 
+// Moves a small part of the weight to points at the nodes, so that the distortion is infinite where an element folds
+// there.
+void add_node_points(const LagrangeBasis& basis, Quadrature& quadrature) {
+    constexpr double node_part = 0.001;
+    double volume = 0;
+    for (double& weight : quadrature.weight) {
+        volume += weight;
+        weight *= 1 - node_part;
+    }
+    for (const MultiIndex& a : basis.nodes)
+        for (int k = 1; k <= basis.dim; ++k) quadrature.xi.push_back(static_cast<double>(a[k]) / basis.degree);
+    quadrature.weight.insert(quadrature.weight.end(), basis.count, node_part * volume / basis.count);
+    quadrature.count += basis.count;
+}
+
 }  // namespace
 
 Quadrature simplex_quadrature(int dim, int exactness) {
     const SymmetricRule* rule = symmetric_rule(dim, exactness);
     return rule ? all_points(*rule) : conical_product(dim, exactness);
+}
+
+int default_exactness(int degree) { return degree == 1 ? 0 : 2 * degree + 2; }
+
+ReferenceElement reference_element(int dim, int degree, int exactness) {
+    const LagrangeBasis basis(dim, degree);
+    const bool by_default = exactness == 0 || degree == 1;
+    Quadrature quadrature = simplex_quadrature(dim, by_default ? default_exactness(degree) : exactness);
+    if (degree > 1) add_node_points(basis, quadrature);
+    ReferenceElement element{degree, basis.count, quadrature.count, quadrature.weight, {}};
+    const std::size_t stride = offset(basis.count, dim);
+    element.gradients.resize(stride * quadrature.count);
+    for (int q = 0; q < quadrature.count; ++q) basis.gradients(&quadrature.xi[q * dim], &element.gradients[stride * q]);
+    return element;
 }
 
 }  // namespace almesh

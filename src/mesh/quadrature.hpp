@@ -1,7 +1,9 @@
 // Quadrature on the reference simplices of dimension 1, 2 and 3: all weights positive, all points inside, any degree of
-// exactness. On triangles and tetrahedra the symmetric rules of quadrature_table.hpp as far as they go; beyond them,
-// and on lines, the conical product of Gauss-Jacobi rules (Stroud, Approximate Calculation of Multiple Integrals, 1971,
-// sec. 2.4), which takes about twice the points in 2D, three times in 3D.
+// exactness; and the derivatives of the basis at the points, the same for all elements of a mesh.
+//
+// On triangles and tetrahedra the symmetric rules of quadrature_table.hpp as far as they go; beyond them, and on lines,
+// the conical product of Gauss-Jacobi rules (Stroud, Approximate Calculation of Multiple Integrals, 1971, sec. 2.4),
+// which takes about twice the points in 2D, three times in 3D.
 #pragma once
 #include <vector>
 
@@ -16,5 +18,22 @@ struct Quadrature {
 // Integrates polynomials of total degree <= exactness without error. One point, the centroid, for exactness 0 and 1;
 // ((exactness + 2) / 2)^dim points where the conical product is used.
 Quadrature simplex_quadrature(int dim, int exactness);
+
+// Linear elements (m = n + 1) have one point: F is constant on them.
+struct ReferenceElement {
+    int degree = 0;                 // p
+    int nodes = 0;                  // m
+    int points = 0;
+    std::vector<double> weight;     // points
+    std::vector<double> gradients;  // points x nodes x dim, dN_i/dxi_k
+};
+
+// exactness: degree to which the quadrature is exact for p > 1; 0: default_exactness(degree). For p > 1 a thousandth of
+// the weight goes to the nodes of the element: it folds at vertices and edges first, where the rules have no points.
+ReferenceElement reference_element(int dim, int degree, int exactness);
+
+// 2 p + 2 for p > 1: the relative quality then agrees to six digits with that of more points; with fewer points the
+// worst elements get worse. |F|^2 alone needs 2 p - 2.
+int default_exactness(int degree);
 
 }  // namespace almesh

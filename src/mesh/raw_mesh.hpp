@@ -1,5 +1,5 @@
-// What a mesh file holds, before build_mesh() makes a Mesh of it: elements of every dimension with their ids, tags and
-// lines in the file.
+// What a mesh file of any format holds, before build_mesh() makes a Mesh of it: elements of every dimension with their
+// ids, tags and lines in the file. A reader of a format fills it.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -19,7 +19,7 @@ struct RawElement {
     long long id;
     std::size_t first;  // its nodes are element_nodes[first ...), in Gmsh's order
     int line;
-    int dim, degree;  // a point has dimension 0 and degree 1
+    int dim, degree;  // of a simplex; a point has dimension 0 and degree 1
     int physical;     // tag of its physical group, the first one of several; 0: none
     int entity;       // tag of its elementary entity; 0: none
 };
@@ -32,15 +32,21 @@ struct RawEntity {
 
 struct RawMesh {
     std::string path;
-    int version = 22;  // 22 or 41
+    int msh_version = 22;  // 22 or 41; files of other formats keep 22
     std::vector<RawNode> nodes;
     std::vector<RawElement> elements;
     std::vector<int> element_nodes;  // indices into nodes
     std::vector<PhysicalGroup> groups;
-    std::vector<RawEntity> entities;  // ascending by (dim, tag); empty for MSH 2.2
+    std::vector<RawEntity> entities;  // ascending by (dim, tag); empty where the format has none
 };
 
 // Entity (dim, tag), or nullptr where the file lists none.
 const RawEntity* find_entity(const RawMesh& mesh, int dim, int tag);
+
+// Throw InputError "path: message" and "path:line: element 12 message".
+[[noreturn]] void refuse(const RawMesh& raw, const std::string& message);
+[[noreturn]] void refuse(const RawMesh& raw, const RawElement& element, const std::string& message);
+
+std::string name_of(const RawElement& element);  // "element 12 (line 40)"
 
 }  // namespace almesh

@@ -1,62 +1,66 @@
-// Raising the degree of a mesh and splitting its elements.
+// Raising the degree of a mesh and uniform refinement.
+//
+// Both number new nodes in the order in which the elements meet them. A node is identified by the vertices of the edge,
+// face or element it lies in and its barycentric coordinates there, a midpoint by the two ends of its edge.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <unordered_map>
 
 #include "base/error.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
-#include "mesh/straight_jacobian.hpp"
 
 namespace almesh {
 namespace {
 
-// Sizes and indices are int.
+// Refuses what int cannot number.
 void check_size(double entries, const char* what) {
     if (entries < std::numeric_limits<int>::max()) return;
     throw InputError(std::string(what) + ": the mesh would have " + std::to_string(static_cast<long long>(entries)) +
                      " element nodes, more than this program can number");
 }
 
-// A lattice node by the vertices it lies between: (vertex, barycentric entry) for each non-zero entry, by vertex.
-// Two elements that share a face find the same key for each node on it.
-using NodeKey = std::array<int, 8>;
+// A node by the vertices of the edge, face or element it lies in: (vertex, barycentric entry) for each non-zero entry,
+// ascending by vertex, then (-1, 0). Elements that share a face find the same keys for the nodes on it.
+using NodeKey = std::array<std::pair<int, int>, 4>;
 
 struct NodeKeyHash {
     std::size_t operator()(const NodeKey& key) const {
         std::size_t h = 14695981039346656037u;  // as FNV-1a, by whole ints
-        for (int k : key) h = (h ^ static_cast<std::size_t>(k)) * 1099511628211u;
+        for (const auto& [vertex, entry] : key)
+            for (int k : {vertex, entry}) h = (h ^ static_cast<std::size_t>(k)) * 1099511628211u;
         return h;
     }
 };
 
 NodeKey key_of(const MultiIndex& a, const int* vertex, int dim) {
     NodeKey key;
-    key.fill(-1);
+    key.fill({-1, 0});
     int count = 0;
     for (int k = 0; k <= dim; ++k) {
         if (!a[k]) continue;
-        int place = 2 * count++;  // insertion by vertex
-        for (; place > 0 && key[place - 2] > vertex[k]; place -= 2) {
-            key[place] = key[place - 2];
-            key[place + 1] = key[place - 1];
-        }
-        key[place] = vertex[k];
-        key[place + 1] = a[k];
+        int place = count++;  // insertion by vertex
+        for (; place > 0 && key[place - 1].first > vertex[k]; --place) key[place] = key[place - 1];
+        key[place] = {vertex[k], a[k]};
     }
     return key;
 }
 
-// Local vertex of element e opposite its face f.
-int opposite_vertex(const Mesh& mesh, int f) {
-    const int* node = mesh.element(mesh.face_element[f]);
-    const int* face = mesh.face(f);
-    for (int v = 0; v <= mesh.dim; ++v)
-        if (std::find(face, face + mesh.dim, node[v]) == face + mesh.dim) return v;
-    return -1;
+// Local number of the face of element e with the given vertices (dim of them), -1: none.
+int face_number(const Mesh& mesh, int e, const int* vertex) {
+    const auto given = [&](int node) { return std::find(vertex, vertex + mesh.dim, node) != vertex + mesh.dim; };
+    const int* const node = mesh.element(e);
+    int opposite = -1;
+    for (int v = 0; v <= mesh.dim; ++v) {
+        if (given(node[v])) continue;
+        if (opposite >= 0) return -1;
+        opposite = v;
+    }
+    return opposite;
 }
 
 // New nodes get the ids after the largest one of the mesh they come from.
@@ -80,7 +84,7 @@ Mesh linear_part(const Mesh& mesh) {
         if (index[i] < 0) continue;
         index[i] = count++;
         linear.file.node_id.push_back(mesh.file.node_id[i]);
-        for (int a = 0; a < mesh.dim; ++a) linear.x.push_back(mesh.x[static_cast<std::size_t>(i) * mesh.dim + a]);
+        for (int a = 0; a < mesh.dim; ++a) linear.x.push_back(mesh.x[offset(i, mesh.dim, a)]);
     }
     linear.elements.clear();
     for (int e = 0; e < mesh.element_count(); ++e)
@@ -101,8 +105,8 @@ bool is_straight(const Mesh& mesh) {
     return difference <= 1e-12 * size;
 }
 
-// Midpoint nodes by edge, appended to x. The edges hang in a chain on the lower one of their two vertices, which in
-// most meshes has a handful: found in a few steps, without hashing.
+// Midpoint nodes by edge, appended to x. The edges of a vertex that has the lower number of their two form a linked
+// list: in most meshes a few of them, so that the search is faster than hashing.
 class Midpoints {
 public:
     Midpoints(int dim, std::vector<double>& x)
@@ -114,8 +118,7 @@ public:
             if (edges_[k].high == high) return vertices_ + k;
         edges_.push_back({high, first_[low]});
         first_[low] = static_cast<int>(edges_.size()) - 1;
-        for (int k = 0; k < dim_; ++k)
-            x_.push_back(0.5 * (coordinate(a, k) + coordinate(b, k)));
+        for (int k = 0; k < dim_; ++k) x_.push_back(0.5 * (x_[offset(a, dim_, k)] + x_[offset(b, dim_, k)]));
         return vertices_ + first_[low];
     }
 
@@ -127,58 +130,31 @@ private:
     std::vector<double>& x_;
     std::vector<int> first_;  // per vertex: its last edge
     std::vector<Edge> edges_;
-
-    double coordinate(int node, int k) const { return x_[static_cast<std::size_t>(node) * dim_ + k]; }
 };
 
-double distance_squared(const std::vector<double>& x, int a, int b, int dim) {
-    double s = 0;
-    for (int k = 0; k < dim; ++k) {
-        const double d = x[static_cast<std::size_t>(a) * dim + k] - x[static_cast<std::size_t>(b) * dim + k];
-        s += d * d;
-    }
-    return s;
-}
-
-using Child = std::array<int, 4>;  // vertices of a child element
-
-std::vector<Child> split_triangle(const int* v, Midpoints& mid) {
-    const int m01 = mid(v[0], v[1]), m12 = mid(v[1], v[2]), m20 = mid(v[2], v[0]);
-    return {{v[0], m01, m20}, {m01, v[1], m12}, {m20, m12, v[2]}, {m01, m12, m20}};
-}
-
-// Four corner tetrahedra and an octahedron, cut along the shortest of its three diagonals (Bey, Computing 55, 1995,
-// cuts along a fixed one; the shortest keeps the shapes better on general tetrahedra).
-std::vector<Child> split_tetrahedron(const int* v, Midpoints& mid, const std::vector<double>& x) {
-    const int m01 = mid(v[0], v[1]), m02 = mid(v[0], v[2]), m03 = mid(v[0], v[3]), m12 = mid(v[1], v[2]),
-              m13 = mid(v[1], v[3]), m23 = mid(v[2], v[3]);
-    std::vector<Child> child = {
-        {v[0], m01, m02, m03}, {m01, v[1], m12, m13}, {m02, m12, v[2], m23}, {m03, m13, m23, v[3]}};
-    // Each diagonal (a, b) with the ring of the other four midpoints around it, positively oriented.
-    const std::array<std::array<int, 6>, 3> octahedron = {
-        {{m01, m23, m02, m03, m13, m12}, {m02, m13, m01, m12, m23, m03}, {m03, m12, m01, m02, m23, m13}}};
-    const auto length = [&](const auto& o) { return distance_squared(x, o[0], o[1], 3); };
-    const auto& o = *std::min_element(octahedron.begin(), octahedron.end(),
-                                      [&](const auto& p, const auto& q) { return length(p) < length(q); });
-    for (int k = 0; k < 4; ++k) child.push_back({o[0], o[1], o[2 + k], o[2 + (k + 1) % 4]});
-    return child;
-}
-
-void orient(Child& c, int dim, const std::vector<double>& x) {
-    with_dimension(dim, [&](auto dimension) {
-        constexpr int n = dimension;
-        if (determinant(straight_jacobian<n>(c.data(), x)) < 0) std::swap(c[n - 1], c[n]);
-    });
-}
-
-// Child of the element that has the face (all its vertices), by search among its children.
-int child_with_face(const std::vector<Child>& children, const int* face, int dim) {
-    for (int c = 0; c < static_cast<int>(children.size()); ++c) {
-        int found = 0;
-        for (int v = 0; v < dim; ++v) found += std::count(children[c].begin(), children[c].begin() + dim + 1, face[v]);
-        if (found == dim) return c;
-    }
-    return -1;
+// The children of a cell with the vertices v, appended to `out`. An octahedron is cut along the shortest of its three
+// diagonals: on general tetrahedra this keeps the shapes better than Bey's fixed one.
+void append_children(const CellType& cell, const int* v, Midpoints& midpoint, const std::vector<double>& x,
+                     std::vector<int>& out) {
+    std::array<int, 10> node;  // vertices, then midpoints
+    auto end = std::copy_n(v, cell.dim + 1, node.begin());
+    for (const auto& [a, b] : cell.bisected) *end++ = midpoint(v[a], v[b]);
+    const auto append = [&](std::initializer_list<int> local) {
+        for (int i : std::span(local).first(cell.dim + 1)) out.push_back(node[i]);
+    };
+    for (const CellChild& c : cell.children) append({c[0], c[1], c[2], c[3]});
+    if (cell.octahedra.empty()) return;
+    const auto diagonal = [&](const CellOctahedron& o) {  // squared length
+        double s = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double d = x[offset(node[o[0]], 3, k)] - x[offset(node[o[1]], 3, k)];
+            s += d * d;
+        }
+        return s;
+    };
+    const auto& o = *std::min_element(cell.octahedra.begin(), cell.octahedra.end(),
+                                      [&](const auto& p, const auto& q) { return diagonal(p) < diagonal(q); });
+    for (int k = 0; k < 4; ++k) append({o[0], o[1], o[2 + k], o[2 + (k + 1) % 4]});
 }
 
 Mesh refine_once(const Mesh& mesh) {
@@ -189,42 +165,26 @@ Mesh refine_once(const Mesh& mesh) {
     fine.face_element.clear();
     fine.elements.reserve(mesh.elements.size() * children_count);
     fine.x.reserve(mesh.x.size() << dim);
-    Midpoints mid(dim, fine.x);
+    Midpoints midpoint(dim, fine.x);
     const auto repeat = [](const auto& from, int times) {
         std::decay_t<decltype(from)> to;
         to.reserve(from.size() * times);
         for (const auto& value : from) to.insert(to.end(), times, value);
         return to;
     };
-    for (int e = 0; e < mesh.element_count(); ++e) {
-        const int* v = mesh.element(e);
-        for (Child c : dim == 2 ? split_triangle(v, mid) : split_tetrahedron(v, mid, fine.x)) {
-            orient(c, dim, fine.x);
-            fine.elements.insert(fine.elements.end(), c.begin(), c.begin() + dim + 1);
-        }
-    }
+    for (int e = 0; e < mesh.element_count(); ++e)
+        append_children(mesh.cell(), mesh.element(e), midpoint, fine.x, fine.elements);
+    std::vector<int> pieces;
     for (int f = 0; f < mesh.face_count(); ++f) {
-        const int* v = mesh.face(f);
-        std::vector<Child> pieces;
-        if (dim == 2) {
-            const int m = mid(v[0], v[1]);
-            pieces = {{v[0], m}, {m, v[1]}};
-        } else {
-            pieces = split_triangle(v, mid);
-        }
-        const int e = mesh.face_element[f];
-        std::vector<Child> children(children_count);
-        for (int c = 0; c < children_count; ++c)
-            std::copy_n(fine.element(e * children_count + c), dim + 1, children[c].begin());
-        for (const Child& piece : pieces) {
-            const int c = child_with_face(children, piece.data(), dim);
-            fine.face_element.push_back(e * children_count + c);
-            // The face in the order that LagrangeBasis::face_nodes gives it.
-            for (int opposite = 0; opposite <= dim; ++opposite) {
-                if (std::count(piece.begin(), piece.begin() + dim, children[c][opposite])) continue;
-                const std::array<int, 3> local = outward_face(dim, opposite);
-                for (int k = 0; k < dim; ++k) fine.faces.push_back(children[c][local[k]]);
-            }
+        pieces.clear();
+        append_children(simplex(dim - 1), mesh.face(f), midpoint, fine.x, pieces);
+        const int first = mesh.face_element[f] * children_count;
+        for (const int* piece = pieces.data(); piece != pieces.data() + pieces.size(); piece += dim) {
+            int e = first;
+            while (face_number(fine, e, piece) < 0) ++e;
+            fine.face_element.push_back(e);
+            const CellFace& local = mesh.cell().faces[face_number(fine, e, piece)];
+            for (int k = 0; k < dim; ++k) fine.faces.push_back(fine.element(e)[local[k]]);
         }
     }
     fine.face_boundary = repeat(mesh.face_boundary, face_children);
@@ -232,11 +192,10 @@ Mesh refine_once(const Mesh& mesh) {
     fine.file.face_entity = repeat(mesh.file.face_entity, face_children);
     fine.file.element_physical = repeat(mesh.file.element_physical, children_count);
     fine.file.element_entity = repeat(mesh.file.element_entity, children_count);
-    long long id = 0;
-    fine.file.face_id.resize(fine.face_element.size());
-    for (long long& face_id : fine.file.face_id) face_id = ++id;
+    fine.file.face_id.resize(fine.face_count());
     fine.file.element_id.resize(fine.element_count());
-    for (long long& element_id : fine.file.element_id) element_id = ++id;
+    std::iota(fine.file.face_id.begin(), fine.file.face_id.end(), 1LL);
+    std::iota(fine.file.element_id.begin(), fine.file.element_id.end(), fine.face_count() + 1LL);
     append_node_ids(mesh, fine);
     return fine;
 }
@@ -251,11 +210,11 @@ Mesh raise_degree(const Mesh& mesh, int degree) {
     const int dim = mesh.dim;
     const LagrangeBasis coarse(dim, mesh.degree), fine(dim, degree);
     check_size(static_cast<double>(mesh.element_count()) * fine.count, "degree");
-    std::vector<double> N(static_cast<std::size_t>(fine.count) * coarse.count);  // coarse basis at the fine nodes
+    std::vector<double> N(offset(fine.count, coarse.count));  // coarse basis at the fine nodes
     for (int i = 0; i < fine.count; ++i) {
         double xi[3] = {0, 0, 0};
         for (int k = 0; k < dim; ++k) xi[k] = static_cast<double>(fine.nodes[i][k + 1]) / degree;
-        coarse.values(xi, &N[static_cast<std::size_t>(i) * coarse.count]);
+        coarse.values(xi, &N[offset(i, coarse.count)]);
     }
 
     Mesh raised = linear_part(mesh);
@@ -264,7 +223,7 @@ Mesh raise_degree(const Mesh& mesh, int degree) {
     raised.elements.clear();
     std::unordered_map<NodeKey, int, NodeKeyHash> node_of;
     for (int e = 0; e < mesh.element_count(); ++e) {
-        const int* vertex = &vertices[static_cast<std::size_t>(e) * (dim + 1)];
+        const int* vertex = &vertices[offset(e, dim + 1)];
         for (int i = 0; i < fine.count; ++i) {
             if (i <= dim) {
                 raised.elements.push_back(vertex[i]);
@@ -276,16 +235,17 @@ Mesh raise_degree(const Mesh& mesh, int degree) {
             for (int a = 0; a < dim; ++a) {
                 double position = 0;
                 for (int j = 0; j < coarse.count; ++j)
-                    position += N[static_cast<std::size_t>(i) * coarse.count + j] *
-                                mesh.x[static_cast<std::size_t>(mesh.element(e)[j]) * dim + a];
+                    position += N[offset(i, coarse.count, j)] * mesh.x[offset(mesh.element(e)[j], dim, a)];
                 raised.x.push_back(position);
             }
         }
     }
     raised.faces.clear();
-    for (int f = 0; f < mesh.face_count(); ++f)
-        for (int local : fine.face_nodes(opposite_vertex(mesh, f)))
-            raised.faces.push_back(raised.element(mesh.face_element[f])[local]);
+    const std::vector<std::vector<int>> face_nodes = fine.face_nodes();
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const int e = mesh.face_element[f];
+        for (int k : face_nodes[face_number(mesh, e, mesh.face(f))]) raised.faces.push_back(raised.element(e)[k]);
+    }
     append_node_ids(mesh, raised);
     return raised;
 }

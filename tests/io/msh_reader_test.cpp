@@ -118,8 +118,8 @@ void check_is_the_triangle(const RawMesh& mesh) {
 
 TEST_CASE("MSH 2.2 and 4.1 hold the same mesh") {
     const RawMesh old = parse_msh(in_2_2, "a.msh"), mesh = parse_msh(in_4_1, "a.msh");
-    CHECK(old.version == 22);
-    CHECK(mesh.version == 41);
+    CHECK(old.msh_version == 22);
+    CHECK(mesh.msh_version == 41);
     check_is_the_triangle(old);
     check_is_the_triangle(mesh);
     CHECK(old.nodes[2].line == 13);

@@ -17,7 +17,7 @@ namespace {
 
 Mesh sample(int dim, int degree, int version) {
     RawMesh raw = SampleMesh(dim, degree, 2).raw;
-    raw.version = version;
+    raw.msh_version = version;
     std::vector<std::string> notes;
     return build_mesh(raw, notes);
 }

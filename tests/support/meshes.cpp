@@ -27,7 +27,7 @@ Mesh linear_mesh(int dim, std::vector<double> x, std::vector<int> elements, cons
     for (const auto& [vertices, use] : uses) {
         if (use.size() != 1) continue;
         const auto [e, v] = use[0];
-        const std::array<int, 3> local = outward_face(dim, v);
+        const CellFace& local = mesh.cell().faces[v];
         std::vector<double> centre(dim, 0.0);
         for (int k = 0; k < dim; ++k) {
             const int node = mesh.element(e)[local[k]];

@@ -1,0 +1,68 @@
+// The table of cell types, and the order of the nodes in a cell.
+//
+// A tetrahedron is refined into four corner tetrahedra and an octahedron, which one of its diagonals cuts into four
+// more (Bey, Computing 55, 1995).
+#include "mesh/cells.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr std::array<CellEdge, 1> line_edges = {{{0, 1}}};
+constexpr std::array<CellFace, 2> line_faces = {{{1, -1, -1}, {0, -1, -1}}};
+constexpr std::array<CellChild, 2> line_children = {{{0, 2}, {2, 1}}};
+
+constexpr std::array<CellEdge, 3> triangle_edges = {{{0, 1}, {1, 2}, {2, 0}}};
+constexpr std::array<CellFace, 3> triangle_faces = {{{1, 2, -1}, {2, 0, -1}, {0, 1, -1}}};
+constexpr std::array<CellChild, 4> triangle_children = {{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
+
+constexpr std::array<CellEdge, 6> tetrahedron_edges = {{{0, 1}, {1, 2}, {2, 0}, {3, 0}, {3, 2}, {3, 1}}};
+constexpr std::array<CellFace, 4> tetrahedron_faces = {{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+constexpr std::array<CellFace, 4> tetrahedron_interior_faces = {{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {3, 1, 2}}};
+constexpr std::array<CellEdge, 6> tetrahedron_bisected = {{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+constexpr std::array<CellChild, 4> tetrahedron_children = {{{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}}};
+constexpr std::array<CellOctahedron, 3> tetrahedron_octahedra = {
+    {{4, 9, 5, 6, 8, 7}, {5, 8, 4, 7, 9, 6}, {6, 7, 4, 5, 9, 8}}};
+
+constexpr CellType cells[] = {
+    {"point", "points", 0, 1, {}, {}, {}, {}, {}, {}, {15}, {1, 1, 1}},
+    {"line", "lines", 1, 1, line_edges, line_faces, {}, line_edges, line_children, {},
+     {1, 8, 26, 27, 28, 62, 63}, {3, 21, 68}},
+    {"triangle", "triangles", 2, 2, triangle_edges, triangle_faces, {}, triangle_edges, triangle_children, {},
+     {2, 9, 21, 23, 25, 42, 43}, {5, 22, 69}},
+    {"tetrahedron", "tetrahedra", 3, 6, tetrahedron_edges, tetrahedron_faces, tetrahedron_interior_faces,
+     tetrahedron_bisected, tetrahedron_children, tetrahedron_octahedra, {4, 11, 29, 30, 31, 71, 72}, {10, 24, 71}}};
+
+}  // namespace
+
+const CellType& simplex(int dim) { return cells[dim]; }
+
+std::vector<MultiIndex> lattice_nodes(int dim, int degree, std::span<const CellEdge> edges,
+                                      std::span<const CellFace> interior_faces) {
+    if (degree == 0) return {MultiIndex{}};
+    std::vector<MultiIndex> nodes;
+    for (int v = 0; v <= dim; ++v) nodes.emplace_back()[v] = degree;
+    for (const auto& [from, to] : edges)
+        for (int s = 1; s < degree; ++s) {
+            nodes.emplace_back()[from] = degree - s;
+            nodes.back()[to] = s;
+        }
+    if (degree >= 3)
+        for (const CellFace& face : interior_faces)
+            for (const MultiIndex& inner : gmsh_node_order(2, degree - 3)) {
+                nodes.emplace_back();
+                for (int k = 0; k < 3; ++k) nodes.back()[face[k]] = inner[k] + 1;
+            }
+    if (dim >= 2 && degree > dim)
+        for (const MultiIndex& inner : lattice_nodes(dim, degree - dim - 1, edges, interior_faces)) {
+            nodes.emplace_back();
+            for (int v = 0; v <= dim; ++v) nodes.back()[v] = inner[v] + 1;
+        }
+    return nodes;
+}
+
+std::vector<MultiIndex> gmsh_node_order(int dim, int degree) {
+    const CellType& cell = simplex(dim);
+    return lattice_nodes(dim, degree, cell.edges, cell.interior_faces);
+}
+
+}  // namespace almesh

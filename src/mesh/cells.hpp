@@ -1,0 +1,82 @@
+// The cell types of meshes: everything that depends on the shape of a cell, one row of a table for each type.
+//
+// The rows are the simplices of dimension 0 to 3. Quadrilaterals, hexahedra, prisms and pyramids would be further rows.
+// What the program assumes beyond the table holds for simplices only and would have to change with them:
+//
+//   one cell type per mesh: dim and degree say all of it        Mesh::element(), build.cpp: select(), flat arrays
+//   face k has dim vertices, all but the opposite vertex k      CellType::faces, build_boundary.cpp, refine.cpp
+//   the ideal Jacobian A is constant in an element              straight_jacobian() and all that call it; one A per
+//                                                               element in energy/, one scaling per face in constraint/
+//   nodes are multi-indices, polynomials are in Bernstein form  lattice_nodes(), LagrangeBasis, geometry/bezier,
+//   in barycentric coordinates                                  check/certificate
+//   quadrature in barycentric or collapsed coordinates          quadrature.cpp, quadrature_table.cpp
+//   children have vertices and edge midpoints as vertices       CellType::children, refine.cpp, prolongation.cpp
+//
+// The reference simplex is {xi >= 0, sum xi <= 1}; its vertex 0 is the origin, vertex k the unit vector k - 1.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "base/index.hpp"
+#include "base/small_matrix.hpp"
+
+namespace almesh {
+
+inline constexpr int max_degree = 7;  // the highest that Gmsh has element types for
+
+// Local vertices. In children and octahedra, numbers from dim + 1 on stand for the midpoints of `bisected`.
+using CellEdge = std::array<int, 2>;
+using CellFace = std::array<int, 3>;        // an edge in 2D: the last entry is -1
+using CellChild = std::array<int, 4>;       // dim + 1 entries
+using CellOctahedron = std::array<int, 6>;  // a diagonal (a, b), and the ring of the other four vertices around it
+
+struct CellType {
+    const char *name, *plural;
+    int dim;
+    int inverse_volume;                           // 1 / volume of the reference cell: dim!
+    std::span<const CellEdge> edges;              // in the order of Gmsh's edge nodes
+    std::span<const CellFace> faces;              // face k is opposite vertex k, oriented outward
+    std::span<const CellFace> interior_faces;     // in the order of Gmsh's face nodes, each from its first vertex
+    std::span<const CellEdge> bisected;           // edges in the order in which refinement numbers their midpoints
+    std::span<const CellChild> children;          // of uniform refinement, positively oriented
+    std::span<const CellOctahedron> octahedra;    // the rest of a tetrahedron, seen along each of its diagonals
+    std::array<int, max_degree> msh_types;        // element types of Gmsh (GmshDefines.h) by degree - 1; 0: none
+    std::array<int, 3> vtk_types;                 // cell types of VTK: linear, quadratic, Lagrange of any degree
+
+    double volume() const { return 1.0 / inverse_volume; }  // of the reference cell
+};
+
+// The simplex of dimension 0 to 3.
+const CellType& simplex(int dim);
+
+using MultiIndex = std::array<int, 4>;  // a_0 .. a_dim, sum = degree; entries beyond dim are zero
+
+// Nodes of a simplex: binomial(degree + dim, dim). Inline and without a general division: called in inner loops.
+constexpr int simplex_node_count(int dim, int degree) {
+    if (dim == 3) return (degree + 1) * (degree + 2) * (degree + 3) / 6;
+    if (dim == 2) return (degree + 1) * (degree + 2) / 2;
+    return dim == 1 ? degree + 1 : 1;
+}
+
+// Multi-indices of the nodes: vertices, edges from their first vertex to their second, the interior of each face and
+// the interior of the cell, the last two recursively as a simplex of degree - 3 and degree - 4.
+std::vector<MultiIndex> lattice_nodes(int dim, int degree, std::span<const CellEdge> edges,
+                                      std::span<const CellFace> interior_faces);
+
+// The same in Gmsh's order (Gmsh reference manual, "Node ordering"), which is that of all meshes here.
+std::vector<MultiIndex> gmsh_node_order(int dim, int degree);
+
+// Jacobian A = dy / dxi of the affine map of a straight-sided simplex: column k is the edge from vertex 0 to vertex
+// k + 1. vertex: n + 1 nodes, the first of an element of any degree. y: nodes x n.
+template <int n>
+Mat<n> straight_jacobian(const int* vertex, const std::vector<double>& y) {
+    const double* const y0 = point(y, vertex[0], n);
+    Mat<n> A;
+    for (int a = 0; a < n; ++a)
+        for (int k = 0; k < n; ++k) A[a][k] = y[offset(vertex[k + 1], n, a)] - y0[a];
+    return A;
+}
+
+}  // namespace almesh
