@@ -10,7 +10,7 @@
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "check/target_check.hpp"
-#include "io/msh_reader.hpp"
+#include "io/mesh_format.hpp"
 #include "mesh/build.hpp"
 
 namespace almesh {
@@ -27,7 +27,7 @@ std::string hash_of(const std::string& text) {
 RawMesh read_mesh_file(const std::string& path, std::string& hash) {
     const std::string text = read_text_file(path);
     RawMesh raw;
-    parallel_invoke([&] { raw = parse_msh(text, path); }, [&] { hash = hash_of(text); });
+    parallel_invoke([&] { raw = parse_mesh(text, path); }, [&] { hash = hash_of(text); });
     return raw;
 }
 

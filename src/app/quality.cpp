@@ -4,7 +4,7 @@
 
 #include "base/index.hpp"
 #include "check/quality.hpp"
-#include "io/msh_reader.hpp"
+#include "io/mesh_format.hpp"
 #include "mesh/build.hpp"
 
 namespace almesh {
@@ -20,7 +20,7 @@ void print_element(std::FILE* out, const Mesh& mesh, int element, const std::arr
 
 ExitCode quality(const std::string& mesh_path, std::FILE* out) {
     std::vector<std::string> notes;
-    const Mesh mesh = build_mesh(read_msh(mesh_path), notes, Folds::keep);
+    const Mesh mesh = build_mesh(read_mesh(mesh_path), notes, Folds::keep);
     std::fprintf(out, "%s: %d nodes, %d %s of degree %d\n", mesh_path.c_str(), mesh.nodes(), mesh.element_count(),
                  mesh.cell().plural, mesh.degree);
     for (const std::string& note : notes) std::fprintf(out, "note: %s\n", note.c_str());

@@ -11,7 +11,7 @@
 #include "base/parallel.hpp"
 #include "check/wall_distance.hpp"
 #include "constraint/dirichlet.hpp"
-#include "io/msh_writer.hpp"
+#include "io/msh.hpp"
 #include "io/vtk.hpp"
 
 namespace almesh {

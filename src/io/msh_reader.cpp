@@ -1,17 +1,56 @@
-#include "io/msh_reader.hpp"
-
+// A recursive descent over the sections of the file: each knows the next one of its records by a count and checks that
+// it is there. Nothing is allocated by a count that the rest of the text is too short for.
 #include <algorithm>
+#include <array>
 #include <climits>
 #include <cstdlib>
 #include <utility>
 
-#include "base/files.hpp"
 #include "io/id_index.hpp"
-#include "io/msh_types.hpp"
+#include "io/msh.hpp"
 #include "io/text_scanner.hpp"
 
 namespace almesh {
 namespace {
+
+struct ElementType {
+    int dim = -1;  // 0 to 3; -1: not a complete simplex of a degree up to max_degree
+    int degree = 0, nodes = 0;
+};
+
+ElementType element_type(int number) {
+    static const auto table = [] {
+        std::array<ElementType, 73> types;
+        types.fill(ElementType());  // g++ 12 leaves dim 0 in some entries of `types{}`
+        for (int dim = 0; dim <= 3; ++dim)
+            for (int degree = 1; degree <= (dim ? max_degree : 1); ++degree)
+                types[simplex(dim).msh_types[degree - 1]] = {dim, degree, simplex_node_count(dim, degree)};
+        return types;
+    }();
+    return number >= 0 && number < static_cast<int>(table.size()) ? table[number] : ElementType();
+}
+
+// Element types that are not read, with what to do about them, by their numbers (GmshDefines.h).
+struct ForeignType {
+    const char* name;
+    std::vector<std::pair<int, int>> ranges;
+};
+
+const char* foreign_name(int type) {
+    static const std::vector<ForeignType> foreign = {
+        {"quadrangles (mesh without Recombine)", {{3, 3}, {10, 10}, {16, 16}, {36, 41}, {47, 51}, {57, 61}}},
+        {"hexahedra (mesh without Recombine)", {{5, 5}, {12, 12}, {17, 17}, {92, 105}}},
+        {"prisms (mesh without Recombine)", {{6, 6}, {13, 13}, {18, 18}, {90, 91}, {106, 117}}},
+        {"pyramids (mesh without Recombine)", {{7, 7}, {14, 14}, {19, 19}, {118, 132}}},
+        {"incomplete triangles (mesh with Mesh.SecondOrderIncomplete = 0)", {{20, 20}, {22, 22}, {24, 24}, {52, 56}}},
+        {"incomplete tetrahedra (mesh with Mesh.SecondOrderIncomplete = 0)", {{79, 83}}},
+        {"simplices of a degree above 7 (mesh with a lower Mesh.ElementOrder)", {{44, 46}, {64, 66}, {73, 75}}},
+        {"elements of degree 0 (mesh with Mesh.ElementOrder = 1)", {{84, 89}}}};
+    for (const auto& [name, ranges] : foreign)
+        for (const auto& [first, last] : ranges)
+            if (first <= type && type <= last) return name;
+    return "elements of an unknown kind";
+}
 
 struct ForeignElements {
     int type, line;
@@ -21,13 +60,13 @@ struct ForeignElements {
 struct MshReader {
     TextScanner in;
     RawMesh mesh;
-    IdIndex index;  // of the nodes
-    std::vector<ForeignElements> foreign;
+    IdIndex node_index{}, element_index{};
+    std::vector<ForeignElements> foreign{};
     bool version_known = false;
 
     RawMesh read();
     void section();
-    void skip_section(const std::string& name);
+    void skip_section(const std::string& end);
     void format();
     void physical_names();
     void entities();
@@ -39,14 +78,14 @@ struct MshReader {
     void elements_4_1(long long blocks, long long count);
 
     void begin_record(const char* section, const char* what, long long done, long long count);
-    int physical_of(int dim, int entity) const;
-    bool is_simplex(int type, const SimplexType& simplex, long long count);
+    std::pair<long long, long long> blocks_and_count(const char* what);
+    bool is_simplex(int number, const ElementType& type, long long count);
     [[noreturn]] void refuse_foreign() const;
-    void element_node_ids(int count);
     template <class Item>
-    void refuse_repeated(const char* what, const std::vector<IdAndIndex>& sorted, const std::vector<Item>& items) const;
+    void append(std::vector<Item>& items, IdIndex& index, const char* what, const Item& item);
+    void element_nodes(int count);
 
-    // Counts may lie, but a record takes four characters at least.
+    // At most `count`, which may be wrong: a record takes four characters at least.
     std::size_t room_for(long long count) const {
         return static_cast<std::size_t>(std::min<long long>(count, (in.end - in.at) / 4));
     }
@@ -62,7 +101,7 @@ RawMesh MshReader::read() {
 
 void MshReader::section() {
     const int line = in.line;
-    const std::string name(in.rest_of_line());
+    const std::string name(in.rest_of_line()), end = "$End" + name.substr(std::min<std::size_t>(1, name.size()));
     if (!version_known && name != "$MeshFormat" && name != "$Comments")
         in.fail("not a Gmsh mesh file of version 2.2 or 4.1: it has to begin with $MeshFormat");
     if (name.size() < 2 || name[0] != '$' || name.starts_with("$End"))
@@ -74,18 +113,16 @@ void MshReader::section() {
     else if (name == "$Elements") elements();
     else if (name == "$PartitionedEntities") in.fail("a partitioned mesh is not read: save it in one part");
     else if (name == "$ParametricNodes") in.fail("parametric nodes are not read: save the mesh without -parametric");
-    else skip_section(name);
-    const std::string last = "$End" + name.substr(1);
-    if (!in.next_line()) in.fail(line, "the file is cut off: " + name + " has no " + last);
-    if (in.rest_of_line() != last) in.fail("expected " + last + ": " + name + " holds more than it announces");
+    else skip_section(end);
+    if (!in.next_line()) in.fail(line, "the file is cut off: " + name + " has no " + end);
+    if (in.rest_of_line() != end) in.fail("expected " + end + ": " + name + " holds more than it announces");
 }
 
-// To the section's $End line, or the end of the file.
-void MshReader::skip_section(const std::string& name) {
-    const std::string last = "$End" + name.substr(1);
+// To the section's last line, or the end of the file.
+void MshReader::skip_section(const std::string& end) {
     while (in.next_line()) {
         const char* const begin = in.at;
-        if (in.rest_of_line() != last) continue;
+        if (in.rest_of_line() != end) continue;
         in.at = begin;
         return;
     }
@@ -153,36 +190,33 @@ void MshReader::entities() {
     });
 }
 
-int MshReader::physical_of(int dim, int entity) const {
-    const RawEntity* found = find_entity(mesh, dim, entity);
-    return found && !found->physical.empty() ? found->physical.front() : 0;
+// Section counts of $Nodes and $Elements; MSH 2.2 has no blocks.
+std::pair<long long, long long> MshReader::blocks_and_count(const char* what) {
+    in.next_line();
+    const bool in_blocks = mesh.msh_version == 41;
+    const long long blocks = in_blocks ? in.integer("the number of blocks", 0, LLONG_MAX) : 1;
+    const long long count = in.integer(what, 1, INT_MAX);
+    if (in_blocks) in.rest_of_line();
+    else in.end_of_line();
+    return {blocks, count};
 }
 
-// `sorted` belongs to `items` (RawNode or RawElement).
-template <class Item>
-void MshReader::refuse_repeated(const char* what, const std::vector<IdAndIndex>& sorted,
-                                const std::vector<Item>& items) const {
-    const auto same_id = [](const IdAndIndex& a, const IdAndIndex& b) { return a.first == b.first; };
-    const auto twice = std::adjacent_find(sorted.begin(), sorted.end(), same_id);
-    if (twice != sorted.end())
-        in.fail(items[twice[1].second].line, std::string(what) + " id " + std::to_string(twice->first) +
-                                                 " is there twice, first in line " +
-                                                 std::to_string(items[twice->second].line));
+template <class Item>  // RawNode or RawElement
+void MshReader::append(std::vector<Item>& items, IdIndex& index, const char* what, const Item& item) {
+    const int earlier = index.insert(item.id, static_cast<int>(items.size()));
+    if (earlier >= 0)
+        in.fail(std::string(what) + " id " + std::to_string(item.id) + " is there twice, first in line " +
+                std::to_string(items[earlier].line));
+    items.push_back(item);
 }
 
 void MshReader::nodes() {
     if (!mesh.nodes.empty()) in.fail("a second $Nodes section");
-    in.next_line();
-    const long long blocks = mesh.msh_version == 41 ? in.integer("the number of blocks", 0, LLONG_MAX) : 1;
-    const long long count = in.integer("the number of nodes", 1, INT_MAX);
-    if (mesh.msh_version == 22) in.end_of_line();
-    else in.rest_of_line();
+    const auto [blocks, count] = blocks_and_count("the number of nodes");
     mesh.nodes.reserve(room_for(count));
+    node_index = IdIndex(room_for(count));
     if (mesh.msh_version == 22) nodes_2_2(count);
     else nodes_4_1(blocks, count);
-    std::vector<IdAndIndex> sorted = sorted_ids(mesh.nodes);
-    refuse_repeated("node", sorted, mesh.nodes);
-    index = IdIndex(std::move(sorted));
 }
 
 void MshReader::nodes_2_2(long long count) {
@@ -191,7 +225,7 @@ void MshReader::nodes_2_2(long long count) {
         RawNode node{in.integer("a node id", 1, LLONG_MAX), {}, in.line};
         for (double& x : node.x) x = in.real("a coordinate");
         in.end_of_line();
-        mesh.nodes.push_back(node);
+        append(mesh.nodes, node_index, "node", node);
     }
 }
 
@@ -207,7 +241,7 @@ void MshReader::nodes_4_1(long long blocks, long long count) {
         in.end_of_line();
         for (std::size_t i = 0; i < in_block; ++i) {
             begin_record("$Nodes", "nodes", static_cast<long long>(mesh.nodes.size()), count);
-            mesh.nodes.push_back({in.integer("a node id", 1, LLONG_MAX), {}, in.line});
+            append(mesh.nodes, node_index, "node", {in.integer("a node id", 1, LLONG_MAX), {}, in.line});
             in.end_of_line();
         }
         for (std::size_t i = begin; i < begin + in_block; ++i) {
@@ -226,23 +260,19 @@ void MshReader::nodes_4_1(long long blocks, long long count) {
 void MshReader::elements() {
     if (!mesh.elements.empty()) in.fail("a second $Elements section");
     if (mesh.nodes.empty()) in.fail("$Elements before $Nodes");
-    in.next_line();
-    const long long blocks = mesh.msh_version == 41 ? in.integer("the number of blocks", 0, LLONG_MAX) : 1;
-    const long long count = in.integer("the number of elements", 1, INT_MAX);
-    if (mesh.msh_version == 22) in.end_of_line();
-    else in.rest_of_line();
+    const auto [blocks, count] = blocks_and_count("the number of elements");
     mesh.elements.reserve(room_for(count));
+    element_index = IdIndex(room_for(count));
     if (mesh.msh_version == 22) elements_2_2(count);
     else elements_4_1(blocks, count);
     if (!foreign.empty()) refuse_foreign();
-    refuse_repeated("element", sorted_ids(mesh.elements), mesh.elements);
 }
 
-// Counts what is none, to be refused together.
-bool MshReader::is_simplex(int type, const SimplexType& simplex, long long count) {
-    if (simplex.dim >= 0) return true;
-    const auto same = std::find_if(foreign.begin(), foreign.end(), [&](const auto& f) { return f.type == type; });
-    if (same == foreign.end()) foreign.push_back({type, in.line, count});
+// Counts the elements that are not, to be refused together.
+bool MshReader::is_simplex(int number, const ElementType& type, long long count) {
+    if (type.dim >= 0) return true;
+    const auto same = std::find_if(foreign.begin(), foreign.end(), [&](const auto& f) { return f.type == number; });
+    if (same == foreign.end()) foreign.push_back({number, in.line, count});
     else same->count += count;
     return false;
 }
@@ -250,15 +280,15 @@ bool MshReader::is_simplex(int type, const SimplexType& simplex, long long count
 void MshReader::refuse_foreign() const {
     std::string what;
     for (const ForeignElements& f : foreign)
-        what += (what.empty() ? "" : "; ") + std::to_string(f.count) + " " + foreign_type_name(f.type) + " of type " +
+        what += (what.empty() ? "" : "; ") + std::to_string(f.count) + " " + foreign_name(f.type) + " of type " +
                 std::to_string(f.type) + ", the first in line " + std::to_string(f.line);
     in.fail(foreign[0].line, what + ": only complete simplices of degree 1 to 7 are read");
 }
 
-void MshReader::element_node_ids(int count) {
+void MshReader::element_nodes(int count) {
     for (int k = 0; k < count; ++k) {
         const long long id = in.integer("a node id", 1, LLONG_MAX);
-        const int node = index.find(id);
+        const int node = node_index.find(id);
         if (node < 0) in.fail("the element has node " + std::to_string(id) + ", which is not in $Nodes");
         mesh.element_nodes.push_back(node);
     }
@@ -269,22 +299,22 @@ void MshReader::elements_2_2(long long count) {
     for (long long i = 0; i < count; ++i) {
         begin_record("$Elements", "elements", i, count);
         RawElement element{in.integer("an element id", 1, LLONG_MAX), mesh.element_nodes.size(), in.line, 0, 0, 0, 0};
-        const int type = in.small_integer("an element type", 1);
-        const SimplexType simplex = simplex_type(type);
-        if (!is_simplex(type, simplex, 1)) {
+        const int number = in.small_integer("an element type", 1);
+        const ElementType type = element_type(number);
+        if (!is_simplex(number, type, 1)) {
             in.rest_of_line();
             continue;
         }
-        element.dim = simplex.dim;
-        element.degree = simplex.degree;
+        element.dim = type.dim;
+        element.degree = type.degree;
         const long long tags = in.integer("the number of tags", 0, INT_MAX);
         for (long long k = 0; k < tags; ++k) {
             const int tag = in.small_integer("a tag");
             if (k == 0) element.physical = std::abs(tag);
             if (k == 1) element.entity = tag;
         }
-        element_node_ids(simplex.nodes);
-        mesh.elements.push_back(element);
+        append(mesh.elements, element_index, "element", element);
+        element_nodes(type.nodes);
     }
 }
 
@@ -294,14 +324,15 @@ void MshReader::elements_4_1(long long blocks, long long count) {
         begin_record("$Elements", "blocks", b, blocks);
         const int dim = static_cast<int>(in.integer("the dimension of the entity", 0, 3));
         const int entity = in.small_integer("the entity tag");
-        const int type = in.small_integer("an element type", 1);
-        const SimplexType simplex = simplex_type(type);
+        const int number = in.small_integer("an element type", 1);
+        const ElementType type = element_type(number);
         const long long in_block = in.integer("the number of elements of this block", 0, count - done);
         in.end_of_line();
-        const bool wanted = is_simplex(type, simplex, in_block);
-        if (wanted && simplex.dim != dim)
-            in.fail("element type " + std::to_string(type) + " in an entity of dimension " + std::to_string(dim));
-        const int physical = physical_of(dim, entity);
+        const bool wanted = is_simplex(number, type, in_block);
+        if (wanted && type.dim != dim)
+            in.fail("element type " + std::to_string(number) + " in an entity of dimension " + std::to_string(dim));
+        const RawEntity* const listed = find_entity(mesh, dim, entity);
+        const int physical = listed && !listed->physical.empty() ? listed->physical.front() : 0;
         for (long long i = 0; i < in_block; ++i, ++done) {
             begin_record("$Elements", "elements", done, count);
             if (!wanted) {
@@ -309,8 +340,9 @@ void MshReader::elements_4_1(long long blocks, long long count) {
                 continue;
             }
             const long long id = in.integer("an element id", 1, LLONG_MAX);
-            mesh.elements.push_back({id, mesh.element_nodes.size(), in.line, dim, simplex.degree, physical, entity});
-            element_node_ids(simplex.nodes);
+            append(mesh.elements, element_index, "element",
+                   {id, mesh.element_nodes.size(), in.line, dim, type.degree, physical, entity});
+            element_nodes(type.nodes);
         }
     }
     if (done != count)
@@ -319,12 +351,15 @@ void MshReader::elements_4_1(long long blocks, long long count) {
 
 }  // namespace
 
+bool looks_like_msh(std::string_view text) {
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+    return text.starts_with("$MeshFormat") || text.starts_with("$Comments");
+}
+
 RawMesh parse_msh(std::string_view text, const std::string& path) {
-    MshReader reader{TextScanner(text, path), {}, {}, {}, false};
+    MshReader reader{TextScanner(text, path), {}};
     reader.mesh.path = path;
     return reader.read();
 }
-
-RawMesh read_msh(const std::string& path) { return parse_msh(read_text_file(path), path); }
 
 }  // namespace almesh

@@ -1,32 +1,34 @@
-#include "io/msh_writer.hpp"
-
+// MSH 2.2 has a list of nodes and one of elements, each element with its tags. MSH 4.1 has a block of nodes and one of
+// elements for each elementary entity, which carries the physical tag.
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "base/files.hpp"
-#include "io/msh_types.hpp"
+#include "io/msh.hpp"
 
 namespace almesh {
 namespace {
 
 // The boundary faces, or the elements, of a mesh.
 struct Cells {
-    int dim, count, nodes;  // nodes of one cell
+    int dim, degree, count, nodes;  // nodes of one cell
     const std::vector<int>& node;
     const std::vector<long long>& id;
     const std::vector<int>&physical, &entity;
 
-    const int* cell(int c) const { return node.data() + static_cast<std::size_t>(c) * nodes; }
+    const int* cell(int c) const { return node.data() + offset(c, nodes); }
+    int type() const { return simplex(dim).msh_types[degree - 1]; }
 };
 
 Cells faces_of(const Mesh& m) {
-    return {m.dim - 1,      m.face_count(),       m.face_nodes(), m.faces,
-            m.file.face_id, m.file.face_physical, m.file.face_entity};
+    return {m.dim - 1, m.degree,       m.face_count(),       m.face_nodes(),
+            m.faces,   m.file.face_id, m.file.face_physical, m.file.face_entity};
 }
 
 Cells elements_of(const Mesh& m) {
-    return {m.dim,        m.element_count(),  m.element_nodes(), m.elements,
-            m.file.element_id, m.file.element_physical, m.file.element_entity};
+    return {m.dim,      m.degree,          m.element_count(),       m.element_nodes(),
+            m.elements, m.file.element_id, m.file.element_physical, m.file.element_entity};
 }
 
 void append_row(std::string& text, std::initializer_list<long long> numbers) {
@@ -45,12 +47,12 @@ std::string row_of(std::initializer_list<long long> numbers) {
 
 void append_position(std::string& text, const Mesh& mesh, const std::vector<double>& x, int node) {
     for (int a = 0; a < 3; ++a) {
-        append(text, a < mesh.dim ? x[static_cast<std::size_t>(node) * mesh.dim + a] : 0.0);
+        append(text, a < mesh.dim ? x[offset(node, mesh.dim, a)] : 0.0);
         text += a < 2 ? ' ' : '\n';
     }
 }
 
-// Behind what the row holds already.
+// Continues the row that ends the text.
 void append_cell_nodes(std::string& text, const Mesh& mesh, const Cells& cells, int c) {
     for (int k = 0; k < cells.nodes; ++k) {
         text.back() = ' ';
@@ -78,7 +80,7 @@ void append_body_2_2(const TextSink& sink, const Mesh& mesh, const std::vector<d
     });
     sink("$EndNodes\n$Elements\n" + std::to_string(mesh.face_count() + mesh.element_count()) + "\n");
     for (const Cells& cells : {faces_of(mesh), elements_of(mesh)}) {
-        const int type = msh_type(cells.dim, mesh.degree);
+        const int type = cells.type();
         append_rows(sink, cells.count, [&](std::string& part, int c) {
             append_row(part, {cells.id[c], type, 2, cells.physical[c], cells.entity[c]});
             append_cell_nodes(part, mesh, cells, c);
@@ -87,36 +89,25 @@ void append_body_2_2(const TextSink& sink, const Mesh& mesh, const std::vector<d
     sink("$EndElements\n");
 }
 
-// MSH 4.1 hangs the physical tag on the elementary entity: an entity, its cells and the nodes listed with it.
+// An elementary entity with its cells and the nodes that are listed with it.
 struct Block {
-    int dim, entity, physical;
+    int entity, physical;
     std::vector<int> cells, nodes;
 };
 
 // By ascending (entity, physical). An entity of several physical tags (possible in MSH 2.2) becomes several entities.
-std::vector<Block> blocks_of(const Cells& cells) {
-    std::vector<std::pair<int, int>> keys;
-    for (int c = 0; c < cells.count; ++c) {
-        const std::pair key(cells.entity[c], cells.physical[c]);
-        if (keys.empty() || keys.back() != key) keys.push_back(key);
-    }
-    std::sort(keys.begin(), keys.end());
-    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+// Each node goes to the first block that has it: pass the boundary's cells before the elements.
+std::vector<Block> blocks_of(const Cells& cells, std::vector<char>& is_listed) {
+    std::map<std::pair<int, int>, std::vector<int>> cells_of;  // by (entity, physical)
+    for (int c = 0; c < cells.count; ++c) cells_of[{cells.entity[c], cells.physical[c]}].push_back(c);
     std::vector<Block> blocks;
-    int next = keys.empty() ? 1 : keys.back().first + 1;
-    for (const auto& [entity, physical] : keys) {
-        const bool taken = !blocks.empty() && entity == keys[blocks.size() - 1].first;
-        blocks.push_back({cells.dim, taken ? next++ : entity, physical, {}, {}});
+    int last = 0, unused = cells_of.empty() ? 1 : cells_of.rbegin()->first.first + 1;
+    for (auto& [key, of_block] : cells_of) {
+        const auto [entity, physical] = key;
+        const bool taken = !blocks.empty() && entity == last;
+        last = entity;
+        blocks.push_back({taken ? unused++ : entity, physical, std::move(of_block), {}});
     }
-    for (int c = 0; c < cells.count; ++c) {
-        const auto key = std::lower_bound(keys.begin(), keys.end(), std::pair(cells.entity[c], cells.physical[c]));
-        blocks[key - keys.begin()].cells.push_back(c);
-    }
-    return blocks;
-}
-
-// Each node goes to the first block that has it: those on the boundary to the boundary's.
-void collect_nodes(const Cells& cells, std::vector<Block>& blocks, std::vector<char>& is_listed) {
     for (Block& block : blocks) {
         for (int c : block.cells)
             for (int k = 0; k < cells.nodes; ++k) {
@@ -126,25 +117,23 @@ void collect_nodes(const Cells& cells, std::vector<Block>& blocks, std::vector<c
             }
         std::sort(block.nodes.begin(), block.nodes.end());
     }
+    return blocks;
 }
 
 std::string entity_text(const Mesh& mesh, const std::vector<double>& x, const Cells& cells, const Block& block) {
     double low[3] = {}, high[3] = {};
     for (int a = 0; a < mesh.dim; ++a) {
-        low[a] = high[a] = x[static_cast<std::size_t>(cells.cell(block.cells[0])[0]) * mesh.dim + a];
+        low[a] = high[a] = x[offset(cells.cell(block.cells[0])[0], mesh.dim, a)];
         for (int c : block.cells)
             for (int k = 0; k < cells.nodes; ++k) {
-                const double coordinate = x[static_cast<std::size_t>(cells.cell(c)[k]) * mesh.dim + a];
+                const double coordinate = x[offset(cells.cell(c)[k], mesh.dim, a)];
                 low[a] = std::min(low[a], coordinate);
                 high[a] = std::max(high[a], coordinate);
             }
     }
     std::string text = std::to_string(block.entity);
     for (const double* corner : {low, high})
-        for (int a = 0; a < 3; ++a) {
-            text += ' ';
-            append(text, corner[a]);
-        }
+        for (int a = 0; a < 3; ++a) append(text += ' ', corner[a]);
     if (block.physical) append_row(text += ' ', {1, block.physical, 0});
     else append_row(text += ' ', {0, 0});
     return text;
@@ -152,9 +141,9 @@ std::string entity_text(const Mesh& mesh, const std::vector<double>& x, const Ce
 
 void append_body_4_1(const TextSink& sink, const Mesh& mesh, const std::vector<double>& x) {
     const Cells cells[2] = {faces_of(mesh), elements_of(mesh)};
-    std::vector<Block> blocks[2] = {blocks_of(cells[0]), blocks_of(cells[1])};
     std::vector<char> is_listed(mesh.nodes(), 0);
-    for (int k : {0, 1}) collect_nodes(cells[k], blocks[k], is_listed);
+    std::vector<Block> blocks[2];
+    for (int k : {0, 1}) blocks[k] = blocks_of(cells[k], is_listed);
     const auto faces = static_cast<long long>(blocks[0].size()), elements = static_cast<long long>(blocks[1].size());
 
     sink("$Entities\n");
@@ -163,16 +152,17 @@ void append_body_4_1(const TextSink& sink, const Mesh& mesh, const std::vector<d
     for (int k : {0, 1})
         for (const Block& block : blocks[k]) sink(entity_text(mesh, x, cells[k], block));
 
-    const auto [node_low, node_high] = std::minmax_element(mesh.file.node_id.begin(), mesh.file.node_id.end());
+    const std::vector<long long>& node_id = mesh.file.node_id;
+    const auto [node_low, node_high] = std::minmax_element(node_id.begin(), node_id.end());
     sink("$EndEntities\n$Nodes\n");
     sink(row_of({faces + elements, mesh.nodes(), *node_low, *node_high}));
-    for (const auto& of_dim : blocks)
-        for (const Block& block : of_dim) {
-            const int count = static_cast<int>(block.nodes.size());
-            sink(row_of({block.dim, block.entity, 0, count}));
+    for (int k : {0, 1})
+        for (const Block& block : blocks[k]) {
             const std::vector<int>& node = block.nodes;
-            append_rows(sink, count, [&](std::string& part, int k) { append_row(part, {mesh.file.node_id[node[k]]}); });
-            append_rows(sink, count, [&](std::string& part, int k) { append_position(part, mesh, x, node[k]); });
+            const int count = static_cast<int>(node.size());
+            sink(row_of({cells[k].dim, block.entity, 0, count}));
+            append_rows(sink, count, [&](std::string& part, int i) { append_row(part, {node_id[node[i]]}); });
+            append_rows(sink, count, [&](std::string& part, int i) { append_position(part, mesh, x, node[i]); });
         }
 
     std::vector<long long> id = mesh.file.face_id;
@@ -183,10 +173,10 @@ void append_body_4_1(const TextSink& sink, const Mesh& mesh, const std::vector<d
     for (int k : {0, 1})
         for (const Block& block : blocks[k]) {
             const int count = static_cast<int>(block.cells.size());
-            sink(row_of({block.dim, block.entity, msh_type(block.dim, mesh.degree), count}));
-            append_rows(sink, count, [&](std::string& part, int j) {
-                append_row(part, {cells[k].id[block.cells[j]]});
-                append_cell_nodes(part, mesh, cells[k], block.cells[j]);
+            sink(row_of({cells[k].dim, block.entity, cells[k].type(), count}));
+            append_rows(sink, count, [&](std::string& part, int i) {
+                append_row(part, {cells[k].id[block.cells[i]]});
+                append_cell_nodes(part, mesh, cells[k], block.cells[i]);
             });
         }
     sink("$EndElements\n");

@@ -11,42 +11,10 @@
 namespace almesh {
 namespace {
 
-// VTK's edges and faces of a tetrahedron (vtkLagrangeTetra), each face from the vertex its inner nodes begin at.
-constexpr int tetrahedron_edges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
-constexpr int tetrahedron_faces[4][3] = {{0, 1, 3}, {2, 3, 1}, {0, 3, 2}, {0, 2, 1}};
-
-// Multi-indices of the nodes in VTK's order: like Gmsh's, vertices, edges, faces and recursively the inside.
-std::vector<MultiIndex> vtk_tetrahedron(int p) {
-    if (p == 0) return {MultiIndex{}};
-    std::vector<MultiIndex> nodes;
-    for (int v = 0; v < 4; ++v) {
-        nodes.push_back({});
-        nodes.back()[v] = p;
-    }
-    for (const auto& edge : tetrahedron_edges)
-        for (int s = 1; s < p; ++s) {
-            nodes.push_back({});
-            nodes.back()[edge[0]] = p - s;
-            nodes.back()[edge[1]] = s;
-        }
-    if (p >= 3)
-        for (const auto& face : tetrahedron_faces)
-            for (const MultiIndex& b : gmsh_node_order(2, p - 3)) {
-                nodes.push_back({});
-                for (int k = 0; k < 3; ++k) nodes.back()[face[k]] = b[k] + 1;
-            }
-    if (p >= 4)
-        for (MultiIndex a : vtk_tetrahedron(p - 4)) {
-            for (int& entry : a) ++entry;
-            nodes.push_back(a);
-        }
-    return nodes;
-}
-
-int vtk_cell_type(int cell_dim, int degree) {
-    constexpr int types[3][3] = {{3, 21, 68}, {5, 22, 69}, {10, 24, 71}};
-    return types[cell_dim - 1][degree < 3 ? degree - 1 : 2];
-}
+// VTK's edges and faces of a tetrahedron (vtkLagrangeTetra), each face from the vertex its interior nodes begin at. Its
+// lines and triangles have Gmsh's order.
+constexpr std::array<CellEdge, 6> tetrahedron_edges = {{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
+constexpr std::array<CellFace, 4> tetrahedron_faces = {{{0, 1, 3}, {2, 3, 1}, {0, 3, 2}, {0, 2, 1}}};
 
 // Names and strings: blanks, control characters, quotes and % as %XX.
 std::string encoded(const std::string& text) {
@@ -111,7 +79,7 @@ void append_array(const TextSink& sink, const VtkArray& array, const VtkNumbers&
     else sink("VECTORS " + encoded(array.name) + " double\n");
     const int shown = array.components == 1 ? 1 : 3;
     append_rows(sink, static_cast<int>(array.value.size()) / array.components, [&](std::string& part, int i) {
-        const double* const value = &array.value[static_cast<std::size_t>(i) * array.components];
+        const double* const value = &array.value[offset(i, array.components)];
         for (int k = 0; k < shown; ++k)
             numbers.data(part, k < array.components ? value[k] : 0.0, k + 1 < shown ? ' ' : '\n');
     });
@@ -133,25 +101,14 @@ void append_cells(const TextSink& sink, const std::vector<int>& cells, int cell_
     append_rows(sink, count, [&](std::string& part, int c) {
         numbers.integer(part, nodes, ' ');
         for (int k = 0; k < nodes; ++k)
-            numbers.integer(part, cells[static_cast<std::size_t>(c) * nodes + order[k]], k + 1 < nodes ? ' ' : '\n');
+            numbers.integer(part, cells[offset(c, nodes, order[k])], k + 1 < nodes ? ' ' : '\n');
     });
     numbers.end(sink);
-    const int type = vtk_cell_type(cell_dim, degree);
+    const int type = simplex(cell_dim).vtk_types[std::min(degree, 3) - 1];
     sink("CELL_TYPES " + std::to_string(count) + "\n");
     append_rows(sink, count, [&](std::string& part, int) { numbers.integer(part, type, '\n'); });
     numbers.end(sink);
 }
-
-}  // namespace
-
-std::vector<int> vtk_node_order(int cell_dim, int degree) {
-    const LagrangeBasis gmsh(cell_dim, degree);
-    std::vector<int> order;
-    for (const MultiIndex& a : cell_dim == 3 ? vtk_tetrahedron(degree) : gmsh.nodes) order.push_back(gmsh.find(a));
-    return order;
-}
-
-namespace {
 
 void write_grid(const TextSink& sink, const VtkGrid& grid, const VtkNumbers& numbers) {
     const std::string title = grid.title.substr(0, std::min<std::size_t>(grid.title.find('\n'), 255));
@@ -166,7 +123,7 @@ void write_grid(const TextSink& sink, const VtkGrid& grid, const VtkNumbers& num
     const int nodes = static_cast<int>(grid.positions.size()) / grid.dim;
     sink(head + "POINTS " + std::to_string(nodes) + " double\n");
     append_rows(sink, nodes, [&](std::string& part, int i) {
-        const double* const x = &grid.positions[static_cast<std::size_t>(i) * grid.dim];
+        const double* const x = point(grid.positions, i, grid.dim);
         for (int a = 0; a < 3; ++a) numbers.position(part, a < grid.dim ? x[a] : 0.0, a < 2 ? ' ' : '\n');
     });
     numbers.end(sink);
@@ -177,6 +134,15 @@ void write_grid(const TextSink& sink, const VtkGrid& grid, const VtkNumbers& num
 }
 
 }  // namespace
+
+std::vector<int> vtk_node_order(int cell_dim, int degree) {
+    const LagrangeBasis gmsh(cell_dim, degree);
+    std::vector<int> order;
+    for (const MultiIndex& a :
+         cell_dim == 3 ? lattice_nodes(3, degree, tetrahedron_edges, tetrahedron_faces) : gmsh.nodes)
+        order.push_back(gmsh.find(a));
+    return order;
+}
 
 std::string vtk_text(const VtkGrid& grid, VtkFormat format) {
     std::string text;

@@ -1,10 +1,9 @@
-#include "io/msh_reader.hpp"
-
 #include <doctest/doctest.h>
 
 #include <random>
 
 #include "base/error.hpp"
+#include "io/msh.hpp"
 
 using namespace almesh;
 using doctest::Contains;
@@ -181,6 +180,21 @@ TEST_CASE("other element types are refused together, by name, number and line") 
     check_refused(replaced(in_2_2, "8 2 2", "8 999 2"), "a.msh:21: 1 elements of an unknown kind of type 999");
 }
 
+TEST_CASE("element types that are not read have a name") {
+    const std::pair<const char*, std::vector<int>> names[] = {{"quadrangles", {3, 10, 16, 36, 47, 57}},
+                                                              {"hexahedra", {5, 12, 17, 92, 99}},
+                                                              {"prisms", {6, 13, 18, 90, 106}},
+                                                              {"pyramids", {7, 14, 19, 118}},
+                                                              {"incomplete triangles", {20, 22, 24, 52}},
+                                                              {"incomplete tetrahedra", {79}},
+                                                              {"simplices of a degree above 7", {44, 64, 73}},
+                                                              {"elements of degree 0", {84}},
+                                                              {"elements of an unknown kind", {70, 999, 1000000}}};
+    for (const auto& [name, types] : names)
+        for (const int type : types)
+            check_refused(replaced(in_2_2, "8 2 2", "8 " + std::to_string(type) + " 2"), std::string(": 1 ") + name);
+}
+
 TEST_CASE("what is no ASCII mesh of version 2.2 or 4.1 is refused") {
     check_refused("solid cube\n", "a.msh:1: not a Gmsh mesh file");
     check_refused("\n\n", "not a Gmsh mesh file: there is no $MeshFormat section");
@@ -262,9 +276,4 @@ TEST_CASE("a file cut off anywhere, and one with a byte changed, is refused or r
             }
         }
     }
-}
-
-TEST_CASE("a missing file is refused by its name") {
-    CHECK_THROWS_WITH_AS(read_msh("/no/such/file.msh"), "cannot read /no/such/file.msh: No such file or directory",
-                         InputError);
 }

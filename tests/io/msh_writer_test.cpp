@@ -1,5 +1,3 @@
-#include "io/msh_writer.hpp"
-
 #include <doctest/doctest.h>
 #include <unistd.h>
 
@@ -8,6 +6,8 @@
 #include <map>
 
 #include "base/error.hpp"
+#include "io/mesh_format.hpp"
+#include "io/msh.hpp"
 #include "mesh/build.hpp"
 #include "support/sample_mesh.hpp"
 
@@ -152,7 +152,7 @@ TEST_CASE("to a file, and to a place where none can be") {
     const Mesh mesh = sample(2, 1, 22);
     const auto path = std::filesystem::temp_directory_path() / ("almesh_msh_writer_test_" + std::to_string(getpid()));
     write_msh(path.string(), mesh, mesh.x);
-    CHECK(read_msh(path.string()).nodes.size() == 9);
+    CHECK(read_mesh(path.string()).nodes.size() == 9);
     std::filesystem::remove(path);
     CHECK_THROWS_AS(write_msh("/no/such/folder/a.msh", mesh, mesh.x), InputError);
 }

@@ -7,8 +7,8 @@
 
 #include "app/command_line.hpp"
 #include "base/text.hpp"
-#include "io/msh_reader.hpp"
-#include "io/msh_writer.hpp"
+#include "io/mesh_format.hpp"
+#include "io/msh.hpp"
 #include "mesh/build.hpp"
 #include "support/rows.hpp"
 #include "support/temporary_folder.hpp"
@@ -43,7 +43,7 @@ inline std::string msh_of(const Mesh& mesh) { return msh_text(mesh, mesh.x); }
 
 inline Mesh mesh_of(const std::string& path) {
     std::vector<std::string> notes;
-    return build_mesh(read_msh(path), notes);
+    return build_mesh(read_mesh(path), notes);
 }
 
 inline std::vector<std::pair<std::string, std::string>> summary_lines(const std::string& folder) {

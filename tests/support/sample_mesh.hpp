@@ -6,8 +6,7 @@
 #include <map>
 #include <vector>
 
-#include "io/msh_reader.hpp"
-#include "mesh/lagrange.hpp"
+#include "mesh/raw_mesh.hpp"
 
 namespace almesh {
 
