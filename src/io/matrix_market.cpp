@@ -1,3 +1,5 @@
+// All entries are read and sorted before the matrix is made, so that repeated, missing and unsymmetric ones are found
+// and named with their lines.
 #include "io/matrix_market.hpp"
 
 #include <algorithm>
@@ -35,7 +37,7 @@ bool next_record(TextScanner& in) {
     return false;
 }
 
-// Reads the first line, whose words are free in case; returns the last one, the symmetry.
+// Reads the first line, upper or lower case; returns its last word, the symmetry.
 std::string banner(TextScanner& in, const std::string& format, const std::vector<std::string>& symmetries) {
     std::string text(in.rest_of_line());
     std::transform(text.begin(), text.end(), text.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? c + 32 : c; });
@@ -66,7 +68,7 @@ void end_of_entries(TextScanner& in, long long count) {
 // Sorted by row and column, without repeats.
 std::vector<Entry> read_entries(TextScanner& in, int rows, long long count) {
     std::vector<Entry> entries;
-    // The count may lie, but an entry takes five characters at least.
+    // The count may be wrong: an entry has at least five characters.
     entries.reserve(static_cast<std::size_t>(std::min<long long>(count, (in.end - in.at) / 5)));
     for (long long k = 0; k < count; ++k) {
         begin_entry(in, k, count);
@@ -107,7 +109,7 @@ BlockCsr matrix_of_lower_triangle(int rows, int d, const std::vector<Entry>& ent
         if (e.row / d > e.col / d) pairs.insert(pairs.end(), {e.row / d, e.col / d});
     BlockCsr A = matrix_of_cells(rows / d, d, pairs, 2);
     for (const Entry& e : entries) {
-        if (e.col > e.row) continue;  // of a general matrix: the twin's value
+        if (e.col > e.row) continue;  // a general matrix: equal to the entry below
         const int i = e.row / d, j = e.col / d, r = e.row % d, c = e.col % d;
         A.block(A.find(i, j))[r * d + c] = e.value;
         A.block(A.find(j, i))[c * d + r] = e.value;
@@ -134,7 +136,7 @@ BlockCsr read_matrix_market(const std::string& path, int d) {
     const std::vector<Entry> entries = read_entries(in, rows, count);
     if (symmetric) refuse_upper_triangle(in, entries);
     else refuse_unsymmetric(in, entries);
-    if (rows > 2 * count)  // what is allocated for the rows is thus bounded by the length of the file
+    if (rows > 2 * count)  // bounds what is allocated for the rows by the length of the file
         in.fail(size_line, "the matrix is singular: " + std::to_string(count) + " entries leave some of the " +
                                std::to_string(rows) + " rows empty");
     return matrix_of_lower_triangle(rows, d, entries);

@@ -1,7 +1,6 @@
-// A recursive descent over the sections of the file: each knows the next one of its records by a count and checks that
-// it is there. Nothing is allocated by a count that the rest of the text is too short for.
+// Section by section; each announces the number of its records, and every record is checked to be there. What a count
+// allocates is bounded by the length of the rest of the text.
 #include <algorithm>
-#include <array>
 #include <climits>
 #include <cstdlib>
 #include <utility>
@@ -14,20 +13,17 @@ namespace almesh {
 namespace {
 
 struct ElementType {
+    int number;
     int dim = -1;  // 0 to 3; -1: not a complete simplex of a degree up to max_degree
     int degree = 0, nodes = 0;
 };
 
 ElementType element_type(int number) {
-    static const auto table = [] {
-        std::array<ElementType, 73> types;
-        types.fill(ElementType());  // g++ 12 leaves dim 0 in some entries of `types{}`
-        for (int dim = 0; dim <= 3; ++dim)
-            for (int degree = 1; degree <= (dim ? max_degree : 1); ++degree)
-                types[simplex(dim).msh_types[degree - 1]] = {dim, degree, simplex_node_count(dim, degree)};
-        return types;
-    }();
-    return number >= 0 && number < static_cast<int>(table.size()) ? table[number] : ElementType();
+    for (int dim = 0; dim <= 3; ++dim)
+        for (int degree = 1; degree <= max_degree; ++degree)
+            if (simplex(dim).msh_types[degree - 1] == number)
+                return {number, dim, degree, simplex_node_count(dim, degree)};
+    return {number};
 }
 
 // Element types that are not read, with what to do about them, by their numbers (GmshDefines.h).
@@ -59,295 +55,280 @@ struct ForeignElements {
 
 struct MshReader {
     TextScanner in;
-    RawMesh mesh;
+    RawMesh mesh;  // msh_version 0: not known yet
     IdIndex node_index{}, element_index{};
+    ElementType last_type{0};
     std::vector<ForeignElements> foreign{};
-    bool version_known = false;
 
-    RawMesh read();
-    void section();
-    void skip_section(const std::string& end);
-    void format();
-    void physical_names();
-    void entities();
-    void nodes();
-    void nodes_2_2(long long count);
-    void nodes_4_1(long long blocks, long long count);
-    void elements();
-    void elements_2_2(long long count);
-    void elements_4_1(long long blocks, long long count);
-
-    void begin_record(const char* section, const char* what, long long done, long long count);
-    std::pair<long long, long long> blocks_and_count(const char* what);
-    bool is_simplex(int number, const ElementType& type, long long count);
-    [[noreturn]] void refuse_foreign() const;
-    template <class Item>
-    void append(std::vector<Item>& items, IdIndex& index, const char* what, const Item& item);
-    void element_nodes(int count);
-
-    // At most `count`, which may be wrong: a record takes four characters at least.
+    // At most `count`, which may be wrong: a record has at least four characters.
     std::size_t room_for(long long count) const {
         return static_cast<std::size_t>(std::min<long long>(count, (in.end - in.at) / 4));
     }
-};
 
-RawMesh MshReader::read() {
-    while (in.next_line()) section();
-    if (!version_known) in.fail("not a Gmsh mesh file: there is no $MeshFormat section");
-    if (mesh.nodes.empty()) in.fail("there is no $Nodes section");
-    if (mesh.elements.empty()) in.fail("there is no $Elements section");
-    return std::move(mesh);
-}
-
-void MshReader::section() {
-    const int line = in.line;
-    const std::string name(in.rest_of_line()), end = "$End" + name.substr(std::min<std::size_t>(1, name.size()));
-    if (!version_known && name != "$MeshFormat" && name != "$Comments")
-        in.fail("not a Gmsh mesh file of version 2.2 or 4.1: it has to begin with $MeshFormat");
-    if (name.size() < 2 || name[0] != '$' || name.starts_with("$End"))
-        in.fail("expected a section such as $Nodes, got `" + name.substr(0, 40) + "`");
-    if (name == "$MeshFormat") format();
-    else if (name == "$PhysicalNames") physical_names();
-    else if (name == "$Entities") entities();
-    else if (name == "$Nodes") nodes();
-    else if (name == "$Elements") elements();
-    else if (name == "$PartitionedEntities") in.fail("a partitioned mesh is not read: save it in one part");
-    else if (name == "$ParametricNodes") in.fail("parametric nodes are not read: save the mesh without -parametric");
-    else skip_section(end);
-    if (!in.next_line()) in.fail(line, "the file is cut off: " + name + " has no " + end);
-    if (in.rest_of_line() != end) in.fail("expected " + end + ": " + name + " holds more than it announces");
-}
-
-// To the section's last line, or the end of the file.
-void MshReader::skip_section(const std::string& end) {
-    while (in.next_line()) {
-        const char* const begin = in.at;
-        if (in.rest_of_line() != end) continue;
-        in.at = begin;
-        return;
+    RawMesh read() {
+        while (in.next_line()) section();
+        if (!mesh.msh_version) in.fail("not a Gmsh mesh file: there is no $MeshFormat section");
+        if (mesh.nodes.empty()) in.fail("there is no $Nodes section");
+        if (mesh.elements.empty()) in.fail("there is no $Elements section");
+        return std::move(mesh);
     }
-}
 
-// To record `done` (from 0) of `count`.
-void MshReader::begin_record(const char* section, const char* what, long long done, long long count) {
-    if (in.next_line() && *in.at != '$') return;
-    const std::string where = in.at == in.end ? "the file is cut off" : in.word() + " comes too early";
-    in.fail(where + ": " + section + " announces " + std::to_string(count) + " " + what + ", only " +
-            std::to_string(done) + " are there");
-}
-
-void MshReader::format() {
-    if (version_known) in.fail("a second $MeshFormat section");
-    if (!in.next_line()) in.fail("the file is cut off after $MeshFormat");
-    const std::string shown = in.word();
-    const double version = in.real("the format version");
-    if (version != 2.2 && version != 4.1)
-        in.fail("format version " + shown + ": only 2.2 and 4.1 are read (gmsh -0 IN.msh -format msh41 -o OUT.msh)");
-    mesh.msh_version = version == 2.2 ? 22 : 41;
-    if (in.small_integer("0 (ASCII)") != 0) in.fail("a binary mesh is not read: save it in ASCII (gmsh without -bin)");
-    in.small_integer("the size of a number");
-    in.end_of_line();
-    version_known = true;
-}
-
-void MshReader::physical_names() {
-    in.next_line();
-    const long long count = in.integer("the number of physical names", 0, LLONG_MAX);
-    in.end_of_line();
-    for (long long i = 0; i < count; ++i) {
-        begin_record("$PhysicalNames", "names", i, count);
-        PhysicalGroup group;
-        group.dim = static_cast<int>(in.integer("the dimension of the physical group", 0, 3));
-        group.tag = std::abs(in.small_integer("the tag of the physical group"));
-        std::string_view name = in.rest_of_line();
-        if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
-        group.name = name;
-        if (name.empty()) in.fail("physical group " + std::to_string(group.tag) + " has an empty name");
-        mesh.groups.push_back(std::move(group));
+    void section() {
+        const int line = in.line;
+        const std::string name(in.rest_of_line()), end = "$End" + name.substr(std::min<std::size_t>(1, name.size()));
+        if (!mesh.msh_version && name != "$MeshFormat" && name != "$Comments")
+            in.fail("not a Gmsh mesh file of version 2.2 or 4.1: it has to begin with $MeshFormat");
+        if (name.size() < 2 || name[0] != '$' || name.starts_with("$End"))
+            in.fail("expected a section such as $Nodes, got `" + name.substr(0, 40) + "`");
+        if (name == "$MeshFormat") format();
+        else if (name == "$PhysicalNames") physical_names();
+        else if (name == "$Entities") entities();
+        else if (name == "$Nodes") nodes();
+        else if (name == "$Elements") elements();
+        else if (name == "$PartitionedEntities") in.fail("a partitioned mesh is not read: save it in one part");
+        else if (name == "$ParametricNodes")
+            in.fail("parametric nodes are not read: save the mesh without -parametric");
+        else skip_section(end);
+        if (!in.next_line()) in.fail(line, "the file is cut off: " + name + " has no " + end);
+        if (in.rest_of_line() != end) in.fail("expected " + end + ": " + name + " holds more than it announces");
     }
-}
 
-// Of MSH 4.1: only the physical groups matter here, not the bounding boxes and bounding entities.
-void MshReader::entities() {
-    if (!mesh.elements.empty()) in.fail("$Entities after $Elements");
-    long long count[4] = {};
-    in.next_line();
-    for (long long& c : count) c = in.integer("the number of entities", 0, LLONG_MAX);
-    in.end_of_line();
-    for (int dim = 0; dim <= 3; ++dim)
-        for (long long i = 0; i < count[dim]; ++i) {
-            begin_record("$Entities", "entities of this dimension", i, count[dim]);
-            RawEntity entity{dim, in.small_integer("the entity tag"), {}};
-            for (int k = 0; k < (dim ? 6 : 3); ++k) in.real("a coordinate");
-            const long long groups = in.integer("the number of physical tags", 0, LLONG_MAX);
-            for (long long k = 0; k < groups; ++k)
-                entity.physical.push_back(std::abs(in.small_integer("a physical tag")));
-            in.rest_of_line();
-            mesh.entities.push_back(std::move(entity));
+    // Goes to the last line of the section, or the end of the file.
+    void skip_section(const std::string& end) {
+        while (in.next_line()) {
+            const char* const begin = in.at;
+            if (in.rest_of_line() != end) continue;
+            in.at = begin;
+            return;
         }
-    std::stable_sort(mesh.entities.begin(), mesh.entities.end(), [](const RawEntity& a, const RawEntity& b) {
-        return std::pair(a.dim, a.tag) < std::pair(b.dim, b.tag);
-    });
-}
-
-// Section counts of $Nodes and $Elements; MSH 2.2 has no blocks.
-std::pair<long long, long long> MshReader::blocks_and_count(const char* what) {
-    in.next_line();
-    const bool in_blocks = mesh.msh_version == 41;
-    const long long blocks = in_blocks ? in.integer("the number of blocks", 0, LLONG_MAX) : 1;
-    const long long count = in.integer(what, 1, INT_MAX);
-    if (in_blocks) in.rest_of_line();
-    else in.end_of_line();
-    return {blocks, count};
-}
-
-template <class Item>  // RawNode or RawElement
-void MshReader::append(std::vector<Item>& items, IdIndex& index, const char* what, const Item& item) {
-    const int earlier = index.insert(item.id, static_cast<int>(items.size()));
-    if (earlier >= 0)
-        in.fail(std::string(what) + " id " + std::to_string(item.id) + " is there twice, first in line " +
-                std::to_string(items[earlier].line));
-    items.push_back(item);
-}
-
-void MshReader::nodes() {
-    if (!mesh.nodes.empty()) in.fail("a second $Nodes section");
-    const auto [blocks, count] = blocks_and_count("the number of nodes");
-    mesh.nodes.reserve(room_for(count));
-    node_index = IdIndex(room_for(count));
-    if (mesh.msh_version == 22) nodes_2_2(count);
-    else nodes_4_1(blocks, count);
-}
-
-void MshReader::nodes_2_2(long long count) {
-    for (long long i = 0; i < count; ++i) {
-        begin_record("$Nodes", "nodes", i, count);
-        RawNode node{in.integer("a node id", 1, LLONG_MAX), {}, in.line};
-        for (double& x : node.x) x = in.real("a coordinate");
-        in.end_of_line();
-        append(mesh.nodes, node_index, "node", node);
     }
-}
 
-void MshReader::nodes_4_1(long long blocks, long long count) {
-    for (long long b = 0; b < blocks; ++b) {
-        begin_record("$Nodes", "blocks", b, blocks);
-        in.integer("the dimension of the entity", 0, 3);
-        in.small_integer("the entity tag");
-        const bool parametric = in.integer("0 or 1 (parametric)", 0, 1) == 1;
-        const std::size_t begin = mesh.nodes.size();
-        const auto in_block = static_cast<std::size_t>(
-            in.integer("the number of nodes of this block", 0, count - static_cast<long long>(begin)));
+    // Goes to record `done` (from 0) of `count`.
+    void begin_record(const char* section, const char* what, long long done, long long count) {
+        if (in.next_line() && *in.at != '$') return;
+        const std::string where = in.at == in.end ? "the file is cut off" : in.word() + " comes too early";
+        in.fail(where + ": " + section + " announces " + std::to_string(count) + " " + what + ", only " +
+                std::to_string(done) + " are there");
+    }
+
+    void check_total(const std::string& section, const char* what, long long found, long long count) const {
+        if (found != count)
+            in.fail(section + " announces " + std::to_string(count) + " " + what + ", its blocks hold " +
+                    std::to_string(found));
+    }
+
+    void format() {
+        if (mesh.msh_version) in.fail("a second $MeshFormat section");
+        if (!in.next_line()) in.fail("the file is cut off after $MeshFormat");
+        const std::string shown = in.word();
+        const double version = in.real("the format version");
+        if (version != 2.2 && version != 4.1)
+            in.fail("format version " + shown +
+                    ": only 2.2 and 4.1 are read (gmsh -0 IN.msh -format msh41 -o OUT.msh)");
+        mesh.msh_version = version == 2.2 ? 22 : 41;
+        if (in.small_integer("0 (ASCII)") != 0)
+            in.fail("a binary mesh is not read: save it in ASCII (gmsh without -bin)");
+        in.small_integer("the size of a number");
         in.end_of_line();
-        for (std::size_t i = 0; i < in_block; ++i) {
-            begin_record("$Nodes", "nodes", static_cast<long long>(mesh.nodes.size()), count);
-            append(mesh.nodes, node_index, "node", {in.integer("a node id", 1, LLONG_MAX), {}, in.line});
+    }
+
+    void physical_names() {
+        in.next_line();
+        const long long count = in.integer("the number of physical names", 0, LLONG_MAX);
+        in.end_of_line();
+        for (long long i = 0; i < count; ++i) {
+            begin_record("$PhysicalNames", "names", i, count);
+            PhysicalGroup group;
+            group.dim = static_cast<int>(in.integer("the dimension of the physical group", 0, 3));
+            group.tag = std::abs(in.small_integer("the tag of the physical group"));
+            std::string_view name = in.rest_of_line();
+            if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+            group.name = name;
+            if (name.empty()) in.fail("physical group " + std::to_string(group.tag) + " has an empty name");
+            mesh.groups.push_back(std::move(group));
+        }
+    }
+
+    // MSH 4.1 only. The physical groups are kept, not the bounding boxes and bounding entities.
+    void entities() {
+        if (!mesh.elements.empty()) in.fail("$Entities after $Elements");
+        long long count[4] = {};
+        in.next_line();
+        for (long long& c : count) c = in.integer("the number of entities", 0, LLONG_MAX);
+        in.end_of_line();
+        for (int dim = 0; dim <= 3; ++dim)
+            for (long long i = 0; i < count[dim]; ++i) {
+                begin_record("$Entities", "entities of this dimension", i, count[dim]);
+                RawEntity entity{dim, in.small_integer("the entity tag"), {}};
+                for (int k = 0; k < (dim ? 6 : 3); ++k) in.real("a coordinate");
+                const long long groups = in.integer("the number of physical tags", 0, LLONG_MAX);
+                for (long long k = 0; k < groups; ++k)
+                    entity.physical.push_back(std::abs(in.small_integer("a physical tag")));
+                in.rest_of_line();
+                mesh.entities.push_back(std::move(entity));
+            }
+        std::ranges::stable_sort(mesh.entities, {}, [](const RawEntity& e) { return std::pair(e.dim, e.tag); });
+    }
+
+    // Section counts of $Nodes and $Elements; MSH 2.2 has no blocks.
+    std::pair<long long, long long> blocks_and_count(const char* what) {
+        in.next_line();
+        const bool in_blocks = mesh.msh_version == 41;
+        const long long blocks = in_blocks ? in.integer("the number of blocks", 0, LLONG_MAX) : 1;
+        const long long count = in.integer(what, 1, INT_MAX);
+        if (in_blocks) in.rest_of_line();
+        else in.end_of_line();
+        return {blocks, count};
+    }
+
+    template <class Item>  // RawNode or RawElement
+    void append(std::vector<Item>& items, IdIndex& index, const char* what, const Item& item) {
+        const int earlier = index.insert(item.id, static_cast<int>(items.size()));
+        if (earlier >= 0)
+            in.fail(std::string(what) + " id " + std::to_string(item.id) + " is there twice, first in line " +
+                    std::to_string(items[earlier].line));
+        items.push_back(item);
+    }
+
+    void nodes() {
+        if (!mesh.nodes.empty()) in.fail("a second $Nodes section");
+        const auto [blocks, count] = blocks_and_count("the number of nodes");
+        mesh.nodes.reserve(room_for(count));
+        node_index = IdIndex(room_for(count));
+        if (mesh.msh_version == 22) nodes_2_2(count);
+        else nodes_4_1(blocks, count);
+    }
+
+    void nodes_2_2(long long count) {
+        for (long long i = 0; i < count; ++i) {
+            begin_record("$Nodes", "nodes", i, count);
+            RawNode node{in.integer("a node id", 1, LLONG_MAX), {}, in.line};
+            for (double& x : node.x) x = in.real("a coordinate");
             in.end_of_line();
+            append(mesh.nodes, node_index, "node", node);
         }
-        for (std::size_t i = begin; i < begin + in_block; ++i) {
-            begin_record("$Nodes", "nodes with coordinates", static_cast<long long>(i), count);
-            for (double& x : mesh.nodes[i].x) x = in.real("a coordinate");
-            mesh.nodes[i].line = in.line;
-            if (parametric) in.rest_of_line();
+    }
+
+    void nodes_4_1(long long blocks, long long count) {
+        for (long long b = 0; b < blocks; ++b) {
+            begin_record("$Nodes", "blocks", b, blocks);
+            in.integer("the dimension of the entity", 0, 3);
+            in.small_integer("the entity tag");
+            const bool parametric = in.integer("0 or 1 (parametric)", 0, 1) == 1;
+            const std::size_t begin = mesh.nodes.size();
+            const auto in_block = static_cast<std::size_t>(
+                in.integer("the number of nodes of this block", 0, count - static_cast<long long>(begin)));
             in.end_of_line();
+            for (std::size_t i = 0; i < in_block; ++i) {
+                begin_record("$Nodes", "nodes", static_cast<long long>(mesh.nodes.size()), count);
+                append(mesh.nodes, node_index, "node", {in.integer("a node id", 1, LLONG_MAX), {}, in.line});
+                in.end_of_line();
+            }
+            for (std::size_t i = begin; i < begin + in_block; ++i) {
+                begin_record("$Nodes", "nodes with coordinates", static_cast<long long>(i), count);
+                for (double& x : mesh.nodes[i].x) x = in.real("a coordinate");
+                mesh.nodes[i].line = in.line;
+                if (parametric) in.rest_of_line();
+                in.end_of_line();
+            }
         }
+        check_total("$Nodes", "nodes", static_cast<long long>(mesh.nodes.size()), count);
     }
-    if (static_cast<long long>(mesh.nodes.size()) != count)
-        in.fail("$Nodes announces " + std::to_string(count) + " nodes, its blocks hold " +
-                std::to_string(mesh.nodes.size()));
-}
 
-void MshReader::elements() {
-    if (!mesh.elements.empty()) in.fail("a second $Elements section");
-    if (mesh.nodes.empty()) in.fail("$Elements before $Nodes");
-    const auto [blocks, count] = blocks_and_count("the number of elements");
-    mesh.elements.reserve(room_for(count));
-    element_index = IdIndex(room_for(count));
-    if (mesh.msh_version == 22) elements_2_2(count);
-    else elements_4_1(blocks, count);
-    if (!foreign.empty()) refuse_foreign();
-}
-
-// Counts the elements that are not, to be refused together.
-bool MshReader::is_simplex(int number, const ElementType& type, long long count) {
-    if (type.dim >= 0) return true;
-    const auto same = std::find_if(foreign.begin(), foreign.end(), [&](const auto& f) { return f.type == number; });
-    if (same == foreign.end()) foreign.push_back({number, in.line, count});
-    else same->count += count;
-    return false;
-}
-
-void MshReader::refuse_foreign() const {
-    std::string what;
-    for (const ForeignElements& f : foreign)
-        what += (what.empty() ? "" : "; ") + std::to_string(f.count) + " " + foreign_name(f.type) + " of type " +
-                std::to_string(f.type) + ", the first in line " + std::to_string(f.line);
-    in.fail(foreign[0].line, what + ": only complete simplices of degree 1 to 7 are read");
-}
-
-void MshReader::element_nodes(int count) {
-    for (int k = 0; k < count; ++k) {
-        const long long id = in.integer("a node id", 1, LLONG_MAX);
-        const int node = node_index.find(id);
-        if (node < 0) in.fail("the element has node " + std::to_string(id) + ", which is not in $Nodes");
-        mesh.element_nodes.push_back(node);
+    void elements() {
+        if (!mesh.elements.empty()) in.fail("a second $Elements section");
+        if (mesh.nodes.empty()) in.fail("$Elements before $Nodes");
+        const auto [blocks, count] = blocks_and_count("the number of elements");
+        mesh.elements.reserve(room_for(count));
+        element_index = IdIndex(room_for(count));
+        if (mesh.msh_version == 22) elements_2_2(count);
+        else elements_4_1(blocks, count);
+        if (!foreign.empty()) refuse_foreign();
     }
-    in.end_of_line();
-}
 
-void MshReader::elements_2_2(long long count) {
-    for (long long i = 0; i < count; ++i) {
-        begin_record("$Elements", "elements", i, count);
-        RawElement element{in.integer("an element id", 1, LLONG_MAX), mesh.element_nodes.size(), in.line, 0, 0, 0, 0};
+    // Most elements have the type of the one before.
+    const ElementType& read_element_type() {
         const int number = in.small_integer("an element type", 1);
-        const ElementType type = element_type(number);
-        if (!is_simplex(number, type, 1)) {
-            in.rest_of_line();
-            continue;
-        }
-        element.dim = type.dim;
-        element.degree = type.degree;
-        const long long tags = in.integer("the number of tags", 0, INT_MAX);
-        for (long long k = 0; k < tags; ++k) {
-            const int tag = in.small_integer("a tag");
-            if (k == 0) element.physical = std::abs(tag);
-            if (k == 1) element.entity = tag;
-        }
-        append(mesh.elements, element_index, "element", element);
-        element_nodes(type.nodes);
+        return number == last_type.number ? last_type : last_type = element_type(number);
     }
-}
 
-void MshReader::elements_4_1(long long blocks, long long count) {
-    long long done = 0;
-    for (long long b = 0; b < blocks; ++b) {
-        begin_record("$Elements", "blocks", b, blocks);
-        const int dim = static_cast<int>(in.integer("the dimension of the entity", 0, 3));
-        const int entity = in.small_integer("the entity tag");
-        const int number = in.small_integer("an element type", 1);
-        const ElementType type = element_type(number);
-        const long long in_block = in.integer("the number of elements of this block", 0, count - done);
+    // Elements of other types are counted, to be refused all together.
+    void add_foreign(int type, long long count) {
+        const auto same = std::find_if(foreign.begin(), foreign.end(), [&](const auto& f) { return f.type == type; });
+        if (same == foreign.end()) foreign.push_back({type, in.line, count});
+        else same->count += count;
+    }
+
+    void refuse_foreign() const {
+        std::string what;
+        for (const ForeignElements& f : foreign)
+            what += (what.empty() ? "" : "; ") + std::to_string(f.count) + " " + foreign_name(f.type) + " of type " +
+                    std::to_string(f.type) + ", the first in line " + std::to_string(f.line);
+        in.fail(foreign[0].line, what + ": only complete simplices of degree 1 to 7 are read");
+    }
+
+    void element_nodes(int count) {
+        for (int k = 0; k < count; ++k) {
+            const long long id = in.integer("a node id", 1, LLONG_MAX);
+            const int node = node_index.find(id);
+            if (node < 0) in.fail("the element has node " + std::to_string(id) + ", which is not in $Nodes");
+            mesh.element_nodes.push_back(node);
+        }
         in.end_of_line();
-        const bool wanted = is_simplex(number, type, in_block);
-        if (wanted && type.dim != dim)
-            in.fail("element type " + std::to_string(number) + " in an entity of dimension " + std::to_string(dim));
-        const RawEntity* const listed = find_entity(mesh, dim, entity);
-        const int physical = listed && !listed->physical.empty() ? listed->physical.front() : 0;
-        for (long long i = 0; i < in_block; ++i, ++done) {
-            begin_record("$Elements", "elements", done, count);
-            if (!wanted) {
+    }
+
+    void elements_2_2(long long count) {
+        for (long long i = 0; i < count; ++i) {
+            begin_record("$Elements", "elements", i, count);
+            const long long id = in.integer("an element id", 1, LLONG_MAX);
+            const ElementType& type = read_element_type();
+            if (type.dim < 0) {
+                add_foreign(type.number, 1);
                 in.rest_of_line();
                 continue;
             }
-            const long long id = in.integer("an element id", 1, LLONG_MAX);
-            append(mesh.elements, element_index, "element",
-                   {id, mesh.element_nodes.size(), in.line, dim, type.degree, physical, entity});
+            RawElement element{id, mesh.element_nodes.size(), in.line, type.dim, type.degree, 0, 0};
+            const long long tags = in.integer("the number of tags", 0, INT_MAX);
+            for (long long k = 0; k < tags; ++k) {
+                const int tag = in.small_integer("a tag");
+                if (k == 0) element.physical = std::abs(tag);
+                if (k == 1) element.entity = tag;
+            }
+            append(mesh.elements, element_index, "element", element);
             element_nodes(type.nodes);
         }
     }
-    if (done != count)
-        in.fail("$Elements announces " + std::to_string(count) + " elements, its blocks hold " + std::to_string(done));
-}
+
+    void elements_4_1(long long blocks, long long count) {
+        long long done = 0;
+        for (long long b = 0; b < blocks; ++b) {
+            begin_record("$Elements", "blocks", b, blocks);
+            const int dim = static_cast<int>(in.integer("the dimension of the entity", 0, 3));
+            const int entity = in.small_integer("the entity tag");
+            const ElementType& type = read_element_type();
+            const long long in_block = in.integer("the number of elements of this block", 0, count - done);
+            in.end_of_line();
+            if (type.dim < 0) add_foreign(type.number, in_block);
+            else if (type.dim != dim)
+                in.fail("element type " + std::to_string(type.number) + " in an entity of dimension " +
+                        std::to_string(dim));
+            const RawEntity* const listed = find_entity(mesh, dim, entity);
+            const int physical = listed && !listed->physical.empty() ? listed->physical.front() : 0;
+            for (long long i = 0; i < in_block; ++i, ++done) {
+                begin_record("$Elements", "elements", done, count);
+                if (type.dim < 0) {
+                    in.rest_of_line();
+                    continue;
+                }
+                const long long id = in.integer("an element id", 1, LLONG_MAX);
+                append(mesh.elements, element_index, "element",
+                       {id, mesh.element_nodes.size(), in.line, dim, type.degree, physical, entity});
+                element_nodes(type.nodes);
+            }
+        }
+        check_total("$Elements", "elements", done, count);
+    }
+};
 
 }  // namespace
 
@@ -359,6 +340,7 @@ bool looks_like_msh(std::string_view text) {
 RawMesh parse_msh(std::string_view text, const std::string& path) {
     MshReader reader{TextScanner(text, path), {}};
     reader.mesh.path = path;
+    reader.mesh.msh_version = 0;
     return reader.read();
 }
 

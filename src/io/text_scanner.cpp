@@ -65,7 +65,7 @@ double TextScanner::real(const char* what) {
     const auto [stop, error] = std::from_chars(begin, end, value);
     if (error == std::errc::invalid_argument || !is_word_end(stop))
         fail(std::string("expected ") + what + ", got " + word());
-    // from_chars() does not tell 1e-400 from 1e400.
+    // from_chars() does not distinguish underflow (1e-400, read as 0) from overflow (1e400).
     if (error == std::errc::result_out_of_range) value = std::strtod(std::string(begin, stop).c_str(), nullptr);
     if (!std::isfinite(value)) fail(std::string(what) + " " + word() + " is not a finite number");
     at = stop;

@@ -1,5 +1,5 @@
-// Walks over a text by records, one to a line: blank lines are skipped, and a number is never looked for on the next
-// line, so that a missing one is reported where it is missing. For files too large for word lists.
+// Scanner of a text with one record per line, in one pass and without allocation: blank lines are skipped, and a number
+// is never taken from the next line, so that a missing one is reported in the line where it is missing.
 #pragma once
 #include <limits>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace almesh {
 
-// `at` stands inside line `line` (from 1) or at its line end. All failures are InputError "path:line: message".
+// `at` points into line `line` (from 1) or to its line end. All failures are InputError "path:line: message".
 struct TextScanner {
     const char *at, *end;
     const std::string& path;  // for messages; must outlive the scanner

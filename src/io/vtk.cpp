@@ -1,3 +1,5 @@
+// A file is a header, the field data, the points, the cells with their types, and the point and cell data, in this
+// order. Large parts are formatted in parallel, a block of rows at a time.
 #include "io/vtk.hpp"
 
 #include <algorithm>
@@ -51,7 +53,7 @@ struct VtkNumbers {
         append(text, value, 9);
         text += separator;
     }
-    // Behind an array: in binary it is the only line end.
+    // After an array; in binary files the only line end.
     void end(const TextSink& sink) const {
         if (binary) sink("\n");
     }
@@ -65,7 +67,8 @@ private:
     }
 };
 
-// A binary string is not encoded, but begins with its length: 6 bits behind 11, or 14 behind 10 (vtkDataWriter).
+// A string of a binary file is not encoded, but begins with its length: the bits 11 and 6 bits, or 10 and 14 bits
+// (vtkDataWriter).
 void append_string(std::string& text, const std::string& value, bool binary) {
     constexpr std::size_t longest = 16383;
     const std::string shown = binary ? value.substr(0, longest) : encoded(value);

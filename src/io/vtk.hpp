@@ -1,11 +1,11 @@
-// Writer of legacy VTK files, ASCII or binary: simplices of any degree with point and cell data, for ParaView and kin.
+// Writer of legacy VTK files, ASCII or binary: simplices of any degree with point and cell data.
 //
 // File format: "VTK File Formats" of the VTK User's Guide. Header 3.0 with the body of that version, which ParaView,
 // MFEM and VisIt read; Lagrange cells (types 68, 69, 71) from degree 3 on. ParaView shows curved cells as curved with a
 // raised Nonlinear Subdivision Level.
 //
-// Binary is the same sequence of numbers, without separators, as big-endian doubles and 4-byte integers: faster to
-// write and to read, and without rounding to digits.
+// Binary files hold the same sequence of numbers without separators, as big-endian doubles and 4-byte integers: faster
+// to write and to read, and without rounding.
 #pragma once
 #include <string>
 #include <utility>
@@ -16,7 +16,7 @@ namespace almesh {
 enum class VtkFormat { ascii, binary };
 
 struct VtkArray {
-    std::string name;           // blanks and the like are %-encoded, which readers undo
+    std::string name;           // blanks and other special characters are %-encoded, which readers undo
     int components;             // 1, or dim, written as a 3-vector
     std::vector<double> value;  // count x components
 };
@@ -24,7 +24,7 @@ struct VtkArray {
 // Node order of a VTK simplex by Gmsh's: node i of the VTK cell is node vtk_node_order(...)[i] of Gmsh's.
 std::vector<int> vtk_node_order(int cell_dim, int degree);
 
-// An unstructured grid of one kind of cell.
+// An unstructured grid of cells of one type.
 struct VtkGrid {
     std::string title;                           // its first line, at most 255 characters, is written
     int dim, degree;

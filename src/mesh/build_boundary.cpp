@@ -36,11 +36,6 @@ struct Matched {
     int inside = 0, repeated = 0;            // tagged faces dropped
 };
 
-template <class Values>
-void append(Values& to, const Values& from) {
-    to.insert(to.end(), from.begin(), from.end());
-}
-
 struct BoundaryMatcher {
     explicit BoundaryMatcher(const MeshBuild& of) : build(of), side_of_face(of.faces.size(), -1) {}
 
@@ -50,175 +45,168 @@ struct BoundaryMatcher {
     const std::vector<std::vector<int>> face_nodes = LagrangeBasis(dim, mesh.degree).face_nodes();
     std::vector<int> side_of_face;  // by tagged face: number of its element's side, -1: dropped
 
-    Matched match();
-    void match_vertex(const std::vector<Side>& sides, Matched& found);
-    Side side(int number) const;
-    std::vector<int> nodes_of(int number) const;
     const RawElement& element_of(const Side& side) const { return build.element(side.number / corners); }
     const RawElement& tagged_face(const Side& side) const { return build.face(side.number - first_tagged); }
     int opposite_vertex(const Side& side) const { return mesh.element(side.number / corners)[side.number % corners]; }
 
-    void check_elements(const Side* begin, const Side* end) const;
-    void check_tags(const Side* begin, const Side* end) const;
-    void check_face(const Side& element, const Side& tagged) const;
-    [[noreturn]] void refuse_without_element(const RawElement& face) const;
-    [[noreturn]] void refuse_untagged(const std::vector<int>& untagged) const;
-};
-
-Side BoundaryMatcher::side(int number) const {
-    Side result{{-1, -1, -1}, number, true};
-    auto& v = result.vertex;
-    if (number < first_tagged) {
-        const int* const node = mesh.element(number / corners);
-        const CellFace& local = mesh.cell().faces[number % corners];
-        for (int k = 0; k < dim; ++k) v[k] = node[local[k]];
-    } else {
-        const int* const node = &build.raw.element_nodes[build.face(number - first_tagged).first];
-        for (int k = 0; k < dim; ++k) v[k] = build.node[node[k]];
-    }
-    const auto order = [&](int a, int b) {
-        if (v[a] <= v[b]) return;
-        std::swap(v[a], v[b]);
-        result.even = !result.even;
-    };
-    order(0, 1);
-    if (dim == 3) order(1, 2);
-    if (dim == 3) order(0, 1);
-    return result;
-}
-
-// All nodes of a side, ascending.
-std::vector<int> BoundaryMatcher::nodes_of(int number) const {
-    std::vector<int> nodes;
-    if (number < first_tagged) {
-        for (int k : face_nodes[number % corners]) nodes.push_back(mesh.element(number / corners)[k]);
-    } else {
-        const std::size_t first = build.face(number - first_tagged).first;
-        for (int k = 0; k < mesh.face_nodes(); ++k) nodes.push_back(build.node[build.raw.element_nodes[first + k]]);
-    }
-    std::sort(nodes.begin(), nodes.end());
-    return nodes;
-}
-
-// Elements' sides [begin, end) have the same vertices.
-void BoundaryMatcher::check_elements(const Side* begin, const Side* end) const {
-    const Side* const third = begin + std::min<std::ptrdiff_t>(end - begin, 3);  // a bad mesh may have thousands
-    for (const Side* a = begin; a != third; ++a)
-        for (const Side* b = a + 1; b != third; ++b)
-            if (opposite_vertex(*a) == opposite_vertex(*b))
-                refuse(build.raw, element_of(*b),
-                       "has the vertices of " + name_of(element_of(*a)) + ": an element may be in one " +
-                           entity_kind(dim) + " and one physical group only");
-    if (end - begin > 2)
-        refuse(build.raw, element_of(begin[2]),
-               "is the third at the face with the nodes " + build.node_ids(begin->vertex.data(), dim) + ", after " +
-                   name_of(element_of(begin[0])) + " and " + name_of(element_of(begin[1])));
-    if (end - begin == 2 && mesh.degree > 1 && nodes_of(begin[0].number) != nodes_of(begin[1].number))
-        refuse(build.raw, element_of(begin[1]), "and " + name_of(element_of(begin[0])) +
-                                                    " share the vertices of a face, but not its other nodes");
-}
-
-// Tagged faces [begin, end) have the same vertices.
-void BoundaryMatcher::check_tags(const Side* begin, const Side* end) const {
-    for (const Side* other = begin; other != end; ++other)
-        if (tagged_face(*other).physical != tagged_face(*begin).physical)
-            refuse(build.raw, tagged_face(*other),
-                   "with tag " + std::to_string(tagged_face(*other).physical) + " has the vertices of " +
-                       name_of(tagged_face(*begin)) + " with tag " + std::to_string(tagged_face(*begin).physical) +
-                       ": a boundary face needs exactly one tag");
-}
-
-void BoundaryMatcher::check_face(const Side& element, const Side& tagged) const {
-    const RawElement& face = tagged_face(tagged);
-    const RawEntity* entity = find_entity(build.raw, face.dim, face.entity);
-    if (entity && entity->physical.size() > 1)
-        refuse(build.raw, face, "lies on " + entity_kind(face.dim) + " " + std::to_string(entity->tag) +
-                                    ", which has the tags " + std::to_string(entity->physical[0]) + " and " +
-                                    std::to_string(entity->physical[1]) + ": a boundary face needs exactly one tag");
-    if (nodes_of(tagged.number) != nodes_of(element.number))
-        refuse(build.raw, face,
-               "has the vertices of a face of " + name_of(element_of(element)) + ", but not its other nodes");
-}
-
-void BoundaryMatcher::refuse_without_element(const RawElement& face) const {
-    refuse(build.raw, face, "with tag " + std::to_string(face.physical) + " is the face of no " + mesh.cell().name +
-                                ": take it out of its physical group");
-}
-
-void BoundaryMatcher::refuse_untagged(const std::vector<int>& untagged) const {
-    const int first = *std::min_element(untagged.begin(), untagged.end());
-    const CellFace& local = mesh.cell().faces[first % corners];
-    int vertex[3];
-    for (int k = 0; k < dim; ++k) vertex[k] = mesh.element(first / corners)[local[k]];
-    std::string centre;
-    for (int a = 0; a < dim; ++a) {
-        double sum = 0;
-        for (int k = 0; k < dim; ++k) sum += mesh.x[offset(vertex[k], dim, a)];
-        almesh::append(centre += a ? ", " : "", sum / dim, 6);
-    }
-    const std::string what = entity_kind(dim - 1);
-    refuse(build.raw, "an untagged boundary: " + counted(untagged.size(), "boundary face") + " without a physical " +
-                          what + ", the first has the nodes " + build.node_ids(vertex, dim) + " and the centre (" +
-                          centre + "); put every boundary " + what + " into a Physical " +
-                          (dim == 2 ? "Curve" : "Surface") + " of the .geo file and mesh again, without -save_all");
-}
-
-// sides: those of one lowest vertex, ascending.
-void BoundaryMatcher::match_vertex(const std::vector<Side>& sides, Matched& found) {
-    const Side* const last = sides.data() + sides.size();
-    for (const Side *begin = sides.data(), *end; begin != last; begin = end) {
-        end = std::find_if(begin, last, [&](const Side& s) { return !s.has_vertices_of(*begin); });
-        const Side* const tagged = std::find_if(begin, end, [&](const Side& s) { return s.number >= first_tagged; });
-        if (tagged == begin) refuse_without_element(tagged_face(*tagged));
-        check_elements(begin, tagged);
-        check_tags(tagged, end);
-        const int tags = static_cast<int>(end - tagged);
-        if (tagged - begin == 2) {
-            found.inside += tags;
-            if (begin[0].even == begin[1].even)
-                found.folded.push_back({begin[0].number / corners, begin[1].number / corners});
-        } else if (tags == 0) {
-            found.untagged.push_back(begin->number);
+    Side side(int number) const {
+        Side result{{-1, -1, -1}, number, true};
+        auto& v = result.vertex;
+        if (number < first_tagged) {
+            const int* const node = mesh.element(number / corners);
+            const CellFace& local = mesh.cell().faces[number % corners];
+            for (int k = 0; k < dim; ++k) v[k] = node[local[k]];
         } else {
-            check_face(*begin, *tagged);
-            side_of_face[tagged->number - first_tagged] = begin->number;
-            found.repeated += tags - 1;
+            const int* const node = &build.raw.element_nodes[build.face(number - first_tagged).first];
+            for (int k = 0; k < dim; ++k) v[k] = build.node[node[k]];
+        }
+        const auto order = [&](int a, int b) {
+            if (v[a] <= v[b]) return;
+            std::swap(v[a], v[b]);
+            result.even = !result.even;
+        };
+        order(0, 1);
+        if (dim == 3) order(1, 2);
+        if (dim == 3) order(0, 1);
+        return result;
+    }
+
+    // All nodes of a side, ascending.
+    std::vector<int> nodes_of(int number) const {
+        std::vector<int> nodes;
+        if (number < first_tagged) {
+            for (int k : face_nodes[number % corners]) nodes.push_back(mesh.element(number / corners)[k]);
+        } else {
+            const std::size_t first = build.face(number - first_tagged).first;
+            for (int k = 0; k < mesh.face_nodes(); ++k) nodes.push_back(build.node[build.raw.element_nodes[first + k]]);
+        }
+        std::sort(nodes.begin(), nodes.end());
+        return nodes;
+    }
+
+    // Elements' sides [begin, end) have the same vertices.
+    void check_elements(const Side* begin, const Side* end) const {
+        const Side* const third = begin + std::min<std::ptrdiff_t>(end - begin, 3);  // a bad mesh may have thousands
+        for (const Side* a = begin; a != third; ++a)
+            for (const Side* b = a + 1; b != third; ++b)
+                if (opposite_vertex(*a) == opposite_vertex(*b))
+                    refuse(build.raw, element_of(*b),
+                           "has the vertices of " + name_of(element_of(*a)) + ": an element may be in one " +
+                               entity_kind(dim) + " and one physical group only");
+        if (end - begin > 2)
+            refuse(build.raw, element_of(begin[2]),
+                   "is the third at the face with the nodes " + build.node_ids(begin->vertex.data(), dim) + ", after " +
+                       name_of(element_of(begin[0])) + " and " + name_of(element_of(begin[1])));
+        if (end - begin == 2 && mesh.degree > 1 && nodes_of(begin[0].number) != nodes_of(begin[1].number))
+            refuse(build.raw, element_of(begin[1]), "and " + name_of(element_of(begin[0])) +
+                                                        " share the vertices of a face, but not its other nodes");
+    }
+
+    // Tagged faces [begin, end) have the same vertices.
+    void check_tags(const Side* begin, const Side* end) const {
+        for (const Side* other = begin; other != end; ++other)
+            if (tagged_face(*other).physical != tagged_face(*begin).physical)
+                refuse(build.raw, tagged_face(*other),
+                       "with tag " + std::to_string(tagged_face(*other).physical) + " has the vertices of " +
+                           name_of(tagged_face(*begin)) + " with tag " + std::to_string(tagged_face(*begin).physical) +
+                           ": a boundary face needs exactly one tag");
+    }
+
+    void check_face(const Side& element, const Side& tagged) const {
+        const RawElement& face = tagged_face(tagged);
+        const RawEntity* entity = find_entity(build.raw, face.dim, face.entity);
+        if (entity && entity->physical.size() > 1)
+            refuse(build.raw, face,
+                   "lies on " + entity_kind(face.dim) + " " + std::to_string(entity->tag) + ", which has the tags " +
+                       std::to_string(entity->physical[0]) + " and " + std::to_string(entity->physical[1]) +
+                       ": a boundary face needs exactly one tag");
+        if (nodes_of(tagged.number) != nodes_of(element.number))
+            refuse(build.raw, face,
+                   "has the vertices of a face of " + name_of(element_of(element)) + ", but not its other nodes");
+    }
+
+    void refuse_without_element(const RawElement& face) const {
+        refuse(build.raw, face, "with tag " + std::to_string(face.physical) + " is the face of no " + mesh.cell().name +
+                                    ": take it out of its physical group");
+    }
+
+    void refuse_untagged(const std::vector<int>& untagged) const {
+        const int first = *std::min_element(untagged.begin(), untagged.end());
+        const CellFace& local = mesh.cell().faces[first % corners];
+        int vertex[3];
+        for (int k = 0; k < dim; ++k) vertex[k] = mesh.element(first / corners)[local[k]];
+        std::string centre;
+        for (int a = 0; a < dim; ++a) {
+            double sum = 0;
+            for (int k = 0; k < dim; ++k) sum += mesh.x[offset(vertex[k], dim, a)];
+            append(centre += a ? ", " : "", sum / dim, 6);
+        }
+        const std::string what = entity_kind(dim - 1);
+        refuse(build.raw, "an untagged boundary: " + counted(untagged.size(), "boundary face") +
+                              " without a physical " + what + ", the first has the nodes " +
+                              build.node_ids(vertex, dim) + " and the centre (" + centre + "); put every boundary " +
+                              what + " into a Physical " + (dim == 2 ? "Curve" : "Surface") +
+                              " of the .geo file and mesh again, without -save_all");
+    }
+
+    // Compares the runs of equal vertices. sides: those of one lowest vertex, ascending.
+    void match_vertex(const std::vector<Side>& sides, Matched& found) {
+        const Side* const last = sides.data() + sides.size();
+        for (const Side *begin = sides.data(), *end; begin != last; begin = end) {
+            end = std::find_if(begin, last, [&](const Side& s) { return !s.has_vertices_of(*begin); });
+            const auto is_tagged = [&](const Side& s) { return s.number >= first_tagged; };
+            const Side* const tagged = std::find_if(begin, end, is_tagged);
+            if (tagged == begin) refuse_without_element(tagged_face(*tagged));
+            check_elements(begin, tagged);
+            check_tags(tagged, end);
+            const int tags = static_cast<int>(end - tagged);
+            if (tagged - begin == 2) {
+                found.inside += tags;
+                if (begin[0].even == begin[1].even)
+                    found.folded.push_back({begin[0].number / corners, begin[1].number / corners});
+            } else if (tags == 0) {
+                found.untagged.push_back(begin->number);
+            } else {
+                check_face(*begin, *tagged);
+                side_of_face[tagged->number - first_tagged] = begin->number;
+                found.repeated += tags - 1;
+            }
         }
     }
-}
 
-// In parallel over blocks of lowest vertices; the sides of each vertex are found by a counting sort.
-Matched BoundaryMatcher::match() {
-    constexpr int block = 256;
-    const int count = first_tagged + static_cast<int>(build.faces.size());
-    std::vector<int> lowest(count), start(mesh.nodes() + 2, 0), sorted(count);
-    parallel_for(count, [&](int s) { lowest[s] = side(s).vertex[0]; });
-    for (int s = first_tagged; s < count; ++s)
-        if (lowest[s] < 0) refuse_without_element(build.face(s - first_tagged));
-    for (int v : lowest) ++start[v + 2];
-    for (int v = 0; v < mesh.nodes(); ++v) start[v + 2] += start[v + 1];
-    for (int s = 0; s < count; ++s) sorted[start[lowest[s] + 1]++] = s;
+    // The sides go to their lowest vertices by a counting sort, then blocks of vertices are matched in parallel.
+    Matched match() {
+        constexpr int block = 256;
+        const int count = first_tagged + static_cast<int>(build.faces.size());
+        std::vector<int> lowest(count), start(mesh.nodes() + 2, 0), sorted(count);
+        parallel_for(count, [&](int s) { lowest[s] = side(s).vertex[0]; });
+        for (int s = first_tagged; s < count; ++s)
+            if (lowest[s] < 0) refuse_without_element(build.face(s - first_tagged));
+        for (int v : lowest) ++start[v + 2];
+        for (int v = 0; v < mesh.nodes(); ++v) start[v + 2] += start[v + 1];
+        for (int s = 0; s < count; ++s) sorted[start[lowest[s] + 1]++] = s;
 
-    std::vector<Matched> found((mesh.nodes() + block - 1) / block);
-    parallel_for_throwing(static_cast<int>(found.size()), [&](int b) {
-        std::vector<Side> sides;
-        for (int v = b * block, end = std::min(mesh.nodes(), v + block); v < end; ++v) {
-            sides.clear();
-            for (int k = start[v]; k < start[v + 1]; ++k) sides.push_back(side(sorted[k]));
-            std::sort(sides.begin(), sides.end());
-            match_vertex(sides, found[b]);
+        std::vector<Matched> found((mesh.nodes() + block - 1) / block);
+        parallel_for_throwing(static_cast<int>(found.size()), [&](int b) {
+            std::vector<Side> sides;
+            for (int v = b * block, end = std::min(mesh.nodes(), v + block); v < end; ++v) {
+                sides.clear();
+                for (int k = start[v]; k < start[v + 1]; ++k) sides.push_back(side(sorted[k]));
+                std::sort(sides.begin(), sides.end());
+                match_vertex(sides, found[b]);
+            }
+        }, 1000.0 * block);
+        Matched all;
+        for (const Matched& part : found) {
+            all.untagged.insert(all.untagged.end(), part.untagged.begin(), part.untagged.end());
+            all.folded.insert(all.folded.end(), part.folded.begin(), part.folded.end());
+            all.inside += part.inside;
+            all.repeated += part.repeated;
         }
-    }, 1000.0 * block);
-    Matched all;
-    for (const Matched& part : found) {
-        append(all.untagged, part.untagged);
-        append(all.folded, part.folded);
-        all.inside += part.inside;
-        all.repeated += part.repeated;
+        if (!all.untagged.empty()) refuse_untagged(all.untagged);
+        return all;
     }
-    if (!all.untagged.empty()) refuse_untagged(all.untagged);
-    return all;
-}
+};
 
 std::string boundary_name(const RawMesh& raw, int dim, int tag) {
     for (const PhysicalGroup& group : raw.groups)

@@ -3,14 +3,16 @@
 // The rows are the simplices of dimension 0 to 3. Quadrilaterals, hexahedra, prisms and pyramids would be further rows.
 // What the program assumes beyond the table holds for simplices only and would have to change with them:
 //
-//   one cell type per mesh: dim and degree say all of it        Mesh::element(), build.cpp: select(), flat arrays
-//   face k has dim vertices, all but the opposite vertex k      CellType::faces, build_boundary.cpp, refine.cpp
+//   one cell type per mesh, given by dim and degree             Mesh::element(), build.cpp: select(), flat arrays
+//   a cell has dim + 1 vertices, its first nodes; face k has    CellType::faces, build_boundary.cpp, refine.cpp;
+//   all of them but the opposite vertex k                       centres in check/quality and app/uncertified
 //   the ideal Jacobian A is constant in an element              straight_jacobian() and all that call it; one A per
 //                                                               element in energy/, one scaling per face in constraint/
 //   nodes are multi-indices, polynomials are in Bernstein form  lattice_nodes(), LagrangeBasis, geometry/bezier,
 //   in barycentric coordinates                                  check/certificate
 //   quadrature in barycentric or collapsed coordinates          quadrature.cpp, quadrature_table.cpp
 //   children have vertices and edge midpoints as vertices       CellType::children, refine.cpp, prolongation.cpp
+//   the best shape is the regular simplex                       check/quality
 //
 // The reference simplex is {xi >= 0, sum xi <= 1}; its vertex 0 is the origin, vertex k the unit vector k - 1.
 #pragma once

@@ -30,9 +30,8 @@ using NodeKey = std::array<std::pair<int, int>, 4>;
 
 struct NodeKeyHash {
     std::size_t operator()(const NodeKey& key) const {
-        std::size_t h = 14695981039346656037u;  // as FNV-1a, by whole ints
-        for (const auto& [vertex, entry] : key)
-            for (int k : {vertex, entry}) h = (h ^ static_cast<std::size_t>(k)) * 1099511628211u;
+        std::size_t h = 14695981039346656037u;  // as FNV-1a, by whole pairs
+        for (const auto& [vertex, entry] : key) h = (h ^ (offset(vertex, max_degree + 1, entry))) * 1099511628211u;
         return h;
     }
 };
