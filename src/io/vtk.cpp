@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "base/files.hpp"
+#include "base/index.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {

@@ -6,7 +6,7 @@
 //   one cell type per mesh, given by dim and degree             Mesh::element(), build.cpp: select(), flat arrays
 //   a cell has dim + 1 vertices, its first nodes; face k has    CellType::faces, build_boundary.cpp, refine.cpp;
 //   all of them but the opposite vertex k                       centres in check/quality and app/uncertified
-//   the ideal Jacobian A is constant in an element              straight_jacobian() and all that call it; one A per
+//   the ideal Jacobian A is constant in an element              straight_jacobian() in mesh.hpp and its callers; A per
 //                                                               element in energy/, one scaling per face in constraint/
 //   nodes are multi-indices, polynomials are in Bernstein form  lattice_nodes(), LagrangeBasis, geometry/bezier,
 //   in barycentric coordinates                                  check/certificate
@@ -17,12 +17,8 @@
 // The reference simplex is {xi >= 0, sum xi <= 1}; its vertex 0 is the origin, vertex k the unit vector k - 1.
 #pragma once
 #include <array>
-#include <cstddef>
 #include <span>
 #include <vector>
-
-#include "base/index.hpp"
-#include "base/small_matrix.hpp"
 
 namespace almesh {
 
@@ -69,16 +65,5 @@ std::vector<MultiIndex> lattice_nodes(int dim, int degree, std::span<const CellE
 
 // The same in Gmsh's order (Gmsh reference manual, "Node ordering"), which is that of all meshes here.
 std::vector<MultiIndex> gmsh_node_order(int dim, int degree);
-
-// Jacobian A = dy / dxi of the affine map of a straight-sided simplex: column k is the edge from vertex 0 to vertex
-// k + 1. vertex: n + 1 nodes, the first of an element of any degree. y: nodes x n.
-template <int n>
-Mat<n> straight_jacobian(const int* vertex, const std::vector<double>& y) {
-    const double* const y0 = point(y, vertex[0], n);
-    Mat<n> A;
-    for (int a = 0; a < n; ++a)
-        for (int k = 0; k < n; ++k) A[a][k] = y[offset(vertex[k + 1], n, a)] - y0[a];
-    return A;
-}
 
 }  // namespace almesh

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/index.hpp"
+#include "base/small_matrix.hpp"
 #include "mesh/cells.hpp"
 
 namespace almesh {
@@ -55,6 +56,17 @@ std::vector<double> straight_sided(const Mesh& mesh);
 
 // Mean of the positions x (node_count x dim) of `count` nodes; in 2D the third coordinate is 0.
 std::array<double, 3> centroid(const Mesh& mesh, const std::vector<double>& x, const int* nodes, int count);
+
+// Jacobian A = dy / dxi of the affine map of a straight-sided simplex: column k is the edge from vertex 0 to vertex
+// k + 1. vertex: n + 1 nodes, the first of an element of any degree. y: nodes x n.
+template <int n>
+Mat<n> straight_jacobian(const int* vertex, const std::vector<double>& y) {
+    const double* const y0 = point(y, vertex[0], n);
+    Mat<n> A;
+    for (int a = 0; a < n; ++a)
+        for (int k = 0; k < n; ++k) A[a][k] = y[offset(vertex[k + 1], n, a)] - y0[a];
+    return A;
+}
 
 // Volume of the straight-sided mesh with the vertex positions y (node_count x dim).
 double volume(const Mesh& mesh, const std::vector<double>& y);

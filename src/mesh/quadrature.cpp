@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/index.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/quadrature_table.hpp"
 

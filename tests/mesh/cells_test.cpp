@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <set>
 
+#include "mesh/mesh.hpp"
+
 using namespace almesh;
 
 namespace {
