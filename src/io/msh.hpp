@@ -13,14 +13,14 @@ namespace almesh {
 bool looks_like_msh(std::string_view text);
 
 // Reads the text of the file `path`. Tolerated: blank lines and blanks at line ends, CR LF, any number of element tags,
-// sections of other kinds (skipped). Throws InputError "path:line: message": other element types, binary and partitioned
-// meshes, other versions, ids that repeat or are not there, numbers that are not finite, counts that do not hold.
+// sections of other kinds (skipped). Throws InputError "path:line: message": other element types, binary and
+// partitioned meshes, other versions, ids that repeat or are not there, numbers that are not finite, wrong counts.
 // Cost: one pass over the text; memory: a small multiple of the text, whatever the counts in it say.
 RawMesh parse_msh(std::string_view text, const std::string& path);
 
 // The mesh in the version it came in (mesh.file.msh_version), with the ids, tags and names of the input and the
-// positions x (node_count x dim) in place of mesh.x; a 2D mesh at z = 0. Coordinates are the shortest decimals that read
-// back to the same bits (17 digits at most).
+// positions x (node_count x dim) in place of mesh.x; a 2D mesh at z = 0. Coordinates are the shortest decimals that
+// read back to the same bits (17 digits at most).
 std::string msh_text(const Mesh& mesh, const std::vector<double>& x);
 
 // The same to a file. Throws InputError where it cannot be written.

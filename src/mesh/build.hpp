@@ -19,8 +19,8 @@ enum class Folds {
 };
 
 // Repaired, each with a line in `notes`: nodes without elements (dropped), negatively oriented elements (two vertices
-// swapped), tagged faces inside the mesh and repeated ones (dropped), elements of several physical groups (the first one
-// kept), a 2D mesh at z != 0.
+// swapped), tagged faces inside the mesh and repeated ones (dropped), elements of several physical groups (the first
+// one kept), a 2D mesh at z != 0.
 // Throws InputError: no triangles or tetrahedra, mixed degrees, a surface in space, elements of zero volume, repeated
 // elements, faces of three elements, neighbours that do not share the nodes of their face, boundary faces without a tag
 // or with two, tagged faces without an element, and folds unless they are kept.

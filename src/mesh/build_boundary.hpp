@@ -25,8 +25,8 @@ struct MeshBuild {
 std::string counted(std::size_t count, const std::string& noun);  // "1 node", "2 nodes"
 std::string entity_kind(int dim);                                 // Gmsh's word: curve, surface or volume
 
-// Fills the faces of the mesh, whose nodes and elements are there already. Returns the pairs of elements that lie on the
-// same side of their common face: none in a valid mesh. Throws InputError where faces, elements and tags are
+// Fills the faces of the mesh, whose nodes and elements are there already. Returns the pairs of elements that lie on
+// the same side of their common face: none in a valid mesh. Throws InputError where faces, elements and tags are
 // inconsistent (see build_mesh()).
 //
 // Faces are matched by their vertices: those with the same lowest vertex are sorted. Cost: O(elements log(elements
