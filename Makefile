@@ -18,7 +18,7 @@ OBJECTS   := $(SOURCES:%.cpp=$(BUILD)/%.o)
 LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(OBJECTS))
 TESTS     := $(shell find tests -name '*.cpp' -not -path 'tests/bench/*' | sort)
 TEST_OBJECTS := $(TESTS:%.cpp=$(BUILD)/%.o)
-BENCH     := $(shell find tests/bench -name '*.cpp' | sort) tests/support/plain_assembly.cpp
+BENCH     := $(shell find tests/bench -name '*.cpp' | sort)
 BENCH_OBJECTS := $(BENCH:%.cpp=$(BUILD)/%.o)
 
 # Threads that wait soon sleep: spinning ones are slow on a machine with other work to do (src/main.cpp).

@@ -21,7 +21,8 @@
 #include "check/certificate.hpp"
 #include "constraint/dirichlet.hpp"
 #include "constraint/motion.hpp"
-#include "method/augmented_lagrangian.hpp"
+#include "energy/distortion_energy.hpp"
+#include "method/params.hpp"
 
 namespace almesh {
 

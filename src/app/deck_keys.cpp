@@ -113,13 +113,17 @@ const std::vector<DeckKey>& deck_keys() {
         {"refine", number<&Deck::refine>({0, 8}), "Uniform refinements of the mesh before the run."},
         {"target", choice<&Deck::target>({"exact", "nodal"}),
          "Boundary target: the motion of every boundary point, or its interpolation at the nodes."},
-        {"objective", choice<&Deck::distortion, &Distortion::objective>({"squared", "deviation"}),
-         "Integral of eta^2 (the tables of the paper) or of (eta - 1)^2 (its Eq. 5)."},
+        {"objective", choice<&Deck::distortion, &Distortion::objective>({"squared", "deviation", "size_shape"}),
+         "Integral of eta^2 (the tables of the paper), of (eta - 1)^2 (its Eq. 5), or of the latter with eta times "
+         "(sigma + 1/sigma)/2, sigma = det F: elements keep their sizes too."},
         {"delta", number<&Deck::distortion, &Distortion::delta>(not_negative),
          "Regularisation of det F in the distortion (Eq. 3), without unit; 0: none. Above 0 inverted elements have "
          "finite energy, and a step may invert one."},
         {"weight_exponent", number<&Deck::distortion, &Distortion::weight_exponent>({0, 1}),
          "alpha: an element weighs |e|^alpha in the integral; 1: the paper's, 0: all elements alike."},
+        {"assembly", choice<&Deck::distortion, &Distortion::assembly>({"simd", "plain"}),
+         "Assembly of the energy and its derivatives: one element per SIMD lane on all threads, or the textbook's, for "
+         "study: some hundred times slower."},
         {"algorithm", choice<&Deck::method, &Method::algorithm>({"adaptive", "paper", "literal"}),
          "Augmented Lagrangian schedule: multipliers at every step, Algorithm 1 as corrected, or as printed."},
         {"start", choice<&Deck::start>({"auto", "identity", "coarse"}),
@@ -150,7 +154,8 @@ const std::vector<DeckKey>& deck_keys() {
          "linear_tolerance."},
         {"linear_tolerance", number<&Deck::linear, &Linear::tolerance>({1e-15, 0.5}),
          "Relative residual at which cg and gmres stop; with forcing = auto the smallest one."},
-        {"gmres_restart", number<&Deck::linear, &Linear::restart>({1, 1000}), "GMRES iterations between restarts."},
+        {"gmres_restart", number<&Deck::linear, &Linear::restart>({1, 1000}),
+         "GMRES iterations between restarts."},
         {"gmres_max_iterations", number<&Deck::linear, &Linear::max_iterations>({1, 100000}),
          "Iterations of cg or gmres at most, per system."},
         {"quadrature", number<&Deck::distortion, &Distortion::exactness>({0, 40}),
@@ -181,7 +186,7 @@ void set_value(Deck& deck, const DeckKey& key, std::string_view text) {
 }
 
 std::string keys_table() {
-    const std::vector<std::size_t> width = {23, 11, 28, 38};
+    const std::vector<std::size_t> width = {23, 11, 33, 33};
     const Deck defaults;
     std::string text = table_row({"KEY", "DEFAULT", "LEGAL VALUES", "MEANING"}, width);
     for (const DeckKey& key : deck_keys()) {

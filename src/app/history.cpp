@@ -3,7 +3,7 @@
 #include <array>
 
 #include "base/text.hpp"
-#include "method/coarse_stage.hpp"
+#include "method/continuation.hpp"
 
 namespace almesh {
 namespace {
@@ -63,7 +63,7 @@ constexpr auto columns = std::to_array<Column>({
     {"omega", "tolerance of |grad E| in the subproblem", [](Al r) { return text(r.units.gradient(r.it.omega)); },
      nullptr},
     {"epsilon", "tolerance of |P c_D|^2 that decides between the updates",
-     [](Al r) { return text(r.units.squared_distance(r.it.epsilon)); }, nullptr},
+     [](Al r) { return std::isfinite(r.it.epsilon) ? text(r.units.squared_distance(r.it.epsilon)) : ""; }, nullptr},
     {"relative_quality", "q", [](Al r) { return text(r.it.relative_quality); }, nullptr, at_start},
     {"max_distortion", "largest eta", [](Al r) { return text(r.it.max_distortion); }, nullptr, at_start},
     {"newton_iterations", "Newton steps of the subproblem, or on the coarser mesh",
@@ -83,10 +83,10 @@ constexpr auto columns = std::to_array<Column>({
      [](Nw r) { return text(r.step.fallback ? to_string(*r.step.fallback) : ""); }},
     {"linear_iterations", "of cg or gmres", nullptr, [](Nw r) { return text(r.step.linear_iterations); }},
     {"ilu_shift", "ILU(0) is of the matrix with its diagonal blocks times 1 + ilu_shift", nullptr,
-     [](Nw r) { return text(r.step.shift); }},
-    {"pocket_nodes", "nodes of the local minimisations after the step", nullptr,
-     [](Nw r) { return text(r.step.pocket_nodes); }},
-    {"pocket_steps", "Newton steps of these", nullptr, [](Nw r) { return text(r.step.pocket_steps); }},
+     [](Nw r) { return text(r.step.ilu_shift); }},
+    {"local_nodes", "nodes of the local elimination after the step", nullptr,
+     [](Nw r) { return text(r.step.local.nodes); }},
+    {"local_steps", "Newton steps of it", nullptr, [](Nw r) { return text(r.step.local.steps); }},
     {"nodes", "of the coarser mesh", [](Al r) { return r.stage ? text(r.stage->nodes) : ""; }, nullptr},
     {"seconds", "since the iterations began; of a coarse row all of that mesh", [](Al r) { return text(r.it.seconds); },
      nullptr, at_start},

@@ -10,6 +10,7 @@
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "check/target_check.hpp"
+#include "constraint/dirichlet.hpp"
 #include "io/mesh_format.hpp"
 #include "mesh/build.hpp"
 
@@ -73,23 +74,19 @@ void refuse_invalid_target(const TargetReport& report) {
     throw InputError(message);
 }
 
-void divide(std::vector<double>& values, double length) {
-    for (double& value : values) value /= length;
+// The base mesh, refined `times` times and raised, its ideal mesh and its target, in units of the file.
+std::unique_ptr<Level> discretise(const Deck& deck, const Mesh& base, int times, BoundaryTarget& target) {
+    auto level = std::make_unique<Level>();
+    level->mesh = refine(base, times);
+    if (deck.degree) level->mesh = raise_degree(level->mesh, deck.degree);
+    level->ideal = straight_sided(level->mesh);
+    target = make_target(level->mesh, motions_of(deck, level->mesh));
+    return level;
 }
 
-// Fills mesh, ideal mesh and target from the base mesh, refined `times` times and raised, in units of the file.
-void discretise(const Deck& deck, const Mesh& base, int times, Problem& problem) {
-    problem.mesh = refine(base, times);
-    if (deck.degree) problem.mesh = raise_degree(problem.mesh, deck.degree);
-    problem.target = make_target(problem.mesh, motions_of(deck, problem.mesh));
-    problem.ideal = straight_sided(problem.mesh);
-}
-
-void change_unit(Problem& problem) {
-    divide(problem.mesh.x, problem.length);
-    divide(problem.ideal, problem.length);
-    divide(problem.target.node, problem.length);
-    divide(problem.target.sample, problem.length);
+void change_unit(double length, Level& level, BoundaryTarget& target) {
+    for (std::vector<double>* positions : {&level.mesh.x, &level.ideal, &target.node, &target.sample})
+        for (double& value : *positions) value /= length;
 }
 
 }  // namespace
@@ -99,22 +96,28 @@ Problem make_problem(const Deck& deck) {
     check_start(deck);
     problem.base = build_mesh(read_mesh_file(deck.mesh, problem.mesh_hash), problem.notes);
     check_quadrature(deck, std::max(deck.degree, problem.base.degree));
-    discretise(deck, problem.base, deck.refine, problem);
-    const TargetReport report = check_target(problem.mesh, problem.target.node);
+    problem.level = discretise(deck, problem.base, deck.refine, problem.target);
+    const Mesh& mesh = problem.mesh();
+    const TargetReport report = check_target(mesh, problem.target.node);
     refuse_invalid_target(report);
     problem.target_crosses = !report.notes.empty();
     problem.notes.insert(problem.notes.end(), report.notes.begin(), report.notes.end());
-    problem.length = deck.length_scale.value_or(std::pow(volume(problem.mesh, problem.ideal), 1.0 / problem.mesh.dim));
-    change_unit(problem);
+    problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
+    change_unit(problem.length, *problem.level, problem.target);
     return problem;
 }
 
-Problem coarser_problem(const Deck& deck, const Problem& fine, int times) {
-    Problem problem;
-    problem.length = fine.length;
-    discretise(deck, fine.base, times, problem);
-    change_unit(problem);
-    return problem;
+void set_functional(const Deck& deck, const BoundaryTarget& target, Level& level) {
+    level.energy = make_energy(level.mesh, level.ideal, deck.distortion);
+    level.constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, target, deck.target);
+}
+
+std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, int times) {
+    BoundaryTarget target;
+    std::unique_ptr<Level> level = discretise(deck, problem.base, times, target);
+    change_unit(problem.length, *level, target);
+    set_functional(deck, target, *level);
+    return level;
 }
 
 }  // namespace almesh

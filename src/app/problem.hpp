@@ -1,30 +1,36 @@
 // From the deck to the problem to be solved: the mesh, its target, and both in the run's unit of length.
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "constraint/target.hpp"
 #include "app/deck.hpp"
-#include "mesh/mesh.hpp"
+#include "constraint/target.hpp"
+#include "method/continuation.hpp"
 
 namespace almesh {
 
 struct Problem {
-    Mesh base;                  // as read and mended
-    Mesh mesh;                  // read, mended, refined, raised; in units of `length`
-    std::vector<double> ideal;  // straight-sided positions, in units of `length`
-    BoundaryTarget target;      // in units of `length`
-    double length = 1;          // of the mesh file, by which positions were divided
-    std::string mesh_hash;      // FNV-1a of the file, to tell which mesh a result came from
-    bool target_crosses = false;  // closed parts of the target boundary cross each other: no valid mesh reaches it
+    Mesh base;                     // as read and mended
+    std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in units of `length`
+    BoundaryTarget target;         // in units of `length`
+    double length = 1;             // of the mesh file, by which positions were divided
+    std::string mesh_hash;         // FNV-1a of the file, to tell which mesh a result came from
+    bool target_crosses = false;   // closed parts of the target boundary cross each other: no valid mesh reaches it
     std::vector<std::string> notes;
+
+    const Mesh& mesh() const { return level->mesh; }
+    const std::vector<double>& ideal() const { return level->ideal; }
 };
 
 // Throws UsageError or InputError for everything that can be wrong before solving, target faces that are invalid
-// themselves included.
+// themselves included. The level has no energy and no constraint yet.
 Problem make_problem(const Deck& deck);
 
-// Mesh and target of `fine` refined `times` times instead, in the same unit of length; the target is not checked again.
-Problem coarser_problem(const Deck& deck, const Problem& fine, int times);
+// Gives the level its energy and its constraint: the functional of Eq. 6.
+void set_functional(const Deck& deck, const BoundaryTarget& target, Level& level);
+
+// The problem on the base mesh refined `times` times, in the same unit of length; the target is not checked again.
+std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, int times);
 
 }  // namespace almesh

@@ -10,7 +10,6 @@
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "check/wall_distance.hpp"
-#include "constraint/dirichlet.hpp"
 #include "io/msh.hpp"
 #include "io/vtk.hpp"
 
@@ -34,7 +33,7 @@ VtkFormat format_of(const Deck& deck) { return deck.vtk == VtkOutput::binary ? V
 
 void write_volume(const Deck& deck, const Problem& problem, const char* what, const std::vector<double>& x,
                   const std::vector<double>& distortion, const std::vector<double>* scaled_jacobian) {
-    const Mesh& mesh = problem.mesh;
+    const Mesh& mesh = problem.mesh();
     std::vector<VtkArray> point_data, cell_data = {{"distortion", 1, distortion}};
     if (!deck.wall.empty())
         point_data.push_back({"wall_distance", 1,
@@ -54,9 +53,10 @@ void write_volume(const Deck& deck, const Problem& problem, const char* what, co
 }
 
 // Boundary faces on the trace nodes, with the multipliers and the projected constraint.
-void write_boundary(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint,
-                    const Solution& solution) {
-    const Mesh& mesh = problem.mesh;
+void write_boundary(const Deck& deck, const Problem& problem, const Solution& solution) {
+    const Mesh& mesh = problem.mesh();
+    const Constraint& constraint = *problem.level->constraint;
+    const std::vector<double> multipliers = constraint.multiplier_field(solution.al.lambda);
     const int dim = mesh.dim, count = static_cast<int>(constraint.nodes().size());
     std::vector<int> trace(mesh.nodes(), -1), cells;
     std::vector<double> x, magnitude, boundary;
@@ -65,7 +65,7 @@ void write_boundary(const Deck& deck, const Problem& problem, const BoundaryCons
         double squared = 0;
         for (int a = 0; a < dim; ++a) {
             x.push_back(solution.x[offset(constraint.nodes()[t], dim, a)] * problem.length);
-            squared += std::pow(solution.al.lambda[offset(t, dim, a)], 2);
+            squared += std::pow(multipliers[offset(t, dim, a)], 2);
         }
         magnitude.push_back(std::sqrt(squared));
     }
@@ -73,9 +73,9 @@ void write_boundary(const Deck& deck, const Problem& problem, const BoundaryCons
     for (int b : mesh.face_boundary) boundary.push_back(b);
     const Units units = {dim, problem.length};
     std::vector<VtkArray> point_data = {
-        {"multipliers", dim, scaled(solution.al.lambda, units.multiplier(1))},
+        {"multipliers", dim, scaled(multipliers, units.multiplier(1))},
         {"multiplier_magnitude", 1, scaled(magnitude, units.multiplier(1))},
-        {"constraint", dim, scaled(constraint.projected_constraint(solution.x), units.constraint(1))}};
+        {"constraint", dim, scaled(constraint.constraint_field(solution.x), units.constraint(1))}};
     write_vtk(deck.output + "/boundary.vtk",
               {title(deck, "boundary"), dim, mesh.degree, std::move(x), std::move(cells), dim - 1,
                std::move(point_data), {{"boundary", 1, std::move(boundary)}}, provenance(deck, problem)},
@@ -93,17 +93,16 @@ void write_deck(const Deck& deck, const Problem& problem) {
 
 void write_initial(const Deck& deck, const Problem& problem) {
     if (deck.vtk == VtkOutput::none) return;
-    const std::vector<double> undistorted(problem.mesh.element_count(), 1.0);
-    write_volume(deck, problem, "initial", problem.ideal, undistorted, nullptr);
+    const std::vector<double> undistorted(problem.mesh().element_count(), 1.0);
+    write_volume(deck, problem, "initial", problem.ideal(), undistorted, nullptr);
 }
 
-void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint,
-                   const Solution& solution) {
-    write_msh(deck.output + "/final.msh", problem.mesh, scaled(solution.x, problem.length));
+void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {
+    write_msh(deck.output + "/final.msh", problem.mesh(), scaled(solution.x, problem.length));
     if (deck.vtk == VtkOutput::none) return;
     write_volume(deck, problem, "final", solution.x, solution.al.distortion.element_max,
                  &solution.certificate.lower_bound);
-    write_boundary(deck, problem, constraint, solution);
+    write_boundary(deck, problem, solution);
 }
 
 void write_summary(const Deck& deck, const Summary& summary) {

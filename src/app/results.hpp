@@ -36,8 +36,7 @@ struct Solution {
 void write_deck(const Deck& deck, const Problem& problem);     // deck.txt
 void write_initial(const Deck& deck, const Problem& problem);  // initial.vtk
 // final.msh, final.vtk, boundary.vtk
-void write_results(const Deck& deck, const Problem& problem, const BoundaryConstraint& constraint,
-                   const Solution& solution);
+void write_results(const Deck& deck, const Problem& problem, const Solution& solution);
 void write_summary(const Deck& deck, const Summary& summary);  // summary.txt and expectations.csv
 
 }  // namespace almesh

@@ -2,7 +2,6 @@
 
 #include <optional>
 
-#include "method/continuation.hpp"
 #include "app/problem.hpp"
 #include "app/results.hpp"
 #include "app/quality.hpp"
@@ -16,7 +15,7 @@ namespace almesh {
 namespace {
 
 void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem) {
-    const Mesh& mesh = problem.mesh;
+    const Mesh& mesh = problem.mesh();
     if (!deck.title.empty()) std::fprintf(out, "%s\n", deck.title.c_str());
     std::fprintf(out, "%s: %d nodes, %d %s of degree %d, %d boundary faces; %d thread%s\n", deck.mesh.c_str(),
                  mesh.nodes(), mesh.element_count(), mesh.cell().plural, mesh.degree,
@@ -79,6 +78,11 @@ AlObserver observer_of(const Deck& deck, Terminal& terminal, History& history, i
     return observer;
 }
 
+bool starts_coarse(const Deck& deck) {
+    if (deck.start == Start::automatic) return deck.method.algorithm == Algorithm::adaptive;
+    return deck.start == Start::coarse;
+}
+
 // Has the system of one Newton step written, for `almesh linsolve`. Where the Hessian of that step was weakened, the
 // last one stays.
 void write_system(const Deck& deck, Newton& newton, const History& history) {
@@ -127,27 +131,31 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     }
 
     // 2. The solution on coarser meshes, where the deck starts from there.
-    Terminal terminal(out, problem.mesh.dim, problem.length);
-    History history(problem.mesh.dim, problem.length);
+    Terminal terminal(out, problem.mesh().dim, problem.length);
+    History history(problem.mesh().dim, problem.length);
     terminal.header();
-    const CoarseSolution coarse = solve_coarser(deck, problem, solution.time, [&](const CoarseStage& stage) {
+    const auto make_level = [&](int times) { return coarser_level(deck, problem, times); };
+    const auto report = [&](const CoarseStage& stage) {
         terminal.row(stage);
         history.add(stage);
         solution.coarse_newton_iterations += stage.newton_iterations;
-    });
+    };
+    const int levels = starts_coarse(deck) ? deck.refine : 0;
+    const CoarseSolution coarse = solve_coarser(levels, make_level, {deck.method, deck.linear, deck.forcing}, solution.time, report);
     solution.phases.coarse = solution.time.total;
 
     // 3. The functional, Eq. 6.
-    const DistortionEnergy distortion(problem.mesh, problem.ideal, deck.distortion);
-    const BoundaryConstraint constraint(problem.mesh, problem.ideal, problem.target, deck.target);
+    Level& level = *problem.level;
+    set_functional(deck, problem.target, level);
 
     // 4. Algorithm 1, from the coarse solution or the identity map.
     const AlObserver observer = observer_of(deck, terminal, history, solution.fallbacks);
-    const AlStart start = start_from(coarse, problem, distortion, constraint, solution.x);
-    std::optional<Newton> newton(std::in_place, distortion, deck.linear, deck.forcing);
+    const AlStart start = start_from(coarse, level, solution.x);
+    std::optional<Newton> newton(std::in_place, level.energy->hessian_pattern(), deck.linear, deck.forcing);
     write_system(deck, *newton, history);
     solution.phases.setup = watch.seconds() - solution.phases.coarse - solution.phases.write;
-    solution.al = minimise(distortion, constraint, *newton, deck.method, solution.x, solution.time, observer, start);
+    solution.al = minimise(*level.energy, *level.constraint, *newton, deck.method, solution.x, observer, start);
+    solution.time += newton->time;
     const double refused_bytes = newton->linear_solver().refused_bytes();
     newton.reset();  // the factor is the largest thing in memory
     const bool failed = solution.al.status != AlStatus::converged && solution.al.status != AlStatus::interrupted;
@@ -156,17 +164,17 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     // 5. What was reached: certificate and files.
     {
         const TimeAdder adder(solution.phases.certify);
-        solution.certificate = certify(problem.mesh, solution.x, deck.certificate);
-        solution.max_boundary_error = constraint.max_error(solution.x);
+        solution.certificate = certify(problem.mesh(), solution.x, deck.certificate);
+        solution.max_boundary_error = level.constraint->max_error(solution.x);
     }
     {
         const TimeAdder adder(solution.phases.write);
-        write_results(deck, problem, constraint, solution);
+        write_results(deck, problem, solution);
     }
     solution.phases.run = watch.seconds();
     const Summary summary = summarise(problem, solution);
     write_summary(deck, summary);
-    print_uncertified(out, problem.mesh, solution.x, problem.length, solution.certificate);
+    print_uncertified(out, problem.mesh(), solution.x, problem.length, solution.certificate);
     print_closing(out, deck, problem, solution);
     if (solution.al.status == AlStatus::linear_solver_failed) print_refusal(out, refused_bytes);
 

@@ -73,8 +73,8 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.solution.coarse_newton_iterations); }},
     {"linear_iterations", count, "iterations of cg or gmres in all Newton steps",
      [](R r) { return text(r.al.linear_iterations); }},
-    {"pocket_steps", count, "Newton steps of the local minimisations over a few nodes",
-     [](R r) { return text(r.al.pocket_steps); }},
+    {"local_steps", count, "Newton steps of local eliminations, over a few nodes",
+     [](R r) { return text(r.al.local_steps); }},
     {"constraint_norm", decimal, "|c_D|, distance of the boundary from its target (Eq. 6)",
      [](R r) { return text(r.units.distance(r.last.constraint_norm), 6); }},
     {"projected_constraint_norm", decimal, "|P c_D|, its part in the trace space, on which convergence is judged",
@@ -102,7 +102,7 @@ constexpr auto quantities = std::to_array<Quantity>({
     {"time_assembly", decimal, "gradients and Hessians", [](R r) { return text(r.time.assembly, 4); }},
     {"time_linear", decimal, "linear solves", [](R r) { return text(r.time.linear, 4); }},
     {"time_line_search", decimal, "energies in line searches", [](R r) { return text(r.time.line_search, 4); }},
-    {"time_pockets", decimal, "local minimisations", [](R r) { return text(r.time.pockets, 4); }},
+    {"time_elimination", decimal, "local eliminations", [](R r) { return text(r.time.elimination, 4); }},
     {"threads", count, "threads of the run", [](R) { return text(max_threads()); }},
     {"peak_memory_mb", decimal, "largest memory of the process, MB", [](R) { return text(peak_memory_mb(), 4); }},
 });
@@ -155,8 +155,9 @@ std::string condition_text(const Expectation& expectation) {
 }  // namespace
 
 Summary summarise(const Problem& problem, const Solution& solution) {
-    const Run run = {problem.mesh, solution, solution.al, solution.al.iterations.back(), solution.phases, solution.time,
-                     {problem.mesh.dim, problem.length}};
+    const Mesh& mesh = problem.mesh();
+    const Run run = {mesh, solution, solution.al, solution.al.iterations.back(), solution.phases, solution.time,
+                     {mesh.dim, problem.length}};
     Summary summary;
     for (const Quantity& quantity : quantities) summary.emplace_back(quantity.name, quantity.value(run));
     return summary;

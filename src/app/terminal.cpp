@@ -2,7 +2,7 @@
 
 #include <unistd.h>
 
-#include "method/coarse_stage.hpp"
+#include "method/continuation.hpp"
 
 namespace almesh {
 

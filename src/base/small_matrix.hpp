@@ -39,11 +39,12 @@ T frobenius_squared(const Mat<n, T>& m) {
     return s;
 }
 
+// Inlined so that they share their products with cofactor().
 template <class T>
-T determinant(const Mat<2, T>& m) { return m[0][0] * m[1][1] - m[0][1] * m[1][0]; }
+[[gnu::always_inline]] inline T determinant(const Mat<2, T>& m) { return m[0][0] * m[1][1] - m[0][1] * m[1][0]; }
 
 template <class T>
-T determinant(const Mat<3, T>& m) {
+[[gnu::always_inline]] inline T determinant(const Mat<3, T>& m) {
     return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }

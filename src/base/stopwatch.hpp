@@ -15,7 +15,16 @@ private:
 
 // Seconds of the minimisation; total: all of it, what the other four leave out included.
 struct Timings {
-    double total = 0, assembly = 0, linear = 0, line_search = 0, pockets = 0;
+    double total = 0, assembly = 0, linear = 0, line_search = 0, elimination = 0;
+
+    Timings& operator+=(const Timings& other) {
+        total += other.total;
+        assembly += other.assembly;
+        linear += other.linear;
+        line_search += other.line_search;
+        elimination += other.elimination;
+        return *this;
+    }
 };
 
 // Adds its lifetime to `sum`: the time of the block in which it stands.

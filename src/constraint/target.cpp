@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "base/error.hpp"
+#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "mesh/lagrange.hpp"
 
@@ -62,8 +63,8 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
         int& seen = first[mesh.faces[k]];
         if (seen < 0) seen = k;
-        const double* a = &target.node[static_cast<std::size_t>(seen) * dim];
-        const double* b = &target.node[static_cast<std::size_t>(k) * dim];
+        const double* a = &target.node[offset(seen, dim)];
+        const double* b = &target.node[offset(k, dim)];
         double difference = 0;
         for (int c = 0; c < dim; ++c) difference = std::max(difference, std::abs(a[c] - b[c]));
         const double tolerance = 1e-6 * std::min(size[seen / m], size[k / m]);
@@ -86,9 +87,9 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion) 
     // Exact for N_i N_j. A g_D beyond the trace space needs far more to be integrated to rounding on a fair mesh.
     target.quadrature = simplex_quadrature(dim - 1, 2 * mesh.degree + (target.in_trace_space ? 0 : 10));
     const int points = target.quadrature.count;
-    std::vector<double> N(static_cast<std::size_t>(points) * m);
+    std::vector<double> N(offset(points, m));
     for (int q = 0; q < points; ++q)
-        basis.values(&target.quadrature.xi[q * (dim - 1)], &N[static_cast<std::size_t>(q) * m]);
+        basis.values(&target.quadrature.xi[q * (dim - 1)], &N[offset(q, m)]);
 
     target.node.resize(mesh.faces.size() * dim);
     target.sample.resize(static_cast<std::size_t>(mesh.face_count()) * points * dim);
@@ -98,14 +99,14 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion) 
             return mesh.x[static_cast<std::size_t>(mesh.face(f)[i]) * dim + a];
         };
         for (int i = 0; i < m; ++i) {
-            double* const x = &target.node[(static_cast<std::size_t>(f) * m + i) * dim];
+            double* const x = &target.node[offset(offset(f, m, i), dim)];
             for (int a = 0; a < dim; ++a) x[a] = node_position(i, a);
             move(motion[boundary], mesh, boundary, x);
         }
         for (int q = 0; q < points; ++q) {
-            double* const x = &target.sample[(static_cast<std::size_t>(f) * points + q) * dim];
+            double* const x = &target.sample[offset(offset(f, points, q), dim)];
             for (int i = 0; i < m; ++i)
-                for (int a = 0; a < dim; ++a) x[a] += N[static_cast<std::size_t>(q) * m + i] * node_position(i, a);
+                for (int a = 0; a < dim; ++a) x[a] += N[offset(q, m, i)] * node_position(i, a);
             move(motion[boundary], mesh, boundary, x);
         }
     }, move_work * (m + points));

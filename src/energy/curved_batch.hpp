@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/index.hpp"
 #include "energy/density_hessian.hpp"
 #include "mesh/quadrature.hpp"
 
@@ -41,7 +42,7 @@ public:
         ideal_inverse_ = &ideal_inverse;
         for (int i = 0; i < m_; ++i)
             for (int l = 0; l < lanes; ++l) {
-                const double* const xi = &x[static_cast<std::size_t>(node[l * m_ + i]) * n];
+                const double* const xi = &x[offset(node[l * m_ + i], n)];
                 for (int a = 0; a < n; ++a) position_[i * n + a][l] = xi[a];
             }
         for (int i = m_ - 1; i >= 0; --i)  // relative to the element's first node: exact differences
@@ -51,20 +52,23 @@ public:
     Lanes distortion_at(int q) const { return distortion<n>(multiply<n>(jacobian(q), *ideal_inverse_), 0); }
 
     // Per unit of det A; infinite or nan for an inverted element.
-    Lanes energy(double delta, Objective objective) const {
+    template <class Density>
+    Lanes energy(Density density, double delta) const {
         Lanes sum{};
         for (int q = 0; q < of_.points; ++q)
-            sum += of_.weight[q] * density(distortion<n>(multiply<n>(jacobian(q), *ideal_inverse_), delta), objective);
+            sum += of_.weight[q] * density.f(distortion<n>(multiply<n>(jacobian(q), *ideal_inverse_), delta,
+                                                           typename Density::Measure()));
         return sum;
     }
 
     // Adds to g (nodes x n) the gradient of the first `count` elements, times `factor`.
-    void add_gradient(double delta, Objective objective, Lanes factor, int count, double* g) {
-        const Mat<n, Lanes> turned = transpose<n>(*ideal_inverse_);
+    template <class Density>
+    void add_gradient(Density density, double delta, Lanes factor, int count, double* g) {
+        const Mat<n, Lanes> ideal_inverse_transposed = transpose<n>(*ideal_inverse_);
         std::fill_n(gradient_, size_, Lanes{});
         for (int q = 0; q < of_.points; ++q) {
             const Mat<n, Lanes> F = multiply<n>(jacobian(q), *ideal_inverse_);
-            const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F, delta, objective), turned);
+            const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F, delta, density), ideal_inverse_transposed);
             const Lanes weight = factor * of_.weight[q];
             const double* const dN = gradients(q);
             for (int i = 0; i < m_; ++i)
@@ -78,17 +82,18 @@ public:
         for (int l = 0; l < count; ++l, part += whole_registers(size_))
             for (int i = 0; i < m_; ++i)
                 for (int a = 0; a < n; ++a)
-                    g[static_cast<std::size_t>(node_[l * m_ + i]) * n + a] += part[i * n + a];
+                    g[offset(node_[l * m_ + i], n, a)] += part[i * n + a];
     }
 
     // The Hessian of each element after the other, times `factor`: lanes x stride(), blocks (i, j) of n x n numbers row
     // by row, both triangles.
-    const double* hessian(double delta, Lanes shift, bool projected, Lanes factor) {
+    template <class Density>
+    const double* hessian(const Density& density, double delta, bool projected, Lanes factor) {
         std::fill_n(hessian_, size_ * size_, Lanes{});
         for (int q = 0; q < of_.points; q += point_block) {
             const int count = std::min(point_block, of_.points - q);
             for (int k = 0; k < count; ++k)
-                tensor(k) = second_derivatives(q + k, delta, shift, projected, factor);
+                tensor(k) = second_derivatives(q + k, density, delta, projected, factor);
             for (int j = 0; j < m_; ++j) {
                 apply_to_node(j, q, count);
                 int i = j;
@@ -132,7 +137,7 @@ private:
         return values.data();
     }
 
-    const double* gradients(int q) const { return &of_.gradients[static_cast<std::size_t>(q) * size_]; }
+    const double* gradients(int q) const { return &of_.gradients[offset(q, size_)]; }
     Tensor<n>& tensor(int k) { return reinterpret_cast<Tensor<n>*>(second_)[k]; }
 
     Mat<n, Lanes> jacobian(int q) const {
@@ -144,9 +149,10 @@ private:
         return J;
     }
 
-    Tensor<n> second_derivatives(int q, double delta, Lanes shift, bool projected, Lanes factor) const {
+    template <class Density>
+    Tensor<n> second_derivatives(int q, const Density& density, double delta, bool projected, Lanes factor) const {
         const Mat<n, Lanes> F = multiply<n>(jacobian(q), *ideal_inverse_);
-        return in_element_coordinates<n>(frame_hessian<n>(F, delta, shift, projected), *ideal_inverse_,
+        return in_element_coordinates<n>(frame_hessian<n>(F, density, delta, projected), *ideal_inverse_,
                                       factor * of_.weight[q]);
     }
 

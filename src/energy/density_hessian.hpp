@@ -9,7 +9,7 @@
 // So projecting it to its positive semidefinite part costs no eigensolver but for the scaling matrix, and turning it
 // into the coordinates of the element costs less than forming it from F would.
 #pragma once
-#include "energy/distortion.hpp"
+#include "energy/densities.hpp"
 #include "energy/spectra.hpp"
 
 namespace almesh {
@@ -18,24 +18,24 @@ namespace almesh {
 template <int n>
 using Tensor = Mat<n, Mat<n, Lanes>>;
 
-// The Hessian in the frame U, V. The derivative along u_i v_i^T and u_j v_j^T is scaling[i][j]; along u_i v_j^T twice
-// mixed[i][j], along u_i v_j^T and u_j v_i^T crossed[i][j] (i not j); all others are zero.
+// The Hessian H in the frame U, V: H[u_i v_i^T, u_j v_j^T] = scaling_ij, H[u_i v_j^T, u_i v_j^T] = mixed_ij,
+// H[u_i v_j^T, u_j v_i^T] = crossed_ij (i not j); all other entries are zero.
 template <int n>
 struct FrameHessian {
     Mat<n, Lanes> U, V, scaling, mixed, crossed;
 };
 
-// Of f = (eta - shift)^2. F must have finite distortion. projected: without the part that is not positive semidefinite.
-template <int n>
-FrameHessian<n> frame_hessian(const Mat<n, Lanes>& F, double delta, Lanes shift, bool projected) {
+// F must have finite distortion. projected: without the part that is not positive semidefinite.
+template <int n, class Density>
+FrameHessian<n> frame_hessian(const Mat<n, Lanes>& F, const Density& density, double delta, bool projected) {
     FrameHessian<n> H;
     const SingularValues<n> svd = singular_values(F);
     H.U = svd.U;
     H.V = svd.V;
     const Vec<n, Lanes>& s = svd.s;
     const Lanes S = frobenius_squared<n>(F);
-    const auto [r, r1, r2] = determinant_factor<n>(determinant(F), delta);
-    const Lanes f1 = 2 * (S * r - shift), Sr1 = S * r1;
+    const auto [r, r1, r2] = Density::Measure::template derivatives<n>(determinant(F), delta);
+    const Lanes f1 = density.f1(S * r), f2 = density.f2(S * r), Sr1 = S * r1;
     const auto product_without = [&s](int i, int j) { return n == 2 ? in_all_lanes(1) : s[3 - i - j]; };  // i not j
 
     Vec<n, Lanes> D_i, eta_i;  // first derivatives with respect to the singular values
@@ -47,7 +47,7 @@ FrameHessian<n> frame_hessian(const Mat<n, Lanes>& F, double delta, Lanes shift,
         for (int j = i; j < n; ++j) {
             Lanes eta_ij = 2 * r1 * (s[i] * D_i[j] + s[j] * D_i[i]) + S * r2 * D_i[i] * D_i[j];
             eta_ij += i == j ? 2 * r : Sr1 * product_without(i, j);
-            H.scaling[i][j] = H.scaling[j][i] = 2 * eta_i[i] * eta_i[j] + f1 * eta_ij;
+            H.scaling[i][j] = H.scaling[j][i] = f2 * eta_i[i] * eta_i[j] + f1 * eta_ij;
         }
     if (projected) H.scaling = positive_part(H.scaling);
     for (int i = 0; i < n; ++i)

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/index.hpp"
 #include "energy/density_hessian.hpp"
 #include "mesh/quadrature.hpp"
 
@@ -38,13 +39,15 @@ public:
     Lanes distortion_at(int) const { return distortion<n>(F_, 0); }
 
     // Per unit of det A; infinite or nan for an inverted element.
-    Lanes energy(double delta, Objective objective) const {
-        return volume_ * density(distortion<n>(F_, delta), objective);
+    template <class Density>
+    Lanes energy(Density density, double delta) const {
+        return volume_ * density.f(distortion<n>(F_, delta, typename Density::Measure()));
     }
 
     // Adds to g (nodes x n) the gradient of the first `count` elements, times `factor`.
-    void add_gradient(double delta, Objective objective, Lanes factor, int count, double* g) const {
-        const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F_, delta, objective), transpose<n>(*ideal_inverse_));
+    template <class Density>
+    void add_gradient(Density density, double delta, Lanes factor, int count, double* g) const {
+        const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F_, delta, density), transpose<n>(*ideal_inverse_));
         const Lanes weight = factor * volume_;
         Lanes part[m][n];
         for (int a = 0; a < n; ++a) {
@@ -61,7 +64,7 @@ public:
         for (int l = 0; l < count; ++l)
             for (int i = 0; i < m; ++i) {
                 const double* const pair = reinterpret_cast<const double*>(&part[i][l & 1]) + (l & ~1);
-                double* const gi = g + static_cast<std::size_t>(node_[l * m + i]) * n;
+                double* const gi = g + offset(node_[l * m + i], n);
                 gi[0] += pair[0];
                 gi[1] += pair[1];
                 if constexpr (n == 3) gi[2] += part[i][2][l];
@@ -70,8 +73,9 @@ public:
 
     // The Hessian of each element after the other, times `factor`: lanes x stride(), blocks (i, j) of n x n numbers row
     // by row, both triangles.
-    const double* hessian(double delta, Lanes shift, bool projected, Lanes factor) {
-        const Tensor<n> C = in_element_coordinates<n>(frame_hessian<n>(F_, delta, shift, projected), *ideal_inverse_,
+    template <class Density>
+    const double* hessian(const Density& density, double delta, bool projected, Lanes factor) {
+        const Tensor<n> C = in_element_coordinates<n>(frame_hessian<n>(F_, density, delta, projected), *ideal_inverse_,
                                                       factor * volume_);
         for (int a = 0; a < n; ++a)
             for (int b = 0; b < n; ++b) {
@@ -98,7 +102,7 @@ private:
 
     template <int... l>
     static Lanes gathered(const double* x, const int* node, std::integer_sequence<int, l...>) {
-        return Lanes{x[static_cast<std::size_t>(node[l * m]) * n]...};
+        return Lanes{x[offset(node[l * m], n)]...};
     }
 
     Lanes& entry(int i, int j, int a, int b) { return hessian_[((i * m + j) * n + a) * n + b]; }

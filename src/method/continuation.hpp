@@ -1,4 +1,4 @@
-// Coarse-to-fine start: the deck's problem is solved on coarser meshes first, and each solution is where the method
+// Continuation from coarse to fine: the problem is solved on coarser meshes first, and each solution is where the method
 // starts on the next finer mesh.
 //
 // Carried over are the displacement, interpolated (prolongation.hpp), the penalty in units of |1|^2, and the
@@ -11,34 +11,47 @@
 // cost a third of those of the next coarser mesh (2D).
 #pragma once
 #include <functional>
+#include <memory>
 #include <vector>
 
-#include "app/problem.hpp"
-#include "method/coarse_stage.hpp"
+#include "mesh/mesh.hpp"
+#include "method/augmented_lagrangian.hpp"
 
 namespace almesh {
 
-// What a coarser mesh hands to the next finer one. Where it failed, and before the first, there is no displacement.
-struct CoarseSolution {
+// The problem on one mesh. Never moved: energy and constraint may refer to the mesh.
+struct Level {
     Mesh mesh;
-    std::vector<double> ideal;         // node_count x dim
+    std::vector<double> ideal;  // node_count x dim
+    std::unique_ptr<DistortionEnergy> energy;
+    std::unique_ptr<Constraint> constraint;
+};
+
+// What a coarser mesh hands to the next finer one. Where it failed, and before the first, there is no level.
+struct CoarseSolution {
+    std::unique_ptr<Level> level;      // without its energy
     std::vector<double> displacement;  // node_count x dim
-    std::vector<double> lambda;        // node_count x dim, zero inside
-    double norm_of_one = 0;            // |1|
+    std::vector<double> multipliers;   // node_count x dim, as a vector field, zero inside
     double mu = 0;                     // in units of |1|^2
 };
 
-bool starts_coarse(const Deck& deck);
+// What the method came to on a coarser mesh: one row of the report.
+struct CoarseStage {
+    int nodes = 0;
+    AlStatus status = AlStatus::converged;  // where it is not, the next mesh starts from the identity map
+    AlIteration last;  // its last iteration; seconds: with making the mesh, its target and the pattern of its matrix
+    int newton_iterations = 0;
+};
 
-// Solves the deck's problem on the mesh refined 0, 1, ... times, but not as often as the deck says; no solution where
-// the deck does not ask for that, or where the last of them failed. Tolerances are looser than the deck's. Adds to
-// `time`, to its total the making of the meshes included.
-CoarseSolution solve_coarser(const Deck& deck, const Problem& problem, Timings& time,
+// Solves the problem on the levels 0, 1, ... levels - 1 that make_level(k) makes, with the adaptive schedule and
+// tolerances looser than those given. No solution where the last of them failed. Adds to `time`, to its total the making
+// of the levels included.
+CoarseSolution solve_coarser(int levels, const std::function<std::unique_ptr<Level>(int)>& make_level,
+                             const MethodParams& params, Timings& time,
                              const std::function<void(const CoarseStage&)>& observe);
 
 // Sets x (node_count x dim) and where the method starts: at the coarse solution, or at the identity map without
 // multipliers where there is none, or where its energy is infinite on this mesh (by rounding).
-AlStart start_from(const CoarseSolution& coarse, const Problem& problem, const DistortionEnergy& distortion,
-                   const BoundaryConstraint& constraint, std::vector<double>& x);
+AlStart start_from(const CoarseSolution& coarse, const Level& level, std::vector<double>& x);
 
 }  // namespace almesh

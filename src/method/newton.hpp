@@ -1,43 +1,31 @@
 // Newton's method with a line search for one subproblem of the augmented Lagrangian method: minimise E(x) for given
-// multipliers and penalty until |grad E| <= omega.
+// multipliers and penalty until |grad E| <= omega (Nocedal & Wright, Numerical Optimization, ch. 3; the paper's sec. 3).
 //
 // Direction. Far from the minimum the Hessian is indefinite; each step uses one of three (HessianKind): the full one,
-// whose convergence is quadratic, after a step of length one or more, the projected one after a step that was cut, and
-// whenever the full one is found not to be positive definite (by Cholesky, by negative curvature, or by pivots of
-// ILU(0) with any shift: no Cholesky factorisation is spent on finding out) or gives no descent direction. The Hessian
-// of the objective (eta - 1)^2 vanishes at the identity, so there the very first step takes the damping alone.
-// Iterative solvers need to be no more exact than the model is: forcing_term() below.
+// whose convergence is quadratic, after a step of length one or more; the projected one, damped, after a step that was cut,
+// and whenever the full one is found not to be positive definite (by Cholesky, by negative curvature, or by pivots of
+// ILU(0) with any shift: no Cholesky factorisation is spent on finding out) or gives no descent direction; the damping
+// alone in the very first step, because the Hessian of (eta - 1)^2 vanishes at the identity.
 //
-// Damping (Levenberg). A projected Hessian that is nearly singular, as that of (eta - 1)^2 is where the mesh has hardly
-// deformed, asks for steps that invert thousands of elements, and a step length that suits them all hardly moves the
-// mesh. So the projected Hessian is damped by t times a Hessian that knows about element sizes (distortion_energy.hpp),
-// t = damping x root mean square of the density: 0.2 times as large after a full or longer step, 4 times after one that
-// was cut. The full Hessian, undamped, is used once the damping is 0.1 or less.
-//
-// Step length: line_search.hpp. Where it tells that energies can no longer be compared, the iteration ends as
-// `rounding_floor` when a step does not halve |grad E|.
-//
-// Pockets. A subproblem that takes more than ten steps has places where a few nodes hold up all others: from then on,
-// and in the following subproblems, each step is followed by a local minimisation over them (pockets.hpp).
-//
-// Out of reach. Without multipliers a mesh that meets the target has the energy of its distortion alone, which is not
-// less than the minimum of E. Where that minimum is above `largest_energy` and nine tenths of it are penalty, only
-// meshes of no use could meet the target, if any: the iteration ends as soon as full steps have found the minimum to
-// 0.1 %.
+// Around these lines, each in a file of its own with its formula and source: line_search.hpp, damping.hpp (of the projected
+// Hessian), forcing.hpp (tolerance of iterative linear solvers), local_elimination.hpp (of nodes that hold up the others),
+// out_of_reach.hpp and rounding_floor.hpp (two ways to end).
 #pragma once
 #include <functional>
-#include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "base/stopwatch.hpp"
-#include "method/augmented_functional.hpp"
 #include "linalg/linear_solver.hpp"
+#include "method/damping.hpp"
+#include "method/forcing.hpp"
+#include "method/functional.hpp"
+#include "method/line_search.hpp"
+#include "method/local_elimination.hpp"
+#include "method/out_of_reach.hpp"
 
 namespace almesh {
-
-// Tolerance of iterative linear solvers: chosen from step to step, or always the given one.
-enum class Forcing { automatic, fixed };
 
 enum class NewtonStatus {
     converged,
@@ -46,20 +34,19 @@ enum class NewtonStatus {
     line_search_failed,
     linear_solver_failed,
     interrupted,
-    out_of_reach  // of the target, without multipliers: see above
+    out_of_reach  // of the target, without multipliers
 };
 const char* to_string(NewtonStatus status);
 const char* to_string(HessianKind kind);
 
+// The tolerance of |grad E| is max(min(omega, reduction |grad E| at the start), omega_star); a reduction of 1 does not
+// lower it.
 struct NewtonParams {
-    double omega = 1e-8;           // tolerance of |grad E| ...
-    double wanted_reduction = 1;   // ... if less than 1: lowered to this part of |grad E| at the start, for a step to
-                                   // be made,
-    double omega_star = 0;         // ... but not below this
+    double omega = 1e-8, reduction = 1, omega_star = 0;
     int max_iterations = 200;
-    // See `Out of reach`; only for E without multipliers.
-    double largest_energy = std::numeric_limits<double>::infinity();
+    OutOfReach reach;  // only for E without multipliers
     HessianKind first = HessianKind::projected;  // of the first step
+    bool cold_start = false;  // nothing is known: damping and local elimination begin anew, the first step is by damping
 };
 
 // One row of the history: the step that led from one iterate to the next.
@@ -71,18 +58,21 @@ struct NewtonStep {
     int cuts_inverted = 0;     // trial lengths refused because an element was inverted
     int cuts_decrease = 0;     // trial lengths refused because E did not decrease enough
     HessianKind hessian = HessianKind::projected;
-    int pocket_nodes = 0, pocket_steps = 0;  // of the local minimisation after the step
+    LocalElimination::Result local;  // of the local minimisation after the step
     int linear_iterations = 0;
-    SolverKind solver = SolverKind::automatic;  // who made the direction
-    double shift = 0;                           // of the diagonal in ILU(0), see SolveResult
-    std::optional<SolveStatus> fallback;        // how an iterative solver failed before Cholesky took over
+    SolverKind solver = SolverKind::automatic;      // who made the direction
+    double ilu_shift = 0;                           // of the diagonal in ILU(0), see Ilu0::factor()
+    std::optional<SolveStatus> fallback;            // how an iterative solver failed before Cholesky took over
+
+    NewtonStep() = default;
+    NewtonStep(int number, HessianKind kind) : iteration(number), hessian(kind) {}
 };
 
 struct NewtonResult {
     NewtonStatus status = NewtonStatus::converged;
     int iterations = 0;
     int linear_iterations = 0;
-    int pocket_steps = 0;
+    int local_steps = 0;  // of local eliminations
     double energy = 0, gradient_norm = 0;
     double omega = 0;  // the tolerance that was used
 };
@@ -90,44 +80,37 @@ struct NewtonResult {
 using NewtonObserver = std::function<void(const NewtonStep&)>;
 using SystemObserver = std::function<void(const BlockCsr& A, const std::vector<double>& b)>;
 
-// Relative residual to which the next system is solved after a full step took the gradient norm from g_before to g:
-// 0.9 (g / g_before)^a, a = (1 + sqrt 5)/2, so that the convergence is of order a, but not less than 0.5 omega / g,
-// which ends the iteration (Eisenstat & Walker, SIAM J. Sci. Comput. 17, 1996, choice 2; Kelley, Iterative Methods for
-// Linear and Nonlinear Equations, 1995, section 6.3). Within [floor, largest_forcing]: larger terms save iterations and
-// cost Newton steps, which are dearer; the safeguard of the paper is for terms above 0.1.
-inline constexpr double largest_forcing = 1e-3;
-double forcing_term(double g_before, double g, double omega, double floor);
-
 class Newton {
 public:
-    // The pattern of the Hessian, the linear solver and all work arrays are set up once for all subproblems.
-    Newton(const DistortionEnergy& distortion, const LinearSolverParams& linear, Forcing forcing = Forcing::automatic);
+    // pattern: of the Hessian. The linear solver and all work arrays are set up once for all subproblems.
+    Newton(BlockCsr pattern, const LinearSolverParams& linear, Forcing forcing = Forcing::automatic);
 
     // Called with every linear system A d = b before it is solved.
     void observe_systems(SystemObserver observer) { observe_system_ = std::move(observer); }
 
     const LinearSolver& linear_solver() const { return solver_; }
+    Timings time;  // of all calls so far
 
     // x: node_count x dim; enters with finite energy, leaves as the last accepted iterate.
     NewtonResult minimise(const AugmentedFunctional& E, const NewtonParams& params, std::vector<double>& x,
-                          Timings& time, const NewtonObserver& observe);
+                          const NewtonObserver& observe = {});
 
 private:
     BlockCsr H_;
     LinearSolver solver_;
-    Forcing forcing_;
-    double linear_tolerance_;  // of the deck: what `fixed` uses, and the floor of `automatic`
     std::vector<double> g_, minus_g_, d_, trial_;
-    bool relaxes_ = false;  // pockets after each step; kept like the damping
-    double damping_ = 0.1;  // relative to the root mean square of the density; kept from one subproblem to the next
+    HessianKind hessian_ = HessianKind::projected;  // of the next step
+    ForcingTerm forcing_;
+    Damping damping_;               // kept from one subproblem to the next,
+    LocalElimination elimination_;  // and so is this
     SystemObserver observe_system_;
 
-    bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, double energy, NewtonStep& step,
-                        Timings& time);
-    NewtonStatus take_step(const AugmentedFunctional& E, std::vector<double>& x, double& energy, NewtonStep& step,
-                           bool& by_rounding, Timings& time);
-    void relax(const AugmentedFunctional& E, double gained, std::vector<double>& x, double& energy, NewtonStep& step,
-               Timings& time);
+    NewtonResult start(const AugmentedFunctional& E, const NewtonParams& params, const std::vector<double>& x);
+    double gradient(const AugmentedFunctional& E, const std::vector<double>& x);
+    bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step);
+    LineSearchResult search(const AugmentedFunctional& E, double energy, std::vector<double>& x, NewtonStep& step);
+    void eliminate_locally(const AugmentedFunctional& E, double gained, std::vector<double>& x, NewtonResult& at,
+                           NewtonStep& step);
 };
 
 }  // namespace almesh

@@ -82,7 +82,7 @@ TEST_CASE("conjugate gradients take at most 60 iterations to 1e-8 in every Newto
         }
 }
 
-TEST_CASE("pockets are relaxed from the eleventh step of a subproblem on, and in the subproblems after it") {
+TEST_CASE("local elimination acts from the eleventh step of a subproblem on, and in the subproblems after it") {
     if (!std::filesystem::is_directory("inputs")) return;
     const TemporaryFolder folder;
     CHECK(almesh_with({"inputs/circle.deck", "output=" + folder.path("out"), "vtk=none", "algorithm=adaptive",
@@ -94,7 +94,7 @@ TEST_CASE("pockets are relaxed from the eleventh step of a subproblem on, and in
     int early = 0, relaxed = 0, newton = 0, later = 0;
     for (const auto& row : rows) {
         if (row[0] != "newton") continue;
-        const int steps = std::stoi(row[column("pocket_steps")]), nodes = std::stoi(row[column("pocket_nodes")]);
+        const int steps = std::stoi(row[column("local_steps")]), nodes = std::stoi(row[column("local_nodes")]);
         const bool first = row[column("al_iteration")] == "1";
         if (first && std::stoi(row[column("newton_iteration")]) <= 10) early += nodes;
         if (!first) later += nodes;
@@ -106,7 +106,7 @@ TEST_CASE("pockets are relaxed from the eleventh step of a subproblem on, and in
     CHECK(early == 0);
     CHECK(relaxed > 0);
     CHECK(later > 0);
-    CHECK(number(summary_of(folder.path("out")), "pocket_steps") == relaxed);
+    CHECK(number(summary_of(folder.path("out")), "local_steps") == relaxed);
 }
 
 TEST_CASE("the decks of the lessons hold what they expect, and curving works in 3D") {

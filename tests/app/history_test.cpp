@@ -6,7 +6,7 @@
 #include <map>
 
 #include "base/text.hpp"
-#include "method/coarse_stage.hpp"
+#include "method/continuation.hpp"
 #include "support/rows.hpp"
 
 using namespace almesh;
@@ -39,13 +39,12 @@ NewtonStep newton_row() {
     step.energy = 7;
     step.gradient_norm = 3;
     step.step_length = 0.25;
-    step.pocket_nodes = 40;
-    step.pocket_steps = 3;
+    step.local = {40, 3};
     step.cuts_inverted = 2;
     step.hessian = HessianKind::full;
     step.linear_iterations = 17;
     step.solver = SolverKind::gmres;
-    step.shift = 0.01;
+    step.ilu_shift = 0.01;
     return step;
 }
 
@@ -116,9 +115,9 @@ TEST_CASE("a Newton row, in the mesh's units, says why its step was cut") {
     CHECK(cells["energy"] == "56");
     CHECK(cells["gradient_norm"] == "12");
     CHECK(cells["step_length"] == "0.25");
-    CHECK(cells["pocket_nodes"] == "40");
+    CHECK(cells["local_nodes"] == "40");
     CHECK(cells["ilu_shift"] == "0.01");
-    CHECK(cells["pocket_steps"] == "3");
+    CHECK(cells["local_steps"] == "3");
     CHECK(cells["cuts_inverted"] == "2");
     CHECK(cells["cuts_decrease"] == "0");
     CHECK(cells["cut_reason"] == "inverted element");

@@ -68,7 +68,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "newton_iterations",
                                            "coarse_newton_iterations",
                                            "linear_iterations",
-                                           "pocket_steps",
+                                           "local_steps",
                                            "constraint_norm",
                                            "projected_constraint_norm",
                                            "max_boundary_error",
@@ -86,7 +86,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "time_assembly",
                                            "time_linear",
                                            "time_line_search",
-                                           "time_pockets",
+                                           "time_elimination",
                                            "threads",
                                            "peak_memory_mb"});
     CHECK(keys == summary_quantities());
@@ -137,7 +137,7 @@ TEST_CASE("the history belongs to the summary") {
     for (const char* name :
          {"constraint_norm", "projected_constraint_norm", "gradient_norm", "relative_quality", "max_distortion"})
         CHECK(*parse_double(last[column(name)]) == doctest::Approx(number(summary, name)).epsilon(1e-5));
-    CHECK(last[column("update")] == "-");
+    CHECK(last[column("update")] == "lambda");
     CHECK(*parse_double(rows[1][column("constraint_norm")]) == doctest::Approx(2 * std::sqrt(0.5)).epsilon(1e-12));
 }
 

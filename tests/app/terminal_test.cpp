@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "method/coarse_stage.hpp"
+#include "method/continuation.hpp"
 #include "support/rows.hpp"
 
 using namespace almesh;

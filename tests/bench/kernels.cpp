@@ -6,6 +6,7 @@
 #include "base/parallel.hpp"
 #include "bench/newton_system.hpp"
 #include "bench/timing.hpp"
+#include "energy/plain_energy.hpp"
 #include "linalg/direct/cholesky.hpp"
 #include "linalg/krylov/conjugate_gradients.hpp"
 #include "linalg/krylov/deflated.hpp"
@@ -13,7 +14,6 @@
 #include "linalg/ordering/graph.hpp"
 #include "linalg/krylov/ilu0.hpp"
 #include "linalg/krylov/reordered.hpp"
-#include "support/plain_assembly.hpp"
 
 namespace almesh::bench {
 namespace {
@@ -130,15 +130,14 @@ void measure_products(const std::string& name, const NewtonSystem& system, const
 
 // ----------------------------------------------------------------------------------------------------------- assembly
 
-// Energy, gradient and Hessians of any class that assembles the distortion: ns per element. Compared with those of
+// Energy, gradient and Hessians: ns per element. Compared with those of
 // `faster`, if given, by how many times.
 using Times = std::vector<double>;
 
-template <class Assembly>
-Times time_assembly(const std::string& name, const Assembly& assembly, NewtonSystem& system, int threads, Table& table,
+Times time_assembly(const std::string& name, DistortionEnergy& energy_of, NewtonSystem& system, int threads, Table& table,
                     const Times& faster = {}) {
-    const std::vector<double>& x = system.problem.ideal;
-    const double elements = system.problem.mesh.element_count();
+    const std::vector<double>& x = system.problem.ideal();
+    const double elements = system.problem.mesh().element_count();
     std::vector<double> g(x.size());
     double energy = 0;
     Times times;
@@ -148,26 +147,26 @@ Times time_assembly(const std::string& name, const Assembly& assembly, NewtonSys
         if (!faster.empty())
             table.add("assembly", name, threads, what + " ratio", times.back() / faster[times.size() - 1]);
     };
-    add("energy", [&] { energy += assembly.energy(x); });
-    add("gradient", [&] { assembly.add_gradient(x, g); });
-    add("full Hessian", [&] { assembly.add_hessian(x, HessianKind::full, system.A); });
-    add("projected", [&] { assembly.add_hessian(x, HessianKind::projected, system.A); });
+    add("energy", [&] { energy += energy_of.energy(x); });
+    add("gradient", [&] { energy_of.add_gradient(x, g); });
+    add("full Hessian", [&] { energy_of.add_hessian(x, HessianKind::full, system.A); });
+    add("projected", [&] { energy_of.add_hessian(x, HessianKind::projected, system.A); });
     if (!std::isfinite(energy)) std::printf("%s: the energy of the ideal mesh is not finite\n", name.c_str());
     return times;
 }
 
 void measure_assembly(const std::string& name, NewtonSystem& system, const Machine& machine, Table& table) {
-    const double elements = system.problem.mesh.element_count();
+    const double elements = system.problem.mesh().element_count();
     Times serial;
     for (int threads : machine.threads) {
         set_threads(threads);
-        const Times times = time_assembly(name, system.distortion, system, threads, table);
+        const Times times = time_assembly(name, system.distortion(), system, threads, table);
         if (threads == 1) serial = times;
-        const double statistics = best_seconds(budget, [&] { system.distortion.statistics(system.problem.ideal); });
+        const double statistics = best_seconds(budget, [&] { system.distortion().statistics(system.problem.ideal()); });
         table.add("assembly", name, threads, "statistics", 1e9 * statistics / elements, "ns/element");
     }
     if (elements > 1e5) return;  // would take half a minute
-    const test::PlainAssembly plain(system.problem.mesh, system.problem.ideal, system.params);
+    PlainEnergy plain(system.problem.mesh(), system.problem.ideal(), system.params);
     time_assembly(name + " plain", plain, system, 1, table, serial);
 }
 

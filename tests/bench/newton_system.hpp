@@ -4,21 +4,21 @@
 #include <vector>
 
 #include "app/problem.hpp"
-#include "method/augmented_functional.hpp"
+#include "method/functional.hpp"
 
 namespace almesh::bench {
 
 struct NewtonSystem {
     Problem problem;
     DistortionParams params;
-    DistortionEnergy distortion;
-    BoundaryConstraint constraint;  // refers to problem
     BlockCsr A;
     std::vector<double> b;  // minus the gradient
 
     // name: of a deck in inputs/; settings replace its own.
     NewtonSystem(const std::string& name, const std::vector<std::string>& settings)
         : NewtonSystem(read_deck("inputs/" + name + ".deck", settings)) {}
+    DistortionEnergy& distortion() { return *problem.level->energy; }
+
     NewtonSystem(const NewtonSystem&) = delete;
     NewtonSystem& operator=(const NewtonSystem&) = delete;
 
@@ -26,16 +26,20 @@ private:
     explicit NewtonSystem(const Deck& deck)
         : problem(make_problem(deck)),
           params(deck.distortion),
-          distortion(problem.mesh, problem.ideal, params),
-          constraint(problem.mesh, problem.ideal, problem.target, deck.target),
-          A(distortion.hessian_pattern()),
+          A(with_functional(deck).hessian_pattern()),
           b(A.size()) {
         constexpr double penalty = 1000;  // in units of |1|^2
-        const AugmentedFunctional E{distortion, constraint, std::vector<double>(constraint.size(), 0.0),
+        Constraint& constraint = *problem.level->constraint;
+        const AugmentedFunctional E{distortion(), constraint, std::vector<double>(constraint.multipliers(), 0.0),
                                     penalty * constraint.norm_of_one() * constraint.norm_of_one()};
-        E.hessian(problem.ideal, HessianKind::squared_projected, A);
-        E.gradient(problem.ideal, b);
+        E.hessian(problem.ideal(), HessianKind::damping, A);
+        E.gradient(problem.ideal(), b);
         for (double& value : b) value = -value;
+    }
+
+    DistortionEnergy& with_functional(const Deck& deck) {
+        set_functional(deck, problem.target, *problem.level);
+        return distortion();
     }
 };
 

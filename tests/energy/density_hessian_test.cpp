@@ -31,9 +31,15 @@ Mat<n> apply(const Tensor<n>& C, const Mat<n>& dF, int lane) {
 
 template <int n>
 Tensor<n> hessian(const Mat<n, Lanes>& F, double delta, Objective objective, bool projected) {
-    return in_element_coordinates<n>(
-        frame_hessian<n>(F, delta, in_all_lanes(objective == Objective::deviation), projected), identity<n>(),
-        in_all_lanes(1));
+    return with_density(objective, [&](auto density) {
+        return in_element_coordinates<n>(frame_hessian<n>(F, density, delta, projected), identity<n>(),
+                                         in_all_lanes(1));
+    });
+}
+
+template <int n>
+Mat<n> gradient(const Mat<n>& F, double delta, Objective objective) {
+    return with_density(objective, [&](auto density) { return density_gradient<n>(F, delta, density); });
 }
 
 // Central differences of the gradient: the error must fall as t^2, in every lane.
@@ -48,8 +54,8 @@ void check_slopes(std::mt19937& random, double thin, double delta, Objective obj
         double error[2];
         for (int k = 0; k < 2; ++k) {
             const double t = step / (1 + k);
-            Mat<n> difference = density_gradient<n>(shifted<n>(single, dF, t), delta, objective);
-            difference = shifted<n>(difference, density_gradient<n>(shifted<n>(single, dF, -t), delta, objective), -1);
+            Mat<n> difference = gradient<n>(shifted<n>(single, dF, t), delta, objective);
+            difference = shifted<n>(difference, gradient<n>(shifted<n>(single, dF, -t), delta, objective), -1);
             for (auto& row : difference)
                 for (double& v : row) v /= 2 * t;
             error[k] = std::sqrt(frobenius_squared<n>(shifted<n>(difference, exact, -1)));
@@ -121,7 +127,7 @@ TEST_CASE("in the coordinates of an element the second derivative is that along 
     }
     const Tensor<3> in_F = hessian<3>(F, 0, Objective::squared, false);
     const Tensor<3> in_J =
-        in_element_coordinates<3>(frame_hessian<3>(F, 0, in_all_lanes(0), false), inverse_of_A, in_all_lanes(3));
+        in_element_coordinates<3>(frame_hessian<3>(F, Quadratic<Shape>{false}, 0, false), inverse_of_A, in_all_lanes(3));
     for (int l = 0; l < lanes; ++l) {
         const Mat<3> dJ = random_matrix<3>(random), dF = multiply<3>(dJ, lane_of<3>(inverse_of_A, l));
         CHECK(inner<3>(dJ, apply<3>(in_J, dJ, l)) ==

@@ -1,4 +1,4 @@
-#include "energy/distortion_energy.hpp"
+#include "energy/simd_energy.hpp"
 
 #include <doctest/doctest.h>
 
@@ -39,13 +39,13 @@ double dot_of(const std::vector<double>& a, const std::vector<double>& b) {
     return s;
 }
 
-std::vector<double> gradient(const DistortionEnergy& E, const std::vector<double>& x) {
+std::vector<double> gradient(DistortionEnergy& E, const std::vector<double>& x) {
     std::vector<double> g(x.size(), 0.0);
     E.add_gradient(x, g);
     return g;
 }
 
-BlockCsr hessian(const DistortionEnergy& E, const Mesh& mesh, const std::vector<double>& x, HessianKind kind) {
+BlockCsr hessian(DistortionEnergy& E, const Mesh& mesh, const std::vector<double>& x, HessianKind kind) {
     BlockCsr H = matrix_of_cells(mesh.nodes(), mesh.dim, mesh.elements, mesh.element_nodes());
     E.add_hessian(x, kind, H);
     return H;
@@ -56,26 +56,26 @@ BlockCsr hessian(const DistortionEnergy& E, const Mesh& mesh, const std::vector<
 TEST_CASE("linear elements take one point, whatever exactness is asked for") {
     for (const Mesh& linear : {square_mesh(3), cube_mesh(2)}) {
         const Case c = deformed(linear, 1, 0.04);
-        const DistortionEnergy one(c.mesh, c.ideal, {Objective::squared, 0, 1, 0});
-        const DistortionEnergy many(c.mesh, c.ideal, {Objective::squared, 0, 1, 5});
+        SimdEnergy one(c.mesh, c.ideal, {Objective::squared, 0, 1, 0});
+        SimdEnergy many(c.mesh, c.ideal, {Objective::squared, 0, 1, 5});
         CHECK(many.energy(c.x) == one.energy(c.x));
         CHECK(gradient(many, c.x) == gradient(one, c.x));
-        for (const HessianKind kind : {HessianKind::full, HessianKind::projected, HessianKind::squared_projected})
+        for (const HessianKind kind : {HessianKind::full, HessianKind::projected, HessianKind::damping})
             CHECK(hessian(many, c.mesh, c.x, kind).value == hessian(one, c.mesh, c.x, kind).value);
     }
 }
 
 TEST_CASE("at the identity the objectives are the domain volume and zero") {
     for (const Case& c : cases()) {
-        const DistortionEnergy squared(c.mesh, c.ideal, {Objective::squared, 0, 1, 0});
-        const DistortionEnergy deviation(c.mesh, c.ideal, {Objective::deviation, 0, 1, 0});
+        SimdEnergy squared(c.mesh, c.ideal, {Objective::squared, 0, 1, 0});
+        SimdEnergy deviation(c.mesh, c.ideal, {Objective::deviation, 0, 1, 0});
         CHECK(squared.energy(c.ideal) == doctest::Approx(squared.domain_volume()));
         CHECK(deviation.energy(c.ideal) < 1e-25);
         const DistortionStatistics statistics = squared.statistics(c.ideal);
         CHECK(statistics.relative_quality == doctest::Approx(1));
         CHECK(statistics.max_distortion == doctest::Approx(1));
     }
-    const DistortionEnergy square(square_mesh(2), square_mesh(2).x, {});
+    SimdEnergy square(square_mesh(2), square_mesh(2).x, {});
     CHECK(square.domain_volume() == doctest::Approx(1));
 }
 
@@ -83,8 +83,8 @@ TEST_CASE("a uniform stretch has the distortion of its matrix everywhere") {
     const Mesh mesh = raise_degree(square_mesh(2), 3);
     std::vector<double> x = mesh.x;
     for (std::size_t i = 0; i < x.size(); i += 2) x[i] *= 2;  // eta = (4 + 1) / (2 * 2) = 1.25
-    CHECK(DistortionEnergy(mesh, mesh.x, {Objective::squared, 0, 1, 0}).energy(x) == doctest::Approx(1.25 * 1.25));
-    const DistortionEnergy deviation(mesh, mesh.x, {Objective::deviation, 0, 1, 0});
+    CHECK(SimdEnergy(mesh, mesh.x, {Objective::squared, 0, 1, 0}).energy(x) == doctest::Approx(1.25 * 1.25));
+    SimdEnergy deviation(mesh, mesh.x, {Objective::deviation, 0, 1, 0});
     CHECK(deviation.energy(x) == doctest::Approx(0.0625));
     CHECK(deviation.statistics(x).relative_quality == doctest::Approx(0.8));
     CHECK(deviation.statistics(x).max_distortion == doctest::Approx(1.25));
@@ -92,13 +92,13 @@ TEST_CASE("a uniform stretch has the distortion of its matrix everywhere") {
 
 TEST_CASE("the energy is infinite as soon as one element is inverted or flat") {
     for (const Mesh& mesh : {square_mesh(3), cube_mesh(2)}) {
-        const DistortionEnergy E(mesh, mesh.x, {});
+        SimdEnergy E(mesh, mesh.x, {});
         std::vector<double> x = mesh.x;
         x[mesh.element(0)[0] * mesh.dim] += 3;
         CHECK(std::isinf(E.energy(x)));
         std::fill(x.begin(), x.end(), 0.0);
         CHECK(std::isinf(E.energy(x)));
-        CHECK(std::isfinite(DistortionEnergy(mesh, mesh.x, {Objective::squared, 0.1, 1, 0}).energy(x)));
+        CHECK(std::isfinite(SimdEnergy(mesh, mesh.x, {Objective::squared, 0.1, 1, 0}).energy(x)));
     }
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("gradient and Hessian have slope 2 against central differences") {
     for (const Case& c : cases())
         for (const Objective objective : {Objective::squared, Objective::deviation})
             for (const double alpha : {1.0, 0.5}) {
-                const DistortionEnergy E(c.mesh, c.ideal, {objective, 0, alpha, 0});
+                SimdEnergy E(c.mesh, c.ideal, {objective, 0, alpha, 0});
                 std::vector<double> direction(c.x.size());
                 for (std::size_t i = 0; i < direction.size(); ++i) direction[i] = std::sin(7.0 * i);
                 const double exact = dot_of(gradient(E, c.x), direction);
@@ -130,8 +130,8 @@ TEST_CASE("gradient and Hessian have slope 2 against central differences") {
 
 TEST_CASE("Hessians are symmetric and the projected ones positive semidefinite") {
     for (const Case& c : cases()) {
-        const DistortionEnergy E(c.mesh, c.ideal, {Objective::deviation, 0, 1, 0});
-        for (const HessianKind kind : {HessianKind::full, HessianKind::projected, HessianKind::squared_projected}) {
+        SimdEnergy E(c.mesh, c.ideal, {Objective::deviation, 0, 1, 0});
+        for (const HessianKind kind : {HessianKind::full, HessianKind::projected, HessianKind::damping}) {
             const BlockCsr H = hessian(E, c.mesh, c.x, kind);
             const int d = H.d;
             double scale = 0;
@@ -156,7 +156,7 @@ TEST_CASE("Hessians are symmetric and the projected ones positive semidefinite")
 
 TEST_CASE("rigid motions and scalings of the mesh do not change the energy") {
     for (const Case& c : cases()) {
-        const DistortionEnergy E(c.mesh, c.ideal, {Objective::deviation, 0, 1, 0});
+        SimdEnergy E(c.mesh, c.ideal, {Objective::deviation, 0, 1, 0});
         std::vector<double> y = c.x;
         const double cosine = std::cos(0.7), sine = std::sin(0.7);
         for (std::size_t i = 0; i < y.size(); i += c.mesh.dim) {
@@ -171,7 +171,7 @@ TEST_CASE("rigid motions and scalings of the mesh do not change the energy") {
 
 TEST_CASE("element weights keep the total weight and favour small elements") {
     const Mesh ring = ring_mesh(12, 4, 20);
-    const DistortionEnergy plain(ring, ring.x, {Objective::squared, 0, 1, 0}),
+    SimdEnergy plain(ring, ring.x, {Objective::squared, 0, 1, 0}),
         weighted(ring, ring.x, {Objective::squared, 0, 0, 0});
     CHECK(weighted.energy(ring.x) == doctest::Approx(plain.energy(ring.x)));
     std::vector<double> x = ring.x;
@@ -183,14 +183,14 @@ TEST_CASE("an ideal element without volume is refused") {
     const Mesh mesh = square_mesh(1);
     std::vector<double> flat = mesh.x;
     for (std::size_t i = 1; i < flat.size(); i += 2) flat[i] = 0;
-    CHECK_THROWS_AS(DistortionEnergy(mesh, flat, {}), InputError);
+    CHECK_THROWS_AS(SimdEnergy(mesh, flat, {}), InputError);
 }
 
 TEST_CASE("energy, gradient, Hessian and statistics have the same bits for any number of threads") {
     const int before = max_threads();
     for (const Case& c :
          {deformed(square_mesh(40), 1, 0.005), deformed(square_mesh(7), 4, 0.01), deformed(cube_mesh(8), 1, 0.01)}) {
-        const DistortionEnergy E(c.mesh, c.ideal, {});
+        SimdEnergy E(c.mesh, c.ideal, {});
         set_threads(1);
         const double energy = E.energy(c.x);
         const std::vector<double> g = gradient(E, c.x);
@@ -205,7 +205,7 @@ TEST_CASE("energy, gradient, Hessian and statistics have the same bits for any n
             CHECK(E.statistics(c.x).relative_quality == statistics.relative_quality);
             CHECK(E.statistics(c.x).element_max == statistics.element_max);
             // Set up by that many threads: the same energy of the same mesh.
-            CHECK(DistortionEnergy(c.mesh, c.ideal, {}).energy(c.x) == energy);
+            CHECK(SimdEnergy(c.mesh, c.ideal, {}).energy(c.x) == energy);
         }
     }
     set_threads(before);

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "support/plain_assembly.hpp"
+#include "energy/plain_energy.hpp"
 #include "support/random_matrices.hpp"
 
 using namespace almesh;

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "energy/distortion_energy.hpp"
+#include "energy/simd_energy.hpp"
 #include "support/meshes.hpp"
 #include "support/targets.hpp"
 
@@ -72,10 +72,10 @@ TEST_CASE("a valid map stays valid and keeps its distortion energy") {
         for (std::size_t i = 0; i < moved.size(); ++i) displacement[i] -= ideal[i];
         std::vector<double> x = carried(pair, displacement);
         for (std::size_t i = 0; i < x.size(); ++i) x[i] += fine_ideal[i];
-        const double before = DistortionEnergy(pair.coarse, ideal, {}).energy(moved);
+        const double before = SimdEnergy(pair.coarse, ideal, {}).energy(moved);
         REQUIRE(before > 0);
         REQUIRE(std::isfinite(before));
-        CHECK(DistortionEnergy(pair.fine, fine_ideal, {}).energy(x) == doctest::Approx(before).epsilon(1e-11));
+        CHECK(SimdEnergy(pair.fine, fine_ideal, {}).energy(x) == doctest::Approx(before).epsilon(1e-11));
     }
 }
 

@@ -15,21 +15,18 @@ using namespace almesh::test;
 
 namespace {
 
-Problem problem_of(const Mesh& mesh) {
-    Problem problem;
-    problem.mesh = mesh;
-    problem.ideal = straight_sided(mesh);
-    return problem;
-}
-
 // Of a mesh moved to x, with multipliers on its boundary (trace nodes x dim).
 CoarseSolution solution_of(const Minimisation& from, const std::vector<double>& x, const std::vector<double>& lambda) {
-    CoarseSolution solution{from.mesh, from.ideal, x, std::vector<double>(x.size(), 0.0), from.constraint.norm_of_one(),
-                            50};
+    auto level = std::make_unique<Level>();
+    level->mesh = from.mesh;
+    level->ideal = from.ideal;
+    level->constraint =
+        std::make_unique<Dirichlet>(level->mesh, level->ideal, target_of(level->mesh, {}), TargetKind::exact);
+    CoarseSolution solution{std::move(level), x, std::vector<double>(x.size(), 0.0), 50};
     for (std::size_t i = 0; i < x.size(); ++i) solution.displacement[i] -= from.ideal[i];
     const std::size_t dim = from.mesh.dim;
     for (std::size_t k = 0; k < lambda.size(); ++k)
-        solution.lambda[from.constraint.nodes()[k / dim] * dim + k % dim] = lambda[k];
+        solution.multipliers[from.constraint.nodes()[k / dim] * dim + k % dim] = lambda[k];
     return solution;
 }
 
@@ -60,8 +57,7 @@ TEST_CASE("distortion and multipliers do the same work on both meshes along ever
         std::vector<double> g(x.size()), fine_x, fine_g(fine.ideal.size());
         E.gradient(x, g);
 
-        const AlStart start = start_from(solution_of(coarse, x, E.lambda), problem_of(fine.mesh), fine.distortion,
-                                         fine.constraint, fine_x);
+        const AlStart start = start_from(solution_of(coarse, x, E.lambda), fine.level, fine_x);
         CHECK(start.mu == 500);
         AugmentedFunctional fine_E = fine.functional(0);
         REQUIRE(start.lambda.size() == fine_E.lambda.size());
@@ -79,30 +75,29 @@ TEST_CASE("distortion and multipliers do the same work on both meshes along ever
 TEST_CASE("without a coarse solution, or with one that inverts an element, the start is the identity map") {
     const Minimisation coarse(ring_mesh(12, 3, 6), {}, Objective::squared),
         fine(refine(coarse.mesh, 1), {}, Objective::squared);
-    const std::vector<double> lambda(coarse.constraint.size(), 1.0);
+    const std::vector<double> lambda(coarse.constraint.multipliers(), 1.0);
     std::vector<double> inverted = coarse.ideal;
     for (std::size_t i = 0; i < inverted.size(); i += 2) inverted[i] *= -1;
-    for (const CoarseSolution& solution : {CoarseSolution(), solution_of(coarse, inverted, lambda)}) {
+    const CoarseSolution none, folded = solution_of(coarse, inverted, lambda);
+    for (const CoarseSolution* solution : {&none, &folded}) {
         std::vector<double> x;
-        const AlStart start = start_from(solution, problem_of(fine.mesh), fine.distortion, fine.constraint, x);
+        const AlStart start = start_from(*solution, fine.level, x);
         CHECK(x == fine.ideal);
         CHECK(start.lambda.empty());
         CHECK(start.mu == 0);
     }
     std::vector<double> x;
-    CHECK(!start_from(solution_of(coarse, coarse.ideal, lambda), problem_of(fine.mesh), fine.distortion,
-                      fine.constraint, x)
-               .lambda.empty());
+    CHECK(!start_from(solution_of(coarse, coarse.ideal, lambda), fine.level, x).lambda.empty());
 }
 
 TEST_CASE("the penalty carried over has a limit, but never falls") {
     const Minimisation coarse(ring_mesh(12, 3, 6), {}, Objective::squared),
         fine(refine(coarse.mesh, 1), {}, Objective::squared);
-    CoarseSolution solution = solution_of(coarse, coarse.ideal, std::vector<double>(coarse.constraint.size(), 0.0));
+    CoarseSolution solution = solution_of(coarse, coarse.ideal, std::vector<double>(coarse.constraint.multipliers(), 0.0));
     std::vector<double> x;
     for (const auto& [before, after] : {std::pair(1e3, 1e4), std::pair(3e5, 1e6), std::pair(1e7, 1e7)}) {
         solution.mu = before;
-        CHECK(start_from(solution, problem_of(fine.mesh), fine.distortion, fine.constraint, x).mu == after);
+        CHECK(start_from(solution, fine.level, x).mu == after);
     }
 }
 
@@ -168,17 +163,16 @@ TEST_CASE("coarse meshes are solved with the deck's forcing") {
 }
 
 TEST_CASE("which decks start coarse") {
-    Deck deck;
-    CHECK(!starts_coarse(deck));  // not refined
-    deck.refine = 1;
-    CHECK(starts_coarse(deck));
-    deck.method.algorithm = Algorithm::paper;
-    CHECK(!starts_coarse(deck));  // the paper's tables
-    deck.start = Start::coarse;
-    CHECK(starts_coarse(deck));
-    deck.method.algorithm = Algorithm::adaptive;
-    deck.start = Start::identity;
-    CHECK(!starts_coarse(deck));
+    const RingDeck ring;
+    const auto coarse_rows = [&](const std::vector<std::string>& settings) {
+        REQUIRE(ring.run(settings).code == 0);
+        return rows_of_kind(ring.output, "coarse").size();
+    };
+    CHECK(coarse_rows({}) == 0);  // not refined
+    CHECK(coarse_rows({"refine=1"}) == 1);
+    CHECK(coarse_rows({"refine=1", "algorithm=paper"}) == 0);  // the paper's tables
+    CHECK(coarse_rows({"refine=1", "algorithm=paper", "start=coarse"}) == 1);
+    CHECK(coarse_rows({"refine=1", "start=identity"}) == 0);
 }
 
 TEST_CASE("the algorithm as printed does not start coarse") {

@@ -4,40 +4,50 @@
 #include <string>
 #include <vector>
 
-#include "method/augmented_lagrangian.hpp"
+#include "constraint/dirichlet.hpp"
+#include "method/continuation.hpp"
 #include "support/targets.hpp"
 
 namespace almesh::test {
 
 // Keeps all that the functional refers to.
 struct Minimisation {
-    Mesh mesh;
-    std::vector<double> ideal;
+    Level level;
+    const Mesh& mesh;
+    const std::vector<double>& ideal;
     Objective objective;
-    DistortionEnergy distortion;
-    BoundaryConstraint constraint;
+    DistortionEnergy& distortion;
+    Dirichlet& constraint;
 
     Minimisation(const Mesh& any, const std::map<std::string, std::string>& motions, Objective wanted,
-                 TargetKind kind = TargetKind::exact)
-        : mesh(any),
-          ideal(straight_sided(mesh)),
+                 TargetKind kind = TargetKind::exact, Assembly assembly = Assembly::simd)
+        : level{any, straight_sided(any), nullptr, nullptr},
+          mesh(level.mesh),
+          ideal(level.ideal),
           objective(wanted),
-          distortion(mesh, ideal, {.objective = wanted}),
-          constraint(mesh, ideal, target_of(mesh, motions), kind) {}
+          distortion(*(level.energy = make_energy(mesh, ideal, {.objective = wanted, .assembly = assembly}))),
+          constraint(set_constraint(motions, kind)) {}
 
     // mu: in units of |1|^2; no multipliers.
     AugmentedFunctional functional(double mu) const {
         const double one = constraint.norm_of_one();
-        return {distortion, constraint, std::vector<double>(constraint.size(), 0.0), mu * one * one};
+        return {distortion, constraint, std::vector<double>(constraint.multipliers(), 0.0), mu * one * one};
     }
 
     // x: the last iterate, from the identity map.
     AlResult solve(const AugmentedLagrangianParams& params, std::vector<double>& x, const AlObserver& observer = {},
                    const LinearSolverParams& linear = {}) const {
         x = ideal;
-        Newton newton(distortion, linear);
-        Timings time;
-        return almesh::minimise(distortion, constraint, newton, params, x, time, observer);
+        Newton newton(distortion.hessian_pattern(), linear);
+        return almesh::minimise(distortion, constraint, newton, params, x, observer);
+    }
+
+private:
+    Dirichlet& set_constraint(const std::map<std::string, std::string>& motions, TargetKind kind) {
+        auto made = std::make_unique<Dirichlet>(mesh, ideal, target_of(mesh, motions), kind);
+        Dirichlet& reference = *made;
+        level.constraint = std::move(made);
+        return reference;
     }
 };
 

@@ -1,14 +1,16 @@
-#include "method/pockets.hpp"
+// max over i of |g_i|^2 / (2 h_i) chooses the nodes, Newton's method without damping minimises over them.
+#include "method/local_elimination.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
-#include "method/pocket_functional.hpp"
+#include "base/index.hpp"
 #include "linalg/linear_solver.hpp"
 #include "linalg/vector_ops.hpp"
 #include "method/line_search.hpp"
+#include "method/local_functional.hpp"
 
 namespace almesh {
 namespace {
@@ -16,8 +18,9 @@ namespace {
 constexpr double part_of_nodes = 0.01, part_of_decrease = 0.9;
 constexpr int layers = 2;
 constexpr int most_steps = 30;
-constexpr double pocket_forcing = 1e-4;    // relative residual of iterative solvers
-constexpr double part_of_gain = 1e-3;  // of what the pocket has gained: less is not worth a step
+constexpr double local_tolerance = 1e-4;  // relative residual of iterative solvers
+constexpr double worthwhile = 0.01;       // decrease of a local step, in units of that of the Newton step before
+constexpr double part_of_gain = 1e-3;     // and of all local steps so far: less is not worth another
 
 // Decrease of E that each node could reach alone.
 std::vector<double> reachable_decrease(const BlockCsr& H, const std::vector<double>& g) {
@@ -27,7 +30,7 @@ std::vector<double> reachable_decrease(const BlockCsr& H, const std::vector<doub
         double trace = 0, squared = 0;
         for (int a = 0; a < H.d; ++a) {
             trace += block[a * H.d + a];
-            squared += g[static_cast<std::size_t>(i) * H.d + a] * g[static_cast<std::size_t>(i) * H.d + a];
+            squared += g[offset(i, H.d, a)] * g[offset(i, H.d, a)];
         }
         decrease[i] = 0.5 * squared * H.d / std::max(std::abs(trace), std::numeric_limits<double>::min());
     }
@@ -61,11 +64,12 @@ std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g) 
     return chosen;
 }
 
-// Newton's method on the pocket: the full Hessian after a full step, else the projected one. No damping: a step that is
-// cut costs little here. Returns the number of steps; y: start, then the last iterate.
-int minimise_pocket(const PocketFunctional& E, double worthwhile, std::vector<double>& y) {
+// Newton's method on the part: the full Hessian after a full step, else the projected one. No damping: a step that is
+// cut costs little here. least_gain: a step that decreases E by less is the last. Returns the number of steps; y: start,
+// then the last iterate.
+int minimise_locally(const LocalFunctional& E, double least_gain, std::vector<double>& y) {
     BlockCsr H = E.hessian_pattern();
-    LinearSolver solver(H.d, {.tolerance = pocket_forcing});
+    LinearSolver solver(H.d, {.tolerance = local_tolerance});
     const auto energy_of = [&E](const std::vector<double>& at) { return E.energy(at); };
     std::vector<double> g(y.size()), minus_g(y.size()), d, trial(y.size());
     const auto step_with = [&](HessianKind kind, double energy) -> LineSearchResult {
@@ -86,7 +90,7 @@ int minimise_pocket(const PocketFunctional& E, double worthwhile, std::vector<do
         if (found.step_length == 0) return step;
         const double gained = energy - found.energy;
         energy = found.energy;
-        if (gained <= worthwhile || gained <= part_of_gain * (first - energy)) return step + 1;
+        if (gained <= least_gain || gained <= part_of_gain * (first - energy)) return step + 1;
         try_full = found.step_length >= 1;
     }
     return most_steps;
@@ -94,21 +98,22 @@ int minimise_pocket(const PocketFunctional& E, double worthwhile, std::vector<do
 
 }  // namespace
 
-Relaxation relax_pockets(const AugmentedFunctional& E, const BlockCsr& H, const std::vector<double>& g,
-                         double worthwhile, std::vector<double>& x, double& energy) {
+LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& E, const BlockCsr& H,
+                                                     const std::vector<double>& g, double gained,
+                                                     std::vector<double>& x, double& energy) const {
     const std::vector<char> chosen = choose_nodes(H, g);
-    const PocketFunctional pocket(E, x, chosen);
-    std::vector<double> y = pocket.start();
-    Relaxation result;
+    const LocalFunctional local(E, x, chosen);
+    std::vector<double> y = local.start();
+    Result result;
     result.nodes = static_cast<int>(std::count(chosen.begin(), chosen.end(), 1));
-    result.steps = minimise_pocket(pocket, worthwhile, y);
+    result.steps = minimise_locally(local, worthwhile * gained, y);
     if (result.steps == 0) return result;
-    pocket.write(y, x);
-    const double relaxed = E.energy(x);
-    if (relaxed <= energy)
-        energy = relaxed;
+    local.write(y, x);
+    const double found = E.energy(x);
+    if (found <= energy)
+        energy = found;
     else  // a gain below rounding
-        pocket.write(pocket.start(), x);
+        local.write(local.start(), x);
     return result;
 }
 

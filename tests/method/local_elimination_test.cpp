@@ -1,8 +1,8 @@
-#include "method/pockets.hpp"
+#include "method/local_elimination.hpp"
 
 #include <doctest/doctest.h>
 
-#include "linalg/vector_ops.hpp"
+#include "method/newton.hpp"
 #include "support/meshes.hpp"
 #include "support/minimisation.hpp"
 
@@ -22,9 +22,8 @@ struct Disturbed {
 
     explicit Disturbed(const Mesh& mesh = cube_mesh(6), double push = 0.05)
         : problem(mesh, {{"top", "scale 1 1 1.2"}, {"sides", "scale 1 1 1.2"}}, Objective::squared) {
-        Newton newton(problem.distortion, {});
-        Timings time;
-        newton.minimise(E, {.omega = 1e-9}, minimum, time, nullptr);
+        Newton newton(problem.distortion.hessian_pattern(), {});
+        newton.minimise(E, {.omega = 1e-9, .reach = {}}, minimum);
         x = minimum;
         x[node * 3] += push;
         energy = E.energy(x);
@@ -40,7 +39,7 @@ TEST_CASE("a node out of its place goes back, and nodes far away stay where they
     Disturbed at;
     const double disturbed = at.energy, least = at.E.energy(at.minimum);
     std::vector<double> x = at.x;
-    const Relaxation relaxed = relax_pockets(at.E, at.H, at.g, 0, x, at.energy);
+    const LocalElimination::Result relaxed = LocalElimination().eliminate(at.E, at.H, at.g, 0, x, at.energy);
     CHECK(relaxed.steps > 0);
     CHECK(relaxed.nodes > 1);
     CHECK(relaxed.nodes < at.problem.mesh.nodes());
@@ -55,23 +54,23 @@ TEST_CASE("the energy never grows, and little is done where nothing is to be gai
     Disturbed at;
     std::vector<double> x = at.x;
     const double before = at.energy;
-    const Relaxation once = relax_pockets(at.E, at.H, at.g, 1e3, x, at.energy);  // no step is worth another
+    const LocalElimination::Result once = LocalElimination().eliminate(at.E, at.H, at.g, 1e3, x, at.energy);  // no step is worth another
     CHECK(once.steps == 1);
     CHECK(at.energy < before);
     std::vector<double> g(x.size());
     at.E.gradient(at.minimum, g);
     double energy = at.E.energy(at.minimum);
     const double least = energy;
-    relax_pockets(at.E, at.H, g, 0, at.minimum, energy);
+    LocalElimination().eliminate(at.E, at.H, g, 0, at.minimum, energy);
     CHECK(energy <= least);
     CHECK(energy == at.E.energy(at.minimum));
 }
 
-TEST_CASE("pockets have the same bits for any number of threads") {
-    const Mesh mesh = raise_degree(cube_mesh(4), 2);  // in the pocket too, enough for several threads
+TEST_CASE("local elimination has the same bits for any number of threads") {
+    const Mesh mesh = raise_degree(cube_mesh(4), 2);  // in the part too, enough for several threads
     const auto results = for_threads([&] {
         Disturbed at(mesh, 0.02);
-        relax_pockets(at.E, at.H, at.g, 0, at.x, at.energy);
+        LocalElimination().eliminate(at.E, at.H, at.g, 0, at.x, at.energy);
         return at.x;
     });
     CHECK(results[0] == results[1]);

@@ -1,5 +1,4 @@
-#include "energy/curved_batch.hpp"
-#include "energy/linear_batch.hpp"
+#include "energy/simd_energy.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,15 +6,15 @@
 #include <span>
 
 #include "base/error.hpp"
+#include "energy/plain_energy.hpp"
 #include "support/meshes.hpp"
-#include "support/plain_assembly.hpp"
 
 using namespace almesh;
 using namespace almesh::test;
 
 namespace {
 
-constexpr HessianKind kinds[] = {HessianKind::full, HessianKind::projected, HessianKind::squared_projected};
+constexpr HessianKind kinds[] = {HessianKind::full, HessianKind::projected, HessianKind::damping};
 constexpr Objective objectives[] = {Objective::squared, Objective::deviation};
 
 double largest(std::span<const double> v) {
@@ -37,8 +36,8 @@ void check_against_plain(const Mesh& mesh, const std::vector<double>& ideal, con
                          double tolerance) {
     for (const Objective objective : objectives) {
         const DistortionParams params{objective, 0, 0.5, 0};
-        const DistortionEnergy fast(mesh, ideal, params);
-        const PlainAssembly plain(mesh, ideal, params);
+        SimdEnergy fast(mesh, ideal, params);
+        PlainEnergy plain(mesh, ideal, params);
         REQUIRE(std::isfinite(plain.energy(x)));
         CHECK(std::abs(fast.energy(x) - plain.energy(x)) <= tolerance * plain.energy(x));
         std::vector<double> g(x.size(), 0.0), expected(x.size(), 0.0);
@@ -154,11 +153,11 @@ TEST_CASE("nearly inverted elements: det F = 1e-8") {
 TEST_CASE("at a rotation the Hessian of Eq. 5 vanishes and the others have the similarities as kernel") {
     const Mesh mesh = single_element<3>(1);
     const std::vector<double> x = mapped<3>(mesh.x, rotation<3>(1.1));
-    const DistortionEnergy E(mesh, mesh.x, {Objective::deviation, 0, 1, 0});
+    SimdEnergy E(mesh, mesh.x, {Objective::deviation, 0, 1, 0});
     BlockCsr H = E.hessian_pattern();
     E.add_hessian(x, HessianKind::full, H);
     CHECK(largest(H.value) < 1e-14);
-    E.add_hessian(x, HessianKind::squared_projected, H);
+    E.add_hessian(x, HessianKind::damping, H);
     CHECK(largest(H.value) > 0.1);
     std::vector<double> turned = mapped<3>(x, {{{2, 1, 2}, {-1, 2, 3}, {-2, -3, 2}}}), Hx(x.size());
     multiply(H, turned.data(), Hx.data());
@@ -167,11 +166,11 @@ TEST_CASE("at a rotation the Hessian of Eq. 5 vanishes and the others have the s
 
 TEST_CASE("one inverted element among many is found in any lane, and leaves the statistics of the others alone") {
     const Mesh mesh = square_mesh(3);  // 18 triangles
-    const DistortionEnergy E(mesh, mesh.x, {});
+    SimdEnergy E(mesh, mesh.x, {});
     for (int e = 0; e < mesh.element_count(); ++e) {
         Mesh mirrored = mesh;  // this one walked the other way round
         std::swap(mirrored.elements[e * 3 + 1], mirrored.elements[e * 3 + 2]);
-        CHECK_THROWS_AS(DistortionEnergy(mirrored, mesh.x, {}), InputError);
+        CHECK_THROWS_AS(SimdEnergy(mirrored, mesh.x, {}), InputError);
         std::vector<double> x = mesh.x;
         for (int k = 0; k < 2; ++k) std::swap(x[mesh.element(e)[1] * 2 + k], x[mesh.element(e)[2] * 2 + k]);
         CHECK(std::isinf(E.energy(x)));
@@ -187,7 +186,7 @@ TEST_CASE("regularised, gradients and Hessians of flat, folded and inverted elem
          {Mat<3>{}, Mat<3>{{{0, 0, 2}, {0, 0, 0}, {0, 0, 0}}}, Mat<3>{{{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}},
           Mat<3>{{{0, 0, 1}, {0, 1, 0}, {1, 0, 0}}}, Mat<3>{{{0.3, 1, 0}, {0.3, 1, 0}, {2, 0.1, 0.4}}}}) {
         const Mesh mesh = single_element<3>(1);
-        const DistortionEnergy E(mesh, mesh.x, {Objective::squared, 0.5, 1, 0});
+        SimdEnergy E(mesh, mesh.x, {Objective::squared, 0.5, 1, 0});
         const std::vector<double> x = mapped<3>(mesh.x, F);
         const auto gradient = [&](double t) {
             std::vector<double> y = x, g(x.size(), 0.0);

@@ -1,4 +1,4 @@
-#include "method/pocket_functional.hpp"
+#include "method/local_functional.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 
+#include "energy/simd_energy.hpp"
 #include "support/meshes.hpp"
 #include "support/minimisation.hpp"
 
@@ -34,31 +35,31 @@ std::vector<double> moved(std::vector<double> x, const std::vector<char>& moves)
 
 }  // namespace
 
-TEST_CASE("a pocket's energy, gradient and Hessian are those of the functional, for the nodes that move") {
+TEST_CASE("a local functional's energy, gradient and Hessian are those of the functional, for the nodes that move") {
     for (const Mesh& mesh : {raise_degree(ring_mesh(8, 2, 3), 2), cube_mesh(2)}) {
         const std::map<std::string, std::string> ring = {{"inner", "translate 0.1 0"}},
                                                  cube = {{"top", "scale 1 1 1.2"}, {"sides", "scale 1 1 1.2"}};
         const Minimisation problem(mesh, mesh.dim == 2 ? ring : cube, Objective::squared);
-        const DistortionEnergy weighted(problem.mesh, problem.ideal, {.weight_exponent = 0.5});
-        AugmentedFunctional E{weighted, problem.constraint, std::vector<double>(problem.constraint.size(), 0.3), 50};
+        SimdEnergy weighted(problem.mesh, problem.ideal, {.weight_exponent = 0.5});
+        AugmentedFunctional E{weighted, problem.constraint, std::vector<double>(problem.constraint.multipliers(), 0.3), 50};
         const std::vector<char> moves = some_nodes(problem.mesh.nodes());
-        const PocketFunctional pocket(E, problem.ideal, moves);
+        const LocalFunctional local(E, problem.ideal, moves);
 
-        // At the start and away from it, in the pocket's numbers.
+        // At the start and away from it, in the numbers of the local functional.
         const std::vector<double> x = moved(problem.ideal, moves);
-        std::vector<double> number(problem.ideal.size()), y = pocket.start(), of_mesh(number.size(), -1.0);
+        std::vector<double> number(problem.ideal.size()), y = local.start(), of_mesh(number.size(), -1.0);
         for (std::size_t i = 0; i < y.size(); ++i) y[i] = static_cast<double>(i);
-        pocket.write(y, of_mesh);  // place in the pocket of every coordinate that moves
-        y = pocket.start();
+        local.write(y, of_mesh);  // place in the local functional of every coordinate that moves
+        y = local.start();
         for (std::size_t i = 0; i < x.size(); ++i) {
             CHECK((of_mesh[i] >= 0) == static_cast<bool>(moves[i / problem.mesh.dim]));
             if (of_mesh[i] >= 0) y[static_cast<std::size_t>(of_mesh[i])] = x[i];
         }
-        CHECK(pocket.energy(y) - pocket.energy(pocket.start()) ==
+        CHECK(local.energy(y) - local.energy(local.start()) ==
               doctest::Approx(E.energy(x) - E.energy(problem.ideal)).epsilon(1e-10));
 
         std::vector<double> g(y.size()), whole(x.size());
-        pocket.gradient(y, g);
+        local.gradient(y, g);
         E.gradient(x, whole);
         long nonzero = 0;
         for (std::size_t i = 0; i < x.size(); ++i) {
@@ -69,8 +70,8 @@ TEST_CASE("a pocket's energy, gradient and Hessian are those of the functional, 
         CHECK(nonzero <= std::count_if(of_mesh.begin(), of_mesh.end(), [](double place) { return place >= 0; }));
 
         // The columns of the Hessian of nodes that move, from those of the functional.
-        BlockCsr H = pocket.hessian_pattern(), full = weighted.hessian_pattern();
-        pocket.hessian(y, HessianKind::full, H);
+        BlockCsr H = local.hessian_pattern(), full = weighted.hessian_pattern();
+        local.hessian(y, HessianKind::full, H);
         E.hessian(x, HessianKind::full, full);
         std::vector<double> v(y.size(), 0.0), Hv(y.size()), w(x.size(), 0.0), Hw(x.size());
         for (std::size_t i = 0; i < x.size(); ++i)
@@ -83,25 +84,25 @@ TEST_CASE("a pocket's energy, gradient and Hessian are those of the functional, 
     }
 }
 
-TEST_CASE("a pocket's Hessian leaves held nodes alone, and inverted elements have infinite energy") {
+TEST_CASE("a local functional's Hessian leaves held nodes alone, and inverted elements have infinite energy") {
     const Minimisation problem(ring_mesh(8, 2, 3), {}, Objective::squared);
     const AugmentedFunctional E = problem.functional(10);
     std::vector<char> moves(problem.mesh.nodes(), 0);
     moves[0] = 1;
-    const PocketFunctional pocket(E, problem.ideal, moves);
-    CHECK(pocket.size() < static_cast<int>(problem.ideal.size()));
-    BlockCsr H = pocket.hessian_pattern();
-    pocket.hessian(pocket.start(), HessianKind::projected, H);
+    const LocalFunctional local(E, problem.ideal, moves);
+    CHECK(local.start().size() < problem.ideal.size());
+    BlockCsr H = local.hessian_pattern();
+    local.hessian(local.start(), HessianKind::projected, H);
     int unit = 0;
     for (int i = 0; i < H.n; ++i) unit += H.block(H.find(i, i))[0] == 1 && H.block(H.find(i, i))[1] == 0;
     CHECK(unit == H.n - 1);
-    std::vector<double> x = problem.ideal, y = pocket.start();
+    std::vector<double> x = problem.ideal, y = local.start();
     for (double& value : y) value = -3 * value;
-    pocket.write(y, x);
+    local.write(y, x);
     CHECK(x[0] == -3 * problem.ideal[0]);
     CHECK(x[2] == problem.ideal[2]);
-    y = pocket.start();
+    y = local.start();
     for (std::size_t i = 0; i < y.size(); ++i)
         if (y[i] == problem.ideal[0]) y[i] += 100;  // the node far outside its elements
-    CHECK(std::isinf(pocket.energy(y)));
+    CHECK(std::isinf(local.energy(y)));
 }

@@ -1,0 +1,57 @@
+// The boundary constraint c of the augmented Lagrangian (paper, Eq. 6), as the method sees it: a function of the node
+// positions x with multipliers lambda and a penalty mu, whose part of the functional is
+//
+//     C(x) = -(lambda, c) + mu/2 |c|^2,
+//
+// in a scalar product of the boundary with (1, 1) = |1|^2. Nothing here says that c is linear, which nodes it acts on, or
+// how many multipliers a node has. dirichlet.hpp prescribes positions; a boundary that slides would prescribe a distance.
+//
+// Evaluations use work space of the object: one call at a time. x: node_count x dim positions everywhere.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "linalg/block_csr.hpp"
+
+namespace almesh {
+
+// C as a function of the positions y of some nodes (nodes x dim), all others held: for local minimisations.
+class ConstraintPart {
+public:
+    virtual ~ConstraintPart() = default;
+    virtual void add_value(const std::vector<double>& y, double& E) = 0;  // up to a constant
+    virtual void add_gradient(const std::vector<double>& y, std::vector<double>& g) = 0;
+    virtual void add_hessian(const std::vector<double>& y, BlockCsr& H) = 0;  // H: of the pattern given to part()
+};
+
+class Constraint {
+public:
+    virtual ~Constraint() = default;
+
+    virtual int multipliers() const = 0;                     // length of lambda
+    virtual double norm_of_one() const = 0;                  // |1|
+    virtual double norm(const std::vector<double>& x) = 0;   // |c|
+    // |P c|, P the projection onto the space of the multipliers: what can be made zero, and is tested for it.
+    virtual double projected_norm(const std::vector<double>& x) = 0;
+    virtual double max_error(const std::vector<double>& x) = 0;  // largest distance from where the boundary should be
+
+    virtual double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) = 0;
+    virtual void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
+                              std::vector<double>& g) = 0;
+    virtual void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
+                             BlockCsr& H) = 0;
+    virtual void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) = 0;
+
+    // node: numbers in the mesh of the nodes of the part. pattern: of the part's Hessian.
+    virtual std::unique_ptr<ConstraintPart> part(const std::vector<double>& x, const std::vector<double>& lambda,
+                                                 double mu, const std::vector<int>& node,
+                                                 const BlockCsr& pattern) = 0;
+
+    // As vector fields on the boundary, for pictures and to carry them to a finer mesh: nodes().size() x dim.
+    virtual const std::vector<int>& nodes() const = 0;  // mesh nodes that the constraint acts on, ascending
+    virtual std::vector<double> multiplier_field(const std::vector<double>& lambda) const = 0;
+    virtual std::vector<double> multipliers_of_field(const std::vector<double>& field) const = 0;
+    virtual std::vector<double> constraint_field(const std::vector<double>& x) const = 0;  // P c
+};
+
+}  // namespace almesh

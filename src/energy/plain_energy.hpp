@@ -1,0 +1,42 @@
+// The distortion energy, its gradient and its Hessian as a textbook would assemble them: one element after the other, one
+// quadrature point after the other, dense loops, the second derivative of eta written down from that of the determinant, a
+// general eigensolver for its projection, every block found in its row by bisection. Made to be read, and the reference
+// that simd_energy.hpp is tested against; some hundred times slower. One thread.
+#pragma once
+#include "base/index.hpp"
+#include "energy/distortion_energy.hpp"
+#include "mesh/quadrature.hpp"
+
+namespace almesh {
+
+class PlainEnergy : public DistortionEnergy {
+public:
+    PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params);
+
+    double energy(const std::vector<double>& x) override;
+    void add_gradient(const std::vector<double>& x, std::vector<double>& g) override;
+    BlockCsr hessian_pattern() const override { return pattern_; }
+    void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping = 0) override;
+    DistortionStatistics statistics(const std::vector<double>& x) override;
+    std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
+                                           std::vector<int>& node) const override;
+
+private:
+    int dim_, element_count_;
+    ReferenceElement reference_;
+    std::vector<int> nodes_;                      // element x element nodes
+    std::vector<double> ideal_inverse_;           // element x dim x dim, A^{-1}
+    std::vector<double> ideal_jacobian_;          // element, det A
+    std::vector<double> weight_, damping_weight_;  // element, w_e det A and w'_e det A
+    BlockCsr pattern_;
+
+    const int* element(int e) const { return &nodes_[offset(e, reference_.nodes)]; }
+    template <int n, class Body>
+    void every_point(int e, const std::vector<double>& x, const Body& body) const;
+};
+
+// The positive semidefinite part of a symmetric size x size matrix, row-major, in its place: cyclic Jacobi rotations
+// (Golub & Van Loan, Matrix Computations, sec. 8.5), negative eigenvalues set to zero.
+void project(int size, double* A);
+
+}  // namespace almesh

@@ -1,0 +1,267 @@
+// Assembly of E, its gradient and its Hessian (distortion_energy.hpp), one element per SIMD lane: blocks of elements in
+// schedule order -> batches of `lanes` elements -> sums, gradients and Hessian blocks in closed form -> the global arrays.
+#include "energy/simd_energy.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/index.hpp"
+#include "base/parallel.hpp"
+#include "energy/curved_batch.hpp"
+#include "energy/linear_batch.hpp"
+
+namespace almesh {
+namespace {
+
+// body(place, batch, lane) for all lanes. A batch is one thread's: to write a lane may be to write the whole register.
+template <class Body>
+void each_lane(int batches, const Body& body) {
+    parallel_for(batches, [&](int batch) {
+        for (int lane = 0; lane < lanes; ++lane) body(batch * lanes + lane, batch, lane);
+    }, 10.0 * lanes);
+}
+
+// Asks for the blocks to come: a block may straddle two cache lines.
+template <int size>
+void prefetch_blocks(const double* values, const int* block, int count) {
+    for (int k = 0; k < count; ++k) {
+        const double* const first = values + offset(block[k], size);
+        __builtin_prefetch(first, 1);
+        __builtin_prefetch(first + size - 1, 1);
+    }
+}
+
+// values[block[k]] += part[k], blocks of `size` numbers. Each is loaded whole, then stored: they cannot alias.
+template <int size>
+void add_blocks(const double* part, const int* block, int count, double* values) {
+    for (int k = 0; k < count; ++k) {
+        double* const to = values + offset(block[k], size);
+        double sum[size];
+        for (int e = 0; e < size; ++e) sum[e] = to[e] + part[k * size + e];
+        std::copy_n(sum, size, to);
+    }
+}
+
+}  // namespace
+
+SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
+    : DistortionEnergy(params),
+      dim_(mesh.dim),
+      element_count_(mesh.element_count()),
+      reference_(reference_element(mesh.dim, mesh.degree, params.exactness)),
+      blocks_(schedule_elements(mesh)) {
+    resize();
+    set_geometry(mesh, ideal);
+    set_pattern(mesh.nodes());
+}
+
+void SimdEnergy::resize() {
+    const int m = reference_.nodes, batches = (element_count_ + lanes - 1) / lanes;
+    nodes_.resize(offset(batches, lanes * m));
+    ideal_inverse_.resize(offset(batches, dim_ * dim_));
+    ideal_jacobian_.resize(batches);
+    weight_.resize(batches);
+    damping_weight_.resize(batches);
+    block_value_.resize(blocks_.count());
+    is_large_ = static_cast<double>(element_count_) * reference_.points * reference_.nodes >= parallel_work;
+}
+
+void SimdEnergy::set_geometry(const Mesh& mesh, const std::vector<double>& ideal) {
+    const int m = reference_.nodes, batches = static_cast<int>(weight_.size());
+    const double exponent = damping_exponent(dim_, params_.weight_exponent);
+    std::atomic<int> flat = element_count_;  // first element without volume
+    with_dimension(dim_, [&](auto dimension) {
+        constexpr int n = dimension;
+        each_lane(batches, [&](int k, int batch, int lane) {
+            const int e = blocks_.order[std::min(k, element_count_ - 1)];
+            std::copy_n(mesh.element(e), m, &nodes_[offset(k, m)]);
+            const Mat<n> A = straight_jacobian<n>(mesh.element(e), ideal);
+            const double jacobian = determinant(A);
+            if (!(jacobian > 0))
+                for (int first = flat; e < first && !flat.compare_exchange_weak(first, e);) {}
+            const Mat<n> inverse_of_A = inverse<n>(A);
+            for (int i = 0; i < n; ++i)
+                for (int j = 0; j < n; ++j)
+                    ideal_inverse_[offset(batch, n * n, i * n + j)][lane] = inverse_of_A[i][j];
+            ideal_jacobian_[batch][lane] = k < element_count_ ? jacobian : 0;
+            weight_[batch][lane] = k < element_count_ ? std::pow(jacobian, params_.weight_exponent) : 0;
+            damping_weight_[batch][lane] = k < element_count_ ? std::pow(jacobian, exponent) : 0;
+        });
+    });
+    if (flat < element_count_)
+        throw InputError("element " + std::to_string(mesh.file.element_id[flat]) +
+                         " of the ideal mesh has no positive volume");
+
+    measure();
+    for (std::vector<Lanes>* weights : {&weight_, &damping_weight_}) {
+        const auto of_batch = [&](int k) { return sum_of_lanes((*weights)[k]); };
+        const double weighted = simplex(dim_).volume() * deterministic_sum(batches, of_batch);
+        for (Lanes& weight : *weights) weight *= volume_ / weighted;
+    }
+}
+
+void SimdEnergy::measure() {
+    const auto of_batch = [this](int k) { return sum_of_lanes(ideal_jacobian_[k]); };
+    volume_ = simplex(dim_).volume() * deterministic_sum(static_cast<int>(ideal_jacobian_.size()), of_batch);
+}
+
+SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vector<int>& place)
+    : DistortionEnergy(whole.params_),
+      dim_(whole.dim_),
+      element_count_(part.element_count()),
+      reference_(whole.reference_),
+      blocks_(schedule_elements(part)) {
+    resize();
+    const int m = reference_.nodes, entries = dim_ * dim_;
+    each_lane(static_cast<int>(weight_.size()), [&](int k, int batch, int lane) {
+        const int e = blocks_.order[std::min(k, element_count_ - 1)];
+        const int from = place[e] / lanes, from_lane = place[e] % lanes;
+        std::copy_n(part.element(e), m, &nodes_[offset(k, m)]);
+        for (int ij = 0; ij < entries; ++ij)
+            ideal_inverse_[offset(batch, entries, ij)][lane] = whole.ideal_inverse_[offset(from, entries, ij)][from_lane];
+        const bool weighs = k < element_count_;
+        ideal_jacobian_[batch][lane] = weighs ? whole.ideal_jacobian_[from][from_lane] : 0;
+        weight_[batch][lane] = weighs ? whole.weight_[from][from_lane] : 0;
+        damping_weight_[batch][lane] = weighs ? whole.damping_weight_[from][from_lane] : 0;
+    });
+    measure();
+    set_pattern(part.nodes());
+}
+
+std::unique_ptr<DistortionEnergy> SimdEnergy::part(const std::vector<double>& x, const std::vector<char>& moves,
+                                                   std::vector<int>& node) const {
+    SubMesh chosen = elements_around(nodes_, element_count_, reference_.nodes, moves);
+    Mesh mesh;
+    mesh.dim = dim_;
+    mesh.degree = reference_.degree;
+    mesh.elements = std::move(chosen.elements);
+    node = std::move(chosen.node);
+    for (const int i : node) mesh.x.insert(mesh.x.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
+    return std::unique_ptr<SimdEnergy>(new SimdEnergy(*this, mesh, chosen.place));
+}
+
+void SimdEnergy::set_pattern(int node_count) {
+    CellPattern of_elements = pattern_and_places_of_cells(node_count, dim_, nodes_, reference_.nodes);
+    pattern_ = std::move(of_elements.pattern);
+    hessian_block_ = std::move(of_elements.place);
+}
+
+BlockCsr SimdEnergy::hessian_pattern() const {
+    BlockCsr H = pattern_;
+    H.value.assign(H.col.size() * H.d * H.d, 0.0);
+    return H;
+}
+
+// body(std::type_identity<Batch>, density): the batch for elements of this dimension and degree.
+template <class Body>
+void SimdEnergy::dispatch(const Body& body) {
+    with_density(params_.objective, [&](auto density) {
+        with_dimension(dim_, [&](auto n) {
+            if (reference_.degree == 1) body(std::type_identity<LinearBatch<n()>>(), density);
+            else body(std::type_identity<CurvedBatch<n()>>(), density);
+        });
+    });
+}
+
+// body(batch of elements, its number) for the batches of a block, in order.
+template <class Batch, class Body>
+void SimdEnergy::every_batch(int block, const std::vector<double>& x, const Body& body) {
+    constexpr int n = Batch::dimension;
+    Batch elements(reference_);
+    const int end = std::min(element_count_, (block + 1) * blocks_.size);
+    for (int k = block * blocks_.size; k < end; k += lanes) {
+        const int batch = k / lanes;
+        elements.start(&nodes_[offset(k, reference_.nodes)], x,
+                       reinterpret_cast<const Mat<n, Lanes>&>(ideal_inverse_[offset(batch, n * n)]));
+        body(elements, batch);
+    }
+}
+
+double SimdEnergy::energy(const std::vector<double>& x) {
+    std::atomic<bool> inverted = false;  // one inverted element settles it: the other blocks are skipped
+    dispatch([&](auto type, auto density) {
+        using Batch = typename decltype(type)::type;
+#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
+        for (int block = 0; block < blocks_.count(); ++block) {
+            if (inverted.load(std::memory_order_relaxed)) continue;
+            Lanes sum{};
+            every_batch<Batch>(block, x, [&](const Batch& elements, int batch) {
+                sum += weight_[batch] * elements.energy(density, params_.delta);
+            });
+            block_value_[block] = sum_of_lanes(sum);
+            if (!std::isfinite(block_value_[block])) inverted.store(true, std::memory_order_relaxed);
+        }
+    });
+    if (inverted) return std::numeric_limits<double>::infinity();
+    return deterministic_sum(blocks_.count(), [this](int block) { return block_value_[block]; });
+}
+
+void SimdEnergy::add_gradient(const std::vector<double>& x, std::vector<double>& g) {
+    dispatch([&](auto type, auto density) {
+        using Batch = typename decltype(type)::type;
+        blocks_.in_schedule(is_large_, [&](int block) {
+            every_batch<Batch>(block, x, [&](Batch& elements, int batch) {
+                const int count = std::min(lanes, element_count_ - batch * lanes);
+                elements.add_gradient(density, params_.delta, weight_[batch], count, g.data());
+            });
+        });
+    });
+}
+
+// With own = w_e and added = t w'_e the density is own f + added eta^2 = (own + added) (share f + (1 - share) eta^2).
+void SimdEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping) {
+    const bool projected = kind != HessianKind::full, of_objective = kind != HessianKind::damping;
+    const double t = kind == HessianKind::projected ? damping : of_objective ? 0 : 1;
+    dispatch([&](auto type, auto density) {
+        using Batch = typename decltype(type)::type;
+        constexpr int block_size = Batch::dimension * Batch::dimension;
+        blocks_.in_schedule(is_large_, [&](int block) {
+            every_batch<Batch>(block, x, [&](Batch& elements, int batch) {
+                const int mm = elements.nodes() * elements.nodes(), first = batch * lanes;
+                const int count = std::min(lanes, element_count_ - first);
+                const int* const target = &hessian_block_[offset(first, mm)];
+                prefetch_blocks<block_size>(H.value.data(), target, count * mm);
+                const Lanes own = of_objective ? weight_[batch] : Lanes{};
+                const Lanes weight = own + t * damping_weight_[batch];
+                const Lanes share = own / max(weight, in_all_lanes(std::numeric_limits<double>::min()));
+                const double* const part = elements.hessian(damped(density, share), params_.delta, projected, weight);
+                for (int k = 0; k < count; ++k)
+                    add_blocks<block_size>(part + k * elements.stride(), target + k * mm, mm, H.value.data());
+            });
+        });
+    });
+}
+
+DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
+    DistortionStatistics result;
+    result.element_max.resize(element_count_);
+    dispatch([&](auto type, auto) {
+        using Batch = typename decltype(type)::type;
+        parallel_for(blocks_.count(), [&](int block) {
+            Lanes sum{};
+            every_batch<Batch>(block, x, [&](const Batch& elements, int batch) {
+                Lanes largest{}, squared{};
+                for (int q = 0; q < reference_.points; ++q) {
+                    const Lanes eta = elements.distortion_at(q);
+                    squared += reference_.weight[q] * eta * eta;
+                    largest = max(largest, eta);
+                }
+                sum += select(ideal_jacobian_[batch] > 0, ideal_jacobian_[batch] * squared, Lanes{});  // not 0 infinity
+                const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
+                for (int l = 0; l < count; ++l) result.element_max[blocks_.order[first + l]] = largest[l];
+            });
+            block_value_[block] = sum_of_lanes(sum);
+        }, is_large_ ? parallel_work : 0);
+    });
+    const double squared_norm = deterministic_sum(blocks_.count(), [this](int block) { return block_value_[block]; });
+    result.relative_quality = std::sqrt(volume_ / squared_norm);
+    for (double eta : result.element_max) result.max_distortion = std::max(result.max_distortion, eta);
+    return result;
+}
+
+}  // namespace almesh

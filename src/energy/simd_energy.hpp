@@ -1,0 +1,57 @@
+// The distortion energy as runs compute it: elements are worked on in batches, one in each lane of the vector registers
+// (linear_batch.hpp, curved_batch.hpp), and in scheduled blocks (element_blocks.hpp), so that the bits are the same for
+// any number of threads. The eigensystem of the density is known in closed form (density_hessian.hpp), so projecting the
+// Hessian costs next to nothing.
+//
+// Cost per quadrature point and element with m nodes: O(m n^2) for the energy, O(m^2 n^3) for the Hessian. Memory per
+// element: 4 m (m + 1) + 8 n^2 + 28 bytes.
+#pragma once
+#include "base/lanes.hpp"
+#include "base/large_array.hpp"
+#include "energy/distortion_energy.hpp"
+#include "energy/element_blocks.hpp"
+#include "mesh/quadrature.hpp"
+
+namespace almesh {
+
+class SimdEnergy : public DistortionEnergy {
+public:
+    SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params);
+
+    double energy(const std::vector<double>& x) override;
+    void add_gradient(const std::vector<double>& x, std::vector<double>& g) override;
+    BlockCsr hessian_pattern() const override;
+    void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping = 0) override;
+    DistortionStatistics statistics(const std::vector<double>& x) override;
+    std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
+                                           std::vector<int>& node) const override;
+
+private:
+    // The elements `place` of blocks_.order of `whole`, as the mesh `part` of their own.
+    SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vector<int>& place);
+
+    int dim_, element_count_;
+    ReferenceElement reference_;
+    ElementBlocks blocks_;
+    // By place in blocks_.order, filled up to whole batches with copies of the last element that weigh nothing:
+    std::vector<int> nodes_;             // element x element nodes
+    LargeVector<int> hessian_block_;     // element x element node x element node: block of the pattern
+    LargeVector<Lanes> ideal_inverse_;   // batch x dim x dim, A^{-1}
+    std::vector<Lanes> ideal_jacobian_;  // batch, det A
+    std::vector<Lanes> weight_;          // batch, w_e det A
+    std::vector<Lanes> damping_weight_;  // batch, w'_e det A
+    bool is_large_;                      // worth more than one thread
+    std::vector<double> block_value_;    // sum of each block of elements
+    BlockCsr pattern_;                   // without values
+
+    void resize();
+    void measure();
+    void set_geometry(const Mesh& mesh, const std::vector<double>& ideal);
+    void set_pattern(int node_count);
+    template <class Body>
+    void dispatch(const Body& body);
+    template <class Batch, class Body>
+    void every_batch(int block, const std::vector<double>& x, const Body& body);
+};
+
+}  // namespace almesh

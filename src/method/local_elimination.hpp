@@ -1,0 +1,47 @@
+// Local nonlinear elimination: between two steps of Newton's method, a minimisation over the few nodes that hold it up.
+//
+// Where small elements weigh little (the integral of eta^2, alpha = 1) they fold and buckle in a few places, and
+// most of what a Newton step promises is at a hundredth of the nodes: their elements limit the length of every step,
+// make the full Hessian indefinite, and converge hundreds of steps after the rest. Minimising over these nodes first, all
+// others held, leaves to a Newton step what is smooth (Lanzkron, Rose, Wilkes, SIAM J. Sci. Comput. 17, 1996; Cai & Li,
+// SIAM J. Sci. Comput. 33, 2011). A local step costs its share of the mesh: with their neighbours a hundredth of the nodes
+// can be a third of it.
+//
+// Which nodes: those with the largest decrease that they could reach alone by a quadratic model with the diagonal of
+// the Hessian, |g_i|^2 / (2 h_i), h_i = trace of H_ii / dim, until they make up nine tenths of the sum over all nodes
+// or a hundredth of the nodes; with two layers of neighbours, so that they have room to move.
+//
+// When: from the eleventh step of a subproblem on, and in all subproblems after it.
+#pragma once
+#include <vector>
+
+#include "method/functional.hpp"
+
+namespace almesh {
+
+class LocalElimination {
+public:
+    struct Result {
+        int nodes = 0;  // that were free to move
+        int steps = 0;  // of the local minimisation
+    };
+
+    void reset() { active_ = false; }  // before a problem that knows nothing of earlier ones
+
+    // Whether step `iteration` (1, 2, ...) of a subproblem is followed by one.
+    bool after_step(int iteration) {
+        active_ = active_ || iteration > steps_without;
+        return active_;
+    }
+
+    // x, energy: a valid mesh and E(x), on return not greater. g: grad E(x). H: a Hessian of E near x; only its diagonal
+    // and its pattern count. gained: decrease of E by the Newton step before.
+    Result eliminate(const AugmentedFunctional& E, const BlockCsr& H, const std::vector<double>& g, double gained,
+                     std::vector<double>& x, double& energy) const;
+
+private:
+    static constexpr int steps_without = 10;
+    bool active_ = false;
+};
+
+}  // namespace almesh

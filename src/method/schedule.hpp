@@ -1,0 +1,41 @@
+// How Algorithm 1 of the paper goes on after a subproblem: the penalty mu and the tolerances omega, epsilon of the next.
+//
+//   paper     Algorithm 1 in the only consistent reading: penalty weight mu in E to match the update
+//             lambda - mu c_D, tolerances that tighten as m grows, and both tests must hold at the end
+//             (Nocedal & Wright, Numerical Optimization, Alg. 17.4).
+//   literal   Algorithm 1 exactly as printed (penalty weight mu^2, the loop ends when one test holds, eps and omega
+//             grow with m), for teaching: the README tells what goes wrong.
+//   adaptive  lambda after every subproblem; mu, large from the start, times 10 whenever |c_D| fell by less than a
+//             factor 10; omega a tenth, and omega* once the constraint holds. Needs no mu0, omega0, epsilon0.
+//
+// The penalty is given in units of |1|^2: mu |c_D|^2 = (mu / |1|^2) times the weighted integral of |phi - g_D|^2, and
+// with the weight 1/h that integral scales like the distortion term, whatever the unit of length and the number of
+// boundary faces. All lengths are in the unit the caller has chosen for x; see length_scale in the table of deck keys.
+#pragma once
+#include <memory>
+
+#include "method/params.hpp"
+
+namespace almesh {
+
+enum class AlUpdate { none, multipliers, penalty, both };
+const char* to_string(AlUpdate update);
+
+class Schedule {
+public:
+    virtual ~Schedule() = default;
+
+    double mu = 0, omega = 0, epsilon = 0;            // mu_k, omega_k, epsilon_k
+    double reduction = 1;                             // omega is lowered to this part of |grad E| at the start
+    double least_omega = 0;                           // and never below this
+    virtual double penalty() const { return mu; }     // weight of |c_D|^2 / 2 in E
+    virtual bool ends(bool constrained, bool stationary) const { return constrained && stationary; }  // not line 7
+    virtual AlUpdate tighten(double squared_constraint) = 0;  // lines 11-14: lambda has been updated
+    virtual AlUpdate raise_penalty() = 0;                     // lines 17-20
+};
+
+// mu: first penalty, in units of |1|^2; 0: that of the schedule. squared_constraint: |P c_D|^2 at the start.
+std::unique_ptr<Schedule> make_schedule(const AugmentedLagrangianParams& params, double mu, double one_squared,
+                                        double squared_constraint);
+
+}  // namespace almesh
