@@ -21,8 +21,10 @@
 #include "check/certificate.hpp"
 #include "constraint/dirichlet.hpp"
 #include "constraint/motion.hpp"
-#include "energy/distortion_energy.hpp"
-#include "method/params.hpp"
+#include "energy/options.hpp"
+#include "linalg/linear_solver.hpp"
+#include "method/forcing.hpp"
+#include "method/schedule.hpp"
 
 namespace almesh {
 

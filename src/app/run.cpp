@@ -141,7 +141,8 @@ ExitCode run(const Deck& deck, std::FILE* out) {
         solution.coarse_newton_iterations += stage.newton_iterations;
     };
     const int levels = starts_coarse(deck) ? deck.refine : 0;
-    const CoarseSolution coarse = solve_coarser(levels, make_level, {deck.method, deck.linear, deck.forcing}, solution.time, report);
+    const MethodParams params = {deck.method, deck.linear, deck.forcing};
+    const CoarseSolution coarse = solve_coarser(levels, make_level, params, solution.time, report);
     solution.phases.coarse = solution.time.total;
 
     // 3. The functional, Eq. 6.

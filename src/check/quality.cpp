@@ -11,7 +11,7 @@
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
-#include "energy/distortion.hpp"
+#include "energy/densities.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/quadrature.hpp"
 

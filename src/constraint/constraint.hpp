@@ -3,8 +3,9 @@
 //
 //     C(x) = -(lambda, c) + mu/2 |c|^2,
 //
-// in a scalar product of the boundary with (1, 1) = |1|^2. Nothing here says that c is linear, which nodes it acts on, or
-// how many multipliers a node has. dirichlet.hpp prescribes positions; a boundary that slides would prescribe a distance.
+// in a scalar product of the boundary with (1, 1) = |1|^2. Nothing here says that c is linear, which nodes it acts on,
+// or how many multipliers a node has. dirichlet.hpp prescribes positions; a boundary that slides would prescribe a
+// distance.
 //
 // Evaluations use work space of the object: one call at a time. x: node_count x dim positions everywhere.
 #pragma once

@@ -187,7 +187,9 @@ double Dirichlet::projected_norm(const std::vector<double>& x) {
     return std::sqrt(squared < 0 ? 0 : squared) / norm_of_one_;  // rounding may be negative; nan stays nan
 }
 
-double Dirichlet::norm(const std::vector<double>& x) { return std::hypot(projected_norm(x), best_approximation_error_); }
+double Dirichlet::norm(const std::vector<double>& x) {
+    return std::hypot(projected_norm(x), best_approximation_error_);
+}
 
 double Dirichlet::max_error(const std::vector<double>& x) {
     double squared = 0;

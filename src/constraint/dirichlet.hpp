@@ -10,8 +10,8 @@
 //
 //     |c_D|^2 = |P c_D|^2 + e_h^2,   P c_D = (phi - g_h) / |1|,   e_h = |g_h - g_D| / |1|.
 //
-// The best approximation error e_h does not depend on phi, so everything but the norm itself needs g_h only, and with the
-// trace mass matrix M_ij = (N_i, N_j), r = x - g_h on the boundary nodes:
+// The best approximation error e_h does not depend on phi, so everything but the norm itself needs g_h only, and with
+// the trace mass matrix M_ij = (N_i, N_j), r = x - g_h on the boundary nodes:
 //     -(lambda, c_D) + mu/2 |c_D|^2 = -lambda^T M r / |1| + mu/2 (r^T M r / |1|^2 + e_h^2)
 //     gradient M (mu r / |1|^2 - lambda / |1|),   Hessian mu M / |1|^2,   update lambda <- lambda - mu r / |1|.
 // With the nodal target g_h interpolates g_D at the nodes, and e_h is zero by definition. Where every motion is affine,

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/index.hpp"
+#include "energy/densities.hpp"
 #include "energy/plain_energy.hpp"
 #include "energy/simd_energy.hpp"
 

@@ -7,8 +7,8 @@
 // J = sum x_i (grad N_i)^T. Weights w_e = |e|^(alpha-1), scaled so that sum w_e |e| = |Omega|: alpha = 1 is the paper,
 // smaller alpha protects small elements.
 //
-// Two implementations: plain_energy.hpp, the textbook assembly, made to be read; simd_energy.hpp, the one that runs use,
-// tested against it.
+// Two implementations: plain_energy.hpp, the textbook assembly, made to be read; simd_energy.hpp, the one that runs
+// use, tested against it.
 //
 // Damping. Where the Hessian is a bad model, what keeps a step from inverting small elements is the Hessian of the
 // integral of eta^2 with weights w'_e |e| proportional to |e|^{3/(2n)}: linear elasticity, stiffer where the mesh is
@@ -20,28 +20,12 @@
 #include <memory>
 #include <vector>
 
-#include "energy/densities.hpp"
+#include "energy/options.hpp"
 #include "linalg/block_csr.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {
 
-
-enum class Assembly { simd, plain };
-
-struct DistortionParams {
-    Objective objective = Objective::deviation;
-    double delta = 0;            // Eq. 3
-    double weight_exponent = 1;  // alpha
-    int exactness = 0;           // of the quadrature for p > 1; 0: default_exactness(degree)
-    Assembly assembly = Assembly::simd;
-};
-
-enum class HessianKind {
-    full,       // second derivative of the objective
-    projected,  // its positive semidefinite part, point by point, with damping
-    damping     // the damping alone: the Hessian of Eq. 5 vanishes at the identity
-};
 
 // Of eta of Eq. 1 itself, without regularisation: infinite for inverted elements.
 struct DistortionStatistics {

@@ -113,8 +113,8 @@ std::vector<int> interleaved(int count) {
     return blocks;
 }
 
-// In interleaved order, but where a neighbour stands less than `separation` slots back, the one of the next blocks whose
-// last neighbour stands furthest back comes first.
+// In interleaved order, but where a neighbour stands less than `separation` slots back, the one of the next blocks
+// whose last neighbour stands furthest back comes first.
 void fill_schedule(const std::vector<std::vector<int>>& neighbours, ElementBlocks& blocks) {
     const int count = static_cast<int>(neighbours.size());
     std::vector<int> to_come = interleaved(count), slot_of(count, -1), last_slot(count, -separation);  // of a neighbour

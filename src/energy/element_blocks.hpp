@@ -1,8 +1,9 @@
-// The order in which threads go through the elements: blocks of consecutive elements, scheduled so that blocks that share
-// a node are at least some slots apart, where possible. The block of a slot waits until those of earlier slots that share
-// a node with it are done, which they nearly always are. So every entry of the gradient and of the Hessian is summed in
-// the same order whatever the number of threads, without colouring, and a block's part of the Hessian stays in the cache
-// of its thread. Where the mesh's own order is a poor one, blocks are cut along a space-filling curve.
+// The order in which threads go through the elements: blocks of consecutive elements, scheduled so that blocks that
+// share a node are at least some slots apart, where possible. The block of a slot waits until those of earlier slots
+// that share a node with it are done, which they nearly always are. So every entry of the gradient and of the Hessian
+// is summed in the same order whatever the number of threads, without colouring, and a block's part of the Hessian
+// stays in the cache of its thread. Where the mesh's own order is a poor one, blocks are cut along a space-filling
+// curve.
 #pragma once
 #include <atomic>
 #include <vector>

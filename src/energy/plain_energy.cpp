@@ -15,6 +15,7 @@
 #include <limits>
 
 #include "base/error.hpp"
+#include "energy/densities.hpp"
 
 namespace almesh {
 namespace {
@@ -50,6 +51,12 @@ void add_second_derivative(const Mat<n>& F, Density density, double delta, doubl
                     eta_FF += S * (r2 * C[i][j] * C[k][l] + r1 * determinant_second_derivative<n>(F, i, j, k, l));
                     A[(i * n + j) * n * n + k * n + l] += w * (f2 * eta_F(i, j) * eta_F(k, l) + f1 * eta_FF);
                 }
+}
+
+// eta^2 with the measure of another density: what it is damped by.
+template <class Density>
+Quadratic<typename Density::Measure> square_like(Density) {
+    return {false};
 }
 
 // Of one element at one quadrature point.
@@ -154,7 +161,7 @@ void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Bl
                     if (kind != HessianKind::damping)
                         add_second_derivative<n>(at.F, density, params_.delta, weight_[e] * at.weight, A);
                     if (t > 0)
-                        add_second_derivative<n>(at.F, Quadratic<typename decltype(density)::Measure>{false}, params_.delta,
+                        add_second_derivative<n>(at.F, square_like(density), params_.delta,
                                                  t * damping_weight_[e] * at.weight, A);
                     if (kind != HessianKind::full) project(n * n, A);
                     for (int i = 0; i < m; ++i)

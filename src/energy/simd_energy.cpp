@@ -1,8 +1,10 @@
-// Assembly of E, its gradient and its Hessian (distortion_energy.hpp), one element per SIMD lane: blocks of elements in
-// schedule order -> batches of `lanes` elements -> sums, gradients and Hessian blocks in closed form -> the global arrays.
+// Assembly of E, its gradient and its Hessian (distortion_energy.hpp), one element per SIMD lane: blocks of elements
+// in schedule order -> batches of `lanes` elements -> sums, gradients and Hessian blocks in closed form -> the global
+// arrays.
 #include "energy/simd_energy.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -49,88 +51,87 @@ void add_blocks(const double* part, const int* block, int count, double* values)
 
 }  // namespace
 
+struct SimdEnergy::Geometry {
+    std::array<double, 9> inverse;  // dim x dim, A^{-1}
+    double jacobian, weight, damping_weight;
+};
+
 SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
-    : DistortionEnergy(params),
-      dim_(mesh.dim),
-      element_count_(mesh.element_count()),
-      reference_(reference_element(mesh.dim, mesh.degree, params.exactness)),
-      blocks_(schedule_elements(mesh)) {
-    resize();
-    set_geometry(mesh, ideal);
-    set_pattern(mesh.nodes());
-}
-
-void SimdEnergy::resize() {
-    const int m = reference_.nodes, batches = (element_count_ + lanes - 1) / lanes;
-    nodes_.resize(offset(batches, lanes * m));
-    ideal_inverse_.resize(offset(batches, dim_ * dim_));
-    ideal_jacobian_.resize(batches);
-    weight_.resize(batches);
-    damping_weight_.resize(batches);
-    block_value_.resize(blocks_.count());
-    is_large_ = static_cast<double>(element_count_) * reference_.points * reference_.nodes >= parallel_work;
-}
-
-void SimdEnergy::set_geometry(const Mesh& mesh, const std::vector<double>& ideal) {
-    const int m = reference_.nodes, batches = static_cast<int>(weight_.size());
-    const double exponent = damping_exponent(dim_, params_.weight_exponent);
+    : SimdEnergy(params, mesh, reference_element(mesh.dim, mesh.degree, params.exactness)) {
+    const double exponent = damping_exponent(dim_, params.weight_exponent);
     std::atomic<int> flat = element_count_;  // first element without volume
-    with_dimension(dim_, [&](auto dimension) {
-        constexpr int n = dimension;
-        each_lane(batches, [&](int k, int batch, int lane) {
-            const int e = blocks_.order[std::min(k, element_count_ - 1)];
-            std::copy_n(mesh.element(e), m, &nodes_[offset(k, m)]);
+    with_dimension(dim_, [&](auto n) {
+        fill(mesh, [&](int e) {
             const Mat<n> A = straight_jacobian<n>(mesh.element(e), ideal);
             const double jacobian = determinant(A);
             if (!(jacobian > 0))
                 for (int first = flat; e < first && !flat.compare_exchange_weak(first, e);) {}
             const Mat<n> inverse_of_A = inverse<n>(A);
-            for (int i = 0; i < n; ++i)
-                for (int j = 0; j < n; ++j)
-                    ideal_inverse_[offset(batch, n * n, i * n + j)][lane] = inverse_of_A[i][j];
-            ideal_jacobian_[batch][lane] = k < element_count_ ? jacobian : 0;
-            weight_[batch][lane] = k < element_count_ ? std::pow(jacobian, params_.weight_exponent) : 0;
-            damping_weight_[batch][lane] = k < element_count_ ? std::pow(jacobian, exponent) : 0;
+            Geometry of{{}, jacobian, std::pow(jacobian, params.weight_exponent), std::pow(jacobian, exponent)};
+            for (int i = 0; i < n; ++i) std::copy_n(inverse_of_A[i].begin(), n(), &of.inverse[i * n]);
+            return of;
         });
     });
     if (flat < element_count_)
         throw InputError("element " + std::to_string(mesh.file.element_id[flat]) +
                          " of the ideal mesh has no positive volume");
-
-    measure();
     for (std::vector<Lanes>* weights : {&weight_, &damping_weight_}) {
-        const auto of_batch = [&](int k) { return sum_of_lanes((*weights)[k]); };
-        const double weighted = simplex(dim_).volume() * deterministic_sum(batches, of_batch);
+        const double weighted = integral(*weights);
         for (Lanes& weight : *weights) weight *= volume_ / weighted;
     }
 }
 
-void SimdEnergy::measure() {
-    const auto of_batch = [this](int k) { return sum_of_lanes(ideal_jacobian_[k]); };
-    volume_ = simplex(dim_).volume() * deterministic_sum(static_cast<int>(ideal_jacobian_.size()), of_batch);
+SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vector<int>& place)
+    : SimdEnergy(whole.params_, part, whole.reference_) {
+    fill(part, [&](int e) {
+        const int batch = place[e] / lanes, lane = place[e] % lanes;
+        Geometry of{{}, whole.ideal_jacobian_[batch][lane], whole.weight_[batch][lane],
+                    whole.damping_weight_[batch][lane]};
+        for (int ij = 0; ij < dim_ * dim_; ++ij)
+            of.inverse[ij] = whole.ideal_inverse_[offset(batch, dim_ * dim_, ij)][lane];
+        return of;
+    });
 }
 
-SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vector<int>& place)
-    : DistortionEnergy(whole.params_),
-      dim_(whole.dim_),
-      element_count_(part.element_count()),
-      reference_(whole.reference_),
-      blocks_(schedule_elements(part)) {
-    resize();
-    const int m = reference_.nodes, entries = dim_ * dim_;
+SimdEnergy::SimdEnergy(const DistortionParams& params, const Mesh& mesh, ReferenceElement reference)
+    : DistortionEnergy(params),
+      dim_(mesh.dim),
+      element_count_(mesh.element_count()),
+      reference_(std::move(reference)),
+      blocks_(schedule_elements(mesh)),
+      block_value_(blocks_.count()) {
+    const int m = reference_.nodes, batches = (element_count_ + lanes - 1) / lanes;
+    nodes_.resize(offset(batches, lanes * m));
+    ideal_inverse_.resize(offset(batches, dim_ * dim_));
+    for (std::vector<Lanes>* values : {&ideal_jacobian_, &weight_, &damping_weight_}) values->resize(batches);
+    is_large_ = static_cast<double>(element_count_) * reference_.points * m >= parallel_work;
+}
+
+// geometry_of(e): of element e of the mesh. What fills up the last batch weighs nothing.
+template <class GeometryOf>
+void SimdEnergy::fill(const Mesh& mesh, const GeometryOf& geometry_of) {
+    const int m = reference_.nodes;
     each_lane(static_cast<int>(weight_.size()), [&](int k, int batch, int lane) {
         const int e = blocks_.order[std::min(k, element_count_ - 1)];
-        const int from = place[e] / lanes, from_lane = place[e] % lanes;
-        std::copy_n(part.element(e), m, &nodes_[offset(k, m)]);
-        for (int ij = 0; ij < entries; ++ij)
-            ideal_inverse_[offset(batch, entries, ij)][lane] = whole.ideal_inverse_[offset(from, entries, ij)][from_lane];
+        std::copy_n(mesh.element(e), m, &nodes_[offset(k, m)]);
+        const Geometry of = geometry_of(e);
+        for (int ij = 0; ij < dim_ * dim_; ++ij)
+            ideal_inverse_[offset(batch, dim_ * dim_, ij)][lane] = of.inverse[ij];
         const bool weighs = k < element_count_;
-        ideal_jacobian_[batch][lane] = weighs ? whole.ideal_jacobian_[from][from_lane] : 0;
-        weight_[batch][lane] = weighs ? whole.weight_[from][from_lane] : 0;
-        damping_weight_[batch][lane] = weighs ? whole.damping_weight_[from][from_lane] : 0;
+        ideal_jacobian_[batch][lane] = weighs ? of.jacobian : 0;
+        weight_[batch][lane] = weighs ? of.weight : 0;
+        damping_weight_[batch][lane] = weighs ? of.damping_weight : 0;
     });
-    measure();
-    set_pattern(part.nodes());
+    volume_ = integral(ideal_jacobian_);
+    CellPattern of_elements = pattern_and_places_of_cells(mesh.nodes(), dim_, nodes_, m);
+    pattern_ = std::move(of_elements.pattern);
+    hessian_block_ = std::move(of_elements.place);
+}
+
+// Of a function that is constant on each element, times det A: per batch.
+double SimdEnergy::integral(const std::vector<Lanes>& values) const {
+    const auto of_batch = [&](int k) { return sum_of_lanes(values[k]); };
+    return simplex(dim_).volume() * deterministic_sum(static_cast<int>(values.size()), of_batch);
 }
 
 std::unique_ptr<DistortionEnergy> SimdEnergy::part(const std::vector<double>& x, const std::vector<char>& moves,
@@ -143,12 +144,6 @@ std::unique_ptr<DistortionEnergy> SimdEnergy::part(const std::vector<double>& x,
     node = std::move(chosen.node);
     for (const int i : node) mesh.x.insert(mesh.x.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
     return std::unique_ptr<SimdEnergy>(new SimdEnergy(*this, mesh, chosen.place));
-}
-
-void SimdEnergy::set_pattern(int node_count) {
-    CellPattern of_elements = pattern_and_places_of_cells(node_count, dim_, nodes_, reference_.nodes);
-    pattern_ = std::move(of_elements.pattern);
-    hessian_block_ = std::move(of_elements.place);
 }
 
 BlockCsr SimdEnergy::hessian_pattern() const {

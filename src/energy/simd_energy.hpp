@@ -1,7 +1,7 @@
-// The distortion energy as runs compute it: elements are worked on in batches, one in each lane of the vector registers
-// (linear_batch.hpp, curved_batch.hpp), and in scheduled blocks (element_blocks.hpp), so that the bits are the same for
-// any number of threads. The eigensystem of the density is known in closed form (density_hessian.hpp), so projecting the
-// Hessian costs next to nothing.
+// The distortion energy as runs compute it: elements are worked on in batches, one in each lane of the vector
+// registers (linear_batch.hpp, curved_batch.hpp), and in scheduled blocks (element_blocks.hpp), so that the bits are
+// the same for any number of threads. The eigensystem of the density is known in closed form (density_hessian.hpp), so
+// projecting the Hessian costs next to nothing.
 //
 // Cost per quadrature point and element with m nodes: O(m n^2) for the energy, O(m^2 n^3) for the Hessian. Memory per
 // element: 4 m (m + 1) + 8 n^2 + 28 bytes.
@@ -44,10 +44,11 @@ private:
     std::vector<double> block_value_;    // sum of each block of elements
     BlockCsr pattern_;                   // without values
 
-    void resize();
-    void measure();
-    void set_geometry(const Mesh& mesh, const std::vector<double>& ideal);
-    void set_pattern(int node_count);
+    struct Geometry;
+    SimdEnergy(const DistortionParams& params, const Mesh& mesh, ReferenceElement reference);
+    template <class GeometryOf>
+    void fill(const Mesh& mesh, const GeometryOf& geometry_of);
+    double integral(const std::vector<Lanes>& values) const;
     template <class Body>
     void dispatch(const Body& body);
     template <class Batch, class Body>

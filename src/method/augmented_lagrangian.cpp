@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include "method/functional.hpp"
+
 namespace almesh {
 namespace {
 
@@ -37,7 +39,7 @@ AlIteration measure(const AugmentedFunctional& E, const std::vector<double>& x, 
     return row;
 }
 
-// cold: without multipliers, from the ideal mesh. As printed, the algorithm has no test for targets out of reach.
+// cold: without multipliers, from the ideal mesh.
 NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule& s, bool cold,
                         const DistortionEnergy& distortion) {
     constexpr double useless_distortion = 20;  // meshes with that everywhere are of no use to anyone
@@ -48,8 +50,7 @@ NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule&
     newton.max_iterations = params.max_newton_iterations;
     newton.first = HessianKind::full;
     newton.cold_start = cold;
-    if (cold && params.algorithm != Algorithm::literal)
-        newton.reach.largest_energy = distortion.uniform(useless_distortion);
+    if (cold && s.tests_reach) newton.reach.largest_energy = distortion.uniform(useless_distortion);
     return newton;
 }
 

@@ -4,6 +4,8 @@
 #include <functional>
 #include <vector>
 
+#include "constraint/constraint.hpp"
+#include "energy/distortion_energy.hpp"
 #include "method/newton.hpp"
 #include "method/schedule.hpp"
 

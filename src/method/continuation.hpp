@@ -1,5 +1,5 @@
-// Continuation from coarse to fine: the problem is solved on coarser meshes first, and each solution is where the method
-// starts on the next finer mesh.
+// Continuation from coarse to fine: the problem is solved on coarser meshes first, and each solution is where the
+// method starts on the next finer mesh.
 //
 // Carried over are the displacement, interpolated (prolongation.hpp), the penalty in units of |1|^2, and the
 // multipliers. The force that they put on the boundary is the integral of lambda . v / (h |1|), so lambda / (h |1|)
@@ -43,9 +43,16 @@ struct CoarseStage {
     int newton_iterations = 0;
 };
 
+// How the method is run on every mesh.
+struct MethodParams {
+    AugmentedLagrangianParams schedule;
+    LinearSolverParams linear;
+    Forcing forcing = Forcing::automatic;
+};
+
 // Solves the problem on the levels 0, 1, ... levels - 1 that make_level(k) makes, with the adaptive schedule and
-// tolerances looser than those given. No solution where the last of them failed. Adds to `time`, to its total the making
-// of the levels included.
+// tolerances looser than those given. No solution where the last of them failed. Adds to `time`, to its total the
+// making of the levels included.
 CoarseSolution solve_coarser(int levels, const std::function<std::unique_ptr<Level>(int)>& make_level,
                              const MethodParams& params, Timings& time,
                              const std::function<void(const CoarseStage&)>& observe);

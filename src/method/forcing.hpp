@@ -1,13 +1,14 @@
-// Forcing terms of inexact Newton methods: the relative residual to which the next linear system is solved by an iterative
-// solver. After a full step took |grad E| from g_before to g,
+// Forcing terms of inexact Newton methods: the relative residual to which the next linear system is solved by an
+// iterative solver. After a full step took |grad E| from g_before to g,
 //
 //     0.9 (g / g_before)^a,   a = (1 + sqrt 5)/2,
 //
-// so that the convergence is of order a, but not less than 0.5 omega / g, which ends the iteration (Eisenstat & Walker,
-// SIAM J. Sci. Comput. 17, 1996, choice 2; Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995, sec. 6.3).
-// Within [floor, 1e-3]: larger terms save iterations and cost Newton steps, which are dearer; the safeguard of the paper
-// is for terms above 0.1. Where no ratio of gradients tells how good the model is, in the first step of a subproblem and
-// after a step that was cut, 1e-4: from 1e-9 to 1e-4 the decks of the aircraft with Eq. 5 take the same numbers of steps.
+// so that the convergence is of order a, but not less than 0.5 omega / g, which ends the iteration (Eisenstat &
+// Walker, SIAM J. Sci. Comput. 17, 1996, choice 2; Kelley, Iterative Methods for Linear and Nonlinear Equations, 1995,
+// sec. 6.3). Within [floor, 1e-3]: larger terms save iterations and cost Newton steps, which are dearer; the safeguard
+// of the paper is for terms above 0.1. Where no ratio of gradients tells how good the model is, in the first step of a
+// subproblem and after a step that was cut, 1e-4: from 1e-9 to 1e-4 the decks of the aircraft with Eq. 5 take the same
+// numbers of steps.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -6,6 +6,7 @@
 
 #include "base/interrupt.hpp"
 #include "linalg/vector_ops.hpp"
+#include "method/functional.hpp"
 #include "method/rounding_floor.hpp"
 
 namespace almesh {
@@ -27,27 +28,24 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
     while (!(at.gradient_norm <= at.omega)) {
         if (at.iterations == params.max_iterations) return end(NewtonStatus::max_iterations);
         if (interrupted()) return end(NewtonStatus::interrupted);
-        const double energy_before = at.energy, g_before = at.gradient_norm;
+        const NewtonResult before = at;
         NewtonStep step(++at.iterations, hessian_);
         LineSearchResult found;
         do {
             if (!find_direction(E, x, at, step)) return end(NewtonStatus::linear_solver_failed);  // H d = -g
-            found = search(E, at.energy, x, step);                                                // x <- x + t d
+            found = search(E, x, at, step);                                                       // x <- x + t d
         } while (found.step_length == 0 && weaken(step.hessian));
         if (found.step_length == 0) return end(NewtonStatus::line_search_failed);
-        at.energy = found.energy;
-        if (!found.by_rounding) eliminate_locally(E, energy_before - found.energy, x, at, step);
-        at.gradient_norm = gradient(E, x);
-        step.energy = at.energy;
-        step.gradient_norm = at.gradient_norm;
-        if (observe) observe(step);
-        if (params.reach.found(E, x, energy_before, at.energy, step.step_length)) return end(NewtonStatus::out_of_reach);
-        if (at_rounding_floor(found.by_rounding, g_before, at.gradient_norm, at.omega))
+        if (!found.by_rounding) eliminate_locally(E, before.energy - at.energy, x, at, step);
+        at.gradient_norm = gradient(E, x);                                                        // g = grad E(x)
+        if (observe) observe(step.reached(at.energy, at.gradient_norm));
+        const auto distortion = [&] { return E.distortion.energy(x); };
+        if (params.reach.found(before.energy, at.energy, found.step_length, distortion))
+            return end(NewtonStatus::out_of_reach);
+        if (at_rounding_floor(found.by_rounding, before.gradient_norm, at.gradient_norm, at.omega))
             return end(NewtonStatus::rounding_floor);
-        forcing_.after_step(step.step_length, g_before, at.gradient_norm, at.omega);
-        damping_.after_step(step.step_length);
-        const bool full = step.step_length >= 1 && damping_.allows_full_hessian();
-        hessian_ = full ? HessianKind::full : HessianKind::projected;
+        forcing_.after_step(found.step_length, before.gradient_norm, at.gradient_norm, at.omega);
+        hessian_ = damping_.after_step(found.step_length);
     }
     return end(NewtonStatus::converged);
 }
@@ -97,10 +95,13 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
     return false;
 }
 
-LineSearchResult Newton::search(const AugmentedFunctional& E, double energy, std::vector<double>& x, NewtonStep& step) {
+// Moves x along d and takes over the energy there. Nothing changes where no step length is accepted.
+LineSearchResult Newton::search(const AugmentedFunctional& E, std::vector<double>& x, NewtonResult& at,
+                                NewtonStep& step) {
     const TimeAdder adder(time.line_search);
     const auto energy_of = [&E](const std::vector<double>& y) { return E.energy(y); };
-    const LineSearchResult found = line_search(energy_of, energy, dot(g_, d_), d_, x, trial_);
+    const LineSearchResult found = line_search(energy_of, at.energy, dot(g_, d_), d_, x, trial_);
+    if (found.step_length > 0) at.energy = found.energy;
     step.cuts_inverted += found.cuts_inverted;
     step.cuts_decrease += found.cuts_decrease;
     step.step_length = found.step_length;

@@ -1,15 +1,16 @@
 // Newton's method with a line search for one subproblem of the augmented Lagrangian method: minimise E(x) for given
-// multipliers and penalty until |grad E| <= omega (Nocedal & Wright, Numerical Optimization, ch. 3; the paper's sec. 3).
+// multipliers and penalty until |grad E| <= omega (Nocedal & Wright, Numerical Optimization, ch. 3; the paper's sec.
+// 3).
 //
 // Direction. Far from the minimum the Hessian is indefinite; each step uses one of three (HessianKind): the full one,
-// whose convergence is quadratic, after a step of length one or more; the projected one, damped, after a step that was cut,
-// and whenever the full one is found not to be positive definite (by Cholesky, by negative curvature, or by pivots of
-// ILU(0) with any shift: no Cholesky factorisation is spent on finding out) or gives no descent direction; the damping
-// alone in the very first step, because the Hessian of (eta - 1)^2 vanishes at the identity.
+// whose convergence is quadratic, after a step of length one or more; the projected one, damped, after a step that was
+// cut, and whenever the full one is found not to be positive definite (by Cholesky, by negative curvature, or by
+// pivots of ILU(0) with any shift: no Cholesky factorisation is spent on finding out) or gives no descent direction;
+// the damping alone in the very first step, because the Hessian of (eta - 1)^2 vanishes at the identity.
 //
-// Around these lines, each in a file of its own with its formula and source: line_search.hpp, damping.hpp (of the projected
-// Hessian), forcing.hpp (tolerance of iterative linear solvers), local_elimination.hpp (of nodes that hold up the others),
-// out_of_reach.hpp and rounding_floor.hpp (two ways to end).
+// Around these lines, each in a file of its own with its formula and source: line_search.hpp, damping.hpp (of the
+// projected Hessian), forcing.hpp (tolerance of iterative linear solvers), local_elimination.hpp (of nodes that hold
+// up the others), out_of_reach.hpp and rounding_floor.hpp (two ways to end).
 #pragma once
 #include <functional>
 #include <optional>
@@ -17,15 +18,17 @@
 #include <vector>
 
 #include "base/stopwatch.hpp"
+#include "energy/options.hpp"
 #include "linalg/linear_solver.hpp"
 #include "method/damping.hpp"
 #include "method/forcing.hpp"
-#include "method/functional.hpp"
 #include "method/line_search.hpp"
 #include "method/local_elimination.hpp"
 #include "method/out_of_reach.hpp"
 
 namespace almesh {
+
+struct AugmentedFunctional;
 
 enum class NewtonStatus {
     converged,
@@ -46,7 +49,7 @@ struct NewtonParams {
     int max_iterations = 200;
     OutOfReach reach;  // only for E without multipliers
     HessianKind first = HessianKind::projected;  // of the first step
-    bool cold_start = false;  // nothing is known: damping and local elimination begin anew, the first step is by damping
+    bool cold_start = false;  // nothing is known: damping and local elimination begin anew, the first step is damping's
 };
 
 // One row of the history: the step that led from one iterate to the next.
@@ -66,6 +69,7 @@ struct NewtonStep {
 
     NewtonStep() = default;
     NewtonStep(int number, HessianKind kind) : iteration(number), hessian(kind) {}
+    const NewtonStep& reached(double E, double g) { return energy = E, gradient_norm = g, *this; }
 };
 
 struct NewtonResult {
@@ -108,7 +112,7 @@ private:
     NewtonResult start(const AugmentedFunctional& E, const NewtonParams& params, const std::vector<double>& x);
     double gradient(const AugmentedFunctional& E, const std::vector<double>& x);
     bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step);
-    LineSearchResult search(const AugmentedFunctional& E, double energy, std::vector<double>& x, NewtonStep& step);
+    LineSearchResult search(const AugmentedFunctional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step);
     void eliminate_locally(const AugmentedFunctional& E, double gained, std::vector<double>& x, NewtonResult& at,
                            NewtonStep& step);
 };

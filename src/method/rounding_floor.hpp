@@ -1,8 +1,8 @@
 // Where rounding ends Newton's method.
 //
-// With a large penalty, |grad E| cannot fall below some 1e-16 mu, and once the decrease that a step promises is below the
-// rounding error of E, energies can no longer be compared (line_search.hpp). From then on the iteration goes on only while
-// each step halves |grad E|; else |grad E| is as small as it gets.
+// With a large penalty, |grad E| cannot fall below some 1e-16 mu, and once the decrease that a step promises is below
+// the rounding error of E, energies can no longer be compared (line_search.hpp). From then on the iteration goes on
+// only while each step halves |grad E|; else |grad E| is as small as it gets.
 #pragma once
 
 namespace almesh {

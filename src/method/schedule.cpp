@@ -37,7 +37,10 @@ protected:
 
 class LiteralSchedule : public PaperSchedule {
 public:
-    LiteralSchedule(const AugmentedLagrangianParams& p, double mu0_) : PaperSchedule(p, mu0_) { least_omega = 0; }
+    LiteralSchedule(const AugmentedLagrangianParams& p, double mu0_) : PaperSchedule(p, mu0_) {
+        least_omega = 0;
+        tests_reach = false;
+    }
     double penalty() const override { return mu * mu; }                                                      // Eq. 6
     bool ends(bool constrained, bool stationary) const override { return constrained || stationary; }        // 7
     AlUpdate tighten(double) override {
@@ -54,8 +57,8 @@ public:
     }
 };
 
-// Prescribed positions are linear in x, so a large penalty makes no subproblem less convex, and the boundary holds almost
-// at once; the first subproblem is solved loosely, because the multipliers change the next one.
+// Prescribed positions are linear in x, so a large penalty makes no subproblem less convex, and the boundary holds
+// almost at once; the first subproblem is solved loosely, because the multipliers change the next one.
 class AdaptiveSchedule : public Schedule {
 public:
     static constexpr double first_penalty = 1e5;  // in units of |1|^2

@@ -1,4 +1,5 @@
-// How Algorithm 1 of the paper goes on after a subproblem: the penalty mu and the tolerances omega, epsilon of the next.
+// How Algorithm 1 of the paper goes on after a subproblem: the penalty mu and the tolerances omega, epsilon of the
+// next.
 //
 //   paper     Algorithm 1 in the only consistent reading: penalty weight mu in E to match the update
 //             lambda - mu c_D, tolerances that tighten as m grows, and both tests must hold at the end
@@ -14,9 +15,20 @@
 #pragma once
 #include <memory>
 
-#include "method/params.hpp"
-
 namespace almesh {
+
+enum class Algorithm { adaptive, paper, literal };
+
+struct AugmentedLagrangianParams {
+    Algorithm algorithm = Algorithm::adaptive;
+    double mu0 = 1000;            // paper, literal: first penalty, in units of |1|^2
+    double omega0 = 1e-2;         // paper, literal: tolerance of |grad E| in the first subproblem
+    double epsilon0 = 1e-3;       // paper, literal: tolerance of |P c_D|^2 that decides between the updates
+    double omega_star = 1e-8;     // final tolerance of |grad E|
+    double epsilon_star = 1e-16;  // final tolerance of |P c_D|^2
+    int max_iterations = 50;
+    int max_newton_iterations = 200;
+};
 
 enum class AlUpdate { none, multipliers, penalty, both };
 const char* to_string(AlUpdate update);
@@ -28,6 +40,7 @@ public:
     double mu = 0, omega = 0, epsilon = 0;            // mu_k, omega_k, epsilon_k
     double reduction = 1;                             // omega is lowered to this part of |grad E| at the start
     double least_omega = 0;                           // and never below this
+    bool tests_reach = true;                          // whether the first subproblem may find the target out of reach
     virtual double penalty() const { return mu; }     // weight of |c_D|^2 / 2 in E
     virtual bool ends(bool constrained, bool stationary) const { return constrained && stationary; }  // not line 7
     virtual AlUpdate tighten(double squared_constraint) = 0;  // lines 11-14: lambda has been updated

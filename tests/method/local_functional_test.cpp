@@ -1,4 +1,5 @@
-#include "method/local_functional.hpp"
+#include "method/functional.hpp"
+#include "method/local_elimination.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,0 +1,28 @@
+// The choices that a deck and Newton's method make for the energy.
+#pragma once
+
+namespace almesh {
+
+enum class Objective {
+    squared,    // eta^2: the tables of the paper
+    deviation,  // (eta - 1)^2: its Eq. 5
+    size_shape  // (eta - 1)^2 of the distortion of shape and size
+};
+
+enum class Assembly { simd, plain };
+
+struct DistortionParams {
+    Objective objective = Objective::deviation;
+    double delta = 0;            // Eq. 3
+    double weight_exponent = 1;  // alpha
+    int exactness = 0;           // of the quadrature for p > 1; 0: default_exactness(degree)
+    Assembly assembly = Assembly::simd;
+};
+
+enum class HessianKind {
+    full,       // second derivative of the objective
+    projected,  // its positive semidefinite part, point by point, with damping
+    damping     // the damping alone: the Hessian of Eq. 5 vanishes at the identity
+};
+
+}  // namespace almesh
