@@ -134,7 +134,7 @@ void measure_products(const std::string& name, const NewtonSystem& system, const
 // `faster`, if given, by how many times.
 using Times = std::vector<double>;
 
-Times time_assembly(const std::string& name, DistortionEnergy& energy_of, NewtonSystem& system, int threads, Table& table,
+Times time_assembly(const std::string& name, DistortionEnergy& distortion, NewtonSystem& system, int threads, Table& table,
                     const Times& faster = {}) {
     const std::vector<double>& x = system.problem.ideal();
     const double elements = system.problem.mesh().element_count();
@@ -147,10 +147,10 @@ Times time_assembly(const std::string& name, DistortionEnergy& energy_of, Newton
         if (!faster.empty())
             table.add("assembly", name, threads, what + " ratio", times.back() / faster[times.size() - 1]);
     };
-    add("energy", [&] { energy += energy_of.energy(x); });
-    add("gradient", [&] { energy_of.add_gradient(x, g); });
-    add("full Hessian", [&] { energy_of.add_hessian(x, HessianKind::full, system.A); });
-    add("projected", [&] { energy_of.add_hessian(x, HessianKind::projected, system.A); });
+    add("energy", [&] { energy += distortion.energy(x); });
+    add("gradient", [&] { distortion.add_gradient(x, g); });
+    add("full Hessian", [&] { distortion.add_hessian(x, HessianKind::full, system.A); });
+    add("projected", [&] { distortion.add_hessian(x, HessianKind::projected, system.A); });
     if (!std::isfinite(energy)) std::printf("%s: the energy of the ideal mesh is not finite\n", name.c_str());
     return times;
 }

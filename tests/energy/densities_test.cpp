@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "energy/density_hessian.hpp"
 #include "support/random_matrices.hpp"
 
 using namespace almesh;
@@ -11,93 +12,175 @@ using namespace almesh::test;
 
 namespace {
 
-// Central differences against the derivative: the error must fall as t^2.
+// (eta - 1)^4: a density that is no quadratic, as a user of densities.hpp would add it.
+template <class MeasureOf>
+struct Quartic {
+    using Measure = MeasureOf;
+    template <class T> T f(T eta) const { return (eta - 1) * (eta - 1) * (eta - 1) * (eta - 1); }
+    template <class T> T f1(T eta) const { return 4 * (eta - 1) * (eta - 1) * (eta - 1); }
+    template <class T> T f2(T eta) const { return 12 * (eta - 1) * (eta - 1); }
+    double half_slope(double f) const { return 2 * std::pow(f, 0.75); }
+};
+
 template <int n>
-void check_slope(const Mat<n>& F, double delta, Objective objective, const Mat<n>& dF, double t) {
-    with_density(objective, [&](auto density) {
-        using Measure = typename decltype(density)::Measure;
-        const auto f = [&](double s) { return density.f(distortion<n>(shifted<n>(F, dF, s), delta, Measure())); };
-        const double exact = inner<n>(density_gradient<n>(F, delta, density), dF);
-        double error[2];
-        for (int k = 0; k < 2; ++k) {
-            const double step = t / (1 + k);
-            error[k] = std::abs((f(step) - f(-step)) / (2 * step) - exact);
-        }
-        CHECK(std::log2(error[0] / error[1]) == doctest::Approx(2).epsilon(0.05));
-    });
+Mat<n, Lanes> in_all(const Mat<n>& F) {
+    Mat<n, Lanes> all;
+    for (int l = 0; l < lanes; ++l) set_lane<n>(all, l, F);
+    return all;
 }
 
 template <int n>
-void check_gradients() {
-    std::mt19937 random(7);
-    for (const Objective objective : {Objective::squared, Objective::deviation})
-        for (int trial = 0; trial < 5; ++trial) {
-            const Mat<n> dF = random_matrix<n>(random);
-            check_slope<n>(random_gradient<n>(random, 1), 0, objective, dF, 2e-2);
-            check_slope<n>(random_gradient<n>(random, 1e-2), 0, objective, dF, 2e-4);  // nearly inverted
-            check_slope<n>(random_gradient<n>(random, -0.5), 0.3, objective, dF, 1e-2);  // inverted, regularised
+Mat<n, Lanes> identity() {
+    Mat<n> I{};
+    for (int i = 0; i < n; ++i) I[i][i] = 1;
+    return in_all<n>(I);
+}
+
+// Of a density that may exist in lanes only: in the last lane.
+template <int n, class Density>
+Mat<n> gradient(const Mat<n>& F, double delta, Density density) {
+    return lane_of<n>(density_gradient<n, Lanes>(in_all<n>(F), delta, density), lanes - 1);
+}
+
+// Its Hessian applied to dF.
+template <int n, class Density>
+Mat<n> hessian_times(const Mat<n>& F, double delta, Density density, const Mat<n>& dF) {
+    const Tensor<n> C = in_element_coordinates<n>(frame_hessian<n>(in_all<n>(F), density, delta, false), identity<n>(),
+                                                  in_all_lanes(1));
+    Mat<n> result{};
+    for (int k = 0; k < n; ++k)
+        for (int l = 0; l < n; ++l)
+            for (int a = 0; a < n; ++a)
+                for (int b = 0; b < n; ++b) result[a][k] += C[k][l][a][b][lanes - 1] * dF[b][l];
+    return result;
+}
+
+template <int n>
+double norm(const Mat<n>& F) {
+    return std::sqrt(frobenius_squared<n>(F));
+}
+
+// How the error of central differences falls when their step is halved: 2 for derivatives that belong together.
+double order(double of_step, double of_half) { return std::log2(of_step / of_half); }
+
+template <int n, class Density>
+void check_gradient(const Mat<n>& F, double delta, Density density, const Mat<n>& dF, double step) {
+    const auto f = [&](double t) {
+        return density.f(distortion<n>(shifted<n>(F, dF, t), delta, typename Density::Measure()));
+    };
+    const double exact = inner<n>(density_gradient<n>(F, delta, density), dF);
+    const auto error = [&](double t) { return std::abs((f(t) - f(-t)) / (2 * t) - exact); };
+    CHECK(order(error(step), error(step / 2)) == doctest::Approx(2).epsilon(0.05));
+}
+
+template <int n, class Density>
+void check_hessian(const Mat<n>& F, double delta, Density density, const Mat<n>& dF, double step) {
+    const Mat<n> exact = hessian_times<n>(F, delta, density, dF);
+    const auto error = [&](double t) {
+        Mat<n> difference = shifted<n>(gradient<n>(shifted<n>(F, dF, t), delta, density),
+                                       gradient<n>(shifted<n>(F, dF, -t), delta, density), -1);
+        for (auto& row : difference)
+            for (double& v : row) v /= 2 * t;
+        return norm<n>(shifted<n>(difference, exact, -1));
+    };
+    CHECK(order(error(step), error(step / 2)) == doctest::Approx(2).epsilon(0.05));
+}
+
+// share a + (1 - share) b against c, to the rounding of the terms.
+template <int n>
+void check_mixture(const Mat<n>& a, const Mat<n>& b, double share, const Mat<n>& c) {
+    const Mat<n> mixture = shifted<n>(shifted<n>(Mat<n>{}, a, share), b, 1 - share);
+    CHECK(norm<n>(shifted<n>(c, mixture, -1)) < 1e-14 * (norm<n>(a) + norm<n>(b)));
+}
+
+// The gradient and the Hessian of share f + (1 - share) eta^2 from those of both.
+template <int n, class Density>
+void check_damped(const Mat<n>& F, Density density, double share, const Mat<n>& dF) {
+    const auto of_damped = damped(density, in_all_lanes(share));
+    const Quadratic<typename Density::Measure> squared{false};
+    for (const double delta : {0.0, 0.3}) {
+        check_mixture<n>(gradient<n>(F, delta, density), gradient<n>(F, delta, squared), share,
+                         gradient<n>(F, delta, of_damped));
+        check_mixture<n>(hessian_times<n>(F, delta, density, dF), hessian_times<n>(F, delta, squared, dF), share,
+                         hessian_times<n>(F, delta, of_damped, dF));
+    }
+}
+
+template <int n, class Measure>
+void check_quartic() {
+    std::mt19937 random(17);
+    const Quartic<Measure> density;
+    for (int trial = 0; trial < 5; ++trial) {
+        const Mat<n> dF = random_matrix<n>(random), thin = random_gradient<n>(random, 0.1),
+                     inverted = random_gradient<n>(random, -0.5);
+        check_gradient<n>(thin, 0, density, dF, 1e-3);
+        check_gradient<n>(inverted, 0.3, density, dF, 1e-3);
+        check_hessian<n>(thin, 0, density, dF, 1e-3);
+        check_hessian<n>(inverted, 0.3, density, dF, 1e-3);
+        check_hessian<n>(thin, 0, damped(density, in_all_lanes(0.3)), dF, 1e-3);
+        for (double share : {0.0, 0.3, 1.0}) {
+            check_damped<n>(thin, density, share, dF);
+            check_damped<n>(thin, Quadratic<Measure>{true}, share, dF);
+            check_damped<n>(thin, Quadratic<Measure>{false}, share, dF);
         }
+    }
 }
 
 }  // namespace
 
-TEST_CASE("eta is one exactly for rotations times scalings") {
-    CHECK(distortion<2>({{{1, 0}, {0, 1}}}, 0) == 1);
-    CHECK(distortion<3>({{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, 0) == doctest::Approx(1));
-    CHECK(distortion<2>({{{0, -5}, {5, 0}}}, 0) == 1);
-    CHECK(distortion<2>({{{2, 0}, {0, 1}}}, 0) == 1.25);           // (4 + 1) / (2 * 2)
-    CHECK(distortion<3>({{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}}, 0) == doctest::Approx(1));
-    CHECK(distortion<3>({{{8, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, 0) == doctest::Approx(66.0 / (3 * 4)));
+TEST_CASE("a density that is no quadratic: slopes of gradient and Hessian, and its damping") {
+    check_quartic<2, Shape>();
+    check_quartic<2, ShapeAndSize>();
+    check_quartic<3, Shape>();
+    check_quartic<3, ShapeAndSize>();
 }
 
-TEST_CASE("eta is infinite for degenerate and inverted maps, unless regularised") {
-    CHECK(std::isinf(distortion<2>({{{1, 0}, {0, -1}}}, 0)));
-    CHECK(std::isinf(distortion<2>({{{1, 1}, {1, 1}}}, 0)));
-    CHECK(std::isinf(distortion<3>(Mat<3>{}, 0)));
-    CHECK(std::isinf(distortion<2>({{{NAN, 0}, {0, 1}}}, 0)));
-    // Eq. 3 at sigma = 0: sigma_delta = delta.
-    CHECK(distortion<2>({{{1, 1}, {1, 1}}}, 0.5) == doctest::Approx(4 / (2 * 0.5)));
-    CHECK(std::isfinite(distortion<2>({{{1, 0}, {0, -1}}}, 0.1)));
-}
-
-TEST_CASE("eta does not see rotations and scalings of either frame") {
-    std::mt19937 random(3);
-    for (int trial = 0; trial < 20; ++trial) {
-        const Mat<3> F = random_gradient<3>(random, 0.3);
-        Mat<3> R = random_rotation<3>(random);
-        for (auto& row : R)
-            for (double& v : row) v *= 7.5;
-        const double eta = distortion<3>(F, 0);
-        CHECK(distortion<3>(multiply<3>(R, F), 0) == doctest::Approx(eta));
-        CHECK(distortion<3>(multiply<3>(F, R), 0) == doctest::Approx(eta));
-    }
-}
-
-TEST_CASE("first derivatives have slope 2 in 2D") { check_gradients<2>(); }
-TEST_CASE("first derivatives have slope 2 in 3D") { check_gradients<3>(); }
-
-TEST_CASE("lanes give what a single number gives, the infinite ones too") {
-    Mat<3, Lanes> F{};
-    for (int l = 0; l < lanes; ++l) {
-        F[0][0][l] = l - 0.5;  // the first is inverted
-        F[1][1][l] = 2;
-        F[2][1][l] = 0.3;
-        F[2][2][l] = 1 + l;
-    }
-    for (const double delta : {0.0, 0.2}) {
-        const Lanes eta = distortion<3>(F, delta);
-        const Mat<3, Lanes> P = density_gradient<3>(F, delta, Quadratic<Shape>{true});
-        for (int l = 0; l < lanes; ++l) {
-            const Mat<3> single = {{{l - 0.5, 0, 0}, {0, 2, 0}, {0, 0.3, 1.0 + l}}};
-            if (l == 0 && delta == 0) {
-                CHECK(std::isinf(eta[l]));
-                continue;
-            }
-            CHECK(eta[l] == doctest::Approx(distortion<3>(single, delta)).epsilon(1e-14));
-            const Mat<3> expected = density_gradient<3>(single, delta, Quadratic<Shape>{true});
-            for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j)
-                    CHECK(P[i][j][l] == doctest::Approx(expected[i][j]).epsilon(1e-12).scale(1));
+TEST_CASE("of a density that is no quadratic too the projected Hessian has no negative part") {
+    std::mt19937 random(19);
+    int lifted = 0;
+    for (int trial = 0; trial < 50; ++trial) {
+        const Mat<3> F = random_gradient<3>(random, 0.1), dF = random_matrix<3>(random);
+        double form[2];
+        for (int projected = 0; projected < 2; ++projected) {
+            const Tensor<3> C = in_element_coordinates<3>(
+                frame_hessian<3>(in_all<3>(F), Quartic<Shape>(), 0, projected == 1), identity<3>(), in_all_lanes(1));
+            form[projected] = 0;
+            for (int k = 0; k < 3; ++k)
+                for (int l = 0; l < 3; ++l)
+                    for (int a = 0; a < 3; ++a)
+                        for (int b = 0; b < 3; ++b) form[projected] += dF[a][k] * C[k][l][a][b][0] * dF[b][l];
         }
+        const double scale = norm<3>(hessian_times<3>(F, 0, Quartic<Shape>(), dF));
+        CHECK(form[1] >= -1e-14 * scale);
+        CHECK(form[1] >= form[0] - 1e-13 * scale);
+        lifted += form[1] > form[0] + 1e-6 * scale;
     }
+    CHECK(lifted > 0);
+}
+
+TEST_CASE("half_slope is f'/2 at the eta where f has the given value") {
+    const auto check = [](auto density) {
+        for (double eta : {1.0, 1.25, 3.0, 40.0})
+            CHECK(density.half_slope(density.f(eta)) == doctest::Approx(0.5 * density.f1(eta)).epsilon(1e-13));
+    };
+    for (const Objective objective : {Objective::squared, Objective::deviation, Objective::size_shape})
+        with_density(objective, check);
+    check(Quartic<Shape>());
+}
+
+TEST_CASE("each objective has the density of its formula") {
+    const auto f = [](Objective objective, double eta) {
+        return with_density(objective, [eta](auto density) { return density.f(eta); });
+    };
+    const auto eta = [](Objective objective) {  // of a scaling by 2 in 2D
+        return with_density(objective, [](auto density) {
+            return distortion<2>({{{2, 0}, {0, 2}}}, 0, typename decltype(density)::Measure());
+        });
+    };
+    CHECK(f(Objective::squared, 3) == 9);
+    CHECK(f(Objective::deviation, 3) == 4);
+    CHECK(f(Objective::size_shape, 3) == 4);
+    CHECK(eta(Objective::squared) == 1);
+    CHECK(eta(Objective::deviation) == 1);
+    CHECK(eta(Objective::size_shape) == 2.125);  // (4 + 1/4) / 2
 }

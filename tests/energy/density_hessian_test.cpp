@@ -67,7 +67,7 @@ void check_slopes(std::mt19937& random, double thin, double delta, Objective obj
 template <int n>
 void check_second_derivatives() {
     std::mt19937 random(7);
-    for (const Objective objective : {Objective::squared, Objective::deviation}) {
+    for (const Objective objective : {Objective::squared, Objective::deviation, Objective::size_shape}) {
         check_slopes<n>(random, 1, 0, objective, 2e-2);
         check_slopes<n>(random, 1e-2, 0, objective, 2e-4);  // nearly inverted
         check_slopes<n>(random, -0.5, 0.3, objective, 1e-2);  // inverted, regularised
@@ -76,14 +76,14 @@ void check_second_derivatives() {
 
 // dF : (projected Hessian) dF is neither negative nor below the unprojected form, and above it for some.
 template <int n>
-void check_projection() {
+void check_projection(Objective objective) {
     std::mt19937 random(11);
     int lifted = 0;
     for (int trial = 0; trial < 50; ++trial) {
         Mat<n, Lanes> F;
         for (int l = 0; l < lanes; ++l) set_lane<n>(F, l, random_gradient<n>(random, l % 2 ? 0.2 : 0.05));
-        const Tensor<n> full = hessian<n>(F, 0, Objective::deviation, false);
-        const Tensor<n> projected = hessian<n>(F, 0, Objective::deviation, true);
+        const Tensor<n> full = hessian<n>(F, 0, objective, false);
+        const Tensor<n> projected = hessian<n>(F, 0, objective, true);
         for (int l = 0; l < lanes; ++l) {
             const Mat<n> dF = random_matrix<n>(random);
             const double scale = std::sqrt(frobenius_squared<n>(apply<n>(full, dF, l)));
@@ -101,8 +101,10 @@ void check_projection() {
 TEST_CASE("second derivatives have slope 2 in 2D") { check_second_derivatives<2>(); }
 TEST_CASE("second derivatives have slope 2 in 3D") { check_second_derivatives<3>(); }
 TEST_CASE("the projected Hessian has no negative part and lies above the full one") {
-    check_projection<2>();
-    check_projection<3>();
+    for (const Objective objective : {Objective::deviation, Objective::size_shape}) {
+        check_projection<2>(objective);
+        check_projection<3>(objective);
+    }
 }
 
 TEST_CASE("at the identity the Hessian of Eq. 5 is zero and that of eta^2 has the conformal maps as kernel") {
