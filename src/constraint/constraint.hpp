@@ -22,7 +22,8 @@ public:
     virtual ~ConstraintPart() = default;
     virtual void add_value(const std::vector<double>& y, double& E) = 0;  // up to a constant
     virtual void add_gradient(const std::vector<double>& y, std::vector<double>& g) = 0;
-    virtual void add_hessian(const std::vector<double>& y, BlockCsr& H) = 0;  // H: of the pattern given to part()
+    // H: of the pattern given to part().
+    virtual void add_hessian(const std::vector<double>& y, bool projected, BlockCsr& H) = 0;
 };
 
 class Constraint {
@@ -39,7 +40,9 @@ public:
     virtual double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) = 0;
     virtual void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                               std::vector<double>& g) = 0;
-    virtual void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
+    // projected: a positive semidefinite matrix in place of the Hessian mu dc dc + (mu c - lambda) d2c, where the
+    // second term makes it indefinite: without it (Gauss-Newton), or without its negative part.
+    virtual void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
                              BlockCsr& H) = 0;
     virtual void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) = 0;
 

@@ -242,7 +242,8 @@ void Dirichlet::add_mass(double factor, const Row& row, BlockCsr& H) const {
     }, 200);
 }
 
-void Dirichlet::add_hessian(const std::vector<double>&, const std::vector<double>&, double mu, BlockCsr& H) {
+// Positive semidefinite as it is.
+void Dirichlet::add_hessian(const std::vector<double>&, const std::vector<double>&, double mu, bool, BlockCsr& H) {
     add_mass(mu / (norm_of_one_ * norm_of_one_), [](int node) { return node; }, H);
 }
 
@@ -275,7 +276,7 @@ public:
         multiply_displacement(y);
         for (std::size_t i = 0; i < y.size(); ++i) gradient[i] += g[i] + Cu_[i];
     }
-    void add_hessian(const std::vector<double>&, BlockCsr& H) override {
+    void add_hessian(const std::vector<double>&, bool, BlockCsr& H) override {
         for (std::size_t k = 0; k < H.value.size(); ++k) H.value[k] += C.value[k];
     }
 

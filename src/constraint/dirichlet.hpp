@@ -45,7 +45,8 @@ public:
     double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) override;
     void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                       std::vector<double>& g) override;
-    void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, BlockCsr& H) override;
+    void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
+                     BlockCsr& H) override;
     void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) override;
     std::unique_ptr<ConstraintPart> part(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                                          const std::vector<int>& node, const BlockCsr& pattern) override;

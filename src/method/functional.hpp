@@ -37,7 +37,7 @@ struct AugmentedFunctional {
     void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping = 0) const {
         parallel_for(H.n, [&H](int i) { std::fill(H.block(H.row[i]), H.block(H.row[i + 1]), 0.0); });
         distortion.add_hessian(x, kind, H, damping);
-        constraint.add_hessian(x, lambda, penalty, H);
+        constraint.add_hessian(x, lambda, penalty, kind != HessianKind::full, H);
     }
 
     // DistortionEnergy::mean_slope() at x. energy: E(x), so that no element need be looked at again.

@@ -50,7 +50,7 @@ void LocalFunctional::gradient(const std::vector<double>& y, std::vector<double>
 
 void LocalFunctional::hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H) const {
     std::fill(H.value.begin(), H.value.end(), 0.0);
-    constraint_->add_hessian(y, H);
+    constraint_->add_hessian(y, kind != HessianKind::full, H);
     distortion_->add_hessian(y, kind, H);
     for (int i = 0; i < H.n; ++i)
         for (int k = H.row[i]; k < H.row[i + 1]; ++k) {

@@ -194,10 +194,13 @@ TEST_CASE("value, gradient and Hessian belong together: the functional is exactl
         std::vector<double> g(x.size(), 0.0), Hv(x.size());
         c->constraint.add_gradient(x, lambda, mu, g);
         BlockCsr H = matrix_of_cells(c->mesh.nodes(), c->mesh.dim, c->mesh.elements, c->mesh.element_nodes());
-        c->constraint.add_hessian(x, lambda, mu, H);
+        c->constraint.add_hessian(x, lambda, mu, false, H);
         multiply(H, v.data(), Hv.data());
         const double at_x = c->constraint.value(x, lambda, mu), slope = inner(g, v), curvature = inner(v, Hv);
         CHECK(curvature > 0);
+        BlockCsr projected = matrix_of_cells(c->mesh.nodes(), c->mesh.dim, c->mesh.elements, c->mesh.element_nodes());
+        c->constraint.add_hessian(x, lambda, mu, true, projected);
+        CHECK(projected.value == H.value);
         for (double t : {-1.0, 0.25, 2.0}) {
             const double expected = at_x + t * slope + 0.5 * t * t * curvature;
             CHECK(c->constraint.value(sum(x, t, v), lambda, mu) == doctest::Approx(expected).epsilon(1e-12));
