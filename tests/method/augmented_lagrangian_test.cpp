@@ -71,6 +71,73 @@ TEST_CASE("at the end the multipliers alone balance the distortion") {
     CHECK(norm(g) < 1e-4 * norm(forces));
 }
 
+TEST_CASE("lambda is returned after its update, which balances the distortion better than the one before") {
+    const Minimisation problem = moved_ring(Objective::squared);
+    for (Algorithm algorithm : {Algorithm::adaptive, Algorithm::paper}) {
+        AugmentedLagrangianParams params = with(algorithm);
+        params.epsilon_star = 1e-4;  // so that the last update is a large one
+        params.mu0 = 10;
+        std::vector<double> x;
+        const AlResult result = problem.solve(params, x);
+        REQUIRE(result.status == AlStatus::converged);
+        const AlIteration& last = result.iterations.back();
+        REQUIRE(last.update == AlUpdate::multipliers);
+        AugmentedFunctional E = problem.functional(0);
+        std::vector<double> g(x.size());
+        E.lambda = result.lambda;
+        E.gradient(x, g);
+        const double after = norm(g);
+        const std::vector<double> c = problem.constraint.constraint_field(x);
+        for (std::size_t k = 0; k < c.size(); ++k) E.lambda[k] += last.mu * c[k];
+        E.gradient(x, g);
+        const double before = norm(g);
+        // Without its penalty term E with lambda - mu c has the gradient that Newton's method made small.
+        CHECK(after <= 2 * params.omega_star);
+        CHECK(after == doctest::Approx(last.gradient_norm).scale(params.omega_star).epsilon(0.1));
+        CHECK(after < 1e-3 * before);
+    }
+}
+
+TEST_CASE("plain and SIMD assembly take the same iterations to the same mesh") {
+    const std::map<std::string, std::string> ring = {{"inner", "rotate 20; translate 2 0.5"}},
+                                             cube = {{"top", "scale 1 1 1.3"}, {"sides", "scale 1 1 1.3"}};
+    for (const Mesh& mesh : {ring_mesh(10, 3, 6), raise_degree(ring_mesh(8, 2, 6), 2), cube_mesh(2)})
+        for (const Objective objective : {Objective::squared, Objective::deviation, Objective::size_shape})
+            for (const Algorithm algorithm : {Algorithm::adaptive, Algorithm::paper}) {
+                AlResult result[2];
+                std::vector<double> x[2];
+                for (const Assembly assembly : {Assembly::simd, Assembly::plain}) {
+                    const Minimisation problem(mesh, mesh.dim == 2 ? ring : cube, objective, TargetKind::exact,
+                                               assembly);
+                    const int k = assembly == Assembly::plain;
+                    result[k] = problem.solve(with(algorithm), x[k]);
+                }
+                CAPTURE(mesh.degree);
+                CAPTURE(mesh.dim);
+                CAPTURE(static_cast<int>(objective));
+                CHECK(std::string(to_string(result[0].status)) == "converged");
+                CHECK(result[1].status == result[0].status);
+                CHECK(result[1].iterations.size() == result[0].iterations.size());
+                CHECK(result[1].newton_iterations == result[0].newton_iterations);
+                CHECK(result[1].local_steps == result[0].local_steps);
+                CHECK(largest_difference(x[0], x[1]) < 1e-9);
+                CHECK(result[1].distortion.relative_quality ==
+                      doctest::Approx(result[0].distortion.relative_quality).epsilon(1e-9));
+            }
+}
+
+TEST_CASE("as printed, no target counts as out of reach in the first subproblem") {
+    const Minimisation problem(ring_mesh(12, 3, 5), {{"inner", "translate 40 0"}}, Objective::squared);
+    AugmentedLagrangianParams params = with(Algorithm::paper);
+    params.max_iterations = 1;
+    params.mu0 = 1e5;
+    std::vector<double> x;
+    CHECK(problem.solve(params, x).iterations.back().newton_status == NewtonStatus::out_of_reach);
+    params.algorithm = Algorithm::literal;
+    params.mu0 = std::sqrt(1e5) / problem.constraint.norm_of_one();  // the same weight, mu^2
+    CHECK(problem.solve(params, x).iterations.back().newton_status != NewtonStatus::out_of_reach);
+}
+
 TEST_CASE("the history tells the run: row 0 the initial mesh, then one row per subproblem") {
     const Minimisation problem = moved_ring(Objective::squared);
     std::vector<double> x;
