@@ -90,6 +90,63 @@ TEST_CASE("all linear solvers give the same positions") {
     CHECK(number(summary_of(ring.output), "linear_iterations") > 0);
 }
 
+TEST_CASE("plain assembly takes the same iterations to the same positions") {
+    for (const char* mesh_degree : {"degree=1", "degree=2"})
+        for (const char* objective : {"objective=squared", "objective=deviation", "objective=size_shape"}) {
+            CAPTURE(mesh_degree);
+            CAPTURE(objective);
+            const RingDeck ring(ring_mesh(10, 3, 6));
+            REQUIRE(ring.run({mesh_degree, objective, "refine=1"}).code == 0);
+            const auto expected = summary_of(ring.output);
+            const std::vector<double> x = final_positions(ring);
+            REQUIRE(ring.run({mesh_degree, objective, "refine=1", "assembly=plain"}).code == 0);
+            CHECK(has(text_of(ring.output + "/deck.txt"), "\nassembly = plain"));
+            const auto summary = summary_of(ring.output);
+            for (const char* count : {"al_iterations", "newton_iterations", "coarse_newton_iterations", "local_steps"})
+                CHECK(summary.at(count) == expected.at(count));
+            CHECK(largest_difference(x, final_positions(ring)) < 1e-9);
+        }
+}
+
+TEST_CASE("objective = size_shape keeps the sizes of elements too, from a deck") {
+    const RingDeck ring(ring_mesh(12, 3, 6), "threads = 1\nobjective = size_shape\n");
+    // Largest factor by which an element has grown or shrunk.
+    const auto change_of_size = [&] {
+        const Mesh ideal = mesh_of(ring.folder.path("ring.msh")), moved = mesh_of(ring.output + "/final.msh");
+        double most = 1;
+        for (int e = 0; e < moved.element_count(); ++e) {
+            const auto area = [e](const Mesh& mesh) {
+                const auto at = [&](int k, int a) { return mesh.x[2 * mesh.element(e)[k] + a]; };
+                return (at(1, 0) - at(0, 0)) * (at(2, 1) - at(0, 1)) - (at(2, 0) - at(0, 0)) * (at(1, 1) - at(0, 1));
+            };
+            most = std::max({most, area(moved) / area(ideal), area(ideal) / area(moved)});
+        }
+        return most;
+    };
+    const Outcome outcome = ring.run();
+    CHECK(outcome.code == 0);
+    CHECK(has(text_of(ring.output + "/deck.txt"), "\nobjective = size_shape"));
+    CHECK(summary_of(ring.output).at("certified_valid") == "yes");
+    double change[2];
+    for (int k = 0; k < 2; ++k) {
+        const char* const objective = k ? "objective=size_shape" : "objective=deviation";
+        REQUIRE(ring.run({objective, "boundary inner=scale 0.5"}).code == 0);
+        change[k] = change_of_size();
+    }
+    CHECK(change[1] < 0.9 * change[0]);
+
+    // Scaled by 2 every element has eta = (4 + 1/4)/2, but for deviation the mesh is as good as before.
+    const auto energy_over_volume = [&](const std::string& objective) {
+        REQUIRE(ring.run({"boundary inner=scale 2", "boundary outer=scale 2", objective}).code == 0);
+        const auto rows = csv_rows(text_of(ring.output + "/history.csv"));
+        REQUIRE(rows[0][3] == "energy");
+        const Mesh mesh = mesh_of(ring.folder.path("ring.msh"));
+        return *parse_double(rows.back()[3]) / volume(mesh, mesh.x);
+    };
+    CHECK(energy_over_volume("objective=size_shape") == doctest::Approx(1.125 * 1.125).epsilon(1e-3));
+    CHECK(std::abs(energy_over_volume("objective=deviation")) < 1e-8);
+}
+
 TEST_CASE("the same files for any number of threads") {
     const int before = max_threads();
     const RingDeck ring(ring_mesh(8, 2, 4), "");

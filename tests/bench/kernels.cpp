@@ -134,8 +134,8 @@ void measure_products(const std::string& name, const NewtonSystem& system, const
 // `faster`, if given, by how many times.
 using Times = std::vector<double>;
 
-Times time_assembly(const std::string& name, DistortionEnergy& distortion, NewtonSystem& system, int threads, Table& table,
-                    const Times& faster = {}) {
+Times time_assembly(const std::string& name, DistortionEnergy& distortion, NewtonSystem& system, int threads,
+                    Table& table, const Times& faster = {}) {
     const std::vector<double>& x = system.problem.ideal();
     const double elements = system.problem.mesh().element_count();
     std::vector<double> g(x.size());

@@ -133,7 +133,8 @@ TEST_CASE("no trace is nearer to the target than its projection") {
     CHECK(c.constraint.projected_norm(best) < 1e-14);
     CHECK(c.constraint.norm(best) == doctest::Approx(c.constraint.best_approximation_error()).epsilon(1e-12));
     for (int seed = 0; seed < 20; ++seed)
-        CHECK(c.constraint.norm(sum(best, 1e-3, random_numbers(best.size(), seed))) > c.constraint.best_approximation_error());
+        CHECK(c.constraint.norm(sum(best, 1e-3, random_numbers(best.size(), seed))) >
+              c.constraint.best_approximation_error());
 }
 
 TEST_CASE("the best approximation error of a circle falls with the order p + 1; a nodal target has none") {
@@ -241,7 +242,8 @@ TEST_CASE("the same bits for any number of threads") {
         const std::vector<double> x = wavy(c.ideal, 2, 1e-3), lambda = random_numbers(c.constraint.multipliers(), 6);
         std::vector<double> result(x.size(), 0.0);
         c.constraint.add_gradient(x, lambda, 7, result);
-        result.insert(result.end(), {c.constraint.best_approximation_error(), c.constraint.norm(x), c.constraint.max_error(x)});
+        result.insert(result.end(),
+                      {c.constraint.best_approximation_error(), c.constraint.norm(x), c.constraint.max_error(x)});
         result.push_back(c.constraint.value(x, lambda, 7));
         return result;
     };

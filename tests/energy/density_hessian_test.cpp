@@ -128,8 +128,9 @@ TEST_CASE("in the coordinates of an element the second derivative is that along 
         set_lane<3>(inverse_of_A, l, random_gradient<3>(random, 1));
     }
     const Tensor<3> in_F = hessian<3>(F, 0, Objective::squared, false);
+    const Quadratic<Shape> squared{false};
     const Tensor<3> in_J =
-        in_element_coordinates<3>(frame_hessian<3>(F, Quadratic<Shape>{false}, 0, false), inverse_of_A, in_all_lanes(3));
+        in_element_coordinates<3>(frame_hessian<3>(F, squared, 0, false), inverse_of_A, in_all_lanes(3));
     for (int l = 0; l < lanes; ++l) {
         const Mat<3> dJ = random_matrix<3>(random), dF = multiply<3>(dJ, lane_of<3>(inverse_of_A, l));
         CHECK(inner<3>(dJ, apply<3>(in_J, dJ, l)) ==

@@ -253,7 +253,7 @@ TEST_CASE("as printed, omega and epsilon grow with the penalty") {
     }
 }
 
-TEST_CASE("a curved target: the projected constraint vanishes, the whole one ends at the best approximation error; a nodal one vanishes") {
+TEST_CASE("a curved target: P c_D vanishes and c_D ends at the best approximation error; a nodal one vanishes") {
     const std::map<std::string, std::string> onto_circles = {{"inner", "circle 0 0 1"}, {"outer", "circle 0 0 3"}};
     const Mesh mesh = raise_degree(ring_mesh(10, 3, 3), 3);
     for (Objective objective : objectives) {

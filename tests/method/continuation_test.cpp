@@ -93,7 +93,8 @@ TEST_CASE("without a coarse solution, or with one that inverts an element, the s
 TEST_CASE("the penalty carried over has a limit, but never falls") {
     const Minimisation coarse(ring_mesh(12, 3, 6), {}, Objective::squared),
         fine(refine(coarse.mesh, 1), {}, Objective::squared);
-    CoarseSolution solution = solution_of(coarse, coarse.ideal, std::vector<double>(coarse.constraint.multipliers(), 0.0));
+    const std::vector<double> no_multipliers(coarse.constraint.multipliers(), 0.0);
+    CoarseSolution solution = solution_of(coarse, coarse.ideal, no_multipliers);
     std::vector<double> x;
     for (const auto& [before, after] : {std::pair(1e3, 1e4), std::pair(3e5, 1e6), std::pair(1e7, 1e7)}) {
         solution.mu = before;

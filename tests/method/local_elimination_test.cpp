@@ -54,7 +54,8 @@ TEST_CASE("the energy never grows, and little is done where nothing is to be gai
     Disturbed at;
     std::vector<double> x = at.x;
     const double before = at.energy;
-    const LocalElimination::Result once = LocalElimination().eliminate(at.E, at.H, at.g, 1e3, x, at.energy);  // no step is worth another
+    // No step is worth another.
+    const LocalElimination::Result once = LocalElimination().eliminate(at.E, at.H, at.g, 1e3, x, at.energy);
     CHECK(once.steps == 1);
     CHECK(at.energy < before);
     std::vector<double> g(x.size());

@@ -42,7 +42,8 @@ TEST_CASE("a local functional's energy, gradient and Hessian are those of the fu
                                                  cube = {{"top", "scale 1 1 1.2"}, {"sides", "scale 1 1 1.2"}};
         const Minimisation problem(mesh, mesh.dim == 2 ? ring : cube, Objective::squared);
         SimdEnergy weighted(problem.mesh, problem.ideal, {.weight_exponent = 0.5});
-        AugmentedFunctional E{weighted, problem.constraint, std::vector<double>(problem.constraint.multipliers(), 0.3), 50};
+        const std::vector<double> lambda(problem.constraint.multipliers(), 0.3);
+        const AugmentedFunctional E{weighted, problem.constraint, lambda, 50};
         const std::vector<char> moves = some_nodes(problem.mesh.nodes());
         const LocalFunctional local(E, problem.ideal, moves);
 

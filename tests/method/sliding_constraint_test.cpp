@@ -1,6 +1,6 @@
 // The method with a constraint that is not linear and has no fixed number of multipliers per node: the nodes of the
-// inner boundary of a ring slide on a circle, those of the outer one stay. Nothing outside of a Constraint may know more
-// of it than constraint.hpp says.
+// inner boundary of a ring slide on a circle, those of the outer one stay. Nothing outside of a Constraint may know
+// more of it than constraint.hpp says.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -10,7 +10,7 @@
 #include "base/index.hpp"
 #include "check/certificate.hpp"
 #include "linalg/vector_ops.hpp"
-#include "method/local_functional.hpp"
+#include "method/local_elimination.hpp"
 #include "support/meshes.hpp"
 #include "support/minimisation.hpp"
 
@@ -102,8 +102,8 @@ private:
     }
 };
 
-// (u, v) = sum over the nodes of u . v, so that |1|^2 is their number. One multiplier for a node that slides, two for one
-// that stays.
+// (u, v) = sum over the nodes of u . v, so that |1|^2 is their number. One multiplier for a node that slides, two for
+// one that stays.
 class Sliding : public Constraint {
 public:
     Sliding(const Mesh& mesh, const std::vector<double>& ideal, const Circle& circle) : ideal_(ideal) {

@@ -6,6 +6,7 @@
 
 #include "constraint/dirichlet.hpp"
 #include "method/continuation.hpp"
+#include "method/functional.hpp"
 #include "support/targets.hpp"
 
 namespace almesh::test {
