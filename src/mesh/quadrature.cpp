@@ -61,13 +61,13 @@ Line gauss_jacobi(int m, int alpha) {
 }
 
 Quadrature conical_product(int dim, int exactness) {
-    Quadrature q;
-    q.dim = dim;
     const int m = exactness / 2 + 1;
+    Quadrature q{dim, 1, {}, {}};
     std::vector<Line> line;
-    for (int k = 0; k < dim; ++k) line.push_back(gauss_jacobi(m, dim - 1 - k));
-    q.count = 1;
-    for (int k = 0; k < dim; ++k) q.count *= m;
+    for (int k = 0; k < dim; ++k) {
+        line.push_back(gauss_jacobi(m, dim - 1 - k));
+        q.count *= m;
+    }
     for (int i = 0; i < q.count; ++i) {
         double weight = 1, rest = 1;
         for (int k = 0, index = i; k < dim; ++k, index /= m) {
@@ -95,15 +95,13 @@ std::vector<double> first_point(const Orbit& orbit) {
     return point;
 }
 
-Quadrature all_points(const SymmetricRule& rule) {
-    Quadrature q;
-    q.dim = rule.dim;
-    const double volume = simplex(rule.dim).volume();
-    for (const Orbit& orbit : rule.orbits) {
+Quadrature all_points(int dim, std::span<const Orbit> rule) {
+    Quadrature q{dim, 0, {}, {}};
+    for (const Orbit& orbit : rule) {
         std::vector<double> point = first_point(orbit);
         do {
             q.xi.insert(q.xi.end(), point.begin(), point.end() - 1);
-            q.weight.push_back(orbit.weight * volume);
+            q.weight.push_back(orbit.weight * simplex(dim).volume());
         } while (std::next_permutation(point.begin(), point.end()));
     }
     q.count = static_cast<int>(q.weight.size());
@@ -128,8 +126,8 @@ void add_node_points(const LagrangeBasis& basis, Quadrature& quadrature) {
 }  // namespace
 
 Quadrature simplex_quadrature(int dim, int exactness) {
-    const SymmetricRule* rule = symmetric_rule(dim, exactness);
-    return rule ? all_points(*rule) : conical_product(dim, exactness);
+    const std::span<const Orbit> rule = symmetric_rule(dim, exactness);
+    return rule.empty() ? conical_product(dim, exactness) : all_points(dim, rule);
 }
 
 int default_exactness(int degree) { return degree == 1 ? 0 : 2 * degree + 2; }

@@ -72,19 +72,19 @@ TEST_CASE("monomials up to the stated degree are integrated exactly") {
             CAPTURE(exactness);
             const Quadrature rule = simplex_quadrature(dim, exactness);
             for (int degree = 0; degree <= exactness; ++degree)
-                CHECK(error_of_degree(rule, degree) < (symmetric_rule(dim, exactness) ? 1e-14 : 5e-13));
+                CHECK(error_of_degree(rule, degree) < (symmetric_rule(dim, exactness).empty() ? 5e-13 : 1e-14));
         }
 }
 
 TEST_CASE("a symmetric rule is exact to its degree and no further, and its points are permuted among themselves") {
     for (int dim : {2, 3})
-        for (int exactness = 1; const SymmetricRule* found = symmetric_rule(dim, exactness);
-             exactness = found->exactness + 1) {
+        for (int exactness = 1; !symmetric_rule(dim, exactness).empty();) {
+            const int exact_to = symmetric_rule(dim, exactness)[0].exactness;
             CAPTURE(dim);
             CAPTURE(exactness);
-            CHECK(found->exactness >= exactness);
+            CHECK(exact_to >= exactness);
             const Quadrature rule = simplex_quadrature(dim, exactness);
-            CHECK(error_of_degree(rule, found->exactness + 1) > 1e-8);
+            CHECK(error_of_degree(rule, exact_to + 1) > 1e-8);
             const auto points = points_of(rule);
             for (const auto& point : points)
                 for (int k = 0; k < dim; ++k) {  // swaps of neighbours make all permutations
@@ -92,6 +92,7 @@ TEST_CASE("a symmetric rule is exact to its degree and no further, and its point
                     std::swap(swapped[k], swapped[k + 1]);
                     CHECK(contains(points, swapped));
                 }
+            exactness = exact_to + 1;
         }
 }
 

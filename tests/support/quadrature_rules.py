@@ -1,4 +1,4 @@
-"""Finds the symmetric quadrature rules of src/mesh/quadrature_table.cpp and prints that file's entries.
+"""Finds the symmetric quadrature rules of src/mesh/quadrature_table.hpp and prints that file's entries.
 
     python3 tests/support/quadrature_rules.py            every rule of the list `rules` below, some minutes
     python3 tests/support/quadrature_rules.py 3 8        only dimension 3, exactness 8
@@ -161,19 +161,19 @@ def find(dim, degree, counts, starts):
     return system, None
 
 
-def entry(dim, degree, system, unknowns):
-    """The lines of the table for one rule: weight of a point as a part of the volume, pattern, free coordinates."""
+def entry(degree, system, unknowns):
+    """The rows of one rule: exactness, weight of a point as a part of the volume, pattern, free coordinates."""
     def digits(x):
         return np.format_float_positional(float(x), unique=True)
 
     count, at = sum(points_of[kind] for kind in system.orbits), len(system.orbits)
-    lines = []
+    rows = []
     for kind, weight, free in zip(system.orbits, unknowns, system.free):
         coordinates = ", ".join(digits(x) for x in unknowns[at:at + free])
         at += free
-        lines.append(f'{{{digits(weight / points_of[kind])}, "{kind}", {{{coordinates}}}}}')
-    head = f"    {{{dim}, {degree}, {{  // {count} point{'' if count == 1 else 's'}\n        "
-    return head + ",\n        ".join(lines) + "}},"
+        rows.append(f'    {{{degree}, {digits(weight / points_of[kind])}, "{kind}", {{{coordinates}}}}},')
+    rows[0] += f"  // {count} point{'' if count == 1 else 's'}"
+    return "\n".join(rows)
 
 
 def main():
@@ -183,7 +183,7 @@ def main():
             system, unknowns = find(dim, degree, counts, starts=20000)
             if unknowns is None:
                 sys.exit(f"no rule found for dimension {dim}, exactness {degree}, orbits {counts}")
-            print(entry(dim, degree, system, unknowns), flush=True)
+            print(entry(degree, system, unknowns), flush=True)
 
 
 if __name__ == "__main__":
