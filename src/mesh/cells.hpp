@@ -10,8 +10,8 @@
 //                                                               element in energy/, one scaling per face in constraint/
 //   nodes are multi-indices, polynomials are in Bernstein form  lattice_nodes(), LagrangeBasis, geometry/bezier,
 //   in barycentric coordinates                                  check/certificate
-//   quadrature in barycentric or collapsed coordinates          quadrature.cpp, quadrature_table.cpp
-//   children have vertices and edge midpoints as vertices       CellType::children, refine.cpp, prolongation.cpp
+//   quadrature in barycentric or collapsed coordinates          quadrature.cpp, quadrature_table.hpp
+//   children have vertices and edge midpoints as vertices       CellType::children, refine.cpp
 //   the best shape is the regular simplex                       check/quality
 //
 // The reference simplex is {xi >= 0, sum xi <= 1}; its vertex 0 is the origin, vertex k the unit vector k - 1.

@@ -2,7 +2,7 @@
 //
 // The mesh as read may be curved. The ideal mesh of the method is straight-sided: the same vertices, all other nodes
 // at their affine positions (straight_sided()). Plain data: build_mesh() makes and checks it, raise_degree() and
-// refine() make others of it.
+// refine() make others of it, and prolong() carries fields over to those.
 #pragma once
 #include <array>
 #include <string>
@@ -81,5 +81,18 @@ Mesh raise_degree(const Mesh& mesh, int degree);
 // raised to p again. Vertices keep their ids, elements and faces are numbered anew: those that element e is split into
 // lie together, from e * 2^(n times).
 Mesh refine(const Mesh& mesh, int times);
+
+// Prolongation of a field (coarse.nodes() x dim) to a mesh that comes from `coarse` by refine() or raise_degree(): finite
+// element interpolation. Each fine node lies in a coarse element, at a point xi of its reference simplex whose
+// coordinates are multiples of 1 / (c p), where each edge of the coarse element was cut into c parts and p is the fine
+// degree, and
+//
+//     u_fine = sum over the nodes j of that element of  N_j(xi) u_j.
+//
+// u is continuous, so any element that has the node gives the same value, and on the boundary only the values on the
+// boundary count. The map phi = y + u of straight-sided elements keeps its D phi, so a valid map stays valid and keeps
+// its distortion energy. Ideal positions: nodes x dim each. Returns fine.nodes() x dim. Cost: O(nodes * p^n).
+std::vector<double> prolong(const Mesh& coarse, const std::vector<double>& coarse_ideal, const Mesh& fine,
+                            const std::vector<double>& fine_ideal, const std::vector<double>& field);
 
 }  // namespace almesh

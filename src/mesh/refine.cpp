@@ -1,7 +1,10 @@
-// Raising the degree of a mesh and uniform refinement.
+// Raising the degree of a mesh, uniform refinement, and the prolongation of fields to the finer mesh.
 //
-// Both number new nodes in the order in which the elements meet them. A node is identified by the vertices of the edge,
+// New nodes are numbered in the order in which the elements meet them. A node is identified by the vertices of the edge,
 // face or element it lies in and its barycentric coordinates there, a midpoint by the two ends of its edge.
+//
+// Prolongation needs for each fine node: a fine element that has it, hence the coarse element around it; its reference
+// coordinates there, rounded to the lattice on which they lie; the coarse basis at them.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +14,7 @@
 #include <unordered_map>
 
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
 
@@ -199,6 +203,29 @@ Mesh refine_once(const Mesh& mesh) {
     return fine;
 }
 
+// For each node the last one of the elements that have it.
+std::vector<int> element_of_nodes(const Mesh& mesh) {
+    std::vector<int> element(mesh.nodes());
+    const int count = mesh.element_nodes();
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int i = 0; i < count; ++i) element[mesh.element(e)[i]] = e;
+    return element;
+}
+
+// Reference coordinates of the point y in the straight-sided element with the given vertices, on the lattice of
+// 1/steps.
+template <int n>
+Vec<n> reference_point(const int* vertex, const std::vector<double>& ideal, const double* y, double steps) {
+    const double* const y0 = point(ideal, vertex[0], n);
+    const Mat<n> inverse_A = inverse<n>(straight_jacobian<n>(vertex, ideal));
+    Vec<n> xi{};
+    for (int k = 0; k < n; ++k) {
+        for (int a = 0; a < n; ++a) xi[k] += inverse_A[k][a] * (y[a] - y0[a]);
+        xi[k] = std::round(xi[k] * steps) / steps;
+    }
+    return xi;
+}
+
 }  // namespace
 
 Mesh raise_degree(const Mesh& mesh, int degree) {
@@ -258,6 +285,28 @@ Mesh refine(const Mesh& mesh, int times) {
     Mesh fine = linear_part(mesh);
     for (int k = 0; k < times; ++k) fine = refine_once(fine);
     return raise_degree(fine, mesh.degree);
+}
+
+std::vector<double> prolong(const Mesh& coarse, const std::vector<double>& coarse_ideal, const Mesh& fine,
+                            const std::vector<double>& fine_ideal, const std::vector<double>& field) {
+    const LagrangeBasis basis(coarse.dim, coarse.degree);
+    const std::vector<int> element = element_of_nodes(fine);
+    const int children = fine.element_count() / coarse.element_count();  // those of e are numbered from e * children
+    const double steps = std::round(std::pow(children, 1.0 / coarse.dim)) * fine.degree;
+    std::vector<double> result(fine_ideal.size());
+    with_dimension(coarse.dim, [&](auto dimension) {
+        constexpr int n = dimension;
+        parallel_for(fine.nodes(), [&](int i) {
+            const int* const node = coarse.element(element[i] / children);
+            const std::size_t at = offset(i, n);
+            const Vec<n> xi = reference_point<n>(node, coarse_ideal, &fine_ideal[at], steps);
+            double N[simplex_node_count(n, max_degree)];
+            basis.values(xi.data(), N);
+            for (int j = 0; j < basis.count; ++j)
+                for (int a = 0; a < n; ++a) result[at + a] += N[j] * field[offset(node[j], n, a)];
+        });
+    });
+    return result;
 }
 
 }  // namespace almesh

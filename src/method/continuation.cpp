@@ -6,7 +6,7 @@
 
 #include "base/index.hpp"
 #include "base/interrupt.hpp"
-#include "mesh/prolongation.hpp"
+#include "mesh/mesh.hpp"
 
 namespace almesh {
 namespace {

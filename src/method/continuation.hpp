@@ -1,7 +1,7 @@
 // Continuation from coarse to fine: the problem is solved on coarser meshes first, and each solution is where the
 // method starts on the next finer mesh.
 //
-// Carried over are the displacement, interpolated (prolongation.hpp), the penalty in units of |1|^2, and the
+// Carried over are the displacement, interpolated (prolong()), the penalty in units of |1|^2, and the
 // multipliers. The force that they put on the boundary is the integral of lambda . v / (h |1|), so lambda / (h |1|)
 // is the same on both meshes. Refinement divides every h by the same number, and |1|^2 = sum |f| / h is
 // inversely proportional to h; so lambda_fine = lambda_coarse |1|_coarse / |1|_fine, interpolated. The penalty grows

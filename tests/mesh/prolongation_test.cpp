@@ -1,5 +1,3 @@
-#include "mesh/prolongation.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "mesh/prolongation.hpp"
+#include "mesh/mesh.hpp"
 #include "support/minimisation.hpp"
 #include "support/ring_deck.hpp"
 
