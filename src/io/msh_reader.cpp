@@ -1,11 +1,11 @@
 // Section by section; each announces the number of its records, and every record is checked to be there. What a count
 // allocates is bounded by the length of the rest of the text.
 #include <algorithm>
+#include <array>
 #include <climits>
 #include <cstdlib>
 #include <utility>
 
-#include "io/id_index.hpp"
 #include "io/msh.hpp"
 #include "io/text_scanner.hpp"
 
@@ -27,13 +27,8 @@ ElementType element_type(int number) {
 }
 
 // Element types that are not read, with what to do about them, by their numbers (GmshDefines.h).
-struct ForeignType {
-    const char* name;
-    std::vector<std::pair<int, int>> ranges;
-};
-
 const char* foreign_name(int type) {
-    static const std::vector<ForeignType> foreign = {
+    static const std::vector<std::pair<const char*, std::vector<std::array<int, 2>>>> foreign = {
         {"quadrangles (mesh without Recombine)", {{3, 3}, {10, 10}, {16, 16}, {36, 41}, {47, 51}, {57, 61}}},
         {"hexahedra (mesh without Recombine)", {{5, 5}, {12, 12}, {17, 17}, {92, 105}}},
         {"prisms (mesh without Recombine)", {{6, 6}, {13, 13}, {18, 18}, {90, 91}, {106, 117}}},
@@ -57,13 +52,10 @@ struct MshReader {
     TextScanner in;
     RawMesh mesh;  // msh_version 0: not known yet
     IdIndex node_index{}, element_index{};
-    ElementType last_type{0};
+    ElementType type{0};  // of the element or block being read
     std::vector<ForeignElements> foreign{};
 
-    // At most `count`, which may be wrong: a record has at least four characters.
-    std::size_t room_for(long long count) const {
-        return static_cast<std::size_t>(std::min<long long>(count, (in.end - in.at) / 4));
-    }
+    bool in_blocks() const { return mesh.msh_version == 41; }
 
     RawMesh read() {
         while (in.next_line()) section();
@@ -139,7 +131,7 @@ struct MshReader {
         for (long long i = 0; i < count; ++i) {
             begin_record("$PhysicalNames", "names", i, count);
             PhysicalGroup group;
-            group.dim = static_cast<int>(in.integer("the dimension of the physical group", 0, 3));
+            group.dim = in.small_integer("the dimension of the physical group", 0, 3);
             group.tag = std::abs(in.small_integer("the tag of the physical group"));
             std::string_view name = in.rest_of_line();
             if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
@@ -170,14 +162,20 @@ struct MshReader {
         std::ranges::stable_sort(mesh.entities, {}, [](const RawEntity& e) { return std::pair(e.dim, e.tag); });
     }
 
-    // Section counts of $Nodes and $Elements; MSH 2.2 has no blocks.
-    std::pair<long long, long long> blocks_and_count(const char* what) {
+    // Begins $Nodes or $Elements: returns the numbers of blocks and of items. MSH 2.2 has no blocks: all are in one.
+    template <class Item>
+    std::pair<long long, long long> begin_items(std::vector<Item>& items, IdIndex& index, const std::string& section,
+                                                const char* what) {
+        if (!items.empty()) in.fail("a second " + section + " section");
         in.next_line();
-        const bool in_blocks = mesh.msh_version == 41;
-        const long long blocks = in_blocks ? in.integer("the number of blocks", 0, LLONG_MAX) : 1;
+        const long long blocks = in_blocks() ? in.integer("the number of blocks", 0, LLONG_MAX) : 1;
         const long long count = in.integer(what, 1, INT_MAX);
-        if (in_blocks) in.rest_of_line();
+        if (in_blocks()) in.rest_of_line();
         else in.end_of_line();
+        // The count may be wrong: a record has at least four characters.
+        const auto room = static_cast<std::size_t>(std::min<long long>(count, (in.end - in.at) / 4));
+        items.reserve(room);
+        index = IdIndex(room);
         return {blocks, count};
     }
 
@@ -191,43 +189,28 @@ struct MshReader {
     }
 
     void nodes() {
-        if (!mesh.nodes.empty()) in.fail("a second $Nodes section");
-        const auto [blocks, count] = blocks_and_count("the number of nodes");
-        mesh.nodes.reserve(room_for(count));
-        node_index = IdIndex(room_for(count));
-        if (mesh.msh_version == 22) nodes_2_2(count);
-        else nodes_4_1(blocks, count);
-    }
-
-    void nodes_2_2(long long count) {
-        for (long long i = 0; i < count; ++i) {
-            begin_record("$Nodes", "nodes", i, count);
-            RawNode node{in.integer("a node id", 1, LLONG_MAX), {}, in.line};
-            for (double& x : node.x) x = in.real("a coordinate");
-            in.end_of_line();
-            append(mesh.nodes, node_index, "node", node);
-        }
-    }
-
-    void nodes_4_1(long long blocks, long long count) {
+        const auto [blocks, count] = begin_items(mesh.nodes, node_index, "$Nodes", "the number of nodes");
         for (long long b = 0; b < blocks; ++b) {
-            begin_record("$Nodes", "blocks", b, blocks);
-            in.integer("the dimension of the entity", 0, 3);
-            in.small_integer("the entity tag");
-            const bool parametric = in.integer("0 or 1 (parametric)", 0, 1) == 1;
-            const std::size_t begin = mesh.nodes.size();
-            const auto in_block = static_cast<std::size_t>(
-                in.integer("the number of nodes of this block", 0, count - static_cast<long long>(begin)));
-            in.end_of_line();
-            for (std::size_t i = 0; i < in_block; ++i) {
-                begin_record("$Nodes", "nodes", static_cast<long long>(mesh.nodes.size()), count);
-                append(mesh.nodes, node_index, "node", {in.integer("a node id", 1, LLONG_MAX), {}, in.line});
+            const auto begin = static_cast<long long>(mesh.nodes.size());
+            long long end = count;
+            bool parametric = false;
+            if (in_blocks()) {
+                begin_record("$Nodes", "blocks", b, blocks);
+                in.integer("the dimension of the entity", 0, 3);
+                in.small_integer("the entity tag");
+                parametric = in.integer("0 or 1 (parametric)", 0, 1) == 1;
+                end = begin + in.integer("the number of nodes of this block", 0, count - begin);
                 in.end_of_line();
             }
-            for (std::size_t i = begin; i < begin + in_block; ++i) {
-                begin_record("$Nodes", "nodes with coordinates", static_cast<long long>(i), count);
-                for (double& x : mesh.nodes[i].x) x = in.real("a coordinate");
-                mesh.nodes[i].line = in.line;
+            for (long long i = begin; i < end; ++i) {
+                begin_record("$Nodes", "nodes", i, count);
+                append(mesh.nodes, node_index, "node", {in.integer("a node id", 1, LLONG_MAX), {}, in.line});
+                if (!in_blocks()) read_position(mesh.nodes.back());
+                in.end_of_line();
+            }
+            for (long long i = begin; in_blocks() && i < end; ++i) {  // the positions follow all ids of the block
+                begin_record("$Nodes", "nodes with coordinates", i, count);
+                read_position(mesh.nodes[i]);
                 if (parametric) in.rest_of_line();
                 in.end_of_line();
             }
@@ -235,27 +218,89 @@ struct MshReader {
         check_total("$Nodes", "nodes", static_cast<long long>(mesh.nodes.size()), count);
     }
 
+    void read_position(RawNode& node) {
+        node.line = in.line;
+        for (double& x : node.x) x = in.real("a coordinate");
+    }
+
     void elements() {
-        if (!mesh.elements.empty()) in.fail("a second $Elements section");
         if (mesh.nodes.empty()) in.fail("$Elements before $Nodes");
-        const auto [blocks, count] = blocks_and_count("the number of elements");
-        mesh.elements.reserve(room_for(count));
-        element_index = IdIndex(room_for(count));
-        if (mesh.msh_version == 22) elements_2_2(count);
-        else elements_4_1(blocks, count);
+        const auto [blocks, count] = begin_items(mesh.elements, element_index, "$Elements", "the number of elements");
+        long long done = 0;
+        for (long long b = 0; b < blocks; ++b) {
+            RawElement element{};
+            long long end = count;
+            if (in_blocks()) {
+                begin_record("$Elements", "blocks", b, blocks);
+                end = done + begin_element_block(element, count - done);
+            }
+            for (; done < end; ++done) {
+                begin_record("$Elements", "elements", done, count);
+                element.line = in.line;
+                element.id = in.integer("an element id", 1, LLONG_MAX);
+                if (!in_blocks()) read_type_and_tags(element);
+                if (type.dim < 0) {
+                    in.rest_of_line();
+                    continue;
+                }
+                element.first = mesh.element_nodes.size();
+                element.dim = type.dim;
+                element.degree = type.degree;
+                append(mesh.elements, element_index, "element", element);
+                for (int k = 0; k < type.nodes; ++k) mesh.element_nodes.push_back(read_node_of_element());
+                in.end_of_line();
+            }
+        }
+        check_total("$Elements", "elements", done, count);
         if (!foreign.empty()) refuse_foreign();
     }
 
+    // MSH 4.1: what the elements of a block share. Returns their number.
+    long long begin_element_block(RawElement& element, long long most) {
+        const int dim = in.small_integer("the dimension of the entity", 0, 3);
+        element.entity = in.small_integer("the entity tag");
+        read_element_type();
+        const long long count = in.integer("the number of elements of this block", 0, most);
+        in.end_of_line();
+        if (type.dim < 0) add_foreign(count);
+        else if (type.dim != dim)
+            in.fail("element type " + std::to_string(type.number) + " in an entity of dimension " +
+                    std::to_string(dim));
+        const RawEntity* const listed = find_entity(mesh, dim, element.entity);
+        if (listed && !listed->physical.empty()) element.physical = listed->physical.front();
+        return count;
+    }
+
+    // MSH 2.2: the tags of an element are those of its physical group, of its entity, and others.
+    void read_type_and_tags(RawElement& element) {
+        read_element_type();
+        if (type.dim < 0) return add_foreign(1);
+        element.physical = element.entity = 0;
+        const long long tags = in.integer("the number of tags", 0, INT_MAX);
+        for (long long k = 0; k < tags; ++k) {
+            const int tag = in.small_integer("a tag");
+            if (k == 0) element.physical = std::abs(tag);
+            if (k == 1) element.entity = tag;
+        }
+    }
+
     // Most elements have the type of the one before.
-    const ElementType& read_element_type() {
+    void read_element_type() {
         const int number = in.small_integer("an element type", 1);
-        return number == last_type.number ? last_type : last_type = element_type(number);
+        if (number != type.number) type = element_type(number);
+    }
+
+    int read_node_of_element() {
+        const long long id = in.integer("a node id", 1, LLONG_MAX);
+        const int node = node_index.find(id);
+        if (node < 0) in.fail("the element has node " + std::to_string(id) + ", which is not in $Nodes");
+        return node;
     }
 
     // Elements of other types are counted, to be refused all together.
-    void add_foreign(int type, long long count) {
-        const auto same = std::find_if(foreign.begin(), foreign.end(), [&](const auto& f) { return f.type == type; });
-        if (same == foreign.end()) foreign.push_back({type, in.line, count});
+    void add_foreign(long long count) {
+        const auto same = std::ranges::find(foreign, type.number, &ForeignElements::type);
+        if (same == foreign.end()) foreign.push_back({type.number, in.line, count});
         else same->count += count;
     }
 
@@ -265,68 +310,6 @@ struct MshReader {
             what += (what.empty() ? "" : "; ") + std::to_string(f.count) + " " + foreign_name(f.type) + " of type " +
                     std::to_string(f.type) + ", the first in line " + std::to_string(f.line);
         in.fail(foreign[0].line, what + ": only complete simplices of degree 1 to 7 are read");
-    }
-
-    void element_nodes(int count) {
-        for (int k = 0; k < count; ++k) {
-            const long long id = in.integer("a node id", 1, LLONG_MAX);
-            const int node = node_index.find(id);
-            if (node < 0) in.fail("the element has node " + std::to_string(id) + ", which is not in $Nodes");
-            mesh.element_nodes.push_back(node);
-        }
-        in.end_of_line();
-    }
-
-    void elements_2_2(long long count) {
-        for (long long i = 0; i < count; ++i) {
-            begin_record("$Elements", "elements", i, count);
-            const long long id = in.integer("an element id", 1, LLONG_MAX);
-            const ElementType& type = read_element_type();
-            if (type.dim < 0) {
-                add_foreign(type.number, 1);
-                in.rest_of_line();
-                continue;
-            }
-            RawElement element{id, mesh.element_nodes.size(), in.line, type.dim, type.degree, 0, 0};
-            const long long tags = in.integer("the number of tags", 0, INT_MAX);
-            for (long long k = 0; k < tags; ++k) {
-                const int tag = in.small_integer("a tag");
-                if (k == 0) element.physical = std::abs(tag);
-                if (k == 1) element.entity = tag;
-            }
-            append(mesh.elements, element_index, "element", element);
-            element_nodes(type.nodes);
-        }
-    }
-
-    void elements_4_1(long long blocks, long long count) {
-        long long done = 0;
-        for (long long b = 0; b < blocks; ++b) {
-            begin_record("$Elements", "blocks", b, blocks);
-            const int dim = static_cast<int>(in.integer("the dimension of the entity", 0, 3));
-            const int entity = in.small_integer("the entity tag");
-            const ElementType& type = read_element_type();
-            const long long in_block = in.integer("the number of elements of this block", 0, count - done);
-            in.end_of_line();
-            if (type.dim < 0) add_foreign(type.number, in_block);
-            else if (type.dim != dim)
-                in.fail("element type " + std::to_string(type.number) + " in an entity of dimension " +
-                        std::to_string(dim));
-            const RawEntity* const listed = find_entity(mesh, dim, entity);
-            const int physical = listed && !listed->physical.empty() ? listed->physical.front() : 0;
-            for (long long i = 0; i < in_block; ++i, ++done) {
-                begin_record("$Elements", "elements", done, count);
-                if (type.dim < 0) {
-                    in.rest_of_line();
-                    continue;
-                }
-                const long long id = in.integer("an element id", 1, LLONG_MAX);
-                append(mesh.elements, element_index, "element",
-                       {id, mesh.element_nodes.size(), in.line, dim, type.degree, physical, entity});
-                element_nodes(type.nodes);
-            }
-        }
-        check_total("$Elements", "elements", done, count);
     }
 };
 

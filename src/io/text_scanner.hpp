@@ -1,12 +1,22 @@
-// Scanner of a text with one record per line, in one pass and without allocation: blank lines are skipped, and a number
-// is never taken from the next line, so that a missing one is reported in the line where it is missing.
+// What the readers of text formats share: a scanner, and an index of records by their ids.
 #pragma once
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <string>
 #include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
 
 namespace almesh {
 
+// Scanner of a text with one record per line, in one pass and without allocation: blank lines are skipped, and a number
+// is never taken from the next line, so that a missing one is reported in the line where it is missing.
 // `at` points into line `line` (from 1) or to its line end. All failures are InputError "path:line: message".
 struct TextScanner {
     const char *at, *end;
@@ -16,27 +26,109 @@ struct TextScanner {
     TextScanner(std::string_view text, const std::string& path_)
         : at(text.data()), end(text.data() + text.size()), path(path_) {}
 
-    [[noreturn]] void fail(int where, const std::string& message) const;
+    [[noreturn]] void fail(int where, const std::string& message) const {
+        throw InputError(path + ":" + std::to_string(where) + ": " + message);
+    }
     [[noreturn]] void fail(const std::string& message) const { fail(line, message); }
 
+    // To the next character that is not blank; false where the text ends.
+    bool next_line() {
+        for (skip_blanks(); at != end && *at == '\n'; skip_blanks()) {
+            ++at;
+            ++line;
+        }
+        return at != end;
+    }
+
+    // Trimmed; at the line end afterwards.
+    std::string_view rest_of_line() {
+        const char* const begin = at;
+        at = std::find(at, end, '\n');
+        return trim(std::string_view(begin, static_cast<std::size_t>(at - begin)));
+    }
+
+    // The word here, for messages.
+    std::string word() const {
+        if (at == end || *at == '\n') return "the end of the line";
+        const char* stop = at;
+        while (!is_word_end(stop) && stop - at < 40) ++stop;
+        return in_backquotes(std::string_view(at, static_cast<std::size_t>(stop - at)));
+    }
+
+    // Fails where anything but blanks is left in this line.
+    void end_of_line() {
+        skip_blanks();
+        if (at != end && *at != '\n') fail("expected the end of the line, got " + word());
+    }
+
+    // The number here, in [lowest, highest]; fails where there is none. `what` names it in the message.
+    long long integer(const char* what, long long lowest, long long highest) {
+        skip_blanks();
+        long long value = 0;
+        const auto [stop, error] = std::from_chars(at, end, value);
+        check_number(what, stop, error);
+        if (error != std::errc() || value < lowest || value > highest)
+            fail(std::string(what) + " " + word() + " is out of range");
+        at = stop;
+        return value;
+    }
+
+    int small_integer(const char* what, int lowest = -std::numeric_limits<int>::max(),
+                      int highest = std::numeric_limits<int>::max()) {
+        return static_cast<int>(integer(what, lowest, highest));
+    }
+
+    // A finite number.
+    double real(const char* what) {
+        skip_blanks();
+        const char* const begin = at != end && *at == '+' ? at + 1 : at;
+        double value = 0;
+        const auto [stop, error] = std::from_chars(begin, end, value);
+        check_number(what, stop, error);
+        // from_chars() does not distinguish underflow (1e-400, read as 0) from overflow (1e400).
+        if (error == std::errc::result_out_of_range) value = std::strtod(std::string(begin, stop).c_str(), nullptr);
+        if (!std::isfinite(value)) fail(std::string(what) + " " + word() + " is not a finite number");
+        at = stop;
+        return value;
+    }
+
+private:
     static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-    bool at_line_end() const { return at == end || *at == '\n'; }
+    bool is_word_end(const char* p) const { return p == end || is_blank(*p) || *p == '\n'; }
     void skip_blanks() {
         while (at != end && is_blank(*at)) ++at;
     }
+    void check_number(const char* what, const char* stop, std::errc error) const {
+        if (error == std::errc::invalid_argument || !is_word_end(stop))
+            fail(std::string("expected ") + what + ", got " + word());
+    }
+};
 
-    bool next_line();                 // to the next character that is not blank; false where the text ends
-    std::string_view rest_of_line();  // trimmed; at the line end afterwards
-    std::string word() const;         // the word here, for messages
-    void end_of_line();               // fails where anything but blanks is left in this line
+// Index of an item by its id in a file: a table for ids up to a few times the number of items, a hash table for others.
+class IdIndex {
+public:
+    // items: about how many there will be; 16 bytes each are allocated.
+    explicit IdIndex(std::size_t items = 0) : table_(4 * items, -1) {}
 
-    // Fail where no such number is here. `what` names it in the message.
-    long long integer(const char* what, long long lowest, long long highest);
-    int small_integer(const char* what, int lowest = -std::numeric_limits<int>::max());
-    double real(const char* what);  // finite
+    // The index that has the id already, or -1 and the id has this index from now on.
+    int insert(long long id, int index) {
+        int& place = in_table(id) ? table_[id] : sparse_.try_emplace(id, -1).first->second;
+        if (place >= 0) return place;
+        place = index;
+        return -1;
+    }
+
+    int find(long long id) const {  // -1: not there
+        if (in_table(id)) return table_[id];
+        const auto it = sparse_.find(id);
+        return it == sparse_.end() ? -1 : it->second;
+    }
 
 private:
-    bool is_word_end(const char* p) const { return p == end || is_blank(*p) || *p == '\n'; }
+    std::vector<int> table_;  // by id
+    std::unordered_map<long long, int> sparse_;
+
+    bool in_table(long long id) const { return id >= 0 && static_cast<unsigned long long>(id) < table_.size(); }
 };
 
 }  // namespace almesh
