@@ -3,6 +3,7 @@
 #include "io/matrix_market.hpp"
 
 #include <algorithm>
+#include <array>
 #include <climits>
 #include <tuple>
 
@@ -22,11 +23,8 @@ struct Entry {
 
 bool before(const Entry& a, const Entry& b) { return std::tie(a.row, a.col, a.line) < std::tie(b.row, b.col, b.line); }
 
-std::string place(int row, int col) {
-    std::string text(1, '(');
-    append(text, static_cast<long long>(row) + 1);
-    append(text += ", ", static_cast<long long>(col) + 1);
-    return text += ')';
+std::string place(long long row, long long col) {
+    return std::to_string(row + 1).insert(0, 1, '(') + ", " + std::to_string(col + 1) + ")";
 }
 
 bool next_record(TextScanner& in) {
@@ -52,55 +50,51 @@ std::string banner(TextScanner& in, const std::string& format, const std::vector
     return std::string(word[4]);
 }
 
-void size_record(TextScanner& in) {
+// Reads the line with the numbers of rows and columns.
+std::array<int, 2> read_size(TextScanner& in) {
     if (!next_record(in)) in.fail("the line with the numbers of rows and columns is missing");
+    const int rows = in.small_integer("the number of rows", 1);
+    return {rows, in.small_integer("the number of columns", 1)};
 }
 
-void begin_entry(TextScanner& in, long long done, long long count) {
-    if (!next_record(in))
-        in.fail("the file ends after " + std::to_string(done) + " of " + std::to_string(count) + " entries");
-}
-
-void end_of_entries(TextScanner& in, long long count) {
+// Reads `count` records, each by read(k), and the end of the file.
+template <class Read>
+void read_records(TextScanner& in, long long count, const Read& read) {
+    for (long long k = 0; k < count; ++k) {
+        if (!next_record(in))
+            in.fail("the file ends after " + std::to_string(k) + " of " + std::to_string(count) + " entries");
+        read(k);
+        in.end_of_line();
+    }
     if (next_record(in)) in.fail("expected the end of the file after " + std::to_string(count) + " entries");
 }
 
-// Sorted by row and column, without repeats.
-std::vector<Entry> read_entries(TextScanner& in, int rows, long long count) {
+// Sorted by row and column. Refuses repeats, and what contradicts the symmetry.
+std::vector<Entry> read_entries(TextScanner& in, int rows, long long count, bool lower_triangle) {
     std::vector<Entry> entries;
     // The count may be wrong: an entry has at least five characters.
     entries.reserve(static_cast<std::size_t>(std::min<long long>(count, (in.end - in.at) / 5)));
-    for (long long k = 0; k < count; ++k) {
-        begin_entry(in, k, count);
-        const int row = static_cast<int>(in.integer("a row", 1, rows)) - 1;
-        const int col = static_cast<int>(in.integer("a column", 1, rows)) - 1;
+    read_records(in, count, [&](long long) {
+        const int row = in.small_integer("a row", 1, rows) - 1, col = in.small_integer("a column", 1, rows) - 1;
         entries.push_back({row, col, in.line, in.real("a value")});
-        in.end_of_line();
-    }
-    end_of_entries(in, count);
+    });
     std::sort(entries.begin(), entries.end(), before);
     for (std::size_t k = 1; k < entries.size(); ++k)
         if (entries[k].row == entries[k - 1].row && entries[k].col == entries[k - 1].col)
             in.fail(entries[k].line, "entry " + place(entries[k].row, entries[k].col) + " was given in line " +
                                          std::to_string(entries[k - 1].line) + " already");
-    return entries;
-}
-
-void refuse_upper_triangle(const TextScanner& in, const std::vector<Entry>& entries) {
-    for (const Entry& e : entries)
-        if (e.col > e.row)
+    for (const Entry& e : entries) {
+        if (lower_triangle && e.col > e.row)
             in.fail(e.line, "entry " + place(e.row, e.col) +
                                 " is above the diagonal; a symmetric matrix is given by its lower triangle");
-}
-
-void refuse_unsymmetric(const TextScanner& in, const std::vector<Entry>& entries) {
-    for (const Entry& e : entries) {
+        if (lower_triangle) continue;
         const auto twin = std::lower_bound(entries.begin(), entries.end(), Entry{e.col, e.row, 0, 0}, before);
         const bool found = twin != entries.end() && twin->row == e.col && twin->col == e.row;
         if (e.value != (found ? twin->value : 0))
             in.fail(e.line, "the matrix is not symmetric: entries " + place(e.row, e.col) + " and " +
                                 place(e.col, e.row) + " differ");
     }
+    return entries;
 }
 
 BlockCsr matrix_of_lower_triangle(int rows, int d, const std::vector<Entry>& entries) {
@@ -123,19 +117,16 @@ BlockCsr read_matrix_market(const std::string& path, int d) {
     const std::string text = read_text_file(path);
     TextScanner in(text, path);
     const bool symmetric = banner(in, "coordinate", {"symmetric", "general"}) == "symmetric";
-    size_record(in);
+    const auto [rows, columns] = read_size(in);
     const int size_line = in.line;
-    const int rows = in.small_integer("the number of rows", 1);
-    if (in.small_integer("the number of columns", 1) != rows) in.fail("the matrix is not square");
+    if (columns != rows) in.fail("the matrix is not square");
     const long long count = in.integer("the number of entries", 0, (INT_MAX - rows) / 2);
     in.end_of_line();
     if (rows % d)
         throw UsageError("block=" + std::to_string(d) + " does not divide the " + std::to_string(rows) + " rows of " +
                          path);
 
-    const std::vector<Entry> entries = read_entries(in, rows, count);
-    if (symmetric) refuse_upper_triangle(in, entries);
-    else refuse_unsymmetric(in, entries);
+    const std::vector<Entry> entries = read_entries(in, rows, count, symmetric);
     if (rows > 2 * count)  // bounds what is allocated for the rows by the length of the file
         in.fail(size_line, "the matrix is singular: " + std::to_string(count) + " entries leave some of the " +
                                std::to_string(rows) + " rows empty");
@@ -146,20 +137,13 @@ std::vector<double> read_matrix_market_vector(const std::string& path, int rows)
     const std::string text = read_text_file(path);
     TextScanner in(text, path);
     banner(in, "array", {"general"});
-    size_record(in);
-    const int found = in.small_integer("the number of rows", 1);
+    const auto [found, columns] = read_size(in);
     if (found != rows)
         in.fail("the right-hand side has " + std::to_string(found) + " rows, the matrix " + std::to_string(rows));
-    if (in.small_integer("the number of columns", 1) != 1) in.fail("expected one column");
+    if (columns != 1) in.fail("expected one column");
     in.end_of_line();
-
     std::vector<double> b(rows);
-    for (int i = 0; i < rows; ++i) {
-        begin_entry(in, i, rows);
-        b[i] = in.real("a value");
-        in.end_of_line();
-    }
-    end_of_entries(in, rows);
+    read_records(in, rows, [&](long long i) { b[i] = in.real("a value"); });
     return b;
 }
 
