@@ -33,7 +33,7 @@ std::string encoded(const std::string& text) {
     return result;
 }
 
-// Appends numbers to the file's text in its format.
+// Appends a number to the file's text in its format. Digits of a double: 0 for all that it takes to read the same bits.
 struct VtkNumbers {
     bool binary;
 
@@ -42,16 +42,12 @@ struct VtkNumbers {
         append(text, static_cast<long long>(value));
         text += separator;
     }
-    void position(std::string& text, double value, char separator) const {
-        if (binary) return big_endian(text, std::bit_cast<std::uint64_t>(value));
-        append(text, value);
-        text += separator;
-    }
-    void data(std::string& text, double value, char separator) const {
+    void real(std::string& text, double value, int digits, char separator) const {
         constexpr double large = 1e300;
         if (!std::isfinite(value)) value = value < 0 ? -large : large;
         if (binary) return big_endian(text, std::bit_cast<std::uint64_t>(value));
-        append(text, value, 9);
+        if (digits) append(text, value, digits);
+        else append(text, value);
         text += separator;
     }
     // After an array; in binary files the only line end.
@@ -78,23 +74,26 @@ void append_string(std::string& text, const std::string& value, bool binary) {
     text += shown + "\n";
 }
 
-void append_array(const TextSink& sink, const VtkArray& array, const VtkNumbers& numbers) {
-    if (array.components == 1) sink("SCALARS " + encoded(array.name) + " double 1\nLOOKUP_TABLE default\n");
-    else sink("VECTORS " + encoded(array.name) + " double\n");
-    const int shown = array.components == 1 ? 1 : 3;
-    append_rows(sink, static_cast<int>(array.value.size()) / array.components, [&](std::string& part, int i) {
-        const double* const value = &array.value[offset(i, array.components)];
+// Rows of `components` values: one number or, filled up with zeros, three.
+void append_values(const TextSink& sink, const std::vector<double>& value, int components, int digits,
+                   const VtkNumbers& numbers) {
+    const int shown = components == 1 ? 1 : 3;
+    append_rows(sink, static_cast<int>(value.size()) / components, [&](std::string& part, int i) {
         for (int k = 0; k < shown; ++k)
-            numbers.data(part, k < array.components ? value[k] : 0.0, k + 1 < shown ? ' ' : '\n');
+            numbers.real(part, k < components ? value[offset(i, components, k)] : 0.0, digits,
+                         k + 1 < shown ? ' ' : '\n');
     });
     numbers.end(sink);
 }
 
 void append_arrays(const TextSink& sink, const std::string& kind, std::size_t count,
                    const std::vector<VtkArray>& arrays, const VtkNumbers& numbers) {
-    if (arrays.empty()) return;
-    sink(kind + std::to_string(count) + "\n");
-    for (const VtkArray& array : arrays) append_array(sink, array, numbers);
+    if (!arrays.empty()) sink(kind + std::to_string(count) + "\n");
+    for (const VtkArray& array : arrays) {
+        if (array.components == 1) sink("SCALARS " + encoded(array.name) + " double 1\nLOOKUP_TABLE default\n");
+        else sink("VECTORS " + encoded(array.name) + " double\n");
+        append_values(sink, array.value, array.components, 9, numbers);
+    }
 }
 
 void append_cells(const TextSink& sink, const std::vector<int>& cells, int cell_dim, int degree,
@@ -126,11 +125,7 @@ void write_grid(const TextSink& sink, const VtkGrid& grid, const VtkNumbers& num
     }
     const int nodes = static_cast<int>(grid.positions.size()) / grid.dim;
     sink(head + "POINTS " + std::to_string(nodes) + " double\n");
-    append_rows(sink, nodes, [&](std::string& part, int i) {
-        const double* const x = point(grid.positions, i, grid.dim);
-        for (int a = 0; a < 3; ++a) numbers.position(part, a < grid.dim ? x[a] : 0.0, a < 2 ? ' ' : '\n');
-    });
-    numbers.end(sink);
+    append_values(sink, grid.positions, grid.dim, 0, numbers);
     append_cells(sink, grid.cells, grid.cell_dim, grid.degree, numbers);
     append_arrays(sink, "POINT_DATA ", nodes, grid.point_data, numbers);
     append_arrays(sink, "CELL_DATA ", grid.cells.size() / simplex_node_count(grid.cell_dim, grid.degree),
