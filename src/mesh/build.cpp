@@ -17,7 +17,7 @@ void select(MeshBuild& build) {
     const RawMesh& raw = build.raw;
     int dim = 0;
     for (const RawElement& element : raw.elements) dim = std::max(dim, element.dim);
-    if (dim < 2) refuse(raw, "the mesh has no triangles or tetrahedra");
+    if (dim < 2) build.refuse("the mesh has no triangles or tetrahedra");
     const RawElement* first = nullptr;
     for (int i = 0; i < static_cast<int>(raw.elements.size()); ++i) {
         const RawElement& element = raw.elements[i];
@@ -25,9 +25,9 @@ void select(MeshBuild& build) {
         if (element.dim != dim && !is_face) continue;
         if (!first) first = &element;
         if (element.degree != first->degree)
-            refuse(raw, element,
-                   "has degree " + std::to_string(element.degree) + ", " + name_of(*first) + " has degree " +
-                       std::to_string(first->degree) + ": all elements and boundary faces need the same one");
+            build.refuse(element, "has degree " + std::to_string(element.degree) + ", " + name_of(*first) +
+                                      " has degree " + std::to_string(first->degree) +
+                                      ": all elements and boundary faces need the same one");
         (is_face ? build.faces : build.elements).push_back(i);
     }
     build.mesh.dim = dim;
@@ -70,10 +70,9 @@ void check_flat(const MeshBuild& build) {
         for (double x : node.x) size = std::max(size, std::abs(x));
     }
     if (high->x[2] - low->x[2] > 1e-12 * size)
-        refuse(build.raw, "the triangles form a surface in space, z goes from " + to_text(low->x[2]) + " (node " +
-                              std::to_string(low->id) + ") to " + to_text(high->x[2]) + " (node " +
-                              std::to_string(high->id) +
-                              "): a 2D mesh lies in a plane z = constant, a 3D mesh has tetrahedra");
+        build.refuse("the triangles form a surface in space, z goes from " + to_text(low->x[2]) + " (node " +
+                     std::to_string(low->id) + ") to " + to_text(high->x[2]) + " (node " + std::to_string(high->id) +
+                     "): a 2D mesh lies in a plane z = constant, a 3D mesh has tetrahedra");
     if (std::abs(low->x[2]) > 1e-12 * size)
         build.notes.push_back("the mesh lies in the plane z = " + to_text(low->x[2]) +
                               ", results are written at z = 0");
@@ -129,9 +128,9 @@ std::vector<int> negative_elements(const MeshBuild& build) {
         }
     });
     if (!flat.empty())
-        refuse(build.raw, build.element(flat[0]),
-               "with the vertices " + build.node_ids(mesh.element(flat[0]), mesh.dim + 1) +
-                   " has no volume, the first of " + counted(flat.size(), "such element"));
+        build.refuse(build.element(flat[0]),
+                     "with the vertices " + build.node_ids(mesh.element(flat[0]), mesh.dim + 1) +
+                         " has no volume, the first of " + counted(flat.size(), "such element"));
     return negative;
 }
 
@@ -174,10 +173,10 @@ Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds
     reverse(mesh, negative);
     const std::vector<std::array<int, 2>> folded = fill_boundary(build);
     if (!folded.empty() && folds == Folds::refuse)
-        refuse(raw, build.element(folded[0][1]),
-               "lies on the same side of their common face as " + name_of(build.element(folded[0][0])) +
-                   ", the first of " + counted(folded.size(), "such pair") +
-                   ": the mesh folds over itself; `almesh quality` lists its inverted elements");
+        build.refuse(build.element(folded[0][1]),
+                     "lies on the same side of their common face as " + name_of(build.element(folded[0][0])) +
+                         ", the first of " + counted(folded.size(), "such pair") +
+                         ": the mesh folds over itself; `almesh quality` lists its inverted elements");
     if (!folded.empty()) reverse(mesh, minority(mesh, negative));
     else if (!negative.empty())
         notes.push_back(counted(negative.size(), "element") +

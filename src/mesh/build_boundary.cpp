@@ -4,8 +4,11 @@
 #include "mesh/build_boundary.hpp"
 
 #include <algorithm>
+#include <compare>
+#include <limits>
 #include <map>
 
+#include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "mesh/lagrange.hpp"
@@ -14,19 +17,14 @@ namespace almesh {
 namespace {
 
 struct Side {
-    std::array<int, 3> vertex;  // ascending; 2D: then -1
-    int number;                 // e * (dim + 1) + k: face k of element e; tagged faces are numbered after these
-    bool even;                  // whether sorting was an even permutation: elements on opposite sides of a face differ
+    int vertex[3];  // ascending; 2D: the last one is beyond all others
+    int number;     // e * (dim + 1) + k: face k of element e; tagged faces are numbered after these
+    bool even;      // whether sorting was an even permutation: elements on opposite sides of a face differ
 
-    // Called in inner loops, where the comparisons of std::array are function calls.
     bool has_vertices_of(const Side& other) const {
         return vertex[0] == other.vertex[0] && vertex[1] == other.vertex[1] && vertex[2] == other.vertex[2];
     }
-    bool operator<(const Side& other) const {
-        for (int k = 0; k < 3; ++k)
-            if (vertex[k] != other.vertex[k]) return vertex[k] < other.vertex[k];
-        return number < other.number;
-    }
+    auto operator<=>(const Side&) const = default;  // by vertices, then by number
 };
 
 // What the sides of some vertices amount to.
@@ -49,37 +47,28 @@ struct BoundaryMatcher {
     const RawElement& tagged_face(const Side& side) const { return build.face(side.number - first_tagged); }
     int opposite_vertex(const Side& side) const { return mesh.element(side.number / corners)[side.number % corners]; }
 
+    // Node k of a side in Gmsh's order; -1 where a tagged face has a node that no element has.
+    int node_of(int number, int k) const {
+        if (number < first_tagged) return mesh.element(number / corners)[face_nodes[number % corners][k]];
+        return build.node[build.raw.element_nodes[build.face(number - first_tagged).first + k]];
+    }
+
     Side side(int number) const {
-        Side result{{-1, -1, -1}, number, true};
-        auto& v = result.vertex;
-        if (number < first_tagged) {
-            const int* const node = mesh.element(number / corners);
-            const CellFace& local = mesh.cell().faces[number % corners];
-            for (int k = 0; k < dim; ++k) v[k] = node[local[k]];
-        } else {
-            const int* const node = &build.raw.element_nodes[build.face(number - first_tagged).first];
-            for (int k = 0; k < dim; ++k) v[k] = build.node[node[k]];
-        }
-        const auto order = [&](int a, int b) {
-            if (v[a] <= v[b]) return;
-            std::swap(v[a], v[b]);
+        Side result{{0, 0, std::numeric_limits<int>::max()}, number, true};
+        int* const v = result.vertex;
+        for (int k = 0; k < dim; ++k) v[k] = node_of(number, k);
+        for (int k : {0, 1, 0}) {
+            if (v[k] <= v[k + 1]) continue;
+            std::swap(v[k], v[k + 1]);
             result.even = !result.even;
-        };
-        order(0, 1);
-        if (dim == 3) order(1, 2);
-        if (dim == 3) order(0, 1);
+        }
         return result;
     }
 
     // All nodes of a side, ascending.
     std::vector<int> nodes_of(int number) const {
         std::vector<int> nodes;
-        if (number < first_tagged) {
-            for (int k : face_nodes[number % corners]) nodes.push_back(mesh.element(number / corners)[k]);
-        } else {
-            const std::size_t first = build.face(number - first_tagged).first;
-            for (int k = 0; k < mesh.face_nodes(); ++k) nodes.push_back(build.node[build.raw.element_nodes[first + k]]);
-        }
+        for (int k = 0; k < mesh.face_nodes(); ++k) nodes.push_back(node_of(number, k));
         std::sort(nodes.begin(), nodes.end());
         return nodes;
     }
@@ -90,63 +79,57 @@ struct BoundaryMatcher {
         for (const Side* a = begin; a != third; ++a)
             for (const Side* b = a + 1; b != third; ++b)
                 if (opposite_vertex(*a) == opposite_vertex(*b))
-                    refuse(build.raw, element_of(*b),
-                           "has the vertices of " + name_of(element_of(*a)) + ": an element may be in one " +
-                               entity_kind(dim) + " and one physical group only");
+                    build.refuse(element_of(*b), "has the vertices of " + name_of(element_of(*a)) +
+                                                     ": an element may be in one " + entity_kind(dim) +
+                                                     " and one physical group only");
         if (end - begin > 2)
-            refuse(build.raw, element_of(begin[2]),
-                   "is the third at the face with the nodes " + build.node_ids(begin->vertex.data(), dim) + ", after " +
-                       name_of(element_of(begin[0])) + " and " + name_of(element_of(begin[1])));
+            build.refuse(element_of(begin[2]),
+                         "is the third at the face with the nodes " + build.node_ids(begin->vertex, dim) + ", after " +
+                             name_of(element_of(begin[0])) + " and " + name_of(element_of(begin[1])));
         if (end - begin == 2 && mesh.degree > 1 && nodes_of(begin[0].number) != nodes_of(begin[1].number))
-            refuse(build.raw, element_of(begin[1]), "and " + name_of(element_of(begin[0])) +
-                                                        " share the vertices of a face, but not its other nodes");
+            build.refuse(element_of(begin[1]), "and " + name_of(element_of(begin[0])) +
+                                                   " share the vertices of a face, but not its other nodes");
     }
 
     // Tagged faces [begin, end) have the same vertices.
     void check_tags(const Side* begin, const Side* end) const {
-        for (const Side* other = begin; other != end; ++other)
-            if (tagged_face(*other).physical != tagged_face(*begin).physical)
-                refuse(build.raw, tagged_face(*other),
-                       "with tag " + std::to_string(tagged_face(*other).physical) + " has the vertices of " +
-                           name_of(tagged_face(*begin)) + " with tag " + std::to_string(tagged_face(*begin).physical) +
-                           ": a boundary face needs exactly one tag");
+        for (const Side* other = begin; other != end; ++other) {
+            const RawElement &face = tagged_face(*other), &first = tagged_face(*begin);
+            if (face.physical != first.physical)
+                build.refuse(face, "with tag " + std::to_string(face.physical) + " has the vertices of " +
+                                       name_of(first) + " with tag " + std::to_string(first.physical) +
+                                       ": a boundary face needs exactly one tag");
+        }
     }
 
     void check_face(const Side& element, const Side& tagged) const {
         const RawElement& face = tagged_face(tagged);
         const RawEntity* entity = find_entity(build.raw, face.dim, face.entity);
         if (entity && entity->physical.size() > 1)
-            refuse(build.raw, face,
-                   "lies on " + entity_kind(face.dim) + " " + std::to_string(entity->tag) + ", which has the tags " +
-                       std::to_string(entity->physical[0]) + " and " + std::to_string(entity->physical[1]) +
-                       ": a boundary face needs exactly one tag");
+            build.refuse(face, "lies on " + entity_kind(face.dim) + " " + std::to_string(entity->tag) +
+                                   ", which has the tags " + std::to_string(entity->physical[0]) + " and " +
+                                   std::to_string(entity->physical[1]) + ": a boundary face needs exactly one tag");
         if (nodes_of(tagged.number) != nodes_of(element.number))
-            refuse(build.raw, face,
-                   "has the vertices of a face of " + name_of(element_of(element)) + ", but not its other nodes");
+            build.refuse(face, "has the vertices of a face of " + name_of(element_of(element)) +
+                                   ", but not its other nodes");
     }
 
     void refuse_without_element(const RawElement& face) const {
-        refuse(build.raw, face, "with tag " + std::to_string(face.physical) + " is the face of no " + mesh.cell().name +
-                                    ": take it out of its physical group");
+        build.refuse(face, "with tag " + std::to_string(face.physical) + " is the face of no " + mesh.cell().name +
+                               ": take it out of its physical group");
     }
 
     void refuse_untagged(const std::vector<int>& untagged) const {
-        const int first = *std::min_element(untagged.begin(), untagged.end());
-        const CellFace& local = mesh.cell().faces[first % corners];
         int vertex[3];
-        for (int k = 0; k < dim; ++k) vertex[k] = mesh.element(first / corners)[local[k]];
+        for (int k = 0; k < dim; ++k) vertex[k] = node_of(*std::min_element(untagged.begin(), untagged.end()), k);
+        const std::array<double, 3> mean = centroid(mesh, mesh.x, vertex, dim);
         std::string centre;
-        for (int a = 0; a < dim; ++a) {
-            double sum = 0;
-            for (int k = 0; k < dim; ++k) sum += mesh.x[offset(vertex[k], dim, a)];
-            append(centre += a ? ", " : "", sum / dim, 6);
-        }
+        for (int a = 0; a < dim; ++a) append(centre += a ? ", " : "", mean[a], 6);
         const std::string what = entity_kind(dim - 1);
-        refuse(build.raw, "an untagged boundary: " + counted(untagged.size(), "boundary face") +
-                              " without a physical " + what + ", the first has the nodes " +
-                              build.node_ids(vertex, dim) + " and the centre (" + centre + "); put every boundary " +
-                              what + " into a Physical " + (dim == 2 ? "Curve" : "Surface") +
-                              " of the .geo file and mesh again, without -save_all");
+        build.refuse("an untagged boundary: " + counted(untagged.size(), "boundary face") + " without a physical " +
+                     what + ", the first has the nodes " + build.node_ids(vertex, dim) + " and the centre (" + centre +
+                     "); put every boundary " + what + " into a Physical " + (dim == 2 ? "Curve" : "Surface") +
+                     " of the .geo file and mesh again, without -save_all");
     }
 
     // Compares the runs of equal vertices. sides: those of one lowest vertex, ascending.
@@ -221,15 +204,14 @@ void fill_faces(const BoundaryMatcher& matcher, const RawMesh& raw, Mesh& mesh) 
         const int side = matcher.side_of_face[f];
         if (side < 0) continue;
         const RawElement& face = matcher.build.face(static_cast<int>(f));
-        const int e = side / matcher.corners;
-        for (int local : matcher.face_nodes[side % matcher.corners]) mesh.faces.push_back(mesh.element(e)[local]);
+        for (int k = 0; k < mesh.face_nodes(); ++k) mesh.faces.push_back(matcher.node_of(side, k));
         const auto [boundary, is_new] = boundary_of.try_emplace(face.physical, -1);
         if (is_new) {
             const std::string name = boundary_name(raw, face.dim, face.physical);
             if (mesh.boundary_index(name) < 0) mesh.boundaries.push_back(name);
             boundary->second = mesh.boundary_index(name);
         }
-        mesh.face_element.push_back(e);
+        mesh.face_element.push_back(side / matcher.corners);
         mesh.face_boundary.push_back(boundary->second);
         mesh.file.face_id.push_back(face.id);
         mesh.file.face_physical.push_back(face.physical);
@@ -239,10 +221,21 @@ void fill_faces(const BoundaryMatcher& matcher, const RawMesh& raw, Mesh& mesh) 
 
 }  // namespace
 
+void MeshBuild::refuse(const std::string& message) const { throw InputError(raw.path + ": " + message); }
+
+void MeshBuild::refuse(const RawElement& element, const std::string& message) const {
+    throw InputError(raw.path + ":" + std::to_string(element.line) + ": element " + std::to_string(element.id) + " " +
+                     message);
+}
+
 std::string MeshBuild::node_ids(const int* nodes, int count) const {
     std::string text;
     for (int k = 0; k < count; ++k) text += (k ? ", " : "") + std::to_string(mesh.file.node_id[nodes[k]]);
     return text;
+}
+
+std::string name_of(const RawElement& element) {
+    return "element " + std::to_string(element.id) + " (line " + std::to_string(element.line) + ")";
 }
 
 std::string counted(std::size_t count, const std::string& noun) {

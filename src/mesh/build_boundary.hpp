@@ -20,8 +20,13 @@ struct MeshBuild {
     const RawElement& element(int e) const { return raw.elements[elements[e]]; }
     const RawElement& face(int f) const { return raw.elements[faces[f]]; }
     std::string node_ids(const int* nodes, int count) const;  // of nodes of the mesh, separated by commas
+
+    // Throw InputError "path: message" and "path:line: element 12 message".
+    [[noreturn]] void refuse(const std::string& message) const;
+    [[noreturn]] void refuse(const RawElement& element, const std::string& message) const;
 };
 
+std::string name_of(const RawElement& element);                   // "element 12 (line 40)"
 std::string counted(std::size_t count, const std::string& noun);  // "1 node", "2 nodes"
 std::string entity_kind(int dim);                                 // Gmsh's word: curve, surface or volume
 

@@ -1,8 +1,10 @@
 // What a mesh file of any format holds, before build_mesh() makes a Mesh of it: elements of every dimension with their
 // ids, tags and lines in the file. A reader of a format fills it.
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mesh/mesh.hpp"
@@ -40,13 +42,11 @@ struct RawMesh {
     std::vector<RawEntity> entities;  // ascending by (dim, tag); empty where the format has none
 };
 
-// Entity (dim, tag), or nullptr where the file lists none.
-const RawEntity* find_entity(const RawMesh& mesh, int dim, int tag);
-
-// Throw InputError "path: message" and "path:line: element 12 message".
-[[noreturn]] void refuse(const RawMesh& raw, const std::string& message);
-[[noreturn]] void refuse(const RawMesh& raw, const RawElement& element, const std::string& message);
-
-std::string name_of(const RawElement& element);  // "element 12 (line 40)"
+// Entity (dim, tag), or nullptr where the file lists none. Cost: O(log entities).
+inline const RawEntity* find_entity(const RawMesh& mesh, int dim, int tag) {
+    const auto key = [](const RawEntity& entity) { return std::pair(entity.dim, entity.tag); };
+    const auto found = std::ranges::lower_bound(mesh.entities, std::pair(dim, tag), {}, key);
+    return found != mesh.entities.end() && key(*found) == std::pair(dim, tag) ? &*found : nullptr;
+}
 
 }  // namespace almesh
