@@ -5,7 +5,9 @@
 #include <string>
 #include <string_view>
 
-#include "mesh/raw_mesh.hpp"
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "io/msh.hpp"
 
 namespace almesh {
 
@@ -16,12 +18,28 @@ struct MeshFormat {
     RawMesh (*parse)(std::string_view text, const std::string& path);  // throws InputError "path:line: message"
 };
 
-std::span<const MeshFormat> mesh_formats();
+inline constexpr MeshFormat mesh_formats[] = {{"Gmsh MSH 2.2 and 4.1, ASCII", ".msh", looks_like_msh, parse_msh}};
 
 // The format that recognises the text, or else has the file's ending. Throws InputError where there is none.
-const MeshFormat& find_format(std::span<const MeshFormat> formats, std::string_view text, const std::string& path);
+inline const MeshFormat& find_format(std::span<const MeshFormat> formats, std::string_view text,
+                                     const std::string& path) {
+    for (const MeshFormat& format : formats)
+        if (format.recognise(text)) return format;
+    std::string readable;
+    for (const MeshFormat& format : formats) {
+        if (path.ends_with(format.ending)) return format;
+        ((readable += readable.empty() ? "" : "; ") += format.name) += " (*" + std::string(format.ending) + ")";
+    }
+    throw InputError(path + ": not a mesh file of a known format, by its first lines or its name; readable are: " +
+                     readable);
+}
 
-RawMesh read_mesh(const std::string& path);                          // throws InputError
-RawMesh parse_mesh(std::string_view text, const std::string& path);  // the same of text read from `path`
+// The mesh in the text of the file `path`; throws InputError.
+inline RawMesh parse_mesh(std::string_view text, const std::string& path) {
+    return find_format(mesh_formats, text, path).parse(text, path);
+}
+
+// The same read from the file.
+inline RawMesh read_mesh(const std::string& path) { return parse_mesh(read_text_file(path), path); }
 
 }  // namespace almesh

@@ -23,7 +23,7 @@ RawMesh parse_points(std::string_view text, const std::string& path) {
 }
 
 const MeshFormat with_points[] = {
-    mesh_formats()[0],
+    mesh_formats[0],
     {"Points", ".pts", [](std::string_view text) { return text.starts_with("points"); }, parse_points}};
 
 }  // namespace
