@@ -8,8 +8,8 @@
 // Bezier coefficients of dx/dxi. Interpolating det J at the nodes of degree n (p - 1) instead would multiply rounding
 // errors by the condition number of that interpolation, which grows exponentially with the degree.
 //
-// Cost: per element, one product with a matrix of nodes x nodes and 2 (n = 2) or 9 (n = 3) products of polynomials; few
-// elements of a mesh of good quality need bisection.
+// Cost: per element, one product with a matrix of nodes x nodes, and a cross and a dot product of polynomials with
+// vectors as coefficients; few elements of a mesh of good quality need bisection.
 #pragma once
 #include <vector>
 

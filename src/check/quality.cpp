@@ -12,6 +12,7 @@
 #include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
 #include "energy/densities.hpp"
+#include "geometry/patch.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/quadrature.hpp"
 
@@ -61,18 +62,14 @@ std::vector<double> element_quality(const Mesh& mesh, const std::vector<double>&
 void measure_edges(const Mesh& mesh, const std::vector<double>& x, QualityStatistics& statistics) {
     statistics.min_edge = std::numeric_limits<double>::max();
     statistics.max_edge = 0;
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int i = 0; i <= mesh.dim; ++i)
-            for (int j = i + 1; j <= mesh.dim; ++j) {
-                double squared = 0;
-                for (int a = 0; a < mesh.dim; ++a) {
-                    const double d =
-                        point(x, mesh.element(e)[i], mesh.dim)[a] - point(x, mesh.element(e)[j], mesh.dim)[a];
-                    squared += d * d;
-                }
-                statistics.min_edge = std::min(statistics.min_edge, std::sqrt(squared));
-                statistics.max_edge = std::max(statistics.max_edge, std::sqrt(squared));
-            }
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        const std::vector<Vec<3>> vertex = positions(mesh, x, mesh.element(e), mesh.dim + 1);
+        for (const auto& [i, j] : mesh.cell().edges) {
+            const double edge = length(vertex[j] - vertex[i]);
+            statistics.min_edge = std::min(statistics.min_edge, edge);
+            statistics.max_edge = std::max(statistics.max_edge, edge);
+        }
+    }
 }
 
 void list_worst(const Mesh& mesh, const std::vector<double>& x, QualityStatistics& statistics) {
@@ -83,8 +80,7 @@ void list_worst(const Mesh& mesh, const std::vector<double>& x, QualityStatistic
         return std::pair(statistics.quality[a], a) < std::pair(statistics.quality[b], b);
     });
     for (auto e = order.begin(); e != end; ++e)
-        statistics.worst.push_back(
-            {*e, statistics.quality[*e], centroid(mesh, x, mesh.element(*e), mesh.dim + 1)});
+        statistics.worst.push_back({*e, statistics.quality[*e], centroid(mesh, x, mesh.element(*e), mesh.dim + 1)});
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
-#include "geometry/patch_contact.hpp"
+#include "geometry/patch.hpp"
 
 namespace almesh {
 namespace {
@@ -26,26 +26,6 @@ constexpr double degenerate = 1e-12;      // measure of a face or a closed part 
 constexpr double flat_fold = 1e-6;        // radians between two neighbours folded onto each other
 constexpr double same_place = 1e-9;       // distance of two nodes over the size of their smallest face
 constexpr double face_work = 1000;        // simple operations that a check of one face takes
-
-double length(const Vec<3>& v) { return std::sqrt(dot(v, v)); }
-
-double largest_side(const Box& box) {
-    return std::max({box.high[0] - box.low[0], box.high[1] - box.low[1], box.high[2] - box.low[2]});
-}
-
-// The boundary in one place: that of the initial mesh or of the target.
-struct Surface {
-    std::vector<double> x;       // node_count x dim; only boundary nodes are meaningful
-    std::vector<Patch> patches;  // per face
-};
-
-Surface make_surface(const Mesh& mesh, const PatchBasis& basis, const std::vector<double>& x) {
-    Surface surface{x, std::vector<Patch>(mesh.face_count())};
-    parallel_for(mesh.face_count(), [&](int f) {
-        surface.patches[f] = make_patch(basis, face_positions(mesh, x, f).data(), mesh.dim);
-    }, face_work);
-    return surface;
-}
 
 std::vector<double> node_targets(const Mesh& mesh, const std::vector<double>& target) {
     std::vector<double> x = mesh.x;
@@ -64,29 +44,24 @@ std::string face_name(const Mesh& mesh, int f) {
     return out.str();
 }
 
-// Faces that are connected by shared vertices.
-struct ClosedPart {
-    int first_face;
-    std::vector<int> boundaries;  // in the order of their first faces
-};
-
-struct FacePair {
-    int f, g;
-    const char* fault;
-
-    auto operator<=>(const FacePair&) const = default;
-};
-
 // Pairs (place in f, place in g) of the corners that two faces share.
 using SharedCorners = std::vector<std::array<int, 2>>;
+
+SharedCorners shared_corners(const Mesh& mesh, int f, int g) {
+    SharedCorners shared;
+    for (int i = 0; i < mesh.dim; ++i)
+        for (int j = 0; j < mesh.dim; ++j)
+            if (mesh.face(f)[i] == mesh.face(g)[j]) shared.push_back({i, j});
+    return shared;
+}
 
 // Direction in which the face leaves what it shares with its neighbour: its corner i (2D), or the middle of its side
 // from corner i to corner j (3D), then perpendicular to the side.
 Vec<3> leaving(const Bernstein& basis, const Patch& patch, int i, int j) {
-    if (basis.dim == 1) return side_tangent(basis, patch, i, 1 - i);
+    if (basis.dim == 1) return edge_tangent(basis, patch, i, 1 - i);
     const int a = std::min(i, j), b = std::max(i, j);
     const Patch half = bisect(basis, patch, a, b).first;  // the middle is its corner b
-    const Vec<3> side = side_tangent(basis, half, b, a), inward = side_tangent(basis, half, b, 3 - a - b);
+    const Vec<3> side = edge_tangent(basis, half, b, a), inward = edge_tangent(basis, half, b, 3 - a - b);
     return inward - (dot(inward, side) / dot(side, side)) * side;
 }
 
@@ -99,31 +74,48 @@ bool folded_flat(const Bernstein& basis, const Patch& f, const Patch& g, const S
     return false;
 }
 
-// What the checks below share.
-struct Check {
-    const Mesh& mesh;
-    PatchBasis basis;
-    PatchNormal normal;
-    Surface initial, target;
-    std::vector<const char*> bad;   // per face: what is wrong with it alone; later checks pass over such faces
-    std::vector<ClosedPart> parts;
-    std::vector<int> part;          // per face
-    TargetReport report;
-
-    void add_fault(int f, const std::string& what) { report.faults.push_back({f, face_name(mesh, f) + ": " + what}); }
-    std::string id_of_node(int i) const { return std::to_string(mesh.file.node_id.empty() ? i : mesh.file.node_id[i]); }
-    std::string boundaries_of(int k) const;  // their names
+// Faces that are connected by shared vertices.
+struct ClosedPart {
+    int first_face;
+    std::string boundaries;  // their names, in the order of their first faces
 };
 
-std::string Check::boundaries_of(int k) const {
-    std::string names;
-    for (int boundary : parts[k].boundaries) names += (names.empty() ? "" : ", ") + mesh.boundaries[boundary];
-    return names;
+struct Check {
+    const Mesh& mesh;
+    std::vector<double> target;         // node_count x dim; only boundary nodes are meaningful
+    PatchBasis basis;
+    PatchNormal normal;
+    std::vector<Patch> before, after;   // per face: in the initial mesh and in the target
+    std::vector<const char*> bad;       // per face: what is wrong with it alone; later checks pass over such faces
+    std::vector<ClosedPart> parts;
+    std::vector<int> part;              // per face
+    TargetReport report;
+
+    Check(const Mesh& mesh, const std::vector<double>& target);
+    void find_closed_parts();
+    void check_faces();
+    void check_closed_parts();
+    void check_pairs();
+    void check_nodes();
+
+    const char* fault_of_face(const Patch& patch) const;
+    const char* fault_of_pair(int f, int g) const;
+    std::vector<double> enclosed(const std::vector<Patch>& patches) const;
+    std::string id_of_node(int i) const { return std::to_string(mesh.file.node_id.empty() ? i : mesh.file.node_id[i]); }
+    void add_fault(int f, const std::string& what) { report.faults.push_back({f, face_name(mesh, f) + ": " + what}); }
+};
+
+Check::Check(const Mesh& mesh_, const std::vector<double>& target_)
+    : mesh(mesh_), target(node_targets(mesh, target_)), basis(mesh.dim - 1, mesh.degree),
+      normal(mesh.dim - 1, mesh.degree), before(mesh.face_count()), after(before), bad(before.size(), nullptr) {
+    parallel_for(mesh.face_count(), [&](int f) {
+        before[f] = face_patch(basis, mesh, mesh.x, f);
+        after[f] = face_patch(basis, mesh, target, f);
+    }, face_work);
 }
 
 // By union-find over the vertices.
-void find_closed_parts(Check& check) {
-    const Mesh& mesh = check.mesh;
+void Check::find_closed_parts() {
     std::vector<int> parent(mesh.nodes());
     std::iota(parent.begin(), parent.end(), 0);
     const auto root = [&](int v) {
@@ -136,130 +128,110 @@ void find_closed_parts(Check& check) {
             parent[std::max(a, b)] = std::min(a, b);
         }
     std::map<int, int> number;
+    std::set<std::pair<int, int>> named;  // parts and their boundaries
     for (int f = 0; f < mesh.face_count(); ++f) {
-        const auto [at, is_new] = number.insert({root(mesh.face(f)[0]), static_cast<int>(check.parts.size())});
-        if (is_new) check.parts.push_back({f, {}});
-        check.part.push_back(at->second);
-        std::vector<int>& boundaries = check.parts[at->second].boundaries;
-        const int boundary = mesh.face_boundary[f];
-        if (std::find(boundaries.begin(), boundaries.end(), boundary) == boundaries.end())
-            boundaries.push_back(boundary);
+        const auto [at, is_new] = number.insert({root(mesh.face(f)[0]), static_cast<int>(parts.size())});
+        if (is_new) parts.push_back({f, ""});
+        part.push_back(at->second);
+        if (named.insert({part[f], mesh.face_boundary[f]}).second)
+            parts[part[f]].boundaries += (is_new ? "" : ", ") + mesh.boundaries[mesh.face_boundary[f]];
     }
 }
 
-const char* fault_of_face(const Check& check, const Patch& patch) {
-    const std::vector<Vec<3>> n = check.normal.coefficients(patch);
+const char* Check::fault_of_face(const Patch& patch) const {
+    const std::vector<Vec<3>> n = normal.coefficients(patch);
     Vec<3> mean{};  // the mean of a polynomial is that of its Bezier coefficients
     for (const Vec<3>& v : n) mean = mean + (1.0 / n.size()) * v;
-    if (!(length(mean) > degenerate * std::pow(largest_side(box_of(patch)), check.mesh.dim - 1)))
+    if (!(length(mean) > degenerate * std::pow(box_of(patch).longest_side(), normal.basis.dim)))
         return "the target collapses the face to nothing";
     std::vector<double> along;
     for (const Vec<3>& v : n) along.push_back(dot(v, mean) / dot(mean, mean));
-    const double least = polynomial_minimum(check.normal.basis(), along.data(), 0.01, 500).upper;
+    const double least = polynomial_minimum(normal.basis, along.data(), 0.01, 500).upper;
     return least <= smallest_normal ? "the target folds the face back on itself" : nullptr;
 }
 
-void check_faces(Check& check) {
-    const int count = check.mesh.face_count();
-    parallel_for(count, [&](int f) { check.bad[f] = fault_of_face(check, check.target.patches[f]); }, face_work);
-    for (int f = 0; f < count; ++f)
-        if (check.bad[f]) check.add_fault(f, check.bad[f]);
+void Check::check_faces() {
+    parallel_for(mesh.face_count(), [&](int f) { bad[f] = fault_of_face(after[f]); }, face_work);
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (bad[f]) add_fault(f, bad[f]);
 }
 
 // Area or volume enclosed by each closed part, positive where the domain is inside it. Relative to the part's first
 // node, so that small parts far from the origin keep their digits.
-std::vector<double> enclosed(const Check& check, const Surface& surface) {
-    std::vector<double> cone(check.mesh.face_count()), sum(check.parts.size(), 0.0);
-    parallel_for(check.mesh.face_count(), [&](int f) {
-        cone[f] = check.normal.cone(surface.patches[f], surface.patches[check.parts[check.part[f]].first_face][0]);
+std::vector<double> Check::enclosed(const std::vector<Patch>& patches) const {
+    std::vector<double> cone(mesh.face_count()), sum(parts.size(), 0.0);
+    parallel_for(mesh.face_count(), [&](int f) {
+        cone[f] = normal.cone(patches[f], patches[parts[part[f]].first_face][0]);
     }, face_work);
-    for (int f = 0; f < check.mesh.face_count(); ++f) sum[check.part[f]] += cone[f];
+    for (int f = 0; f < mesh.face_count(); ++f) sum[part[f]] += cone[f];
     return sum;
 }
 
-void check_closed_parts(Check& check) {
-    const int dim = check.mesh.dim;
-    const std::vector<Patch>& patches = check.target.patches;
-    const std::vector<double> before = enclosed(check, check.initial), after = enclosed(check, check.target);
-    std::vector<double> size(check.parts.size(), 0.0);
-    for (int f = 0; f < check.mesh.face_count(); ++f) {
-        const int k = check.part[f];
-        size[k] = std::max(size[k], length(patches[f][0] - patches[check.parts[k].first_face][0]));
-    }
-    for (int k = 0; k < static_cast<int>(check.parts.size()); ++k) {
-        const bool flat = std::abs(after[k]) <= degenerate * std::pow(size[k], dim);
-        if (!flat && (before[k] > 0) == (after[k] > 0)) continue;
+void Check::check_closed_parts() {
+    const std::vector<double> was = enclosed(before), becomes = enclosed(after);
+    std::vector<double> size(parts.size(), 0.0);
+    for (int f = 0; f < mesh.face_count(); ++f)
+        size[part[f]] = std::max(size[part[f]], length(after[f][0] - after[parts[part[f]].first_face][0]));
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        const bool flat = std::abs(becomes[k]) <= degenerate * std::pow(size[k], mesh.dim);
+        if (!flat && (was[k] > 0) == (becomes[k] > 0)) continue;
         std::ostringstream what;
         what << "the target " << (flat ? "flattens" : "mirrors or turns inside out") << " the closed boundary made of "
-             << check.boundaries_of(k) << " (signed " << (dim == 2 ? "area " : "volume ") << before[k] << " becomes "
-             << after[k] << ')';
-        check.add_fault(check.parts[k].first_face, what.str());
+             << parts[k].boundaries << " (signed " << (mesh.dim == 2 ? "area " : "volume ") << was[k] << " becomes "
+             << becomes[k] << ')';
+        add_fault(parts[k].first_face, what.str());
     }
-}
-
-SharedCorners shared_corners(const Mesh& mesh, int f, int g) {
-    SharedCorners shared;
-    for (int i = 0; i < mesh.dim; ++i)
-        for (int j = 0; j < mesh.dim; ++j)
-            if (mesh.face(f)[i] == mesh.face(g)[j]) shared.push_back({i, j});
-    return shared;
 }
 
 // Of two faces that come close in the target and are not bad themselves; null for none. In 3D, neighbours are not
 // tested for crossing: they touch along a curve, which no bisection decides. Faces that cross in the initial mesh
 // already are not a fault, within one closed part.
-const char* fault_of_pair(const Check& check, int f, int g) {
-    const Bernstein& basis = check.basis.bernstein;
-    const std::vector<Patch>&before = check.initial.patches, &after = check.target.patches;
-    const SharedCorners shared = shared_corners(check.mesh, f, g);
-    const bool neighbours = static_cast<int>(shared.size()) >= check.mesh.dim - 1;
-    if (neighbours && folded_flat(basis, after[f], after[g], shared) &&
-        !folded_flat(basis, before[f], before[g], shared))
+const char* Check::fault_of_pair(int f, int g) const {
+    const Bernstein& bernstein = basis.bernstein;
+    const SharedCorners shared = shared_corners(mesh, f, g);
+    const bool neighbours = static_cast<int>(shared.size()) >= mesh.dim - 1;
+    if (neighbours && folded_flat(bernstein, after[f], after[g], shared) &&
+        !folded_flat(bernstein, before[f], before[g], shared))
         return "the target folds it flat onto ";
-    if (neighbours && check.mesh.dim == 3) return nullptr;
-    if (patch_contact(basis, after[f], after[g]) != Contact::crossing) return nullptr;
-    const bool same_part = check.part[f] == check.part[g];
-    if (same_part && patch_contact(basis, before[f], before[g]) == Contact::crossing) return nullptr;
+    if (neighbours && mesh.dim == 3) return nullptr;
+    if (patch_contact(bernstein, after[f], after[g]) != Contact::crossing) return nullptr;
+    if (part[f] == part[g] && patch_contact(bernstein, before[f], before[g]) == Contact::crossing) return nullptr;
     return "in the target it crosses ";
 }
 
 // Closed parts that cross each other give one note per pair of them.
-void check_pairs(Check& check) {
-    const Mesh& mesh = check.mesh;
-    std::vector<Box> boxes;
-    for (const Patch& patch : check.target.patches) boxes.push_back(box_of(patch));
-    const BoxTree tree(boxes);
-    std::vector<std::vector<FacePair>> found(mesh.face_count());  // by place in the tree, with faces behind it
-    parallel_for_uneven(mesh.face_count(), [&](int place) {
+void Check::check_pairs() {
+    const BoxTree tree = tree_of_boxes(after);
+    std::vector<std::pair<int, int>> close;
+    for (int place = 0; place < mesh.face_count(); ++place) {
         const int face = tree.items[place];
-        if (check.bad[face]) return;
-        tree.visit_overlapping(boxes[face], [&](int other) {
-            if (check.bad[other]) return;
-            const auto [f, g] = std::minmax(face, other);
-            if (const char* const fault = fault_of_pair(check, f, g)) found[place].push_back({f, g, fault});
+        tree.visit_overlapping(tree.boxes[face], [&](int other) {
+            if (!bad[face] && !bad[other]) close.push_back(std::minmax(face, other));
         }, place + 1);
+    }
+    std::sort(close.begin(), close.end());
+    std::vector<const char*> fault(close.size());
+    parallel_for_uneven(static_cast<int>(close.size()), [&](int k) {
+        fault[k] = fault_of_pair(close[k].first, close[k].second);
     }, face_work);
-    std::vector<FacePair> faults;
-    for (const std::vector<FacePair>& pairs : found) faults.insert(faults.end(), pairs.begin(), pairs.end());
-    std::sort(faults.begin(), faults.end());
     std::set<std::pair<int, int>> noted;
-    for (const auto& [f, g, fault] : faults) {
-        const int k = check.part[f], l = check.part[g];
-        if (k == l) check.add_fault(f, fault + face_name(mesh, g));
-        else if (noted.insert(std::minmax(k, l)).second)
-            check.report.notes.push_back("in the target, the closed boundary made of " + check.boundaries_of(k) +
-                                         " crosses the one made of " + check.boundaries_of(l) + ": " +
-                                         face_name(mesh, f) + " and " + face_name(mesh, g));
+    for (std::size_t k = 0; k < close.size(); ++k) {
+        if (!fault[k]) continue;
+        const auto [f, g] = close[k];
+        if (part[f] == part[g]) add_fault(f, fault[k] + face_name(mesh, g));
+        else if (noted.insert(std::minmax(part[f], part[g])).second)
+            report.notes.push_back("in the target, the closed boundary made of " + parts[part[f]].boundaries +
+                                   " crosses the one made of " + parts[part[g]].boundaries + ": " +
+                                   face_name(mesh, f) + " and " + face_name(mesh, g));
     }
 }
 
 // Distinct nodes of one closed part that the target puts in one place.
-void check_nodes(Check& check) {
-    const Mesh& mesh = check.mesh;
+void Check::check_nodes() {
     std::vector<int> nodes, first_face(mesh.nodes(), -1);
     std::vector<double> size(mesh.nodes(), std::numeric_limits<double>::max());  // of its smallest face in the target
     for (int f = 0; f < mesh.face_count(); ++f) {
-        const double face_size = largest_side(box_of(check.target.patches[f]));
+        const double face_size = box_of(after[f]).longest_side();
         for (int k = 0; k < mesh.face_nodes(); ++k) {
             const int i = mesh.face(f)[k];
             size[i] = std::min(size[i], face_size);
@@ -268,27 +240,21 @@ void check_nodes(Check& check) {
             nodes.push_back(i);
         }
     }
-    std::vector<Box> boxes, before;
-    for (int i : nodes) {
-        boxes.push_back(box_of_points(point(check.target.x, i, mesh.dim), 1, mesh.dim));
-        before.push_back(box_of_points(point(check.initial.x, i, mesh.dim), 1, mesh.dim));
-    }
+    const int count = static_cast<int>(nodes.size());
+    const std::vector<Vec<3>> was = positions(mesh, mesh.x, nodes.data(), count);
+    const std::vector<Vec<3>> becomes = positions(mesh, target, nodes.data(), count);
+    std::vector<Box> boxes;
+    for (const Vec<3>& position : becomes) boxes.push_back({position, position});
     const BoxTree tree(boxes);
-    const auto distance = [](const Box& a, const Box& b) { return std::sqrt(squared_distance(a, b.low.data(), 3)); };
-    for (int k = 0; k < static_cast<int>(nodes.size()); ++k) {
+    for (int k = 0; k < count; ++k) {
         const int i = nodes[k], f = first_face[i];
         const double tolerance = same_place * size[i];
-        Box around = boxes[k];
-        for (int a = 0; a < mesh.dim; ++a) {
-            around.low[a] -= tolerance;
-            around.high[a] += tolerance;
-        }
-        tree.visit_overlapping(around, [&](int l) {
+        const Vec<3> reach = {tolerance, tolerance, tolerance};
+        tree.visit_overlapping({becomes[k] - reach, becomes[k] + reach}, [&](int l) {
             const int j = nodes[l], g = first_face[j];
-            if (l <= k || check.part[f] != check.part[g] || (check.bad[f] && check.bad[g])) return;
-            if (distance(boxes[k], boxes[l]) > tolerance || distance(before[k], before[l]) <= tolerance) return;
-            check.add_fault(g, "the target puts its node " + check.id_of_node(j) + " where node " +
-                                   check.id_of_node(i) + " is");
+            if (l <= k || part[f] != part[g] || (bad[f] && bad[g])) return;
+            if (length(becomes[k] - becomes[l]) > tolerance || length(was[k] - was[l]) <= tolerance) return;
+            add_fault(g, "the target puts its node " + id_of_node(j) + " where node " + id_of_node(i) + " is");
         });
     }
 }
@@ -296,21 +262,12 @@ void check_nodes(Check& check) {
 }  // namespace
 
 TargetReport check_target(const Mesh& mesh, const std::vector<double>& target) {
-    const PatchBasis basis(mesh.dim - 1, mesh.degree);
-    Check check{mesh,
-                basis,
-                PatchNormal(mesh.dim, mesh.degree),
-                make_surface(mesh, basis, mesh.x),
-                make_surface(mesh, basis, node_targets(mesh, target)),
-                std::vector<const char*>(mesh.face_count(), nullptr),
-                {},
-                {},
-                {}};
-    find_closed_parts(check);
-    check_faces(check);
-    check_closed_parts(check);
-    check_pairs(check);
-    check_nodes(check);
+    Check check(mesh, target);
+    check.find_closed_parts();
+    check.check_faces();
+    check.check_closed_parts();
+    check.check_pairs();
+    check.check_nodes();
     return check.report;
 }
 

@@ -4,10 +4,10 @@
 #include "geometry/bezier.hpp"
 
 #include <algorithm>
-#include <array>
-#include <map>
+#include <functional>
 #include <queue>
 #include <tuple>
+#include <utility>
 
 #include "base/index.hpp"
 
@@ -16,49 +16,18 @@ namespace {
 
 double factorial(int n) { return n < 2 ? 1 : n * factorial(n - 1); }
 
-using Terms = std::map<MultiIndex, double>;  // a homogeneous polynomial of the barycentric coordinates
-
-// terms * (degree l_k - j (l_0 + ... + l_dim))
-Terms times_factor(const Terms& terms, int dim, int degree, int k, int j) {
-    Terms product;
-    for (const auto& [a, coefficient] : terms)
-        for (int m = 0; m <= dim; ++m) {
-            MultiIndex b = a;
-            ++b[m];
-            product[b] += coefficient * ((m == k ? degree : 0) - j);
-        }
-    return product;
-}
-
-// Part of the simplex: its corners in barycentric coordinates, and the place of its coefficients in the pool.
+// Part of the simplex: its corners in barycentric coordinates, in which the whole simplex is regular, and its
+// coefficients.
 struct Piece {
-    double lower;
-    int place;
+    double lower;  // bound
+    int number;
     std::array<std::array<double, 4>, 4> corner;
+    std::vector<double> c;
 
     bool operator<(const Piece& other) const {  // the queue's top is the piece of the lowest bound
-        return std::tie(lower, place) > std::tie(other.lower, other.place);
+        return std::tie(lower, number) > std::tie(other.lower, other.number);
     }
 };
-
-// Edge of the piece that is longest when the whole simplex is regular.
-std::array<int, 2> longest_edge(const Piece& piece, int dim) {
-    std::array<int, 2> longest = {0, 1};
-    double best = 0;
-    for (int a = 0; a <= dim; ++a)
-        for (int b = a + 1; b <= dim; ++b) {
-            double squared = 0;
-            for (int k = 0; k <= dim; ++k) {
-                const double d = piece.corner[a][k] - piece.corner[b][k];
-                squared += d * d;
-            }
-            if (squared > best) {
-                best = squared;
-                longest = {a, b};
-            }
-        }
-    return longest;
-}
 
 }  // namespace
 
@@ -68,6 +37,7 @@ Bernstein::Bernstein(int dim_, int degree_)
         double value = factorial(degree);
         for (int k = 0; k <= dim; ++k) value /= factorial(a[k]);
         multinomial.push_back(value);
+        place_.insert({a, static_cast<int>(place_.size())});
     }
     rows_.resize((dim + 1) * (dim + 1));
     for (int a = 0; a <= dim; ++a)
@@ -75,14 +45,9 @@ Bernstein::Bernstein(int dim_, int degree_)
             for (MultiIndex at : index) {
                 if (at[b] != 0 || at[a] == 0) continue;  // every row once, from its end near corner a
                 std::vector<int> row;
-                for (; at[a] >= 0; --at[a], ++at[b]) row.push_back(find(at));
+                for (; at[a] >= 0; --at[a], ++at[b]) row.push_back(place(at));
                 rows_[edge(a, b)].push_back(row);
             }
-}
-
-int Bernstein::find(const MultiIndex& a) const {
-    const auto it = std::find(index.begin(), index.end(), a);
-    return it == index.end() ? -1 : static_cast<int>(it - index.begin());
 }
 
 std::vector<int> raised_places(int dim, int degree) {
@@ -92,44 +57,44 @@ std::vector<int> raised_places(int dim, int degree) {
         for (int k = 0; k <= dim; ++k) {
             MultiIndex b = a;
             ++b[k];
-            places.push_back(upper.find(b));
+            places.push_back(upper.place(b));
         }
     return places;
 }
 
 std::vector<double> bezier_of_lagrange(const LagrangeBasis& basis) {
     const Bernstein bernstein(basis.dim, basis.degree);
+    std::vector<std::vector<int>> raised;  // by degree
+    for (int d = 0; d < basis.degree; ++d) raised.push_back(raised_places(basis.dim, d));
     std::vector<double> M(offset(basis.count, basis.count));
     for (int i = 0; i < basis.count; ++i) {
-        Terms terms = {{MultiIndex{}, 1.0}};
+        std::vector<double> product = {1};  // of the factors so far, in monomials l^a
         double denominator = 1;
+        int d = 0;
         for (int k = 0; k <= basis.dim; ++k)
-            for (int j = 0; j < basis.nodes[i][k]; ++j) {
-                terms = times_factor(terms, basis.dim, basis.degree, k, j);
+            for (int j = 0; j < basis.nodes[i][k]; ++j, ++d) {
+                std::vector<double> next(simplex_node_count(basis.dim, d + 1));
+                for (std::size_t t = 0; t < raised[d].size(); ++t) {
+                    const int a = t / (basis.dim + 1), m = t % (basis.dim + 1);
+                    next[raised[d][t]] += product[a] * ((m == k ? basis.degree : 0) - j);
+                }
+                product = next;
                 denominator *= j + 1;
             }
         for (int a = 0; a < basis.count; ++a)
-            M[offset(a, basis.count, i)] = terms[bernstein.index[a]] / (denominator * bernstein.multinomial[a]);
+            M[offset(a, basis.count, i)] = product[a] / (denominator * bernstein.multinomial[a]);
     }
     return M;
 }
 
 BezierProduct::BezierProduct(const Bernstein& a, const Bernstein& b, const Bernstein& product)
-    : left(a.count), right(b.count) {
+    : left(a.multinomial), right(b.multinomial), result(product.multinomial) {
     for (const MultiIndex& i : a.index)
         for (const MultiIndex& j : b.index) {
-            MultiIndex sum{};
-            for (int k = 0; k < 4; ++k) sum[k] = i[k] + j[k];
-            place.push_back(product.find(sum));
+            MultiIndex sum;
+            std::transform(i.begin(), i.end(), j.begin(), sum.begin(), std::plus<>());
+            place.push_back(product.place(sum));
         }
-}
-
-void BezierProduct::add(double factor, const double* a, const double* b, double* out) const {
-    for (int i = 0; i < left; ++i) {
-        const int* const row = &place[offset(i, right)];
-        const double ai = factor * a[i];
-        for (int j = 0; j < right; ++j) out[row[j]] += ai * b[j];
-    }
 }
 
 PolynomialMinimum polynomial_minimum(const Bernstein& basis, const double* c, double tolerance, int max_bisections) {
@@ -141,30 +106,23 @@ PolynomialMinimum polynomial_minimum(const Bernstein& basis, const double* c, do
     };
     if (tight() || max_bisections == 0) return {lower, upper, tight()};
 
-    std::vector<double> pool(c, c + basis.count);
-    std::vector<double> parent(basis.count);
     std::priority_queue<Piece> queue;
-    Piece whole{lower, 0, {}};
+    Piece whole{lower, 0, {}, std::vector<double>(c, c + basis.count)};
     for (int k = 0; k <= basis.dim; ++k) whole.corner[k][k] = 1;
     queue.push(whole);
     for (int bisections = 0; bisections < max_bisections && !tight(); ++bisections) {
-        Piece piece = queue.top();
+        const Piece piece = queue.top();
         queue.pop();
-        const auto [a, b] = longest_edge(piece, basis.dim);
-        Piece other = piece;  // its coefficients are appended to the pool; the piece keeps the place of the whole
-        other.place = static_cast<int>(pool.size() / basis.count);
+        const auto [a, b] = longest_edge(piece.corner, basis.dim);
+        Piece near_a = piece, near_b = piece;
+        near_b.number = bisections + 1;
         for (int k = 0; k <= basis.dim; ++k)
-            other.corner[a][k] = piece.corner[b][k] = 0.5 * (piece.corner[a][k] + piece.corner[b][k]);
-        pool.resize(pool.size() + basis.count);
-        double* const near_a = &pool[offset(piece.place, basis.count)];
-        double* const near_b = &pool[offset(other.place, basis.count)];
-        std::copy(near_a, near_a + basis.count, parent.begin());
-        basis.bisect(a, b, parent.data(), near_a, near_b);
-        for (Piece* half : {&piece, &other}) {
-            const double* const coefficient = half == &piece ? near_a : near_b;
-            half->lower = *std::min_element(coefficient, coefficient + basis.count);
-            upper = std::min(upper, *std::min_element(coefficient, coefficient + corners));
-            queue.push(*half);
+            near_b.corner[a][k] = near_a.corner[b][k] = 0.5 * (piece.corner[a][k] + piece.corner[b][k]);
+        basis.bisect(a, b, piece.c.data(), near_a.c.data(), near_b.c.data());
+        for (Piece* half : {&near_a, &near_b}) {
+            half->lower = *std::min_element(half->c.begin(), half->c.end());
+            upper = std::min(upper, *std::min_element(half->c.begin(), half->c.begin() + corners));
+            queue.push(std::move(*half));
         }
         lower = queue.top().lower;
     }

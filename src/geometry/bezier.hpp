@@ -8,6 +8,8 @@
 // J. Comput. Phys. 233, 2013).
 #pragma once
 #include <algorithm>
+#include <array>
+#include <map>
 #include <vector>
 
 #include "base/small_matrix.hpp"
@@ -22,7 +24,7 @@ struct Bernstein {
 
     Bernstein(int dim, int degree);
 
-    int find(const MultiIndex& a) const;  // place of a coefficient, or -1
+    int place(const MultiIndex& a) const { return place_.at(a); }  // of a coefficient
 
     // Coefficients of the same polynomial on the two halves that the midpoint of the edge of the corners a < b cuts
     // the simplex into; the midpoint replaces corner b in near_a and corner a in near_b. c, near_a, near_b: count
@@ -42,6 +44,8 @@ struct Bernstein {
     }
 
 private:
+    std::map<MultiIndex, int> place_;
+
     int edge(int a, int b) const { return a * (dim + 1) + b; }
 
     // [edge(a, b)]: the rows of coefficients that differ along it only, as places from corner a to corner b.
@@ -57,17 +61,52 @@ std::vector<int> raised_places(int dim, int degree);
 // numerators are integers below 2^53 for p <= 10); no system is solved.
 std::vector<double> bezier_of_lagrange(const LagrangeBasis& basis);
 
-// Products of polynomials in the scaled form c_a * multinomial_a, where they are convolutions: all terms have weight
-// one, so that a product is as accurate as its factors at any degree.
+// Products of polynomials. In the scaled form c_a * multinomial_a they are convolutions: all terms have weight one, so
+// that a product is as accurate as its factors at any degree.
 struct BezierProduct {
-    int left, right;         // counts of the factors
-    std::vector<int> place;  // left x right: where each product of two terms goes
+    std::vector<double> left, right, result;  // multinomials of the factors and of the product
+    std::vector<int> place;                   // left x right: where each product of two terms goes
 
     BezierProduct(const Bernstein& a, const Bernstein& b, const Bernstein& product);
 
-    // out += factor a b, all scaled.
-    void add(double factor, const double* a, const double* b, double* out) const;
+    // Bezier coefficients of the product from those of the factors. times(a_i, b_j) multiplies numbers, or is the dot
+    // or cross product of vectors.
+    template <class A, class B, class Times>
+    auto multiply(const std::vector<A>& a, std::vector<B> b, const Times& times) const {
+        for (std::size_t j = 0; j < b.size(); ++j) b[j] = right[j] * b[j];
+        std::vector<decltype(times(a[0], b[0]))> product(result.size());
+        auto to = place.begin();
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            const A a_i = left[i] * a[i];
+            for (const B& b_j : b) {
+                product[*to] = product[*to] + times(a_i, b_j);
+                ++to;
+            }
+        }
+        for (std::size_t k = 0; k < product.size(); ++k) product[k] = 1 / result[k] * product[k];
+        return product;
+    }
 };
+
+// The corners a < b of a simplex that are farthest apart. corner: dim + 1 points or more, of any number of coordinates.
+template <class Points>
+std::array<int, 2> longest_edge(const Points& corner, int dim) {
+    std::array<int, 2> longest = {0, 1};
+    double best = 0;
+    for (int a = 0; a <= dim; ++a)
+        for (int b = a + 1; b <= dim; ++b) {
+            double squared = 0;
+            for (std::size_t k = 0; k < corner[a].size(); ++k) {
+                const double d = corner[a][k] - corner[b][k];
+                squared += d * d;
+            }
+            if (squared > best) {
+                best = squared;
+                longest = {a, b};
+            }
+        }
+    return longest;
+}
 
 // lower <= min q <= upper; upper is a value of q. tight: the two agree to the tolerance asked for.
 struct PolynomialMinimum {

@@ -1,22 +1,49 @@
 // A tree of axis-parallel boxes: which of many boxes overlap a given one, or hold the point closest to a given one.
 //
-// Built by halving at the median centre along the longest side; O(n log n) to build, O(log n) for a typical query.
+// Built top-down: the boxes of a node are split at the median of their centres along the longest side of the node, so
+// that the depth is log2 of their number. O(n log n) to build, O(log n) for a typical query.
 #pragma once
 #include <algorithm>
-#include <array>
 #include <limits>
+#include <numeric>
+#include <utility>
 #include <vector>
+
+#include "base/small_matrix.hpp"
 
 namespace almesh {
 
 // In 2D the third interval is [0, 0].
 struct Box {
-    std::array<double, 3> low{}, high{};
+    Vec<3> low{}, high{};
+
+    void include(const Box& other) {
+        for (int a = 0; a < 3; ++a) {
+            low[a] = std::min(low[a], other.low[a]);
+            high[a] = std::max(high[a], other.high[a]);
+        }
+    }
+
+    int longest_side() const {
+        const Vec<3> side = high - low;
+        return static_cast<int>(std::max_element(side.begin(), side.end()) - side.begin());
+    }
 };
 
-Box box_of_points(const double* points, int count, int dim);  // points: count x dim, count > 0
+inline Box box_of(const std::vector<Vec<3>>& points) {
+    Box box{points[0], points[0]};
+    for (const Vec<3>& point : points) box.include({point, point});
+    return box;
+}
 
-double squared_distance(const Box& box, const double* point, int dim);
+inline double squared_distance(const Box& box, const Vec<3>& point) {
+    double sum = 0;
+    for (int a = 0; a < 3; ++a) {
+        const double d = std::max({box.low[a] - point[a], point[a] - box.high[a], 0.0});
+        sum += d * d;
+    }
+    return sum;
+}
 
 // Touching boxes overlap. Branch-free: branches here are unpredictable.
 inline bool overlap(const Box& a, const Box& b) {
@@ -28,67 +55,72 @@ inline bool overlap(const Box& a, const Box& b) {
     return !apart;
 }
 
-struct BoxTree {
+class BoxTree {
+public:
+    std::vector<int> items;  // numbers of the boxes, those of each node side by side
+    std::vector<Box> boxes;
+
+    explicit BoxTree(std::vector<Box> boxes_) : items(boxes_.size()), boxes(std::move(boxes_)) {
+        std::iota(items.begin(), items.end(), 0);
+        nodes_.push_back({{}, 0, static_cast<int>(items.size()), 0});
+        for (std::size_t k = 0; k < nodes_.size(); ++k) {
+            const int begin = nodes_[k].begin, end = nodes_[k].end;
+            if (begin < end) nodes_[k].box = boxes[items[begin]];
+            for (int i = begin; i < end; ++i) nodes_[k].box.include(boxes[items[i]]);
+            if (end - begin <= leaf_items) continue;
+            const int side = nodes_[k].box.longest_side(), middle = (begin + end) / 2;
+            std::nth_element(items.begin() + begin, items.begin() + middle, items.begin() + end, [&](int i, int j) {
+                const double a = boxes[i].low[side] + boxes[i].high[side], b = boxes[j].low[side] + boxes[j].high[side];
+                return a != b ? a < b : i < j;
+            });
+            nodes_[k].child = static_cast<int>(nodes_.size());
+            nodes_.push_back({{}, begin, middle, 0});
+            nodes_.push_back({{}, middle, end, 0});
+        }
+    }
+
+    // found(i) for every box i that overlaps `box`, among items[first], items[first + 1], .... Called with the box of
+    // items[k] and first = k + 1 for every k, it finds each pair of overlapping boxes once.
+    template <class Found>
+    void visit_overlapping(const Box& box, const Found& found, int first = 0, int root = 0) const {
+        const Node& node = nodes_[root];
+        if (node.end <= first || !overlap(node.box, box)) return;
+        if (node.child > 0) {
+            for (int child : {node.child + 1, node.child}) visit_overlapping(box, found, first, child);
+            return;
+        }
+        for (int k = std::max(node.begin, first); k < node.end; ++k)
+            if (overlap(boxes[items[k]], box)) found(items[k]);
+    }
+
+    // Least value of squared(i) over all boxes i, where squared(i) is the squared distance of `point` to something
+    // inside box i, or `best` if that is less (branch and bound, the nearer child first). Infinite for no boxes.
+    template <class Squared>
+    double nearest_squared(const Vec<3>& point, const Squared& squared,
+                           double best = std::numeric_limits<double>::infinity(), int root = 0) const {
+        const Node& node = nodes_[root];
+        if (node.child > 0) {
+            std::pair<double, int> near(squared_distance(nodes_[node.child].box, point), node.child);
+            std::pair<double, int> far(squared_distance(nodes_[node.child + 1].box, point), node.child + 1);
+            if (far.first < near.first) std::swap(near, far);
+            for (const auto& [bound, child] : {near, far})
+                if (bound < best) best = nearest_squared(point, squared, best, child);
+            return best;
+        }
+        for (int k = node.begin; k < node.end; ++k)
+            if (squared_distance(boxes[items[k]], point) < best) best = std::min(best, squared(items[k]));
+        return best;
+    }
+
+private:
+    static constexpr int leaf_items = 2;
+
     struct Node {
         Box box;
         int begin, end;  // its items
         int child;       // first of two consecutive nodes, 0 for a leaf
     };
-    std::vector<Node> nodes;  // the root first; empty for no boxes
-    std::vector<int> items;   // numbers of the boxes
-    std::vector<Box> boxes;
-
-    explicit BoxTree(std::vector<Box> boxes);
-
-    // found(i) for every box i that overlaps `box`, among items[first], items[first + 1], .... Called with the box of
-    // items[k] and first = k + 1 for every k, it finds each pair of overlapping boxes once.
-    template <class Found>
-    void visit_overlapping(const Box& box, const Found& found, int first = 0) const {
-        std::array<int, 64> stack;  // depth of a tree that halves 2^31 items at most
-        int top = 0;
-        if (!nodes.empty()) stack[top++] = 0;
-        while (top > 0) {
-            const Node& node = nodes[stack[--top]];
-            if (node.end <= first || !overlap(node.box, box)) continue;
-            if (node.child > 0) {
-                stack[top++] = node.child;
-                stack[top++] = node.child + 1;
-                continue;
-            }
-            for (int k = std::max(node.begin, first); k < node.end; ++k)
-                if (overlap(boxes[items[k]], box)) found(items[k]);
-        }
-    }
-
-    // Least value of squared(i) over all boxes i, where squared(i) is the squared distance of `point` to something
-    // inside box i (branch and bound, the nearer child first). Infinite for no boxes.
-    template <class Squared>
-    double nearest_squared(const double* point, int dim, const Squared& squared) const {
-        double best = std::numeric_limits<double>::infinity();
-        struct Entry {
-            double bound;
-            int node;
-        };
-        std::array<Entry, 64> stack;
-        int top = 0;
-        const auto entry = [&](int k) { return Entry{squared_distance(nodes[k].box, point, dim), k}; };
-        if (!nodes.empty()) stack[top++] = entry(0);
-        while (top > 0) {
-            const Entry at = stack[--top];
-            if (at.bound >= best) continue;
-            const Node& node = nodes[at.node];
-            if (node.child > 0) {
-                Entry near = entry(node.child), far = entry(node.child + 1);
-                if (far.bound < near.bound) std::swap(near, far);
-                stack[top++] = far;
-                stack[top++] = near;
-                continue;
-            }
-            for (int k = node.begin; k < node.end; ++k)
-                if (squared_distance(boxes[items[k]], point, dim) < best) best = std::min(best, squared(items[k]));
-        }
-        return best;
-    }
+    std::vector<Node> nodes_;  // the root first
 };
 
 }  // namespace almesh

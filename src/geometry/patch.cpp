@@ -6,64 +6,49 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/index.hpp"
 
 namespace almesh {
 
-PatchBasis::PatchBasis(int m, int degree)
-    : bernstein(m, degree), to_bezier(bezier_of_lagrange(LagrangeBasis(m, degree))) {}
-
-std::vector<double> face_positions(const Mesh& mesh, const std::vector<double>& x, int f) {
-    std::vector<double> nodes;
-    for (int i = 0; i < mesh.face_nodes(); ++i) {
-        const double* const position = point(x, mesh.face(f)[i], mesh.dim);
-        nodes.insert(nodes.end(), position, position + mesh.dim);
-    }
-    return nodes;
+std::vector<Vec<3>> positions(const Mesh& mesh, const std::vector<double>& x, const int* nodes, int count) {
+    std::vector<Vec<3>> result(count, Vec<3>{});
+    for (int i = 0; i < count; ++i) std::copy_n(point(x, nodes[i], mesh.dim), mesh.dim, result[i].begin());
+    return result;
 }
 
-Patch make_patch(const PatchBasis& basis, const double* nodes, int dim) {
+Patch make_patch(const PatchBasis& basis, const std::vector<Vec<3>>& nodes) {
+    Patch patch = nodes;  // the corners are right already
     const int count = basis.bernstein.count;
-    Patch patch(count, Vec<3>{});
-    for (int b = 0; b < count; ++b)
-        for (int a = 0; a < dim; ++a) {
-            if (b < dim) {  // one of the m + 1 = dim corners
-                patch[b][a] = nodes[b * dim + a];
-                continue;
-            }
-            for (int i = 0; i < count; ++i)  // relative to node 0: stretched faces may lie far from the origin
-                patch[b][a] += basis.to_bezier[offset(b, count, i)] * (nodes[i * dim + a] - nodes[a]);
-            patch[b][a] += nodes[a];
-        }
+    for (int b = basis.bernstein.dim + 1; b < count; ++b) {
+        Vec<3> sum{};  // relative to node 0: stretched faces may lie far from the origin
+        for (int i = 0; i < count; ++i) sum = sum + basis.to_bezier[offset(b, count, i)] * (nodes[i] - nodes[0]);
+        patch[b] = sum + nodes[0];
+    }
     return patch;
 }
 
-std::array<int, 2> longest_side(const Patch& patch, int m) {
-    std::array<int, 2> longest = {0, 1};
-    double best = -1;
-    for (int a = 0; a <= m; ++a)
-        for (int b = a + 1; b <= m; ++b) {
-            const Vec<3> d = patch[b] - patch[a];
-            if (dot(d, d) > best) {
-                best = dot(d, d);
-                longest = {a, b};
-            }
-        }
-    return longest;
+Patch face_patch(const PatchBasis& basis, const Mesh& mesh, const std::vector<double>& x, int f) {
+    return make_patch(basis, positions(mesh, x, mesh.face(f), mesh.face_nodes()));
+}
+
+BoxTree tree_of_boxes(const std::vector<Patch>& patches) {
+    std::vector<Box> boxes;
+    for (const Patch& patch : patches) boxes.push_back(box_of(patch));
+    return BoxTree(boxes);
 }
 
 double size_of(const Patch& patch, int m) {
-    const auto [a, b] = longest_side(patch, m);
-    const Vec<3> d = patch[b] - patch[a];
-    return std::sqrt(dot(d, d));
+    const auto [a, b] = longest_edge(patch, m);
+    return length(patch[b] - patch[a]);
 }
 
-Vec<3> side_tangent(const Bernstein& basis, const Patch& patch, int i, int j) {
+Vec<3> edge_tangent(const Bernstein& basis, const Patch& patch, int i, int j) {
     MultiIndex next{};
     next[i] = basis.degree - 1;
     ++next[j];
-    return patch[basis.find(next)] - patch[i];
+    return patch[basis.place(next)] - patch[i];
 }
 
 std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a, int b) {
@@ -76,50 +61,37 @@ double deviation(const Bernstein& basis, const Patch& patch) {
     double largest = 0;
     for (int i = basis.dim + 1; i < basis.count; ++i) {
         Vec<3> d = patch[i];
-        for (int v = 0; v <= basis.dim; ++v)
-            for (int a = 0; a < 3; ++a) d[a] -= patch[v][a] * basis.index[i][v] / basis.degree;
+        for (int v = 0; v <= basis.dim; ++v) d = d - (1.0 * basis.index[i][v] / basis.degree) * patch[v];
         largest = std::max(largest, dot(d, d));
     }
     return std::sqrt(largest);
 }
 
-// In 2D the normal is the product of the tangent and the constant e_z, a polynomial of degree 0.
-PatchNormal::PatchNormal(int dim, int degree)
-    : dim_(dim), position_(dim - 1, degree), gradient_(dim - 1, degree - 1),
-      normal_(dim - 1, (dim - 1) * (degree - 1)), integrand_(dim - 1, degree + normal_.degree),
-      tangent_tangent_(gradient_, dim == 2 ? Bernstein(1, 0) : gradient_, normal_),
-      position_normal_(position_, normal_, integrand_), raised_(raised_places(dim - 1, degree - 1)) {}
+PatchNormal::PatchNormal(int m, int degree)
+    : basis(m, std::min(m, 2) * (degree - 1)),
+      tangent_tangent(Bernstein(m, degree - 1), Bernstein(m, m == 1 ? 0 : degree - 1), basis), m_(m), degree_(degree),
+      position_normal_(Bernstein(m, degree), basis, Bernstein(m, degree + basis.degree)),
+      raised_(raised_places(m, degree - 1)) {}
+
+std::vector<Vec<3>> PatchNormal::tangent(const Patch& patch, int k) const {
+    if (k == m_) return {{0, 0, 1}};
+    std::vector<Vec<3>> tangent;
+    tangent.reserve(raised_.size() / (m_ + 1));
+    for (std::size_t a = 0; a < raised_.size(); a += m_ + 1)
+        tangent.push_back(degree_ * (patch[raised_[a + k + 1]] - patch[raised_[a]]));
+    return tangent;
+}
 
 std::vector<Vec<3>> PatchNormal::coefficients(const Patch& patch) const {
-    std::vector<Vec<3>> tangent[2];  // scaled by the multinomials
-    for (int k = 0; k < dim_ - 1; ++k)
-        for (int a = 0; a < gradient_.count; ++a) {
-            const Vec<3> difference = patch[raised_[a * dim_ + k + 1]] - patch[raised_[a * dim_]];
-            tangent[k].push_back(gradient_.multinomial[a] * (position_.degree * difference));
-        }
-    if (dim_ == 2) tangent[1] = {{0, 0, 1}};
-    std::vector<Vec<3>> n(normal_.count, Vec<3>{});
-    auto place = tangent_tangent_.place.begin();
-    for (const Vec<3>& t0 : tangent[0])
-        for (const Vec<3>& t1 : tangent[1]) {
-            n[*place] = n[*place] + cross(t0, t1);
-            ++place;
-        }
-    for (int a = 0; a < normal_.count; ++a)
-        for (double& component : n[a]) component /= normal_.multinomial[a];
-    return n;
+    return tangent_tangent.multiply(tangent(patch, 0), tangent(patch, 1), cross<double>);
 }
 
 double PatchNormal::cone(const Patch& patch, const Vec<3>& apex) const {
-    const std::vector<Vec<3>> n = coefficients(patch);
-    double sum = 0;  // of the Bezier coefficients of (x - apex) . n
-    auto place = position_normal_.place.begin();
-    for (int a = 0; a < position_.count; ++a)
-        for (int b = 0; b < normal_.count; ++b, ++place)
-            sum += dot(patch[a] - apex, n[b]) * position_.multinomial[a] * normal_.multinomial[b] /
-                   integrand_.multinomial[*place];
-    const double mean = sum / integrand_.count, reference_measure = dim_ == 2 ? 1 : 0.5;
-    return mean * reference_measure / dim_;
+    Patch relative;
+    for (const Vec<3>& point : patch) relative.push_back(point - apex);
+    const std::vector<double> integrand = position_normal_.multiply(relative, coefficients(patch), dot<double>);
+    const double mean = std::accumulate(integrand.begin(), integrand.end(), 0.0) / integrand.size();
+    return mean * simplex(m_).volume() / (m_ + 1);
 }
 
 }  // namespace almesh

@@ -1,8 +1,8 @@
-// One face of a mesh as a polynomial patch in Bezier form: a curve (m = 1 parameter) in the plane, a triangle (m = 2)
-// in space. The patch lies in the convex hull of its Bezier points and has its corners among them (Farin, Curves and
-// Surfaces for CAGD, 2002, ch. 5 and 17).
+// Polynomial patches in Bezier form: curves (m = 1 parameter) in the plane, triangles (m = 2) and tetrahedra (m = 3) in
+// space; the faces and elements of a mesh. A patch lies in the convex hull of its Bezier points and has its corners
+// among them (Farin, Curves and Surfaces for CAGD, 2002, ch. 5 and 17).
 #pragma once
-#include <array>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -20,23 +20,25 @@ struct PatchBasis {
     Bernstein bernstein;
     std::vector<double> to_bezier;  // count x count
 
-    PatchBasis(int m, int degree);
+    PatchBasis(int m, int degree)
+        : bernstein(m, degree), to_bezier(bezier_of_lagrange(LagrangeBasis(m, degree))) {}
 };
 
-// face_nodes x dim positions of the nodes of face f, from x: node_count x dim.
-std::vector<double> face_positions(const Mesh& mesh, const std::vector<double>& x, int f);
+// Positions of `count` nodes, from x: node_count x dim. In 2D the third coordinate is 0.
+std::vector<Vec<3>> positions(const Mesh& mesh, const std::vector<double>& x, const int* nodes, int count);
 
-// nodes: count x dim positions in Gmsh's order. Corner Bezier points are the nodes to the bit.
-Patch make_patch(const PatchBasis& basis, const double* nodes, int dim);
+// nodes: positions in Gmsh's order. Corner Bezier points are the nodes to the bit.
+Patch make_patch(const PatchBasis& basis, const std::vector<Vec<3>>& nodes);
+Patch face_patch(const PatchBasis& basis, const Mesh& mesh, const std::vector<double>& x, int f);
 
-inline Box box_of(const Patch& patch) { return box_of_points(patch[0].data(), static_cast<int>(patch.size()), 3); }
+BoxTree tree_of_boxes(const std::vector<Patch>& patches);
 
-std::array<int, 2> longest_side(const Patch& patch, int m);  // corners a < b that are farthest apart
+inline double length(const Vec<3>& v) { return std::sqrt(dot(v, v)); }
 
 double size_of(const Patch& patch, int m);  // longest distance between two corners
 
-// Derivative of the patch at corner i along its side towards corner j, divided by the degree.
-Vec<3> side_tangent(const Bernstein& basis, const Patch& patch, int i, int j);
+// Derivative of the patch at corner i along its edge towards corner j, divided by the degree.
+Vec<3> edge_tangent(const Bernstein& basis, const Patch& patch, int i, int j);
 
 // The halves beside corner a (midpoint in place of corner b) and beside corner b.
 std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a, int b);
@@ -45,26 +47,35 @@ std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a
 // farther than this from the flat one.
 double deviation(const Bernstein& basis, const Patch& patch);
 
-// The normal of a patch as a polynomial: dx/dxi turned clockwise by 90 degrees (2D), or dx/dxi_0 x dx/dxi_1 (3D).
-// Outward for the boundary faces of a mesh; its length is the measure of the face per measure of the reference face.
-// Bezier coefficients are products of those of the derivatives, hence exact up to rounding.
-class PatchNormal {
-public:
-    PatchNormal(int dim, int degree);
+// The normal of a patch as a polynomial of degree min(m, 2) (p - 1): dx/dxi_0 x dx/dxi_1, and for a curve
+// dx/dxi_0 x e_z, which is the tangent turned clockwise by 90 degrees. Outward for the boundary faces of a mesh; its
+// length is the measure of the face per measure of the reference face. Bezier coefficients are products of those of the
+// derivatives, hence exact up to rounding.
+struct PatchNormal {
+    Bernstein basis;
+    BezierProduct tangent_tangent;
 
-    const Bernstein& basis() const { return normal_; }  // degree (dim - 1)(degree - 1)
+    PatchNormal(int m, int degree);
 
-    std::vector<Vec<3>> coefficients(const Patch& patch) const;  // basis().count Bezier coefficients
+    // Bezier coefficients of dx/dxi_k, or the constant e_z for k = m; and of the normal.
+    std::vector<Vec<3>> tangent(const Patch& patch, int k) const;
+    std::vector<Vec<3>> coefficients(const Patch& patch) const;
 
-    // Signed area (2D) or volume of the cone from the apex to the patch, positive where the normal points away from it:
-    // 1 / dim times the integral of (x - apex) . n. Over a closed surface the cones add up to what it encloses.
+    // Signed area (m = 1) or volume (m = 2) of the cone from the apex to the patch, positive where the normal points
+    // away from it: 1 / (m + 1) times the integral of (x - apex) . n. Over a closed surface the cones add up to what it
+    // encloses.
     double cone(const Patch& patch, const Vec<3>& apex) const;
 
 private:
-    int dim_;
-    Bernstein position_, gradient_, normal_, integrand_;
-    BezierProduct tangent_tangent_, position_normal_;
-    std::vector<int> raised_;  // gradient_.count x dim
+    int m_, degree_;
+    BezierProduct position_normal_;
+    std::vector<int> raised_;  // raised_places(m, p - 1)
 };
+
+// Whether two faces cross. Touching, at a shared corner or anywhere else, is not crossing; nor is overlapping in a
+// common plane. Undecided: faces so nearly touching along a line that a few thousand bisections do not tell.
+enum class Contact { apart, crossing, undecided };
+
+Contact patch_contact(const Bernstein& basis, const Patch& a, const Patch& b);
 
 }  // namespace almesh

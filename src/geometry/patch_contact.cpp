@@ -2,11 +2,10 @@
 // Bezier points, whose hulls enclose the patches: a gap along one of them proves the patches apart. Where the flat
 // patches penetrate each other by more than the curved ones deviate from them, the curved ones cross. Pairs with
 // neither proof are bisected.
-#include "geometry/patch_contact.hpp"
-
 #include <algorithm>
-#include <cmath>
 #include <limits>
+
+#include "geometry/patch.hpp"
 
 namespace almesh {
 namespace {
@@ -42,38 +41,36 @@ std::vector<Vec<3>> candidate_axes(const Patch& a, const Patch& b, int m) {
 // Distance between the first `points` Bezier points of the patches along the axis, negative for their overlap.
 // Positions are relative to a corner, so that shared corners stay exactly equal.
 double gap_along(const Vec<3>& axis, const Patch& s, const Patch& t, int points) {
-    double low[2], high[2];
-    for (int side = 0; side < 2; ++side) {
-        const Patch& patch = side == 0 ? s : t;
-        low[side] = std::numeric_limits<double>::infinity();
-        high[side] = -low[side];
+    const auto range = [&](const Patch& patch) {
+        double low = std::numeric_limits<double>::infinity(), high = -low;
         for (int i = 0; i < points; ++i) {
             const double place = dot(axis, patch[i] - s[0]);
-            low[side] = std::min(low[side], place);
-            high[side] = std::max(high[side], place);
+            low = std::min(low, place);
+            high = std::max(high, place);
         }
-    }
-    return std::max(low[1] - high[0], low[0] - high[1]);
+        return std::pair(low, high);
+    };
+    const auto [low_s, high_s] = range(s);
+    const auto [low_t, high_t] = range(t);
+    return std::max(low_t - high_s, low_s - high_t);
 }
 
 // Largest gap over the axes; stops above `enough`.
 double largest_gap(const std::vector<Vec<3>>& axes, const Patch& s, const Patch& t, int points, double enough) {
     double largest = -std::numeric_limits<double>::infinity();
     for (const Vec<3>& axis : axes) {
-        const double length = std::sqrt(dot(axis, axis));
-        if (length == 0) continue;
-        largest = std::max(largest, gap_along(axis, s, t, points) / length);
+        const double norm = length(axis);
+        if (norm == 0) continue;
+        largest = std::max(largest, gap_along(axis, s, t, points) / norm);
         if (largest >= enough) break;
     }
     return largest;
 }
 
-struct Pair {
-    Patch s, t;
-};
+using Pair = std::pair<Patch, Patch>;
 
-// Tells of the patches as they are whether they touch or cross. Where they are too curved for that, the answer is
-// `undecided`, and the pairs with the halves of the more curved one are added to the ones to test.
+// Whether the patches touch or cross, as far as they tell undivided. Where they are too curved for that, the answer is
+// `undecided`, and the pairs with the halves of the more curved one are added to those to test.
 Contact test_or_bisect(const Bernstein& basis, const Patch& s, const Patch& t, std::vector<Pair>& pairs) {
     const int m = basis.dim;
     const double touching = rounding * std::min(size_of(s, m), size_of(t, m));
@@ -83,27 +80,23 @@ Contact test_or_bisect(const Bernstein& basis, const Patch& s, const Patch& t, s
     const double enough = -(deviation_s + deviation_t) - touching;
     if (largest_gap(axes, s, t, m + 1, enough) < enough) return Contact::crossing;
     const bool bisect_s = deviation_s >= deviation_t;
-    const auto [i, j] = longest_side(bisect_s ? s : t, m);
-    auto [near, far] = bisect(basis, bisect_s ? s : t, i, j);
-    for (Patch* half : {&near, &far}) {
-        if (bisect_s) pairs.push_back({std::move(*half), t});
-        else pairs.push_back({s, std::move(*half)});
-    }
+    const auto [i, j] = longest_edge(bisect_s ? s : t, m);
+    const auto [near, far] = bisect(basis, bisect_s ? s : t, i, j);
+    for (const Patch* half : {&near, &far}) pairs.push_back(bisect_s ? Pair(*half, t) : Pair(s, *half));
     return Contact::undecided;
 }
 
 }  // namespace
 
 Contact patch_contact(const Bernstein& basis, const Patch& a, const Patch& b) {
-    std::vector<Pair> pairs;
-    Contact contact = test_or_bisect(basis, a, b, pairs);
-    for (int tested = 1; contact != Contact::crossing && !pairs.empty(); ++tested) {
+    std::vector<Pair> pairs(1, {a, b});
+    for (int tested = 0; !pairs.empty(); ++tested) {
         if (tested == max_pairs) return Contact::undecided;
-        const Pair pair = std::move(pairs.back());
+        const auto [s, t] = std::move(pairs.back());
         pairs.pop_back();
-        contact = test_or_bisect(basis, pair.s, pair.t, pairs);
+        if (test_or_bisect(basis, s, t, pairs) == Contact::crossing) return Contact::crossing;
     }
-    return contact;
+    return Contact::apart;
 }
 
 }  // namespace almesh

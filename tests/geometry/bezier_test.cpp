@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 using namespace almesh;
@@ -26,15 +27,10 @@ double evaluate(const Bernstein& basis, const std::vector<double>& c, const doub
     return sum;
 }
 
-std::vector<double> apply(const std::vector<double>& M, const std::vector<double>& v) {
+std::vector<double> nodal_to_bezier(const std::vector<double>& M, const std::vector<double>& v) {
     std::vector<double> c(v.size(), 0.0);
     for (std::size_t a = 0; a < v.size(); ++a)
         for (std::size_t i = 0; i < v.size(); ++i) c[a] += M[a * v.size() + i] * v[i];
-    return c;
-}
-
-std::vector<double> scaled(const Bernstein& basis, std::vector<double> c) {
-    for (int i = 0; i < basis.count; ++i) c[i] *= basis.multinomial[i];
     return c;
 }
 
@@ -45,7 +41,8 @@ TEST_CASE("the Bezier form of an interpolating polynomial has its values") {
         for (int degree = 1; degree <= 7; ++degree) {
             const LagrangeBasis lagrange(dim, degree);
             const Bernstein basis(dim, degree);
-            const std::vector<double> v = some_values(basis.count), c = apply(bezier_of_lagrange(lagrange), v);
+            const std::vector<double> v = some_values(basis.count);
+            const std::vector<double> c = nodal_to_bezier(bezier_of_lagrange(lagrange), v);
             const double xi[3] = {0.31, 0.22, 0.13};
             double l[4] = {1, 0, 0, 0};
             for (int k = 0; k < dim; ++k) {
@@ -86,11 +83,9 @@ TEST_CASE("bisection keeps the polynomial on both halves") {
 TEST_CASE("the product of two polynomials has the product of their values") {
     const Bernstein a(3, 4), b(3, 5), product(3, 9);
     const std::vector<double> u = some_values(a.count), v = some_values(b.count);
-    std::vector<double> w(product.count, 0.0);
-    BezierProduct(a, b, product).add(2, scaled(a, u).data(), scaled(b, v).data(), w.data());
-    for (int i = 0; i < product.count; ++i) w[i] /= product.multinomial[i];
+    const std::vector<double> w = BezierProduct(a, b, product).multiply(u, v, std::multiplies<>());
     const double l[4] = {0.1, 0.5, 0.15, 0.25};
-    CHECK(evaluate(product, w, l) == doctest::Approx(2 * evaluate(a, u, l) * evaluate(b, v, l)).epsilon(1e-13));
+    CHECK(evaluate(product, w, l) == doctest::Approx(evaluate(a, u, l) * evaluate(b, v, l)).epsilon(1e-13));
 }
 
 TEST_CASE("the minimum of a parabola is enclosed to the tolerance") {

@@ -14,10 +14,10 @@ namespace {
 std::vector<Box> some_boxes(int count, int dim) {
     std::vector<Box> boxes;
     for (int i = 0; i < count; ++i) {
-        std::vector<double> corners;
+        std::vector<Vec<3>> corners(2, Vec<3>{});
         for (int a = 0; a < 2 * dim; ++a)
-            corners.push_back(std::sin(12.9898 * i + 4.1 * (a % dim)) + 0.1 * std::sin(i + a));
-        boxes.push_back(box_of_points(corners.data(), 2, dim));
+            corners[a / dim][a % dim] = std::sin(12.9898 * i + 4.1 * (a % dim)) + 0.1 * std::sin(i + a);
+        boxes.push_back(box_of(corners));
     }
     return boxes;
 }
@@ -61,26 +61,26 @@ TEST_CASE("the tree finds the nearest box without looking at most of them") {
     const BoxTree tree(boxes);
     const double infinity = std::numeric_limits<double>::infinity();
     for (int k = 0; k < 20; ++k) {
-        const double p[3] = {2 * std::sin(k), 2 * std::cos(3.0 * k), std::sin(5.0 * k)};
+        const Vec<3> p = {2 * std::sin(k), 2 * std::cos(3.0 * k), std::sin(5.0 * k)};
         double expected = infinity;
-        for (const Box& box : boxes) expected = std::min(expected, squared_distance(box, p, 3));
+        for (const Box& box : boxes) expected = std::min(expected, squared_distance(box, p));
         int looked_at = 0;
-        const double found = tree.nearest_squared(p, 3, [&](int i) {
+        const double found = tree.nearest_squared(p, [&](int i) {
             ++looked_at;
-            return squared_distance(boxes[i], p, 3);
+            return squared_distance(boxes[i], p);
         });
         CHECK(found == expected);
         CHECK(looked_at < 200);
     }
-    CHECK(BoxTree({}).nearest_squared(boxes[0].low.data(), 3, [](int) { return 0.0; }) == infinity);
+    CHECK(BoxTree({}).nearest_squared(boxes[0].low, [](int) { return 0.0; }) == infinity);
 }
 
 TEST_CASE("touching boxes overlap, and equal boxes do not unbalance the tree") {
-    const double a[4] = {0, 0, 1, 1}, b[4] = {1, 1, 2, 2}, c[4] = {1.0001, 0, 2, 2};
-    CHECK(overlap(box_of_points(a, 2, 2), box_of_points(b, 2, 2)));
-    CHECK_FALSE(overlap(box_of_points(a, 2, 2), box_of_points(c, 2, 2)));
-    const BoxTree tree(std::vector<Box>(1000, box_of_points(a, 2, 2)));
+    const Box a = {{0, 0, 0}, {1, 1, 0}}, b = {{1, 1, 0}, {2, 2, 0}}, c = {{1.0001, 0, 0}, {2, 2, 0}};
+    CHECK(overlap(a, b));
+    CHECK_FALSE(overlap(a, c));
+    const BoxTree tree(std::vector<Box>(1000, a));
     int found = 0;
-    tree.visit_overlapping(box_of_points(b, 2, 2), [&](int) { ++found; });
+    tree.visit_overlapping(b, [&](int) { ++found; });
     CHECK(found == 1000);
 }

@@ -1,5 +1,3 @@
-#include "geometry/patch_contact.hpp"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -48,7 +46,7 @@ TEST_CASE("triangles in space") {
     }
     const PatchBasis basis(2, 4);
     const auto cap = [&](double height, double slope) {
-        return interpolated(basis, 3, [&](double s, double t) {
+        return interpolated(basis, [&](double s, double t) {
             return Vec<3>{s, t, height + slope * s - 0.3 * (s * s + t * t)};
         });
     };

@@ -26,7 +26,7 @@ TEST_CASE("corners are kept to the bit, halves join, and the hull encloses") {
 
 TEST_CASE("normals point right of a curve and out of a counter-clockwise triangle; cones have their measure") {
     const PatchBasis line(1, 3), face(2, 3);
-    const PatchNormal normal_2(2, 3), normal_3(3, 3);
+    const PatchNormal normal_2(1, 3), normal_3(2, 3);
     const auto n = normal_2.coefficients(segment(line, {0, 0, 0}, {2, 0, 0}));
     for (const Vec<3>& v : n) CHECK(v[1] == doctest::Approx(-2));
     CHECK(normal_2.cone(segment(line, {0, 0, 0}, {2, 0, 0}), {0, 1, 0}) == doctest::Approx(1));
