@@ -79,12 +79,12 @@ void Dirichlet::assemble_mass(const std::vector<double>& face_weight) {
                 reference[i * m + j] += target_.quadrature.weight[q] *
                                         face_values_[offset(q, m, i)] *
                                         face_values_[offset(q, m, j)];
-    CellPattern of_faces = pattern_and_places_of_cells(static_cast<int>(nodes_.size()), 1, faces_, m);
-    M_ = std::move(of_faces.pattern);
+    LargeVector<int> place;
+    M_ = pattern_of_cells(static_cast<int>(nodes_.size()), 1, faces_, m, &place);
     M_.value.assign(M_.col.size(), 0.0);
     for (int f = 0; f < mesh_.face_count(); ++f)
         for (int ij = 0; ij < m * m; ++ij)
-            M_.value[of_faces.place[static_cast<std::size_t>(f) * m * m + ij]] += face_weight[f] * reference[ij];
+            M_.value[place[offset(f, m * m, ij)]] += face_weight[f] * reference[ij];
 }
 
 // Solves M (g_h - y) = (N, g_D - y): relative to the ideal positions y, a boundary that stays has no rounding error.

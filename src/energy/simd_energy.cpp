@@ -123,9 +123,7 @@ void SimdEnergy::fill(const Mesh& mesh, const GeometryOf& geometry_of) {
         damping_weight_[batch][lane] = weighs ? of.damping_weight : 0;
     });
     volume_ = integral(ideal_jacobian_);
-    CellPattern of_elements = pattern_and_places_of_cells(mesh.nodes(), dim_, nodes_, m);
-    pattern_ = std::move(of_elements.pattern);
-    hessian_block_ = std::move(of_elements.place);
+    pattern_ = pattern_of_cells(mesh.nodes(), dim_, nodes_, m, &hessian_block_);
 }
 
 // Of a function that is constant on each element, times det A: per batch.

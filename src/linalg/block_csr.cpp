@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "base/parallel.hpp"
+#include "linalg/ordering/graph.hpp"
 #include "linalg/vector_ops.hpp"
 
 namespace almesh {
@@ -19,23 +21,13 @@ int BlockCsr::find(int i, int j) const {
 
 namespace {
 
-// The inverse of `cells`: node i is cells[at[k]] for k = start[i] .. start[i+1]-1, at ascending.
-struct NodeCells {
-    std::vector<int> start, at;
-};
-
-NodeCells cells_of_nodes(int n, const std::vector<int>& cells) {
-    NodeCells around{std::vector<int>(n + 1, 0), std::vector<int>(cells.size())};
-    for (int node : cells) ++around.start[node + 1];
-    for (int i = 0; i < n; ++i) around.start[i + 1] += around.start[i];
-    std::vector<int> next(around.start.begin(), around.start.end() - 1);
-    for (std::size_t k = 0; k < cells.size(); ++k) around.at[next[cells[k]]++] = static_cast<int>(k);
-    return around;
-}
-
 constexpr int row_block = 1024;  // rows whose columns a thread collects at a time
 
-BlockCsr pattern_of(int n, int d, const std::vector<int>& cells, int cell_nodes, const NodeCells& around) {
+}  // namespace
+
+BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes, LargeVector<int>* place) {
+    const Groups around = sorted_by_group(cells, n);  // node i is cells[k] for the k of around.of(i)
+    const auto cell_of = [&](int k) { return &cells[k / cell_nodes * cell_nodes]; };
     BlockCsr A;
     A.n = n;
     A.d = d;
@@ -52,8 +44,8 @@ BlockCsr pattern_of(int n, int d, const std::vector<int>& cells, int cell_nodes,
                 const auto begin = static_cast<std::ptrdiff_t>(found.size());
                 last_row[i] = i;
                 found.push_back(i);
-                for (int k = around.start[i]; k < around.start[i + 1]; ++k) {
-                    const int* const cell = &cells[around.at[k] / cell_nodes * cell_nodes];
+                for (int k : around.of(i)) {
+                    const int* const cell = cell_of(k);
                     for (int b = 0; b < cell_nodes; ++b)
                         if (std::exchange(last_row[cell[b]], i) != i) found.push_back(cell[b]);
                 }
@@ -67,33 +59,19 @@ BlockCsr pattern_of(int n, int d, const std::vector<int>& cells, int cell_nodes,
     parallel_for(blocks, [&](int block) {
         std::copy(columns[block].begin(), columns[block].end(), A.col.begin() + A.row[block * row_block]);
     }, 100.0 * row_block);
-    return A;
-}
-
-}  // namespace
-
-BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes) {
-    return pattern_of(n, d, cells, cell_nodes, cells_of_nodes(n, cells));
-}
-
-CellPattern pattern_and_places_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes) {
-    const NodeCells around = cells_of_nodes(n, cells);
-    CellPattern result{pattern_of(n, d, cells, cell_nodes, around), LargeVector<int>(cells.size() * cell_nodes)};
-    const BlockCsr& A = result.pattern;
+    if (!place) return A;
+    place->resize(cells.size() * cell_nodes);
 #pragma omp parallel if (n >= parallel_work)
     {
         std::vector<int> place_of(n);  // of each column of the current row
 #pragma omp for schedule(static)
         for (int i = 0; i < n; ++i) {
             for (int k = A.row[i]; k < A.row[i + 1]; ++k) place_of[A.col[k]] = k;
-            for (int k = around.start[i]; k < around.start[i + 1]; ++k) {
-                const int* const cell = &cells[around.at[k] / cell_nodes * cell_nodes];
-                int* const place = &result.place[offset(around.at[k], cell_nodes)];
-                for (int b = 0; b < cell_nodes; ++b) place[b] = place_of[cell[b]];
-            }
+            for (int k : around.of(i))
+                for (int b = 0; b < cell_nodes; ++b) (*place)[offset(k, cell_nodes, b)] = place_of[cell_of(k)[b]];
         }
     }
-    return result;
+    return A;
 }
 
 BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes) {
@@ -116,9 +94,7 @@ void multiply_blocks(const BlockCsr& A, int begin, int end, const double* x, dou
 }  // namespace
 
 void multiply_rows(const BlockCsr& A, int begin, int end, const double* x, double* y) {
-    if (A.d == 1) multiply_blocks<1>(A, begin, end, x, y);
-    if (A.d == 2) multiply_blocks<2>(A, begin, end, x, y);
-    if (A.d == 3) multiply_blocks<3>(A, begin, end, x, y);
+    with_block_size(A.d, [&](auto d) { multiply_blocks<d>(A, begin, end, x, y); });
 }
 
 void multiply(const BlockCsr& A, const double* x, double* y) {
@@ -142,13 +118,75 @@ double norm_inf(const BlockCsr& A) {
     return largest;
 }
 
+double scaled_residual(const BlockCsr& A, double A_norm, const std::vector<double>& x, const std::vector<double>& b,
+                       std::vector<double>& residual) {
+    multiply(A, x.data(), residual.data());
+    subtract(A.size(), b.data(), residual.data(), residual.data());
+    const double largest = norm_inf(residual), scale = A_norm * norm_inf(x) + norm_inf(b);
+    if (!std::isfinite(largest) || !std::isfinite(scale)) return std::numeric_limits<double>::quiet_NaN();
+    return scale > 0 ? largest / scale : largest;
+}
+
 double scaled_residual(const BlockCsr& A, const std::vector<double>& x, const std::vector<double>& b) {
-    std::vector<double> r(b.size());
-    multiply(A, x.data(), r.data());
-    subtract(A.size(), b.data(), r.data(), r.data());
-    const double residual = norm_inf(r), scale = norm_inf(A) * norm_inf(x) + norm_inf(b);
-    if (!std::isfinite(residual) || !std::isfinite(scale)) return std::numeric_limits<double>::quiet_NaN();
-    return scale > 0 ? residual / scale : residual;
+    std::vector<double> residual(b.size());
+    return scaled_residual(A, norm_inf(A), x, b, residual);
+}
+
+namespace {
+
+// The pattern of A with rows and columns renumbered, its values undefined; source[k]: the block of A that block k comes
+// from.
+BlockCsr permuted_pattern(const BlockCsr& A, const std::vector<int>& order, std::vector<int>& source) {
+    const std::vector<int> position = inverse(order);
+    BlockCsr B;
+    B.n = A.n;
+    B.d = A.d;
+    B.row.assign(1, 0);
+    for (int v : order) B.row.push_back(B.row.back() + A.row[v + 1] - A.row[v]);
+    source.resize(A.col.size());
+    B.col.resize(A.col.size());
+    parallel_for(A.n, [&](int i) {
+        const auto begin = source.begin() + B.row[i], end = source.begin() + B.row[i + 1];
+        std::iota(begin, end, A.row[order[i]]);
+        std::sort(begin, end, [&](int a, int b) { return position[A.col[a]] < position[A.col[b]]; });
+        std::transform(begin, end, B.col.begin() + B.row[i], [&](int k) { return position[A.col[k]]; });
+    }, 500);
+    B.value.resize(A.value.size());
+    return B;
+}
+
+// Block k of `to` is block source[k] of `from`. The size is a template argument, so that a copy is not a call. Blocks
+// of `from` come in a random order and are prefetched 32 blocks ahead.
+template <int size>
+void copy_blocks(const std::vector<int>& source, const double* from, double* to) {
+    constexpr int ahead = 32;
+    const int count = static_cast<int>(source.size());
+    parallel_for(count, [&](int k) {
+        const double* const later = from + offset(source[std::min(k + ahead, count - 1)], size);
+        __builtin_prefetch(later);
+        __builtin_prefetch(later + size - 1);
+        const double* const block = from + offset(source[k], size);
+        for (int e = 0; e < size; ++e) to[offset(k, size, e)] = block[e];
+    });
+}
+
+}  // namespace
+
+Reordered::Reordered(const BlockCsr& pattern, std::vector<int> order)
+    : order_(std::move(order)), matrix_(permuted_pattern(pattern, order_, source_)) {}
+
+void Reordered::set(const BlockCsr& A) {
+    with_block_size(A.d, [&](auto d) { copy_blocks<d * d>(source_, A.value.data(), matrix_.value.data()); });
+}
+
+void Reordered::gather(const double* x, double* y) const {
+    const int d = matrix_.d;
+    parallel_for(matrix_.n, [&](int i) { std::copy_n(x + offset(order_[i], d), d, y + offset(i, d)); });
+}
+
+void Reordered::scatter(const double* y, double* x) const {
+    const int d = matrix_.d;
+    parallel_for(matrix_.n, [&](int i) { std::copy_n(y + offset(i, d), d, x + offset(order_[i], d)); });
 }
 
 }  // namespace almesh

@@ -4,6 +4,7 @@
 // Block row i holds the blocks k = row[i] .. row[i+1]-1 in the block columns col[k], ascending and without repeats;
 // block k is value[k*d*d .. (k+1)*d*d), row-major. Symmetric matrices store both triangles.
 #pragma once
+#include <type_traits>
 #include <vector>
 
 #include "base/index.hpp"
@@ -28,17 +29,19 @@ struct BlockCsr {
     int find(int i, int j) const;
 };
 
-// Pattern in which all nodes of a cell are neighbours: the union over all cells of cell x cell, plus the diagonal.
-// cells: cell_count x cell_nodes node indices in [0, n). Without values: A.value is empty.
-BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes);
+// Calls body(std::integral_constant<int, d>()) for d = 1, 2 or 3: loops over a block have a length known when compiled.
+template <class Body>
+void with_block_size(int d, const Body& body) {
+    if (d == 1) body(std::integral_constant<int, 1>());
+    if (d == 2) body(std::integral_constant<int, 2>());
+    if (d == 3) body(std::integral_constant<int, 3>());
+}
 
-// The same, with the place of every block of each cell: place[(c cell_nodes + a) cell_nodes + b] is that of block
-// (node a of cell c, node b of cell c).
-struct CellPattern {
-    BlockCsr pattern;
-    LargeVector<int> place;  // cell x cell node x cell node
-};
-CellPattern pattern_and_places_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes);
+// Pattern in which all nodes of a cell are neighbours: the union over all cells of cell x cell, plus the diagonal.
+// cells: cell_count x cell_nodes node indices in [0, n). A.value is empty. place: on return, block (node a of cell c,
+// node b of cell c) is block place[(c cell_nodes + a) cell_nodes + b] of A.
+BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes,
+                          LargeVector<int>* place = nullptr);
 
 // The pattern with all values zero.
 BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes);
@@ -91,8 +94,32 @@ private:
 
 double norm_inf(const BlockCsr& A);  // largest row sum of absolute values; |A|_1 of a symmetric A
 
-// |Ax - b|_inf / (|A|_inf |x|_inf + |b|_inf): a few machine epsilons for a backward-stable solve (CSparse); nan
-// where a number is not finite.
+// |b - A x|_inf / (|A|_inf |x|_inf + |b|_inf): a few machine epsilons for a backward-stable solve (CSparse); nan
+// where a number is not finite. A_norm: |A|_inf. residual <- b - A x.
+double scaled_residual(const BlockCsr& A, double A_norm, const std::vector<double>& x, const std::vector<double>& b,
+                       std::vector<double>& residual);
 double scaled_residual(const BlockCsr& A, const std::vector<double>& x, const std::vector<double>& b);
+
+// A copy P A P' of a matrix in another order of its nodes, with the vectors to go with it.
+//
+// A mesh generator's numbering has the neighbours of a node anywhere in memory. Iterative solvers pass over the matrix
+// dozens of times, so they work on a copy in the order of their preconditioner, in which rows that are near have near
+// columns: after one pass to copy, every product and sweep finds its vectors in the cache.
+class Reordered {
+public:
+    // pattern: of all matrices to come. order[new] = old, a permutation of its nodes.
+    Reordered(const BlockCsr& pattern, std::vector<int> order);
+
+    const std::vector<int>& order() const { return order_; }
+    const BlockCsr& matrix() const { return matrix_; }  // P A P', its values undefined before the first set()
+
+    void set(const BlockCsr& A);                     // A: on the pattern given to the constructor
+    void gather(const double* x, double* y) const;   // y = P x; x, y: n*d
+    void scatter(const double* y, double* x) const;  // x = P' y
+
+private:
+    std::vector<int> order_, source_;  // source_: block of A for each block of P A P'
+    BlockCsr matrix_;
+};
 
 }  // namespace almesh

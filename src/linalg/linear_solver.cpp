@@ -13,8 +13,7 @@
 #include "linalg/krylov/deflated.hpp"
 #include "linalg/krylov/gmres.hpp"
 #include "linalg/krylov/ilu0.hpp"
-#include "linalg/krylov/reordered.hpp"
-#include "linalg/ordering/domains.hpp"
+#include "linalg/ordering/ordering.hpp"
 #include "linalg/ordering/graph.hpp"
 #include "linalg/vector_ops.hpp"
 

@@ -6,7 +6,7 @@ namespace almesh {
 enum class SolveStatus {
     success,                    // factored, or solved to the tolerance
     max_iterations,             // Krylov methods
-    stagnated,                  // Krylov methods: krylov/convergence.hpp, or the tolerance is below rounding
+    stagnated,                  // Krylov methods: StagnationTest, or the tolerance is below rounding
     breakdown,                  // a number is not finite, A is singular, or x does not satisfy the system
     indefinite_preconditioner,  // ILU(0): a pivot is not positive. A itself may be positive definite
     not_positive_definite,      // Cholesky: a pivot is not positive; conjugate gradients: p'Ap <= 0
@@ -19,32 +19,17 @@ struct FactorResult {
     double diagonal_shift = 0;  // ILU(0): what is factored is A with its diagonal blocks times 1 + diagonal_shift
 };
 
-// The name in history.csv.
-inline const char* to_string(SolveStatus status) {
-    switch (status) {
-        case SolveStatus::success: return "success";
-        case SolveStatus::max_iterations: return "max_iterations";
-        case SolveStatus::stagnated: return "stagnated";
-        case SolveStatus::breakdown: return "breakdown";
-        case SolveStatus::indefinite_preconditioner: return "indefinite_preconditioner";
-        case SolveStatus::not_positive_definite: return "not_positive_definite";
-        case SolveStatus::too_large: return "too_large";
-    }
-    return "";
-}
+// In the order of the enum: the name in history.csv, and the reason in messages.
+inline constexpr const char* status_text[][2] = {
+    {"success", "solved"},
+    {"max_iterations", "too many iterations"},
+    {"stagnated", "stagnated"},
+    {"breakdown", "breakdown: the matrix is singular, or a number was not finite"},
+    {"indefinite_preconditioner", "ILU(0) met a pivot that is not positive"},
+    {"not_positive_definite", "the matrix is not positive definite"},
+    {"too_large", "the factorisation takes more than the machine's memory"}};
 
-// The same for people.
-inline const char* reason(SolveStatus status) {
-    switch (status) {
-        case SolveStatus::success: return "solved";
-        case SolveStatus::max_iterations: return "too many iterations";
-        case SolveStatus::stagnated: return "stagnated";
-        case SolveStatus::breakdown: return "breakdown: the matrix is singular, or a number was not finite";
-        case SolveStatus::indefinite_preconditioner: return "ILU(0) met a pivot that is not positive";
-        case SolveStatus::not_positive_definite: return "the matrix is not positive definite";
-        case SolveStatus::too_large: return "the factorisation takes more than the machine's memory";
-    }
-    return "";
-}
+inline const char* to_string(SolveStatus status) { return status_text[static_cast<int>(status)][0]; }
+inline const char* reason(SolveStatus status) { return status_text[static_cast<int>(status)][1]; }
 
 }  // namespace almesh

@@ -10,10 +10,9 @@
 #include "linalg/direct/cholesky.hpp"
 #include "linalg/krylov/conjugate_gradients.hpp"
 #include "linalg/krylov/deflated.hpp"
-#include "linalg/ordering/domains.hpp"
+#include "linalg/ordering/ordering.hpp"
 #include "linalg/ordering/graph.hpp"
 #include "linalg/krylov/ilu0.hpp"
-#include "linalg/krylov/reordered.hpp"
 
 namespace almesh::bench {
 namespace {

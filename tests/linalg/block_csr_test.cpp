@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "base/parallel.hpp"
+#include "linalg/ordering/graph.hpp"
+#include "linalg/ordering/ordering.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;
@@ -31,12 +33,13 @@ TEST_CASE("the pattern of many rows is that of every pair of neighbours, for any
     for (int threads : {1, 2, 3, 8}) {
         set_threads(threads);
         const BlockCsr A = pattern_of_cells(n, 2, cells, 4);
-        const CellPattern same = pattern_and_places_of_cells(n, 2, cells, 4);
-        CHECK(same.pattern.row == A.row);
-        CHECK(same.pattern.col == A.col);
-        bool found = same.place.size() == cells.size() * 4;
-        for (std::size_t p = 0; found && p < same.place.size(); ++p)
-            found = same.place[p] == A.find(cells[p / 4], cells[p / 16 * 4 + p % 4]);
+        LargeVector<int> place;
+        const BlockCsr same = pattern_of_cells(n, 2, cells, 4, &place);
+        CHECK(same.row == A.row);
+        CHECK(same.col == A.col);
+        bool found = place.size() == cells.size() * 4;
+        for (std::size_t p = 0; found && p < place.size(); ++p)
+            found = place[p] == A.find(cells[p / 4], cells[p / 16 * 4 + p % 4]);
         CHECK(found);
         CHECK(A.value.empty());
         CHECK(A.blocks() == (3 * k - 2) * (3 * k - 2));
@@ -95,4 +98,41 @@ TEST_CASE("the scaled residual does not take what is not a number for a solution
     CHECK(std::isnan(scaled_residual(A, {NAN, 1}, {3, 3})));
     CHECK(std::isnan(scaled_residual(A, {1, 1}, {INFINITY, 3})));
     CHECK(std::isnan(scaled_residual(A, {1e308, 1e308}, {3, 3})));
+}
+
+TEST_CASE("P A P' is the matrix in the other order: it multiplies reordered vectors as A does") {
+    for (int d = 1; d <= 3; ++d) {
+        const BlockCsr A = random_spd(120, d, grid(12, 10));
+        Reordered reordered(A, reverse_cuthill_mckee(graph_of(A)));
+        const std::vector<int>& order = reordered.order();
+        REQUIRE(is_permutation(order));
+        reordered.set(A);
+        const BlockCsr& B = reordered.matrix();
+        for (int i = 0; i < B.n; ++i)
+            for (int k = B.row[i]; k < B.row[i + 1]; ++k) {
+                if (k > B.row[i]) CHECK(B.col[k - 1] < B.col[k]);
+                const int source = A.find(order[i], order[B.col[k]]);
+                REQUIRE(source >= 0);
+                CHECK(std::equal(B.block(k), B.block(k) + d * d, A.block(source)));
+            }
+        const std::vector<double> x = random_vector(A.size());
+        std::vector<double> Ax(A.size()), Px(A.size()), BPx(A.size()), back(A.size());
+        multiply(A, x.data(), Ax.data());
+        reordered.gather(x.data(), Px.data());
+        multiply(B, Px.data(), BPx.data());
+        reordered.scatter(BPx.data(), back.data());
+        CHECK(max_difference(back, Ax) < 1e-13);
+        reordered.scatter(Px.data(), back.data());
+        CHECK(back == x);
+    }
+}
+
+TEST_CASE("set() takes new values on the same pattern") {
+    BlockCsr A = random_spd(20, 2, path(20));
+    Reordered reordered(A, reverse_cuthill_mckee(graph_of(A)));
+    reordered.set(A);
+    CHECK(norm_inf(reordered.matrix()) == doctest::Approx(norm_inf(A)));
+    for (double& v : A.value) v *= 2;
+    reordered.set(A);
+    CHECK(norm_inf(reordered.matrix()) == doctest::Approx(norm_inf(A)));
 }

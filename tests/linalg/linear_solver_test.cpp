@@ -284,6 +284,9 @@ TEST_CASE("every status and kind has a name") {
         CHECK(std::string(to_string(status)) != "");
         CHECK(std::string(reason(status)) != "");
     }
+    CHECK(std::string(to_string(SolveStatus::success)) == "success");
+    CHECK(std::string(to_string(SolveStatus::breakdown)) == "breakdown");
+    CHECK(std::string(to_string(SolveStatus::too_large)) == "too_large");
     CHECK(std::string(to_string(SolverKind::automatic)) == "automatic");
     CHECK(std::string(to_string(SolverKind::cg)) == "cg");
     CHECK(std::string(to_string(SolverKind::gmres)) == "gmres");

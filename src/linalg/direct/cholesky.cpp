@@ -36,6 +36,13 @@ FactorPlan plan_in_order(const BlockCsr& pattern, Ordering ordering) {
     return plan_factorisation(pattern, graph, order_vertices(graph, ordering));
 }
 
+// body(i) for i in [0, n), by a team of threads if asked for.
+template <class Body>
+void loop(int n, bool parallel, const Body& body, double work = 10) {
+    if (parallel) return parallel_for(n, body, work);
+    for (int i = 0; i < n; ++i) body(i);
+}
+
 // Rows of an update matrix that stay next to each other in the parent front; scalar, counted from its first row.
 struct Run {
     int begin, end, target;
@@ -49,43 +56,29 @@ void find_runs(const int* index, int rows, int d, std::vector<Run>& runs) {
     }
 }
 
-// Adds the lower triangle of a child's update matrix to its parent's front.
-struct ExtendAdd {
-    Front child, parent;
-    const std::vector<Run>& runs;
-
-    // Column j, which is in run r, from the diagonal down.
-    void column(std::size_t r, int j) const {
-        const int ld = update_ld(child.m, child.k);
-        const double* const from = child.update + offset(j, ld) + child.k - update_row(child.k);
-        const int target = runs[r].target + j - runs[r].begin;
-        double* const to = column_of_parent(target);
-        for (int begin = j; r < runs.size(); ++r, begin = r < runs.size() ? runs[r].begin : 0) {
-            double* const run_to = to + runs[r].target - runs[r].begin;
-            for (int i = begin; i < runs[r].end; ++i) run_to[i] += from[i];
-        }
+// Adds column j, which is in run r, of a child's update matrix to its parent's front, from the diagonal down.
+void extend_add_column(const Front& child, const Front& parent, const std::vector<Run>& runs, std::size_t r, int j) {
+    const double* const from = child.update + offset(j, update_ld(child.m, child.k)) + child.k - update_row(child.k);
+    const int target = runs[r].target + j - runs[r].begin;
+    // Row i of the front is element [i] of its column.
+    double* const to = target < parent.k ? parent.panel + offset(target, front_ld(parent.m))
+                                         : parent.update + offset(target - parent.k, update_ld(parent.m, parent.k)) -
+                                               update_row(parent.k);
+    for (int begin = j; r < runs.size(); ++r, begin = r < runs.size() ? runs[r].begin : 0) {
+        double* const run_to = to + runs[r].target - runs[r].begin;
+        for (int i = begin; i < runs[r].end; ++i) run_to[i] += from[i];
     }
+}
 
-    // Column j of the parent, offset so that row i of the front is element [i].
-    double* column_of_parent(int j) const {
-        if (j < parent.k) return parent.panel + offset(j, front_ld(parent.m));
-        const std::size_t ld = update_ld(parent.m, parent.k);
-        return parent.update + (j - parent.k) * ld - update_row(parent.k);
+// Adds the columns of a child's update matrix that go to its parent's pivots (panel) or to its update matrix.
+void extend_add(const Front& child, const Front& parent, const std::vector<Run>& runs, bool panel, bool parallel) {
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        const int pivots = std::clamp(parent.k - runs[r].target + runs[r].begin, runs[r].begin, runs[r].end);
+        const int begin = panel ? runs[r].begin : pivots, end = panel ? pivots : runs[r].end;
+        loop(end - begin, parallel && end - begin > 32,
+             [&](int j) { extend_add_column(child, parent, runs, r, begin + j); });
     }
-
-    // Columns that go to the parent's pivots (panel) or to its update matrix.
-    void add(bool panel, bool parallel) const {
-        for (std::size_t r = 0; r < runs.size(); ++r) {
-            const int pivots = std::clamp(parent.k - runs[r].target + runs[r].begin, runs[r].begin, runs[r].end);
-            const int begin = panel ? runs[r].begin : pivots, end = panel ? pivots : runs[r].end;
-            if (parallel && end - begin > 32) {
-                parallel_for(end - begin, [&](int j) { column(r, begin + j); });
-            } else {
-                for (int j = begin; j < end; ++j) column(r, j);
-            }
-        }
-    }
-};
+}
 
 // Solves read each panel once, so threads that share a front wait more than they work: parallel across a level, and
 // inside a front only where it is alone.
@@ -125,25 +118,17 @@ void Cholesky::allocate() {
     threads_ = threads;
 }
 
-double* Cholesky::update_of(int f, int thread) {
-    const std::size_t base = plan_.update_shared[f] ? 0 : plan_.shared_size + plan_.thread_size * thread;
-    return updates_.data() + base + plan_.update_at[f];
-}
-
 Front Cholesky::front(int f, int thread) {
-    return {plan_.rows(f), plan_.pivots(f), factor_.data() + plan_.panel_at[f], update_of(f, thread)};
+    const std::size_t base = plan_.update_shared[f] ? 0 : plan_.shared_size + plan_.thread_size * thread;
+    return {plan_.rows(f), plan_.pivots(f), factor_.data() + plan_.panel_at[f],
+            updates_.data() + base + plan_.update_at[f]};
 }
 
 // Assembles the entries of A in the panel, and sets the smallest acceptable pivots.
 void Cholesky::gather_entries(const BlockCsr& A, int f, const Front& target, bool parallel) {
     const int d = plan_.d, ld = front_ld(target.m);
     double* const smallest = smallest_.data() + offset(plan_.tree.first[f], d);
-    auto clear = [&](int j) { std::fill_n(target.panel + offset(j, ld), ld, 0.0); };
-    if (parallel) {
-        parallel_for(target.k, clear, target.m);
-    } else {
-        for (int j = 0; j < target.k; ++j) clear(j);
-    }
+    loop(target.k, parallel, [&](int j) { std::fill_n(target.panel + offset(j, ld), ld, 0.0); }, target.m);
     for (std::size_t e = plan_.entry_start[f]; e < plan_.entry_start[f + 1]; ++e) {
         const FrontEntry& entry = plan_.entries[e];
         const double* block = A.block(entry.block);  // row-major, row = the entry's column, as A is symmetric
@@ -164,7 +149,7 @@ int Cholesky::factor_one(const BlockCsr& A, int f, int thread, bool parallel) {
     auto add_children = [&](bool panel) {
         for (int c : plan_.tree.children.of(f)) {
             find_runs(plan_.relative_index.data() + plan_.tree.row_start[c], plan_.tree.update_rows(c), plan_.d, runs);
-            ExtendAdd{front(c, thread), target, runs}.add(panel, parallel);
+            extend_add(front(c, thread), target, runs, panel, parallel);
         }
     };
     add_children(true);
@@ -207,55 +192,53 @@ FactorResult Cholesky::factor(const BlockCsr& A) {
     return {SolveStatus::success};
 }
 
-void Cholesky::solve_forward_one(int f, double* x, bool parallel) {
+// Gathers w of the front from x and from what its children (forward) or its ancestors (backward) leave it, solves with
+// its columns of L, and hands the result on.
+void Cholesky::solve_front(int f, bool forward, double* x, bool parallel) {
     thread_local std::vector<double> work;  // scratch, kept between calls
+    const AssemblyTree& tree = plan_.tree;
     const Front L = front(f, 0);
     const int d = plan_.d;
     work.resize(largest_front_);
-    double* const own = x + offset(plan_.tree.first[f], d);
-    std::copy_n(own, L.k, work.data());
-    std::fill(work.begin() + L.k, work.begin() + L.m, 0.0);
-    for (int c : plan_.tree.children.of(f))
-        for (std::size_t i = plan_.tree.row_start[c]; i < plan_.tree.row_start[c + 1]; ++i)
-            for (int r = 0; r < d; ++r) work[plan_.relative_index[i] * d + r] += passed_on_[i * d + r];
-    solve_forward(L, work.data(), parallel);
-    std::copy_n(work.data(), L.k, own);
-    std::copy(work.begin() + L.k, work.begin() + L.m, passed_on_.begin() + plan_.tree.row_start[f] * d);
-}
-
-void Cholesky::solve_backward_one(int f, double* x, bool parallel) {
-    thread_local std::vector<double> work;  // scratch, kept between calls
-    const Front L = front(f, 0);
-    const int d = plan_.d;
-    work.resize(largest_front_);
-    double* const own = x + offset(plan_.tree.first[f], d);
-    std::copy_n(own, L.k, work.data());
-    double* to = work.data() + L.k;
-    for (std::size_t i = plan_.tree.row_start[f]; i < plan_.tree.row_start[f + 1]; ++i, to += d)
-        std::copy_n(x + offset(plan_.tree.rows[i], d), d, to);
-    solve_backward(L, work.data(), parallel);
-    std::copy_n(work.data(), L.k, own);
+    double *const w = work.data(), *const own = x + offset(tree.first[f], d);
+    double* const passed_on = passed_on_.data() + offset(tree.row_start[f], d);
+    std::copy_n(own, L.k, w);
+    if (forward) {
+        std::fill(w + L.k, w + L.m, 0.0);
+        for (int c : tree.children.of(f))
+            for (std::size_t i = tree.row_start[c]; i < tree.row_start[c + 1]; ++i)
+                for (int r = 0; r < d; ++r) w[plan_.relative_index[i] * d + r] += passed_on_[i * d + r];
+        solve_forward(L, w, parallel);
+        std::copy(w + L.k, w + L.m, passed_on);
+    } else {
+        for (int i = 0; i < tree.update_rows(f); ++i)
+            std::copy_n(x + offset(tree.rows[tree.row_start[f] + i], d), d, w + L.k + i * d);
+        solve_backward(L, w, parallel);
+    }
+    std::copy_n(w, L.k, own);
 }
 
 void Cholesky::solve(const double* b, double* x) {
-    const std::size_t d = plan_.d;
+    const int d = plan_.d, subtrees = static_cast<int>(plan_.subtrees.size());
     const std::vector<int>& order = plan_.tree.order;
-    const std::vector<FrontRange>& ranges = plan_.subtrees;
-    const int subtrees = static_cast<int>(ranges.size()), nodes = static_cast<int>(order.size());
+    const int nodes = static_cast<int>(order.size()), levels = static_cast<int>(plan_.levels.size());
     double* const y = permuted_.data();
-    parallel_for(nodes, [&](int i) { std::copy_n(b + order[i] * d, d, y + i * d); });
+    const auto sweep_subtrees = [&](bool forward) {
 #pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
-    for (int s = 0; s < subtrees; ++s)
-        for (int f = ranges[s].begin; f < ranges[s].end; ++f) solve_forward_one(f, y, false);
-    const std::vector<std::vector<int>>& levels = plan_.levels;
-    for (const std::vector<int>& level : levels)
-        for_level(level, [&](int f, bool parallel) { solve_forward_one(f, y, parallel); });
-    for (std::size_t l = levels.size(); l-- > 0;)
-        for_level(levels[l], [&](int f, bool parallel) { solve_backward_one(f, y, parallel); });
-#pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
-    for (int s = 0; s < subtrees; ++s)
-        for (int f = ranges[s].end - 1; f >= ranges[s].begin; --f) solve_backward_one(f, y, false);
-    parallel_for(nodes, [&](int i) { std::copy_n(y + i * d, d, x + order[i] * d); });
+        for (int s = 0; s < subtrees; ++s) {
+            const auto [begin, end] = plan_.subtrees[s];
+            for (int k = 0; k < end - begin; ++k) solve_front(forward ? begin + k : end - 1 - k, forward, y, false);
+        }
+    };
+    const auto sweep_level = [&](int l, bool forward) {
+        for_level(plan_.levels[l], [&](int f, bool parallel) { solve_front(f, forward, y, parallel); });
+    };
+    parallel_for(nodes, [&](int i) { std::copy_n(b + offset(order[i], d), d, y + offset(i, d)); });
+    sweep_subtrees(true);
+    for (int l = 0; l < levels; ++l) sweep_level(l, true);
+    for (int l = levels - 1; l >= 0; --l) sweep_level(l, false);
+    sweep_subtrees(false);
+    parallel_for(nodes, [&](int i) { std::copy_n(y + offset(i, d), d, x + offset(order[i], d)); });
 }
 
 }  // namespace almesh

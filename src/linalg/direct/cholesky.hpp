@@ -45,13 +45,11 @@ public:
 
 private:
     void allocate();
-    double* update_of(int f, int thread);
     Front front(int f, int thread);
     int factor_one(const BlockCsr& A, int f, int thread, bool parallel);
     void factor_fronts(const BlockCsr& A, FrontRange range, bool parallel, std::atomic<int>& first_bad);
     void gather_entries(const BlockCsr& A, int f, const Front& target, bool parallel);
-    void solve_forward_one(int f, double* x, bool parallel);
-    void solve_backward_one(int f, double* x, bool parallel);
+    void solve_front(int f, bool forward, double* x, bool parallel);
 
     CholeskyParams params_;
     FactorPlan plan_;

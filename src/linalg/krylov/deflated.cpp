@@ -3,13 +3,14 @@
 #include "linalg/krylov/deflated.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
-#include "linalg/ordering/coarsening.hpp"
 #include "linalg/ordering/graph.hpp"
+#include "linalg/ordering/multilevel.hpp"
 
 namespace almesh {
 
@@ -18,19 +19,9 @@ namespace {
 // Nodes in a group. Smaller groups save iterations where A has low-energy modes, and make every iteration cost more.
 constexpr int group_size = 200;
 
-// The group of every node: the graph is coarsened until a vertex represents `group_size` nodes or it gets no coarser.
+// The group of every node: the graph is coarsened until a vertex represents `group_size` nodes.
 std::vector<int> grouped(const Graph& graph) {
-    const int n = graph.size();
-    WeightedGraph coarse = weighted(graph);
-    std::vector<int> group(n);
-    std::iota(group.begin(), group.end(), 0);
-    for (int step = 0; coarse.size() > n / group_size + 1; ++step) {
-        Coarsening next = coarsen(coarse, 2 * group_size, step);
-        if (next.graph.size() == coarse.size()) break;
-        for (int& g : group) g = next.coarse_of[g];
-        coarse = std::move(next.graph);
-    }
-    return group;
+    return coarsen(graph, 2 * group_size, std::numeric_limits<int>::max(), graph.size() / group_size + 1).coarse_of;
 }
 
 // The pattern of E: groups are neighbours where their nodes are.
@@ -48,18 +39,16 @@ BlockCsr coarse_pattern(const BlockCsr& A, const std::vector<int>& group) {
 CoarseSpace::CoarseSpace(const BlockCsr& pattern)
     : group_(grouped(graph_of(pattern))),
       E_(coarse_pattern(pattern, group_)),
+      members_(sorted_by_group(group_, groups())),
       factor_(E_),
       r_(E_.size()),
       c_(E_.size()) {
-    member_.resize(pattern.n);
-    std::iota(member_.begin(), member_.end(), 0);
-    std::stable_sort(member_.begin(), member_.end(), [&](int a, int b) { return group_[a] < group_[b]; });
     place_.resize(pattern.blocks());
     std::vector<int> place_of(pattern.n, -1);  // of a column in the current row
-    for (int g = 0, m = 0; g < groups(); ++g) {
+    for (int g = 0; g < groups(); ++g) {
         const int first = static_cast<int>(col_.size());
-        for (; m < pattern.n && group_[member_[m]] == g; ++m)
-            for (int k = pattern.row[member_[m]]; k < pattern.row[member_[m] + 1]; ++k) {
+        for (int i : members_.of(g))
+            for (int k = pattern.row[i]; k < pattern.row[i + 1]; ++k) {
                 const int j = pattern.col[k];
                 if (place_of[j] < first) {
                     place_of[j] = static_cast<int>(col_.size());
@@ -68,7 +57,6 @@ CoarseSpace::CoarseSpace(const BlockCsr& pattern)
                 }
                 place_[k] = place_of[j];
             }
-        member_start_.push_back(m);
         row_.push_back(static_cast<int>(col_.size()));
     }
     value_.resize(col_.size() * pattern.d * pattern.d);
@@ -84,8 +72,8 @@ void CoarseSpace::add_up_rows(const BlockCsr& A) {
     const auto make_row = [&](int g) {
         double* const row = value_.data() + offset(row_[g], block);
         std::fill_n(row, offset(row_[g + 1] - row_[g], block), 0.0);
-        for (int m = member_start_[g]; m < member_start_[g + 1]; ++m)
-            for (int k = A.row[member_[m]]; k < A.row[member_[m] + 1]; ++k)
+        for (int i : members_.of(g))
+            for (int k = A.row[i]; k < A.row[i + 1]; ++k)
                 add(A.block(k), value_.data() + offset(place_[k], block));
         std::fill_n(E_.block(E_.row[g]), offset(E_.row[g + 1] - E_.row[g], block), 0.0);
         for (int k = row_[g]; k < row_[g + 1]; ++k)
@@ -95,9 +83,7 @@ void CoarseSpace::add_up_rows(const BlockCsr& A) {
 }
 
 FactorResult CoarseSpace::factor(const BlockCsr& A) {
-    if (A.d == 1) add_up_rows<1>(A);
-    if (A.d == 2) add_up_rows<2>(A);
-    if (A.d == 3) add_up_rows<3>(A);
+    with_block_size(A.d, [&](auto d) { add_up_rows<d>(A); });
     return {factor_.factor(E_).status};
 }
 
@@ -108,8 +94,8 @@ void CoarseSpace::restrict_residual(const double* r, const double* z) {
     for (int g = 0; g < groups(); ++g) {
         double sum[d] = {};
         SumOfProducts<d> product;
-        for (int m = member_start_[g]; m < member_start_[g + 1]; ++m)
-            for (int a = 0; a < d; ++a) sum[a] += r[offset(member_[m], d, a)];
+        for (int i : members_.of(g))
+            for (int a = 0; a < d; ++a) sum[a] += r[offset(i, d, a)];
         for (int k = row_[g]; z && k < row_[g + 1]; ++k)
             product.add(value_.data() + offset(k, d * d), z + offset(col_[k], d));
         for (int a = 0; a < d; ++a) {
@@ -121,9 +107,7 @@ void CoarseSpace::restrict_residual(const double* r, const double* z) {
 
 double CoarseSpace::correct(const double* r, const double* z, double* x) {
     const int d = E_.d;
-    if (d == 1) restrict_residual<1>(r, z);
-    if (d == 2) restrict_residual<2>(r, z);
-    if (d == 3) restrict_residual<3>(r, z);
+    with_block_size(d, [&](auto size) { restrict_residual<size>(r, z); });
 #pragma omp single
     {
         factor_.solve(c_.data(), c_.data());

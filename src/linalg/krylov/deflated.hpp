@@ -17,14 +17,15 @@
 
 #include "base/large_array.hpp"
 #include "linalg/direct/cholesky.hpp"
-#include "linalg/krylov/preconditioner.hpp"
+#include "linalg/krylov/krylov.hpp"
+#include "linalg/ordering/graph.hpp"
 
 namespace almesh {
 
 class CoarseSpace {
 public:
     // pattern: of all matrices to come, symmetric with both triangles and the diagonal, d = 1, 2, 3; near rows should
-    // have near columns (ordering/domains.hpp).
+    // have near columns (cut_into_domains() in ordering/ordering.hpp).
     explicit CoarseSpace(const BlockCsr& pattern);
 
     int groups() const { return E_.n; }
@@ -43,15 +44,15 @@ private:
     template <int d>
     void restrict_residual(const double* r, const double* z);
 
-    std::vector<int> group_;                     // of each node
-    std::vector<int> member_start_{0}, member_;  // nodes of group g: member_[member_start_[g] .. member_start_[g+1])
-    std::vector<int> row_{0}, col_;              // pattern of Z'A: a block row per group, a block column per node
-    LargeVector<double> value_;                  // d*d per block, row-major
-    std::vector<int> place_;                     // block of Z'A for every block of A
-    std::vector<int> coarse_place_;              // block of E for every block of Z'A
+    std::vector<int> group_;         // of each node
     BlockCsr E_;
+    Groups members_;                 // nodes of each group
+    std::vector<int> row_{0}, col_;  // pattern of Z'A: a block row per group, a block column per node
+    LargeVector<double> value_;      // d*d per block, row-major
+    std::vector<int> place_;         // block of Z'A for every block of A
+    std::vector<int> coarse_place_;  // block of E for every block of Z'A
     Cholesky factor_;
-    std::vector<double> r_, c_;                  // groups*d: Z'r, c
+    std::vector<double> r_, c_;      // groups*d: Z'r, c
     double rZc_ = 0;
 };
 

@@ -9,8 +9,7 @@
 
 #include "base/index.hpp"
 #include "linalg/block_csr.hpp"
-#include "linalg/krylov/convergence.hpp"
-#include "linalg/krylov/preconditioner.hpp"
+#include "linalg/krylov/krylov.hpp"
 
 namespace almesh {
 

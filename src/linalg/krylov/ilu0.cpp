@@ -306,12 +306,9 @@ private:
 }  // namespace
 
 Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts) {
-    const auto make = [&]<int d>() {
+    with_block_size(pattern.d, [&](auto d) {
         blocks_ = std::make_unique<Ilu0OfBlocks<d>>(pattern, std::move(start), std::move(diagonal_shifts));
-    };
-    if (pattern.d == 1) make.operator()<1>();
-    if (pattern.d == 2) make.operator()<2>();
-    if (pattern.d == 3) make.operator()<3>();
+    });
 }
 
 Ilu0::Ilu0(const BlockCsr& pattern) : Ilu0(pattern, {0, pattern.n}) {}

@@ -3,7 +3,7 @@
 //     A ~ C (I + L) (I + L') C',   L strictly lower triangular with the pattern of A, C block diagonal
 // (Saad, Iterative Methods for Sparse Linear Systems, 2003, sections 10.3 and 10.6), with half the storage of L U.
 //
-// The matrix is ordered by domains, separators last (ordering/domains.hpp), so that domains are factored and swept in
+// The matrix is ordered by domains, separators last (ordering/ordering.hpp), so that domains are factored and swept in
 // parallel, with one barrier before and one after the separators; inside a domain, reverse Cuthill-McKee keeps the
 // factor accurate. The blocks of a separator's row in the columns of a domain are swept with that domain, which leaves
 // little work to a single thread.
@@ -16,7 +16,7 @@
 #include <memory>
 #include <vector>
 
-#include "linalg/krylov/preconditioner.hpp"
+#include "linalg/krylov/krylov.hpp"
 
 namespace almesh {
 

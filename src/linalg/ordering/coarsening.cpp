@@ -1,6 +1,6 @@
 // Every vertex in turn joins the group at the other end of its heaviest edge, then the groups are contracted: edges
 // between them are added up.
-#include "linalg/ordering/coarsening.hpp"
+#include "linalg/ordering/multilevel.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -37,13 +37,13 @@ std::vector<int> visiting_order(int n, std::uint64_t seed) {
 
 // Groups while they form. leader[v]: a vertex that represents the group of v, -1 if it has none yet; members and
 // weight are those of the group where v is a leader.
-struct Groups {
+struct Merging {
     std::vector<int> leader, members, weight;
 };
 
 // Vertex v joins the group at the other end of its heaviest edge, the smallest group among equals; only vertices of
 // [begin, end) come into question.
-void join(const WeightedGraph& graph, int v, int begin, int end, int heaviest, Groups& groups) {
+void join(const WeightedGraph& graph, int v, int begin, int end, int heaviest, Merging& groups) {
     int best = v, best_weight = 0;
     for (int k = graph.start[v]; k < graph.start[v + 1]; ++k) {
         const int u = graph.adjacent[k];
@@ -65,7 +65,7 @@ void join(const WeightedGraph& graph, int v, int begin, int end, int heaviest, G
 std::vector<int> find_groups(const WeightedGraph& graph, int heaviest, std::uint64_t seed) {
     const int n = graph.size(), blocks = blocks_of(n);
     const std::vector<int> order = visiting_order(n, seed);
-    Groups groups{std::vector<int>(n, -1), std::vector<int>(n, 1), graph.weight};
+    Merging groups{std::vector<int>(n, -1), std::vector<int>(n, 1), graph.weight};
 #pragma omp parallel for schedule(dynamic, 1) if (blocks > 1)
     for (int b = 0; b < blocks; ++b) {
         const int begin = block_begin(n, blocks, b), end = block_begin(n, blocks, b + 1);
@@ -78,36 +78,31 @@ std::vector<int> find_groups(const WeightedGraph& graph, int heaviest, std::uint
     return std::move(groups.leader);
 }
 
-// Appends the edges of fine vertex v to coarse vertex c; place[h] = index of the edge c-h, if >= begin.
-void append_edges(const WeightedGraph& fine, int v, int c, const std::vector<int>& coarse_of, int begin,
-                  std::vector<int>& place, WeightedGraph& coarse) {
-    for (int k = fine.start[v]; k < fine.start[v + 1]; ++k) {
-        const int h = coarse_of[fine.adjacent[k]];
-        if (h == c) continue;
-        if (place[h] < begin) {
-            place[h] = static_cast<int>(coarse.adjacent.size());
-            coarse.adjacent.push_back(h);
-            coarse.edge_weight.push_back(0);
-        }
-        coarse.edge_weight[place[h]] += fine.edge_weight[k];
-    }
-}
-
-// Coarse vertices [begin, end): their members stand in lists from first[c] on, linked by `next`.
-WeightedGraph contract(const WeightedGraph& fine, const std::vector<int>& coarse_of, const std::vector<int>& first,
-                       const std::vector<int>& next, int begin, int end) {
-    std::vector<int> place(first.size(), -1);
+// Coarse vertices [begin, end). place[h]: where this vertex's edge to h stands, if not below its first edge.
+WeightedGraph contract(const WeightedGraph& fine, const std::vector<int>& coarse_of, const Groups& members, int begin,
+                       int end) {
+    const std::size_t groups = members.start.size() - 1;
+    std::vector<int> place(groups, -1);
     WeightedGraph coarse;
-    const std::size_t edges = fine.adjacent.size() / std::max<std::size_t>(1, first.size()) * (end - begin);
+    const std::size_t edges = fine.adjacent.size() / std::max<std::size_t>(1, groups) * (end - begin);
     coarse.start.reserve(end - begin + 1);
     coarse.weight.assign(end - begin, 0);
     coarse.adjacent.reserve(edges);
     coarse.edge_weight.reserve(edges);
     for (int c = begin; c < end; ++c) {
-        const int edges_before = static_cast<int>(coarse.adjacent.size());
-        for (int v = first[c]; v >= 0; v = next[v]) {
-            append_edges(fine, v, c, coarse_of, edges_before, place, coarse);
+        const int first_edge = static_cast<int>(coarse.adjacent.size());
+        for (int v : members.of(c)) {
             coarse.weight[c - begin] += fine.weight[v];
+            for (int k = fine.start[v]; k < fine.start[v + 1]; ++k) {
+                const int h = coarse_of[fine.adjacent[k]];
+                if (h == c) continue;
+                if (place[h] < first_edge) {
+                    place[h] = static_cast<int>(coarse.adjacent.size());
+                    coarse.adjacent.push_back(h);
+                    coarse.edge_weight.push_back(0);
+                }
+                coarse.edge_weight[place[h]] += fine.edge_weight[k];
+            }
         }
         coarse.start.push_back(static_cast<int>(coarse.adjacent.size()));
     }
@@ -126,62 +121,40 @@ void append(const WeightedGraph& piece, WeightedGraph& whole) {
 }  // namespace
 
 Coarsening coarsen(const WeightedGraph& graph, int heaviest, std::uint64_t seed) {
-    const int n = graph.size();
     const std::vector<int> leader = find_groups(graph, heaviest, seed);
-    Coarsening result;
-    result.coarse_of.assign(n, -1);
-    std::vector<int> first, last, next(n, -1);  // the members of each group as a list, ascending
-    for (int v = 0; v < n; ++v) {
+    Coarsening result{{}, std::vector<int>(graph.size(), -1)};
+    int groups = 0;  // numbered by their first vertices
+    for (int v = 0; v < graph.size(); ++v) {
         int& c = result.coarse_of[leader[v]];
-        if (c < 0) {
-            c = static_cast<int>(first.size());
-            first.push_back(v);
-            last.push_back(v);
-        } else {
-            last[c] = next[last[c]] = v;
-        }
+        if (c < 0) c = groups++;
         result.coarse_of[v] = c;
     }
-    const int groups = static_cast<int>(first.size());
+    const Groups members = sorted_by_group(result.coarse_of, groups);
     const int blocks = blocks_of(groups);
     std::vector<WeightedGraph> pieces(blocks);
 #pragma omp parallel for schedule(dynamic, 1) if (blocks > 1)
     for (int b = 0; b < blocks; ++b)
-        pieces[b] = contract(graph, result.coarse_of, first, next, block_begin(groups, blocks, b),
+        pieces[b] = contract(graph, result.coarse_of, members, block_begin(groups, blocks, b),
                              block_begin(groups, blocks, b + 1));
     result.graph = std::move(pieces[0]);
     for (int b = 1; b < blocks; ++b) append(pieces[b], result.graph);
     return result;
 }
 
-WeightedGraph weighted(const Graph& graph) {
-    return {graph.start, graph.adjacent, std::vector<int>(graph.adjacent.size(), 1), std::vector<int>(graph.size(), 1)};
-}
-
-WeightedGraph induced(const WeightedGraph& from, const std::vector<int>& kept) {
-    std::vector<int> local(from.size(), -1);
-    for (std::size_t k = 0; k < kept.size(); ++k) local[kept[k]] = static_cast<int>(k);
-    WeightedGraph graph;
-    graph.start.reserve(kept.size() + 1);
-    graph.weight.reserve(kept.size());
-    std::size_t edges = 0;
-    for (int v : kept) edges += from.start[v + 1] - from.start[v];
-    graph.adjacent.reserve(edges);
-    graph.edge_weight.reserve(edges);
-    for (int v : kept) {
-        for (int k = from.start[v]; k < from.start[v + 1]; ++k)
-            if (const int u = local[from.adjacent[k]]; u >= 0) {
-                graph.adjacent.push_back(u);
-                graph.edge_weight.push_back(from.edge_weight[k]);
-            }
-        graph.start.push_back(static_cast<int>(graph.adjacent.size()));
-        graph.weight.push_back(from.weight[v]);
+Coarsening coarsen(const Graph& graph, int heaviest, int levels, int enough) {
+    Coarsening result{weighted(graph), std::vector<int>(graph.size())};
+    std::iota(result.coarse_of.begin(), result.coarse_of.end(), 0);
+    for (int level = 0; level < levels && result.graph.size() > enough; ++level) {
+        Coarsening next = coarsen(result.graph, heaviest, level);
+        if (next.graph.size() == result.graph.size()) break;
+        for (int& v : result.coarse_of) v = next.coarse_of[v];
+        result.graph = std::move(next.graph);
     }
-    return graph;
+    return result;
 }
 
 Hierarchy build_hierarchy(WeightedGraph finest, int steps, std::uint64_t seed) {
-    Hierarchy result{std::move(finest), {}};
+    Hierarchy result{std::move(finest)};
     for (int step = 0; step < steps; ++step) {
         const WeightedGraph& fine = result.coarsest();
         const long long total = std::accumulate(fine.weight.begin(), fine.weight.end(), 0LL);
@@ -193,7 +166,7 @@ Hierarchy build_hierarchy(WeightedGraph finest, int steps, std::uint64_t seed) {
 }
 
 Hierarchy restrict_to(const Hierarchy& whole, const std::vector<int>& kept) {
-    Hierarchy result{induced(whole.finest, kept), {}};
+    Hierarchy result{induced(whole.finest, kept)};
     std::vector<int> fine_kept = kept;
     for (const Coarsening& from : whole.coarser) {
         std::vector<int> coarse_kept, local(from.graph.size(), -1);

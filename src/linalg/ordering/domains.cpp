@@ -1,16 +1,11 @@
 // Three bisections of the coarsened graph by vertex separators, whose vertices then join the lighter side; projected
 // to the graph, the vertices along the cuts are moved into the separators, greedily.
-#include "linalg/ordering/domains.hpp"
-
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
 #include "base/parallel.hpp"
-#include "linalg/ordering/coarsening.hpp"
-#include "linalg/ordering/graph.hpp"
+#include "linalg/ordering/multilevel.hpp"
 #include "linalg/ordering/ordering.hpp"
-#include "linalg/ordering/separator.hpp"
 
 namespace almesh {
 
@@ -26,32 +21,25 @@ void bisect(const WeightedGraph& graph, const std::vector<int>& piece, int depth
         for (int v : piece) domain[v] = first;
         return;
     }
-    const WeightedGraph own = induced(graph, piece);
+    const Hierarchy own{induced(graph, piece)};
     const std::vector<Part> part = find_separator(own, static_cast<std::uint64_t>(first) + 1);
     long long weight[3] = {0, 0, 0};
-    for (int v = 0; v < own.size(); ++v) weight[part[v]] += own.weight[v];
+    for (std::size_t v = 0; v < piece.size(); ++v) weight[part[v]] += graph.weight[piece[v]];
     const Part lighter = weight[left] < weight[right] ? left : right;
     std::vector<int> side[2];
-    for (int v = 0; v < own.size(); ++v) side[part[v] == separator ? lighter : part[v]].push_back(piece[v]);
+    for (std::size_t v = 0; v < piece.size(); ++v) side[part[v] == separator ? lighter : part[v]].push_back(piece[v]);
     bisect(graph, side[left], depth - 1, first, domain);
     bisect(graph, side[right], depth - 1, first + (1 << (depth - 1)), domain);
 }
 
 // domain[v] of every vertex, by bisection of the coarsened graph.
 std::vector<int> domains_of_vertices(const Graph& graph) {
-    std::vector<int> coarse_of(graph.size());
-    WeightedGraph coarse = weighted(graph);
-    std::iota(coarse_of.begin(), coarse_of.end(), 0);
-    for (int level = 0; level < coarsenings; ++level) {
-        Coarsening next = coarsen(coarse, 2 << coarsenings, level);
-        for (int& v : coarse_of) v = next.coarse_of[v];
-        coarse = std::move(next.graph);
-    }
-    std::vector<int> all(coarse.size()), domain(coarse.size());
+    Coarsening coarse = coarsen(graph, 2 << coarsenings, coarsenings, 0);
+    std::vector<int> all(coarse.graph.size()), domain(coarse.graph.size());
     std::iota(all.begin(), all.end(), 0);
-    bisect(coarse, all, bisections, 0, domain);
-    for (int& v : coarse_of) v = domain[v];
-    return coarse_of;
+    bisect(coarse.graph, all, bisections, 0, domain);
+    for (int& v : coarse.coarse_of) v = domain[v];
+    return coarse.coarse_of;
 }
 
 // Moves vertices with neighbours in other domains into the separators (domain[v] = separators), those with most of them

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 
 #include "linalg/block_csr.hpp"
 
@@ -20,10 +21,46 @@ Graph graph_of(const BlockCsr& A) {
     return graph;
 }
 
+WeightedGraph weighted(Graph graph) {
+    const std::size_t edges = graph.adjacent.size(), vertices = graph.size();
+    return {std::move(graph), std::vector<int>(edges, 1), std::vector<int>(vertices, 1)};
+}
+
+WeightedGraph induced(const WeightedGraph& from, const std::vector<int>& kept) {
+    std::vector<int> local(from.size(), -1);
+    for (std::size_t k = 0; k < kept.size(); ++k) local[kept[k]] = static_cast<int>(k);
+    WeightedGraph graph;
+    graph.start.reserve(kept.size() + 1);
+    graph.weight.reserve(kept.size());
+    std::size_t edges = 0;
+    for (int v : kept) edges += from.start[v + 1] - from.start[v];
+    graph.adjacent.reserve(edges);
+    graph.edge_weight.reserve(edges);
+    for (int v : kept) {
+        for (int k = from.start[v]; k < from.start[v + 1]; ++k)
+            if (const int u = local[from.adjacent[k]]; u >= 0) {
+                graph.adjacent.push_back(u);
+                graph.edge_weight.push_back(from.edge_weight[k]);
+            }
+        graph.start.push_back(static_cast<int>(graph.adjacent.size()));
+        graph.weight.push_back(from.weight[v]);
+    }
+    return graph;
+}
+
 std::vector<int> inverse(const std::vector<int>& order) {
     std::vector<int> position(order.size());
     for (std::size_t k = 0; k < order.size(); ++k) position[order[k]] = static_cast<int>(k);
     return position;
+}
+
+Groups sorted_by_group(const std::vector<int>& group, int groups) {
+    Groups result{std::vector<int>(groups + 1, 0), std::vector<int>(group.size())};
+    for (int g : group) ++result.start[g + 1];
+    std::partial_sum(result.start.begin(), result.start.end(), result.start.begin());
+    std::vector<int> next(result.start.begin(), result.start.end() - 1);
+    for (std::size_t k = 0; k < group.size(); ++k) result.item[next[group[k]]++] = static_cast<int>(k);
+    return result;
 }
 
 namespace {
@@ -59,35 +96,28 @@ std::vector<int> group_equal_neighbourhoods(const Graph& graph, int& groups) {
 CompressedGraph compress(const Graph& graph) {
     int groups = 0;
     const std::vector<int> group = group_equal_neighbourhoods(graph, groups);
-    CompressedGraph result;
-    result.weight.assign(groups, 0);
-    for (int g : group) ++result.weight[g];
-    result.member_start.assign(groups + 1, 0);
-    std::partial_sum(result.weight.begin(), result.weight.end(), result.member_start.begin() + 1);
-    std::vector<int> next(result.member_start.begin(), result.member_start.end() - 1), mark(groups, -1);
-    result.member.resize(group.size());
-    for (int v = 0; v < graph.size(); ++v) result.member[next[group[v]]++] = v;
+    Graph quotient;
+    std::vector<int> mark(groups, -1), weight(groups);
+    Groups members = sorted_by_group(group, groups);
     for (int g = 0; g < groups; ++g) {
-        const int v = result.member[result.member_start[g]];
         mark[g] = g;
-        const std::size_t begin = result.graph.adjacent.size();
-        for (int u : graph.neighbours(v)) {
-            const int h = group[u];
-            if (mark[h] != g) result.graph.adjacent.push_back(h);
-            mark[h] = g;
-        }
-        std::sort(result.graph.adjacent.begin() + begin, result.graph.adjacent.end());
-        result.graph.start.push_back(static_cast<int>(result.graph.adjacent.size()));
+        weight[g] = static_cast<int>(members.of(g).size());
+        const std::size_t begin = quotient.adjacent.size();
+        for (int u : graph.neighbours(members.of(g).front()))
+            if (std::exchange(mark[group[u]], g) != g) quotient.adjacent.push_back(group[u]);
+        std::sort(quotient.adjacent.begin() + begin, quotient.adjacent.end());
+        quotient.start.push_back(static_cast<int>(quotient.adjacent.size()));
     }
+    CompressedGraph result{weighted(std::move(quotient)), std::move(members)};
+    result.graph.weight = std::move(weight);
     return result;
 }
 
 std::vector<int> expand(const CompressedGraph& compressed, const std::vector<int>& group_order) {
     std::vector<int> order;
-    order.reserve(compressed.member.size());
-    const auto member = compressed.member.begin();
+    order.reserve(compressed.members.item.size());
     for (int g : group_order)
-        order.insert(order.end(), member + compressed.member_start[g], member + compressed.member_start[g + 1]);
+        order.insert(order.end(), compressed.members.of(g).begin(), compressed.members.of(g).end());
     return order;
 }
 

@@ -1,4 +1,4 @@
-// Recursive bisection by multilevel vertex separators (separator.hpp); the leaves by minimum degree. Pieces of the
+// Recursive bisection by multilevel vertex separators; the leaves by minimum degree. Pieces of the
 // graph are copied out with their part of the coarser graphs, and large ones are tasks of their own.
 #include "linalg/ordering/ordering.hpp"
 
@@ -6,9 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "linalg/ordering/coarsening.hpp"
-#include "linalg/ordering/graph.hpp"
-#include "linalg/ordering/separator.hpp"
+#include "linalg/ordering/multilevel.hpp"
 
 namespace almesh {
 
@@ -20,7 +18,7 @@ constexpr int largest_leaf = 3000;    // beyond this, a piece that cannot be spl
 [[maybe_unused]] constexpr int task_size = 2000;  // pieces that are worth a task of their own
 
 struct Dissection {
-    const CompressedGraph& all;
+    const WeightedGraph& all;
     std::vector<int>& order;        // groups; every piece fills its own range
     std::vector<char> numbered;     // group is in a separator: eliminated after all that is still to be ordered
 };
@@ -32,15 +30,13 @@ struct Piece {
 };
 
 Piece extract(const Piece& from, const std::vector<Part>& part, Part side) {
-    Piece piece;
-    std::vector<int> kept;
+    std::vector<int> kept, group;
     for (std::size_t v = 0; v < part.size(); ++v)
         if (part[v] == side) {
             kept.push_back(static_cast<int>(v));
-            piece.group.push_back(from.group[v]);
+            group.push_back(from.group[v]);
         }
-    piece.graphs = restrict_to(from.graphs, kept);
-    return piece;
+    return {restrict_to(from.graphs, kept), std::move(group)};
 }
 
 // Minimum degree on the piece with the separators next to it as halo.
@@ -50,11 +46,9 @@ void order_leaf(const Dissection& dissection, const Piece& piece, int first) {
     const WeightedGraph& own = piece.graphs.finest;
     small.weight = own.weight;
     std::vector<std::pair<int, int>> outside;  // (group in the halo, vertex of the piece)
-    const Graph& all = dissection.all.graph;
     for (int v = 0; v < n; ++v) {
-        for (int k = own.start[v]; k < own.start[v + 1]; ++k) small.edges.push_back({v, own.adjacent[k]});
-        const int g = piece.group[v];
-        for (int h : all.neighbours(g))
+        for (int u : own.neighbours(v)) small.edges.push_back({v, u});
+        for (int h : dissection.all.neighbours(piece.group[v]))
             if (dissection.numbered[h]) outside.push_back({h, v});
     }
     std::sort(outside.begin(), outside.end());
@@ -97,12 +91,8 @@ std::vector<int> nested_dissection(const Graph& graph) {
     const CompressedGraph compressed = compress(graph);
     const int groups = compressed.graph.size();
     std::vector<int> group_order(groups);
-    Dissection dissection{compressed, group_order, std::vector<char>(groups, 0)};
-    WeightedGraph finest = weighted(compressed.graph);
-    finest.weight = compressed.weight;
-    Piece whole;
-    whole.graphs = build_hierarchy(std::move(finest), shared_steps, groups);
-    whole.group.resize(groups);
+    Dissection dissection{compressed.graph, group_order, std::vector<char>(groups, 0)};
+    Piece whole{build_hierarchy(compressed.graph, shared_steps, groups), std::vector<int>(groups)};
     std::iota(whole.group.begin(), whole.group.end(), 0);
 #pragma omp parallel
 #pragma omp single

@@ -128,7 +128,7 @@ std::vector<int> minimum_degree_of_groups(const Graph& graph) {
     const CompressedGraph compressed = compress(graph);
     SmallGraph small;
     small.size = small.eliminable = compressed.graph.size();
-    small.weight = compressed.weight;
+    small.weight = compressed.graph.weight;
     for (int g = 0; g < small.size; ++g)
         for (int h : compressed.graph.neighbours(g)) small.edges.push_back({g, h});
     return expand(compressed, minimum_degree(small));

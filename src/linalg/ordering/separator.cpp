@@ -1,6 +1,6 @@
 // Fiduccia-Mattheyses on vertex separators: a pass moves separator vertices to a side, the best gain first and uphill
 // too, each at most once, and returns to the best state on the way.
-#include "linalg/ordering/separator.hpp"
+#include "linalg/ordering/multilevel.hpp"
 
 #include <algorithm>
 #include <array>
@@ -30,7 +30,6 @@ public:
     void assign(std::vector<Part> part) {
         part_ = std::move(part);
         weigh();
-        collect_boundary();
     }
     const std::vector<Part>& part() const { return part_; }
 
@@ -47,14 +46,11 @@ public:
                 v = static_cast<int>(random() % n);
                 for (int tried = 0; tried < n && part_[v] != right; ++tried) v = (v + 1) % n;
                 if (part_[v] != right) break;
-                part_[v] = separator;
-                weight_[right] -= graph_.weight[v];
-                weight_[separator] += graph_.weight[v];
+                put(v, separator);
                 enter_separator(v);
             }
             move(v, left);
         }
-        collect_boundary();
     }
 
     // Passes that push the separator to one side sweep it through the graph, one in both directions smooths it. More of
@@ -80,9 +76,10 @@ private:
     };
     struct Move {
         int vertex;
-        Part side;
         std::size_t pulled_end;  // pulled_ [previous end, this end): vertices pulled into the separator
     };
+
+    static Part opposite(Part side) { return side == left ? right : left; }
 
     void weigh() {
         std::fill_n(weight_, 3, 0);
@@ -105,18 +102,10 @@ private:
         ++pass_;
     }
 
-    void collect_boundary() {
-        boundary_.clear();
-        for (int v = 0; v < graph_.size(); ++v)
-            if (part_[v] == separator) boundary_.push_back(v);
-    }
-
-    // The separator of now: what is left of the one before, and what has been pulled in.
-    void update_boundary() {
-        boundary_.insert(boundary_.end(), pulled_.begin(), pulled_.end());
-        std::sort(boundary_.begin(), boundary_.end());
-        boundary_.erase(std::unique(boundary_.begin(), boundary_.end()), boundary_.end());
-        std::erase_if(boundary_, [&](int v) { return part_[v] != separator; });
+    void put(int v, Part part) {
+        weight_[part_[v]] -= graph_.weight[v];
+        weight_[part] += graph_.weight[v];
+        part_[v] = part;
     }
 
     void push(int v, int side) {
@@ -129,10 +118,8 @@ private:
     // Computes the gains of a vertex that has just become part of the separator.
     void enter_separator(int v) {
         pull_[left][v] = pull_[right][v] = 0;
-        for (int k = graph_.start[v]; k < graph_.start[v + 1]; ++k) {
-            const int u = graph_.adjacent[k];
+        for (int u : graph_.neighbours(v))
             if (part_[u] != separator) pull_[1 - part_[u]][v] += graph_.weight[u];
-        }
         push(v, left);
         push(v, right);
     }
@@ -153,23 +140,17 @@ private:
     }
 
     void move(int v, Part side) {
-        const Part other = side == left ? right : left;
-        part_[v] = side;
+        const Part other = opposite(side);
+        put(v, side);
         last_pass_[v] = pass_;
         version_[left][v] = version_[right][v] = 0;
-        weight_[separator] -= graph_.weight[v];
-        weight_[side] += graph_.weight[v];
-        for (int k = graph_.start[v]; k < graph_.start[v + 1]; ++k) {
-            const int u = graph_.adjacent[k];
+        for (int u : graph_.neighbours(v)) {
             if (part_[u] == separator) {
                 pull_[other][u] += graph_.weight[v];  // a smaller gain, which best() notices
             } else if (part_[u] == other) {
-                part_[u] = separator;
-                weight_[other] -= graph_.weight[u];
-                weight_[separator] += graph_.weight[u];
+                put(u, separator);
                 pulled_.push_back(u);
-                for (int l = graph_.start[u]; l < graph_.start[u + 1]; ++l) {
-                    const int w = graph_.adjacent[l];
+                for (int w : graph_.neighbours(u)) {
                     if (part_[w] != separator || w == u) continue;
                     pull_[side][w] -= graph_.weight[u];
                     push(w, side);
@@ -177,24 +158,16 @@ private:
                 enter_separator(u);
             }
         }
-        moves_.push_back({v, side, pulled_.size()});
+        moves_.push_back({v, pulled_.size()});
     }
 
     // Takes the last move back; gains are not restored.
     void undo() {
-        const Move last = moves_.back();
+        const int v = moves_.back().vertex;
         moves_.pop_back();
-        const Part other = last.side == left ? right : left;
         const std::size_t begin = moves_.empty() ? 0 : moves_.back().pulled_end;
-        for (std::size_t k = begin; k < last.pulled_end; ++k) {
-            part_[pulled_[k]] = other;
-            weight_[separator] -= graph_.weight[pulled_[k]];
-            weight_[other] += graph_.weight[pulled_[k]];
-        }
-        pulled_.resize(begin);
-        part_[last.vertex] = separator;
-        weight_[last.side] -= graph_.weight[last.vertex];
-        weight_[separator] += graph_.weight[last.vertex];
+        for (; pulled_.size() > begin; pulled_.pop_back()) put(pulled_.back(), opposite(part_[v]));
+        put(v, separator);
     }
 
     // Side of the next move, -1 if there is none: the one of the larger gain if both are open and it does not grow too
@@ -214,10 +187,15 @@ private:
     // One pass: every vertex moves at most once, uphill too, and the best state on the way is kept.
     void pass(Direction direction) {
         start_pass(direction);
-        for (int v : boundary_) enter_separator(v);
+        std::size_t boundary = 0;  // vertices of the separator
+        for (int v = 0; v < graph_.size(); ++v)
+            if (part_[v] == separator) {
+                enter_separator(v);
+                ++boundary;
+            }
         auto best_cost = cost();
         std::size_t best_moves = 0;
-        const std::size_t patience = std::min<std::size_t>(300, boundary_.size() + 20);
+        const std::size_t patience = std::min<std::size_t>(300, boundary + 20);
         while (moves_.size() < best_moves + patience) {
             const int side = choose();
             if (side < 0) break;
@@ -228,13 +206,11 @@ private:
             }
         }
         while (moves_.size() > best_moves) undo();
-        update_boundary();
     }
 
     const WeightedGraph& graph_;
     std::vector<Part> part_;
     std::vector<int> last_pass_;              // in which the vertex moved; not again in the same one
-    std::vector<int> boundary_;               // vertices of the separator when a pass starts
     std::vector<int> pull_[2];                // weight pulled in when the vertex moves to each side
     std::vector<int> version_[2];             // of the only valid candidate of the vertex; 0: none
     std::vector<Candidate> queue_[2];         // heaps by gain, the newest first among equals; outdated ones are skipped
@@ -246,22 +222,27 @@ private:
     std::vector<int> pulled_;
 };
 
+// The split of least cost among several tries.
+template <class Try>
+std::vector<Part> best_of(int tries, Split& split, const Try& try_number) {
+    std::vector<Part> best;
+    std::array<long long, 3> best_cost;
+    for (int t = 0; t < tries; ++t) {
+        try_number(t);
+        if (t > 0 && !(split.cost() < best_cost)) continue;
+        best_cost = split.cost();
+        best = split.part();
+    }
+    return best;
+}
+
 std::vector<Part> split_coarsest(const WeightedGraph& graph, std::uint64_t seed) {
     std::minstd_rand random(static_cast<unsigned>(seed % 2147483646u + 1));
     Split split(graph);
-    split.grow(random);
-    split.refine();
-    auto best_cost = split.cost();
-    std::vector<Part> best = split.part();
-    for (int g = 1; g < growings; ++g) {
+    return best_of(growings, split, [&](int) {
         split.grow(random);
         split.refine();
-        if (split.cost() < best_cost) {
-            best_cost = split.cost();
-            best = split.part();
-        }
-    }
-    return best;
+    });
 }
 
 // The split of a coarser graph becomes that of this one, and is improved.
@@ -279,17 +260,9 @@ std::vector<Part> separate(const WeightedGraph& graph, int heaviest, int depth, 
     const Coarsening coarse = coarsen(graph, heaviest, seed);
     if (coarse.graph.size() > 0.95 * graph.size()) return split_coarsest(graph, seed);
     Split split(graph);
-    project(separate(coarse.graph, heaviest, depth + 1, seed + 1), coarse.coarse_of, split);
-    if (depth != branching_depth) return split.part();
-    auto best_cost = split.cost();
-    std::vector<Part> best = split.part();
-    for (int b = 1; b < branches; ++b) {
+    return best_of(depth == branching_depth ? branches : 1, split, [&](int b) {
         project(separate(coarse.graph, heaviest, depth + 1, seed + 1 + 1000 * b), coarse.coarse_of, split);
-        if (!(split.cost() < best_cost)) continue;
-        best_cost = split.cost();
-        best = split.part();
-    }
-    return best;
+    });
 }
 
 // Merged vertices may not weigh more, so that those of the coarsest graph stay comparable.
@@ -299,10 +272,6 @@ int heaviest_group(const WeightedGraph& graph) {
 }
 
 }  // namespace
-
-std::vector<Part> find_separator(const WeightedGraph& graph, std::uint64_t seed) {
-    return separate(graph, heaviest_group(graph), 0, seed);
-}
 
 std::vector<Part> find_separator(const Hierarchy& graphs, std::uint64_t seed) {
     const int steps = static_cast<int>(graphs.coarser.size());

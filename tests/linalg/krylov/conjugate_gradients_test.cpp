@@ -5,11 +5,10 @@
 #include <limits>
 
 #include "base/parallel.hpp"
-#include "linalg/ordering/domains.hpp"
+#include "linalg/ordering/ordering.hpp"
 #include "linalg/ordering/graph.hpp"
 #include "linalg/krylov/deflated.hpp"
 #include "linalg/krylov/ilu0.hpp"
-#include "linalg/krylov/reordered.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;

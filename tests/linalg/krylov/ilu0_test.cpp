@@ -5,9 +5,8 @@
 #include <limits>
 
 #include "base/parallel.hpp"
-#include "linalg/ordering/domains.hpp"
+#include "linalg/ordering/ordering.hpp"
 #include "linalg/ordering/graph.hpp"
-#include "linalg/krylov/reordered.hpp"
 #include "linalg/vector_ops.hpp"
 #include "support/matrices.hpp"
 

@@ -1,4 +1,4 @@
-#include "linalg/ordering/coarsening.hpp"
+#include "linalg/ordering/multilevel.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +9,6 @@
 
 #include "base/parallel.hpp"
 #include "linalg/ordering/graph.hpp"
-#include "linalg/ordering/separator.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;

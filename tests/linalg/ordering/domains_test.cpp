@@ -1,11 +1,10 @@
-#include "linalg/ordering/domains.hpp"
+#include "linalg/ordering/ordering.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 
 #include "linalg/ordering/graph.hpp"
-#include "linalg/ordering/ordering.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;

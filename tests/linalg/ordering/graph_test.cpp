@@ -76,8 +76,8 @@ TEST_CASE("compression joins the nodes of one cell interior and of one edge of d
     // 32 cells, 40 inner edges and 25 vertices. The 16 boundary edges and two corners lie in one cell only and join its
     // interior, the other two corners in two cells only and join the edge between them.
     CHECK(compressed.graph.size() == 32 + 40 + 25 - 4);
-    CHECK(is_permutation(compressed.member));
-    CHECK(*std::max_element(compressed.weight.begin(), compressed.weight.end()) == 3 + 1 + 3 + 3);
+    CHECK(is_permutation(compressed.members.item));
+    CHECK(std::ranges::max(compressed.graph.weight) == 3 + 1 + 3 + 3);
     CHECK(compress(graph_of(random_spd(9, 1, complete(9)))).graph.size() == 1);
     CHECK(compress(graph_of(random_spd(9, 1, path(9)))).graph.size() == 9);
 }
