@@ -20,24 +20,14 @@
 namespace almesh {
 
 const char* to_string(SolverKind kind) {
-    switch (kind) {
-        case SolverKind::automatic: return "automatic";
-        case SolverKind::cg: return "cg";
-        case SolverKind::gmres: return "gmres";
-        case SolverKind::cholesky: return "cholesky";
-    }
-    return "";
+    constexpr const char* name[] = {"automatic", "cg", "gmres", "cholesky"};
+    return name[static_cast<int>(kind)];
 }
 
 namespace {
 
 constexpr int failures_to_give_up = 2;  // of iterative solvers in a row, if the choice is ours
 constexpr double refine_above = 1e-15;  // scaled residual from which a step of iterative refinement is worth a solve
-
-Domains domains_in(const Graph& graph, std::optional<Ordering> ordering) {
-    if (!ordering) return cut_into_domains(graph);
-    return {order_vertices(graph, *ordering), {0, graph.size()}};
-}
 
 // Where ILU(0) of a positive definite matrix meets a bad pivot, that of one with a heavier diagonal may not, and serves
 // nearly as well (Manteuffel, Math. Comp. 34, 1980). Not so in 2D: there bad pivots come from stretched elements, and
@@ -79,7 +69,31 @@ struct LinearSolver::Iterative {
           right(A.size()),
           solution(A.size()) {}
 
-    SolverKind kind() const { return std::holds_alternative<Gmres>(method) ? SolverKind::gmres : SolverKind::cg; }
+    SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
+        SolveResult result;
+        result.relative_residual = 1;
+        result.used = std::holds_alternative<Gmres>(method) ? SolverKind::gmres : SolverKind::cg;
+        const BlockCsr& B = system.matrix();
+        const Stopwatch factorisation;
+        system.set(A);
+        const FactorResult factored = M->factor(B);
+        result.factor_seconds = factorisation.seconds();
+        result.status = factored.status;
+        if (factored.bad_row >= 0) result.bad_node = system.order()[factored.bad_row];
+        if (factored.status != SolveStatus::success) return result;
+        result.diagonal_shift = factored.diagonal_shift;
+
+        const Stopwatch iteration;
+        system.gather(b.data(), right.data());
+        const KrylovResult solved =
+            std::visit([&](auto& krylov) { return krylov.solve(B, *M, right.data(), solution.data()); }, method);
+        system.scatter(solution.data(), x.data());
+        result.solve_seconds = iteration.seconds();
+        result.status = solved.status;
+        result.iterations = solved.iterations;
+        result.relative_residual = solved.relative_residual;
+        return result;
+    }
 };
 
 struct LinearSolver::Direct {
@@ -88,6 +102,43 @@ struct LinearSolver::Direct {
 
     Direct(const BlockCsr& A, const CholeskyParams& params)
         : cholesky(A, params), residual(A.size()), correction(A.size()) {}
+
+    SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
+        SolveResult result;
+        result.relative_residual = 1;
+        x.assign(A.size(), 0.0);
+        const Stopwatch factorisation;
+        const FactorResult factored = cholesky.factor(A);
+        result.factor_seconds = factorisation.seconds();
+        result.status = factored.status;
+        result.bad_node = factored.bad_row;
+        if (factored.status != SolveStatus::success) return result;
+
+        const Stopwatch substitution;
+        cholesky.solve(b.data(), x.data());
+        result.solve_seconds = substitution.seconds();
+        const double A_norm = norm_inf(A);
+        double scaled = scaled_residual(A, A_norm, x, b, residual);
+        if (scaled > refine_above) {
+            cholesky.solve(residual.data(), correction.data());
+            axpy(1, correction, x);
+            const double refined = scaled_residual(A, A_norm, x, b, residual);
+            if (!(refined <= scaled)) {
+                axpy(-1, correction, x);
+                scaled_residual(A, A_norm, x, b, residual);
+            } else {
+                scaled = refined;
+            }
+        }
+        if (!(scaled <= acceptable_residual)) {
+            result.status = SolveStatus::breakdown;
+            x.assign(A.size(), 0.0);
+            return result;
+        }
+        const double b_norm = norm_2(b);
+        result.relative_residual = b_norm > 0 ? norm_2(residual) / b_norm : 0;
+        return result;
+    }
 };
 
 LinearSolver::LinearSolver(int dimension, const LinearSolverParams& params)
@@ -107,20 +158,20 @@ double LinearSolver::factor_bytes() const { return direct_ ? direct_->cholesky.p
 double LinearSolver::refused_bytes() const { return direct_ && !direct_->cholesky.fits() ? factor_bytes() : 0; }
 
 LinearSolver::Iterative& LinearSolver::iterative(const BlockCsr& A) {
-    if (!iterative_) {
-        const Domains domains = domains_in(graph_of(A), params_.ordering);
-        iterative_ = std::make_unique<Iterative>(A, dimension_, params_, domains);
-    }
+    if (iterative_) return *iterative_;
+    const Graph graph = graph_of(A);
+    const Domains domains = params_.ordering ? Domains{order_vertices(graph, *params_.ordering), {0, A.n}}
+                                             : cut_into_domains(graph);
+    iterative_ = std::make_unique<Iterative>(A, dimension_, params_, domains);
     return *iterative_;
 }
 
 LinearSolver::Direct& LinearSolver::direct(const BlockCsr& A) {
-    if (!direct_) {
-        CholeskyParams params;
-        params.memory_limit = params_.memory_limit;
-        params.ordering = params_.ordering.value_or(params.ordering);
-        direct_ = std::make_unique<Direct>(A, params);
-    }
+    if (direct_) return *direct_;
+    CholeskyParams params;
+    params.memory_limit = params_.memory_limit;
+    params.ordering = params_.ordering.value_or(params.ordering);
+    direct_ = std::make_unique<Direct>(A, params);
     return *direct_;
 }
 
@@ -138,88 +189,17 @@ void LinearSolver::analyse(const BlockCsr& A) {
 SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
                                 bool may_be_indefinite) {
     x.assign(A.size(), 0.0);
-    if (!iterative_first(A)) return solve_directly(A, b, x);
-    const SolveResult first = solve_iteratively(A, b, x);
+    if (!iterative_first(A)) return direct(A).solve(A, b, x);
+    const SolveResult first = iterative(A).solve(A, b, x);
     if (first.status == SolveStatus::success) failures_ = 0;
     if (first.status == SolveStatus::success || first.status == SolveStatus::not_positive_definite) return first;
     if (may_be_indefinite && first.status == SolveStatus::indefinite_preconditioner) return first;
     ++failures_;
     if (!params_.fallback || !direct(A).cholesky.fits()) return first;
-    SolveResult second = solve_directly(A, b, x);
+    SolveResult second = direct(A).solve(A, b, x);
     second.iterations = first.iterations;
     second.failed_first = first.status;
     return second;
-}
-
-SolveResult LinearSolver::solve_iteratively(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
-    Iterative& own = iterative(A);
-    SolveResult result;
-    result.used = own.kind();
-    result.relative_residual = 1;
-    const Stopwatch factorisation;
-    own.system.set(A);
-    const BlockCsr& B = own.system.matrix();
-    const FactorResult factored = own.M->factor(B);
-    result.factor_seconds = factorisation.seconds();
-    result.status = factored.status;
-    if (factored.bad_row >= 0) result.bad_node = own.system.order()[factored.bad_row];
-    if (factored.status != SolveStatus::success) return result;
-    result.diagonal_shift = factored.diagonal_shift;
-
-    const Stopwatch iteration;
-    own.system.gather(b.data(), own.right.data());
-    const KrylovResult solved = std::visit(
-        [&](auto& method) { return method.solve(B, *own.M, own.right.data(), own.solution.data()); }, own.method);
-    own.system.scatter(own.solution.data(), x.data());
-    result.solve_seconds = iteration.seconds();
-    result.status = solved.status;
-    result.iterations = solved.iterations;
-    result.relative_residual = solved.relative_residual;
-    return result;
-}
-
-SolveResult LinearSolver::solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
-    Direct& own = direct(A);
-    SolveResult result;
-    result.relative_residual = 1;
-    x.assign(A.size(), 0.0);
-    const Stopwatch factorisation;
-    const FactorResult factored = own.cholesky.factor(A);
-    result.factor_seconds = factorisation.seconds();
-    result.status = factored.status;
-    result.bad_node = factored.bad_row;
-    if (factored.status != SolveStatus::success) return result;
-
-    const Stopwatch substitution;
-    own.cholesky.solve(b.data(), x.data());
-    result.solve_seconds = substitution.seconds();
-    const double A_norm = norm_inf(A), b_norm = norm_inf(b);
-    const auto scaled = [&] {  // computes the residual too
-        multiply(A, x.data(), own.residual.data());
-        subtract(A.size(), b.data(), own.residual.data(), own.residual.data());
-        const double scale = A_norm * norm_inf(x) + b_norm, largest = norm_inf(own.residual);
-        return scale > 0 ? largest / scale : largest;
-    };
-    double residual = scaled();
-    if (residual > refine_above) {
-        own.cholesky.solve(own.residual.data(), own.correction.data());
-        axpy(1, own.correction, x);
-        const double refined = scaled();
-        if (!(refined <= residual)) {
-            axpy(-1, own.correction, x);
-            scaled();
-        } else {
-            residual = refined;
-        }
-    }
-    if (!(residual <= acceptable_residual)) {
-        result.status = SolveStatus::breakdown;
-        x.assign(A.size(), 0.0);
-        return result;
-    }
-    const double b_length = norm_2(b);
-    result.relative_residual = b_length > 0 ? norm_2(own.residual) / b_length : 0;
-    return result;
 }
 
 }  // namespace almesh

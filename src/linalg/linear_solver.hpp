@@ -81,8 +81,6 @@ private:
     Iterative& iterative(const BlockCsr& A);
     Direct& direct(const BlockCsr& A);
     bool iterative_first(const BlockCsr& A);
-    SolveResult solve_iteratively(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
-    SolveResult solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
 
     int dimension_;
     LinearSolverParams params_;

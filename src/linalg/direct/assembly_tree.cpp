@@ -1,30 +1,25 @@
 // Postorder of the elimination tree, column counts, supernodes, merged supernodes (fronts), postorder of the fronts
 // that needs least memory, rows of each front.
-#include "linalg/direct/assembly_tree.hpp"
-
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
-#include "linalg/ordering/graph.hpp"
+#include "linalg/direct/factor_plan.hpp"
 
 namespace almesh {
 
-// A counting sort by parent, in which roots count as children of vertex n.
-Children::Children(const std::vector<int>& parent) : start_(parent.size() + 2, 0), child_(parent.size()) {
-    const int n = static_cast<int>(parent.size());
-    const auto list = [&](int v) { return parent[v] < 0 ? n : parent[v]; };
-    for (int v = 0; v < n; ++v) ++start_[list(v) + 1];
-    for (int v = 0; v <= n; ++v) start_[v + 1] += start_[v];
-    std::vector<int> next(start_.begin(), start_.end() - 1);
-    for (int v = 0; v < n; ++v) child_[next[list(v)]++] = v;
-}
-
 namespace {
 
+// The children of every vertex of a forest, ascending; parent: -1 for a root. Roots count as children of vertex n.
+Groups children_of(std::vector<int> parent) {
+    const int n = static_cast<int>(parent.size());
+    std::replace(parent.begin(), parent.end(), -1, n);
+    return sorted_by_group(parent, n + 1);
+}
+
 // Vertices of a forest, children before parents and subtrees together, siblings in the order of their list.
-std::vector<int> postorder(const Children& children) {
-    std::vector<int> order, stack(children.roots().begin(), children.roots().end());
+std::vector<int> postorder(const Groups& children) {
+    const auto roots = children.of(static_cast<int>(children.item.size()));
+    std::vector<int> order, stack(roots.begin(), roots.end());
     while (!stack.empty()) {  // a preorder in which the last sibling comes first is a postorder reversed
         const int v = stack.back();
         stack.pop_back();
@@ -35,19 +30,11 @@ std::vector<int> postorder(const Children& children) {
     return order;
 }
 
-// first <- first after second: new -> middle -> old
-std::vector<int> compose(const std::vector<int>& middle_to_old, const std::vector<int>& new_to_middle) {
-    std::vector<int> result(new_to_middle.size());
-    for (std::size_t k = 0; k < result.size(); ++k) result[k] = middle_to_old[new_to_middle[k]];
-    return result;
-}
-
-// The forest with its vertices renumbered, order[new] = old.
-std::vector<int> renumbered(const std::vector<int>& parent, const std::vector<int>& order) {
-    const std::vector<int> position = inverse(order);
-    std::vector<int> result(parent.size());
-    for (std::size_t k = 0; k < result.size(); ++k) result[k] = parent[order[k]] < 0 ? -1 : position[parent[order[k]]];
-    return result;
+// Sorts the children of v by a key, the largest first.
+template <class Key>
+void sort_children(Groups& children, int v, const Key& key) {
+    std::stable_sort(children.item.begin() + children.start[v], children.item.begin() + children.start[v + 1],
+                     [&](int a, int b) { return key(a) > key(b); });
 }
 
 // Root of the tree that vertex v has been joined to so far, with path compression.
@@ -98,10 +85,10 @@ struct Supernode {
     long long entries() const { return columns * rows - columns * (columns - 1) / 2; }
 };
 
-Children children_of(const std::vector<Supernode>& supernodes) {
+Groups children_of(const std::vector<Supernode>& supernodes) {
     std::vector<int> parent;
     for (const Supernode& s : supernodes) parent.push_back(s.parent);
-    return Children(parent);
+    return children_of(std::move(parent));
 }
 
 // Fundamental supernodes: runs of columns with nested structures, each the only child of the next.
@@ -109,18 +96,14 @@ Children children_of(const std::vector<Supernode>& supernodes) {
 std::vector<Supernode> find_supernodes(const std::vector<int>& parent, const std::vector<int>& count,
                                        std::vector<int>& supernode_of) {
     const int n = static_cast<int>(parent.size());
-    const Children children(parent);
+    const Groups children = children_of(parent);
     std::vector<Supernode> supernodes;
-    supernode_of.resize(n);
     for (int j = 0; j < n; ++j) {
         const bool continues =
             j > 0 && parent[j - 1] == j && children.of(j).size() == 1 && count[j - 1] == count[j] + 1;
-        if (!continues) {
-            supernodes.emplace_back();
-            supernodes.back().rows = count[j];
-        }
+        if (!continues) supernodes.push_back({-1, 0, count[j], 0});
         ++supernodes.back().columns;
-        supernode_of[j] = static_cast<int>(supernodes.size()) - 1;
+        supernode_of.push_back(static_cast<int>(supernodes.size()) - 1);
     }
     for (int j = 0; j < n; ++j)
         if (parent[j] >= 0 && supernode_of[parent[j]] != supernode_of[j])
@@ -143,9 +126,9 @@ std::vector<int> merge_supernodes(std::vector<Supernode>& supernodes, int d) {
     const int n = static_cast<int>(supernodes.size());
     std::vector<int> merged_into(n);
     std::iota(merged_into.begin(), merged_into.end(), 0);
-    Children children = children_of(supernodes);
+    Groups children = children_of(supernodes);
     for (int p = 0; p < n; ++p) {
-        children.sort(p, [&](int a, int b) { return supernodes[a].rows > supernodes[b].rows; });
+        sort_children(children, p, [&](int s) { return supernodes[s].rows; });
         for (int c : children.of(p)) {
             Supernode both = supernodes[p];
             both.columns += supernodes[c].columns;
@@ -166,13 +149,11 @@ std::vector<int> merge_supernodes(std::vector<Supernode>& supernodes, int d) {
 // postorder; `fronts` are the merged supernodes, their parents being fronts.
 std::vector<int> order_fronts(const std::vector<Supernode>& fronts) {
     const int n = static_cast<int>(fronts.size());
-    Children children = children_of(fronts);
+    Groups children = children_of(fronts);
     std::vector<double> peak(n, 0), left(n);
-    const auto sort = [&](int f) {
-        children.sort(f, [&](int a, int b) { return peak[a] - left[a] > peak[b] - left[b]; });
-    };
+    const auto excess = [&](int f) { return peak[f] - left[f]; };
     for (int f = 0; f < n; ++f) {
-        sort(f);
+        sort_children(children, f, excess);
         double stacked = 0;
         for (int c : children.of(f)) {
             peak[f] = std::max(peak[f], stacked + peak[c]);
@@ -182,7 +163,7 @@ std::vector<int> order_fronts(const std::vector<Supernode>& fronts) {
         left[f] = update_rows * update_rows;
         peak[f] = std::max(peak[f], stacked + left[f]);
     }
-    sort(n);
+    sort_children(children, n, excess);
     return postorder(children);
 }
 
@@ -227,10 +208,9 @@ std::vector<int> elimination_tree(const Graph& graph, const std::vector<int>& or
 }
 
 AssemblyTree build_assembly_tree(const Graph& graph, const std::vector<int>& start_order, int d) {
-    const std::vector<int> start_parent = elimination_tree(graph, start_order);
-    const std::vector<int> post = postorder(Children(start_parent));
-    const std::vector<int> order = compose(start_order, post), parent = renumbered(start_parent, post);
-    const std::vector<int> count = count_columns(graph, order, parent);
+    std::vector<int> order;  // a postorder of the elimination tree
+    for (int v : postorder(children_of(elimination_tree(graph, start_order)))) order.push_back(start_order[v]);
+    const std::vector<int> parent = elimination_tree(graph, order), count = count_columns(graph, order, parent);
     std::vector<int> supernode_of;
     std::vector<Supernode> supernodes = find_supernodes(parent, count, supernode_of);
     const std::vector<int> merged_into = merge_supernodes(supernodes, d);
@@ -244,21 +224,21 @@ AssemblyTree build_assembly_tree(const Graph& graph, const std::vector<int>& sta
         }
     for (Supernode& front : fronts)
         if (front.parent >= 0) front.parent = front_of[merged_into[front.parent]];
-    std::vector<std::vector<int>> columns(fronts.size());
-    for (int j = 0; j < graph.size(); ++j) columns[front_of[merged_into[supernode_of[j]]]].push_back(j);
+    for (int& s : supernode_of) s = front_of[merged_into[s]];
+    const Groups columns = sorted_by_group(supernode_of, static_cast<int>(fronts.size()));
 
     AssemblyTree tree;
     const std::vector<int> front_order = order_fronts(fronts), front_position = inverse(front_order);
     tree.first.push_back(0);
     for (int f : front_order) {
         tree.parent.push_back(fronts[f].parent < 0 ? -1 : front_position[fronts[f].parent]);
-        for (int j : columns[f]) {
+        for (int j : columns.of(f)) {
             tree.order.push_back(order[j]);
             tree.column_count.push_back(count[j]);
         }
         tree.first.push_back(static_cast<int>(tree.order.size()));
     }
-    tree.children = Children(tree.parent);
+    tree.children = children_of(tree.parent);
     find_rows(graph, tree);
     return tree;
 }

@@ -1,13 +1,11 @@
-// Works on the rows of all fronts once: relative indices by a merge of the sorted rows of child and parent, entries of
-// A by a map from rows to places in the current front.
+// Places in fronts by a map from rows to places in the current front; the tree cut by the work in its subtrees; update
+// matrices placed by playing the factorisation through on stacks.
 #include "linalg/direct/factor_plan.hpp"
 
 #include <algorithm>
 
-#include "base/parallel.hpp"
 #include "linalg/block_csr.hpp"
 #include "linalg/direct/dense_kernels.hpp"
-#include "linalg/ordering/graph.hpp"
 
 namespace almesh {
 
@@ -17,32 +15,14 @@ constexpr double subtree_share = 1.0 / 16;  // largest part of all work in a sub
 constexpr double single_share = 1.0 / 8;    // and in the subtree of any front that one thread works on
 constexpr double smallest_cost = 2e7;       // less work than this is one subtree, for one thread
 
-// Rows of a front are its own columns, then tree.rows, both ascending.
-void find_relative_indices(FactorPlan& plan) {
-    const AssemblyTree& tree = plan.tree;
-    plan.relative_index.resize(tree.rows.size());
-    parallel_for(tree.fronts(), [&](int f) {
-        const int p = tree.parent[f];
-        if (p < 0) return;
-        std::size_t at = tree.row_start[p];
-        for (std::size_t k = tree.row_start[f]; k < tree.row_start[f + 1]; ++k) {
-            const int row = tree.rows[k];
-            if (row < tree.first[p + 1]) {
-                plan.relative_index[k] = row - tree.first[p];
-                continue;
-            }
-            while (tree.rows[at] != row) ++at;
-            plan.relative_index[k] = tree.columns(p) + static_cast<int>(at - tree.row_start[p]);
-        }
-    }, 100);
-}
-
-// Block (i, j) of A belongs to the front that eliminates the earlier of the two; as A is symmetric, the one stored in
-// the later row is taken.
-void find_entries(FactorPlan& plan, const BlockCsr& pattern) {
+// Places of blocks of A and of the rows of update matrices, front by front. Rows of a front are its own columns, then
+// tree.rows, both ascending. Block (i, j) of A belongs to the front that eliminates the earlier of the two; as A is
+// symmetric, the one stored in the later row is taken.
+void find_places(FactorPlan& plan, const BlockCsr& pattern) {
     const AssemblyTree& tree = plan.tree;
     const std::vector<int> position = inverse(tree.order);
-    std::vector<int> place(pattern.n, -1);
+    std::vector<int> place(pattern.n, -1);  // of each row in the current front
+    plan.relative_index.resize(tree.rows.size());
     plan.entry_start.assign(1, 0);
     for (int f = 0; f < tree.fronts(); ++f) {
         for (int j = tree.first[f]; j < tree.first[f + 1]; ++j) place[j] = j - tree.first[f];
@@ -56,6 +36,9 @@ void find_entries(FactorPlan& plan, const BlockCsr& pattern) {
             }
         }
         plan.entry_start.push_back(plan.entries.size());
+        for (int c : tree.children.of(f))
+            for (std::size_t k = tree.row_start[c]; k < tree.row_start[c + 1]; ++k)
+                plan.relative_index[k] = place[tree.rows[k]];
     }
 }
 
@@ -179,8 +162,7 @@ FactorPlan plan_factorisation(const BlockCsr& pattern, const Graph& graph, const
     FactorPlan plan;
     plan.d = pattern.d;
     plan.tree = build_assembly_tree(graph, order, pattern.d);
-    find_relative_indices(plan);
-    find_entries(plan, pattern);
+    find_places(plan, pattern);
     count_work(plan);
     cut_into_subtrees(plan);
     sort_into_levels(plan);

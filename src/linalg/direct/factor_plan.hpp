@@ -1,21 +1,47 @@
-// Everything about a multifrontal factorisation that is known before the values: the front entry that each block of A
-// is added to, the rows of the parent front that each update matrix is added to, all places in memory, and the
-// independent subtrees.
+// Symbolic factorisation of a sparse symmetric matrix: everything about a multifrontal factorisation that is known
+// before the values. Columns are vertices of the graph here: the d scalar columns of a node stay together.
 //
-// The tree is cut into subtrees, each worked on by one thread, single fronts above them, each worked on by one thread
-// as soon as its children are done, and the top above these, where all threads share the work inside each front. The
-// update matrices of the roots of subtrees and of single fronts change threads and have a place of their own. The
-// others live on two stacks, those of fronts at even and at odd depth: the children are popped from one while their
-// parent's is pushed on the other, so none is ever moved. Each thread has two stacks for its subtrees, the top has two.
+// The assembly tree (assembly_tree.cpp), whose vertices are the fronts, from the graph alone. Elimination tree: Liu's
+// algorithm with path compression. Column counts: from the leaves of the row subtrees, in nearly O(edges), so that the
+// size of a factor that cannot fit is known at once. Supernodes: fundamental ones, then merged with their parents where
+// that stores few zeros (Liu, SIAM J. Matrix Anal. Appl. 11, 1990; Davis, Direct Methods for Sparse Linear Systems,
+// 2006, chapter 4).
+//
+// The plan (factor_plan.cpp): the front entry that each block of A is added to, the rows of the parent front that each
+// update matrix is added to, all places in memory, and the independent subtrees. The tree is cut into subtrees, each
+// worked on by one thread, single fronts above them, each worked on by one thread as soon as its children are done, and
+// the top above these, where all threads share the work inside each front. The update matrices of the roots of subtrees
+// and of single fronts change threads and have a place of their own. The others live on two stacks, those of fronts at
+// even and at odd depth: the children are popped from one while their parent's is pushed on the other, so none is ever
+// moved. Each thread has two stacks for its subtrees, the top has two.
 #pragma once
 #include <cstddef>
 #include <vector>
 
-#include "linalg/direct/assembly_tree.hpp"
+#include "linalg/ordering/graph.hpp"
 
 namespace almesh {
 
-struct BlockCsr;
+struct AssemblyTree {
+    std::vector<int> order;               // order[new] = old, a postorder of the tree
+    std::vector<int> first;               // fronts + 1: front f eliminates the columns first[f] .. first[f+1]-1
+    std::vector<int> parent;              // front, -1 for a root; parent[f] > f
+    Groups children;                      // of each front, ascending; of fronts(): the roots
+    std::vector<std::size_t> row_start;   // fronts + 1 offsets into rows
+    std::vector<int> rows;                // rows of front f below its own columns, ascending
+    std::vector<int> column_count;        // entries of each column of L, diagonal included, merging left out
+
+    int fronts() const { return static_cast<int>(parent.size()); }
+    int columns(int f) const { return first[f + 1] - first[f]; }
+    int update_rows(int f) const { return static_cast<int>(row_start[f + 1] - row_start[f]); }
+};
+
+// order[new] = old: an ordering to start from; the tree's own order is an equivalent one with the same fill.
+// d: scalar unknowns per vertex, which decides how far merging pays.
+AssemblyTree build_assembly_tree(const Graph& graph, const std::vector<int>& order, int d);
+
+// parent[j] of column j (new numbering), -1 for a root: the row of the first entry of L below the diagonal.
+std::vector<int> elimination_tree(const Graph& graph, const std::vector<int>& order);
 
 // Block `block` of A is added to (row, column) of a front, in nodes.
 struct FrontEntry {

@@ -66,9 +66,7 @@ public:
         for (const double diagonal_shift : diagonal_shifts_) {
             result.diagonal_shift = diagonal_shift;
             result.bad_row = factor_shifted(A, diagonal_shift);
-            if (result.bad_row >= 0) continue;
-            result.status = SolveStatus::success;
-            break;
+            if (result.bad_row < 0) return {SolveStatus::success, -1, diagonal_shift};
         }
         return result;
     }
@@ -89,6 +87,8 @@ private:
 
     int rows() const { return static_cast<int>(row_.size()) - 1; }
     int domains() const { return static_cast<int>(start_.size()) - 1; }
+    const float* L(int k) const { return L_.data() + offset(k, block); }
+    const double* C_inverse(int i) const { return C_inverse_.data() + offset(i, block); }
 
     void find_pattern(const BlockCsr& pattern) {
         for (int i = 0; i < pattern.n; ++i) {
@@ -142,32 +142,27 @@ private:
     int factor_rows(const BlockCsr& A, double diagonal_shift, int begin, int end, double* T) {
         for (int i = begin; i < end; ++i) {
             const double* const Ai = A.block(A.row[i]);  // as many blocks as L has in this row, then the diagonal one
+            const int first = row_[i], count = row_[i + 1] - first;
             // T_ij = C_i L_ij, from A_ij = sum over k < j of T_ik L_jk' C_j' + T_ij C_j'
-            for (int k = row_[i]; k < row_[i + 1]; ++k) {
-                const int j = col_[k];
+            for (int k = 0; k < count; ++k) {
                 double Tj[block] = {};
-                subtract_product_transposed<d>(Ai + (k - row_[i]) * block,
-                                               C_inverse_.data() + offset(j, block), Tj);
-                for (int e = 0; e < block; ++e) Tj[e] = -Tj[e];
-                for (std::size_t t = term_start_[k]; t < term_start_[k + 1]; ++t)
-                    subtract_product_transposed<d>(T + term_[t].left * block,
-                                                   L_.data() + offset(term_[t].right, block), Tj);
-                std::copy_n(Tj, block, T + (k - row_[i]) * block);
+                subtract_product_transposed<d>(Ai + k * block, C_inverse(col_[first + k]), Tj);
+                for (double& entry : Tj) entry = -entry;
+                for (std::size_t t = term_start_[first + k]; t < term_start_[first + k + 1]; ++t)
+                    subtract_product_transposed<d>(T + term_[t].left * block, L(term_[t].right), Tj);
+                std::copy_n(Tj, block, T + k * block);
             }
             double D[block];
-            std::copy_n(Ai + (row_[i + 1] - row_[i]) * block, block, D);
-            for (double& entry : D) entry *= 1 + diagonal_shift;
-            for (int k = 0; k < row_[i + 1] - row_[i]; ++k)
-                subtract_product_transposed<d>(T + k * block, T + k * block, D);
-            double* const C_inverse = C_inverse_.data() + offset(i, block);
-            if (!inverse_of_cholesky<d>(D, C_inverse)) return i;
-            for (int k = row_[i]; k < row_[i + 1]; ++k) {
+            for (int e = 0; e < block; ++e) D[e] = Ai[count * block + e] * (1 + diagonal_shift);
+            for (int k = 0; k < count; ++k) subtract_product_transposed<d>(T + k * block, T + k * block, D);
+            double* const inverse = C_inverse_.data() + offset(i, block);
+            if (!inverse_of_cholesky<d>(D, inverse)) return i;
+            for (int k = 0; k < count; ++k) {
                 double Lk[block] = {};
                 for (int r = 0; r < d; ++r)
                     for (int s = 0; s <= r; ++s)
-                        for (int c = 0; c < d; ++c)
-                            Lk[r * d + c] += C_inverse[r * d + s] * T[(k - row_[i]) * block + s * d + c];
-                std::copy_n(Lk, block, L_.data() + offset(k, block));
+                        for (int c = 0; c < d; ++c) Lk[r * d + c] += inverse[r * d + s] * T[k * block + s * d + c];
+                std::copy_n(Lk, block, L_.data() + offset(first + k, block));
             }
         }
         return -1;
@@ -180,11 +175,10 @@ private:
     [[gnu::always_inline]] inline void multiply_row(int begin, int end, Four& product) const {
         Four products[d] = {};
         for (int k = begin; k < end; ++k) {
-            const float* const L = L_.data() + offset(k, block);
             const Four y = y_[col_[k]];
             for (int a = 0; a < d; ++a) {
                 Four row;
-                load(L + a * d, row);
+                load(L(k) + a * d, row);
                 products[a] += row * y;
             }
         }
@@ -195,12 +189,11 @@ private:
 
     // y_i = C_i^{-1} r_i - sum; returns its squared norm.
     [[gnu::always_inline]] inline double solve_row(int i, const double* r, const Four& sum) {
-        const double* const C_inverse = C_inverse_.data() + offset(i, block);
-        const double* const ri = r + offset(i, d);
+        const double *const inverse = C_inverse(i), *const ri = r + offset(i, d);
         Four y{};
         double square = 0;
         for (int a = 0; a < d; ++a) {
-            for (int b = 0; b <= a; ++b) y[a] += C_inverse[a * d + b] * ri[b];
+            for (int b = 0; b <= a; ++b) y[a] += inverse[a * d + b] * ri[b];
             y[a] -= sum[a];
             square += y[a] * y[a];
         }
@@ -213,12 +206,11 @@ private:
         Four entry[d];
         for (int a = 0; a < d; ++a) entry[a] = Four{} + y[a];
         for (int k = begin; k < end; ++k) {
-            const float* const L = L_.data() + offset(k, block);
             Four row, product;
-            load(L, row);
+            load(L(k), row);
             product = row * entry[0];
             for (int a = 1; a < d; ++a) {
-                load(L + a * d, row);
+                load(L(k) + a * d, row);
                 product += row * entry[a];
             }
             y_[col_[k]] -= product;
@@ -227,10 +219,10 @@ private:
 
     // z_i = C_i^{-T} y_i
     [[gnu::always_inline]] inline void finish_row(int i, double* z) const {
-        const double* const C_inverse = C_inverse_.data() + offset(i, block);
+        const double* const inverse = C_inverse(i);
         for (int b = 0; b < d; ++b) {
             double sum = 0;
-            for (int a = b; a < d; ++a) sum += C_inverse[a * d + b] * y_[i][a];
+            for (int a = b; a < d; ++a) sum += inverse[a * d + b] * y_[i][a];
             z[offset(i, d, b)] = sum;
         }
     }

@@ -13,13 +13,8 @@
 namespace almesh {
 
 const char* to_string(Ordering ordering) {
-    switch (ordering) {
-        case Ordering::nested_dissection: return "nested_dissection";
-        case Ordering::minimum_degree: return "minimum_degree";
-        case Ordering::reverse_cuthill_mckee: return "rcm";
-        case Ordering::natural: return "natural";
-    }
-    return "";
+    constexpr const char* name[] = {"nested_dissection", "minimum_degree", "rcm", "natural"};
+    return name[static_cast<int>(ordering)];
 }
 
 namespace {
@@ -122,29 +117,18 @@ std::vector<int> reverse_cuthill_mckee(const Graph& graph) {
     return order;
 }
 
-namespace {
-
-std::vector<int> minimum_degree_of_groups(const Graph& graph) {
-    const CompressedGraph compressed = compress(graph);
-    SmallGraph small;
-    small.size = small.eliminable = compressed.graph.size();
-    small.weight = compressed.graph.weight;
-    for (int g = 0; g < small.size; ++g)
-        for (int h : compressed.graph.neighbours(g)) small.edges.push_back({g, h});
-    return expand(compressed, minimum_degree(small));
-}
-
-}  // namespace
-
 std::vector<int> order_vertices(const Graph& graph, Ordering ordering) {
-    std::vector<int> natural;
-    switch (ordering) {
-        case Ordering::nested_dissection: return nested_dissection(graph);
-        case Ordering::minimum_degree: return minimum_degree_of_groups(graph);
-        case Ordering::reverse_cuthill_mckee: return reverse_cuthill_mckee(graph);
-        case Ordering::natural: break;
+    if (ordering == Ordering::nested_dissection) return nested_dissection(graph);
+    if (ordering == Ordering::reverse_cuthill_mckee) return reverse_cuthill_mckee(graph);
+    if (ordering == Ordering::minimum_degree) {
+        const CompressedGraph compressed = compress(graph);
+        const int groups = compressed.graph.size();
+        SmallGraph small{groups, groups, compressed.graph.weight, {}};
+        for (int g = 0; g < groups; ++g)
+            for (int h : compressed.graph.neighbours(g)) small.edges.push_back({g, h});
+        return expand(compressed, minimum_degree(small));
     }
-    natural.resize(graph.size());
+    std::vector<int> natural(graph.size());
     std::iota(natural.begin(), natural.end(), 0);
     return natural;
 }

@@ -1,4 +1,4 @@
-#include "linalg/direct/assembly_tree.hpp"
+#include "linalg/direct/factor_plan.hpp"
 
 #include <doctest/doctest.h>
 

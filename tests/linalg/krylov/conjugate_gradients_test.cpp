@@ -9,6 +9,7 @@
 #include "linalg/ordering/graph.hpp"
 #include "linalg/krylov/deflated.hpp"
 #include "linalg/krylov/ilu0.hpp"
+#include "support/identity.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;

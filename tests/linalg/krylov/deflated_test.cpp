@@ -7,6 +7,7 @@
 #include "linalg/krylov/conjugate_gradients.hpp"
 #include "linalg/krylov/ilu0.hpp"
 #include "linalg/vector_ops.hpp"
+#include "support/identity.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;

@@ -6,6 +6,7 @@
 
 #include "base/parallel.hpp"
 #include "linalg/krylov/ilu0.hpp"
+#include "support/identity.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;

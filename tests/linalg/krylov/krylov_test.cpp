@@ -10,6 +10,7 @@
 #include "linalg/krylov/conjugate_gradients.hpp"
 #include "linalg/krylov/deflated.hpp"
 #include "linalg/krylov/gmres.hpp"
+#include "support/identity.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;
