@@ -9,9 +9,8 @@
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "linalg/direct/cholesky.hpp"
-#include "linalg/krylov/conjugate_gradients.hpp"
+#include "linalg/krylov/krylov.hpp"
 #include "linalg/krylov/deflated.hpp"
-#include "linalg/krylov/gmres.hpp"
 #include "linalg/krylov/ilu0.hpp"
 #include "linalg/ordering/ordering.hpp"
 #include "linalg/ordering/graph.hpp"
@@ -29,25 +28,23 @@ namespace {
 constexpr int failures_to_give_up = 2;  // of iterative solvers in a row, if the choice is ours
 constexpr double refine_above = 1e-15;  // scaled residual from which a step of iterative refinement is worth a solve
 
-// Where ILU(0) of a positive definite matrix meets a bad pivot, that of one with a heavier diagonal may not, and serves
-// nearly as well (Manteuffel, Math. Comp. 34, 1980). Not so in 2D: there bad pivots come from stretched elements, and
-// iterations stagnate with any shift.
-std::vector<double> diagonal_shifts(int dimension) {
-    return dimension == 2 ? std::vector<double>{0} : std::vector<double>{0, 0.01, 0.1};
-}
-
 using Method = std::variant<ConjugateGradients, Gmres>;
 
 Method make_method(int size, const LinearSolverParams& params) {
-    if (params.kind == SolverKind::gmres) return Gmres(size, {params.restart, params.max_iterations, params.tolerance});
-    return ConjugateGradients(size, {params.max_iterations, params.tolerance});
+    const KrylovParams krylov{params.max_iterations, params.tolerance, params.restart};
+    if (params.kind == SolverKind::gmres) return Gmres(size, krylov);
+    return ConjugateGradients(size, krylov);
 }
 
 // start: of the domains, see Ilu0.
 std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, const std::vector<int>& start,
                                                     int dimension, SolverKind kind) {
     std::unique_ptr<Preconditioner> ilu;
-    const auto set_up_ilu = [&] { ilu = std::make_unique<Ilu0>(pattern, start, diagonal_shifts(dimension)); };
+    // Where ILU(0) of a positive definite matrix meets a bad pivot, that of one with a heavier diagonal may not, and
+    // serves nearly as well (Manteuffel, Math. Comp. 34, 1980). Not so in 2D: there bad pivots come from stretched
+    // elements, and iterations stagnate with any shift.
+    const std::vector<double> shifts = dimension == 2 ? std::vector<double>{0} : std::vector<double>{0, 0.01, 0.1};
+    const auto set_up_ilu = [&] { ilu = std::make_unique<Ilu0>(pattern, start, shifts); };
     if (kind == SolverKind::gmres) return set_up_ilu(), std::move(ilu);
     std::unique_ptr<CoarseSpace> coarse;
     parallel_invoke(set_up_ilu, [&] { coarse = std::make_unique<CoarseSpace>(pattern); });
@@ -153,7 +150,6 @@ void LinearSolver::set_tolerance(double tolerance) {
 
 double LinearSolver::factor_entries() const { return direct_ ? direct_->cholesky.factor_entries() : 0; }
 double LinearSolver::factor_flops() const { return direct_ ? direct_->cholesky.flops() : 0; }
-
 double LinearSolver::factor_bytes() const { return direct_ ? direct_->cholesky.predicted_bytes() : 0; }
 double LinearSolver::refused_bytes() const { return direct_ && !direct_->cholesky.fits() ? factor_bytes() : 0; }
 

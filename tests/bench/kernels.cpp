@@ -8,7 +8,7 @@
 #include "bench/timing.hpp"
 #include "energy/plain_energy.hpp"
 #include "linalg/direct/cholesky.hpp"
-#include "linalg/krylov/conjugate_gradients.hpp"
+#include "linalg/krylov/krylov.hpp"
 #include "linalg/krylov/deflated.hpp"
 #include "linalg/ordering/ordering.hpp"
 #include "linalg/ordering/graph.hpp"

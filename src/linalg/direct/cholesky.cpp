@@ -17,6 +17,8 @@ namespace almesh {
 
 namespace {
 
+// A pivot must exceed this times the diagonal entry of A it began as: what is left of it would otherwise be rounding.
+constexpr double smallest_pivot = 1e-14;
 constexpr double parallel_front = 2e7;  // operations from which a front is worth a team of threads
 
 int thread_number() {
@@ -136,7 +138,7 @@ void Cholesky::gather_entries(const BlockCsr& A, int f, const Front& target, boo
         for (int c = 0; c < d; ++c)
             for (int r = 0; r < d; ++r) to[c * ld + r] = block[c * d + r];
         for (int c = 0; c < d && entry.row == entry.column; ++c)
-            smallest[entry.column * d + c] = params_.smallest_pivot * std::abs(block[c * d + c]);
+            smallest[entry.column * d + c] = smallest_pivot * std::abs(block[c * d + c]);
     }
 }
 

@@ -19,9 +19,7 @@
 namespace almesh {
 
 struct CholeskyParams {
-    double memory_limit = 0;       // bytes the factorisation may take; 0: the machine's physical memory
-    double smallest_pivot = 1e-14;  // a pivot must exceed this times the diagonal entry of A it began as: what is
-                                   // left of it would otherwise be rounding
+    double memory_limit = 0;  // bytes the factorisation may take; 0: the machine's physical memory
     Ordering ordering = Ordering::nested_dissection;
 };
 

@@ -42,32 +42,20 @@ void find_places(FactorPlan& plan, const BlockCsr& pattern) {
     }
 }
 
-void count_work(FactorPlan& plan) {
-    const double d = plan.d;
-    for (int count : plan.tree.column_count)
-        for (int c = 0; c < plan.d; ++c) {
-            const double length = count * d - c;
-            plan.factor_entries += length;
-            plan.flops += length * length;
-        }
-}
-
-// Operations and memory traffic of one front, in flops.
-double cost(const FactorPlan& plan, int f) {
-    const double m = plan.rows(f), k = plan.pivots(f);
-    return k * m * m - k * k * m + k * k * k / 3 + 4 * m * m;
-}
-
 void cut_into_subtrees(FactorPlan& plan) {
     const AssemblyTree& tree = plan.tree;
+    const auto cost = [&](int f) {  // operations and memory traffic of one front, in flops
+        const double m = plan.rows(f), k = plan.pivots(f);
+        return k * m * m - k * k * m + k * k * k / 3 + 4 * m * m;
+    };
     const int fronts = tree.fronts();
     std::vector<double> work(fronts, 0);  // of the whole subtree
     std::vector<int> begin(fronts);       // first front of the subtree
     double total = 0;
     for (int f = 0; f < fronts; ++f) {
         begin[f] = tree.children.of(f).empty() ? f : begin[tree.children.of(f).front()];
-        work[f] += cost(plan, f);
-        total += cost(plan, f);
+        work[f] += cost(f);
+        total += cost(f);
         if (tree.parent[f] >= 0) work[tree.parent[f]] += work[f];
     }
     if (total <= smallest_cost) {
@@ -97,24 +85,18 @@ void sort_into_levels(FactorPlan& plan) {
     std::reverse(plan.levels.begin(), plan.levels.end());
 }
 
-// On which stack the update matrix of each front lies: 0 or 1 by the parity of its depth, or `own` if it has a place of
-// its own, which is never popped.
-constexpr int own = 2;
-
-std::vector<int> choose_stacks(const FactorPlan& plan) {
+void place_updates(FactorPlan& plan) {
     const AssemblyTree& tree = plan.tree;
+    // On which stack each update matrix lies: 0 or 1 by the parity of its front's depth, or `own` if it has a place of
+    // its own, which is never popped.
+    constexpr int own = 2;
     std::vector<int> stack(tree.fronts(), 0);
     for (int f = tree.fronts() - 1; f >= 0; --f)
         if (tree.parent[f] >= 0) stack[f] = 1 - stack[tree.parent[f]];
     for (const FrontRange& range : plan.subtrees)
         if (tree.parent[range.end - 1] >= 0) stack[range.end - 1] = own;
     for (int f : plan.single) stack[f] = own;
-    return stack;
-}
 
-void place_updates(FactorPlan& plan) {
-    const AssemblyTree& tree = plan.tree;
-    const std::vector<int> stack = choose_stacks(plan);
     plan.update_at.assign(tree.fronts(), 0);
     plan.update_shared.assign(tree.fronts(), 0);
     std::size_t top[3] = {}, size[3] = {};
@@ -160,10 +142,15 @@ double FactorPlan::bytes(int threads) const {
 
 FactorPlan plan_factorisation(const BlockCsr& pattern, const Graph& graph, const std::vector<int>& order) {
     FactorPlan plan;
-    plan.d = pattern.d;
-    plan.tree = build_assembly_tree(graph, order, pattern.d);
+    const int d = plan.d = pattern.d;
+    plan.tree = build_assembly_tree(graph, order, d);
     find_places(plan, pattern);
-    count_work(plan);
+    for (int count : plan.tree.column_count)
+        for (int c = 0; c < d; ++c) {
+            const double length = static_cast<double>(count) * d - c;
+            plan.factor_entries += length;
+            plan.flops += length * length;
+        }
     cut_into_subtrees(plan);
     sort_into_levels(plan);
     place_updates(plan);

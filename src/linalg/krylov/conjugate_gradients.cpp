@@ -2,7 +2,7 @@
 //     alpha = r'z / p'q,  x += alpha p,  r -= alpha q,  beta = new r'z / old r'z,  p = z + beta p.
 // The recurrence for r drifts from b - A x, which is therefore computed at the end; where it misses the tolerance, the
 // iteration starts again from there.
-#include "linalg/krylov/conjugate_gradients.hpp"
+#include "linalg/krylov/krylov.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,17 +11,8 @@
 
 namespace almesh {
 
-ConjugateGradients::ConjugateGradients(int size, const CgParams& params)
+ConjugateGradients::ConjugateGradients(int size, const KrylovParams& params)
     : size_(size), params_(params), r_(size), z_(size), p_(size), q_(size), pq_(size), rr_(size), true_rr_(size) {}
-
-// x = 0, r = b; returns |r|.
-double ConjugateGradients::start(const double* b, double* x) {
-    return std::sqrt(rr_([&](int i, int count) {
-        std::fill_n(x + i, count, 0.0);
-        std::copy_n(b + i, count, r_.data() + i);
-        return dot_of_piece(count, b + i, b + i);
-    }));
-}
 
 // r = b - A x; returns |r|.
 double ConjugateGradients::residual(const BlockCsr& A, const double* b, const double* x) {
@@ -44,11 +35,11 @@ double ConjugateGradients::next_direction(Preconditioner& M, double rz_before) {
 // Iterates from the current x, r and p, r'z = rz, until the recurrence for r is down to the targets of |r| and of
 // r'M^{-1}r.
 SolveStatus ConjugateGradients::cycle(const BlockCsr& A, Preconditioner& M, double r_norm, double rz,
-                                      const Targets& targets, int& iterations, double* x) {
+                                      double r_target, double rz_target, int& iterations, double* x) {
     StagnationTest progress{r_norm};
     for (;;) {
         if (!std::isfinite(rz)) return SolveStatus::breakdown;
-        if (r_norm <= targets.r_norm && rz <= targets.rz) return SolveStatus::success;
+        if (r_norm <= r_target && rz <= rz_target) return SolveStatus::success;
         if (iterations == params_.max_iterations) return SolveStatus::max_iterations;
         const double pq = pq_([&](int i, int count) {
             multiply_rows(A, i / A.d, (i + count) / A.d, p_.data(), q_.data());
@@ -71,17 +62,21 @@ SolveStatus ConjugateGradients::cycle(const BlockCsr& A, Preconditioner& M, doub
 }
 
 KrylovResult ConjugateGradients::solve_in_team(const BlockCsr& A, Preconditioner& M, const double* b, double* x) {
-    const double b_norm = start(b, x);
+    const double b_norm = std::sqrt(rr_([&](int i, int count) {
+        std::fill_n(x + i, count, 0.0);
+        std::copy_n(b + i, count, r_.data() + i);
+        return dot_of_piece(count, b + i, b + i);
+    }));
     if (!std::isfinite(b_norm)) return {SolveStatus::breakdown, 0, b_norm};
     if (b_norm == 0) return {SolveStatus::success, 0, 0};
-    double r_norm = b_norm;
-    Targets targets{params_.tolerance * b_norm, -1};
+    const double r_target = params_.tolerance * b_norm;
+    double r_norm = b_norm, rz_target = -1;
     for (int iterations = 0;;) {
         const double corrected = M.correct_start(r_.data(), x);  // r'y with y what x has changed by
         if (corrected != 0) r_norm = residual(A, b, x);
         const double rz = next_direction(M, 0);
-        if (targets.rz < 0) targets.rz = params_.tolerance * params_.tolerance * (rz + corrected);
-        const SolveStatus end = cycle(A, M, r_norm, rz, targets, iterations, x);
+        if (rz_target < 0) rz_target = params_.tolerance * params_.tolerance * (rz + corrected);
+        const SolveStatus end = cycle(A, M, r_norm, rz, r_target, rz_target, iterations, x);
         const double before = r_norm;
         r_norm = residual(A, b, x);
         if (!std::isfinite(r_norm)) {
@@ -90,7 +85,7 @@ KrylovResult ConjugateGradients::solve_in_team(const BlockCsr& A, Preconditioner
             return {SolveStatus::breakdown, iterations, 1};
         }
         const double relative = r_norm / b_norm;
-        if (end != SolveStatus::success || r_norm <= targets.r_norm) return {end, iterations, relative};
+        if (end != SolveStatus::success || r_norm <= r_target) return {end, iterations, relative};
         if (r_norm > 0.5 * before) return {SolveStatus::stagnated, iterations, relative};
     }
 }

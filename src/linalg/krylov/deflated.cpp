@@ -43,23 +43,26 @@ CoarseSpace::CoarseSpace(const BlockCsr& pattern)
       factor_(E_),
       r_(E_.size()),
       c_(E_.size()) {
+    ZA_.n = groups();
+    ZA_.d = pattern.d;
+    ZA_.row.assign(1, 0);
     place_.resize(pattern.blocks());
     std::vector<int> place_of(pattern.n, -1);  // of a column in the current row
     for (int g = 0; g < groups(); ++g) {
-        const int first = static_cast<int>(col_.size());
+        const int first = static_cast<int>(ZA_.col.size());
         for (int i : members_.of(g))
             for (int k = pattern.row[i]; k < pattern.row[i + 1]; ++k) {
                 const int j = pattern.col[k];
                 if (place_of[j] < first) {
-                    place_of[j] = static_cast<int>(col_.size());
-                    col_.push_back(j);
+                    place_of[j] = static_cast<int>(ZA_.col.size());
+                    ZA_.col.push_back(j);
                     coarse_place_.push_back(E_.find(g, group_[j]));
                 }
                 place_[k] = place_of[j];
             }
-        row_.push_back(static_cast<int>(col_.size()));
+        ZA_.row.push_back(static_cast<int>(ZA_.col.size()));
     }
-    value_.resize(col_.size() * pattern.d * pattern.d);
+    ZA_.value.resize(ZA_.col.size() * pattern.d * pattern.d);
 }
 
 // Z'A and E = (Z'A) Z, row by row.
@@ -70,14 +73,12 @@ void CoarseSpace::add_up_rows(const BlockCsr& A) {
         for (int e = 0; e < block; ++e) to[e] += from[e];
     };
     const auto make_row = [&](int g) {
-        double* const row = value_.data() + offset(row_[g], block);
-        std::fill_n(row, offset(row_[g + 1] - row_[g], block), 0.0);
+        std::fill_n(ZA_.block(ZA_.row[g]), offset(ZA_.row[g + 1] - ZA_.row[g], block), 0.0);
         for (int i : members_.of(g))
             for (int k = A.row[i]; k < A.row[i + 1]; ++k)
-                add(A.block(k), value_.data() + offset(place_[k], block));
+                add(A.block(k), ZA_.block(place_[k]));
         std::fill_n(E_.block(E_.row[g]), offset(E_.row[g + 1] - E_.row[g], block), 0.0);
-        for (int k = row_[g]; k < row_[g + 1]; ++k)
-            add(value_.data() + offset(k, block), E_.block(coarse_place_[k]));
+        for (int k = ZA_.row[g]; k < ZA_.row[g + 1]; ++k) add(ZA_.block(k), E_.block(coarse_place_[k]));
     };
     parallel_for(groups(), make_row, static_cast<double>(A.value.size()) / std::max(1, groups()));
 }
@@ -96,8 +97,8 @@ void CoarseSpace::restrict_residual(const double* r, const double* z) {
         SumOfProducts<d> product;
         for (int i : members_.of(g))
             for (int a = 0; a < d; ++a) sum[a] += r[offset(i, d, a)];
-        for (int k = row_[g]; z && k < row_[g + 1]; ++k)
-            product.add(value_.data() + offset(k, d * d), z + offset(col_[k], d));
+        for (int k = ZA_.row[g]; z && k < ZA_.row[g + 1]; ++k)
+            product.add(ZA_.block(k), z + offset(ZA_.col[k], d));
         for (int a = 0; a < d; ++a) {
             r_[offset(g, d, a)] = sum[a];
             c_[offset(g, d, a)] = sum[a] - product.entry(a);

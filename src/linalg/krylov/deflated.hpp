@@ -15,7 +15,6 @@
 #include <memory>
 #include <vector>
 
-#include "base/large_array.hpp"
 #include "linalg/direct/cholesky.hpp"
 #include "linalg/krylov/krylov.hpp"
 #include "linalg/ordering/graph.hpp"
@@ -47,8 +46,7 @@ private:
     std::vector<int> group_;         // of each node
     BlockCsr E_;
     Groups members_;                 // nodes of each group
-    std::vector<int> row_{0}, col_;  // pattern of Z'A: a block row per group, a block column per node
-    LargeVector<double> value_;      // d*d per block, row-major
+    BlockCsr ZA_;                    // Z'A: a block row per group, a block column per node
     std::vector<int> place_;         // block of Z'A for every block of A
     std::vector<int> coarse_place_;  // block of E for every block of Z'A
     Cholesky factor_;

@@ -1,7 +1,7 @@
 // The Arnoldi process A M^{-1} V_k = V_{k+1} H_k turns |b - A x| into |beta e_1 - H_k y| for x = x_0 + M^{-1} V_k y.
 // Givens rotations make H_k upper triangular as it grows, and leave the norm of the residual in the last entry of the
 // rotated beta e_1, without forming x.
-#include "linalg/krylov/gmres.hpp"
+#include "linalg/krylov/krylov.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace almesh {
 
-Gmres::Gmres(int size, const GmresParams& params) : size_(size), params_(params) {
+Gmres::Gmres(int size, const KrylovParams& params) : size_(size), params_(params) {
     params_.restart = std::max(1, std::min(params.restart, std::max(size, 1)));
     const int m = params_.restart;
     basis_.resize(offset(m + 1, size));

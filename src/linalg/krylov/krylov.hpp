@@ -1,6 +1,5 @@
-// What Krylov methods share: their result, when they give up, sums over a team of threads, and the interface of
-// preconditioners z = M^{-1} r with M near A, for ConjugateGradients (M symmetric positive definite) and Gmres (M
-// nonsingular).
+// Krylov methods: conjugate gradients and GMRES, what they share, and the interface of preconditioners z = M^{-1} r with
+// M near A, symmetric positive definite for conjugate gradients and nonsingular for GMRES.
 //
 // A Krylov method runs in one team of threads, all of which call apply() together. Its loops are therefore work-sharing
 // loops, `#pragma omp for` without a `parallel` around them, which a thread that calls it outside of a team runs alone.
@@ -9,6 +8,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "base/index.hpp"
 #include "linalg/block_csr.hpp"
 #include "linalg/solve_status.hpp"
 #include "linalg/vector_ops.hpp"
@@ -79,6 +79,78 @@ private:
     static constexpr int block = 768;  // a multiple of 1, 2 and 3 unknowns per node
     int size_;
     std::vector<double> partial_;
+};
+
+struct KrylovParams {
+    int max_iterations = 600;  // products with A
+    double tolerance = 1e-10;
+    int restart = 60;  // GMRES: iterations per cycle
+};
+
+// Preconditioned conjugate gradients (Hestenes & Stiefel, J. Res. Nat. Bur. Stand. 49, 1952; Saad, Iterative Methods
+// for Sparse Linear Systems, 2003, algorithm 9.1): minimises x'Ax/2 - b'x over the Krylov space, so that every iterate
+// of Newton's method is a descent direction, however early the iteration ends. It detects that A is not positive
+// definite by p'Ap <= 0 for a search direction p.
+//
+// The tolerance is on |r|_2 / |b|_2 and on |r|_M / |b|_M, r = b - A x and |r|_M^2 = r'M^{-1}r: the 2-norm hardly sees
+// errors of low energy beside stiff parts of A, such as a penalised boundary.
+// Cost of an iteration: one product with A, one with M^{-1}, two sums; memory 4 n doubles. One team of threads runs the
+// whole iteration and shares its loops. Sums go over fixed blocks, so the bits do not depend on the number of threads.
+class ConjugateGradients {
+public:
+    ConjugateGradients(int size, const KrylovParams& params);
+
+    void set_tolerance(double tolerance) { params_.tolerance = tolerance; }
+
+    // Solves A x = b from x_0 = 0; A symmetric. Allocates nothing. Whatever the status, x is the last iterate, zero if
+    // that is not finite. Sizes: b, x: A.size().
+    KrylovResult solve(const BlockCsr& A, Preconditioner& M, const double* b, double* x);
+
+private:
+    KrylovResult solve_in_team(const BlockCsr& A, Preconditioner& M, const double* b, double* x);
+    SolveStatus cycle(const BlockCsr& A, Preconditioner& M, double r_norm, double rz, double r_target,
+                      double rz_target, int& iterations, double* x);
+    double residual(const BlockCsr& A, const double* b, const double* x);
+    double next_direction(Preconditioner& M, double rz_before);
+
+    int size_;
+    KrylovParams params_;
+    std::vector<double> r_, z_, p_, q_;  // size: residual, M^{-1} r, search direction, A p
+    TeamSum pq_, rr_, true_rr_;          // p'q, r'r of the recurrence and of b - A x
+};
+
+// GMRES(m), m = restart, preconditioned from the right: minimises |b - A x|_2 over x_0 + M^{-1} K_m(A M^{-1}, r_0) by
+// modified Gram-Schmidt and Givens rotations (Saad & Schultz, SIAM J. Sci. Stat. Comput. 7, 1986; Saad 2003, algorithm
+// 9.5). From the right, the residual that is minimised is the true one. The tolerance is on |b - A x|_2 / |b|_2.
+//
+// Cost of iteration k of a cycle: one product with A, one with M^{-1}, 4 k n operations; memory (m + 3) n doubles.
+class Gmres {
+public:
+    Gmres(int size, const KrylovParams& params);
+
+    void set_tolerance(double tolerance) { params_.tolerance = tolerance; }
+
+    // Solves A x = b from x_0 = 0. Allocates nothing. Whatever the status, x is the last iterate, zero if that is not
+    // finite. breakdown: a number is not finite, or the Krylov space ended without holding the solution (A is
+    // singular). Sizes: b, x: A.size().
+    KrylovResult solve(const BlockCsr& A, Preconditioner& M, const double* b, double* x);
+
+private:
+    SolveStatus cycle(const BlockCsr& A, Preconditioner& M, double beta, double target, int& iterations, int& k);
+    double extend(const BlockCsr& A, Preconditioner& M, int k);
+    bool rotate(int k, double below);
+    void update(Preconditioner& M, int k, double* x);
+    void precondition(Preconditioner& M, const double* r, double* z) const;
+    double* V(int k) { return basis_.data() + offset(k, size_); }
+    double& H(int i, int k) { return hessenberg_[k * (params_.restart + 1) + i]; }
+
+    int size_;
+    KrylovParams params_;
+    std::vector<double> basis_;           // (m + 1) x size: orthonormal Krylov vectors
+    std::vector<double> hessenberg_;      // m columns of m + 1: R of the rotated Hessenberg matrix
+    std::vector<double> cosine_, sine_;   // m Givens rotations
+    std::vector<double> rotated_;         // m + 1: beta e_1 under the rotations; then the coefficients y
+    std::vector<double> work_;            // size
 };
 
 }  // namespace almesh

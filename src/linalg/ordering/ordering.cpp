@@ -96,10 +96,9 @@ int breadth_first(const Graph& graph, int root, int stamp, std::vector<int>& mar
 std::vector<int> reverse_cuthill_mckee(const Graph& graph) {
     std::vector<int> order, mark(graph.size(), -1);
     order.reserve(graph.size());
-    std::vector<char> done(graph.size(), 0);
     int stamp = 0;
     for (int v = 0; v < graph.size(); ++v) {
-        if (done[v]) continue;
+        if (mark[v] >= 0) continue;  // in a component that has been numbered
         // A last vertex of a longest breadth-first search is a good end of the component (George & Liu's
         // pseudo-peripheral vertex): start there.
         const std::size_t begin = order.size();
@@ -111,7 +110,6 @@ std::vector<int> reverse_cuthill_mckee(const Graph& graph) {
             root = order.back();
             order.resize(begin);
         }
-        for (std::size_t k = begin; k < order.size(); ++k) done[order[k]] = 1;
     }
     std::reverse(order.begin(), order.end());
     return order;

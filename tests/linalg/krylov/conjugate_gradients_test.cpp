@@ -1,4 +1,4 @@
-#include "linalg/krylov/conjugate_gradients.hpp"
+#include "linalg/krylov/krylov.hpp"
 
 #include <doctest/doctest.h>
 

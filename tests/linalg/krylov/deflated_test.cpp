@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "linalg/krylov/conjugate_gradients.hpp"
+#include "linalg/krylov/krylov.hpp"
 #include "linalg/krylov/ilu0.hpp"
 #include "linalg/vector_ops.hpp"
 #include "support/identity.hpp"

@@ -1,4 +1,4 @@
-#include "linalg/krylov/gmres.hpp"
+#include "linalg/krylov/krylov.hpp"
 
 #include <doctest/doctest.h>
 
@@ -53,7 +53,7 @@ TEST_CASE("GMRES solves with and without preconditioner, and reports the true re
         std::vector<double> x(A.size());
         Ilu0 ilu(A);
         REQUIRE(ilu.factor(A).status == SolveStatus::success);
-        Gmres gmres(A.size(), {30, 1000, 1e-10});
+        Gmres gmres(A.size(), {1000, 1e-10, 30});
         int iterations[2];
         Identity none(A.size());
         for (Preconditioner* M : {static_cast<Preconditioner*>(&none), static_cast<Preconditioner*>(&ilu)}) {
@@ -73,7 +73,7 @@ TEST_CASE("as many iterations as there are different eigenvalues") {
     const BlockCsr A = diagonal(entries);
     const std::vector<double> b = random_vector(50);
     std::vector<double> x(50);
-    const KrylovResult result = plain(Gmres(50, {20, 100, 1e-12}), A, b, x);
+    const KrylovResult result = plain(Gmres(50, {100, 1e-12, 20}), A, b, x);
     CHECK(result.status == SolveStatus::success);
     CHECK(result.iterations == 3);
     for (int i = 0; i < 50; ++i) CHECK(x[i] == doctest::Approx(b[i] / entries[i]));
@@ -85,7 +85,7 @@ TEST_CASE("an exact preconditioner: the Krylov space ends with the solution in i
     ilu.factor(A);
     const std::vector<double> b = random_vector(A.size());
     std::vector<double> x(A.size());
-    const KrylovResult result = Gmres(A.size(), {20, 100, 1e-12}).solve(A, ilu, b.data(), x.data());
+    const KrylovResult result = Gmres(A.size(), {100, 1e-12, 20}).solve(A, ilu, b.data(), x.data());
     CHECK(result.status == SolveStatus::success);
     CHECK(result.iterations <= 2);
 }
@@ -94,18 +94,18 @@ TEST_CASE("stagnation: a full cycle without progress ends the solve, and so do t
     const BlockCsr A = cyclic_shift(15);
     std::vector<double> b(15, 0.0), x(15);
     b[0] = 1;
-    const KrylovResult result = plain(Gmres(15, {10, 1000, 1e-8}), A, b, x);
+    const KrylovResult result = plain(Gmres(15, {1000, 1e-8, 10}), A, b, x);
     CHECK(result.status == SolveStatus::stagnated);
     CHECK(result.iterations == 10);
     CHECK(result.relative_residual == doctest::Approx(1));
     // Without restart it takes n iterations.
-    const KrylovResult whole = plain(Gmres(15, {15, 1000, 1e-8}), A, b, x);
+    const KrylovResult whole = plain(Gmres(15, {1000, 1e-8, 15}), A, b, x);
     CHECK(whole.status == SolveStatus::success);
     CHECK(whole.iterations == 15);
 
     const BlockCsr longer = cyclic_shift(100);
     b.resize(100, 0.0), x.resize(100);
-    const KrylovResult early = plain(Gmres(100, {100, 1000, 1e-8}), longer, b, x);
+    const KrylovResult early = plain(Gmres(100, {1000, 1e-8, 100}), longer, b, x);
     CHECK(early.status == SolveStatus::stagnated);
     CHECK(early.iterations == 20);
 }
@@ -114,7 +114,7 @@ TEST_CASE("a tolerance below rounding is stagnation, not an endless loop") {
     const BlockCsr A = random_spd(400, 1, grid(20, 20));
     const std::vector<double> b = random_vector(400);
     std::vector<double> x(400);
-    const KrylovResult result = plain(Gmres(400, {50, 100000, 1e-30}), A, b, x);
+    const KrylovResult result = plain(Gmres(400, {100000, 1e-30, 50}), A, b, x);
     CHECK(result.status == SolveStatus::stagnated);
     CHECK(result.relative_residual < 1e-13);
     CHECK(result.iterations < 1000);
@@ -125,7 +125,7 @@ TEST_CASE("max_iterations: the limit holds inside a cycle, and x is the iterate 
     const std::vector<double> b = random_vector(900);
     std::vector<double> x(900);
     for (int limit : {0, 1, 7}) {
-        const KrylovResult result = plain(Gmres(900, {5, limit, 1e-10}), A, b, x);
+        const KrylovResult result = plain(Gmres(900, {limit, 1e-10, 5}), A, b, x);
         CHECK(result.status == SolveStatus::max_iterations);
         CHECK(result.iterations == limit);
         CHECK(result.relative_residual == doctest::Approx(relative_residual(A, x, b)));
@@ -135,7 +135,7 @@ TEST_CASE("max_iterations: the limit holds inside a cycle, and x is the iterate 
 TEST_CASE("breakdown: a singular matrix with an unreachable right-hand side, and numbers that are not finite") {
     BlockCsr A = diagonal({1, 1, 0});
     std::vector<double> b{1, 1, 1}, x(3);
-    Gmres gmres(3, {3, 100, 1e-8});
+    Gmres gmres(3, {100, 1e-8, 3});
     KrylovResult result = plain(gmres, A, b, x);
     CHECK(result.status == SolveStatus::breakdown);
     CHECK(result.relative_residual == doctest::Approx(1 / std::sqrt(3.0)));  // the best that can be done
@@ -165,7 +165,7 @@ TEST_CASE("GMRES gives the same bits for any number of threads") {
     std::vector<double> first(A.size()), x(A.size());
     Ilu0 ilu(A);
     ilu.factor(A);
-    Gmres gmres(A.size(), {20, 30, 1e-12});
+    Gmres gmres(A.size(), {30, 1e-12, 20});
     const int before = max_threads();
     set_threads(1);
     gmres.solve(A, ilu, b.data(), first.data());

@@ -7,9 +7,7 @@
 #include <memory>
 
 #include "base/parallel.hpp"
-#include "linalg/krylov/conjugate_gradients.hpp"
 #include "linalg/krylov/deflated.hpp"
-#include "linalg/krylov/gmres.hpp"
 #include "support/identity.hpp"
 #include "support/matrices.hpp"
 
@@ -69,21 +67,20 @@ KrylovResult solved(Method method, const BlockCsr& A, Preconditioner& M, std::ve
 
 TEST_CASE("a preconditioner of one's own serves both Krylov methods, alone and deflated") {
     const BlockCsr A = badly_scaled(400, grid(20, 20));
-    const CgParams cg{1000, 1e-8};
-    const GmresParams gmres{50, 1000, 1e-8};
+    const KrylovParams params{1000, 1e-8, 50};
     Identity none(A.size());
     BlockJacobi jacobi(A);
     Deflated deflated(std::make_unique<BlockJacobi>(A), std::make_unique<CoarseSpace>(A));
     std::vector<double> x;
     for (Preconditioner* M : {static_cast<Preconditioner*>(&jacobi), static_cast<Preconditioner*>(&deflated)}) {
-        CHECK(solved(ConjugateGradients(A.size(), cg), A, *M, x).status == SolveStatus::success);
+        CHECK(solved(ConjugateGradients(A.size(), params), A, *M, x).status == SolveStatus::success);
         CHECK(scaled_residual(A, x, random_vector(A.size())) < 1e-8);
-        CHECK(solved(Gmres(A.size(), gmres), A, *M, x).status == SolveStatus::success);
+        CHECK(solved(Gmres(A.size(), params), A, *M, x).status == SolveStatus::success);
         CHECK(scaled_residual(A, x, random_vector(A.size())) < 1e-8);
     }
-    CHECK(solved(ConjugateGradients(A.size(), cg), A, jacobi, x).iterations < 100);
-    CHECK(solved(ConjugateGradients(A.size(), cg), A, none, x).status == SolveStatus::stagnated);
-    CHECK(solved(Gmres(A.size(), gmres), A, none, x).status == SolveStatus::stagnated);
+    CHECK(solved(ConjugateGradients(A.size(), params), A, jacobi, x).iterations < 100);
+    CHECK(solved(ConjugateGradients(A.size(), params), A, none, x).status == SolveStatus::stagnated);
+    CHECK(solved(Gmres(A.size(), params), A, none, x).status == SolveStatus::stagnated);
 }
 
 TEST_CASE("a failed factorisation names its row, with deflation around it too") {
