@@ -29,10 +29,6 @@ int thread_number() {
 #endif
 }
 
-double physical_memory() {
-    return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
-
 FactorPlan plan_in_order(const BlockCsr& pattern, Ordering ordering) {
     const Graph graph = graph_of(pattern);
     return plan_factorisation(pattern, graph, order_vertices(graph, ordering));
@@ -102,7 +98,8 @@ Cholesky::Cholesky(const BlockCsr& pattern, const CholeskyParams& params)
 double Cholesky::predicted_bytes() const { return plan_.bytes(max_threads()); }
 
 bool Cholesky::fits() const {
-    return predicted_bytes() <= (params_.memory_limit > 0 ? params_.memory_limit : physical_memory());
+    const double physical = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    return predicted_bytes() <= (params_.memory_limit > 0 ? params_.memory_limit : physical);
 }
 
 void Cholesky::allocate() {

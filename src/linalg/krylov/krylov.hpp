@@ -1,5 +1,5 @@
-// Krylov methods: conjugate gradients and GMRES, what they share, and the interface of preconditioners z = M^{-1} r with
-// M near A, symmetric positive definite for conjugate gradients and nonsingular for GMRES.
+// Krylov methods: conjugate gradients and GMRES, what they share, and the interface of preconditioners z = M^{-1} r
+// with M near A, symmetric positive definite for conjugate gradients and nonsingular for GMRES.
 //
 // A Krylov method runs in one team of threads, all of which call apply() together. Its loops are therefore work-sharing
 // loops, `#pragma omp for` without a `parallel` around them, which a thread that calls it outside of a team runs alone.

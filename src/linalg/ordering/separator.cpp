@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 #include <numeric>
 #include <random>
 #include <utility>
@@ -70,9 +71,7 @@ private:
     enum Direction { to_left, to_right, both_ways };
     struct Candidate {
         int gain, version, vertex;
-        bool operator<(const Candidate& other) const {
-            return std::pair(gain, version) < std::pair(other.gain, other.version);
-        }
+        auto operator<=>(const Candidate&) const = default;
     };
     struct Move {
         int vertex;

@@ -63,7 +63,8 @@ TEST_CASE("conjugate gradients find the solution of a dense Cholesky, to what th
         int iterations[2];
         Identity none(A.size());
         for (Preconditioner* M : {static_cast<Preconditioner*>(&none), static_cast<Preconditioner*>(&ilu)}) {
-            const KrylovResult result = ConjugateGradients(A.size(), {1000, tolerance}).solve(A, *M, b.data(), x.data());
+            ConjugateGradients cg(A.size(), {1000, tolerance});
+            const KrylovResult result = cg.solve(A, *M, b.data(), x.data());
             CHECK(result.status == SolveStatus::success);
             CHECK(result.relative_residual <= tolerance);
             CHECK(result.relative_residual == doctest::Approx(relative_residual(A, x, b)).epsilon(1e-3));
