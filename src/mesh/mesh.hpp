@@ -82,8 +82,8 @@ Mesh raise_degree(const Mesh& mesh, int degree);
 // lie together, from e * 2^(n times).
 Mesh refine(const Mesh& mesh, int times);
 
-// Prolongation of a field (coarse.nodes() x dim) to a mesh that comes from `coarse` by refine() or raise_degree(): finite
-// element interpolation. Each fine node lies in a coarse element, at a point xi of its reference simplex whose
+// Prolongation of a field (coarse.nodes() x dim) to a mesh that comes from `coarse` by refine() or raise_degree():
+// finite element interpolation. Each fine node lies in a coarse element, at a point xi of its reference simplex whose
 // coordinates are multiples of 1 / (c p), where each edge of the coarse element was cut into c parts and p is the fine
 // degree, and
 //

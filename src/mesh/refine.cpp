@@ -1,7 +1,7 @@
 // Raising the degree of a mesh, uniform refinement, and the prolongation of fields to the finer mesh.
 //
-// New nodes are numbered in the order in which the elements meet them. A node is identified by the vertices of the edge,
-// face or element it lies in and its barycentric coordinates there, a midpoint by the two ends of its edge.
+// New nodes are numbered in the order in which the elements meet them. A node is identified by the vertices of the
+// edge, face or element it lies in and its barycentric coordinates there, a midpoint by the two ends of its edge.
 //
 // Prolongation needs for each fine node: a fine element that has it, hence the coarse element around it; its reference
 // coordinates there, rounded to the lattice on which they lie; the coarse basis at them.
