@@ -33,22 +33,16 @@ fs::path writable_target(const std::string& path) {
     return target;
 }
 
-bool write_all(const std::string& path, const std::function<void(const TextSink&)>& fill) {
+// 0, or the errno of the first piece that was not written.
+int write_all(const std::string& path, const std::function<void(const TextSink&)>& fill) {
     File file(std::fopen(path.c_str(), "wb"), std::fclose);
-    if (!file) return false;
-    bool written = true;
-    int reason = 0;  // of the first piece that was not written
-    const auto check = [&](bool done) {
-        if (written && !done) reason = errno;
-        written = written && done;
-    };
+    if (!file) return errno;
+    int reason = 0;
     fill([&](std::string_view piece) {
-        if (written) check(std::fwrite(piece.data(), 1, piece.size(), file.get()) == piece.size());
+        if (reason == 0 && std::fwrite(piece.data(), 1, piece.size(), file.get()) != piece.size()) reason = errno;
     });
-    check(std::fflush(file.get()) == 0);
     const bool closed = std::fclose(file.release()) == 0;  // network disks report a full disk only here
-    if (!written) errno = reason;
-    return written && closed;
+    return reason == 0 && !closed ? errno : reason;
 }
 
 }  // namespace
@@ -76,10 +70,11 @@ void write_file(const std::string& path, std::string_view content) {
 void write_file(const std::string& path, const std::function<void(const TextSink&)>& fill) {
     const fs::path target = writable_target(path);
     const std::string part = target.string() + ".part" + std::to_string(getpid());
-    if (write_all(part, fill) && std::rename(part.c_str(), target.c_str()) == 0) return;
-    const std::string reason = std::strerror(errno);
+    int reason = write_all(part, fill);
+    if (reason == 0 && std::rename(part.c_str(), target.c_str()) != 0) reason = errno;
+    if (reason == 0) return;
     std::remove(part.c_str());
-    cannot("write to", path, reason);
+    cannot("write to", path, std::strerror(reason));
 }
 
 void make_folder(const std::string& path) {
@@ -90,19 +85,20 @@ void make_folder(const std::string& path) {
     if (access(path.c_str(), W_OK | X_OK) != 0) cannot("write to", path, std::strerror(errno));
 }
 
-void append(std::string& text, long long number) {
-    char digits[24];
-    text.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
+namespace {
+
+template <class... Format>
+void append_chars(std::string& text, Format... number_and_format) {
+    char digits[32];  // the longest double needs 24 characters
+    text.append(digits, std::to_chars(digits, digits + sizeof digits, number_and_format...).ptr);
 }
 
-void append(std::string& text, double number) {
-    char digits[32];
-    text.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
-}
+}  // namespace
 
+void append(std::string& text, long long number) { append_chars(text, number); }
+void append(std::string& text, double number) { append_chars(text, number); }
 void append(std::string& text, double number, int digits) {
-    char shown[32];
-    text.append(shown, std::to_chars(shown, shown + sizeof shown, number, std::chars_format::general, digits).ptr);
+    append_chars(text, number, std::chars_format::general, digits);
 }
 
 }  // namespace almesh

@@ -71,23 +71,7 @@ void parallel_for_throwing(int n, const Body& body, double work = 10) {
 // first() and second() at the same time, each on one thread; an exception of the first goes before one of the second.
 template <class First, class Second>
 void parallel_invoke(const First& first, const Second& second) {
-    std::exception_ptr thrown[2];
-    const auto guarded = [](const auto& work, std::exception_ptr& by_it) {
-        try {
-            work();
-        } catch (...) {
-            by_it = std::current_exception();
-        }
-    };
-#pragma omp parallel sections
-    {
-#pragma omp section
-        guarded(first, thrown[0]);
-#pragma omp section
-        guarded(second, thrown[1]);
-    }
-    for (const std::exception_ptr& exception : thrown)
-        if (exception) std::rethrow_exception(exception);
+    parallel_for_throwing(2, [&](int i) { i == 0 ? first() : second(); }, parallel_work * 10.0);
 }
 
 // For short waits: polls, and yields the core to other threads if it takes long.
@@ -103,22 +87,19 @@ void spin_wait(const Test& test) {
 // Sum of term(i), i in [0, n), in fixed blocks. work: simple operations that a term takes.
 template <class Term>
 double deterministic_sum(int n, const Term& term, [[maybe_unused]] double work = 10) {
-    const int blocks = (n + sum_block - 1) / sum_block;
-    if (blocks <= 1) {
-        double sum = 0;
-        for (int i = 0; i < n; ++i) sum += term(i);
-        return sum;
-    }
-    // Kept between calls, so that nothing is allocated inside the Newton loop; term() must not call this function.
-    thread_local std::vector<double> partial;
-    partial.assign(blocks, 0.0);
-    double* const out = partial.data();
-#pragma omp parallel for schedule(static) if (n * work >= 10.0 * parallel_work)
-    for (int b = 0; b < blocks; ++b) {
+    const auto block_sum = [n, &term](int b) {
         double sum = 0;
         for (int i = b * sum_block, end = std::min(n, i + sum_block); i < end; ++i) sum += term(i);
-        out[b] = sum;
-    }
+        return sum;
+    };
+    const int blocks = (n + sum_block - 1) / sum_block;
+    if (blocks <= 1) return block_sum(0);
+    // Kept between calls, so that nothing is allocated inside the Newton loop; term() must not call this function.
+    thread_local std::vector<double> partial;
+    partial.resize(blocks);
+    double* const out = partial.data();
+#pragma omp parallel for schedule(static) if (n * work >= 10.0 * parallel_work)
+    for (int b = 0; b < blocks; ++b) out[b] = block_sum(b);
     double sum = 0;
     for (int b = 0; b < blocks; ++b) sum += out[b];
     return sum;

@@ -1,6 +1,7 @@
 #include "base/text.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -44,11 +45,9 @@ std::optional<Number> parse_number(std::string_view text) {
     return value;
 }
 
-std::string lower_case(std::string_view text) {
-    std::string result(text);
-    for (char& c : result)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return result;
+std::string lower_case(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
 }
 
 }  // namespace
@@ -68,35 +67,28 @@ std::string to_text(double value) {
     return std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general).ptr);
 }
 
+// d(i, j): distance of the first i characters of a and the first j of b.
 int edit_distance(std::string_view a, std::string_view b) {
-    const std::size_t width = b.size() + 1;
-    std::vector<int> d((a.size() + 1) * width);  // d[i*width + j]: distance of the first i and the first j characters
+    std::vector<int> distances((a.size() + 1) * (b.size() + 1));
+    const auto d = [&](std::size_t i, std::size_t j) -> int& { return distances[i * (b.size() + 1) + j]; };
     for (std::size_t i = 0; i <= a.size(); ++i)
         for (std::size_t j = 0; j <= b.size(); ++j) {
-            int& here = d[i * width + j];
-            if (i == 0 || j == 0) {
-                here = static_cast<int>(i + j);
-                continue;
-            }
-            here = std::min(d[(i - 1) * width + j], d[i * width + j - 1]) + 1;
-            here = std::min(here, d[(i - 1) * width + j - 1] + (a[i - 1] != b[j - 1]));
+            d(i, j) = static_cast<int>(std::max(i, j));
+            if (i == 0 || j == 0) continue;
+            d(i, j) = std::min({d(i - 1, j) + 1, d(i, j - 1) + 1, d(i - 1, j - 1) + (a[i - 1] != b[j - 1])});
             if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-                here = std::min(here, d[(i - 2) * width + j - 2] + 1);
+                d(i, j) = std::min(d(i, j), d(i - 2, j - 2) + 1);
         }
-    return d.back();
+    return distances.back();
 }
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
-    const std::string lower = lower_case(word.substr(0, 100));  // bounds the cost for long texts
-    std::string best;
-    int least = std::numeric_limits<int>::max();
-    for (const std::string& candidate : candidates) {
-        const int distance = edit_distance(lower, lower_case(candidate));
-        if (distance >= least) continue;
-        least = distance;
-        best = candidate;
-    }
-    return best;
+    const std::string lower = lower_case(std::string(word.substr(0, 100)));  // bounds the cost for long texts
+    const auto is_nearer = [&](const std::string& a, const std::string& b) {
+        return edit_distance(lower, lower_case(a)) < edit_distance(lower, lower_case(b));
+    };
+    const auto best = std::min_element(candidates.begin(), candidates.end(), is_nearer);
+    return best == candidates.end() ? "" : *best;
 }
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {

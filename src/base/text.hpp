@@ -1,6 +1,7 @@
 // Text of decks and tables: trimming and splitting, strict number parsing, shortest round-trip number printing,
-// spelling suggestions, quotes.
+// spelling suggestions, quotes, and tables with named rows.
 #pragma once
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <string>
@@ -41,14 +42,31 @@ std::vector<std::string> wrap(std::string_view text, std::size_t width);
 std::string table_row(const std::vector<std::string>& cells, const std::vector<std::size_t>& width);
 
 std::string in_backquotes(std::string_view text);  // a word of the user, as messages show it
-
-// Text in double quotes. There is no escape: the text itself must not hold a double quote.
-std::string with_quotes(std::string_view text);
+std::string with_quotes(std::string_view text);    // in double quotes; the text itself must not hold one
 
 // The text, in double quotes where it is empty, has blanks at an end or holds one of the special characters.
 std::string quoted_where_needed(const std::string& text, const char* special);
 
 // What stands inside the quotes, or the text itself where it is not quoted; nothing where a quote stands inside.
 std::optional<std::string> without_quotes(std::string_view text);
+
+// A row of the list of keys: what is written and what it means.
+struct Named {
+    const char *name, *meaning;
+};
+
+// The row of a table, that is of a range of rows with a member `name`, or nullptr.
+template <class Table>
+auto* find_row(Table& table, std::string_view name) {
+    const auto row = std::find_if(std::begin(table), std::end(table), [&](const auto& r) { return r.name == name; });
+    return row == std::end(table) ? nullptr : &*row;
+}
+
+template <class Table>
+std::vector<std::string> names_of(const Table& table) {
+    std::vector<std::string> names;
+    for (const auto& row : table) names.push_back(row.name);
+    return names;
+}
 
 }  // namespace almesh
