@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "app/command_line.hpp"
+#include "app/commands.hpp"
 #include "base/error.hpp"
 #include "base/interrupt.hpp"
 

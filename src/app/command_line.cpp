@@ -1,15 +1,11 @@
-#include "app/command_line.hpp"
+#include "app/commands.hpp"
 
 #include <algorithm>
 #include <exception>
 #include <new>
 
-#include "app/linsolve.hpp"
-#include "app/quality.hpp"
-#include "app/run.hpp"
-#include "app/version.hpp"
-#include "base/error.hpp"
 #include "app/deck.hpp"
+#include "app/linsolve.hpp"
 
 namespace almesh {
 namespace {

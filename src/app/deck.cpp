@@ -16,6 +16,16 @@ namespace {
 constexpr const char* command_line = "command line";
 constexpr std::size_t largest_file = 1000000;
 
+// What `work` returns; the errors that it throws get the context before their text.
+template <class Work>
+auto with_context(const std::string& context, const Work& work) {
+    try {
+        return work();
+    } catch (const UsageError& error) {
+        throw UsageError(context + ": " + error.what());
+    }
+}
+
 // A setting of the command line may replace one of the file; two settings of the same place contradict each other.
 void check_repeat(const std::string& what, const std::string& earlier, const std::string& where) {
     if ((earlier == command_line) == (where == command_line))
@@ -23,10 +33,10 @@ void check_repeat(const std::string& what, const std::string& earlier, const std
 }
 
 void read_key(Deck& deck, std::string_view name, std::string_view value, const std::string& where) {
-    const DeckKey* const key = find_key(name);
+    const DeckKey* const key = find_row(deck_keys(), name);
     if (!key) {
-        std::vector<std::string> names = {"boundary", "expect"};
-        for (const DeckKey& known : deck_keys()) names.push_back(known.name);
+        std::vector<std::string> names = names_of(deck_keys());
+        names.insert(names.begin(), {"boundary", "expect"});
         throw UsageError("unknown key " + in_backquotes(name) + did_you_mean(name, names));
     }
     if (const auto it = deck.given.find(key->name); it != deck.given.end())
@@ -55,23 +65,11 @@ std::string take_boundary_name(std::string_view& text) {
 }
 
 void read_boundary(Deck& deck, std::string_view text, const std::string& where) {
-    DeckBoundary boundary;
-    boundary.name = take_boundary_name(text);
-    boundary.where = where;
-    const std::string shown = "boundary " + with_quotes(boundary.name);
-    try {
-        boundary.motion = parse_motion(text);
-    } catch (const UsageError& error) {
-        throw UsageError(shown + ": " + error.what());
-    }
-    const auto it = std::find_if(deck.boundaries.begin(), deck.boundaries.end(),
-                                 [&](const DeckBoundary& other) { return other.name == boundary.name; });
-    if (it == deck.boundaries.end()) {
-        deck.boundaries.push_back(boundary);
-        return;
-    }
-    check_repeat(shown, it->where, where);
-    *it = boundary;
+    const std::string name = take_boundary_name(text), shown = "boundary " + with_quotes(name);
+    const Motion motion = with_context(shown, [&] { return parse_motion(text); });
+    DeckBoundary* const earlier = find_row(deck.boundaries, name);
+    if (earlier) check_repeat(shown, earlier->where, where);
+    (earlier ? *earlier : deck.boundaries.emplace_back()) = {name, motion, where};
 }
 
 void read_expectation(Deck& deck, std::string_view text, const std::string& where) {
@@ -99,12 +97,6 @@ void read_setting(Deck& deck, std::string_view text, const std::string& where) {
     read_key(deck, trim(text.substr(0, equals)), trim(text.substr(equals + 1)), where);
 }
 
-void check_text(std::string_view line) {
-    const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t'; };
-    if (std::any_of(line.begin(), line.end(), control))
-        throw UsageError("control characters: a deck is plain text, is this another file?");
-}
-
 std::string_view without_comment(std::string_view line) {
     bool in_quotes = false;
     for (std::size_t i = 0; i < line.size(); ++i) {
@@ -117,14 +109,13 @@ std::string_view without_comment(std::string_view line) {
 
 void read_line(Deck& deck, std::string_view line, const std::string& where) {
     const bool in_file = where != command_line;
-    try {
-        if (in_file && line.ends_with('\r')) line.remove_suffix(1);
-        check_text(line);
+    with_context(where, [&] {
+        const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t'; };
+        if (std::any_of(line.begin(), line.end(), is_control))
+            throw UsageError("control characters: a deck is plain text, is this another file?");
         const std::string_view text = trim(in_file ? without_comment(line) : line);
         if (!text.empty() || !in_file) read_setting(deck, text, where);
-    } catch (const UsageError& error) {
-        throw UsageError(where + ": " + error.what());
-    }
+    });
 }
 
 // Path of `file` relative to `folder`, both given from the current folder; absolute where there is none.
@@ -143,11 +134,9 @@ Deck parse_deck(std::string_view text, const std::string& path, const std::vecto
     deck.folder = fs::path(path).parent_path().string();
     deck.name = fs::path(path).stem().string();
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-    for (int number = 1; !text.empty(); ++number) {
-        const auto end = std::min(text.find('\n'), text.size());
-        read_line(deck, text.substr(0, end), path + ":" + std::to_string(number));
-        text.remove_prefix(std::min(end + 1, text.size()));
-    }
+    int number = 0;
+    for (const std::string_view line : split(text, '\n'))
+        read_line(deck, line, path + ":" + std::to_string(++number));
     for (const std::string& setting : overrides) read_line(deck, setting, command_line);
     if (deck.mesh.empty()) throw UsageError(path + ": no mesh: add a line `mesh = FILE`, from the deck's folder");
     if (deck.output.empty()) deck.output = (fs::path("outputs") / deck.name).string();
@@ -177,11 +166,8 @@ void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string
     };
     for (const DeckBoundary& boundary : deck.boundaries) {
         check_name(boundary.name, boundary.where);
-        try {
-            check_dimension(boundary.motion, dim);
-        } catch (const UsageError& error) {
-            throw UsageError(boundary.where + ": boundary " + with_quotes(boundary.name) + ": " + error.what());
-        }
+        with_context(boundary.where + ": boundary " + with_quotes(boundary.name),
+                     [&] { check_dimension(boundary.motion, dim); });
     }
     if (deck.wall.empty()) return;
     const auto it = deck.given.find("wall");

@@ -97,8 +97,6 @@ struct DeckKey {
 
 const std::vector<DeckKey>& deck_keys();
 
-const DeckKey* find_key(std::string_view name);  // nullptr where there is none
-
 // Throws UsageError, without a place, for a text that is not a legal value.
 void set_value(Deck& deck, const DeckKey& key, std::string_view text);
 

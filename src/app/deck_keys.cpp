@@ -3,16 +3,16 @@
 #include "app/deck.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <type_traits>
 #include <utility>
 
-#include "app/history.hpp"
+#include "app/report.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 
 namespace almesh {
-
 namespace {
 
 using Hint = std::optional<std::string>;  // nothing where a value is legal
@@ -51,49 +51,36 @@ DeckValue choice(const std::vector<std::string>& names) {
 }
 
 struct Range {
-    double lowest, highest;  // highest may be infinite
-    bool open = false;       // lowest itself is not legal
+    double lowest, highest = std::numeric_limits<double>::infinity();
+    bool open = false;  // lowest itself is not legal
+
+    bool contains(double v) const { return v <= highest && (open ? v > lowest : v >= lowest); }
 };
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr Range positive = {0, infinity, true}, not_negative = {0, infinity};
-
-std::string range_text(const Range& range, bool whole) {
-    const auto end = [&](double v) { return whole ? std::to_string(static_cast<int>(v)) : to_text(v); };
-    if (range.highest < infinity) return "in " + end(range.lowest) + ".." + end(range.highest);
-    return (range.open ? "> " : ">= ") + end(range.lowest);
-}
-
-bool contains(const Range& range, double value) {
-    return value >= range.lowest && value <= range.highest && !(range.open && value == range.lowest);
-}
+constexpr Range positive = {.lowest = 0, .open = true}, not_negative = {0};
 
 // Of an int, a double or an optional double, which is `auto` where it is empty.
 template <auto... path>
 DeckValue number(Range range) {
     using T = std::remove_reference_t<decltype(field<path...>(std::declval<Deck&>()))>;
     constexpr bool whole = std::is_same_v<T, int>, optional = std::is_same_v<T, std::optional<double>>;
+    const auto shown = [](double v) { return whole ? std::to_string(static_cast<int>(v)) : to_text(v); };
+    const bool bounded = std::isfinite(range.highest);
+    const std::string legal = (whole ? "integer " : optional ? "auto or number " : "number ") +
+                              (bounded ? "in " + shown(range.lowest) + ".." + shown(range.highest)
+                                       : (range.open ? "> " : ">= ") + shown(range.lowest));
     const auto set = [range](Deck& deck, std::string_view written) -> Hint {
-        T& value = field<path...>(deck);
-        if (optional && written == "auto") {
-            value = T();
-            return std::nullopt;
-        }
-        const auto number = [written] {
-            if constexpr (whole) return parse_int(written);
-            else return parse_double(written);
-        }();
-        if (!number || !contains(range, *number)) return "";
-        value = *number;
+        const auto value = whole ? std::optional<double>(parse_int(written)) : parse_double(written);
+        const bool automatic = optional && written == "auto";
+        if (!automatic && (!value || !range.contains(*value))) return "";
+        field<path...>(deck) = automatic ? T() : static_cast<T>(*value);
         return std::nullopt;
     };
-    const auto text = [](const Deck& deck) -> std::string {
-        const T& value = field<path...>(deck);
-        if constexpr (optional) return value ? to_text(*value) : "auto";
-        else if constexpr (whole) return std::to_string(value);
-        else return to_text(value);
+    const auto text = [shown](const Deck& deck) -> std::string {
+        const std::optional<double> value = field<path...>(deck);
+        return value ? shown(*value) : "auto";
     };
-    return {(whole ? "integer " : optional ? "auto or number " : "number ") + range_text(range, whole), set, text};
+    return {legal, set, text};
 }
 
 using Distortion = DistortionParams;
@@ -174,12 +161,6 @@ const std::vector<DeckKey>& deck_keys() {
     return table;
 }
 
-const DeckKey* find_key(std::string_view name) {
-    for (const DeckKey& key : deck_keys())
-        if (key.name == name) return &key;
-    return nullptr;
-}
-
 void set_value(Deck& deck, const DeckKey& key, std::string_view text) {
     if (const auto hint = key.value.set(deck, text))
         throw UsageError(key.name + " = " + std::string(text) + ": expected " + key.value.legal + *hint);
@@ -200,8 +181,14 @@ std::string keys_table() {
                        "Checked against the summary at the end of the run; "
                        "= takes `+- TOLERANCE`, a must for decimal numbers."},
                       width);
-    return text + "\nSteps of a motion:\n" + motion_forms() + "\nQuantities of the summary:\n" + quantities_table() +
-           "\nColumns of history.csv:\n" + columns_table();
+    const auto list = [&text](const char* title, const std::vector<Named>& rows, std::size_t name_width) {
+        text += std::string("\n") + title + ":\n";
+        for (const Named& row : rows) text += table_row({row.name, row.meaning}, {name_width, 100 - name_width});
+    };
+    list("Steps of a motion", motion_forms(), 50);
+    list("Quantities of the summary", summary_quantities(), 27);
+    list("Columns of history.csv", history_columns(), 27);
+    return text;
 }
 
 }  // namespace almesh

@@ -37,13 +37,12 @@ std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
     check_against_mesh(deck, mesh.dim, mesh.boundaries);
     std::vector<Motion> motions;
     for (const std::string& name : mesh.boundaries) {
-        const auto it = std::find_if(deck.boundaries.begin(), deck.boundaries.end(),
-                                     [&](const DeckBoundary& boundary) { return boundary.name == name; });
-        if (it == deck.boundaries.end())
+        const DeckBoundary* const boundary = find_row(deck.boundaries, name);
+        if (!boundary)
             throw UsageError(
                 deck.path + ": boundary `" + name + "` of the mesh has no motion; add the line `boundary " +
                 (name.find(' ') == std::string::npos ? name : with_quotes(name)) + " = fixed` (or another motion)");
-        motions.push_back(it->motion);
+        motions.push_back(boundary->motion);
     }
     return motions;
 }

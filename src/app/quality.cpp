@@ -1,8 +1,9 @@
-#include "app/quality.hpp"
+#include "app/commands.hpp"
 
 #include <array>
 
 #include "base/index.hpp"
+#include "check/certificate.hpp"
 #include "check/quality.hpp"
 #include "io/mesh_format.hpp"
 #include "mesh/build.hpp"

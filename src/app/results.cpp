@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "app/commands.hpp"
 #include "app/deck.hpp"
 #include "app/problem.hpp"
-#include "app/units.hpp"
-#include "app/version.hpp"
+#include "app/report.hpp"
 #include "base/files.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"

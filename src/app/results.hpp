@@ -12,8 +12,9 @@ namespace almesh {
 struct Deck;
 struct Problem;
 
-// Seconds of a run outside the iterations on the deck's own mesh; with them they add up to the run.
-struct PhaseTimes {
+// Seconds of a run. Timings: of the coarse stages and the iterations on the deck's own mesh, and parts of them; the others
+// are spent outside the latter, with which they add up to the run.
+struct RunTimes : Timings {
     double setup = 0;    // mesh, target and its checks, functional, pattern and ordering of the matrix
     double coarse = 0;   // coarser meshes: part of Timings::total
     double certify = 0;  // certificate, largest distance from the target
@@ -27,10 +28,8 @@ struct Solution {
     AlResult al;
     double max_boundary_error = 0;
     Certificate certificate;
-    Timings time;  // total: of the coarse stages and the iterations
-    PhaseTimes phases;
+    RunTimes time;
     int coarse_newton_iterations = 0;  // on the coarser meshes
-    int fallbacks = 0;                 // Newton steps in which an iterative solver failed and Cholesky took over
 };
 
 void write_deck(const Deck& deck, const Problem& problem);     // deck.txt

@@ -1,15 +1,12 @@
-#include "app/run.hpp"
-
 #include <optional>
 
+#include "app/commands.hpp"
 #include "app/problem.hpp"
+#include "app/report.hpp"
 #include "app/results.hpp"
-#include "app/quality.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
-#include "app/history.hpp"
 #include "io/matrix_market.hpp"
-#include "app/terminal.hpp"
 
 namespace almesh {
 namespace {
@@ -41,7 +38,7 @@ const char* advice(AlStatus status) {
     return "";
 }
 
-void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
+void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {
     const AlIteration& last = solution.al.iterations.back();
     const std::string coarse =
         solution.coarse_newton_iterations
@@ -53,29 +50,13 @@ void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, con
                  solution.max_boundary_error * problem.length);
     if (last.newton_status == NewtonStatus::rounding_floor)
         std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
-    if (solution.fallbacks)
+    if (fallbacks)
         std::fprintf(out,
                      "the iterative solver failed in %d Newton step%s, solved by Cholesky (history.csv tells why)\n",
-                     solution.fallbacks, solution.fallbacks == 1 ? "" : "s");
+                     fallbacks, fallbacks == 1 ? "" : "s");
     std::fprintf(out, "%s: scaled Jacobian >= %.4g everywhere; results in %s\n",
                  solution.certificate.valid ? "certified valid" : "NOT certified valid",
                  solution.certificate.min_scaled_jacobian, deck.output.c_str());
-}
-
-// Prints and records the iterations as they happen. Refers to its arguments.
-AlObserver observer_of(const Deck& deck, Terminal& terminal, History& history, int& fallbacks) {
-    AlObserver observer;
-    observer.iteration = [&](const AlIteration& row) {
-        terminal.row(row);
-        history.add(row);
-        write_file(deck.output + "/history.csv", history.csv());  // long runs can be followed, and leave a trace
-    };
-    observer.newton_step = [&](int al_iteration, const NewtonStep& step) {
-        terminal.live(al_iteration, step);
-        history.add(al_iteration, step);
-        fallbacks += step.fallback.has_value();
-    };
-    return observer;
 }
 
 bool starts_coarse(const Deck& deck) {
@@ -85,10 +66,10 @@ bool starts_coarse(const Deck& deck) {
 
 // Has the system of one Newton step written, for `almesh linsolve`. Where the Hessian of that step was weakened, the
 // last one stays.
-void write_system(const Deck& deck, Newton& newton, const History& history) {
+void write_system(const Deck& deck, Newton& newton, const Report& report) {
     if (deck.write_system == 0) return;
-    newton.observe_systems([&deck, &history](const BlockCsr& A, const std::vector<double>& b) {
-        if (history.newton_steps() + 1 != deck.write_system) return;
+    newton.observe_systems([&deck, &report](const BlockCsr& A, const std::vector<double>& b) {
+        if (report.newton_steps + 1 != deck.write_system) return;
         write_file(deck.output + "/A.mtx", matrix_market_text(A));
         write_file(deck.output + "/b.mtx", matrix_market_text(b));
     });
@@ -125,36 +106,38 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     print_mesh(out, deck, problem);
     Solution solution;
     {
-        const TimeAdder adder(solution.phases.write);
+        const TimeAdder adder(solution.time.write);
         write_deck(deck, problem);
         write_initial(deck, problem);
     }
 
     // 2. The solution on coarser meshes, where the deck starts from there.
-    Terminal terminal(out, problem.mesh().dim, problem.length);
-    History history(problem.mesh().dim, problem.length);
-    terminal.header();
+    Report report(out, {problem.mesh().dim, problem.length});
     const auto make_level = [&](int times) { return coarser_level(deck, problem, times); };
-    const auto report = [&](const CoarseStage& stage) {
-        terminal.row(stage);
-        history.add(stage);
+    const auto add_stage = [&](const CoarseStage& stage) {
+        report.add(stage);
         solution.coarse_newton_iterations += stage.newton_iterations;
     };
-    const int levels = starts_coarse(deck) ? deck.refine : 0;
     const MethodParams params = {deck.method, deck.linear, deck.forcing};
-    const CoarseSolution coarse = solve_coarser(levels, make_level, params, solution.time, report);
-    solution.phases.coarse = solution.time.total;
+    const int levels = starts_coarse(deck) ? deck.refine : 0;
+    const CoarseSolution coarse = solve_coarser(levels, make_level, params, solution.time, add_stage);
+    solution.time.coarse = solution.time.total;
 
     // 3. The functional, Eq. 6.
     Level& level = *problem.level;
     set_functional(deck, problem.target, level);
 
     // 4. Algorithm 1, from the coarse solution or the identity map.
-    const AlObserver observer = observer_of(deck, terminal, history, solution.fallbacks);
+    AlObserver observer;
+    observer.iteration = [&](const AlIteration& row) {
+        report.add(row);
+        write_file(deck.output + "/history.csv", report.csv());  // long runs can be followed, and leave a trace
+    };
+    observer.newton_step = [&](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
     const AlStart start = start_from(coarse, level, solution.x);
     std::optional<Newton> newton(std::in_place, level.energy->hessian_pattern(), deck.linear, deck.forcing);
-    write_system(deck, *newton, history);
-    solution.phases.setup = watch.seconds() - solution.phases.coarse - solution.phases.write;
+    write_system(deck, *newton, report);
+    solution.time.setup = watch.seconds() - solution.time.coarse - solution.time.write;
     solution.al = minimise(*level.energy, *level.constraint, *newton, deck.method, solution.x, observer, start);
     solution.time += newton->time;
     const double refused_bytes = newton->linear_solver().refused_bytes();
@@ -164,19 +147,19 @@ ExitCode run(const Deck& deck, std::FILE* out) {
 
     // 5. What was reached: certificate and files.
     {
-        const TimeAdder adder(solution.phases.certify);
+        const TimeAdder adder(solution.time.certify);
         solution.certificate = certify(problem.mesh(), solution.x, deck.certificate);
         solution.max_boundary_error = level.constraint->max_error(solution.x);
     }
     {
-        const TimeAdder adder(solution.phases.write);
+        const TimeAdder adder(solution.time.write);
         write_results(deck, problem, solution);
     }
-    solution.phases.run = watch.seconds();
+    solution.time.run = watch.seconds();
     const Summary summary = summarise(problem, solution);
     write_summary(deck, summary);
     print_uncertified(out, problem.mesh(), solution.x, problem.length, solution.certificate);
-    print_closing(out, deck, problem, solution);
+    print_closing(out, deck, problem, solution, report.fallbacks);
     if (solution.al.status == AlStatus::linear_solver_failed) print_refusal(out, refused_bytes);
 
     const bool expected = expectations_hold(out, deck, summary);

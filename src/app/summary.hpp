@@ -10,22 +10,23 @@
 #pragma once
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
+
+#include "base/text.hpp"
 
 namespace almesh {
 
 struct Problem;
 struct Solution;
 
-// (quantity, value) in the order of summary.txt.
-using Summary = std::vector<std::pair<std::string, std::string>>;
+struct SummaryEntry {
+    std::string name, value;
+};
+using Summary = std::vector<SummaryEntry>;  // in the order of summary.txt
 
 Summary summarise(const Problem& problem, const Solution& solution);
 
-std::vector<std::string> summary_quantities();  // their names, in the same order
-
-std::string quantities_table();  // one line each: name and meaning, for the list of keys
+std::vector<Named> summary_quantities();  // in the same order, for the list of keys
 
 struct Expectation {
     std::string quantity;

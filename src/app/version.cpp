@@ -1,5 +1,5 @@
 // The macros come from the Makefile.
-#include "app/version.hpp"
+#include "app/commands.hpp"
 
 namespace almesh {
 

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/text.hpp"
+
 namespace almesh {
 
 struct MotionForm;  // a kind of step: one row of the table in motion.cpp
@@ -46,7 +48,6 @@ bool is_affine(const Motion& motion);
 
 std::string to_string(const Motion& motion);  // parse_motion() reads it back
 
-// The steps, one line each: form and meaning, for the list of keys.
-std::string motion_forms();
+std::vector<Named> motion_forms();  // form and meaning of every kind of step, for the list of keys
 
 }  // namespace almesh

@@ -1,4 +1,4 @@
-#include "app/command_line.hpp"
+#include "app/commands.hpp"
 
 #include <doctest/doctest.h>
 

@@ -14,8 +14,8 @@ namespace {
 std::string result_of(const char* name, const char* text) {
     Deck deck;
     try {
-        set_value(deck, *find_key(name), text);
-        return find_key(name)->value.text(deck);
+        set_value(deck, *find_row(deck_keys(), name), text);
+        return find_row(deck_keys(), name)->value.text(deck);
     } catch (const UsageError& error) {
         return error.what();
     }
@@ -32,9 +32,9 @@ TEST_CASE("every default is legal and prints to itself") {
         const std::string text = key.value.text(defaults);
         REQUIRE_NOTHROW(set_value(deck, key, text));
         CHECK(key.value.text(deck) == text);
-        CHECK(find_key(key.name) == &key);
+        CHECK(find_row(deck_keys(), key.name) == &key);
     }
-    CHECK(find_key("nothing") == nullptr);
+    CHECK(find_row(deck_keys(), "nothing") == nullptr);
 }
 
 TEST_CASE("legal ranges end where they should") {
@@ -68,17 +68,17 @@ TEST_CASE("legal ranges end where they should") {
 
 TEST_CASE("choices, by their words only") {
     Deck deck;
-    set_value(deck, *find_key("target"), "nodal");
-    set_value(deck, *find_key("objective"), "squared");
-    set_value(deck, *find_key("algorithm"), "literal");
-    set_value(deck, *find_key("solver"), "gmres");
-    set_value(deck, *find_key("assembly"), "plain");
+    set_value(deck, *find_row(deck_keys(), "target"), "nodal");
+    set_value(deck, *find_row(deck_keys(), "objective"), "squared");
+    set_value(deck, *find_row(deck_keys(), "algorithm"), "literal");
+    set_value(deck, *find_row(deck_keys(), "solver"), "gmres");
+    set_value(deck, *find_row(deck_keys(), "assembly"), "plain");
     CHECK(deck.target == TargetKind::nodal);
     CHECK(deck.distortion.objective == Objective::squared);
     CHECK(deck.method.algorithm == Algorithm::literal);
     CHECK(deck.linear.kind == SolverKind::gmres);
     CHECK(deck.distortion.assembly == Assembly::plain);
-    set_value(deck, *find_key("objective"), "size_shape");
+    set_value(deck, *find_row(deck_keys(), "objective"), "size_shape");
     CHECK(deck.distortion.objective == Objective::size_shape);
     for (const char* word : {"auto", "cg", "gmres", "cholesky"}) CHECK(result_of("solver", word) == word);
     for (const char* word : {"auto", "fixed"}) CHECK(result_of("forcing", word) == word);
@@ -116,7 +116,7 @@ TEST_CASE("the table of keys lists everything within 100 columns") {
     }
     for (const char* word : {"\nboundary NAME", "\nexpect QUANTITY", "\ncylinder PX", "\nilu_shift"})
         CHECK(has(table, word));
-    for (const std::string& quantity : summary_quantities()) CHECK(has(table, "\n" + quantity + " "));
+    for (const Named& quantity : summary_quantities()) CHECK(has(table, std::string("\n") + quantity.name + " "));
     std::istringstream lines(table);
     std::size_t longest = 0;
     for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());

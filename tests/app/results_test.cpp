@@ -89,7 +89,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "time_elimination",
                                            "threads",
                                            "peak_memory_mb"});
-    CHECK(keys == summary_quantities());
+    CHECK(keys == names_of(summary_quantities()));
     const auto summary = summary_of(ring.output);
     CHECK(summary.at("status") == "converged");
     CHECK(summary.at("dimension") == "2");

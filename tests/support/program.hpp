@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/command_line.hpp"
+#include "app/commands.hpp"
 #include "base/text.hpp"
 #include "io/mesh_format.hpp"
 #include "io/msh.hpp"

@@ -1,0 +1,36 @@
+// The program's commands, but for linsolve.hpp. Results go to `out`.
+#pragma once
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+
+namespace almesh {
+
+struct Certificate;
+struct Deck;
+struct Mesh;
+
+// arguments: without the program's name. Prints errors to `error`; returns the exit code.
+int command_line(const std::vector<std::string>& arguments, std::FILE* out, std::FILE* error);
+
+// One run of a deck, from the mesh file to the files of results, with a table of its iterations. Throws Error for what
+// the user can mend before anything is solved.
+ExitCode run(const Deck& deck, std::FILE* out);
+
+// Certificate and statistics of a mesh file. success: every element is certified valid, else not_certified. Throws
+// InputError for a file that is no mesh.
+ExitCode quality(const std::string& mesh_path, std::FILE* out);
+
+// How many elements the certificate could not prove valid, and the worst ten: id, centre (in units of the mesh file:
+// that of x times length), lower bound of the scaled Jacobian. Prints nothing where all are certified.
+void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, double length,
+                       const Certificate& certificate);
+
+// What was built, for --version and for every file that a run writes.
+std::string version();   // "almesh 0.1.0"
+std::string commit();    // abbreviated git commit, -dirty where the tree had changes, "unknown" outside git
+std::string compiler();  // name, version and flags
+
+}  // namespace almesh

@@ -1,0 +1,192 @@
+#include "app/report.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <type_traits>
+
+#include "method/continuation.hpp"
+
+namespace almesh {
+namespace {
+
+// What a cell is taken from: a row of kind `al`, or of `coarse` where stage is not null ...
+struct AlRow {
+    const AlIteration& it;
+    const CoarseStage* stage;
+};
+
+// ... or one of kind `newton`.
+struct NewtonRow {
+    int al_iteration;
+    const NewtonStep& step;
+};
+
+using Al = const AlRow&;
+using Nw = const NewtonRow&;
+
+struct Column : Named {
+    // nullptr: the cell is empty.
+    std::string (*of_al)(Al) = nullptr;
+    std::string (*of_newton)(Nw) = nullptr;
+    bool at_start = false;  // also in row 0, before anything was minimised
+};
+
+std::string text(int count) { return std::to_string(count); }
+std::string text(double value) { return to_text(value); }
+
+template <class Enum>
+    requires std::is_enum_v<Enum>
+std::string text(Enum value) {
+    return to_string(value);
+}
+
+template <auto member>
+std::string al(Al row) {
+    return text(row.it.*member);
+}
+
+template <auto member>
+std::string newton(Nw row) {
+    return text(row.step.*member);
+}
+
+std::string reason_of_cut(Nw row) {
+    if (row.step.cuts_inverted && row.step.cuts_decrease) return "inverted element; insufficient decrease";
+    if (row.step.cuts_inverted) return "inverted element";
+    return row.step.cuts_decrease ? "insufficient decrease" : "none";
+}
+
+std::string update(Al row) {
+    if (!row.stage) return to_string(row.it.update);
+    return row.stage->status == AlStatus::converged ? "finer mesh" : "dropped";
+}
+
+using It = AlIteration;
+using Step = NewtonStep;
+constexpr bool at_start = true;
+
+constexpr auto columns = std::to_array<Column>({
+    {{"kind", "al: augmented Lagrangian iteration; newton: step of its subproblem; coarse: all of a coarser mesh"},
+     [](Al r) -> std::string { return r.stage ? "coarse" : "al"; }, [](Nw) -> std::string { return "newton"; }, at_start},
+    {{"al_iteration", "number of the augmented Lagrangian iteration; 0: the mesh at the start"},
+     al<&It::iteration>, [](Nw r) { return text(r.al_iteration); }, at_start},
+    {{"newton_iteration", "number of the step in its subproblem"}, nullptr, newton<&Step::iteration>},
+    {{"energy", "E (Eq. 6), after the step"}, al<&It::energy>, newton<&Step::energy>},
+    {{"gradient_norm", "|grad E|, after the step"}, al<&It::gradient_norm>, newton<&Step::gradient_norm>},
+    {{"constraint_norm", "|c_D|"}, al<&It::constraint_norm>, nullptr, at_start},
+    {{"projected_constraint_norm", "|P c_D|, on which convergence is judged"},
+     al<&It::projected_constraint_norm>, nullptr, at_start},
+    {{"mu", "penalty of the subproblem"}, al<&It::mu>},
+    {{"omega", "tolerance of |grad E| in the subproblem"}, al<&It::omega>},
+    {{"epsilon", "tolerance of |P c_D|^2 that decides between the updates"},
+     [](Al r) { return std::isfinite(r.it.epsilon) ? text(r.it.epsilon) : ""; }},
+    {{"relative_quality", "q"}, al<&It::relative_quality>, nullptr, at_start},
+    {{"max_distortion", "largest eta"}, al<&It::max_distortion>, nullptr, at_start},
+    {{"newton_iterations", "Newton steps of the subproblem, or on the coarser mesh"}, al<&It::newton_iterations>},
+    {{"newton_status", "how the subproblem ended"}, al<&It::newton_status>},
+    {{"update", "what was updated then: lambda, mu; coarse: whether the next mesh starts from it"}, update},
+    {{"step_length", "of the line search"}, nullptr, newton<&Step::step_length>},
+    {{"cuts_inverted", "trial lengths refused because an element was inverted"}, nullptr, newton<&Step::cuts_inverted>},
+    {{"cuts_decrease", "trial lengths refused because E did not decrease enough"},
+     nullptr, newton<&Step::cuts_decrease>},
+    {{"cut_reason", "the two in words"}, nullptr, reason_of_cut},
+    {{"hessian", "which Hessian the direction is from"}, nullptr, newton<&Step::hessian>},
+    {{"solver", "which linear solver"}, nullptr, newton<&Step::solver>},
+    {{"fallback", "how an iterative solver failed before Cholesky took over"},
+     nullptr, [](Nw r) { return r.step.fallback ? text(*r.step.fallback) : ""; }},
+    {{"linear_iterations", "of cg or gmres"}, nullptr, newton<&Step::linear_iterations>},
+    {{"ilu_shift", "ILU(0) is of the matrix with its diagonal blocks times 1 + ilu_shift"},
+     nullptr, newton<&Step::ilu_shift>},
+    {{"local_nodes", "nodes of the local elimination after the step"},
+     nullptr, [](Nw r) { return text(r.step.local.nodes); }},
+    {{"local_steps", "Newton steps of it"}, nullptr, [](Nw r) { return text(r.step.local.steps); }},
+    {{"nodes", "of the coarser mesh"}, [](Al r) { return r.stage ? text(r.stage->nodes) : ""; }},
+    {{"seconds", "since the iterations began; of a coarse row all of that mesh"}, al<&It::seconds>, nullptr, at_start},
+});
+
+// One line of the file; cell(column) gives its text.
+template <class Cell>
+std::string line(const Cell& cell) {
+    std::string cells;
+    for (const Column& column : columns) cells += cell(column) + ',';
+    cells.back() = '\n';
+    return cells;
+}
+
+std::string line(Al row) {
+    return line([&](const Column& column) {
+        const bool has_cell = row.it.iteration > 0 || row.stage || column.at_start;
+        return column.of_al && has_cell ? column.of_al(row) : std::string();
+    });
+}
+
+constexpr const char* clear_line = "\r\033[K";
+
+}  // namespace
+
+AlIteration Units::of(AlIteration row) const {
+    row.constraint_norm = distance(row.constraint_norm);
+    row.projected_constraint_norm = distance(row.projected_constraint_norm);
+    row.energy = energy(row.energy);
+    row.gradient_norm = gradient(row.gradient_norm);
+    row.mu = penalty(row.mu);
+    row.omega = gradient(row.omega);
+    row.epsilon = distance(distance(row.epsilon));  // of a squared norm
+    return row;
+}
+
+NewtonStep Units::of(NewtonStep step) const {
+    step.energy = energy(step.energy);
+    step.gradient_norm = gradient(step.gradient_norm);
+    return step;
+}
+
+Report::Report(std::FILE* out, const Units& units) : out_(out), is_terminal_(isatty(fileno(out)) != 0), units_(units) {
+    std::fprintf(out_, "%3s  %9s  %9s  %8s  %9s  %8s  %-9s  %6s  %8s\n", "AL", "|c_D|", "|grad E|", "q", "max eta",
+                 "mu", "update", "Newton", "time");
+    csv_ = line([](const Column& column) { return std::string(column.name); });
+}
+
+void Report::add(const CoarseStage& stage) {
+    AlIteration row = units_.of(stage.last);
+    row.newton_iterations = stage.newton_iterations;
+    csv_ += line(AlRow{row, &stage});
+    const char* const used = stage.status == AlStatus::converged ? "" : ", not used";
+    print(row, "coarse", "  " + std::to_string(stage.nodes) + " nodes" + used);
+}
+
+void Report::add(const AlIteration& it) {
+    const AlIteration row = units_.of(it);
+    csv_ += line(AlRow{row, nullptr});
+    print(row, row.iteration > 0 ? to_string(row.update) : nullptr, "");
+}
+
+void Report::add(int al_iteration, const NewtonStep& it) {
+    const NewtonStep step = units_.of(it);
+    ++newton_steps;
+    fallbacks += step.fallback.has_value();
+    csv_ += line([row = NewtonRow{al_iteration, step}](const Column& column) {
+        return column.of_newton ? column.of_newton(row) : std::string();
+    });
+    if (!is_terminal_) return;
+    std::fprintf(out_, "%s%3d  Newton %d  |grad E| %.2e  step %.2g  (%s)", clear_line, al_iteration, step.iteration,
+                 step.gradient_norm, step.step_length, to_string(step.hessian));
+    std::fflush(out_);
+}
+
+void Report::print(const AlIteration& row, const char* update, const std::string& note) {
+    if (is_terminal_) std::fputs(clear_line, out_);
+    if (!update)
+        std::fprintf(out_, "%3d  %9.3e  %9s  %8.6f  %9.4g  %8s  %-9s  %6s  %7.2fs\n", 0, row.constraint_norm, "-",
+                     row.relative_quality, row.max_distortion, "-", "-", "-", row.seconds);
+    else
+        std::fprintf(out_, "%3d  %9.3e  %9.2e  %8.6f  %9.4g  %8.2e  %-9s  %6d  %7.2fs%s\n", row.iteration,
+                     row.constraint_norm, row.gradient_norm, row.relative_quality, row.max_distortion, row.mu, update,
+                     row.newton_iterations, row.seconds, note.c_str());
+    std::fflush(out_);
+}
+
+std::vector<Named> history_columns() { return {columns.begin(), columns.end()}; }
+
+}  // namespace almesh
