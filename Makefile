@@ -7,6 +7,11 @@ WARNINGS  := -Wall -Wextra -Wpedantic -Wshadow
 # OpenMP where the compiler has it; without it the program builds and runs serially.
 OPENMP    := $(shell echo 'int main() { return omp_get_max_threads() < 1; }' | \
                $(CXX) -fopenmp -include omp.h -x c++ - -o /dev/null 2>/dev/null && echo -fopenmp)
+# g++'s OpenMP library goes into the program, so that it reads the environment after src/main.cpp has set it; where there
+# is no such archive, the program waits as the library does by default.
+GOMP      := $(if $(findstring clang,$(shell $(CXX) --version 2>/dev/null)),,$(if $(OPENMP),$(shell \
+               echo 'int main() { return omp_get_max_threads() < 1; }' | $(CXX) -fopenmp -include omp.h -x c++ - \
+               -o /dev/null -l:libgomp.a 2>/dev/null && echo -l:libgomp.a -Wl,--as-needed)))
 NO_OPENMP := $(if $(OPENMP),,-Wno-unknown-pragmas)
 VERSION   := 0.1.0
 COMMIT    := $(shell git describe --always --dirty --exclude '*' 2>/dev/null || echo unknown)
@@ -42,7 +47,7 @@ almesh: $(BUILD)/almesh
 	cp $< $@.new && mv -f $@.new $@
 
 $(BUILD)/almesh: $(OBJECTS)
-	$(CXX) $(FLAGS) $^ -o $@
+	$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
 $(BUILD)/%.o: %.cpp $(BUILD)/flags
 	@mkdir -p $(@D)
