@@ -251,8 +251,23 @@ void subtract_products(const double* panel, std::size_t ld, int j, int begin, in
     }
 }
 
-// Columns solved for at a time. Short fronts fit the cache: column by column.
-int block_width(const Front& front) { return front.m <= short_front ? 1 : solve_columns; }
+// Short fronts, column by column: they fit the cache.
+void solve_forward_short(const Front& front, double* w) {
+    const std::size_t ld = front_ld(front.m);
+    for (int j = 0; j < front.k; ++j) {
+        const double* const column = front.panel + j * ld;
+        const double x = w[j] /= column[j];
+        for (int i = j + 1; i < front.m; ++i) w[i] -= column[i] * x;
+    }
+}
+
+void solve_backward_short(const Front& front, double* w) {
+    const std::size_t ld = front_ld(front.m);
+    for (int j = front.k - 1; j >= 0; --j) {
+        subtract_products<1>(front.panel, ld, j, j + 1, front.m, w);
+        w[j] /= front.panel[j * ld + j];
+    }
+}
 
 }  // namespace
 
@@ -284,10 +299,10 @@ int factor_front(const Front& front, const double* smallest, bool parallel) {
 }
 
 void solve_forward(const Front& front, double* w, bool parallel) {
+    if (front.m <= short_front) return solve_forward_short(front, w);
     const std::size_t ld = front_ld(front.m);
-    const int width = block_width(front);
-    for (int j0 = 0; j0 < front.k; j0 += width) {
-        const int j1 = std::min(front.k, j0 + width);
+    for (int j0 = 0; j0 < front.k; j0 += solve_columns) {
+        const int j1 = std::min(front.k, j0 + solve_columns);
         for (int j = j0; j < j1; ++j) {
             const double* const column = front.panel + j * ld;
             const double x = w[j] /= column[j];
@@ -302,10 +317,10 @@ void solve_forward(const Front& front, double* w, bool parallel) {
 }
 
 void solve_backward(const Front& front, double* w, bool parallel) {
+    if (front.m <= short_front) return solve_backward_short(front, w);
     const std::size_t ld = front_ld(front.m);
-    const int width = block_width(front);
     for (int j1 = front.k, j0; j1 > 0; j1 = j0) {
-        j0 = (j1 - 1) / width * width;
+        j0 = (j1 - 1) / solve_columns * solve_columns;
         share_out((j1 - j0) / 4, parallel && front.m - j1 > solve_parallel, [&](int i) {
             subtract_products<4>(front.panel, ld, j0 + 4 * i, j1, front.m, w);
         });
