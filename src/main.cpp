@@ -12,9 +12,9 @@
 namespace {
 
 // Threads that wait shall spin for some ten microseconds, about what the others mostly need, and then sleep, unless
-// the user has said otherwise: where other programs want the cores too, spinning ones make a run several times as long.
-// OpenMP libraries read the environment once: clang++'s when it is first used, g++'s before main(). The latter is linked
-// into the program (Makefile), whose constructors run in the order of their priority: this one is first.
+// the user has said otherwise: where other programs want the cores too, spinning ones make a run several times as
+// long. OpenMP libraries read the environment once: clang++'s when it is first used, g++'s before main(). The latter is
+// linked into the program (Makefile), whose constructors run in the order of their priority: this one is first.
 [[gnu::constructor(101)]] void let_waiting_threads_sleep() {
     if (std::getenv("OMP_WAIT_POLICY")) return;
     setenv("OMP_WAIT_POLICY", "passive", 0);

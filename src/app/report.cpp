@@ -68,7 +68,7 @@ constexpr bool at_start = true;
 
 constexpr auto columns = std::to_array<Column>({
     {{"kind", "al: augmented Lagrangian iteration; newton: step of its subproblem; coarse: all of a coarser mesh"},
-     [](Al r) -> std::string { return r.stage ? "coarse" : "al"; }, [](Nw) -> std::string { return "newton"; }, at_start},
+     [](Al r) { return std::string(r.stage ? "coarse" : "al"); }, [](Nw) { return std::string("newton"); }, at_start},
     {{"al_iteration", "number of the augmented Lagrangian iteration; 0: the mesh at the start"},
      al<&It::iteration>, [](Nw r) { return text(r.al_iteration); }, at_start},
     {{"newton_iteration", "number of the step in its subproblem"}, nullptr, newton<&Step::iteration>},

@@ -1,8 +1,8 @@
 // The iterations of a run as they happen, in the units of the mesh file and twice: as a table on the terminal and in
 // history.csv.
 //
-// Table: a row per augmented Lagrangian iteration and, on a terminal, one line that follows the Newton iterations and is
-// overwritten. history.csv: one row per augmented Lagrangian iteration (kind `al`, row 0 the mesh at the start) and,
+// Table: a row per augmented Lagrangian iteration and, on a terminal, one line that follows the Newton iterations and
+// is overwritten. history.csv: one row per augmented Lagrangian iteration (kind `al`, row 0 the mesh at the start) and,
 // before it, one per Newton iteration of its subproblem (kind `newton`); first of all one per coarser mesh (kind
 // `coarse`: its last iteration, all its Newton steps). Columns that a kind does not have are empty. Name, meaning and
 // cells of every column: one table in report.cpp. Numbers with all digits.

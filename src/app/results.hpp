@@ -12,8 +12,8 @@ namespace almesh {
 struct Deck;
 struct Problem;
 
-// Seconds of a run. Timings: of the coarse stages and the iterations on the deck's own mesh, and parts of them; the others
-// are spent outside the latter, with which they add up to the run.
+// Seconds of a run. Timings are of the iterations on the coarser meshes and on the deck's own; the others of what is
+// outside the latter: together they are the run.
 struct RunTimes : Timings {
     double setup = 0;    // mesh, target and its checks, functional, pattern and ordering of the matrix
     double coarse = 0;   // coarser meshes: part of Timings::total

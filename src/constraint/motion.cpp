@@ -1,5 +1,5 @@
-// The steps of a motion. Each kind of step is one row of the table `forms`: how it is written, what it takes, and how it
-// moves a point. A step acts on d = x - c, c being its centre:
+// The steps of a motion. Each kind of step is one row of the table `forms`: how it is written, what it takes, and how
+// it moves a point. A step acts on d = x - c, c being its centre:
 //
 //   rotate      d -> d cos t + (u x d) sin t + u (u . d) (1 - cos t), u the unit axis (Rodrigues' formula)
 //   projection  d -> d_axial + r d_radial / |d_radial|, the closest point at distance r from the centre or the axis
@@ -209,7 +209,8 @@ std::string misfit(const Motion& motion, int dim) {
 bool apply_step(Step step, Vec<3>& x) {
     const MotionForm& form = *step.form;
     if (!form.move) return true;
-    const Vec<3> c = form.projection_in ? padded(std::span(step.numbers).first(form.projection_in)) : padded(step.about);
+    const std::span numbers(step.numbers);
+    const Vec<3> c = padded(form.projection_in ? numbers.first(form.projection_in) : std::span(step.about));
     Vec<3> d = x - c;
     if (!form.move(step, d)) return false;
     x = c + d;
