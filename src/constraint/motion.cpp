@@ -24,7 +24,8 @@ struct MotionForm {
     std::size_t fewest = 0, most = 0;  // numbers after the name
     bool axis = false, about = false;  // whether these clauses may follow
     bool per_axis = false;             // its numbers are one for each axis, or a single one where that is allowed
-    int projection_in = 0;  // the only dimension a projection acts in; as many leading numbers are its centre
+    bool affine = true;                // false: targets are projected onto the trace space, not interpolated
+    int projection_in = 0;             // the dimension a projection acts in; so many leading numbers are its centre
     // Why its numbers make no sense, whatever the dimension; "" where they do.
     const char* (*fault)(const MotionStep&) = [](const MotionStep&) { return ""; };
     // Moves a point given relative to the centre; false where its image is undefined. nullptr: every point stays.
@@ -117,14 +118,14 @@ constexpr std::array<MotionForm, 7> forms = {{
      }},
 
     {.name = "circle", .form = "circle CX CY R", .meaning = "2D: to the closest point of the circle",
-     .fewest = 3, .most = 3, .projection_in = 2, .move = project_from_centre},
+     .fewest = 3, .most = 3, .affine = false, .projection_in = 2, .move = project_from_centre},
 
     {.name = "sphere", .form = "sphere CX CY CZ R", .meaning = "3D: to the closest point of the sphere",
-     .fewest = 4, .most = 4, .projection_in = 3, .move = project_from_centre},
+     .fewest = 4, .most = 4, .affine = false, .projection_in = 3, .move = project_from_centre},
 
     {.name = "cylinder", .form = "cylinder PX PY PZ AX AY AZ R",
      .meaning = "3D: to the closest point at distance R from the axis through P along A",
-     .fewest = 7, .most = 7, .projection_in = 3,
+     .fewest = 7, .most = 7, .affine = false, .projection_in = 3,
      .fault = [](Step step) { return axis_fault(cylinder_axis(step)); },
      .move = [](Step step, Vec<3>& d) {
          const Vec<3> u = unit(cylinder_axis(step));
@@ -244,7 +245,7 @@ bool apply(const Motion& motion, int dim, double* x) {
 }
 
 bool is_affine(const Motion& motion) {
-    return std::all_of(motion.steps.begin(), motion.steps.end(), [](Step step) { return !step.form->projection_in; });
+    return std::all_of(motion.steps.begin(), motion.steps.end(), [](Step step) { return step.form->affine; });
 }
 
 std::string to_string(const Motion& motion) {
