@@ -39,7 +39,8 @@ template <int n, class Density>
 void add_second_derivative(const Mat<n>& F, Density density, double delta, double w, double* A) {
     const Mat<n> C = cofactor(F);
     const double S = frobenius_squared<n>(F);
-    const auto [r, r1, r2] = Density::Measure::template derivatives<n>(determinant(F), delta);
+    const DeterminantFactor<double> factor = Density::Measure::template derivatives<n>(determinant(F), delta);
+    const double r = factor.r, r1 = factor.r1, r2 = factor.r2;
     const double f1 = density.f1(S * r), f2 = density.f2(S * r);
     const auto eta_F = [&](int i, int j) { return 2 * r * F[i][j] + S * r1 * C[i][j]; };
     for (int i = 0; i < n; ++i)
