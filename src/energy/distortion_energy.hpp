@@ -26,7 +26,6 @@
 
 namespace almesh {
 
-
 // Of eta of Eq. 1 itself, without regularisation: infinite for inverted elements.
 struct DistortionStatistics {
     double relative_quality = 0;      // q = |1| / |M phi|, norms over the ideal mesh

@@ -30,21 +30,6 @@ BlockCsr laplacian(int n, double excess) {
     return A;
 }
 
-double relative_residual(const BlockCsr& A, const std::vector<double>& x, const std::vector<double>& b) {
-    std::vector<double> r(b.size());
-    multiply(A, x.data(), r.data());
-    double rr = 0, bb = 0;
-    for (std::size_t i = 0; i < b.size(); ++i) rr += (r[i] - b[i]) * (r[i] - b[i]), bb += b[i] * b[i];
-    return std::sqrt(rr / bb);
-}
-
-// No preconditioner.
-template <class Method>
-KrylovResult plain(Method&& method, const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
-    Identity none(A.size());
-    return method.solve(A, none, b.data(), x.data());
-}
-
 }  // namespace
 
 TEST_CASE("conjugate gradients find the solution of a dense Cholesky, to what the condition number leaves of it") {

@@ -13,14 +13,6 @@ using namespace almesh;
 
 namespace {
 
-double relative_residual(const BlockCsr& A, const std::vector<double>& x, const std::vector<double>& b) {
-    std::vector<double> r(b.size());
-    multiply(A, x.data(), r.data());
-    double rr = 0, bb = 0;
-    for (std::size_t i = 0; i < b.size(); ++i) rr += (r[i] - b[i]) * (r[i] - b[i]), bb += b[i] * b[i];
-    return std::sqrt(rr / bb);
-}
-
 BlockCsr diagonal(const std::vector<double>& entries) {
     BlockCsr A = matrix_of_cells(static_cast<int>(entries.size()), 1, {}, 2);
     A.value.assign(entries.begin(), entries.end());
@@ -35,13 +27,6 @@ BlockCsr cyclic_shift(int n) {
     std::fill(A.value.begin(), A.value.end(), 0.0);
     for (int i = 0; i < n; ++i) A.block(A.find((i + 1) % n, i))[0] = 1;
     return A;
-}
-
-// No preconditioner.
-template <class Method>
-KrylovResult plain(Method&& method, const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
-    Identity none(A.size());
-    return method.solve(A, none, b.data(), x.data());
 }
 
 }  // namespace
