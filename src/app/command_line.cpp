@@ -49,7 +49,7 @@ ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
         return quality(arguments[1], out);
     }
     if (first == "linsolve") return linsolve({arguments.begin() + 1, arguments.end()}, out);
-    if (first.starts_with("-")) throw UsageError("unknown option " + first + "; see almesh --help");
+    if (first.starts_with("-")) throw UsageError("unknown option ", first, "; see almesh --help");
     return run(read_deck(first, {arguments.begin() + 1, arguments.end()}), out);
 }
 

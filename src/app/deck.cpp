@@ -22,14 +22,14 @@ auto with_context(const std::string& context, const Work& work) {
     try {
         return work();
     } catch (const UsageError& error) {
-        throw UsageError(context + ": " + error.what());
+        throw UsageError(context, ": ", error.what());
     }
 }
 
 // A setting of the command line may replace one of the file; two settings of the same place contradict each other.
 void check_repeat(const std::string& what, const std::string& earlier, const std::string& where) {
     if ((earlier == command_line) == (where == command_line))
-        throw UsageError(what + " is already set (" + earlier + "): remove one of the two");
+        throw UsageError(what, " is already set (", earlier, "): remove one of the two");
 }
 
 void read_key(Deck& deck, std::string_view name, std::string_view value, const std::string& where) {
@@ -37,7 +37,7 @@ void read_key(Deck& deck, std::string_view name, std::string_view value, const s
     if (!key) {
         std::vector<std::string> names = names_of(deck_keys());
         names.insert(names.begin(), {"boundary", "expect"});
-        throw UsageError("unknown key " + in_backquotes(name) + did_you_mean(name, names));
+        throw UsageError("unknown key ", in_backquotes(name), did_you_mean(name, names));
     }
     if (const auto it = deck.given.find(key->name); it != deck.given.end())
         check_repeat(in_backquotes(key->name), it->second, where);
@@ -59,7 +59,7 @@ std::string take_boundary_name(std::string_view& text) {
     if (equals == std::string_view::npos || !name || name->empty())
         throw UsageError("expected `boundary NAME = MOTION` or `boundary \"NAME\" = MOTION`");
     if (!in_quotes && words(written).size() > 1)
-        throw UsageError("the boundary name " + in_backquotes(*name) + " has blanks: put it in double quotes");
+        throw UsageError("the boundary name ", in_backquotes(*name), " has blanks: put it in double quotes");
     text.remove_prefix(equals + 1);
     return *name;
 }
@@ -93,7 +93,7 @@ void read_setting(Deck& deck, std::string_view text, const std::string& where) {
     if (first == "expect") return read_expectation(deck, rest, where);
     const auto equals = text.find('=');
     if (equals == std::string_view::npos)
-        throw UsageError("expected `key = value`, got " + in_backquotes(text.substr(0, 60)));
+        throw UsageError("expected `key = value`, got ", in_backquotes(text.substr(0, 60)));
     read_key(deck, trim(text.substr(0, equals)), trim(text.substr(equals + 1)), where);
 }
 
@@ -135,25 +135,24 @@ Deck parse_deck(std::string_view text, const std::string& path, const std::vecto
     deck.name = fs::path(path).stem().string();
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     int number = 0;
-    for (const std::string_view line : split(text, '\n'))
-        read_line(deck, line, path + ":" + std::to_string(++number));
+    for (const std::string_view line : split(text, '\n')) read_line(deck, line, path + ":" + std::to_string(++number));
     for (const std::string& setting : overrides) read_line(deck, setting, command_line);
-    if (deck.mesh.empty()) throw UsageError(path + ": no mesh: add a line `mesh = FILE`, from the deck's folder");
+    if (deck.mesh.empty()) throw UsageError(path, ": no mesh: add a line `mesh = FILE`, from the deck's folder");
     if (deck.output.empty()) deck.output = (fs::path("outputs") / deck.name).string();
     return deck;
 }
 
 Deck read_deck(const std::string& path, const std::vector<std::string>& overrides) {
     std::error_code ignored;
-    if (fs::is_directory(path, ignored)) throw UsageError(path + ": a folder, expected a deck file");
+    if (fs::is_directory(path, ignored)) throw UsageError(path, ": a folder, expected a deck file");
     std::ifstream file(path, std::ios::binary);
-    if (!file) throw UsageError(path + ": cannot be opened: check the path of the deck");
+    if (!file) throw UsageError(path, ": cannot be opened: check the path of the deck");
     std::string text(largest_file + 1, '\0');
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
-    if (file.bad()) throw UsageError(path + ": cannot be read");
+    if (file.bad()) throw UsageError(path, ": cannot be read");
     text.resize(static_cast<std::size_t>(file.gcount()));
     if (text.size() > largest_file)
-        throw UsageError(path + ": more than 1 MB: a deck is a page of text, is this a mesh?");
+        throw UsageError(path, ": more than 1 MB: a deck is a page of text, is this a mesh?");
     return parse_deck(text, path, overrides);
 }
 
@@ -162,7 +161,7 @@ void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string
         if (std::find(mesh_boundaries.begin(), mesh_boundaries.end(), name) != mesh_boundaries.end()) return;
         std::string list;
         for (const std::string& other : mesh_boundaries) list += (list.empty() ? "" : ", ") + with_quotes(other);
-        throw UsageError(where + ": the mesh has no boundary " + with_quotes(name) + ", only " + list);
+        throw UsageError(where, ": the mesh has no boundary ", with_quotes(name), ", only ", list);
     };
     for (const DeckBoundary& boundary : deck.boundaries) {
         check_name(boundary.name, boundary.where);

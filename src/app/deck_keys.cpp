@@ -141,8 +141,7 @@ const std::vector<DeckKey>& deck_keys() {
          "linear_tolerance."},
         {"linear_tolerance", number<&Deck::linear, &Linear::tolerance>({1e-15, 0.5}),
          "Relative residual at which cg and gmres stop; with forcing = auto the smallest one."},
-        {"gmres_restart", number<&Deck::linear, &Linear::restart>({1, 1000}),
-         "GMRES iterations between restarts."},
+        {"gmres_restart", number<&Deck::linear, &Linear::restart>({1, 1000}), "GMRES iterations between restarts."},
         {"gmres_max_iterations", number<&Deck::linear, &Linear::max_iterations>({1, 100000}),
          "Iterations of cg or gmres at most, per system."},
         {"quadrature", number<&Deck::distortion, &Distortion::exactness>({0, 40}),
@@ -163,7 +162,7 @@ const std::vector<DeckKey>& deck_keys() {
 
 void set_value(Deck& deck, const DeckKey& key, std::string_view text) {
     if (const auto hint = key.value.set(deck, text))
-        throw UsageError(key.name + " = " + std::string(text) + ": expected " + key.value.legal + *hint);
+        throw UsageError(key.name, " = ", text, ": expected ", key.value.legal, *hint);
 }
 
 std::string keys_table() {

@@ -32,12 +32,12 @@ Kind kind_named(const std::string& value, const std::string& key, const std::vec
         if (value == to_string(kind)) return kind;
         names += (names.empty() ? " " : &kind == &kinds.back() ? " or " : ", ") + std::string(to_string(kind));
     }
-    throw UsageError(key + " takes" + names + ", not " + in_backquotes(value));
+    throw UsageError(key, " takes", names, ", not ", in_backquotes(value));
 }
 
 int integer_in(const std::string& value, const std::string& key, int highest) {
     if (const std::optional<int> number = parse_int(value, 1, highest)) return *number;
-    throw UsageError(key + " takes an integer in 1.." + std::to_string(highest) + ", not " + in_backquotes(value));
+    throw UsageError(key, " takes an integer in 1..", highest, ", not ", in_backquotes(value));
 }
 
 void set_option(Options& options, const std::string& key, const std::string& value) {
@@ -48,8 +48,8 @@ void set_option(Options& options, const std::string& key, const std::string& val
     else if (key == "ordering")
         options.ordering = kind_named<Ordering>(value, key, {Ordering::nested_dissection, Ordering::minimum_degree,
                                                              Ordering::reverse_cuthill_mckee, Ordering::natural});
-    else throw UsageError("linsolve has no key " + in_backquotes(key) +
-                          "; there are solver, ordering, threads and block");
+    else
+        throw UsageError("linsolve has no key ", in_backquotes(key), "; there are solver, ordering, threads and block");
 }
 
 Options options_of(const std::vector<std::string>& arguments) {
@@ -66,16 +66,16 @@ Options options_of(const std::vector<std::string>& arguments) {
                          "[ordering=nested_dissection|minimum_degree|rcm|natural] [threads=N] [block=1|2|3]");
     const bool fills = options.ordering == Ordering::nested_dissection || options.ordering == Ordering::minimum_degree;
     if (fills && options.solver != SolverKind::cholesky)
-        throw UsageError(std::string("ordering=") + to_string(*options.ordering) +
-                         " is for solver=cholesky; ILU(0) of solver=" + to_string(options.solver) +
+        throw UsageError("ordering=", to_string(*options.ordering),
+                         " is for solver=cholesky; ILU(0) of solver=", to_string(options.solver),
                          " takes rcm or natural");
     return options;
 }
 
 // Rows as the file counts them, from 1.
 std::string rows_of_node(const BlockCsr& A, int node) {
-    const std::string first = std::to_string(node * A.d + 1);
-    return A.d == 1 ? "row " + first : "rows " + first + " to " + std::to_string((node + 1) * A.d);
+    const int first = node * A.d + 1;
+    return A.d == 1 ? concat("row ", first) : concat("rows ", first, " to ", first + A.d - 1);
 }
 
 // What the analysis of Cholesky knows, before any memory for the factor is taken.
@@ -118,8 +118,7 @@ void print_failure(std::FILE* out, const LinearSolver& solver, const SolveResult
                      rows_of_node(A, result.bad_node).c_str());
     else if (result.solve_seconds == 0)  // the coarse matrix is not positive definite
         std::fprintf(out, "not solved: %s\n", why);
-    else
-        std::fprintf(out, "not solved: %s, |b - Ax|/|b| = %.3g\n", why, result.relative_residual);
+    else std::fprintf(out, "not solved: %s, |b - Ax|/|b| = %.3g\n", why, result.relative_residual);
 }
 
 // With b = A (1, 1/2, 1/3, 1/4, 1/5, 1, 1/2, ...) where no file gives it: not the same at all nodes, which deflation
@@ -129,8 +128,7 @@ std::vector<double> right_hand_side(const BlockCsr& A, const Options& options) {
     std::vector<double> b(A.size()), x(A.size());
     for (int i = 0; i < A.size(); ++i) x[i] = 1.0 / (1 + i % 5);
     multiply(A, x.data(), b.data());
-    if (!std::isfinite(norm_inf(b)))
-        throw InputError(options.matrix + ": A x overflows for x near 1; scale the matrix");
+    if (!std::isfinite(norm_inf(b))) throw InputError(options.matrix, ": A x overflows for x near 1; scale the matrix");
     return b;
 }
 
@@ -150,8 +148,8 @@ ExitCode linsolve(const std::vector<std::string>& arguments, std::FILE* out) {
     std::fprintf(out, "ordering        %s\n",
                  direct || options.ordering ? to_string(ordering) : "domains (rcm inside each)");
     if (ordering == Ordering::minimum_degree && A.n > largest_minimum_degree)
-        throw UsageError("ordering=minimum_degree takes at most " + std::to_string(largest_minimum_degree) +
-                         " nodes, the matrix has " + std::to_string(A.n) + "; use nested_dissection");
+        throw UsageError("ordering=minimum_degree takes at most ", largest_minimum_degree, " nodes, the matrix has ",
+                         A.n, "; use nested_dissection");
 
     LinearSolverParams params;
     params.kind = options.solver;

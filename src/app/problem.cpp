@@ -39,9 +39,9 @@ std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
     for (const std::string& name : mesh.boundaries) {
         const DeckBoundary* const boundary = find_row(deck.boundaries, name);
         if (!boundary)
-            throw UsageError(
-                deck.path + ": boundary `" + name + "` of the mesh has no motion; add the line `boundary " +
-                (name.find(' ') == std::string::npos ? name : with_quotes(name)) + " = fixed` (or another motion)");
+            throw UsageError(deck.path, ": boundary `", name, "` of the mesh has no motion; add the line `boundary ",
+                             name.find(' ') == std::string::npos ? name : with_quotes(name),
+                             " = fixed` (or another motion)");
         motions.push_back(boundary->motion);
     }
     return motions;
@@ -51,23 +51,22 @@ std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
 void check_quadrature(const Deck& deck, int degree) {
     const int least = 2 * (degree - 1), exactness = deck.distortion.exactness;
     if (exactness == 0 || exactness >= least) return;
-    throw UsageError(deck.given.at("quadrature") + ": quadrature = " + std::to_string(exactness) +
-                     " is too low for elements of degree " + std::to_string(degree) + ": at least " +
-                     std::to_string(least) + ", or 0");
+    throw UsageError(deck.given.at("quadrature"), ": quadrature = ", exactness, " is too low for elements of degree ",
+                     degree, ": at least ", least, ", or 0");
 }
 
 // Algorithm 1 as printed weighs the penalty mu^2: the mu of a coarser mesh would mean something else.
 void check_start(const Deck& deck) {
     if (deck.start != Start::coarse || deck.method.algorithm != Algorithm::literal) return;
-    throw UsageError(deck.given.at("start") +
+    throw UsageError(deck.given.at("start"),
                      ": start = coarse does not go with algorithm = literal; take start = identity");
 }
 
 void refuse_invalid_target(const TargetReport& report) {
     if (report.faults.empty()) return;
     constexpr std::size_t shown = 10;
-    std::string message = "the target makes the boundary itself invalid at " + std::to_string(report.faults.size()) +
-                          (report.faults.size() == 1 ? " face:" : " faces:");
+    std::string message =
+        "the target makes the boundary itself invalid at " + counted(report.faults.size(), "face") + ":";
     for (std::size_t k = 0; k < std::min(shown, report.faults.size()); ++k) message += "\n  " + report.faults[k].why;
     if (report.faults.size() > shown) message += "\n  ...";
     throw InputError(message);

@@ -9,6 +9,7 @@
 #include "base/files.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
+#include "base/text.hpp"
 #include "check/wall_distance.hpp"
 #include "io/msh.hpp"
 #include "io/vtk.hpp"
@@ -85,8 +86,8 @@ void write_boundary(const Deck& deck, const Problem& problem, const Solution& so
 }  // namespace
 
 void write_deck(const Deck& deck, const Problem& problem) {
-    std::string text = "# " + version() + ", commit " + commit() + "\n# compiled by " + compiler() + "\n# threads " +
-                       std::to_string(max_threads()) + ", mesh hash " + problem.mesh_hash + "\n";
+    std::string text = concat("# ", version(), ", commit ", commit(), "\n# compiled by ", compiler(), "\n# threads ",
+                              max_threads(), ", mesh hash ", problem.mesh_hash, "\n");
     for (const std::string& note : problem.notes) text += "# note: " + note + "\n";
     write_file(deck.output + "/deck.txt", text + "\n" + resolved(deck));
 }

@@ -6,6 +6,7 @@
 #include "app/results.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
+#include "base/text.hpp"
 #include "io/matrix_market.hpp"
 
 namespace almesh {
@@ -40,10 +41,8 @@ const char* advice(AlStatus status) {
 
 void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {
     const AlIteration& last = solution.al.iterations.back();
-    const std::string coarse =
-        solution.coarse_newton_iterations
-            ? " (and " + std::to_string(solution.coarse_newton_iterations) + " on coarser meshes)"
-            : "";
+    std::string coarse;
+    if (const int steps = solution.coarse_newton_iterations) coarse = concat(" (and ", steps, " on coarser meshes)");
     std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s; |c_D| = %.3g, largest boundary error %.3g\n",
                  advice(solution.al.status), solution.al.iterations.size() - 1, solution.al.newton_iterations,
                  coarse.c_str(), solution.time.total, last.constraint_norm * problem.length,

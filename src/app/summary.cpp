@@ -106,11 +106,12 @@ constexpr auto quantities = std::to_array<Quantity>({
 
 const Quantity& find_quantity(std::string_view name) {
     if (const Quantity* const quantity = find_row(quantities, name)) return *quantity;
-    throw UsageError("the summary has no quantity " + in_backquotes(name) + did_you_mean(name, names_of(quantities)));
+    throw UsageError("the summary has no quantity ", in_backquotes(name), did_you_mean(name, names_of(quantities)));
 }
 
-[[noreturn]] void refuse(const std::string& why) {
-    throw UsageError(why + ": expected `expect QUANTITY OP VALUE [+- TOLERANCE]`, OP being <=, >= or =");
+template <class... Parts>
+[[noreturn]] void refuse(const Parts&... why) {
+    throw UsageError(why..., ": expected `expect QUANTITY OP VALUE [+- TOLERANCE]`, OP being <=, >= or =");
 }
 
 // That its parts go together.
@@ -118,12 +119,12 @@ void check_parts(const Expectation& expectation, Kind kind) {
     const bool equal = expectation.relation == "=", tolerant = expectation.tolerance > 0;
     const std::string quantity = in_backquotes(expectation.quantity), &value = expectation.value;
     if (words(value).size() != 1) refuse("one value is needed");
-    if (kind == word && (!equal || tolerant)) throw UsageError(quantity + " is a word: compare it with = alone");
+    if (kind == word && (!equal || tolerant)) throw UsageError(quantity, " is a word: compare it with = alone");
     if (kind == word) return;
-    if (!parse_double(value)) throw UsageError(in_backquotes(value) + " is not a number, but " + quantity + " is one");
+    if (!parse_double(value)) throw UsageError(in_backquotes(value), " is not a number, but ", quantity, " is one");
     if (!equal && tolerant) refuse("+- goes with = only");
     if (equal && !tolerant && kind == decimal)
-        throw UsageError(quantity + " is a decimal number: add a tolerance, `= " + value + " +- TOLERANCE`");
+        throw UsageError(quantity, " is a decimal number: add a tolerance, `= ", value, " +- TOLERANCE`");
 }
 
 bool holds(const Expectation& expectation, const std::string& got) {
@@ -160,7 +161,7 @@ std::vector<Named> summary_quantities() { return {quantities.begin(), quantities
 Expectation parse_expectation(std::string_view text) {
     constexpr const char* relation_symbols = "<>=";
     const auto relation = text.find_first_of(relation_symbols);
-    if (relation == std::string_view::npos) refuse("no comparison in " + in_backquotes(text));
+    if (relation == std::string_view::npos) refuse("no comparison in ", in_backquotes(text));
     const auto value = std::min(text.find_first_not_of(relation_symbols, relation), text.size());
     const auto plus_minus = std::min(text.find("+-", value), text.size());
     Expectation expectation;
@@ -169,7 +170,7 @@ Expectation parse_expectation(std::string_view text) {
     expectation.value = trim(text.substr(value, plus_minus - value));
     const Quantity& quantity = find_quantity(expectation.quantity);
     if (expectation.relation != "<=" && expectation.relation != ">=" && expectation.relation != "=")
-        refuse(in_backquotes(expectation.relation) + " is no comparison");
+        refuse(in_backquotes(expectation.relation), " is no comparison");
     if (plus_minus < text.size()) {
         expectation.tolerance = parse_double(trim(text.substr(plus_minus + 2))).value_or(0);
         if (expectation.tolerance <= 0) refuse("+- needs a number > 0");
@@ -187,8 +188,7 @@ ExpectationResult check(const Expectation& expectation, const Summary& summary) 
     ExpectationResult result;
     result.got = entry ? entry->value : "nothing";
     result.holds = entry && holds(expectation, entry->value);
-    result.text =
-        "expected " + to_string(expectation) + ", got " + result.got + (result.holds ? ": holds" : ": fails");
+    result.text = "expected " + to_string(expectation) + ", got " + result.got + (result.holds ? ": holds" : ": fails");
     return result;
 }
 

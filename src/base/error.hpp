@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/text.hpp"
+
 namespace almesh {
 
 enum class ExitCode {
@@ -21,12 +23,15 @@ struct Error : std::runtime_error {
     Error(ExitCode code, const std::string& message) : std::runtime_error(message), exit_code(code) {}
 };
 
+// parts: of the message, see concat().
 struct UsageError : Error {
-    explicit UsageError(const std::string& message) : Error(ExitCode::usage, message) {}
+    template <class... Parts>
+    explicit UsageError(const Parts&... parts) : Error(ExitCode::usage, concat(parts...)) {}
 };
 
 struct InputError : Error {
-    explicit InputError(const std::string& message) : Error(ExitCode::input, message) {}
+    template <class... Parts>
+    explicit InputError(const Parts&... parts) : Error(ExitCode::input, concat(parts...)) {}
 };
 
 // Printed where an allocation fails; the exit code is `input`.

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
 [[noreturn]] void cannot(const char* verb, const std::string& path, const std::string& reason) {
-    throw InputError(std::string("cannot ") + verb + " " + path + ": " + reason);
+    throw InputError("cannot ", verb, " ", path, ": ", reason);
 }
 
 // What may be renamed onto: a regular file, or none yet. /dev/null and its like must stay what they are.

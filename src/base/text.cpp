@@ -67,6 +67,8 @@ std::string to_text(double value) {
     return std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general).ptr);
 }
 
+std::string counted(std::size_t count, const char* noun) { return concat(count, " ", noun, count == 1 ? "" : "s"); }
+
 // d(i, j): distance of the first i characters of a and the first j of b.
 int edit_distance(std::string_view a, std::string_view b) {
     std::vector<int> distances((a.size() + 1) * (b.size() + 1));
@@ -98,10 +100,8 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 std::vector<std::string> wrap(std::string_view text, std::size_t width) {
     std::vector<std::string> lines;
     for (const std::string_view word : words(text)) {
-        if (lines.empty() || lines.back().size() + 1 + word.size() > width)
-            lines.emplace_back(word);
-        else
-            (lines.back() += ' ') += word;
+        if (lines.empty() || lines.back().size() + 1 + word.size() > width) lines.emplace_back(word);
+        else (lines.back() += ' ') += word;
     }
     return lines;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace almesh {
@@ -23,6 +24,23 @@ std::optional<int> parse_int(std::string_view text, int lowest = std::numeric_li
 
 // Shortest text that parse_double() turns into the same bits, as %g prints it: 0.0005, 1e-08, 841.
 std::string to_text(double value);
+
+// The parts one after the other: texts, integers in decimal, decimal numbers as to_text() shows them.
+template <class... Parts>
+std::string concat(const Parts&... parts) {
+    std::string text;
+    const auto append = [&text](const auto& part) {
+        using Part = std::remove_cvref_t<decltype(part)>;
+        static_assert(!std::is_same_v<Part, char> && !std::is_same_v<Part, bool>, "neither a text nor a number");
+        if constexpr (std::is_integral_v<Part>) text += std::to_string(part);
+        else if constexpr (std::is_floating_point_v<Part>) text += to_text(part);
+        else text += part;
+    };
+    (append(parts), ...);
+    return text;
+}
+
+std::string counted(std::size_t count, const char* noun);  // "1 node", "2 nodes"
 
 // Optimal string alignment: least number of insertions, deletions, replacements and swaps of two neighbours that turn
 // one text into the other (Levenshtein's distance with swaps), by dynamic programming in O(|a| |b|).

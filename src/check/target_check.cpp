@@ -16,6 +16,7 @@
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
+#include "base/text.hpp"
 #include "geometry/patch.hpp"
 
 namespace almesh {
@@ -220,9 +221,9 @@ void Check::check_pairs() {
         const auto [f, g] = close[k];
         if (part[f] == part[g]) add_fault(f, fault[k] + face_name(mesh, g));
         else if (noted.insert(std::minmax(part[f], part[g])).second)
-            report.notes.push_back("in the target, the closed boundary made of " + parts[part[f]].boundaries +
-                                   " crosses the one made of " + parts[part[g]].boundaries + ": " +
-                                   face_name(mesh, f) + " and " + face_name(mesh, g));
+            report.notes.push_back(concat("in the target, the closed boundary made of ", parts[part[f]].boundaries,
+                                          " crosses the one made of ", parts[part[g]].boundaries, ": ",
+                                          face_name(mesh, f), " and ", face_name(mesh, g)));
     }
 }
 

@@ -151,7 +151,7 @@ std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x
         for (int i = 0; i < mesh.face_nodes(); ++i) on_wall[mesh.face(f)[i]] = 1;
     }
     if (patches.empty())
-        throw InputError("wall distance: boundary " + mesh.boundaries[boundary] + " has no faces; name another one");
+        throw InputError("wall distance: boundary ", mesh.boundaries[boundary], " has no faces; name another one");
     const BoxTree tree = tree_of_boxes(patches);
     const SecondOrderForm form(m, mesh.degree);
 

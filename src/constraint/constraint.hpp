@@ -48,8 +48,7 @@ public:
 
     // node: numbers in the mesh of the nodes of the part. pattern: of the part's Hessian.
     virtual std::unique_ptr<ConstraintPart> part(const std::vector<double>& x, const std::vector<double>& lambda,
-                                                 double mu, const std::vector<int>& node,
-                                                 const BlockCsr& pattern) = 0;
+                                                 double mu, const std::vector<int>& node, const BlockCsr& pattern) = 0;
 
     // As vector fields on the boundary, for pictures and to carry them to a finer mesh: nodes().size() x dim.
     virtual const std::vector<int>& nodes() const = 0;  // mesh nodes that the constraint acts on, ascending

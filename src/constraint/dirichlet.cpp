@@ -76,15 +76,13 @@ void Dirichlet::assemble_mass(const std::vector<double>& face_weight) {
     for (int q = 0; q < target_.quadrature.count; ++q)
         for (int i = 0; i < m; ++i)
             for (int j = 0; j < m; ++j)
-                reference[i * m + j] += target_.quadrature.weight[q] *
-                                        face_values_[offset(q, m, i)] *
-                                        face_values_[offset(q, m, j)];
+                reference[i * m + j] +=
+                    target_.quadrature.weight[q] * face_values_[offset(q, m, i)] * face_values_[offset(q, m, j)];
     LargeVector<int> place;
     M_ = pattern_of_cells(static_cast<int>(nodes_.size()), 1, faces_, m, &place);
     M_.value.assign(M_.col.size(), 0.0);
     for (int f = 0; f < mesh_.face_count(); ++f)
-        for (int ij = 0; ij < m * m; ++ij)
-            M_.value[place[offset(f, m * m, ij)]] += face_weight[f] * reference[ij];
+        for (int ij = 0; ij < m * m; ++ij) M_.value[place[offset(f, m * m, ij)]] += face_weight[f] * reference[ij];
 }
 
 // Solves M (g_h - y) = (N, g_D - y): relative to the ideal positions y, a boundary that stays has no rounding error.
@@ -115,8 +113,7 @@ void Dirichlet::project_target(const std::vector<double>& ideal, const std::vect
 
 void Dirichlet::interpolate_target() {
     for (std::size_t k = faces_.size(); k-- > 0;)  // the first face that holds a node decides, as in target_check
-        for (int a = 0; a < dim_; ++a)
-            g_h_[offset(faces_[k], dim_, a)] = target_.node[k * dim_ + a];
+        for (int a = 0; a < dim_; ++a) g_h_[offset(faces_[k], dim_, a)] = target_.node[k * dim_ + a];
 }
 
 // e_h^2 = sum over faces of the weighted integral of |g_h - g_D|^2.
@@ -131,8 +128,7 @@ void Dirichlet::measure_best_approximation(const std::vector<double>& face_weigh
 }
 
 double Dirichlet::difference(const std::vector<double>& x, int trace_node, int component) const {
-    return x[offset(nodes_[trace_node], dim_, component)] -
-           g_h_[offset(trace_node, dim_, component)];
+    return x[offset(nodes_[trace_node], dim_, component)] - g_h_[offset(trace_node, dim_, component)];
 }
 
 // |u - g_D|^2 at a quadrature point of a face, u having the value trace[nodes[face node] x dim] at each face node.

@@ -133,14 +133,14 @@ constexpr std::array<MotionForm, 7> forms = {{
      }},
 }};
 
-[[noreturn]] void refuse(const MotionForm& form, const std::string& why) {
-    throw UsageError(in_backquotes(form.name) + ": " + why + "; expected " + form.form);
+template <class... Parts>
+[[noreturn]] void refuse(const MotionForm& form, const Parts&... why) {
+    throw UsageError(in_backquotes(form.name), ": ", why..., "; expected ", form.form);
 }
 
 void check(const MotionForm& form, Step step) {
     const std::size_t count = step.numbers.size();
-    if (count < form.fewest || count > form.most)
-        refuse(form, std::to_string(count) + (count == 1 ? " number" : " numbers"));
+    if (count < form.fewest || count > form.most) refuse(form, counted(count, "number"));
     if (!step.axis.empty() && step.axis.size() != 3) refuse(form, "`axis` needs 3 numbers");
     if (!step.about.empty() && step.about.size() != 2 && step.about.size() != 3)
         refuse(form, "`about` needs 2 numbers, or 3 in 3D");
@@ -153,7 +153,7 @@ MotionStep parse_step(std::string_view text) {
     if (written.empty()) throw UsageError("a step of the motion is empty: put a step on both sides of every `;`");
     const MotionForm* const found = find_row(forms, written[0]);
     if (!found)
-        throw UsageError("unknown motion " + in_backquotes(written[0]) + did_you_mean(written[0], names_of(forms)));
+        throw UsageError("unknown motion ", in_backquotes(written[0]), did_you_mean(written[0], names_of(forms)));
     const MotionForm& form = *found;
     MotionStep step{&form, {}, {}, {}};
     std::vector<double>* clause = &step.numbers;
@@ -164,10 +164,10 @@ MotionStep parse_step(std::string_view text) {
         }
         const std::string word = in_backquotes(written[i]);
         const bool axis = form.axis && written[i] == "axis", about = form.about && written[i] == "about";
-        if (!axis && !about) refuse(form, word + " is not a number (separate numbers by blanks)");
+        if (!axis && !about) refuse(form, word, " is not a number (separate numbers by blanks)");
         clause = axis ? &step.axis : &step.about;
-        if (i + 1 == written.size() || !parse_double(written[i + 1])) refuse(form, word + " needs numbers");
-        if (!clause->empty()) refuse(form, word + " stands twice");
+        if (i + 1 == written.size() || !parse_double(written[i + 1])) refuse(form, word, " needs numbers");
+        if (!clause->empty()) refuse(form, word, " stands twice");
     }
     check(form, step);
     return step;
@@ -227,7 +227,7 @@ Motion parse_motion(std::string_view text) {
     if (motion.steps.size() > 1 && std::any_of(motion.steps.begin(), motion.steps.end(), is_fixed))
         throw UsageError("`fixed` beside other steps: a fixed boundary does not move, remove one or the other");
     const std::string in_2d = misfit(motion, 2), in_3d = misfit(motion, 3);
-    if (!in_2d.empty() && !in_3d.empty()) throw UsageError("fits no dimension: " + in_2d + "; " + in_3d);
+    if (!in_2d.empty() && !in_3d.empty()) throw UsageError("fits no dimension: ", in_2d, "; ", in_3d);
     return motion;
 }
 

@@ -27,12 +27,12 @@ void move(const Motion& motion, const Mesh& mesh, int boundary, double* x) {
     std::array<double, 3> before{};
     std::copy_n(x, mesh.dim, before.begin());
     if (!apply(motion, mesh.dim, x))
-        throw InputError("boundary " + mesh.boundaries[boundary] + ": the closest point to " +
-                         point_text(before.data(), mesh.dim) + " is not defined (it is the centre or on the axis)");
+        throw InputError("boundary ", mesh.boundaries[boundary], ": the closest point to ",
+                         point_text(before.data(), mesh.dim), " is not defined (it is the centre or on the axis)");
     for (int a = 0; a < mesh.dim; ++a)
         if (!std::isfinite(x[a]))
-            throw InputError("boundary " + mesh.boundaries[boundary] + ": the motion takes " +
-                             point_text(before.data(), mesh.dim) + " to a place that is not finite");
+            throw InputError("boundary ", mesh.boundaries[boundary], ": the motion takes ",
+                             point_text(before.data(), mesh.dim), " to a place that is not finite");
 }
 
 double extent(const Mesh& mesh) {
@@ -69,10 +69,9 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
         for (int c = 0; c < dim; ++c) difference = std::max(difference, std::abs(a[c] - b[c]));
         const double tolerance = 1e-6 * std::min(size[seen / m], size[k / m]);
         if (difference <= tolerance + rounding) continue;
-        throw InputError("node " + std::to_string(mesh.file.node_id[mesh.faces[k]]) +
-                         " lies on two boundaries whose motions disagree: " +
-                         mesh.boundaries[mesh.face_boundary[seen / m]] + " takes it to " + point_text(a, dim) + ", " +
-                         mesh.boundaries[mesh.face_boundary[k / m]] + " to " + point_text(b, dim));
+        throw InputError("node ", mesh.file.node_id[mesh.faces[k]], " lies on two boundaries whose motions disagree: ",
+                         mesh.boundaries[mesh.face_boundary[seen / m]], " takes it to ", point_text(a, dim), ", ",
+                         mesh.boundaries[mesh.face_boundary[k / m]], " to ", point_text(b, dim));
     }
 }
 
@@ -88,8 +87,7 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion) 
     target.quadrature = simplex_quadrature(dim - 1, 2 * mesh.degree + (target.in_trace_space ? 0 : 10));
     const int points = target.quadrature.count;
     std::vector<double> N(offset(points, m));
-    for (int q = 0; q < points; ++q)
-        basis.values(&target.quadrature.xi[q * (dim - 1)], &N[offset(q, m)]);
+    for (int q = 0; q < points; ++q) basis.values(&target.quadrature.xi[q * (dim - 1)], &N[offset(q, m)]);
 
     target.node.resize(mesh.faces.size() * dim);
     target.sample.resize(static_cast<std::size_t>(mesh.face_count()) * points * dim);

@@ -81,8 +81,7 @@ public:
         const double* part = separate_lanes(gradient_, size_, separate_);
         for (int l = 0; l < count; ++l, part += whole_registers(size_))
             for (int i = 0; i < m_; ++i)
-                for (int a = 0; a < n; ++a)
-                    g[offset(node_[l * m_ + i], n, a)] += part[i * n + a];
+                for (int a = 0; a < n; ++a) g[offset(node_[l * m_ + i], n, a)] += part[i * n + a];
     }
 
     // The Hessian of each element after the other, times `factor`: lanes x stride(), blocks (i, j) of n x n numbers row
@@ -92,8 +91,7 @@ public:
         std::fill_n(hessian_, size_ * size_, Lanes{});
         for (int q = 0; q < of_.points; q += point_block) {
             const int count = std::min(point_block, of_.points - q);
-            for (int k = 0; k < count; ++k)
-                tensor(k) = second_derivatives(q + k, density, delta, projected, factor);
+            for (int k = 0; k < count; ++k) tensor(k) = second_derivatives(q + k, density, delta, projected, factor);
             for (int j = 0; j < m_; ++j) {
                 apply_to_node(j, q, count);
                 int i = j;
@@ -125,9 +123,7 @@ private:
     Lanes* second_;          // point_block tensors C
     Lanes* applied_;         // point_block x n x n x n: T_jk for the current j
 
-    std::size_t room() const {
-        return 2 * size_ + 2 * stride() + point_block * (n * n * n * n + n * n * n);
-    }
+    std::size_t room() const { return 2 * size_ + 2 * stride() + point_block * (n * n * n * n + n * n * n); }
     Lanes* block(int i, int j) { return hessian_ + (i * m_ + j) * n * n; }
 
     // Kept by each thread between calls: nothing is allocated inside the Newton loop.

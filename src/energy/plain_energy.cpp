@@ -84,8 +84,7 @@ PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, con
             const Mat<n> A = straight_jacobian<n>(mesh.element(e), ideal), inverse_of_A = inverse<n>(A);
             const double jacobian = determinant(A);
             if (!(jacobian > 0))
-                throw InputError("element " + std::to_string(mesh.file.element_id[e]) +
-                                 " of the ideal mesh has no positive volume");
+                throw InputError("element ", mesh.file.element_id[e], " of the ideal mesh has no positive volume");
             for (const auto& row : inverse_of_A) ideal_inverse_.insert(ideal_inverse_.end(), row.begin(), row.end());
             ideal_jacobian_.push_back(jacobian);
             weight_.push_back(std::pow(jacobian, params.weight_exponent));

@@ -73,8 +73,7 @@ SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const
         });
     });
     if (flat < element_count_)
-        throw InputError("element " + std::to_string(mesh.file.element_id[flat]) +
-                         " of the ideal mesh has no positive volume");
+        throw InputError("element ", mesh.file.element_id[flat], " of the ideal mesh has no positive volume");
     for (std::vector<Lanes>* weights : {&weight_, &damping_weight_}) {
         const double weighted = integral(*weights);
         for (Lanes& weight : *weights) weight *= volume_ / weighted;
@@ -115,8 +114,7 @@ void SimdEnergy::fill(const Mesh& mesh, const GeometryOf& geometry_of) {
         const int e = blocks_.order[std::min(k, element_count_ - 1)];
         std::copy_n(mesh.element(e), m, &nodes_[offset(k, m)]);
         const Geometry of = geometry_of(e);
-        for (int ij = 0; ij < dim_ * dim_; ++ij)
-            ideal_inverse_[offset(batch, dim_ * dim_, ij)][lane] = of.inverse[ij];
+        for (int ij = 0; ij < dim_ * dim_; ++ij) ideal_inverse_[offset(batch, dim_ * dim_, ij)][lane] = of.inverse[ij];
         const bool weighs = k < element_count_;
         ideal_jacobian_[batch][lane] = weighs ? of.jacobian : 0;
         weight_[batch][lane] = weighs ? of.weight : 0;

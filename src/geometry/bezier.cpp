@@ -101,9 +101,7 @@ PolynomialMinimum polynomial_minimum(const Bernstein& basis, const double* c, do
     const int corners = std::min(basis.count, basis.dim + 1);
     double lower = *std::min_element(c, c + basis.count);
     double upper = *std::min_element(c, c + corners);
-    const auto tight = [&] {
-        return upper - lower <= tolerance * (upper > 0 ? upper : std::max(1.0, -upper));
-    };
+    const auto tight = [&] { return upper - lower <= tolerance * (upper > 0 ? upper : std::max(1.0, -upper)); };
     if (tight() || max_bisections == 0) return {lower, upper, tight()};
 
     std::priority_queue<Piece> queue;

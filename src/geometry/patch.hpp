@@ -20,8 +20,7 @@ struct PatchBasis {
     Bernstein bernstein;
     std::vector<double> to_bezier;  // count x count
 
-    PatchBasis(int m, int degree)
-        : bernstein(m, degree), to_bezier(bezier_of_lagrange(LagrangeBasis(m, degree))) {}
+    PatchBasis(int m, int degree) : bernstein(m, degree), to_bezier(bezier_of_lagrange(LagrangeBasis(m, degree))) {}
 };
 
 // Positions of `count` nodes, from x: node_count x dim. In 2D the third coordinate is 0.

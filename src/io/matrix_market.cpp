@@ -23,9 +23,7 @@ struct Entry {
 
 bool before(const Entry& a, const Entry& b) { return std::tie(a.row, a.col, a.line) < std::tie(b.row, b.col, b.line); }
 
-std::string place(long long row, long long col) {
-    return std::to_string(row + 1).insert(0, 1, '(') + ", " + std::to_string(col + 1) + ")";
-}
+std::string place(long long row, long long col) { return concat("(", row + 1, ", ", col + 1, ")"); }
 
 bool next_record(TextScanner& in) {
     while (in.next_line()) {
@@ -46,7 +44,7 @@ std::string banner(TextScanner& in, const std::string& format, const std::vector
     for (std::size_t i = 1; i < symmetries.size(); ++i) wanted += "|" + symmetries[i];
     if (word.size() != 5 || word[1] != "matrix" || word[2] != format || (word[3] != "real" && word[3] != "integer") ||
         std::find(symmetries.begin(), symmetries.end(), word[4]) == symmetries.end())
-        in.fail("expected `" + wanted + "`");
+        in.fail("expected `", wanted, "`");
     return std::string(word[4]);
 }
 
@@ -61,12 +59,11 @@ std::array<int, 2> read_size(TextScanner& in) {
 template <class Read>
 void read_records(TextScanner& in, long long count, const Read& read) {
     for (long long k = 0; k < count; ++k) {
-        if (!next_record(in))
-            in.fail("the file ends after " + std::to_string(k) + " of " + std::to_string(count) + " entries");
+        if (!next_record(in)) in.fail("the file ends after ", k, " of ", count, " entries");
         read(k);
         in.end_of_line();
     }
-    if (next_record(in)) in.fail("expected the end of the file after " + std::to_string(count) + " entries");
+    if (next_record(in)) in.fail("expected the end of the file after ", count, " entries");
 }
 
 // Sorted by row and column. Refuses repeats, and what contradicts the symmetry.
@@ -81,18 +78,18 @@ std::vector<Entry> read_entries(TextScanner& in, int rows, long long count, bool
     std::sort(entries.begin(), entries.end(), before);
     for (std::size_t k = 1; k < entries.size(); ++k)
         if (entries[k].row == entries[k - 1].row && entries[k].col == entries[k - 1].col)
-            in.fail(entries[k].line, "entry " + place(entries[k].row, entries[k].col) + " was given in line " +
-                                         std::to_string(entries[k - 1].line) + " already");
+            in.fail_at(entries[k].line, "entry ", place(entries[k].row, entries[k].col), " was given in line ",
+                       entries[k - 1].line, " already");
     for (const Entry& e : entries) {
         if (lower_triangle && e.col > e.row)
-            in.fail(e.line, "entry " + place(e.row, e.col) +
-                                " is above the diagonal; a symmetric matrix is given by its lower triangle");
+            in.fail_at(e.line, "entry ", place(e.row, e.col),
+                       " is above the diagonal; a symmetric matrix is given by its lower triangle");
         if (lower_triangle) continue;
         const auto twin = std::lower_bound(entries.begin(), entries.end(), Entry{e.col, e.row, 0, 0}, before);
         const bool found = twin != entries.end() && twin->row == e.col && twin->col == e.row;
         if (e.value != (found ? twin->value : 0))
-            in.fail(e.line, "the matrix is not symmetric: entries " + place(e.row, e.col) + " and " +
-                                place(e.col, e.row) + " differ");
+            in.fail_at(e.line, "the matrix is not symmetric: entries ", place(e.row, e.col), " and ",
+                       place(e.col, e.row), " differ");
     }
     return entries;
 }
@@ -122,14 +119,11 @@ BlockCsr read_matrix_market(const std::string& path, int d) {
     if (columns != rows) in.fail("the matrix is not square");
     const long long count = in.integer("the number of entries", 0, (INT_MAX - rows) / 2);
     in.end_of_line();
-    if (rows % d)
-        throw UsageError("block=" + std::to_string(d) + " does not divide the " + std::to_string(rows) + " rows of " +
-                         path);
+    if (rows % d) throw UsageError("block=", d, " does not divide the ", rows, " rows of ", path);
 
     const std::vector<Entry> entries = read_entries(in, rows, count, symmetric);
     if (rows > 2 * count)  // bounds what is allocated for the rows by the length of the file
-        in.fail(size_line, "the matrix is singular: " + std::to_string(count) + " entries leave some of the " +
-                               std::to_string(rows) + " rows empty");
+        in.fail_at(size_line, "the matrix is singular: ", count, " entries leave some of the ", rows, " rows empty");
     return matrix_of_lower_triangle(rows, d, entries);
 }
 
@@ -138,8 +132,7 @@ std::vector<double> read_matrix_market_vector(const std::string& path, int rows)
     TextScanner in(text, path);
     banner(in, "array", {"general"});
     const auto [found, columns] = read_size(in);
-    if (found != rows)
-        in.fail("the right-hand side has " + std::to_string(found) + " rows, the matrix " + std::to_string(rows));
+    if (found != rows) in.fail("the right-hand side has ", found, " rows, the matrix ", rows);
     if (columns != 1) in.fail("expected one column");
     in.end_of_line();
     std::vector<double> b(rows);
@@ -159,14 +152,12 @@ std::string matrix_market_text(const BlockCsr& A) {
                     append(entries += ' ', A.block(k)[r * A.d + c], 17);
                     entries += '\n';
                 }
-    const std::string size = std::to_string(A.size());
-    return "%%MatrixMarket matrix coordinate real symmetric\n" + size + " " + size + " " + std::to_string(count) +
-           "\n" + entries;
+    return concat("%%MatrixMarket matrix coordinate real symmetric\n", A.size(), " ", A.size(), " ", count, "\n") +
+           entries;
 }
 
 std::string matrix_market_text(const std::vector<double>& b) {
-    std::string text = "%%MatrixMarket matrix array real general\n";
-    text += std::to_string(b.size()) + " 1\n";
+    std::string text = concat("%%MatrixMarket matrix array real general\n", b.size(), " 1\n");
     for (double value : b) {
         append(text, value, 17);
         text += '\n';

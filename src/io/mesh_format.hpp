@@ -30,8 +30,8 @@ inline const MeshFormat& find_format(std::span<const MeshFormat> formats, std::s
         if (path.ends_with(format.ending)) return format;
         ((readable += readable.empty() ? "" : "; ") += format.name) += " (*" + std::string(format.ending) + ")";
     }
-    throw InputError(path + ": not a mesh file of a known format, by its first lines or its name; readable are: " +
-                     readable);
+    throw InputError(path,
+                     ": not a mesh file of a known format, by its first lines or its name; readable are: ", readable);
 }
 
 // The mesh in the text of the file `path`; throws InputError.

@@ -71,7 +71,7 @@ struct MshReader {
         if (!mesh.msh_version && name != "$MeshFormat" && name != "$Comments")
             in.fail("not a Gmsh mesh file of version 2.2 or 4.1: it has to begin with $MeshFormat");
         if (name.size() < 2 || name[0] != '$' || name.starts_with("$End"))
-            in.fail("expected a section such as $Nodes, got `" + name.substr(0, 40) + "`");
+            in.fail("expected a section such as $Nodes, got `", name.substr(0, 40), "`");
         if (name == "$MeshFormat") format();
         else if (name == "$PhysicalNames") physical_names();
         else if (name == "$Entities") entities();
@@ -81,8 +81,8 @@ struct MshReader {
         else if (name == "$ParametricNodes")
             in.fail("parametric nodes are not read: save the mesh without -parametric");
         else skip_section(end);
-        if (!in.next_line()) in.fail(line, "the file is cut off: " + name + " has no " + end);
-        if (in.rest_of_line() != end) in.fail("expected " + end + ": " + name + " holds more than it announces");
+        if (!in.next_line()) in.fail_at(line, "the file is cut off: ", name, " has no ", end);
+        if (in.rest_of_line() != end) in.fail("expected ", end, ": ", name, " holds more than it announces");
     }
 
     // Goes to the last line of the section, or the end of the file.
@@ -99,14 +99,11 @@ struct MshReader {
     void begin_record(const char* section, const char* what, long long done, long long count) {
         if (in.next_line() && *in.at != '$') return;
         const std::string where = in.at == in.end ? "the file is cut off" : in.word() + " comes too early";
-        in.fail(where + ": " + section + " announces " + std::to_string(count) + " " + what + ", only " +
-                std::to_string(done) + " are there");
+        in.fail(where, ": ", section, " announces ", count, " ", what, ", only ", done, " are there");
     }
 
     void check_total(const std::string& section, const char* what, long long found, long long count) const {
-        if (found != count)
-            in.fail(section + " announces " + std::to_string(count) + " " + what + ", its blocks hold " +
-                    std::to_string(found));
+        if (found != count) in.fail(section, " announces ", count, " ", what, ", its blocks hold ", found);
     }
 
     void format() {
@@ -115,8 +112,7 @@ struct MshReader {
         const std::string shown = in.word();
         const double version = in.real("the format version");
         if (version != 2.2 && version != 4.1)
-            in.fail("format version " + shown +
-                    ": only 2.2 and 4.1 are read (gmsh -0 IN.msh -format msh41 -o OUT.msh)");
+            in.fail("format version ", shown, ": only 2.2 and 4.1 are read (gmsh -0 IN.msh -format msh41 -o OUT.msh)");
         mesh.msh_version = version == 2.2 ? 22 : 41;
         if (in.small_integer("0 (ASCII)") != 0)
             in.fail("a binary mesh is not read: save it in ASCII (gmsh without -bin)");
@@ -136,7 +132,7 @@ struct MshReader {
             std::string_view name = in.rest_of_line();
             if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
             group.name = name;
-            if (name.empty()) in.fail("physical group " + std::to_string(group.tag) + " has an empty name");
+            if (name.empty()) in.fail("physical group ", group.tag, " has an empty name");
             mesh.groups.push_back(std::move(group));
         }
     }
@@ -166,7 +162,7 @@ struct MshReader {
     template <class Item>
     std::pair<long long, long long> begin_items(std::vector<Item>& items, IdIndex& index, const std::string& section,
                                                 const char* what) {
-        if (!items.empty()) in.fail("a second " + section + " section");
+        if (!items.empty()) in.fail("a second ", section, " section");
         in.next_line();
         const long long blocks = in_blocks() ? in.integer("the number of blocks", 0, LLONG_MAX) : 1;
         const long long count = in.integer(what, 1, INT_MAX);
@@ -182,9 +178,7 @@ struct MshReader {
     template <class Item>  // RawNode or RawElement
     void append(std::vector<Item>& items, IdIndex& index, const char* what, const Item& item) {
         const int earlier = index.insert(item.id, static_cast<int>(items.size()));
-        if (earlier >= 0)
-            in.fail(std::string(what) + " id " + std::to_string(item.id) + " is there twice, first in line " +
-                    std::to_string(items[earlier].line));
+        if (earlier >= 0) in.fail(what, " id ", item.id, " is there twice, first in line ", items[earlier].line);
         items.push_back(item);
     }
 
@@ -263,9 +257,7 @@ struct MshReader {
         const long long count = in.integer("the number of elements of this block", 0, most);
         in.end_of_line();
         if (type.dim < 0) add_foreign(count);
-        else if (type.dim != dim)
-            in.fail("element type " + std::to_string(type.number) + " in an entity of dimension " +
-                    std::to_string(dim));
+        else if (type.dim != dim) in.fail("element type ", type.number, " in an entity of dimension ", dim);
         const RawEntity* const listed = find_entity(mesh, dim, element.entity);
         if (listed && !listed->physical.empty()) element.physical = listed->physical.front();
         return count;
@@ -293,7 +285,7 @@ struct MshReader {
     int read_node_of_element() {
         const long long id = in.integer("a node id", 1, LLONG_MAX);
         const int node = node_index.find(id);
-        if (node < 0) in.fail("the element has node " + std::to_string(id) + ", which is not in $Nodes");
+        if (node < 0) in.fail("the element has node ", id, ", which is not in $Nodes");
         return node;
     }
 
@@ -307,9 +299,9 @@ struct MshReader {
     void refuse_foreign() const {
         std::string what;
         for (const ForeignElements& f : foreign)
-            what += (what.empty() ? "" : "; ") + std::to_string(f.count) + " " + foreign_name(f.type) + " of type " +
-                    std::to_string(f.type) + ", the first in line " + std::to_string(f.line);
-        in.fail(foreign[0].line, what + ": only complete simplices of degree 1 to 7 are read");
+            what += concat(what.empty() ? "" : "; ", f.count, " ", foreign_name(f.type), " of type ", f.type,
+                           ", the first in line ", f.line);
+        in.fail_at(foreign[0].line, what, ": only complete simplices of degree 1 to 7 are read");
     }
 };
 

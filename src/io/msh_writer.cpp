@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/files.hpp"
+#include "base/text.hpp"
 #include "io/msh.hpp"
 
 namespace almesh {
@@ -83,7 +84,7 @@ struct MshWriter {
         if (!file.groups.empty()) {
             sink("$PhysicalNames\n" + row({static_cast<long long>(file.groups.size())}));
             for (const PhysicalGroup& group : file.groups)
-                sink(std::to_string(group.dim) + " " + std::to_string(group.tag) + " \"" + group.name + "\"\n");
+                sink(concat(group.dim, " ", group.tag, " \"", group.name, "\"\n"));
             sink("$EndPhysicalNames\n");
         }
         if (file.msh_version == 41) body_4_1();

@@ -26,10 +26,14 @@ struct TextScanner {
     TextScanner(std::string_view text, const std::string& path_)
         : at(text.data()), end(text.data() + text.size()), path(path_) {}
 
-    [[noreturn]] void fail(int where, const std::string& message) const {
-        throw InputError(path + ":" + std::to_string(where) + ": " + message);
+    template <class... Parts>
+    [[noreturn]] void fail_at(int where, const Parts&... message) const {
+        throw InputError(path, ":", where, ": ", message...);
     }
-    [[noreturn]] void fail(const std::string& message) const { fail(line, message); }
+    template <class... Parts>
+    [[noreturn]] void fail(const Parts&... message) const {
+        fail_at(line, message...);
+    }
 
     // To the next character that is not blank; false where the text ends.
     bool next_line() {
@@ -58,7 +62,7 @@ struct TextScanner {
     // Fails where anything but blanks is left in this line.
     void end_of_line() {
         skip_blanks();
-        if (at != end && *at != '\n') fail("expected the end of the line, got " + word());
+        if (at != end && *at != '\n') fail("expected the end of the line, got ", word());
     }
 
     // The number here, in [lowest, highest]; fails where there is none. `what` names it in the message.
@@ -67,8 +71,7 @@ struct TextScanner {
         long long value = 0;
         const auto [stop, error] = std::from_chars(at, end, value);
         check_number(what, stop, error);
-        if (error != std::errc() || value < lowest || value > highest)
-            fail(std::string(what) + " " + word() + " is out of range");
+        if (error != std::errc() || value < lowest || value > highest) fail(what, " ", word(), " is out of range");
         at = stop;
         return value;
     }
@@ -87,7 +90,7 @@ struct TextScanner {
         check_number(what, stop, error);
         // from_chars() does not distinguish underflow (1e-400, read as 0) from overflow (1e400).
         if (error == std::errc::result_out_of_range) value = std::strtod(std::string(begin, stop).c_str(), nullptr);
-        if (!std::isfinite(value)) fail(std::string(what) + " " + word() + " is not a finite number");
+        if (!std::isfinite(value)) fail(what, " ", word(), " is not a finite number");
         at = stop;
         return value;
     }
@@ -99,8 +102,7 @@ private:
         while (at != end && is_blank(*at)) ++at;
     }
     void check_number(const char* what, const char* stop, std::errc error) const {
-        if (error == std::errc::invalid_argument || !is_word_end(stop))
-            fail(std::string("expected ") + what + ", got " + word());
+        if (error == std::errc::invalid_argument || !is_word_end(stop)) fail("expected ", what, ", got ", word());
     }
 };
 

@@ -9,6 +9,7 @@
 
 #include "base/files.hpp"
 #include "base/index.hpp"
+#include "base/text.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {
@@ -88,7 +89,7 @@ void append_values(const TextSink& sink, const std::vector<double>& value, int c
 
 void append_arrays(const TextSink& sink, const std::string& kind, std::size_t count,
                    const std::vector<VtkArray>& arrays, const VtkNumbers& numbers) {
-    if (!arrays.empty()) sink(kind + std::to_string(count) + "\n");
+    if (!arrays.empty()) sink(concat(kind, count, "\n"));
     for (const VtkArray& array : arrays) {
         if (array.components == 1) sink("SCALARS " + encoded(array.name) + " double 1\nLOOKUP_TABLE default\n");
         else sink("VECTORS " + encoded(array.name) + " double\n");
@@ -100,7 +101,7 @@ void append_cells(const TextSink& sink, const std::vector<int>& cells, int cell_
                   const VtkNumbers& numbers) {
     const std::vector<int> order = vtk_node_order(cell_dim, degree);
     const int nodes = static_cast<int>(order.size()), count = static_cast<int>(cells.size() / order.size());
-    sink("CELLS " + std::to_string(count) + " " + std::to_string(static_cast<long long>(count) * (nodes + 1)) + "\n");
+    sink(concat("CELLS ", count, " ", static_cast<long long>(count) * (nodes + 1), "\n"));
     append_rows(sink, count, [&](std::string& part, int c) {
         numbers.integer(part, nodes, ' ');
         for (int k = 0; k < nodes; ++k)
@@ -108,7 +109,7 @@ void append_cells(const TextSink& sink, const std::vector<int>& cells, int cell_
     });
     numbers.end(sink);
     const int type = simplex(cell_dim).vtk_types[std::min(degree, 3) - 1];
-    sink("CELL_TYPES " + std::to_string(count) + "\n");
+    sink(concat("CELL_TYPES ", count, "\n"));
     append_rows(sink, count, [&](std::string& part, int) { numbers.integer(part, type, '\n'); });
     numbers.end(sink);
 }
@@ -118,13 +119,13 @@ void write_grid(const TextSink& sink, const VtkGrid& grid, const VtkNumbers& num
     std::string head = "# vtk DataFile Version 3.0\n" + title;
     head += numbers.binary ? "\nBINARY\n" : "\nASCII\n";
     head += "DATASET UNSTRUCTURED_GRID\n";
-    if (!grid.provenance.empty()) head += "FIELD FieldData " + std::to_string(grid.provenance.size()) + "\n";
+    if (!grid.provenance.empty()) head += concat("FIELD FieldData ", grid.provenance.size(), "\n");
     for (const auto& [name, value] : grid.provenance) {
         head += encoded(name) + " 1 1 string\n";
         append_string(head, value, numbers.binary);
     }
     const int nodes = static_cast<int>(grid.positions.size()) / grid.dim;
-    sink(head + "POINTS " + std::to_string(nodes) + " double\n");
+    sink(concat(head, "POINTS ", nodes, " double\n"));
     append_values(sink, grid.positions, grid.dim, 0, numbers);
     append_cells(sink, grid.cells, grid.cell_dim, grid.degree, numbers);
     append_arrays(sink, "POINT_DATA ", nodes, grid.point_data, numbers);

@@ -138,8 +138,7 @@ struct LinearSolver::Direct {
     }
 };
 
-LinearSolver::LinearSolver(int dimension, const LinearSolverParams& params)
-    : dimension_(dimension), params_(params) {}
+LinearSolver::LinearSolver(int dimension, const LinearSolverParams& params) : dimension_(dimension), params_(params) {}
 
 LinearSolver::~LinearSolver() = default;
 

@@ -25,9 +25,8 @@ void select(MeshBuild& build) {
         if (element.dim != dim && !is_face) continue;
         if (!first) first = &element;
         if (element.degree != first->degree)
-            build.refuse(element, "has degree " + std::to_string(element.degree) + ", " + name_of(*first) +
-                                      " has degree " + std::to_string(first->degree) +
-                                      ": all elements and boundary faces need the same one");
+            build.refuse(element, "has degree ", element.degree, ", ", name_of(*first), " has degree ", first->degree,
+                         ": all elements and boundary faces need the same one");
         (is_face ? build.faces : build.elements).push_back(i);
     }
     build.mesh.dim = dim;
@@ -54,8 +53,8 @@ void number_nodes(MeshBuild& build) {
         mesh.x.insert(mesh.x.end(), node.x, node.x + mesh.dim);
     }
     if (first_unused)
-        build.notes.push_back(counted(raw.nodes.size() - mesh.file.node_id.size(), "node") +
-                              " without an element dropped, the first with id " + std::to_string(first_unused->id));
+        build.notes.push_back(concat(counted(raw.nodes.size() - mesh.file.node_id.size(), "node"),
+                                     " without an element dropped, the first with id ", first_unused->id));
 }
 
 // A 2D mesh has to lie in a plane z = constant, up to rounding.
@@ -70,12 +69,11 @@ void check_flat(const MeshBuild& build) {
         for (double x : node.x) size = std::max(size, std::abs(x));
     }
     if (high->x[2] - low->x[2] > 1e-12 * size)
-        build.refuse("the triangles form a surface in space, z goes from " + to_text(low->x[2]) + " (node " +
-                     std::to_string(low->id) + ") to " + to_text(high->x[2]) + " (node " + std::to_string(high->id) +
+        build.refuse("the triangles form a surface in space, z goes from ", low->x[2], " (node ", low->id, ") to ",
+                     high->x[2], " (node ", high->id,
                      "): a 2D mesh lies in a plane z = constant, a 3D mesh has tetrahedra");
     if (std::abs(low->x[2]) > 1e-12 * size)
-        build.notes.push_back("the mesh lies in the plane z = " + to_text(low->x[2]) +
-                              ", results are written at z = 0");
+        build.notes.push_back(concat("the mesh lies in the plane z = ", low->x[2], ", results are written at z = 0"));
 }
 
 void fill_elements(MeshBuild& build) {
@@ -84,8 +82,7 @@ void fill_elements(MeshBuild& build) {
     mesh.elements.reserve(build.elements.size() * count);
     for (int i : build.elements) {
         const RawElement& element = build.raw.elements[i];
-        for (int k = 0; k < count; ++k)
-            mesh.elements.push_back(build.node[build.raw.element_nodes[element.first + k]]);
+        for (int k = 0; k < count; ++k) mesh.elements.push_back(build.node[build.raw.element_nodes[element.first + k]]);
         mesh.file.element_id.push_back(element.id);
         mesh.file.element_physical.push_back(element.physical);
         mesh.file.element_entity.push_back(element.entity);
@@ -96,9 +93,9 @@ void fill_elements(MeshBuild& build) {
 void note_shared_entities(const MeshBuild& build) {
     for (const RawEntity& entity : build.raw.entities)
         if (entity.dim == build.mesh.dim && entity.physical.size() > 1)
-            build.notes.push_back(entity_kind(entity.dim) + " " + std::to_string(entity.tag) + " is in " +
-                                  counted(entity.physical.size(), "physical group") +
-                                  ", its elements keep the first, tag " + std::to_string(entity.physical[0]));
+            build.notes.push_back(concat(entity_kind(entity.dim), " ", entity.tag, " is in ",
+                                         counted(entity.physical.size(), "physical group"),
+                                         ", its elements keep the first, tag ", entity.physical[0]));
 }
 
 // Orientation of the straight-sided element: 1, -1, or 0 where its volume is within the rounding of its coordinates.
@@ -128,9 +125,8 @@ std::vector<int> negative_elements(const MeshBuild& build) {
         }
     });
     if (!flat.empty())
-        build.refuse(build.element(flat[0]),
-                     "with the vertices " + build.node_ids(mesh.element(flat[0]), mesh.dim + 1) +
-                         " has no volume, the first of " + counted(flat.size(), "such element"));
+        build.refuse(build.element(flat[0]), "with the vertices ", build.node_ids(mesh.element(flat[0]), mesh.dim + 1),
+                     " has no volume, the first of ", counted(flat.size(), "such element"));
     return negative;
 }
 
@@ -173,15 +169,14 @@ Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds
     reverse(mesh, negative);
     const std::vector<std::array<int, 2>> folded = fill_boundary(build);
     if (!folded.empty() && folds == Folds::refuse)
-        build.refuse(build.element(folded[0][1]),
-                     "lies on the same side of their common face as " + name_of(build.element(folded[0][0])) +
-                         ", the first of " + counted(folded.size(), "such pair") +
-                         ": the mesh folds over itself; `almesh quality` lists its inverted elements");
+        build.refuse(build.element(folded[0][1]), "lies on the same side of their common face as ",
+                     name_of(build.element(folded[0][0])), ", the first of ", counted(folded.size(), "such pair"),
+                     ": the mesh folds over itself; `almesh quality` lists its inverted elements");
     if (!folded.empty()) reverse(mesh, minority(mesh, negative));
     else if (!negative.empty())
-        notes.push_back(counted(negative.size(), "element") +
-                        " with negative orientation turned, the first is element " +
-                        std::to_string(mesh.file.element_id[negative[0]]));
+        notes.push_back(concat(counted(negative.size(), "element"),
+                               " with negative orientation turned, the first is element ",
+                               mesh.file.element_id[negative[0]]));
     return std::move(build.mesh);
 }
 

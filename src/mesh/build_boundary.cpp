@@ -8,7 +8,6 @@
 #include <limits>
 #include <map>
 
-#include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "mesh/lagrange.hpp"
@@ -88,16 +87,15 @@ struct BoundaryMatcher {
         for (const Side* a = begin; a != third; ++a)
             for (const Side* b = a + 1; b != third; ++b)
                 if (opposite_vertex(*a) == opposite_vertex(*b))
-                    build.refuse(element_of(*b), "has the vertices of " + name_of(element_of(*a)) +
-                                                     ": an element may be in one " + entity_kind(dim) +
-                                                     " and one physical group only");
+                    build.refuse(element_of(*b), "has the vertices of ", name_of(element_of(*a)),
+                                 ": an element may be in one ", entity_kind(dim), " and one physical group only");
         if (end - begin > 2)
-            build.refuse(element_of(begin[2]),
-                         "is the third at the face with the nodes " + build.node_ids(begin->vertex, dim) + ", after " +
-                             name_of(element_of(begin[0])) + " and " + name_of(element_of(begin[1])));
+            build.refuse(element_of(begin[2]), "is the third at the face with the nodes ",
+                         build.node_ids(begin->vertex, dim), ", after ", name_of(element_of(begin[0])), " and ",
+                         name_of(element_of(begin[1])));
         if (end - begin == 2 && mesh.degree > 1 && nodes_of(begin[0].number) != nodes_of(begin[1].number))
-            build.refuse(element_of(begin[1]), "and " + name_of(element_of(begin[0])) +
-                                                   " share the vertices of a face, but not its other nodes");
+            build.refuse(element_of(begin[1]), "and ", name_of(element_of(begin[0])),
+                         " share the vertices of a face, but not its other nodes");
     }
 
     // Tagged faces [begin, end) have the same vertices.
@@ -105,9 +103,8 @@ struct BoundaryMatcher {
         for (const Side* other = begin; other != end; ++other) {
             const RawElement &face = tagged_face(*other), &first = tagged_face(*begin);
             if (face.physical != first.physical)
-                build.refuse(face, "with tag " + std::to_string(face.physical) + " has the vertices of " +
-                                       name_of(first) + " with tag " + std::to_string(first.physical) +
-                                       ": a boundary face needs exactly one tag");
+                build.refuse(face, "with tag ", face.physical, " has the vertices of ", name_of(first), " with tag ",
+                             first.physical, ": a boundary face needs exactly one tag");
         }
     }
 
@@ -115,17 +112,16 @@ struct BoundaryMatcher {
         const RawElement& face = tagged_face(tagged);
         const RawEntity* entity = find_entity(build.raw, face.dim, face.entity);
         if (entity && entity->physical.size() > 1)
-            build.refuse(face, "lies on " + entity_kind(face.dim) + " " + std::to_string(entity->tag) +
-                                   ", which has the tags " + std::to_string(entity->physical[0]) + " and " +
-                                   std::to_string(entity->physical[1]) + ": a boundary face needs exactly one tag");
+            build.refuse(face, "lies on ", entity_kind(face.dim), " ", entity->tag, ", which has the tags ",
+                         entity->physical[0], " and ", entity->physical[1], ": a boundary face needs exactly one tag");
         if (nodes_of(tagged.number) != nodes_of(element.number))
-            build.refuse(face, "has the vertices of a face of " + name_of(element_of(element)) +
-                                   ", but not its other nodes");
+            build.refuse(face, "has the vertices of a face of ", name_of(element_of(element)),
+                         ", but not its other nodes");
     }
 
     void refuse_without_element(const RawElement& face) const {
-        build.refuse(face, "with tag " + std::to_string(face.physical) + " is the face of no " + mesh.cell().name +
-                               ": take it out of its physical group");
+        build.refuse(face, "with tag ", face.physical, " is the face of no ", mesh.cell().name,
+                     ": take it out of its physical group");
     }
 
     void refuse_untagged(const std::vector<int>& untagged) const {
@@ -135,9 +131,9 @@ struct BoundaryMatcher {
         std::string centre;
         for (int a = 0; a < dim; ++a) append(centre += a ? ", " : "", mean[a], 6);
         const std::string what = entity_kind(dim - 1);
-        build.refuse("an untagged boundary: " + counted(untagged.size(), "boundary face") + " without a physical " +
-                     what + ", the first has the nodes " + build.node_ids(vertex, dim) + " and the centre (" + centre +
-                     "); put every boundary " + what + " into a Physical " + (dim == 2 ? "Curve" : "Surface") +
+        build.refuse("an untagged boundary: ", counted(untagged.size(), "boundary face"), " without a physical ", what,
+                     ", the first has the nodes ", build.node_ids(vertex, dim), " and the centre (", centre,
+                     "); put every boundary ", what, " into a Physical ", (dim == 2 ? "Curve" : "Surface"),
                      " of the .geo file and mesh again, without -save_all");
     }
 
@@ -230,26 +226,13 @@ void fill_faces(const BoundaryMatcher& matcher, const RawMesh& raw, Mesh& mesh) 
 
 }  // namespace
 
-void MeshBuild::refuse(const std::string& message) const { throw InputError(raw.path + ": " + message); }
-
-void MeshBuild::refuse(const RawElement& element, const std::string& message) const {
-    throw InputError(raw.path + ":" + std::to_string(element.line) + ": element " + std::to_string(element.id) + " " +
-                     message);
-}
-
 std::string MeshBuild::node_ids(const int* nodes, int count) const {
     std::string text;
     for (int k = 0; k < count; ++k) text += (k ? ", " : "") + std::to_string(mesh.file.node_id[nodes[k]]);
     return text;
 }
 
-std::string name_of(const RawElement& element) {
-    return "element " + std::to_string(element.id) + " (line " + std::to_string(element.line) + ")";
-}
-
-std::string counted(std::size_t count, const std::string& noun) {
-    return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
+std::string name_of(const RawElement& element) { return concat("element ", element.id, " (line ", element.line, ")"); }
 
 std::string entity_kind(int dim) { return dim == 1 ? "curve" : dim == 2 ? "surface" : "volume"; }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.hpp"
 #include "mesh/raw_mesh.hpp"
 
 namespace almesh {
@@ -22,12 +23,17 @@ struct MeshBuild {
     std::string node_ids(const int* nodes, int count) const;  // of nodes of the mesh, separated by commas
 
     // Throw InputError "path: message" and "path:line: element 12 message".
-    [[noreturn]] void refuse(const std::string& message) const;
-    [[noreturn]] void refuse(const RawElement& element, const std::string& message) const;
+    template <class... Parts>
+    [[noreturn]] void refuse(const Parts&... message) const {
+        throw InputError(raw.path, ": ", message...);
+    }
+    template <class... Parts>
+    [[noreturn]] void refuse(const RawElement& element, const Parts&... message) const {
+        throw InputError(raw.path, ":", element.line, ": element ", element.id, " ", message...);
+    }
 };
 
 std::string name_of(const RawElement& element);                   // "element 12 (line 40)"
-std::string counted(std::size_t count, const std::string& noun);  // "1 node", "2 nodes"
 std::string entity_kind(int dim);                                 // Gmsh's word: curve, surface or volume
 
 // Fills the faces of the mesh, whose nodes and elements are there already. Returns the pairs of elements that lie on

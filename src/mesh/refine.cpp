@@ -24,7 +24,7 @@ namespace {
 // Refuses what int cannot number.
 void check_size(double entries, const char* what) {
     if (entries < std::numeric_limits<int>::max()) return;
-    throw InputError(std::string(what) + ": the mesh would have " + std::to_string(static_cast<long long>(entries)) +
+    throw InputError(what, ": the mesh would have ", static_cast<long long>(entries),
                      " element nodes, more than this program can number");
 }
 
@@ -231,8 +231,7 @@ Vec<n> reference_point(const int* vertex, const std::vector<double>& ideal, cons
 Mesh raise_degree(const Mesh& mesh, int degree) {
     if (degree == mesh.degree) return mesh;
     if (degree < mesh.degree)
-        throw InputError("cannot lower the degree of the mesh from " + std::to_string(mesh.degree) + " to " +
-                         std::to_string(degree));
+        throw InputError("cannot lower the degree of the mesh from ", mesh.degree, " to ", degree);
     const int dim = mesh.dim;
     const LagrangeBasis coarse(dim, mesh.degree), fine(dim, degree);
     check_size(static_cast<double>(mesh.element_count()) * fine.count, "degree");

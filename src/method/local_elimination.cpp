@@ -97,9 +97,8 @@ std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g) 
     std::vector<int> order(H.n);
     std::iota(order.begin(), order.end(), 0);
     const int most = std::max(1, static_cast<int>(part_of_nodes * H.n));
-    std::partial_sort(order.begin(), order.begin() + most, order.end(), [&](int i, int j) {
-        return decrease[i] != decrease[j] ? decrease[i] > decrease[j] : i < j;
-    });
+    std::partial_sort(order.begin(), order.begin() + most, order.end(),
+                      [&](int i, int j) { return decrease[i] != decrease[j] ? decrease[i] > decrease[j] : i < j; });
     const double wanted = part_of_decrease * std::accumulate(decrease.begin(), decrease.end(), 0.0);
     std::vector<char> chosen(H.n, 0);
     double sum = 0;
@@ -157,8 +156,7 @@ LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& 
     if (result.steps == 0) return result;
     local.write(y, x);
     const double found = E.energy(x);
-    if (found <= energy)
-        energy = found;
+    if (found <= energy) energy = found;
     else  // a gain below rounding
         local.write(local.start(), x);
     return result;

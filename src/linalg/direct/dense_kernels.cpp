@@ -321,9 +321,8 @@ void solve_backward(const Front& front, double* w, bool parallel) {
     const std::size_t ld = front_ld(front.m);
     for (int j1 = front.k, j0; j1 > 0; j1 = j0) {
         j0 = (j1 - 1) / solve_columns * solve_columns;
-        share_out((j1 - j0) / 4, parallel && front.m - j1 > solve_parallel, [&](int i) {
-            subtract_products<4>(front.panel, ld, j0 + 4 * i, j1, front.m, w);
-        });
+        share_out((j1 - j0) / 4, parallel && front.m - j1 > solve_parallel,
+                  [&](int i) { subtract_products<4>(front.panel, ld, j0 + 4 * i, j1, front.m, w); });
         for (int j = j0 + (j1 - j0) / 4 * 4; j < j1; ++j) subtract_products<1>(front.panel, ld, j, j1, front.m, w);
         for (int j = j1 - 1; j >= j0; --j) {
             const double* const column = front.panel + j * ld;

@@ -68,9 +68,8 @@ void cut_into_subtrees(FactorPlan& plan) {
         else if (work[f] > total * subtree_share && begin[f] < f) plan.single.push_back(f);
         else if (p < 0 || work[p] > total * subtree_share) plan.subtrees.push_back({begin[f], f + 1});
     }
-    std::stable_sort(plan.subtrees.begin(), plan.subtrees.end(), [&](const FrontRange& a, const FrontRange& b) {
-        return work[a.end - 1] > work[b.end - 1];
-    });
+    std::stable_sort(plan.subtrees.begin(), plan.subtrees.end(),
+                     [&](const FrontRange& a, const FrontRange& b) { return work[a.end - 1] > work[b.end - 1]; });
 }
 
 void sort_into_levels(FactorPlan& plan) {

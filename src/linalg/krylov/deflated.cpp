@@ -75,8 +75,7 @@ void CoarseSpace::add_up_rows(const BlockCsr& A) {
     const auto make_row = [&](int g) {
         std::fill_n(ZA_.block(ZA_.row[g]), offset(ZA_.row[g + 1] - ZA_.row[g], block), 0.0);
         for (int i : members_.of(g))
-            for (int k = A.row[i]; k < A.row[i + 1]; ++k)
-                add(A.block(k), ZA_.block(place_[k]));
+            for (int k = A.row[i]; k < A.row[i + 1]; ++k) add(A.block(k), ZA_.block(place_[k]));
         std::fill_n(E_.block(E_.row[g]), offset(E_.row[g + 1] - E_.row[g], block), 0.0);
         for (int k = ZA_.row[g]; k < ZA_.row[g + 1]; ++k) add(ZA_.block(k), E_.block(coarse_place_[k]));
     };
@@ -97,8 +96,7 @@ void CoarseSpace::restrict_residual(const double* r, const double* z) {
         SumOfProducts<d> product;
         for (int i : members_.of(g))
             for (int a = 0; a < d; ++a) sum[a] += r[offset(i, d, a)];
-        for (int k = ZA_.row[g]; z && k < ZA_.row[g + 1]; ++k)
-            product.add(ZA_.block(k), z + offset(ZA_.col[k], d));
+        for (int k = ZA_.row[g]; z && k < ZA_.row[g + 1]; ++k) product.add(ZA_.block(k), z + offset(ZA_.col[k], d));
         for (int a = 0; a < d; ++a) {
             r_[offset(g, d, a)] = sum[a];
             c_[offset(g, d, a)] = sum[a] - product.entry(a);

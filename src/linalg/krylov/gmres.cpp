@@ -105,8 +105,7 @@ KrylovResult Gmres::solve(const BlockCsr& A, Preconditioner& M, const double* b,
     copy(size_, b, V(0));
     for (;;) {
         if (residual <= target) return {SolveStatus::success, iterations, residual / b_norm};
-        if (iterations >= params_.max_iterations)
-            return {SolveStatus::max_iterations, iterations, residual / b_norm};
+        if (iterations >= params_.max_iterations) return {SolveStatus::max_iterations, iterations, residual / b_norm};
         scale(size_, 1 / residual, V(0));
         int k = 0;
         const SolveStatus end = cycle(A, M, residual, target, iterations, k);

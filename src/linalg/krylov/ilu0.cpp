@@ -130,8 +130,7 @@ private:
     int factor_shifted(const BlockCsr& A, double diagonal_shift) {
         const auto T = [&](int domain) { return T_.data() + offset(domain, longest_ * block); };
 #pragma omp parallel for schedule(dynamic, 1) if (domains() > 1)
-        for (int k = 0; k < domains(); ++k)
-            bad_[k] = factor_rows(A, diagonal_shift, start_[k], start_[k + 1], T(k));
+        for (int k = 0; k < domains(); ++k) bad_[k] = factor_rows(A, diagonal_shift, start_[k], start_[k + 1], T(k));
         for (int bad : bad_)
             if (bad >= 0) return bad;
         return factor_rows(A, diagonal_shift, start_.back(), rows(), T(domains()));
