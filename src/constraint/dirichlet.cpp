@@ -21,8 +21,7 @@ constexpr double mass_work = 40;  // simple operations that a row of M takes
 // Length of the edge or area of the triangle spanned by the face's vertices.
 double face_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
     const auto edge = [&](int v, int a) {
-        return ideal[static_cast<std::size_t>(mesh.face(f)[v]) * mesh.dim + a] -
-               ideal[static_cast<std::size_t>(mesh.face(f)[0]) * mesh.dim + a];
+        return ideal[offset(mesh.face(f)[v], mesh.dim, a)] - ideal[offset(mesh.face(f)[0], mesh.dim, a)];
     };
     if (mesh.dim == 2) return std::hypot(edge(1, 0), edge(1, 1));
     const double n0 = edge(1, 1) * edge(2, 2) - edge(1, 2) * edge(2, 1),
@@ -36,7 +35,7 @@ double face_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
 Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target, TargetKind kind)
     : dim_(mesh.dim), kind_(kind), mesh_(mesh), target_(target) {
     const LagrangeBasis basis(dim_ - 1, mesh.degree);
-    face_values_.resize(static_cast<std::size_t>(target.quadrature.count) * basis.count);
+    face_values_.resize(offset(target.quadrature.count, basis.count));
     for (int q = 0; q < target.quadrature.count; ++q)
         basis.values(&target.quadrature.xi[q * (dim_ - 1)], &face_values_[offset(q, basis.count)]);
 
@@ -139,8 +138,7 @@ double Dirichlet::squared_difference_at(const std::vector<double>& trace, const 
     for (int a = 0; a < dim_; ++a) {
         double d = -target_.sample[offset(offset(face, points, point), dim_, a)];
         for (int i = 0; i < m; ++i)
-            d += face_values_[offset(point, m, i)] *
-                 trace[offset(nodes[static_cast<std::size_t>(face) * m + i], dim_, a)];
+            d += face_values_[offset(point, m, i)] * trace[offset(nodes[offset(face, m, i)], dim_, a)];
         squared += d * d;
     }
     return squared;
@@ -159,7 +157,7 @@ template <int n>
 void Dirichlet::mass_times_v(int trace_node, double* Mv) const {
     std::fill_n(Mv, n, 0.0);
     for (int k = M_.row[trace_node]; k < M_.row[trace_node + 1]; ++k)
-        for (int a = 0; a < n; ++a) Mv[a] += M_.value[k] * v_[static_cast<std::size_t>(M_.col[k]) * n + a];
+        for (int a = 0; a < n; ++a) Mv[a] += M_.value[k] * v_[offset(M_.col[k], n, a)];
 }
 
 // w^T M v, w_k = weight(k), k = trace node * dim + component.
@@ -192,7 +190,7 @@ double Dirichlet::max_error(const std::vector<double>& x) {
     for (std::size_t k = 0; k < mesh_.faces.size(); ++k) {
         double s = 0;
         for (int a = 0; a < dim_; ++a)
-            s += std::pow(x[static_cast<std::size_t>(mesh_.faces[k]) * dim_ + a] - target_.node[k * dim_ + a], 2);
+            s += std::pow(x[offset(mesh_.faces[k], dim_, a)] - target_.node[k * dim_ + a], 2);
         squared = std::max(squared, s);
     }
     if (kind_ == TargetKind::exact)

@@ -1,3 +1,4 @@
+// g_D of a point x of a boundary is its motion applied to x, at the nodes and at the quadrature points of every face.
 #include "constraint/target.hpp"
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
+#include "geometry/patch.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {
@@ -42,15 +44,10 @@ double extent(const Mesh& mesh) {
 }
 
 double face_size(const Mesh& mesh, int f) {
-    double squared = 0;
-    for (int v = 1; v < mesh.dim; ++v) {
-        double edge = 0;
-        for (int a = 0; a < mesh.dim; ++a)
-            edge += std::pow(mesh.x[static_cast<std::size_t>(mesh.face(f)[v]) * mesh.dim + a] -
-                                 mesh.x[static_cast<std::size_t>(mesh.face(f)[0]) * mesh.dim + a], 2);
-        squared = std::max(squared, edge);
-    }
-    return std::sqrt(squared);
+    const std::vector<Vec<3>> vertex = positions(mesh, mesh.x, mesh.face(f), mesh.dim);
+    double longest = 0;
+    for (const Vec<3>& v : vertex) longest = std::max(longest, length(v - vertex[0]));
+    return longest;
 }
 
 // A node on two boundaries must have one target, to a small part of the faces around it.
@@ -90,21 +87,19 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion) 
     for (int q = 0; q < points; ++q) basis.values(&target.quadrature.xi[q * (dim - 1)], &N[offset(q, m)]);
 
     target.node.resize(mesh.faces.size() * dim);
-    target.sample.resize(static_cast<std::size_t>(mesh.face_count()) * points * dim);
+    target.sample.resize(offset(mesh.face_count(), points * dim));
     parallel_for_throwing(mesh.face_count(), [&](int f) {
         const int boundary = mesh.face_boundary[f];
-        const auto node_position = [&](int i, int a) {
-            return mesh.x[static_cast<std::size_t>(mesh.face(f)[i]) * dim + a];
-        };
+        const auto node_position = [&](int i) { return point(mesh.x, mesh.face(f)[i], dim); };
         for (int i = 0; i < m; ++i) {
             double* const x = &target.node[offset(offset(f, m, i), dim)];
-            for (int a = 0; a < dim; ++a) x[a] = node_position(i, a);
+            std::copy_n(node_position(i), dim, x);
             move(motion[boundary], mesh, boundary, x);
         }
         for (int q = 0; q < points; ++q) {
             double* const x = &target.sample[offset(offset(f, points, q), dim)];
             for (int i = 0; i < m; ++i)
-                for (int a = 0; a < dim; ++a) x[a] += N[offset(q, m, i)] * node_position(i, a);
+                for (int a = 0; a < dim; ++a) x[a] += N[offset(q, m, i)] * node_position(i)[a];
             move(motion[boundary], mesh, boundary, x);
         }
     }, move_work * (m + points));

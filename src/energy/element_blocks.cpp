@@ -48,7 +48,7 @@ std::vector<std::pair<std::uint64_t, int>> places_on_curve(const Mesh& mesh) {
         std::uint64_t place = 0;
         for (int a = 0; a < n; ++a) {
             double sum = 0;
-            for (int i = 0; i <= n; ++i) sum += mesh.x[static_cast<std::size_t>(mesh.element(e)[i]) * n + a] - least[a];
+            for (int i = 0; i <= n; ++i) sum += mesh.x[offset(mesh.element(e)[i], n, a)] - least[a];
             const auto cell = static_cast<std::uint64_t>(sum * cells);
             for (int bit = 0; bit < bits; ++bit) place |= (cell >> bit & 1) << (bit * n + a);
         }

@@ -10,6 +10,7 @@
 
 #include "base/files.hpp"
 #include "base/parallel.hpp"
+#include "linalg/ordering/graph.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {
@@ -166,20 +167,18 @@ struct BoundaryMatcher {
     Matched match() {
         constexpr int block = 256;
         const int count = first_tagged + static_cast<int>(build.faces.size());
-        std::vector<int> lowest(count), start(mesh.nodes() + 2, 0), sorted(count);
+        std::vector<int> lowest(count);
         parallel_for(count, [&](int s) { lowest[s] = side(s).vertex[0]; });
         for (int s = first_tagged; s < count; ++s)
             if (lowest[s] < 0) refuse_without_element(build.face(s - first_tagged));
-        for (int v : lowest) ++start[v + 2];
-        for (int v = 0; v < mesh.nodes(); ++v) start[v + 2] += start[v + 1];
-        for (int s = 0; s < count; ++s) sorted[start[lowest[s] + 1]++] = s;
+        const Groups sorted = sorted_by_group(lowest, mesh.nodes());
 
         std::vector<Matched> found((mesh.nodes() + block - 1) / block);
         parallel_for_throwing(static_cast<int>(found.size()), [&](int b) {
             std::vector<Side> sides;
             for (int v = b * block, end = std::min(mesh.nodes(), v + block); v < end; ++v) {
                 sides.clear();
-                for (int k = start[v]; k < start[v + 1]; ++k) sides.push_back(side(sorted[k]));
+                for (int s : sorted.of(v)) sides.push_back(side(s));
                 std::sort(sides.begin(), sides.end());
                 match_vertex(sides, found[b]);
             }

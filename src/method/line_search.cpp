@@ -1,3 +1,6 @@
+// t <- t / 2 where E(x + t d) is infinite; where it is too large, the minimiser of the parabola through E(x), its slope
+// and E(x + t d), t <- -t^2 slope / (2 (E(x + t d) - E(x) - t slope)), within [t / 10, t / 2] (Nocedal & Wright, sec.
+// 3.5).
 #include "method/line_search.hpp"
 
 #include <algorithm>
@@ -32,7 +35,7 @@ LineSearchResult line_search(const EnergyFunction& E, double energy, double slop
             ++result.cuts_inverted;
             t *= 0.5;
         } else {
-            ++result.cuts_decrease;  // minimiser of the parabola through E(x), its slope and E(x + t d), safeguarded
+            ++result.cuts_decrease;
             const double parabola = -slope * t * t / (2 * (found - energy - t * slope));
             t = std::clamp(parabola, 0.1 * t, 0.5 * t);
         }

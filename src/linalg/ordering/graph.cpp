@@ -1,3 +1,5 @@
+// compress(): vertices whose closed neighbourhoods have equal hashes are compared (Ashcraft, SIAM J. Sci. Comput. 16,
+// 1995).
 #include "linalg/ordering/graph.hpp"
 
 #include <algorithm>
