@@ -74,8 +74,9 @@ Mat<n, T> transpose(const Mat<n, T>& m) {
     return t;
 }
 
+// Inlined: a call would pass the matrices through memory.
 template <int n, class T = double>
-Mat<n, T> multiply(const Mat<n, T>& a, const Mat<n, T>& b) {
+[[gnu::always_inline]] inline Mat<n, T> multiply(const Mat<n, T>& a, const Mat<n, T>& b) {
     Mat<n, T> c{};
     for (int i = 0; i < n; ++i)
         for (int k = 0; k < n; ++k)
