@@ -2,7 +2,6 @@
 
 #include <array>
 
-#include "base/index.hpp"
 #include "check/certificate.hpp"
 #include "check/quality.hpp"
 #include "io/mesh_format.hpp"
@@ -46,10 +45,7 @@ void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<doubl
     if (bad.empty()) return;
     std::fprintf(out, "%zu elements NOT certified valid; the worst (id, centre, scaled Jacobian >=):\n", bad.size());
     for (std::size_t k = 0; k < bad.size() && k < shown; ++k) {
-        std::array<double, 3> centre{};
-        for (int v = 0; v <= mesh.dim; ++v)
-            for (int a = 0; a < mesh.dim; ++a)
-                centre[a] += point(x, mesh.element(bad[k])[v], mesh.dim)[a] / (mesh.dim + 1);
+        std::array<double, 3> centre = centroid(mesh, x, mesh.element(bad[k]), mesh.dim + 1);
         for (double& coordinate : centre) coordinate *= length;
         print_element(out, mesh, bad[k], centre, certificate.lower_bound[bad[k]]);
     }

@@ -5,7 +5,7 @@
 //
 //   one cell type per mesh, given by dim and degree             Mesh::element(), build.cpp: select(), flat arrays
 //   a cell has dim + 1 vertices, its first nodes; face k has    CellType::faces, build_boundary.cpp, refine.cpp;
-//   all of them but the opposite vertex k                       centres in check/quality and app/uncertified
+//   all of them but the opposite vertex k                       centres in check/quality and app/quality
 //   the ideal Jacobian A is constant in an element              straight_jacobian() in mesh.hpp and its callers; A per
 //                                                               element in energy/, one scaling per face in constraint/
 //   nodes are multi-indices, polynomials are in Bernstein form  lattice_nodes(), LagrangeBasis, geometry/bezier,
