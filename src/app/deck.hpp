@@ -24,6 +24,7 @@
 #include "energy/options.hpp"
 #include "linalg/linear_solver.hpp"
 #include "method/forcing.hpp"
+#include "method/follow.hpp"
 #include "method/schedule.hpp"
 
 namespace almesh {
@@ -48,6 +49,7 @@ struct Deck {
     DistortionParams distortion;
     AugmentedLagrangianParams method;
     Start start = Start::automatic;
+    Follow follow = Follow::automatic;
     std::optional<double> length_scale;
     LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;

@@ -116,6 +116,10 @@ const std::vector<DeckKey>& deck_keys() {
         {"start", choice<&Deck::start>({"auto", "identity", "coarse"}),
          "First iterate: the ideal mesh, or with refine > 0 the solution on the mesh refined less, found the same way; "
          "auto: coarse with algorithm = adaptive, else identity."},
+        {"follow", choice<&Deck::follow>({"auto", "never", "always"}),
+         "Whether the motion is followed in parts, so that the mesh winds as the boundary turns; auto: with algorithm = "
+         "adaptive, turns above 90 degrees by the shorter way, and where the whole motion fails at once; always: turns "
+         "as they are written, also beyond 180 degrees."},
         {"mu0", number<&Deck::method, &Method::mu0>(positive),
          "Algorithms paper and literal: first penalty mu, in units of |1|^2, the sum of |f|/h over the boundary "
          "faces."},

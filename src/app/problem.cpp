@@ -105,16 +105,31 @@ Problem make_problem(const Deck& deck) {
     return problem;
 }
 
-void set_functional(const Deck& deck, const BoundaryTarget& target, Level& level) {
+void set_functional(const Deck& deck, double length, const BoundaryTarget& target, Level& level) {
     level.energy = make_energy(level.mesh, level.ideal, deck.distortion);
     level.constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, target, deck.target);
+    std::vector<Motion> motions = motions_of(deck, level.mesh);
+    for (Motion& motion : motions) {
+        if (deck.follow != Follow::always) motion = shortest(std::move(motion));
+        level.turn = std::max(level.turn, turn(motion));
+    }
+    level.constraint_at = [&level, motions, length, kind = deck.target](double fraction) {
+        std::vector<Motion> parts;
+        for (const Motion& motion : motions) parts.push_back(at_fraction(motion, fraction));
+        Mesh in_file_units = level.mesh;
+        for (double& x : in_file_units.x) x *= length;
+        BoundaryTarget part = make_target(in_file_units, parts);
+        for (std::vector<double>* positions : {&part.node, &part.sample})
+            for (double& x : *positions) x /= length;
+        return std::make_unique<Dirichlet>(level.mesh, level.ideal, part, kind);
+    };
 }
 
 std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, int times) {
     BoundaryTarget target;
     std::unique_ptr<Level> level = discretise(deck, problem.base, times, target);
     change_unit(problem.length, *level, target);
-    set_functional(deck, target, *level);
+    set_functional(deck, problem.length, target, *level);
     return level;
 }
 

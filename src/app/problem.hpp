@@ -27,8 +27,9 @@ struct Problem {
 // themselves included. The level has no energy and no constraint yet.
 Problem make_problem(const Deck& deck);
 
-// Gives the level its energy and its constraint: the functional of Eq. 6.
-void set_functional(const Deck& deck, const BoundaryTarget& target, Level& level);
+// Gives the level its energy and its constraint: the functional of Eq. 6. length: of the mesh file, in which the level's
+// positions and the target are given.
+void set_functional(const Deck& deck, double length, const BoundaryTarget& target, Level& level);
 
 // The problem on the base mesh refined `times` times, in the same unit of length; the target is not checked again.
 std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, int times);

@@ -10,10 +10,10 @@
 namespace almesh {
 namespace {
 
-// What a cell is taken from: a row of kind `al`, or of `coarse` where stage is not null ...
+// What a cell is taken from: a row of kind `al`, or of `coarse` or `part` where stage is not null ...
 struct AlRow {
     const AlIteration& it;
-    const CoarseStage* stage;
+    const Stage* stage;
 };
 
 // ... or one of kind `newton`.
@@ -57,9 +57,12 @@ std::string reason_of_cut(Nw row) {
     return row.step.cuts_decrease ? "insufficient decrease" : "none";
 }
 
+const char* kind(const Stage& stage) { return stage.fraction < 1 ? "part" : "coarse"; }
+
 std::string update(Al row) {
     if (!row.stage) return to_string(row.it.update);
-    return row.stage->status == AlStatus::converged ? "finer mesh" : "dropped";
+    if (row.stage->status != AlStatus::converged) return "dropped";
+    return row.stage->fraction < 1 ? "next part" : "finer mesh";
 }
 
 using It = AlIteration;
@@ -67,8 +70,9 @@ using Step = NewtonStep;
 constexpr bool at_start = true;
 
 constexpr auto columns = std::to_array<Column>({
-    {{"kind", "al: augmented Lagrangian iteration; newton: step of its subproblem; coarse: all of a coarser mesh"},
-     [](Al r) { return std::string(r.stage ? "coarse" : "al"); }, [](Nw) { return std::string("newton"); }, at_start},
+    {{"kind", "al: augmented Lagrangian iteration; newton: step of its subproblem; coarse: all of a coarser mesh; part: "
+              "all of a part of the motion"},
+     [](Al r) { return std::string(r.stage ? kind(*r.stage) : "al"); }, [](Nw) { return std::string("newton"); }, at_start},
     {{"al_iteration", "number of the augmented Lagrangian iteration; 0: the mesh at the start"},
      al<&It::iteration>, [](Nw r) { return text(r.al_iteration); }, at_start},
     {{"newton_iteration", "number of the step in its subproblem"}, nullptr, newton<&Step::iteration>},
@@ -102,6 +106,8 @@ constexpr auto columns = std::to_array<Column>({
      nullptr, [](Nw r) { return text(r.step.local.nodes); }},
     {{"local_steps", "Newton steps of it"}, nullptr, [](Nw r) { return text(r.step.local.steps); }},
     {{"nodes", "of the coarser mesh"}, [](Al r) { return r.stage ? text(r.stage->nodes) : ""; }},
+    {{"fraction", "part: of the motion, up to which it goes"},
+     [](Al r) { return r.stage && r.stage->fraction < 1 ? text(r.stage->fraction) : ""; }},
     {{"seconds", "since the iterations began; of a coarse row all of that mesh"}, al<&It::seconds>, nullptr, at_start},
 });
 
@@ -148,12 +154,14 @@ Report::Report(std::FILE* out, const Units& units) : out_(out), is_terminal_(isa
     csv_ = line([](const Column& column) { return std::string(column.name); });
 }
 
-void Report::add(const CoarseStage& stage) {
+void Report::add(const Stage& stage) {
     AlIteration row = units_.of(stage.last);
     row.newton_iterations = stage.newton_iterations;
     csv_ += line(AlRow{row, &stage});
     const char* const used = stage.status == AlStatus::converged ? "" : ", not used";
-    print(row, "coarse", "  " + std::to_string(stage.nodes) + " nodes" + used);
+    const std::string of = stage.fraction < 1 ? concat("  ", stage.fraction, " of the motion")
+                                              : concat("  ", stage.nodes, " nodes");
+    print(row, kind(stage), of + used);
 }
 
 void Report::add(const AlIteration& it) {

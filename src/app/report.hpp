@@ -17,7 +17,7 @@
 namespace almesh {
 
 struct AlIteration;
-struct CoarseStage;
+struct Stage;
 struct NewtonStep;
 
 // From the run's unit of length (Problem::length) to that of the mesh file. The distortion eta has no unit, so that an
@@ -42,7 +42,7 @@ public:
     // Prints the header of the table.
     Report(std::FILE* out, const Units& units);
 
-    void add(const CoarseStage& stage);
+    void add(const Stage& stage);
     void add(const AlIteration& row);
     void add(int al_iteration, const NewtonStep& step);
 

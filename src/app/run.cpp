@@ -41,11 +41,13 @@ const char* advice(AlStatus status) {
 
 void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {
     const AlIteration& last = solution.al.iterations.back();
-    std::string coarse;
-    if (const int steps = solution.coarse_newton_iterations) coarse = concat(" (and ", steps, " on coarser meshes)");
+    std::string others;
+    if (const int steps = solution.coarse_newton_iterations) others = concat(" (and ", steps, " on coarser meshes)");
+    if (const int steps = solution.al.followed_newton_iterations)
+        others += concat(" (and ", steps, " on earlier parts of the motion)");
     std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s; |c_D| = %.3g, largest boundary error %.3g\n",
                  advice(solution.al.status), solution.al.iterations.size() - 1, solution.al.newton_iterations,
-                 coarse.c_str(), solution.time.total, last.constraint_norm * problem.length,
+                 others.c_str(), solution.time.total, last.constraint_norm * problem.length,
                  solution.max_boundary_error * problem.length);
     if (last.newton_status == NewtonStatus::rounding_floor)
         std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
@@ -113,18 +115,19 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     // 2. The solution on coarser meshes, where the deck starts from there.
     Report report(out, {problem.mesh().dim, problem.length});
     const auto make_level = [&](int times) { return coarser_level(deck, problem, times); };
-    const auto add_stage = [&](const CoarseStage& stage) {
+    const auto add_stage = [&](const Stage& stage) {
         report.add(stage);
         solution.coarse_newton_iterations += stage.newton_iterations;
     };
-    const MethodParams params = {deck.method, deck.linear, deck.forcing};
+    const MethodParams params = {deck.method, deck.linear, deck.forcing,
+                                 problem.target_crosses ? Follow::never : deck.follow};
     const int levels = starts_coarse(deck) ? deck.refine : 0;
     const CoarseSolution coarse = solve_coarser(levels, make_level, params, solution.time, add_stage);
     solution.time.coarse = solution.time.total;
 
     // 3. The functional, Eq. 6.
     Level& level = *problem.level;
-    set_functional(deck, problem.target, level);
+    set_functional(deck, problem.length, problem.target, level);
 
     // 4. Algorithm 1, from the coarse solution or the identity map.
     AlObserver observer;
@@ -137,7 +140,8 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     std::optional<Newton> newton(std::in_place, level.energy->hessian_pattern(), deck.linear, deck.forcing);
     write_system(deck, *newton, report);
     solution.time.setup = watch.seconds() - solution.time.coarse - solution.time.write;
-    solution.al = minimise(*level.energy, *level.constraint, *newton, deck.method, solution.x, observer, start);
+    solution.al = minimise_following(level, *newton, params, solution.x, start, observer,
+                                     [&](const Stage& stage) { report.add(stage); });
     solution.time += newton->time;
     const double refused_bytes = newton->linear_solver().refused_bytes();
     newton.reset();  // the factor is the largest thing in memory

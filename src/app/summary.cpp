@@ -67,6 +67,8 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"al_iterations", "augmented Lagrangian iterations"}, count,
      [](R r) { return text(static_cast<long long>(r.al.iterations.size()) - 1); }},
     {{"newton_iterations", "Newton steps of all subproblems"}, count, [](R r) { return text(r.al.newton_iterations); }},
+    {{"followed_newton_iterations", "Newton steps on earlier parts of the motion, not among newton_iterations"}, count,
+     [](R r) { return text(r.al.followed_newton_iterations); }},
     {{"coarse_newton_iterations", "Newton steps on coarser meshes, not among newton_iterations"}, count,
      [](R r) { return text(r.solution.coarse_newton_iterations); }},
     {{"linear_iterations", "iterations of cg or gmres in all Newton steps"}, count,

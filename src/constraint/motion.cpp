@@ -24,6 +24,7 @@ struct MotionForm {
     std::size_t fewest = 0, most = 0;  // numbers after the name
     bool axis = false, about = false;  // whether these clauses may follow
     bool per_axis = false;             // its numbers are one for each axis, or a single one where that is allowed
+    bool turns = false;                // its first number is an angle in degrees
     bool affine = true;                // false: targets are projected onto the trace space, not interpolated
     int projection_in = 0;             // the dimension a projection acts in; so many leading numbers are its centre
     // Why its numbers make no sense, whatever the dimension; "" where they do.
@@ -99,7 +100,7 @@ constexpr std::array<MotionForm, 7> forms = {{
 
     {.name = "rotate", .form = "rotate ANGLE [axis AX AY AZ] [about PX PY [PZ]]",
      .meaning = "degrees, right-handed; the axis in 3D only; about the origin if not said",
-     .fewest = 1, .most = 1, .axis = true, .about = true,
+     .fewest = 1, .most = 1, .axis = true, .about = true, .turns = true,
      .fault = [](Step step) { return step.axis.empty() ? "" : axis_fault(padded(step.axis)); },
      .move = [](Step step, Vec<3>& d) {
          rotate(step.axis.empty() ? Vec<3>{0, 0, 1} : unit(padded(step.axis)), step.numbers[0], d);
@@ -214,7 +215,7 @@ bool apply_step(Step step, Vec<3>& x) {
     const Vec<3> c = padded(form.projection_in ? numbers.first(form.projection_in) : std::span(step.about));
     Vec<3> d = x - c;
     if (!form.move(step, d)) return false;
-    x = c + d;
+    x = step.fraction < 1 ? x + step.fraction * (c + d - x) : c + d;
     return true;
 }
 
@@ -242,6 +243,24 @@ bool apply(const Motion& motion, int dim, double* x) {
         if (!apply_step(step, y)) return false;
     std::copy(y.begin(), y.begin() + dim, x);
     return true;
+}
+
+Motion at_fraction(Motion motion, double fraction) {
+    for (MotionStep& step : motion.steps) (step.form->turns ? step.numbers[0] : step.fraction) *= fraction;
+    return motion;
+}
+
+Motion shortest(Motion motion) {
+    for (MotionStep& step : motion.steps)
+        if (step.form->turns) step.numbers[0] = std::remainder(step.numbers[0], 360.0);
+    return motion;
+}
+
+double turn(const Motion& motion) {
+    double degrees = 0;
+    for (Step step : motion.steps)
+        if (step.form->turns) degrees += std::abs(step.numbers[0]);
+    return degrees;
 }
 
 bool is_affine(const Motion& motion) {

@@ -22,6 +22,7 @@ struct MotionStep {
     const MotionForm* form = nullptr;
     std::vector<double> numbers;      // after the name, as `form` says
     std::vector<double> axis, about;  // after these words; empty: not written
+    double fraction = 1;              // of the way that it takes a point; of a turn always 1
 
     bool operator==(const MotionStep&) const = default;
 };
@@ -42,6 +43,15 @@ void check_dimension(const Motion& motion, int dim);
 // Moves the point x (dim coordinates); the motion has passed check_dimension(). Returns false, x unchanged, where a
 // projection is undefined: at the centre of the circle or sphere, on the axis of the cylinder.
 bool apply(const Motion& motion, int dim, double* x);
+
+// The motion at a fraction of it, in [0, 1]: turns by that part of their angle, of all other steps that part of the way
+// of every point.
+Motion at_fraction(Motion motion, double fraction);
+
+// The motion with angles in [-180, 180]: the same target, by the shorter way.
+Motion shortest(Motion motion);
+
+double turn(const Motion& motion);  // sum of the angles of its steps, without sign, in degrees
 
 // Whether it is an affine map, which takes polynomials to polynomials of the same degree: no step is a projection.
 bool is_affine(const Motion& motion);

@@ -45,6 +45,7 @@ struct AlResult {
     DistortionStatistics distortion;  // of the last iterate
     std::vector<double> lambda;       // after its last update
     int newton_iterations = 0, linear_iterations = 0, local_steps = 0;
+    int followed_newton_iterations = 0;  // of earlier parts of the motion and given-up attempts (follow.hpp)
 };
 
 struct AlObserver {

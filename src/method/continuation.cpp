@@ -15,19 +15,6 @@ double square(double v) { return v * v; }
 
 constexpr double penalty_growth = 10, largest_start_penalty = 1e6;  // from mesh to mesh; in units of |1|^2
 
-// How far a coarse solution is taken: its interpolation on the next mesh is further from the solution there. Relative
-// to the motion, whose size is |c_D| of the ideal mesh; |grad E| scales like L^(n - 1) times motion / L.
-AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level& level) {
-    constexpr double of_constraint = 1e-3, of_gradient = 0.03;
-    const int dim = level.mesh.dim;
-    const double motion = level.constraint->projected_norm(level.ideal);
-    const double L = std::pow(level.energy->domain_volume(), 1.0 / dim);
-    params.algorithm = Algorithm::adaptive;
-    params.epsilon_star = std::max(params.epsilon_star, square(of_constraint * motion));
-    params.omega_star = std::max(params.omega_star, of_gradient * motion * std::pow(L, dim - 2));
-    return params;
-}
-
 // A field on the nodes of the constraint, zero at all others.
 std::vector<double> extended(const std::vector<double>& of_constraint, const Level& level) {
     const int dim = level.mesh.dim;
@@ -38,20 +25,21 @@ std::vector<double> extended(const std::vector<double>& of_constraint, const Lev
     return field;
 }
 
-CoarseStage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Level> level,
+Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Level> level,
                         CoarseSolution& solution) {
     Newton newton(level->energy->hessian_pattern(), params.linear, params.forcing);
     std::vector<double> x;
     const AlStart start = start_from(solution, *level, x);
-    const AlResult result =
-        minimise(*level->energy, *level->constraint, newton, loosened(params.schedule, *level), x, {}, start);
+    MethodParams loose = params;
+    loose.schedule = loosened(params.schedule, *level);
+    const AlResult result = minimise_following(*level, newton, loose, x, start);
     time += newton.time;
 
-    CoarseStage stage;
+    Stage stage;
     stage.nodes = level->mesh.nodes();
     stage.status = result.status;
     stage.last = result.iterations.back();
-    stage.newton_iterations = result.newton_iterations;
+    stage.newton_iterations = result.newton_iterations + result.followed_newton_iterations;
     solution = {};
     if (result.status != AlStatus::converged) return stage;
     solution.multipliers = extended(level->constraint->multiplier_field(result.lambda), *level);
@@ -67,12 +55,12 @@ CoarseStage solve_level(const MethodParams& params, Timings& time, std::unique_p
 
 CoarseSolution solve_coarser(int levels, const std::function<std::unique_ptr<Level>(int)>& make_level,
                              const MethodParams& params, Timings& time,
-                             const std::function<void(const CoarseStage&)>& observe) {
+                             const StageObserver& observe) {
     CoarseSolution solution;
     for (int k = 0; k < levels && !interrupted(); ++k) {
         const Stopwatch watch;
         const double before = time.total;
-        CoarseStage stage = solve_level(params, time, make_level(k), solution);
+        Stage stage = solve_level(params, time, make_level(k), solution);
         stage.last.seconds = watch.seconds();
         time.total = before + stage.last.seconds;
         observe(stage);

@@ -14,18 +14,9 @@
 #include <memory>
 #include <vector>
 
-#include "mesh/mesh.hpp"
-#include "method/augmented_lagrangian.hpp"
+#include "method/follow.hpp"
 
 namespace almesh {
-
-// The problem on one mesh. Never moved: energy and constraint may refer to the mesh.
-struct Level {
-    Mesh mesh;
-    std::vector<double> ideal;  // node_count x dim
-    std::unique_ptr<DistortionEnergy> energy;
-    std::unique_ptr<Constraint> constraint;
-};
 
 // What a coarser mesh hands to the next finer one. Where it failed, and before the first, there is no level.
 struct CoarseSolution {
@@ -35,27 +26,12 @@ struct CoarseSolution {
     double mu = 0;                     // in units of |1|^2
 };
 
-// What the method came to on a coarser mesh: one row of the report.
-struct CoarseStage {
-    int nodes = 0;
-    AlStatus status = AlStatus::converged;  // where it is not, the next mesh starts from the identity map
-    AlIteration last;  // its last iteration; seconds: with making the mesh, its target and the pattern of its matrix
-    int newton_iterations = 0;
-};
-
-// How the method is run on every mesh.
-struct MethodParams {
-    AugmentedLagrangianParams schedule;
-    LinearSolverParams linear;
-    Forcing forcing = Forcing::automatic;
-};
-
 // Solves the problem on the levels 0, 1, ... levels - 1 that make_level(k) makes, with the adaptive schedule and
 // tolerances looser than those given. No solution where the last of them failed. Adds to `time`, to its total the
 // making of the levels included.
 CoarseSolution solve_coarser(int levels, const std::function<std::unique_ptr<Level>(int)>& make_level,
                              const MethodParams& params, Timings& time,
-                             const std::function<void(const CoarseStage&)>& observe);
+                             const StageObserver& observe);
 
 // Sets x (node_count x dim) and where the method starts: at the coarse solution, or at the identity map without
 // multipliers where there is none, or where its energy is infinite on this mesh (by rounding).

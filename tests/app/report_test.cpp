@@ -134,7 +134,7 @@ TEST_CASE("an augmented Lagrangian row, in the mesh's units") {
 
 TEST_CASE("a coarser mesh gives one row: its last iteration, all its Newton steps, its nodes") {
     History history(2, 2);
-    CoarseStage stage{841, AlStatus::converged, al_row(), 9};
+    Stage stage{841, AlStatus::converged, al_row(), 9};
     history.add(stage);
     auto cells = last_row(history);
     CHECK(cells["kind"] == "coarse");
@@ -194,7 +194,7 @@ TEST_CASE("rows stand in the order they were added, below one header, all of its
     history.add(al_row());
     const auto rows = csv_rows(history.csv());
     REQUIRE(rows.size() == 5);
-    for (const auto& row : rows) CHECK(row.size() == 28);
+    for (const auto& row : rows) CHECK(row.size() == 29);
     CHECK(rows[1][0] == "al");
     CHECK(rows[2][0] == "newton");
     CHECK(rows[3][0] == "newton");
@@ -214,7 +214,7 @@ TEST_CASE("a coarser mesh has a row with its nodes, and says where it was not us
     std::FILE* file = std::tmpfile();
     REQUIRE(file);
     Report report(file, {2, 1});
-    CoarseStage stage{841, AlStatus::converged, row_after(2), 9};
+    Stage stage{841, AlStatus::converged, row_after(2), 9};
     report.add(stage);
     stage.status = AlStatus::infeasible;
     report.add(stage);

@@ -66,6 +66,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "elements",
                                            "al_iterations",
                                            "newton_iterations",
+                                           "followed_newton_iterations",
                                            "coarse_newton_iterations",
                                            "linear_iterations",
                                            "local_steps",

@@ -38,7 +38,7 @@ private:
     }
 
     DistortionEnergy& with_functional(const Deck& deck) {
-        set_functional(deck, problem.target, *problem.level);
+        set_functional(deck, problem.length, problem.target, *problem.level);
         return distortion();
     }
 };

@@ -214,3 +214,27 @@ TEST_CASE("the list of steps names every one") {
     for (const char* name : {"fixed", "translate", "rotate", "scale", "circle", "sphere", "cylinder"})
         CHECK(std::ranges::any_of(motion_forms(), [&](const Named& row) { return has(row.name, name); }));
 }
+
+TEST_CASE("a fraction of a motion turns by that part of its angle, and else goes that part of every way") {
+    const auto at = [](const std::string& text, double fraction, int dim, Point x) {
+        REQUIRE(apply(at_fraction(parse_motion(text), fraction), dim, x.data()));
+        return x;
+    };
+    check_near(at("rotate 180 about 1 0", 0.5, 2, {2, 0, 0}), {1, 1, 0});
+    check_near(at("rotate 720 axis 0 0 2", 0.125, 3, {1, 0, 5}), {0, 1, 5});
+    check_near(at("translate 8 4", 0.25, 2, {1, 1, 0}), {3, 2, 0});
+    check_near(at("scale 3 about 1 1", 0.5, 2, {2, 1, 0}), {3, 1, 0});
+    check_near(at("circle 0 0 4", 0.5, 2, {2, 0, 0}), {3, 0, 0});
+    check_near(at("rotate 180 about 0 0; translate 0 6", 0.5, 2, {1, 0, 0}), {0, 4, 0});
+    check_near(at("fixed", 0.5, 2, {1, 2, 0}), {1, 2, 0});
+    for (const char* text : {"rotate 37 about 0.1 0.2; translate 3 -1", "circle 0.3 0.2 4", "scale 2 3"})
+        CHECK(at(text, 1, 2, {0.7, 0.9, 0}) == moved(text, 2, {0.7, 0.9, 0}));
+}
+
+TEST_CASE("the shorter way of a turn, and how far a motion turns") {
+    CHECK(to_string(shortest(parse_motion("rotate 270; translate 1 0"))) == "rotate -90; translate 1 0");
+    CHECK(to_string(shortest(parse_motion("rotate 720"))) == "rotate 0");
+    CHECK(std::abs(shortest(parse_motion("rotate -180")).steps[0].numbers[0]) == 180);
+    CHECK(turn(parse_motion("rotate 100; scale 2; rotate -60 about 1 0")) == 160);
+    CHECK(turn(parse_motion("translate 200 0")) == 0);
+}

@@ -371,7 +371,7 @@ TEST_CASE("continuation carries its multipliers from mesh to mesh") {
     const auto make_level = [&](int k) { return sliding_level(refine(base, k), near, Objective::deviation); };
     Timings time;
     int stages = 0;
-    const CoarseSolution coarse = solve_coarser(2, make_level, {}, time, [&](const CoarseStage& stage) {
+    const CoarseSolution coarse = solve_coarser(2, make_level, {}, time, [&](const Stage& stage) {
         CHECK(std::string(to_string(stage.status)) == "converged");
         ++stages;
     });

@@ -1,0 +1,105 @@
+#include "method/follow.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "support/ring_deck.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+constexpr int around = 24, layers = 8;
+
+std::string value(const RingDeck& ring, const std::string& quantity) { return summary_of(ring.output).at(quantity); }
+
+int count(const RingDeck& ring, const std::string& quantity) { return std::stoi(value(ring, quantity)); }
+
+// Degrees by which the mesh is wound from the outer circle to the inner one, along nodes that were on a ray.
+double winding(const std::string& path) {
+    const Mesh mesh = mesh_of(path);
+    double degrees = 0;
+    for (int layer = layers; layer > 0; --layer) {
+        const double *from = &mesh.x[2 * layer * around], *to = &mesh.x[2 * (layer - 1) * around];
+        const double turned = std::atan2(to[1], to[0]) - std::atan2(from[1], from[0]);
+        degrees += std::remainder(turned, 2 * std::numbers::pi) * 180 / std::numbers::pi;
+    }
+    return degrees;
+}
+
+}  // namespace
+
+TEST_CASE("half a turn winds the whole mesh one way, in two parts") {
+    const RingDeck ring(ring_mesh(around, layers, 20));
+    for (const char* objective : {"objective=squared", "objective=deviation"})
+        for (const char* refine : {"refine=0", "refine=2"}) {
+            const Outcome outcome = ring.run({"boundary inner=rotate 180", objective, refine, "start=identity"});
+            CHECK(outcome.code == 0);
+            CHECK(value(ring, "status") == "converged");
+            CHECK(count(ring, "followed_newton_iterations") > 0);
+            CHECK(count(ring, "newton_iterations") + count(ring, "followed_newton_iterations") <= 70);
+            CHECK(has(outcome.out, "  0.5 of the motion\n"));
+            CHECK(has(outcome.out, " on earlier parts of the motion) in "));
+            const auto rows = csv_rows(text_of(ring.output + "/history.csv"));
+            CHECK(rows[1][0] == "part");
+            CHECK(rows[0][27] == "fraction");
+            CHECK(rows[1][27] == "0.5");
+            CHECK(rows[2][27] == "");
+            CHECK(std::abs(winding(ring.output + "/final.msh")) == doctest::Approx(180));
+        }
+}
+
+TEST_CASE("turns of up to 90 degrees are made at once, larger ones by the shorter way, or as they are written") {
+    const RingDeck ring(ring_mesh(around, layers, 20));
+    const auto wound = [&](const std::string& motion, const std::string& follow) {
+        REQUIRE(ring.run({"boundary inner=" + motion, "follow=" + follow}).code == 0);
+        return winding(ring.output + "/final.msh");
+    };
+    CHECK(wound("rotate 90", "auto") == doctest::Approx(90));
+    CHECK(count(ring, "followed_newton_iterations") == 0);
+    CHECK(wound("rotate 270", "auto") == doctest::Approx(-90));
+    CHECK(count(ring, "followed_newton_iterations") == 0);
+    CHECK(wound("rotate 150", "never") == doctest::Approx(150));
+    CHECK(count(ring, "followed_newton_iterations") == 0);
+    CHECK(wound("rotate 270", "always") == doctest::Approx(270));
+    CHECK(wound("rotate -270", "always") == doctest::Approx(-270));
+    CHECK(wound("rotate 360", "always") == doctest::Approx(360));
+    CHECK(wound("rotate 360", "auto") == doctest::Approx(0));
+    wound("translate 3 1", "always");
+    CHECK(count(ring, "followed_newton_iterations") == 0);
+}
+
+TEST_CASE("both boundaries turn, in another unit and far from the origin, curved") {
+    const RingDeck ring(ring_mesh(around, layers, 20));
+    REQUIRE(ring.run({"boundary inner=rotate 170 about 0 0; translate 2 0", "degree=2"}).code == 0);
+    const double distortion = number(summary_of(ring.output), "max_distortion");
+    Mesh moved = ring_mesh(around, layers, 20);
+    for (std::size_t i = 0; i < moved.x.size(); ++i) moved.x[i] = 1e-3 * moved.x[i] + (i % 2 ? -5 : 7);
+    const RingDeck other(moved);
+    REQUIRE(other.run({"boundary inner=rotate 170 about 7 -5; translate 0.002 0", "degree=2"}).code == 0);
+    CHECK(number(summary_of(other.output), "max_distortion") == doctest::Approx(distortion).epsilon(1e-3));
+    CHECK(count(other, "newton_iterations") == count(ring, "newton_iterations"));
+}
+
+TEST_CASE("the schedules of the paper do not follow, unless they are told to") {
+    const RingDeck ring(ring_mesh(around, layers, 20));
+    ring.run({"boundary inner=rotate 130", "algorithm=paper"});
+    CHECK(count(ring, "followed_newton_iterations") == 0);
+    CHECK(ring.run({"boundary inner=rotate 180", "algorithm=paper", "follow=always"}).code == 0);
+    CHECK(count(ring, "followed_newton_iterations") > 0);
+}
+
+TEST_CASE("a motion that fails at once is followed in halves; one out of reach is not") {
+    const RingDeck ring(ring_mesh(around, layers, 20));
+    // Four steps are too few for the whole way.
+    const Outcome outcome = ring.run({"boundary inner=translate 6 0", "max_newton_iterations=4"});
+    CHECK(count(ring, "followed_newton_iterations") > 0);
+    CHECK(outcome.code == 0);
+    CHECK(ring.run({"boundary inner=translate 25 0"}).code == 3);
+    CHECK(value(ring, "status") == "infeasible");
+    CHECK(count(ring, "followed_newton_iterations") == 0);
+}
