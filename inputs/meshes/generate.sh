@@ -62,4 +62,8 @@ square        2  msh41  1     65    104
 cube          3  msh41  1    133    378
 channel-bump  2  msh41  3    550    112
 sphere-shell  3  msh41  1    238    922
+plate         2  msh22  1    940   1742
+block         2  msh22  1    492    912
+airfoil       2  msh22  1   4478   8706
+plates        3  msh22  1   4215  22777
 TABLE

@@ -5,6 +5,7 @@
 #include <array>
 #include <type_traits>
 
+#include "base/files.hpp"
 #include "method/continuation.hpp"
 
 namespace almesh {
@@ -159,9 +160,10 @@ void Report::add(const Stage& stage) {
     row.newton_iterations = stage.newton_iterations;
     csv_ += line(AlRow{row, &stage});
     const char* const used = stage.status == AlStatus::converged ? "" : ", not used";
-    const std::string of = stage.fraction < 1 ? concat("  ", stage.fraction, " of the motion")
-                                              : concat("  ", stage.nodes, " nodes");
-    print(row, kind(stage), of + used);
+    std::string what = "  ";
+    if (stage.fraction < 1) append(what, stage.fraction, 3);
+    else what += std::to_string(stage.nodes);
+    print(row, kind(stage), what + (stage.fraction < 1 ? " of the motion" : " nodes") + used);
 }
 
 void Report::add(const AlIteration& it) {

@@ -28,6 +28,41 @@ TEST_CASE("the small decks of the paper hold what they expect") {
     }
 }
 
+TEST_CASE("large motions in the plane hold what their decks expect") {
+    if (!std::filesystem::is_directory("inputs")) return;
+    for (const char* name : {"circle-turned", "circle-refined-turned", "plate-turned", "block-turned",
+                             "airfoil-pitched", "airfoil-turned"}) {
+        CAPTURE(name);
+        const TemporaryFolder folder;
+        const Outcome outcome = almesh_with({std::string("inputs/gauntlet/") + name + ".deck",
+                                             "output=" + folder.path("out"), "vtk=none"});
+        CAPTURE(outcome.out);
+        CHECK(outcome.code == 0);
+    }
+}
+
+TEST_CASE("a body turned by any angle: converged and valid, and never a leap in the number of Newton steps") {
+    if (!std::filesystem::is_directory("inputs")) return;
+    for (const std::string body : {"circle", "plate", "block"}) {
+        int before = 5;
+        for (int angle = 10; angle <= 360; angle += 10) {
+            CAPTURE(body);
+            CAPTURE(angle);
+            const TemporaryFolder folder;
+            const std::string boundary = body == "circle" ? "inner" : body;
+            almesh_with({"inputs/gauntlet/" + body + "-turned.deck", "output=" + folder.path("out"), "vtk=none",
+                         "boundary " + boundary + "=rotate " + std::to_string(angle) + " about 0 0"});
+            const auto summary = summary_of(folder.path("out"));
+            CHECK(summary.at("status") == "converged");
+            CHECK(summary.at("certified_valid") == "yes");
+            const int steps = static_cast<int>(number(summary, "newton_iterations")) +
+                              static_cast<int>(number(summary, "followed_newton_iterations"));
+            CHECK(steps <= 3 * before);
+            before = std::max(steps, 5);
+        }
+    }
+}
+
 // The largest entry of a column of history.csv over all Newton steps, such as cuts_inverted: the trial lengths refused
 // because an element was inverted.
 int most_in_a_step(const char* name, const std::string& folder) {
