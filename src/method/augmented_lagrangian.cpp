@@ -80,7 +80,7 @@ std::optional<AlStatus> failure(const std::vector<AlIteration>& rows, const Augm
     const bool interrupted = row.newton_status == NewtonStatus::interrupted;
     if (at_floor && square(row.projected_constraint_norm) <= params.epsilon_star) return AlStatus::rounding_floor;
     if (row.newton_status == NewtonStatus::out_of_reach) return AlStatus::infeasible;
-    if (constraint_stalls(rows, solved || interrupted ? 3 : 1, one_squared)) return AlStatus::infeasible;
+    if (constraint_stalls(rows, solved || interrupted ? 3 : 1, one_squared)) return AlStatus::stalled;
     switch (row.newton_status) {
         case NewtonStatus::max_iterations: return AlStatus::max_newton_iterations;
         case NewtonStatus::line_search_failed: return AlStatus::line_search_failed;
@@ -153,6 +153,7 @@ const char* to_string(AlStatus status) {
         case AlStatus::converged: return "converged";
         case AlStatus::max_iterations: return "max_al_iterations";
         case AlStatus::infeasible: return "infeasible";
+        case AlStatus::stalled: return "stalled";
         case AlStatus::rounding_floor: return "rounding_floor";
         case AlStatus::ended_as_printed: return "ended_as_printed";
         case AlStatus::max_newton_iterations: return "max_newton_iterations";
