@@ -13,7 +13,7 @@ import runs
 
 DECKS = runs.OUTPUTS.parent / "inputs" / "gauntlet"
 QUANTITIES = ["status", "certified_valid", "newton_iterations", "followed_newton_iterations", "max_distortion",
-              "min_scaled_jacobian", "max_boundary_error", "time_run"]
+              "min_scaled_jacobian", "max_boundary_error", "relative_boundary_error", "time_run"]
 
 
 def main():

@@ -117,9 +117,9 @@ const std::vector<DeckKey>& deck_keys() {
          "First iterate: the ideal mesh, or with refine > 0 the solution on the mesh refined less, found the same way; "
          "auto: coarse with algorithm = adaptive, else identity."},
         {"follow", choice<&Deck::follow>({"auto", "never", "always"}),
-         "Whether the motion is followed in parts, so that the mesh winds as the boundary turns; auto: with algorithm = "
-         "adaptive, turns above 90 degrees by the shorter way, and where the whole motion fails at once; always: turns "
-         "as they are written, also beyond 180 degrees."},
+         "Whether the motion is followed in parts, so that the mesh winds as the boundary turns; auto: with algorithm "
+         "= adaptive, turns above 90 degrees by the shorter way, and where the whole motion fails at once; always: "
+         "turns as they are written, also beyond 180 degrees."},
         {"mu0", number<&Deck::method, &Method::mu0>(positive),
          "Algorithms paper and literal: first penalty mu, in units of |1|^2, the sum of |f|/h over the boundary "
          "faces."},
@@ -131,6 +131,9 @@ const std::vector<DeckKey>& deck_keys() {
         {"omega_star", number<&Deck::method, &Method::omega_star>(positive), "Final tolerance of the gradient norm."},
         {"epsilon_star", number<&Deck::method, &Method::epsilon_star>(positive),
          "Final tolerance of the squared constraint norm."},
+        {"wall_tolerance", number<&Deck::method, &Method::wall_tolerance>(positive),
+         "Algorithm adaptive: final tolerance of the distance of every boundary node from its place, in heights of the "
+         "cells at it."},
         {"length_scale", number<&Deck::length_scale>(positive),
          "Length by which positions are divided in all tolerances; auto: |domain|^(1/n), 1: absolute values as in the "
          "paper."},

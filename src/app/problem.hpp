@@ -27,8 +27,8 @@ struct Problem {
 // themselves included. The level has no energy and no constraint yet.
 Problem make_problem(const Deck& deck);
 
-// Gives the level its energy and its constraint: the functional of Eq. 6. length: of the mesh file, in which the level's
-// positions and the target are given.
+// Gives the level its energy and its constraint: the functional of Eq. 6. length: the unit of the level's positions and
+// the target, in units of the mesh file.
 void set_functional(const Deck& deck, double length, const BoundaryTarget& target, Level& level);
 
 // The problem on the base mesh refined `times` times, in the same unit of length; the target is not checked again.

@@ -71,9 +71,10 @@ using Step = NewtonStep;
 constexpr bool at_start = true;
 
 constexpr auto columns = std::to_array<Column>({
-    {{"kind", "al: augmented Lagrangian iteration; newton: step of its subproblem; coarse: all of a coarser mesh; part: "
-              "all of a part of the motion"},
-     [](Al r) { return std::string(r.stage ? kind(*r.stage) : "al"); }, [](Nw) { return std::string("newton"); }, at_start},
+    {{"kind", "al: augmented Lagrangian iteration; newton: step of its subproblem; coarse: all of a coarser mesh; "
+              "part: all of a part of the motion"},
+     [](Al r) { return std::string(r.stage ? kind(*r.stage) : "al"); },
+     [](Nw) { return std::string("newton"); }, at_start},
     {{"al_iteration", "number of the augmented Lagrangian iteration; 0: the mesh at the start"},
      al<&It::iteration>, [](Nw r) { return text(r.al_iteration); }, at_start},
     {{"newton_iteration", "number of the step in its subproblem"}, nullptr, newton<&Step::iteration>},
@@ -109,6 +110,8 @@ constexpr auto columns = std::to_array<Column>({
     {{"nodes", "of the coarser mesh"}, [](Al r) { return r.stage ? text(r.stage->nodes) : ""; }},
     {{"fraction", "part: of the motion, up to which it goes"},
      [](Al r) { return r.stage && r.stage->fraction < 1 ? text(r.stage->fraction) : ""; }},
+    {{"relative_boundary_error", "largest distance of a boundary node from its place, in heights of the cells at it"},
+     al<&It::relative_boundary_error>, nullptr, at_start},
     {{"seconds", "since the iterations began; of a coarse row all of that mesh"}, al<&It::seconds>, nullptr, at_start},
 });
 

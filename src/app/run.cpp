@@ -27,8 +27,8 @@ const char* advice(AlStatus status) {
         case AlStatus::infeasible:
             return "infeasible: no valid mesh seems to reach the target; the last mesh is written";
         case AlStatus::stalled:
-            return "stalled: the boundary comes no nearer to its target, which may be out of reach; try weight_exponent = "
-                   "0.5, follow = always or a part of the motion; the last mesh is written";
+            return "stalled: the boundary comes no nearer to its target, which may be out of reach; try "
+                   "weight_exponent = 0.5, follow = always or a part of the motion; the last mesh is written";
         case AlStatus::rounding_floor:
             return "not converged: |grad E| ended at its rounding floor, above omega0; mu0 may be too large";
         case AlStatus::ended_as_printed:
@@ -48,10 +48,11 @@ void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, con
     if (const int steps = solution.coarse_newton_iterations) others = concat(" (and ", steps, " on coarser meshes)");
     if (const int steps = solution.al.followed_newton_iterations)
         others += concat(" (and ", steps, " on earlier parts of the motion)");
-    std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s; |c_D| = %.3g, largest boundary error %.3g\n",
+    std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s; |c_D| = %.3g, largest boundary error %.3g, "
+                 "nodes off by at most %.2g of a cell's height\n",
                  advice(solution.al.status), solution.al.iterations.size() - 1, solution.al.newton_iterations,
                  others.c_str(), solution.time.total, last.constraint_norm * problem.length,
-                 solution.max_boundary_error * problem.length);
+                 solution.max_boundary_error * problem.length, last.relative_boundary_error);
     if (last.newton_status == NewtonStatus::rounding_floor)
         std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
     if (fallbacks)

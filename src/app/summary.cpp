@@ -81,6 +81,8 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.last.projected_constraint_norm, 6); }},
     {{"max_boundary_error", "largest distance of a boundary point from its target"}, decimal,
      [](R r) { return text(r.max_boundary_error, 6); }},
+    {{"relative_boundary_error", "largest distance of a boundary node from its place, in heights of the cells at it"},
+     decimal, [](R r) { return text(r.last.relative_boundary_error, 6); }},
     {{"gradient_norm", "|grad E| at the end"}, decimal, [](R r) { return text(r.last.gradient_norm, 6); }},
     {{"relative_quality", "q, L2 norm of 1 over that of eta; 1 is undistorted"}, decimal,
      [](R r) { return text(r.last.relative_quality, 7); }},

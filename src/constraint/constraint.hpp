@@ -36,6 +36,8 @@ public:
     // |P c|, P the projection onto the space of the multipliers: what can be made zero, and is tested for it.
     virtual double projected_norm(const std::vector<double>& x) = 0;
     virtual double max_error(const std::vector<double>& x) = 0;  // largest distance from where the boundary should be
+    // The largest distance of a node from where P c = 0 would have it, over the height of the cells at that node.
+    virtual double relative_error(const std::vector<double>& x) const = 0;
 
     virtual double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) = 0;
     virtual void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/error.hpp"
@@ -49,6 +50,7 @@ Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const B
     }
     norm_of_one_ = std::sqrt(one_squared);
     number_trace_nodes();
+    measure_heights(ideal);
     assemble_mass(face_weight);
     if (kind == TargetKind::nodal || target.in_trace_space) interpolate_target();
     else project_target(ideal, face_weight);
@@ -67,6 +69,21 @@ void Dirichlet::number_trace_nodes() {
     std::transform(mesh_.faces.begin(), mesh_.faces.end(), faces_.begin(), [&](int node) { return trace[node]; });
     v_.resize(nodes_.size() * dim_);
     g_h_.resize(nodes_.size() * dim_);
+}
+
+void Dirichlet::measure_heights(const std::vector<double>& ideal) {
+    const int m = mesh_.face_nodes();
+    height_.assign(nodes_.size(), std::numeric_limits<double>::infinity());
+    with_dimension(dim_, [&](auto n) {
+        for (int f = 0; f < mesh_.face_count(); ++f) {
+            const double volume = determinant(straight_jacobian<n>(mesh_.element(mesh_.face_element[f]), ideal));
+            const double height = volume / ((dim_ - 1) * face_measure(mesh_, ideal, f));
+            for (int i = 0; i < m; ++i) {
+                double& least = height_[faces_[offset(f, m, i)]];
+                least = std::min(least, height);
+            }
+        }
+    });
 }
 
 void Dirichlet::assemble_mass(const std::vector<double>& face_weight) {
@@ -198,6 +215,16 @@ double Dirichlet::max_error(const std::vector<double>& x) {
             for (int q = 0; q < target_.quadrature.count; ++q)
                 squared = std::max(squared, squared_difference_at(x, mesh_.faces, f, q));
     return std::sqrt(squared);
+}
+
+double Dirichlet::relative_error(const std::vector<double>& x) const {
+    double largest = 0;
+    for (std::size_t t = 0; t < nodes_.size(); ++t) {
+        double squared = 0;
+        for (int a = 0; a < dim_; ++a) squared += std::pow(difference(x, static_cast<int>(t), a), 2);
+        largest = std::max(largest, std::sqrt(squared) / height_[t]);
+    }
+    return largest;
 }
 
 double Dirichlet::value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) {

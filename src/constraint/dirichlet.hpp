@@ -42,6 +42,7 @@ public:
     double projected_norm(const std::vector<double>& x) override;
     // Over the nodes of the boundary faces and, unless the target is nodal, their quadrature points.
     double max_error(const std::vector<double>& x) override;
+    double relative_error(const std::vector<double>& x) const override;
     double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) override;
     void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                       std::vector<double>& g) override;
@@ -64,11 +65,13 @@ private:
     std::vector<int> faces_;           // face x face node: trace nodes
     BlockCsr M_;                       // trace mass matrix, d = 1
     std::vector<double> g_h_;          // trace nodes x dim
+    std::vector<double> height_;       // trace nodes: least height over a boundary face of the ideal cells at it
     std::vector<double> face_values_;  // quadrature point x face node: N
     double norm_of_one_ = 0, best_approximation_error_ = 0;
     std::vector<double> v_;            // trace nodes x dim: what M is applied to
 
     void number_trace_nodes();
+    void measure_heights(const std::vector<double>& ideal);
     void assemble_mass(const std::vector<double>& face_weight);
     void project_target(const std::vector<double>& ideal, const std::vector<double>& face_weight);
     void interpolate_target();

@@ -18,6 +18,7 @@ AlIteration measure(const AugmentedFunctional& E, const std::vector<double>& x, 
     row.gradient_norm = std::numeric_limits<double>::infinity();
     row.projected_constraint_norm = E.constraint.projected_norm(x);
     row.constraint_norm = E.constraint.norm(x);
+    row.relative_boundary_error = E.constraint.relative_error(x);
     statistics = E.distortion.statistics(x);
     row.relative_quality = statistics.relative_quality;
     row.max_distortion = statistics.max_distortion;
@@ -73,12 +74,12 @@ bool is_stationary(const AlIteration& row, const AugmentedLagrangianParams& para
 
 // What ends the method after the last of `rows` although line 7 would go on; nothing while it goes on.
 std::optional<AlStatus> failure(const std::vector<AlIteration>& rows, const AugmentedLagrangianParams& params,
-                                double one_squared) {
+                                double one_squared, bool constrained) {
     const AlIteration& row = rows.back();
     const bool at_floor = row.newton_status == NewtonStatus::rounding_floor;
     const bool solved = at_floor || row.newton_status == NewtonStatus::converged;
     const bool interrupted = row.newton_status == NewtonStatus::interrupted;
-    if (at_floor && square(row.projected_constraint_norm) <= params.epsilon_star) return AlStatus::rounding_floor;
+    if (at_floor && constrained) return AlStatus::rounding_floor;
     if (row.newton_status == NewtonStatus::out_of_reach) return AlStatus::infeasible;
     if (constraint_stalls(rows, solved || interrupted ? 3 : 1, one_squared)) return AlStatus::stalled;
     switch (row.newton_status) {
@@ -111,7 +112,6 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         if (observer.newton_step) observer.newton_step(static_cast<int>(rows.size()), step);
     };
     const auto c_squared = [&rows] { return square(rows.back().projected_constraint_norm); };
-    const auto constrained = [&] { return c_squared() <= params.epsilon_star; };
     const auto stationary = [&] { return is_stationary(rows.back(), params); };
 
     AugmentedFunctional E{distortion, constraint, start.lambda, 0};
@@ -119,6 +119,9 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
     rows.push_back(measure(E, x, result.distortion));
     const double one_squared = square(constraint.norm_of_one());
     const auto s = make_schedule(params, start.mu, one_squared, c_squared());             //  4-6
+    const auto constrained = [&] {
+        return c_squared() <= params.epsilon_star && rows.back().relative_boundary_error <= s->wall_tolerance;
+    };
     observe();
     // The gradient of E is known from the first subproblem on only: row 0 does not end the loop.
     while (rows.size() == 1 || !s->ends(constrained(), stationary())) {                   //  7
@@ -129,7 +132,7 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         rows.push_back(measure(E, x, result.distortion, *s, solved, rows.back().iteration + 1));
         rows.back().seconds = watch.seconds();
         const bool ends = s->ends(constrained(), stationary());
-        if (const auto failed = ends ? std::nullopt : failure(rows, params, one_squared)) {
+        if (const auto failed = ends ? std::nullopt : failure(rows, params, one_squared, constrained())) {
             result.status = *failed;
             observe();
             break;

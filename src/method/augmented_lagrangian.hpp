@@ -31,6 +31,7 @@ struct AlIteration {
     int iteration = 0;
     double constraint_norm = 0;            // |c_D|
     double projected_constraint_norm = 0;  // |P c_D|
+    double relative_boundary_error = 0;    // Constraint::relative_error()
     double energy = 0, gradient_norm = 0;
     double mu = 0, omega = 0, epsilon = 0;  // used in this iteration; omega: the tolerance of the subproblem
     double relative_quality = 0, max_distortion = 0;

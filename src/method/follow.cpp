@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.hpp"
 
@@ -69,6 +70,7 @@ AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level
     const double motion = level.constraint->projected_norm(level.ideal);
     const double L = std::pow(level.energy->domain_volume(), 1.0 / dim);
     params.algorithm = Algorithm::adaptive;
+    params.wall_tolerance = std::numeric_limits<double>::infinity();
     params.epsilon_star = std::max(params.epsilon_star, std::pow(of_constraint * motion, 2));
     params.omega_star = std::max(params.omega_star, of_gradient * motion * std::pow(L, dim - 2));
     return params;
@@ -83,7 +85,8 @@ AlResult minimise_following(const Level& level, Newton& newton, const MethodPara
     if (!may_follow || level.turn <= part_turn || !from_ideal) {
         AlResult direct = minimise(*level.energy, *level.constraint, newton,
                                    may_follow ? impatient(params.schedule) : params.schedule, x, observer, start);
-        if (succeeded(direct) || !may_follow || direct.status == AlStatus::infeasible) return direct;
+        const bool hopeless = direct.status == AlStatus::infeasible || direct.status == AlStatus::max_iterations;
+        if (succeeded(direct) || !may_follow || hopeless) return direct;
         steps = direct.newton_iterations;
     }
     const double part = 1 / std::max(std::ceil(level.turn / part_turn), steps > 0 ? 2.0 : 1.0);

@@ -69,6 +69,7 @@ public:
         omega = 1e3 * omega_star;
         epsilon = std::numeric_limits<double>::infinity();  // lambda is updated after every subproblem
         reduction = 0.1;
+        wall_tolerance = p.wall_tolerance;
         least_omega = omega_star;
     }
     // Where the constraint holds already only |grad E| has to follow, and the penalty stays.

@@ -13,6 +13,7 @@
 // with the weight 1/h that integral scales like the distortion term, whatever the unit of length and the number of
 // boundary faces. All lengths are in the unit the caller has chosen for x; see length_scale in the table of deck keys.
 #pragma once
+#include <limits>
 #include <memory>
 
 namespace almesh {
@@ -26,6 +27,7 @@ struct AugmentedLagrangianParams {
     double epsilon0 = 1e-3;       // paper, literal: tolerance of |P c_D|^2 that decides between the updates
     double omega_star = 1e-8;     // final tolerance of |grad E|
     double epsilon_star = 1e-16;  // final tolerance of |P c_D|^2
+    double wall_tolerance = 1e-3;  // adaptive: of the distance of every boundary node from its place, in cell heights
     int max_iterations = 50;
     int max_newton_iterations = 200;
 };
@@ -40,6 +42,7 @@ public:
     double mu = 0, omega = 0, epsilon = 0;            // mu_k, omega_k, epsilon_k
     double reduction = 1;                             // omega is lowered to this part of |grad E| at the start
     double least_omega = 0;                           // and never below this
+    double wall_tolerance = std::numeric_limits<double>::infinity();  // see AugmentedLagrangianParams
     bool tests_reach = true;                          // whether the first subproblem may find the target out of reach
     virtual double penalty() const { return mu; }     // weight of |c_D|^2 / 2 in E
     virtual bool ends(bool constrained, bool stationary) const { return constrained && stationary; }  // not line 7

@@ -73,6 +73,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "constraint_norm",
                                            "projected_constraint_norm",
                                            "max_boundary_error",
+                                           "relative_boundary_error",
                                            "gradient_norm",
                                            "relative_quality",
                                            "max_distortion",

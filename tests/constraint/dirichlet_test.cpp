@@ -83,6 +83,19 @@ TEST_CASE("the constraint norm of a translation is its length, and nothing but i
         }
 }
 
+TEST_CASE("the relative error is a node's distance from its place over the height of the flattest cell at it") {
+    for (int degree : {1, 2}) {
+        const std::string d = "translate 2 -3 6";
+        Case cube(raise_degree(cube_mesh(2), degree), {{"bottom", d}, {"top", d}, {"sides", d}}, TargetKind::exact);
+        CHECK(cube.constraint.relative_error(cube.ideal) == doctest::Approx(7 / 0.5).epsilon(1e-12));
+        // Only the inner circle moves: its cells are lower than those of the outer one.
+        Case ring(raise_degree(ring_mesh(12, 3, 21), degree), {{"inner", "translate 0.03 0.04"}}, TargetKind::exact);
+        const double height = (std::cbrt(21.0) - 1) * std::cos(std::numbers::pi / 12);
+        CHECK(ring.constraint.relative_error(ring.ideal) == doctest::Approx(0.05 / height).epsilon(1e-12));
+        CHECK(ring.constraint.relative_error(at_projection(ring, ring.ideal)) < 1e-12);
+    }
+}
+
 TEST_CASE("a boundary that moves alone counts by its share of |1|^2") {
     for (int degree : {1, 3}) {
         Case ring(raise_degree(ring_mesh(12, 3, 21), degree), {{"inner", "translate 8 0"}}, TargetKind::exact);

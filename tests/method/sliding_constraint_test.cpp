@@ -130,6 +130,11 @@ public:
         for (double c : values(x)) most = std::max(most, std::abs(c) * all_.one);
         return most;
     }
+    double relative_error(const std::vector<double>& x) const override {
+        double most = 0;
+        for (double c : values(x)) most = std::max(most, std::abs(c) * all_.one);  // in a cell of height 1
+        return most;
+    }
     double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) override {
         double E = 0;
         set(lambda, mu).add_value(x, E);
