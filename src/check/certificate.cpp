@@ -50,28 +50,28 @@ double largest_entry(const Vec<3>& v) { return std::max({std::abs(v[0]), std::ab
 Bounds bound_element(const Mesh& mesh, const std::vector<double>& x, int e, const JacobianTables& tables,
                      const CertificateParams& params) {
     const int n = mesh.dim;
-    // J_s; in 2D with e_z as third column.
-    std::vector<Vec<3>> y = positions(mesh, x, mesh.element(e), mesh.degree == 1 ? n + 1 : mesh.element_nodes());
-    const Vec<3> x0 = y[0];
-    for (Vec<3>& position : y) position = position - x0;
-    Mat<3> Js = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    double squared = 0;  // |J_s|^2
-    for (int k = 0; k < n; ++k) {
-        for (int a = 0; a < n; ++a) Js[a][k] = y[k + 1][a];
-        squared += dot(y[k + 1], y[k + 1]);
-    }
+    const int* const node = mesh.element(e);
+    Mat<3> Js = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // in 2D with e_z as third column
+    double squared = 0;                               // |J_s|^2
+    for (int k = 0; k < n; ++k)
+        for (int a = 0; a < n; ++a) {
+            Js[a][k] = point(x, node[k + 1], n)[a] - point(x, node[0], n)[a];
+            squared += Js[a][k] * Js[a][k];
+        }
     const double det = determinant(Js), rounding = 16 * epsilon * std::pow(squared, 0.5 * n);
     if (!(std::abs(det) > rounding) || !std::isfinite(det)) return {0, 0};
     const double sign = det > 0 ? 1 : -1;
     if (mesh.degree == 1) return {sign, sign};
 
     // y = J_s^{-1} (x - x_0) of the nodes, J_s^{-1} = C^T / det J_s; the vertices without rounding.
+    std::vector<Vec<3>> y = positions(mesh, x, node, mesh.element_nodes());
+    const Vec<3> x0 = y[0];
     const Mat<3> C = cofactor(Js);
     double inverse_norm = 0, farthest = 0;
     for (int a = 0; a < n; ++a)
         for (int b = 0; b < n; ++b) inverse_norm = std::max(inverse_norm, std::abs(C[a][b] / det));
     for (Vec<3>& position : y) {
-        const Vec<3> d = position;
+        const Vec<3> d = position - x0;
         farthest = std::max(farthest, largest_entry(d));
         for (int a = 0; a < 3; ++a) position[a] = C[0][a] * d[0] / det + C[1][a] * d[1] / det + C[2][a] * d[2] / det;
     }

@@ -12,7 +12,6 @@
 #include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
 #include "energy/densities.hpp"
-#include "geometry/patch.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/quadrature.hpp"
 
@@ -63,9 +62,12 @@ void measure_edges(const Mesh& mesh, const std::vector<double>& x, QualityStatis
     statistics.min_edge = std::numeric_limits<double>::max();
     statistics.max_edge = 0;
     for (int e = 0; e < mesh.element_count(); ++e) {
-        const std::vector<Vec<3>> vertex = positions(mesh, x, mesh.element(e), mesh.dim + 1);
+        const int* const node = mesh.element(e);
         for (const auto& [i, j] : mesh.cell().edges) {
-            const double edge = length(vertex[j] - vertex[i]);
+            double squared = 0;
+            for (int a = 0; a < mesh.dim; ++a)
+                squared += std::pow(point(x, node[j], mesh.dim)[a] - point(x, node[i], mesh.dim)[a], 2);
+            const double edge = std::sqrt(squared);
             statistics.min_edge = std::min(statistics.min_edge, edge);
             statistics.max_edge = std::max(statistics.max_edge, edge);
         }
