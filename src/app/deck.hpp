@@ -24,7 +24,6 @@
 #include "energy/options.hpp"
 #include "linalg/linear_solver.hpp"
 #include "method/forcing.hpp"
-#include "method/follow.hpp"
 #include "method/schedule.hpp"
 
 namespace almesh {

@@ -6,7 +6,7 @@
 
 #include "app/deck.hpp"
 #include "constraint/target.hpp"
-#include "method/continuation.hpp"
+#include "method/follow.hpp"
 
 namespace almesh {
 

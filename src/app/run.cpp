@@ -8,6 +8,7 @@
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "io/matrix_market.hpp"
+#include "method/continuation.hpp"
 
 namespace almesh {
 namespace {

@@ -20,8 +20,6 @@
 
 namespace almesh {
 
-enum class Follow { automatic, never, always };
-
 // The problem on one mesh. Never moved: energy and constraint may refer to the mesh.
 struct Level {
     Mesh mesh;

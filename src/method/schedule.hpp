@@ -19,6 +19,7 @@
 namespace almesh {
 
 enum class Algorithm { adaptive, paper, literal };
+enum class Follow { automatic, never, always };  // of the boundary's motion, see follow.hpp
 
 struct AugmentedLagrangianParams {
     Algorithm algorithm = Algorithm::adaptive;
