@@ -82,9 +82,13 @@ std::unique_ptr<Level> discretise(const Deck& deck, const Mesh& base, int times,
     return level;
 }
 
+void divide(std::initializer_list<std::vector<double>*> positions, double length) {
+    for (std::vector<double>* x : positions)
+        for (double& value : *x) value /= length;
+}
+
 void change_unit(double length, Level& level, BoundaryTarget& target) {
-    for (std::vector<double>* positions : {&level.mesh.x, &level.ideal, &target.node, &target.sample})
-        for (double& value : *positions) value /= length;
+    divide({&level.mesh.x, &level.ideal, &target.node, &target.sample}, length);
 }
 
 }  // namespace
@@ -117,11 +121,15 @@ void set_functional(const Deck& deck, double length, const BoundaryTarget& targe
         std::vector<Motion> parts;
         for (const Motion& motion : motions) parts.push_back(at_fraction(motion, fraction));
         Mesh in_file_units = level.mesh;
-        for (double& x : in_file_units.x) x *= length;
-        BoundaryTarget part = make_target(in_file_units, parts);
-        for (std::vector<double>* positions : {&part.node, &part.sample})
-            for (double& x : *positions) x /= length;
-        return std::make_unique<Dirichlet>(level.mesh, level.ideal, part, kind);
+        divide({&in_file_units.x}, 1 / length);
+        std::unique_ptr<Constraint> constraint;
+        try {
+            BoundaryTarget part = make_target(in_file_units, parts);
+            divide({&part.node, &part.sample}, length);
+            constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, part, kind);
+        } catch (const InputError&) {  // the motions of two boundaries agree at their ends only
+        }
+        return constraint;
     };
 }
 

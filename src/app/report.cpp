@@ -89,9 +89,10 @@ constexpr auto columns = std::to_array<Column>({
      [](Al r) { return std::isfinite(r.it.epsilon) ? text(r.it.epsilon) : ""; }},
     {{"relative_quality", "q"}, al<&It::relative_quality>, nullptr, at_start},
     {{"max_distortion", "largest eta"}, al<&It::max_distortion>, nullptr, at_start},
-    {{"newton_iterations", "Newton steps of the subproblem, or on the coarser mesh"}, al<&It::newton_iterations>},
+    {{"newton_iterations", "Newton steps of the subproblem, on the coarser mesh or for the part"},
+     al<&It::newton_iterations>},
     {{"newton_status", "how the subproblem ended"}, al<&It::newton_status>},
-    {{"update", "what was updated then: lambda, mu; coarse: whether the next mesh starts from it"}, update},
+    {{"update", "what was updated then: lambda, mu; coarse, part: whether what follows starts from it"}, update},
     {{"step_length", "of the line search"}, nullptr, newton<&Step::step_length>},
     {{"cuts_inverted", "trial lengths refused because an element was inverted"}, nullptr, newton<&Step::cuts_inverted>},
     {{"cuts_decrease", "trial lengths refused because E did not decrease enough"},
@@ -112,7 +113,7 @@ constexpr auto columns = std::to_array<Column>({
      [](Al r) { return r.stage && r.stage->fraction < 1 ? text(r.stage->fraction) : ""; }},
     {{"relative_boundary_error", "largest distance of a boundary node from its place, in heights of the cells at it"},
      al<&It::relative_boundary_error>, nullptr, at_start},
-    {{"seconds", "since the iterations began; of a coarse row all of that mesh"}, al<&It::seconds>, nullptr, at_start},
+    {{"seconds", "since the iterations began; of a coarse or part row all of it"}, al<&It::seconds>, nullptr, at_start},
 });
 
 // One line of the file; cell(column) gives its text.

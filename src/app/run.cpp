@@ -70,6 +70,12 @@ bool starts_coarse(const Deck& deck) {
     return deck.start == Start::coarse;
 }
 
+// The schedules of the paper do not follow the motion unless they are told to.
+Follow followed(const Deck& deck, const Problem& problem) {
+    const bool of_paper = deck.follow == Follow::automatic && deck.method.algorithm != Algorithm::adaptive;
+    return of_paper || problem.target_crosses ? Follow::never : deck.follow;
+}
+
 // Has the system of one Newton step written, for `almesh linsolve`. Where the Hessian of that step was weakened, the
 // last one stays.
 void write_system(const Deck& deck, Newton& newton, const Report& report) {
@@ -124,8 +130,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
         report.add(stage);
         solution.coarse_newton_iterations += stage.newton_iterations;
     };
-    const MethodParams params = {deck.method, deck.linear, deck.forcing,
-                                 problem.target_crosses ? Follow::never : deck.follow};
+    const MethodParams params = {deck.method, deck.linear, deck.forcing, followed(deck, problem)};
     const int levels = starts_coarse(deck) ? deck.refine : 0;
     const CoarseSolution coarse = solve_coarser(levels, make_level, params, solution.time, add_stage);
     solution.time.coarse = solution.time.total;

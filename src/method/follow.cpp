@@ -1,12 +1,11 @@
 // x_0 = ideal mesh; for t = dt, 2 dt, ..., 1: x_t solves the problem at the fraction t of the motion, from x_{t - dt};
-// where that fails, dt is halved.
+// where that fails, dt is halved, and at last the whole motion is tried at once.
 #include "method/follow.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "base/error.hpp"
+#include <optional>
 
 namespace almesh {
 namespace {
@@ -24,42 +23,43 @@ AugmentedLagrangianParams impatient(AugmentedLagrangianParams params) {
     return params;
 }
 
-// One part of the motion, up to `fraction`. from_ideal: x is the ideal mesh.
-AlResult solve_part(const Level& level, Newton& newton, const AugmentedLagrangianParams& params, double fraction,
-                    bool from_ideal, std::vector<double>& x, const AlObserver& observer) {
-    const auto constraint = fraction < 1 ? level.constraint_at(fraction) : nullptr;
-    Constraint& c = constraint ? *constraint : *level.constraint;
-    AlStart start;
-    if (!from_ideal) start.lambda.assign(c.multipliers(), 0.0);
-    return minimise(*level.energy, c, newton, impatient(fraction < 1 ? loosened(params, level) : params), x,
-                    fraction < 1 ? AlObserver{} : observer, start);
+// Of the constraint that the last iterate of a part is on the way to.
+void measure_boundary(Constraint& constraint, const std::vector<double>& x, AlIteration& row) {
+    row.constraint_norm = constraint.norm(x);
+    row.projected_constraint_norm = constraint.projected_norm(x);
+    row.relative_boundary_error = constraint.relative_error(x);
 }
 
-AlResult follow(const Level& level, Newton& newton, const AugmentedLagrangianParams& params, double part,
-                std::vector<double>& x, const AlObserver& observer, const StageObserver& observe_part) {
+// Nothing where the motion cannot be followed. x: the last iterate.
+std::optional<AlResult> follow(const Level& level, Newton& newton, const AugmentedLagrangianParams& params, double part,
+                               std::vector<double>& x, const AlObserver& observer, const StageObserver& observe_part,
+                               int& earlier_steps) {
     std::vector<double> reached = level.ideal;
-    double done = 0;
-    int steps = 0;
-    for (;;) {
+    for (double done = 0; part >= smallest_part;) {
         const double fraction = done + part < 1 - 0.5 * smallest_part ? done + part : 1;
+        const bool last = fraction == 1;
+        const auto constraint = last ? nullptr : level.constraint_at(fraction);
+        if (!last && !constraint) return std::nullopt;
         x = reached;
-        AlResult result = solve_part(level, newton, params, fraction, done == 0, x, observer);
-        if (fraction < 1 && observe_part)
+        AlStart start;
+        if (done > 0) start.lambda.assign(level.constraint->multipliers(), 0.0);  // not from the ideal mesh
+        AlResult result = minimise(*level.energy, last ? *level.constraint : *constraint, newton,
+                                   impatient(last ? params : loosened(params, level)), x,
+                                   last ? observer : AlObserver{}, start);
+        if (!last && observe_part)
             observe_part({level.mesh.nodes(), result.status, result.iterations.back(), result.newton_iterations,
                           fraction});
-        const bool stuck = !succeeded(result) && 0.5 * part < smallest_part;
-        if ((succeeded(result) && fraction == 1) || stuck || result.status == AlStatus::interrupted) {
-            result.followed_newton_iterations = steps;
-            return result;
-        }
-        steps += result.newton_iterations;
-        if (!succeeded(result)) {
+        if (!last) measure_boundary(*level.constraint, x, result.iterations.back());
+        if ((succeeded(result) && last) || result.status == AlStatus::interrupted) return result;
+        earlier_steps += result.newton_iterations;
+        if (succeeded(result)) {
+            reached = x;
+            done = fraction;
+        } else {
             part *= 0.5;
-            continue;
         }
-        reached = x;
-        done = fraction;
     }
+    return std::nullopt;
 }
 
 }  // namespace
@@ -78,21 +78,29 @@ AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level
 
 AlResult minimise_following(const Level& level, Newton& newton, const MethodParams& params, std::vector<double>& x,
                             const AlStart& start, const AlObserver& observer, const StageObserver& observe_part) {
-    const bool from_ideal = start.lambda.empty();
-    const bool may_follow = level.constraint_at && params.follow != Follow::never &&
-                            (params.follow == Follow::always || params.schedule.algorithm == Algorithm::adaptive);
-    int steps = 0;
-    if (!may_follow || level.turn <= part_turn || !from_ideal) {
-        AlResult direct = minimise(*level.energy, *level.constraint, newton,
-                                   may_follow ? impatient(params.schedule) : params.schedule, x, observer, start);
-        const bool hopeless = direct.status == AlStatus::infeasible || direct.status == AlStatus::max_iterations;
-        if (succeeded(direct) || !may_follow || hopeless) return direct;
-        steps = direct.newton_iterations;
+    const auto at_once = [&](const AugmentedLagrangianParams& schedule) {
+        return minimise(*level.energy, *level.constraint, newton, schedule, x, observer, start);
+    };
+    if (!level.constraint_at || params.follow == Follow::never) return at_once(params.schedule);
+    const std::vector<double> first = x;
+    double part = 0.5;
+    int earlier_steps = 0;
+    if (level.turn > part_turn && start.lambda.empty()) {
+        part = 1 / std::ceil(level.turn / part_turn);
+    } else {
+        AlResult result = at_once(impatient(params.schedule));
+        const bool hopeless = result.status == AlStatus::infeasible || result.status == AlStatus::max_iterations;
+        if (succeeded(result) || hopeless) return result;
+        earlier_steps = result.newton_iterations;
     }
-    const double part = 1 / std::max(std::ceil(level.turn / part_turn), steps > 0 ? 2.0 : 1.0);
-    AlResult result = follow(level, newton, params.schedule, part, x, observer, observe_part);
-    result.followed_newton_iterations += steps;
-    return result;
+    std::optional<AlResult> result =
+        follow(level, newton, params.schedule, part, x, observer, observe_part, earlier_steps);
+    if (!result) {  // the last resort
+        x = first;
+        result = at_once(params.schedule);
+    }
+    result->followed_newton_iterations = earlier_steps;
+    return *result;
 }
 
 }  // namespace almesh

@@ -27,8 +27,9 @@ struct Level {
     std::unique_ptr<DistortionEnergy> energy;
     std::unique_ptr<Constraint> constraint;
 
-    // For following the motion: the constraint at a fraction of it, in (0, 1); the largest angle by which it turns a
-    // boundary, in degrees. Without the first, the motion is not followed.
+    // For following the motion: the constraint at a fraction of it, in (0, 1), or nullptr where boundaries that share
+    // nodes do not agree there; the largest angle by which it turns a boundary, in degrees. Without the first, the
+    // motion is not followed.
     std::function<std::unique_ptr<Constraint>(double fraction)> constraint_at = {};
     double turn = 0;
 };
@@ -49,7 +50,7 @@ struct MethodParams {
     AugmentedLagrangianParams schedule;
     LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;
-    Follow follow = Follow::automatic;  // automatic: the schedules paper and literal do not
+    Follow follow = Follow::automatic;
 };
 
 // Tolerances for a solution that is only a start of the next: relative to the motion, whose size is |c_D| of the ideal
@@ -58,7 +59,8 @@ AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level
 
 // Algorithm 1 on the level, from x (node_count x dim) and the given start, following the motion as params say; then it
 // starts anew from the ideal mesh. The result is that of the last run of Algorithm 1, with all Newton steps of those
-// before it in followed_newton_iterations. observe_part: called after each part of the motion but the last.
+// before it in followed_newton_iterations; of an interrupted part, its distances are those from the whole motion's
+// target. observe_part: called after each part of the motion but the last.
 AlResult minimise_following(const Level& level, Newton& newton, const MethodParams& params, std::vector<double>& x,
                             const AlStart& start, const AlObserver& observer = {},
                             const StageObserver& observe_part = {});

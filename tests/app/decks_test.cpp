@@ -63,6 +63,24 @@ TEST_CASE("a body turned by any angle: converged and valid, and never a leap in 
     }
 }
 
+TEST_CASE("thin layers at a wall that moves far: converged means that the wall is where its cells need it") {
+    if (!std::filesystem::is_directory("inputs")) return;
+    double error[2];
+    int k = 0;
+    for (const char* tolerance : {"wall_tolerance=1e9", "wall_tolerance=1e-4"}) {
+        const TemporaryFolder folder;
+        CHECK(almesh_with({"inputs/curving.deck", "output=" + folder.path("out"), "vtk=none", "degree=1",
+                           "algorithm=adaptive", "epsilon_star=1e-6", tolerance,
+                           "boundary wall=rotate 20 about 0 0; translate 3 -5", "boundary outer=fixed"})
+                  .code == 5);
+        const auto summary = summary_of(folder.path("out"));
+        CHECK(summary.at("status") == "converged");
+        error[k++] = number(summary, "relative_boundary_error");
+    }
+    CHECK(error[0] > 1e-3);
+    CHECK(error[1] < 1e-4);
+}
+
 // The largest entry of a column of history.csv over all Newton steps, such as cuts_inverted: the trial lengths refused
 // because an element was inverted.
 int most_in_a_step(const char* name, const std::string& folder) {

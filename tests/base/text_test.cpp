@@ -60,7 +60,8 @@ TEST_CASE("printed numbers come back to the same bits") {
 
 TEST_CASE("messages are put together from their parts") {
     const std::string name = "inner";
-    CHECK(concat("node ", 12, " of ", name, std::string_view(": "), 0.25, " at ", -7LL) == "node 12 of inner: 0.25 at -7");
+    CHECK(concat("node ", 12, " of ", name, std::string_view(": "), 0.25, " at ", -7LL) ==
+          "node 12 of inner: 0.25 at -7");
     CHECK(counted(0, "face") == "0 faces");
     CHECK(counted(1, "face") == "1 face");
     CHECK(counted(2, "face") == "2 faces");

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <string>
 
+#include "base/interrupt.hpp"
+#include "support/minimisation.hpp"
 #include "support/ring_deck.hpp"
 
 using namespace almesh;
@@ -102,4 +104,51 @@ TEST_CASE("a motion that fails at once is followed in halves; one out of reach i
     CHECK(ring.run({"boundary inner=translate 25 0"}).code == 3);
     CHECK(value(ring, "status") == "infeasible");
     CHECK(count(ring, "followed_newton_iterations") == 0);
+}
+
+TEST_CASE("where boundaries with common nodes agree on the whole motion only, it is made at once") {
+    for (const char* setting : {"follow=auto", "follow=always"}) {
+        const TemporaryFolder folder;
+        folder.write("cube.msh", msh_of(cube_mesh(2)));
+        const std::string about = " axis 0 0 1 about 0.5 0.5 0.5\n";
+        const std::string path = folder.write("cube.deck", "mesh = cube.msh\noutput = " + folder.path("out") +
+                                                               "\nboundary bottom = rotate 180" + about +
+                                                               "boundary top = rotate -180" + about +
+                                                               "boundary sides = rotate 180" + about);
+        const Outcome outcome = almesh_with({path, setting});
+        CHECK(outcome.error.empty());
+        CHECK(outcome.code == 0);
+        CHECK(summary_of(folder.path("out")).at("followed_newton_iterations") == "0");
+    }
+}
+
+TEST_CASE("what cannot be followed is tried at once at last, with all the steps it may take") {
+    const RingDeck ring(ring_mesh(around, layers, 20));
+    // The turned body ends outside.
+    CHECK(ring.run({"boundary inner=rotate 100; translate 30 0"}).code == 3);
+    CHECK(count(ring, "followed_newton_iterations") > 0);
+    const auto summary = summary_of(ring.output);
+    CHECK(number(summary, "constraint_norm") > 1);
+    CHECK(number(summary, "relative_boundary_error") > 1);
+    CHECK(summary.at("certified_valid") == "yes");
+}
+
+TEST_CASE("an interrupted part reports how far the boundary is from the target of the whole motion") {
+    Minimisation problem(ring_mesh(around, layers, 20), {{"inner", "rotate 180"}}, Objective::deviation);
+    Level& level = problem.level;
+    level.turn = 360;  // four parts
+    level.constraint_at = [&level](double fraction) {
+        const std::string part = "rotate " + std::to_string(180 * fraction);
+        return std::make_unique<Dirichlet>(level.mesh, level.ideal, target_of(level.mesh, {{"inner", part}}),
+                                           TargetKind::exact);
+    };
+    Newton newton(level.energy->hessian_pattern(), {});
+    std::vector<double> x = level.ideal;
+    const AlResult result =
+        minimise_following(level, newton, {}, x, {}, {}, [](const Stage&) { interrupt_flag = 1; });
+    clear_interrupt();
+    CHECK(result.status == AlStatus::interrupted);
+    CHECK(result.followed_newton_iterations > 0);
+    CHECK(result.iterations.back().projected_constraint_norm == level.constraint->projected_norm(x));
+    CHECK(result.iterations.back().projected_constraint_norm > 0.1);
 }
