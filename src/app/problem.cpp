@@ -121,7 +121,7 @@ void set_functional(const Deck& deck, double length, const BoundaryTarget& targe
         std::vector<Motion> parts;
         for (const Motion& motion : motions) parts.push_back(at_fraction(motion, fraction));
         Mesh in_file_units = level.mesh;
-        divide({&in_file_units.x}, 1 / length);
+        for (double& x : in_file_units.x) x *= length;
         std::unique_ptr<Constraint> constraint;
         try {
             BoundaryTarget part = make_target(in_file_units, parts);

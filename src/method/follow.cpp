@@ -12,7 +12,7 @@ namespace {
 
 constexpr double part_turn = 90;  // degrees turned in one part
 constexpr double smallest_part = 1.0 / 32;
-constexpr int most_steps = 60;  // Newton steps of a subproblem that is not the last resort
+constexpr int most_steps = 100;  // Newton steps of a subproblem that is not the last resort
 
 bool succeeded(const AlResult& result) {
     return result.status == AlStatus::converged || result.status == AlStatus::interrupted;
