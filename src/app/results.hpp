@@ -30,6 +30,7 @@ struct Solution {
     Certificate certificate;
     RunTimes time;
     int coarse_newton_iterations = 0;  // on the coarser meshes
+    int refined_elements = 0;          // with a finer quadrature
 };
 
 void write_deck(const Deck& deck, const Problem& problem);     // deck.txt

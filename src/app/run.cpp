@@ -162,6 +162,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     {
         const TimeAdder adder(solution.time.certify);
         solution.certificate = certify(problem.mesh(), solution.x, deck.certificate);
+        solution.refined_elements = level.energy->refined_elements();
         solution.max_boundary_error = level.constraint->max_error(solution.x);
     }
     {

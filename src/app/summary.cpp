@@ -88,6 +88,8 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.last.relative_quality, 7); }},
     {{"max_distortion", "largest eta over all quadrature points"}, decimal,
      [](R r) { return text(r.last.max_distortion, 7); }},
+    {{"refined_elements", "curved elements that came near folding and were given a finer quadrature"}, count,
+     [](R r) { return text(r.solution.refined_elements); }},
     {{"min_scaled_jacobian", "lower bound of the scaled Jacobian over all elements, everywhere in them"}, decimal,
      [](R r) { return text(r.solution.certificate.min_scaled_jacobian, 6); }},
     {{"certified_valid", "yes where det J > 0 is proved in every element, else no"}, word,

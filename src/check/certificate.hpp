@@ -1,12 +1,8 @@
 // A certificate that every element of the mesh is valid everywhere, not only at sample points.
 //
 // The vertices of an element span a straight-sided simplex with the affine map J_s. Its scaled Jacobian is
-// det J / |det J_s| (Toulorge et al., J. Comput. Phys. 254, 2013; exactly 1 for a straight-sided element), a
-// polynomial of degree n (p - 1) in the reference coordinates. Its Bezier coefficients bound it from below; bisection
-// sharpens the bound. The nodes are first taken to reference coordinates by J_s^{-1}, relative to vertex 0, where a
-// boundary-layer element of aspect ratio 50000 is of size one like any other; the coefficients are then products of the
-// Bezier coefficients of dx/dxi. Interpolating det J at the nodes of degree n (p - 1) instead would multiply rounding
-// errors by the condition number of that interpolation, which grows exponentially with the degree.
+// det J / |det J_s| (Toulorge et al., J. Comput. Phys. 254, 2013; exactly 1 for a straight-sided element), a polynomial
+// (element_jacobian.hpp); its Bezier coefficients bound it from below; bisection sharpens the bound.
 //
 // Cost: per element, one product with a matrix of nodes x nodes, and a cross and a dot product of polynomials with
 // vectors as coefficients; few elements of a mesh of good quality need bisection.

@@ -10,6 +10,61 @@
 
 namespace almesh {
 
+DistortionEnergy::DistortionEnergy(const DistortionParams& params, const Mesh& mesh)
+    : params_(params),
+      dim_(mesh.dim),
+      element_count_(mesh.element_count()),
+      quadrature_(element_quadrature(mesh.dim, mesh.degree, params.exactness)),
+      reference_(reference_element(mesh.degree, quadrature_)),
+      valid_step_(mesh.dim, mesh.degree) {}
+
+DistortionEnergy::DistortionEnergy(const DistortionEnergy& whole, const Mesh& part)
+    : params_(whole.params_),
+      dim_(part.dim),
+      element_count_(part.element_count()),
+      quadrature_(whole.quadrature_),
+      reference_(whole.reference_),
+      valid_step_(whole.valid_step_) {}
+
+double DistortionEnergy::valid_fraction(const std::vector<double>& x, const std::vector<double>& to) {
+    return params_.delta > 0 ? 1 : valid_step_.fraction(nodes_, element_count_, x, to, folds_);
+}
+
+bool DistortionEnergy::certified(const std::vector<double>& x) {
+    std::vector<Fold> folds;
+    return params_.delta > 0 || valid_step_.fraction(nodes_, element_count_, x, x, folds) == 1;
+}
+
+bool DistortionEnergy::refine(const Fold& fold) {
+    const auto place = std::find_if(refined_.begin(), refined_.end(),
+                                    [&](const Refined& other) { return other.element == fold.element; });
+    const int r = static_cast<int>(place - refined_.begin());
+    RefinedRule finer = place == refined_.end() ? RefinedRule(dim_) : place->rule;
+    if (!finer.refine(fold.at, fold.ratio)) return false;
+    if (place == refined_.end()) refined_.push_back({fold.element, finer, {}});
+    refined_[r].rule = std::move(finer);
+    refined_[r].reference = refined_[r].rule.element(reference_.degree, quadrature_);
+    rule_changed(r);
+    refinements_.push_back(fold);
+    return true;
+}
+
+bool DistortionEnergy::refine_quadrature() {
+    bool changed = false;
+    std::vector<int> seen;
+    for (auto fold = folds_.rbegin(); fold != folds_.rend(); ++fold) {  // each element once, where it folded last
+        if (std::find(seen.begin(), seen.end(), fold->element) != seen.end()) continue;
+        seen.push_back(fold->element);
+        changed = refine(*fold) || changed;
+    }
+    folds_.clear();
+    return changed;
+}
+
+void DistortionEnergy::take_over_refinements(const DistortionEnergy& part) {
+    for (const Fold& fold : part.refinements_) refine({part.place_in_whole_[fold.element], fold.at, fold.ratio});
+}
+
 double DistortionEnergy::uniform(double eta) const {
     return volume_ * with_density(params_.objective, [eta](auto density) { return density.f(eta); });
 }

@@ -15,12 +15,19 @@
 // finer, so that small elements move almost rigidly and large ones deform (as in mesh moving by stiffened elasticity:
 // Stein, Tezduyar, Benney, J. Appl. Mech. 70, 2003). A damped Hessian is that of w f + t w' eta^2: a density again.
 //
+// Validity. The energy sees curved elements at the points of its quadrature only. valid_fraction() tells how far a step
+// may go (valid_step.hpp), and elements that it would have folded unseen get a finer quadrature (refined_rule.hpp) when
+// refine_quadrature() is called, for good.
+//
 // Evaluations use work space of the object: one call at a time.
 #pragma once
 #include <memory>
 #include <vector>
 
+#include "base/index.hpp"
 #include "energy/options.hpp"
+#include "energy/refined_rule.hpp"
+#include "energy/valid_step.hpp"
 #include "linalg/block_csr.hpp"
 #include "mesh/mesh.hpp"
 
@@ -29,7 +36,7 @@ namespace almesh {
 // Of eta of Eq. 1 itself, without regularisation: infinite for inverted elements.
 struct DistortionStatistics {
     double relative_quality = 0;      // q = |1| / |M phi|, norms over the ideal mesh
-    double max_distortion = 0;        // over quadrature points and element nodes
+    double max_distortion = 0;        // over quadrature points, element nodes among them
     std::vector<double> element_max;  // per element
 };
 
@@ -51,6 +58,17 @@ public:
     virtual std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
                                                    std::vector<int>& node) const = 0;
 
+    // The largest s <= 1 found so that all elements are valid along (1 - r) x + r to for 0 <= r <= s; 1 with
+    // regularisation, which lets elements invert. Notes where elements would fold.
+    double valid_fraction(const std::vector<double>& x, const std::vector<double>& to);
+    bool certified(const std::vector<double>& x);  // everywhere in every element, or regularised
+    // A finer quadrature where elements would have folded since the last call. Whether E has changed.
+    bool refine_quadrature();
+    // The refinements of a part of this energy since it was made.
+    void take_over_refinements(const DistortionEnergy& part);
+    bool is_curved() const { return reference_.degree > 1; }
+    int refined_elements() const { return static_cast<int>(refined_.size()); }
+
     double domain_volume() const { return volume_; }
     // The energy of a mesh with the distortion eta everywhere.
     double uniform(double eta) const;
@@ -59,9 +77,33 @@ public:
     double mean_slope(double energy) const;
 
 protected:
-    explicit DistortionEnergy(const DistortionParams& params) : params_(params) {}
+    // Of an element of its own; all others have reference_.
+    struct Refined {
+        int element;
+        RefinedRule rule;
+        ReferenceElement reference;
+    };
+
+    DistortionEnergy(const DistortionParams& params, const Mesh& mesh);
+    DistortionEnergy(const DistortionEnergy& whole, const Mesh& part);  // without nodes and refined elements
+    const int* element(int e) const { return &nodes_[offset(e, reference_.nodes)]; }
+
     DistortionParams params_;
+    int dim_, element_count_;
+    Quadrature quadrature_;
+    ReferenceElement reference_;
+    std::vector<int> nodes_;  // element_count x element nodes, or more
+    std::vector<int> place_in_whole_;  // of a part: element -> element of what it is a part of
+    std::vector<Refined> refined_;
     double volume_ = 0;  // |Omega|
+
+private:
+    ValidStep valid_step_;
+    std::vector<Fold> folds_;        // since the last refinement
+    std::vector<Fold> refinements_;  // so far
+
+    bool refine(const Fold& fold);
+    virtual void rule_changed(int refined) = 0;  // of refined_[refined], which may be new
 };
 
 // ideal: node_count x dim positions of the ideal mesh, whose elements must have positive volume: else InputError.

@@ -71,12 +71,10 @@ struct ElementPoint {
 }  // namespace
 
 PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
-    : DistortionEnergy(params),
-      dim_(mesh.dim),
-      element_count_(mesh.element_count()),
-      reference_(reference_element(mesh.dim, mesh.degree, params.exactness)),
-      nodes_(mesh.elements),
+    : DistortionEnergy(params, mesh),
+      refined_place_(mesh.element_count(), -1),
       pattern_(matrix_of_cells(mesh.nodes(), mesh.dim, mesh.elements, mesh.element_nodes())) {
+    nodes_ = mesh.elements;
     const double exponent = damping_exponent(dim_, params.weight_exponent);
     double jacobians = 0, weights = 0, damping_weights = 0;
     with_dimension(dim_, [&](auto n) {
@@ -103,10 +101,11 @@ PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, con
 template <int n, class Body>
 void PlainEnergy::every_point(int e, const std::vector<double>& x, const Body& body) const {
     const int m = reference_.nodes;
+    const ReferenceElement& rule = refined_place_[e] < 0 ? reference_ : refined_[refined_place_[e]].reference;
     const double* const inverse_of_A = &ideal_inverse_[offset(e, n * n)];
     std::vector<double> gradient(offset(m, n));
-    for (int q = 0; q < reference_.points; ++q) {
-        const double* const dN = &reference_.gradients[offset(q, m * n)];
+    for (int q = 0; q < rule.points; ++q) {
+        const double* const dN = &rule.gradients[offset(q, m * n)];
         std::fill(gradient.begin(), gradient.end(), 0.0);
         Mat<n> F{};
         for (int i = 0; i < m; ++i)
@@ -115,7 +114,7 @@ void PlainEnergy::every_point(int e, const std::vector<double>& x, const Body& b
                 for (int a = 0; a < n; ++a)  // relative to the first node, whose gradients are minus the others' sum
                     F[a][k] += (point(x, element(e)[i], n)[a] - point(x, element(e)[0], n)[a]) * gradient[i * n + k];
             }
-        body(ElementPoint<n>{gradient.data(), F, reference_.weight[q]});
+        body(ElementPoint<n>{gradient.data(), F, rule.weight[q]});
     }
 }
 
@@ -203,12 +202,21 @@ std::unique_ptr<DistortionEnergy> PlainEnergy::part(const std::vector<double>&, 
     auto part = std::make_unique<PlainEnergy>(*this);
     part->element_count_ = static_cast<int>(chosen.place.size());
     part->nodes_ = std::move(chosen.elements);
+    part->place_in_whole_ = chosen.place;
     for (std::vector<double>* values : {&part->ideal_inverse_, &part->ideal_jacobian_, &part->weight_,
                                         &part->damping_weight_}) {
         const int width = values == &part->ideal_inverse_ ? dim_ * dim_ : 1;
         for (int e = 0; e < part->element_count_; ++e)  // place[e] >= e: nothing is overwritten before it is copied
             std::copy_n(values->begin() + offset(chosen.place[e], width), width, values->begin() + offset(e, width));
         values->resize(offset(part->element_count_, width));
+    }
+    part->refined_.clear();
+    for (int e = 0; e < part->element_count_; ++e) {
+        const int refined = refined_place_[chosen.place[e]];
+        part->refined_place_[e] = refined < 0 ? -1 : static_cast<int>(part->refined_.size());
+        if (refined < 0) continue;
+        part->refined_.push_back(refined_[refined]);
+        part->refined_.back().element = e;
     }
     part->volume_ = 0;
     for (double jacobian : part->ideal_jacobian_) part->volume_ += jacobian * simplex(dim_).volume();

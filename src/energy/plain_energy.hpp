@@ -22,15 +22,13 @@ public:
                                            std::vector<int>& node) const override;
 
 private:
-    int dim_, element_count_;
-    ReferenceElement reference_;
-    std::vector<int> nodes_;                      // element x element nodes
     std::vector<double> ideal_inverse_;           // element x dim x dim, A^{-1}
     std::vector<double> ideal_jacobian_;          // element, det A
     std::vector<double> weight_, damping_weight_;  // element, w_e det A and w'_e det A
+    std::vector<int> refined_place_;               // element: in refined_, or -1
     BlockCsr pattern_;
 
-    const int* element(int e) const { return &nodes_[offset(e, reference_.nodes)]; }
+    void rule_changed(int refined) override { refined_place_[refined_[refined].element] = refined; }
     template <int n, class Body>
     void every_point(int e, const std::vector<double>& x, const Body& body) const;
 };

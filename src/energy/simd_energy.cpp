@@ -57,7 +57,8 @@ struct SimdEnergy::Geometry {
 };
 
 SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
-    : SimdEnergy(params, mesh, reference_element(mesh.dim, mesh.degree, params.exactness)) {
+    : DistortionEnergy(params, mesh) {
+    set_up(mesh);
     const double exponent = damping_exponent(dim_, params.weight_exponent);
     std::atomic<int> flat = element_count_;  // first element without volume
     with_dimension(dim_, [&](auto n) {
@@ -81,7 +82,8 @@ SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const
 }
 
 SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vector<int>& place)
-    : SimdEnergy(whole.params_, part, whole.reference_) {
+    : DistortionEnergy(whole, part) {
+    set_up(part);
     fill(part, [&](int e) {
         const int batch = place[e] / lanes, lane = place[e] % lanes;
         Geometry of{{}, whole.ideal_jacobian_[batch][lane], whole.weight_[batch][lane],
@@ -90,20 +92,42 @@ SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vec
             of.inverse[ij] = whole.ideal_inverse_[offset(batch, dim_ * dim_, ij)][lane];
         return of;
     });
+    for (const int e : blocks_.order) place_in_whole_.push_back(place[e]);
+    for (std::size_t r = 0; r < whole.refined_.size(); ++r) {
+        const auto here = std::find(place_in_whole_.begin(), place_in_whole_.end(), whole.refined_[r].element);
+        if (here == place_in_whole_.end()) continue;
+        refined_.push_back(whole.refined_[r]);
+        refined_.back().element = static_cast<int>(here - place_in_whole_.begin());
+        rule_changed(static_cast<int>(refined_.size()) - 1);
+        const Single& there = whole.singles_[r];
+        Single& single = singles_.back();
+        single.jacobian = there.jacobian;
+        single.weight = there.weight;
+        single.damping_weight = there.damping_weight;
+        volume_ += simplex(dim_).volume() * single.jacobian;
+    }
 }
 
-SimdEnergy::SimdEnergy(const DistortionParams& params, const Mesh& mesh, ReferenceElement reference)
-    : DistortionEnergy(params),
-      dim_(mesh.dim),
-      element_count_(mesh.element_count()),
-      reference_(std::move(reference)),
-      blocks_(schedule_elements(mesh)),
-      block_value_(blocks_.count()) {
+void SimdEnergy::set_up(const Mesh& mesh) {
+    blocks_ = schedule_elements(mesh);
+    block_value_.resize(blocks_.count());
     const int m = reference_.nodes, batches = (element_count_ + lanes - 1) / lanes;
     nodes_.resize(offset(batches, lanes * m));
     ideal_inverse_.resize(offset(batches, dim_ * dim_));
     for (std::vector<Lanes>* values : {&ideal_jacobian_, &weight_, &damping_weight_}) values->resize(batches);
     is_large_ = static_cast<double>(element_count_) * reference_.points * m >= parallel_work;
+}
+
+void SimdEnergy::rule_changed(int refined) {
+    if (refined < static_cast<int>(singles_.size())) return;
+    const int place = refined_[refined].element, batch = place / lanes, lane = place % lanes;
+    Single single{{}, {}, ideal_jacobian_[batch][lane], weight_[batch][lane], damping_weight_[batch][lane]};
+    for (int l = 0; l < lanes; ++l)
+        single.nodes.insert(single.nodes.end(), element(place), element(place) + reference_.nodes);
+    for (int ij = 0; ij < dim_ * dim_; ++ij)
+        single.ideal_inverse.push_back(in_all_lanes(ideal_inverse_[offset(batch, dim_ * dim_, ij)][lane]));
+    singles_.push_back(std::move(single));
+    ideal_jacobian_[batch][lane] = weight_[batch][lane] = damping_weight_[batch][lane] = 0;
 }
 
 // geometry_of(e): of element e of the mesh. What fills up the last batch weighs nothing.
@@ -173,7 +197,20 @@ void SimdEnergy::every_batch(int block, const std::vector<double>& x, const Body
     }
 }
 
+// body(batch of one element in all lanes, its place in refined_).
+template <class Batch, class Body>
+void SimdEnergy::every_refined(const std::vector<double>& x, const Body& body) {
+    constexpr int n = Batch::dimension;
+    for (std::size_t r = 0; r < refined_.size(); ++r) {
+        Batch element(refined_[r].reference);
+        element.start(singles_[r].nodes.data(), x,
+                      reinterpret_cast<const Mat<n, Lanes>&>(singles_[r].ideal_inverse.front()));
+        body(element, static_cast<int>(r));
+    }
+}
+
 double SimdEnergy::energy(const std::vector<double>& x) {
+    double refined = 0;
     std::atomic<bool> inverted = false;  // one inverted element settles it: the other blocks are skipped
     dispatch([&](auto type, auto density) {
         using Batch = typename decltype(type)::type;
@@ -187,9 +224,12 @@ double SimdEnergy::energy(const std::vector<double>& x) {
             block_value_[block] = sum_of_lanes(sum);
             if (!std::isfinite(block_value_[block])) inverted.store(true, std::memory_order_relaxed);
         }
+        every_refined<Batch>(x, [&](const Batch& element, int r) {
+            refined += singles_[r].weight * element.energy(density, params_.delta)[0];
+        });
     });
-    if (inverted) return std::numeric_limits<double>::infinity();
-    return deterministic_sum(blocks_.count(), [this](int block) { return block_value_[block]; });
+    if (inverted || !std::isfinite(refined)) return std::numeric_limits<double>::infinity();
+    return deterministic_sum(blocks_.count(), [this](int block) { return block_value_[block]; }) + refined;
 }
 
 void SimdEnergy::add_gradient(const std::vector<double>& x, std::vector<double>& g) {
@@ -201,6 +241,9 @@ void SimdEnergy::add_gradient(const std::vector<double>& x, std::vector<double>&
                 elements.add_gradient(density, params_.delta, weight_[batch], count, g.data());
             });
         });
+        every_refined<Batch>(x, [&](Batch& element, int r) {
+            element.add_gradient(density, params_.delta, in_all_lanes(singles_[r].weight), 1, g.data());
+        });
     });
 }
 
@@ -211,19 +254,29 @@ void SimdEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Blo
     dispatch([&](auto type, auto density) {
         using Batch = typename decltype(type)::type;
         constexpr int block_size = Batch::dimension * Batch::dimension;
+        // of: what is in the lanes; count elements, whose Hessians' blocks go to target.
+        const auto add = [&](Batch& of, Lanes own, Lanes added, int count, const int* target) {
+            const int mm = of.nodes() * of.nodes();
+            prefetch_blocks<block_size>(H.value.data(), target, count * mm);
+            if (!of_objective) own = Lanes{};
+            const Lanes weight = own + t * added;
+            const Lanes share = own / max(weight, in_all_lanes(std::numeric_limits<double>::min()));
+            const double* const part = of.hessian(damped(density, share), params_.delta, projected, weight);
+            for (int k = 0; k < count; ++k)
+                add_blocks<block_size>(part + k * of.stride(), target + k * mm, mm, H.value.data());
+        };
+        const auto target_of = [&](int place) {
+            return &hessian_block_[offset(place, reference_.nodes * reference_.nodes)];
+        };
         blocks_.in_schedule(is_large_, [&](int block) {
             every_batch<Batch>(block, x, [&](Batch& elements, int batch) {
-                const int mm = elements.nodes() * elements.nodes(), first = batch * lanes;
-                const int count = std::min(lanes, element_count_ - first);
-                const int* const target = &hessian_block_[offset(first, mm)];
-                prefetch_blocks<block_size>(H.value.data(), target, count * mm);
-                const Lanes own = of_objective ? weight_[batch] : Lanes{};
-                const Lanes weight = own + t * damping_weight_[batch];
-                const Lanes share = own / max(weight, in_all_lanes(std::numeric_limits<double>::min()));
-                const double* const part = elements.hessian(damped(density, share), params_.delta, projected, weight);
-                for (int k = 0; k < count; ++k)
-                    add_blocks<block_size>(part + k * elements.stride(), target + k * mm, mm, H.value.data());
+                const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
+                add(elements, weight_[batch], damping_weight_[batch], count, target_of(first));
             });
+        });
+        every_refined<Batch>(x, [&](Batch& element, int r) {
+            add(element, in_all_lanes(singles_[r].weight), in_all_lanes(singles_[r].damping_weight), 1,
+                target_of(refined_[r].element));
         });
     });
 }
@@ -231,6 +284,7 @@ void SimdEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Blo
 DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
     DistortionStatistics result;
     result.element_max.resize(element_count_);
+    double refined_norm = 0;
     dispatch([&](auto type, auto) {
         using Batch = typename decltype(type)::type;
         parallel_for(blocks_.count(), [&](int block) {
@@ -248,9 +302,18 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
             });
             block_value_[block] = sum_of_lanes(sum);
         }, is_large_ ? parallel_work : 0);
+        every_refined<Batch>(x, [&](const Batch& element, int r) {
+            double& largest = result.element_max[blocks_.order[refined_[r].element]];
+            const ReferenceElement& rule = refined_[r].reference;
+            for (int q = 0; q < rule.points; ++q) {
+                const double eta = element.distortion_at(q)[0];
+                refined_norm += singles_[r].jacobian * rule.weight[q] * eta * eta;
+                largest = std::max(largest, eta);
+            }
+        });
     });
     const double squared_norm = deterministic_sum(blocks_.count(), [this](int block) { return block_value_[block]; });
-    result.relative_quality = std::sqrt(volume_ / squared_norm);
+    result.relative_quality = std::sqrt(volume_ / (squared_norm + refined_norm));
     for (double eta : result.element_max) result.max_distortion = std::max(result.max_distortion, eta);
     return result;
 }

@@ -30,22 +30,29 @@ private:
     // The elements `place` of blocks_.order of `whole`, as the mesh `part` of their own.
     SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vector<int>& place);
 
-    int dim_, element_count_;
-    ReferenceElement reference_;
+    // One element in all lanes, of which the first counts. It has no weight in its batch.
+    struct Single {
+        std::vector<int> nodes;          // lanes x element nodes
+        std::vector<Lanes> ideal_inverse;  // dim x dim
+        double jacobian, weight, damping_weight;
+    };
+
     ElementBlocks blocks_;
-    // By place in blocks_.order, filled up to whole batches with copies of the last element that weigh nothing:
-    std::vector<int> nodes_;             // element x element nodes
+    // By place in blocks_.order, as nodes_, filled up to whole batches with copies of the last element that weigh
+    // nothing:
     LargeVector<int> hessian_block_;     // element x element node x element node: block of the pattern
     LargeVector<Lanes> ideal_inverse_;   // batch x dim x dim, A^{-1}
     std::vector<Lanes> ideal_jacobian_;  // batch, det A
     std::vector<Lanes> weight_;          // batch, w_e det A
     std::vector<Lanes> damping_weight_;  // batch, w'_e det A
+    std::vector<Single> singles_;        // of refined_
     bool is_large_;                      // worth more than one thread
     std::vector<double> block_value_;    // sum of each block of elements
     BlockCsr pattern_;                   // without values
 
     struct Geometry;
-    SimdEnergy(const DistortionParams& params, const Mesh& mesh, ReferenceElement reference);
+    void set_up(const Mesh& mesh);
+    void rule_changed(int refined) override;
     template <class GeometryOf>
     void fill(const Mesh& mesh, const GeometryOf& geometry_of);
     double integral(const std::vector<Lanes>& values) const;
@@ -53,6 +60,8 @@ private:
     void dispatch(const Body& body);
     template <class Batch, class Body>
     void every_batch(int block, const std::vector<double>& x, const Body& body);
+    template <class Batch, class Body>
+    void every_refined(const std::vector<double>& x, const Body& body);
 };
 
 }  // namespace almesh

@@ -1,10 +1,11 @@
 // bezier_of_lagrange: N_i = prod_k prod_{j < a_k} (p l_k - j) / (j + 1) (Silvester), each factor made homogeneous with
 // l_0 + ... + l_m = 1, is expanded into monomials of degree p, which are the B_a over their multinomials.
-// polynomial_minimum: branch and bound; lower bound of a piece: its least coefficient, upper: its least corner value.
+// bounded_minimum: branch and bound; lower bound of a piece: its least coefficient, upper: its least corner value.
 #include "geometry/bezier.hpp"
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <queue>
 #include <tuple>
 #include <utility>
@@ -21,13 +22,49 @@ double factorial(int n) { return n < 2 ? 1 : n * factorial(n - 1); }
 struct Piece {
     double lower;  // bound
     int number;
-    std::array<std::array<double, 4>, 4> corner;
+    std::array<Barycentric, 4> corner;
     std::vector<double> c;
 
     bool operator<(const Piece& other) const {  // the queue's top is the piece of the lowest bound
         return std::tie(lower, number) > std::tie(other.lower, other.number);
     }
 };
+
+// Until enough(lower, upper) or max_bisections.
+template <class Enough>
+PolynomialMinimum bounded_minimum(const Bernstein& basis, const double* c, int max_bisections, const Enough& enough) {
+    std::array<Barycentric, 4> corner{};
+    for (int k = 0; k <= basis.dim; ++k) corner[k][k] = 1;
+    PolynomialMinimum minimum{*std::min_element(c, c + basis.count), c[0], false, corner[0]};
+    const auto look_at_corners = [&](const std::array<Barycentric, 4>& corners, const double* values) {
+        for (int k = 0; k < std::min(basis.count, basis.dim + 1); ++k)
+            if (values[k] < minimum.upper) {
+                minimum.upper = values[k];
+                minimum.at = corners[k];
+            }
+    };
+    look_at_corners(corner, c);
+    if (enough(minimum.lower, minimum.upper)) return minimum;
+    std::priority_queue<Piece> queue;
+    queue.push({minimum.lower, 0, corner, std::vector<double>(c, c + basis.count)});
+    for (int bisections = 0; bisections < max_bisections && !enough(minimum.lower, minimum.upper); ++bisections) {
+        const Piece piece = queue.top();
+        queue.pop();
+        const auto [a, b] = longest_edge(piece.corner, basis.dim);
+        Piece near_a = piece, near_b = piece;
+        near_b.number = bisections + 1;
+        for (int k = 0; k <= basis.dim; ++k)
+            near_b.corner[a][k] = near_a.corner[b][k] = 0.5 * (piece.corner[a][k] + piece.corner[b][k]);
+        basis.bisect(a, b, piece.c.data(), near_a.c.data(), near_b.c.data());
+        for (Piece* half : {&near_a, &near_b}) {
+            half->lower = *std::min_element(half->c.begin(), half->c.end());
+            look_at_corners(half->corner, half->c.data());
+            queue.push(std::move(*half));
+        }
+        minimum.lower = queue.top().lower;
+    }
+    return minimum;
+}
 
 }  // namespace
 
@@ -98,33 +135,17 @@ BezierProduct::BezierProduct(const Bernstein& a, const Bernstein& b, const Berns
 }
 
 PolynomialMinimum polynomial_minimum(const Bernstein& basis, const double* c, double tolerance, int max_bisections) {
-    const int corners = std::min(basis.count, basis.dim + 1);
-    double lower = *std::min_element(c, c + basis.count);
-    double upper = *std::min_element(c, c + corners);
-    const auto tight = [&] { return upper - lower <= tolerance * (upper > 0 ? upper : std::max(1.0, -upper)); };
-    if (tight() || max_bisections == 0) return {lower, upper, tight()};
+    const auto tight = [tolerance](double lower, double upper) {
+        return upper - lower <= tolerance * (upper > 0 ? upper : std::max(1.0, -upper));
+    };
+    PolynomialMinimum minimum = bounded_minimum(basis, c, max_bisections, tight);
+    minimum.tight = tight(minimum.lower, minimum.upper);
+    return minimum;
+}
 
-    std::priority_queue<Piece> queue;
-    Piece whole{lower, 0, {}, std::vector<double>(c, c + basis.count)};
-    for (int k = 0; k <= basis.dim; ++k) whole.corner[k][k] = 1;
-    queue.push(whole);
-    for (int bisections = 0; bisections < max_bisections && !tight(); ++bisections) {
-        const Piece piece = queue.top();
-        queue.pop();
-        const auto [a, b] = longest_edge(piece.corner, basis.dim);
-        Piece near_a = piece, near_b = piece;
-        near_b.number = bisections + 1;
-        for (int k = 0; k <= basis.dim; ++k)
-            near_b.corner[a][k] = near_a.corner[b][k] = 0.5 * (piece.corner[a][k] + piece.corner[b][k]);
-        basis.bisect(a, b, piece.c.data(), near_a.c.data(), near_b.c.data());
-        for (Piece* half : {&near_a, &near_b}) {
-            half->lower = *std::min_element(half->c.begin(), half->c.end());
-            upper = std::min(upper, *std::min_element(half->c.begin(), half->c.begin() + corners));
-            queue.push(std::move(*half));
-        }
-        lower = queue.top().lower;
-    }
-    return {lower, upper, tight()};
+PolynomialMinimum compare_with(const Bernstein& basis, const double* c, double bound, int max_bisections) {
+    const auto decided = [bound](double lower, double upper) { return lower > bound || upper <= bound; };
+    return bounded_minimum(basis, c, max_bisections, decided);
 }
 
 }  // namespace almesh

@@ -108,14 +108,21 @@ std::array<int, 2> longest_edge(const Points& corner, int dim) {
     return longest;
 }
 
-// lower <= min q <= upper; upper is a value of q. tight: the two agree to the tolerance asked for.
+// A point of a simplex: dim + 1 numbers that add up to one, the rest 0.
+using Barycentric = std::array<double, 4>;
+
+// lower <= min q <= upper = q(at). tight: the two agree to the tolerance asked for.
 struct PolynomialMinimum {
     double lower, upper;
     bool tight;
+    Barycentric at;
 };
 
 // Best-first longest-edge bisection until upper - lower <= tolerance * upper (where upper <= 0: tolerance *
 // max(1, |upper|); the polynomial is taken to be of order one), or after max_bisections. c: count, finite.
 PolynomialMinimum polynomial_minimum(const Bernstein& basis, const double* c, double tolerance, int max_bisections);
+
+// The same until it is known whether q > bound everywhere: lower > bound, or upper <= bound; or after max_bisections.
+PolynomialMinimum compare_with(const Bernstein& basis, const double* c, double bound, int max_bisections);
 
 }  // namespace almesh

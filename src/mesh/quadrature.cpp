@@ -132,11 +132,16 @@ Quadrature simplex_quadrature(int dim, int exactness) {
 
 int default_exactness(int degree) { return degree == 1 ? 0 : 2 * degree + 2; }
 
-ReferenceElement reference_element(int dim, int degree, int exactness) {
-    const LagrangeBasis basis(dim, degree);
+Quadrature element_quadrature(int dim, int degree, int exactness) {
     const bool by_default = exactness == 0 || degree == 1;
     Quadrature quadrature = simplex_quadrature(dim, by_default ? default_exactness(degree) : exactness);
-    if (degree > 1) add_node_points(basis, quadrature);
+    if (degree > 1) add_node_points(LagrangeBasis(dim, degree), quadrature);
+    return quadrature;
+}
+
+ReferenceElement reference_element(int degree, const Quadrature& quadrature) {
+    const int dim = quadrature.dim;
+    const LagrangeBasis basis(dim, degree);
     ReferenceElement element{degree, basis.count, quadrature.count, quadrature.weight, {}};
     const std::size_t stride = offset(basis.count, dim);
     element.gradients.resize(stride * quadrature.count);

@@ -28,9 +28,12 @@ struct ReferenceElement {
     std::vector<double> gradients;  // points x nodes x dim, dN_i/dxi_k
 };
 
-// exactness: degree to which the quadrature is exact for p > 1; 0: default_exactness(degree). For p > 1 a thousandth of
-// the weight goes to the nodes of the element: it folds at vertices and edges first, where the rules have no points.
-ReferenceElement reference_element(int dim, int degree, int exactness);
+// Of elements of degree p. exactness: degree to which it is exact for p > 1; 0: default_exactness(degree). For p > 1 a
+// thousandth of the weight goes to the nodes of the element: it folds at vertices and edges first, where the rules have
+// no points.
+Quadrature element_quadrature(int dim, int degree, int exactness);
+
+ReferenceElement reference_element(int degree, const Quadrature& quadrature);
 
 // 2 p + 2 for p > 1: the relative quality then agrees to six digits with that of more points; with fewer points the
 // worst elements get worse. |F|^2 alone needs 2 p - 2.

@@ -76,7 +76,7 @@ AlStart start_from(const CoarseSolution& coarse, const Level& level, std::vector
     };
     const std::vector<double> displacement = carried(coarse.displacement);
     for (std::size_t i = 0; i < x.size(); ++i) x[i] += displacement[i];
-    if (!std::isfinite(level.energy->energy(x))) {
+    if (!std::isfinite(level.energy->energy(x)) || !level.energy->certified(x)) {
         x = level.ideal;
         return {};
     }

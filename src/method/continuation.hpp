@@ -34,7 +34,7 @@ CoarseSolution solve_coarser(int levels, const std::function<std::unique_ptr<Lev
                              const StageObserver& observe);
 
 // Sets x (node_count x dim) and where the method starts: at the coarse solution, or at the identity map without
-// multipliers where there is none, or where its energy is infinite on this mesh (by rounding).
+// multipliers where there is none, or where it is not valid on this mesh (by rounding).
 AlStart start_from(const CoarseSolution& coarse, const Level& level, std::vector<double>& x);
 
 }  // namespace almesh

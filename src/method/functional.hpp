@@ -27,6 +27,10 @@ struct AugmentedFunctional {
         return std::isfinite(value) ? value + constraint.value(x, lambda, penalty) : value;
     }
 
+    double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) const {
+        return distortion.valid_fraction(x, to);
+    }
+
     void gradient(const std::vector<double>& x, std::vector<double>& g) const {
         std::fill(g.begin(), g.end(), 0.0);
         distortion.add_gradient(x, g);

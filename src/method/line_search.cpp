@@ -1,4 +1,4 @@
-// t <- t / 2 where E(x + t d) is infinite; where it is too large, the minimiser of the parabola through E(x), its slope
+// t <- t / 2 where E(x + t d) is infinite; half of what is valid where the way there is not; where it is too large, the minimiser of the parabola through E(x), its slope
 // and E(x + t d), t <- -t^2 slope / (2 (E(x + t d) - E(x) - t slope)), within [t / 10, t / 2] (Nocedal & Wright, sec.
 // 3.5).
 #include "method/line_search.hpp"
@@ -11,13 +11,15 @@ namespace {
 
 constexpr double sufficient_decrease = 1e-4;  // c1
 constexpr double smallest_step = 1e-14, largest_step = 64;
+constexpr double shortest_cut = 1e-3;  // where hardly anything of a step is valid
+constexpr double smallest_cut_step = 1e-7;  // it leads nowhere: a finer quadrature may turn the direction
 constexpr double energy_rounding = 1e-14;  // relative error of a sum of element energies
 constexpr double worth_lengthening = 2.0 / 3;  // of what the slope promises
 
 }  // namespace
 
-LineSearchResult line_search(const EnergyFunction& E, double energy, double slope, const std::vector<double>& d,
-                             std::vector<double>& x, std::vector<double>& trial) {
+LineSearchResult line_search(const EnergyFunction& E, const StepFunction& valid_fraction, double energy, double slope,
+                             const std::vector<double>& d, std::vector<double>& x, std::vector<double>& trial) {
     const auto place = [&](double t) {
         for (std::size_t i = 0; i < x.size(); ++i) trial[i] = x[i] + t * d[i];
     };
@@ -29,11 +31,20 @@ LineSearchResult line_search(const EnergyFunction& E, double energy, double slop
     const double noise = energy_rounding * std::abs(energy);
     result.by_rounding = -slope <= noise;
     double t = 1, found = energy_at(t);
-    while (!(found <= energy + sufficient_decrease * t * slope) &&
-           !(result.by_rounding && t == 1 && std::abs(found - energy) <= noise)) {
+    const auto decreases = [&] {
+        return found <= energy + sufficient_decrease * t * slope ||
+               (result.by_rounding && t == 1 && std::abs(found - energy) <= noise);
+    };
+    for (;;) {
         if (!std::isfinite(found)) {
             ++result.cuts_inverted;
             t *= 0.5;
+        } else if (decreases()) {
+            const double valid = valid_fraction(x, trial);
+            if (valid == 1) break;
+            ++result.cuts_inverted;
+            t *= std::max(0.5 * valid, shortest_cut);
+            if (t < smallest_cut_step) return result;
         } else {
             ++result.cuts_decrease;
             const double parabola = -slope * t * t / (2 * (found - energy - t * slope));
@@ -45,7 +56,7 @@ LineSearchResult line_search(const EnergyFunction& E, double energy, double slop
     if (t == 1 && !result.by_rounding && energy - found > worth_lengthening * -slope)
         while (t < largest_step) {
             const double longer = energy_at(2 * t);
-            if (!(longer < found)) break;
+            if (!(longer < found) || valid_fraction(x, trial) < 1) break;
             found = longer;
             t *= 2;
         }

@@ -2,8 +2,10 @@
 //
 // Backtracking from 1 until the sufficient-decrease (first Wolfe) condition
 //     E(x + t d) <= E(x) + c1 t grad E . d,   c1 = 1e-4   (Nocedal & Wright, Alg. 3.1)
-// holds. E is infinite for an element inverted at a quadrature point, so every accepted iterate is a valid mesh (unless
-// the distortion is regularised, delta > 0).
+// holds. E is infinite for an element inverted at a quadrature point. A length that passes this test must also be valid
+// all the way (valid_fraction): no step leads through an inverted element to another valid mesh, and curved elements are
+// valid between their points; else it is cut to half of what is. So every accepted iterate is a valid mesh, and wound as
+// the one before (unless the distortion is regularised, delta > 0).
 //
 // Lengthening. A projected Hessian can be many times stiffer than the energy along d, and its full step then stops
 // far short of the minimum. Where t = 1 gives more than two thirds of what the slope promises, the parabola through
@@ -21,7 +23,7 @@ namespace almesh {
 struct LineSearchResult {
     double step_length = 0;   // t; 0 where there is none
     double energy = 0;        // at x + t d
-    int cuts_inverted = 0;    // trial lengths refused because an element was inverted
+    int cuts_inverted = 0;    // trial lengths refused because an element was inverted, there or on the way
     int cuts_decrease = 0;    // trial lengths refused because E did not decrease enough
     bool by_rounding = false;  // the promised decrease is below rounding
 };
@@ -29,9 +31,12 @@ struct LineSearchResult {
 // E; infinite for invalid meshes.
 using EnergyFunction = std::function<double(const std::vector<double>&)>;
 
+// How much of the step from x to x' is valid, in [0, 1]: DistortionEnergy::valid_fraction().
+using StepFunction = std::function<double(const std::vector<double>& from, const std::vector<double>& to)>;
+
 // energy: E(x), finite. slope: grad E . d < 0. Where there is a step length x becomes x + t d, else it stays. trial:
 // work space, the size of x.
-LineSearchResult line_search(const EnergyFunction& E, double energy, double slope, const std::vector<double>& d,
-                             std::vector<double>& x, std::vector<double>& trial);
+LineSearchResult line_search(const EnergyFunction& E, const StepFunction& valid_fraction, double energy, double slope,
+                             const std::vector<double>& d, std::vector<double>& x, std::vector<double>& trial);
 
 }  // namespace almesh

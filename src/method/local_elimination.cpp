@@ -40,6 +40,12 @@ double LocalFunctional::energy(const std::vector<double>& y) const {
     return value;
 }
 
+double LocalFunctional::valid_fraction(const std::vector<double>& y, const std::vector<double>& to) const {
+    return distortion_->valid_fraction(y, to);
+}
+
+bool LocalFunctional::refine_quadrature() const { return distortion_->refine_quadrature(); }
+
 void LocalFunctional::gradient(const std::vector<double>& y, std::vector<double>& g) const {
     std::fill(g.begin(), g.end(), 0.0);
     constraint_->add_gradient(y, g);
@@ -63,6 +69,7 @@ void LocalFunctional::hessian(const std::vector<double>& y, HessianKind kind, Bl
 namespace {
 
 constexpr double part_of_nodes = 0.01, part_of_decrease = 0.9;
+constexpr double curved_part = 0.1;  // of the nodes, with their neighbours, of curved meshes at most
 constexpr int layers = 2;
 constexpr int most_steps = 30;
 constexpr double local_tolerance = 1e-4;  // relative residual of iterative solvers
@@ -92,7 +99,7 @@ std::vector<char> with_neighbours(const BlockCsr& H, const std::vector<char>& ch
     return result;
 }
 
-std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g) {
+std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g, double largest_part) {
     const std::vector<double> decrease = reachable_decrease(H, g);
     std::vector<int> order(H.n);
     std::iota(order.begin(), order.end(), 0);
@@ -100,14 +107,14 @@ std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g) 
     std::partial_sort(order.begin(), order.begin() + most, order.end(),
                       [&](int i, int j) { return decrease[i] != decrease[j] ? decrease[i] > decrease[j] : i < j; });
     const double wanted = part_of_decrease * std::accumulate(decrease.begin(), decrease.end(), 0.0);
-    std::vector<char> chosen(H.n, 0);
-    double sum = 0;
-    for (int k = 0; k < most && sum <= wanted; ++k) {
-        chosen[order[k]] = 1;
-        sum += decrease[order[k]];
+    int count = 0;
+    for (double sum = 0; count < most && sum <= wanted; ++count) sum += decrease[order[count]];
+    for (;; count = (count + 1) / 2) {
+        std::vector<char> chosen(H.n, 0);
+        for (int k = 0; k < count; ++k) chosen[order[k]] = 1;
+        for (int layer = 0; layer < layers; ++layer) chosen = with_neighbours(H, chosen);
+        if (count == 1 || std::count(chosen.begin(), chosen.end(), 1) <= largest_part * H.n) return chosen;
     }
-    for (int layer = 0; layer < layers; ++layer) chosen = with_neighbours(H, chosen);
-    return chosen;
 }
 
 // Newton's method on the part: the full Hessian after a full step, else the projected one. No damping: a step that is
@@ -117,17 +124,20 @@ int minimise_locally(const LocalFunctional& E, double least_gain, std::vector<do
     BlockCsr H = E.hessian_pattern();
     LinearSolver solver(H.d, {.tolerance = local_tolerance});
     const auto energy_of = [&E](const std::vector<double>& at) { return E.energy(at); };
+    const auto valid_fraction = [&E](const std::vector<double>& from, const std::vector<double>& to) {
+        return E.valid_fraction(from, to);
+    };
     std::vector<double> g(y.size()), minus_g(y.size()), d, trial(y.size());
     const auto step_with = [&](HessianKind kind, double energy) -> LineSearchResult {
         E.hessian(y, kind, H);
         if (solver.solve(H, minus_g, d).status != SolveStatus::success) return {};
         const double slope = dot(g, d);
-        return slope < 0 ? line_search(energy_of, energy, slope, d, y, trial) : LineSearchResult{};
+        return slope < 0 ? line_search(energy_of, valid_fraction, energy, slope, d, y, trial) : LineSearchResult{};
     };
-    const double first = E.energy(y);
-    double energy = first;
+    double first = E.energy(y), energy = first;
     bool try_full = true;
     for (int step = 0; step < most_steps; ++step) {
+        if (E.refine_quadrature()) first = energy = E.energy(y);
         E.gradient(y, g);
         for (std::size_t i = 0; i < g.size(); ++i) minus_g[i] = -g[i];
         LineSearchResult found;
@@ -147,13 +157,15 @@ int minimise_locally(const LocalFunctional& E, double least_gain, std::vector<do
 LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& E, const BlockCsr& H,
                                                      const std::vector<double>& g, double gained,
                                                      std::vector<double>& x, double& energy) const {
-    const std::vector<char> chosen = choose_nodes(H, g);
+    const std::vector<char> chosen = choose_nodes(H, g, E.distortion.is_curved() ? curved_part : 1);
     const LocalFunctional local(E, x, chosen);
     std::vector<double> y = local.start();
     Result result;
     result.nodes = static_cast<int>(std::count(chosen.begin(), chosen.end(), 1));
     result.steps = minimise_locally(local, worthwhile * gained, y);
     if (result.steps == 0) return result;
+    E.distortion.take_over_refinements(local.distortion());
+    if (E.distortion.refined_elements() > 0) energy = E.energy(x);
     local.write(y, x);
     const double found = E.energy(x);
     if (found <= energy) energy = found;

@@ -41,6 +41,9 @@ public:
     void write(const std::vector<double>& y, std::vector<double>& x) const;  // moved positions into those of the mesh
 
     double energy(const std::vector<double>& y) const;  // E up to a constant; infinite for inverted elements
+    double valid_fraction(const std::vector<double>& y, const std::vector<double>& to) const;
+    bool refine_quadrature() const;
+    const DistortionEnergy& distortion() const { return *distortion_; }
     void gradient(const std::vector<double>& y, std::vector<double>& g) const;
     BlockCsr hessian_pattern() const;
     void hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H) const;

@@ -28,6 +28,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
     while (!(at.gradient_norm <= at.omega)) {
         if (at.iterations == params.max_iterations) return end(NewtonStatus::max_iterations);
         if (interrupted()) return end(NewtonStatus::interrupted);
+        refine_quadrature(E, x, at);
         const NewtonResult before = at;
         NewtonStep step(++at.iterations, hessian_);
         LineSearchResult found;
@@ -35,6 +36,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
             if (!find_direction(E, x, at, step)) return end(NewtonStatus::linear_solver_failed);  // H d = -g
             found = search(E, x, at, step);                                                       // x <- x + t d
         } while (found.step_length == 0 && weaken(step.hessian));
+        if (found.step_length == 0 && refine_quadrature(E, x, at)) continue;
         if (found.step_length == 0) return end(NewtonStatus::line_search_failed);
         if (!found.by_rounding) eliminate_locally(E, before.energy - at.energy, x, at, step);
         at.gradient_norm = gradient(E, x);                                                        // g = grad E(x)
@@ -63,6 +65,14 @@ NewtonResult Newton::start(const AugmentedFunctional& E, const NewtonParams& par
     const double reduced = params.reduction < 1 ? params.reduction * at.gradient_norm : params.omega;
     at.omega = std::max(std::min(params.omega, reduced), params.omega_star);
     return at;
+}
+
+// Where the step before folded elements unseen: another E from now on, at the same x.
+bool Newton::refine_quadrature(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at) {
+    if (!E.distortion.refine_quadrature()) return false;
+    at.energy = E.energy(x);
+    at.gradient_norm = gradient(E, x);
+    return true;
 }
 
 double Newton::gradient(const AugmentedFunctional& E, const std::vector<double>& x) {
@@ -100,7 +110,10 @@ LineSearchResult Newton::search(const AugmentedFunctional& E, std::vector<double
                                 NewtonStep& step) {
     const TimeAdder adder(time.line_search);
     const auto energy_of = [&E](const std::vector<double>& y) { return E.energy(y); };
-    const LineSearchResult found = line_search(energy_of, at.energy, dot(g_, d_), d_, x, trial_);
+    const auto valid_fraction = [&E](const std::vector<double>& y, const std::vector<double>& to) {
+        return E.valid_fraction(y, to);
+    };
+    const LineSearchResult found = line_search(energy_of, valid_fraction, at.energy, dot(g_, d_), d_, x, trial_);
     if (found.step_length > 0) at.energy = found.energy;
     step.cuts_inverted += found.cuts_inverted;
     step.cuts_decrease += found.cuts_decrease;

@@ -110,6 +110,7 @@ private:
     SystemObserver observe_system_;
 
     NewtonResult start(const AugmentedFunctional& E, const NewtonParams& params, const std::vector<double>& x);
+    bool refine_quadrature(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at);
     double gradient(const AugmentedFunctional& E, const std::vector<double>& x);
     bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step);
     LineSearchResult search(const AugmentedFunctional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step);

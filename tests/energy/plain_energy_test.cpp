@@ -250,3 +250,78 @@ TEST_CASE("a mesh with the same distortion everywhere has the energy uniform(), 
             CHECK(squared->uniform(20) == doctest::Approx(400 * squared->domain_volume()).epsilon(1e-14));
         }
 }
+
+namespace {
+
+// Asks both for a step that folds elements, so that their quadrature gets finer.
+void refine(DistortionEnergy& E, const Mesh& mesh, const std::vector<double>& x) {
+    for (int times = 0; times < 3; ++times) {
+        REQUIRE(E.valid_fraction(x, wavy(mesh.x, mesh.dim, 0.15 + 0.05 * times)) < 1);
+        REQUIRE(E.refine_quadrature());
+    }
+    REQUIRE(!E.refine_quadrature());  // nothing folded since
+    REQUIRE(E.refined_elements() > 0);
+}
+
+}  // namespace
+
+TEST_CASE("elements with a finer quadrature: both assemblies agree, in parts too, and derivatives have slope 2") {
+    for (const Mesh& mesh : meshes()) {
+        if (mesh.degree == 1) continue;
+        const std::vector<double> ideal = straight_sided(mesh), x = wavy(mesh.x, mesh.dim, 0.03);
+        for (const Objective objective : objectives) {
+            SimdEnergy simd(mesh, ideal, {objective, 0, 0.5, 0}), coarse(mesh, ideal, {objective, 0, 0.5, 0});
+            PlainEnergy plain(mesh, ideal, {objective, 0, 0.5, 0});
+            refine(simd, mesh, x);
+            refine(plain, mesh, x);
+            CHECK(simd.refined_elements() == plain.refined_elements());
+            check_same(simd, plain, x);
+            CHECK(simd.energy(x) == doctest::Approx(coarse.energy(x)).epsilon(0.02));  // the same integral
+            CHECK(simd.energy(x) != coarse.energy(x));
+            const DistortionStatistics a = simd.statistics(x), b = plain.statistics(x);
+            CHECK(b.relative_quality == doctest::Approx(a.relative_quality).epsilon(1e-13));
+            CHECK(relative_difference(a.element_max, b.element_max) <= 1e-13);
+
+            std::vector<int> node, other_node;
+            const auto part = simd.part(x, some_nodes(mesh.nodes()), node);
+            const auto other = plain.part(x, some_nodes(mesh.nodes()), other_node);
+            CHECK(part->refined_elements() > 0);
+            CHECK(part->refined_elements() == other->refined_elements());
+            CHECK(part->domain_volume() == doctest::Approx(other->domain_volume()));
+            CHECK(part->energy(on_part(x, node, mesh.dim)) ==
+                  doctest::Approx(other->energy(on_part(x, other_node, mesh.dim))).epsilon(1e-12));
+
+            std::vector<double> d(x.size()), error;
+            for (std::size_t i = 0; i < d.size(); ++i) d[i] = std::sin(7.0 * i);
+            for (const double t : {2e-3, 1e-3}) {
+                std::vector<double> plus = x, minus = x;
+                double slope = 0;
+                const std::vector<double> g = gradient(simd, x);
+                for (std::size_t i = 0; i < d.size(); ++i) {
+                    plus[i] += t * d[i];
+                    minus[i] -= t * d[i];
+                    slope += g[i] * d[i];
+                }
+                error.push_back(std::abs((simd.energy(plus) - simd.energy(minus)) / (2 * t) - slope));
+            }
+            CHECK(std::log2(error[0] / error[1]) == doctest::Approx(2).epsilon(0.1));
+        }
+    }
+}
+
+TEST_CASE("a part hands its refinements back") {
+    const Mesh mesh = raise_degree(square_mesh(3), 3);
+    const std::vector<double> x = wavy(mesh.x, 2, 0.02);
+    for (const Assembly assembly : assemblies) {
+        const auto whole = make_energy(mesh, straight_sided(mesh), {.assembly = assembly});
+        std::vector<int> node;
+        const auto part = whole->part(x, some_nodes(mesh.nodes()), node);
+        REQUIRE(part->valid_fraction(on_part(x, node, 2), on_part(wavy(mesh.x, 2, 0.2), node, 2)) < 1);
+        REQUIRE(part->refine_quadrature());
+        whole->take_over_refinements(*part);
+        CHECK(whole->refined_elements() == part->refined_elements());
+        const auto again = whole->part(x, some_nodes(mesh.nodes()), node);
+        CHECK(again->energy(on_part(x, node, 2)) ==
+              doctest::Approx(part->energy(on_part(x, node, 2))).epsilon(1e-13));
+    }
+}

@@ -10,11 +10,14 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// From x = 0 along d = 1.
-LineSearchResult search(const std::function<double(double)>& E, double slope, double& x) {
+// From x = 0 along d = 1. The way is valid up to `wall`.
+LineSearchResult search(const std::function<double(double)>& E, double slope, double& x, double wall = infinity) {
     std::vector<double> at = {0}, trial = {0};
     const auto energy = [&](const std::vector<double>& y) { return E(y[0]); };
-    const LineSearchResult result = line_search(energy, E(0), slope, {1}, at, trial);
+    const auto valid_fraction = [wall](const std::vector<double>& from, const std::vector<double>& to) {
+        return to[0] <= wall ? 1 : (wall - from[0]) / (to[0] - from[0]);
+    };
+    const LineSearchResult result = line_search(energy, valid_fraction, E(0), slope, {1}, at, trial);
     x = at[0];
     return result;
 }
@@ -70,4 +73,18 @@ TEST_CASE(
     CHECK(uphill.step_length == 0);
     CHECK(x == 0);
     CHECK(uphill.cuts_decrease > 0);
+}
+
+TEST_CASE("a step that passes through an inversion is cut to half of what is valid, and not lengthened through one") {
+    double x;
+    const auto beyond = [](double t) { return t > 0.4 && t < 0.6 ? infinity : -t; };  // lower on the other side
+    const auto cut = search(beyond, -1, x, 0.4);
+    CHECK(cut.step_length == 0.2);
+    CHECK(cut.cuts_inverted == 1);
+    CHECK(x == 0.2);
+    const auto longer = search([](double t) { return -t; }, -1, x, 5);
+    CHECK(longer.step_length == 4);
+    const auto none = search([](double t) { return -t; }, -1, x, 0);  // nothing is valid
+    CHECK(none.step_length == 0);
+    CHECK(x == 0);
 }

@@ -1,0 +1,40 @@
+// The quadrature of one element that has folded between the points of its rule.
+//
+// The integral of the distortion is infinite for a folded element, its sum over points is not: nothing keeps a
+// minimiser of the sum from folding the element between them. So where a step would (valid_step.hpp), the element is cut
+// into pieces that get smaller towards that place, with the element's rule on each. The points of the rule at the
+// nodes of a piece make the energy infinite where the element folds there.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "geometry/bezier.hpp"
+#include "mesh/quadrature.hpp"
+
+namespace almesh {
+
+class RefinedRule {
+public:
+    explicit RefinedRule(int dim);  // one piece: the whole element
+
+    // Halves the size of the smallest piece around `at` until it is at most `size`, that of the element being 1, or
+    // once for size = 0. False where nothing changes: it is small enough, or there are `most_pieces` already.
+    bool refine(const Barycentric& at, double size);
+
+    // rule: of the whole element.
+    ReferenceElement element(int degree, const Quadrature& rule) const;
+
+private:
+    static constexpr int most_pieces = 128;
+
+    struct Piece {
+        std::array<Barycentric, 4> corner;
+        double volume;  // of the whole
+    };
+    int dim_;
+    std::vector<Piece> pieces_;
+
+    Piece* smallest_around(const Barycentric& at);
+};
+
+}  // namespace almesh

@@ -1,0 +1,227 @@
+// Batches of elements, one per lane -> least coefficients of b_0, ..., b_n -> bisection for lanes that are not cleared.
+//
+// Straight elements with the Jacobians J and J':  b_0 = det J,  b_1 = cof J : J' / n,  b_n-1 = cof J' : J / n,
+// b_n = det J'.
+#include "energy/valid_step.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "base/index.hpp"
+#include "base/parallel.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr int time_bisections = 10;     // depth, of straight elements,
+constexpr int curved_bisections = 5;    // and of curved ones
+constexpr int space_bisections = 300;   // of one polynomial
+constexpr int batches_per_task = 64;
+constexpr double near_fold = 0.1;  // ratio of the determinant to its mean
+constexpr double keeps = 0.2;      // of an element's least determinant, at least, in one step,
+constexpr double nearest_fold = 1e-6;  // but nearer than this no element comes: what is left is far above rounding
+
+// b: Bernstein coefficients on an interval of s of length `length`, the first of them above the bound. A length up to
+// which the polynomial is above it: `length`, or less by a thousandth of the interval than where it is not.
+template <int n>
+double positive_until(std::array<double, n + 1> b, double bound, double length = 1, int depth = time_bisections) {
+    if (std::all_of(b.begin(), b.end(), [bound](double c) { return c > bound; })) return length;
+    if (depth == 0) return 0;
+    std::array<double, n + 1> right = b;  // de Casteljau at the middle: b keeps the left half
+    for (int step = 1; step <= n; ++step) {
+        for (int i = 0; i <= n - step; ++i) right[i] = 0.5 * (right[i] + right[i + 1]);
+        b[step] = right[0];
+    }
+    const double half = 0.5 * length, left = positive_until<n>(b, bound, half, depth - 1);
+    return left < half ? left : half + positive_until<n>(right, bound, half, depth - 1);
+}
+
+template <int n>
+double straight_fraction(const int* const* node, int count, const std::vector<double>& from,
+                         const std::vector<double>& to) {
+    const auto edges = [node](const std::vector<double>& x) {
+        Mat<n, Lanes> J;
+        for (int l = 0; l < lanes; ++l) {
+            const double* const x0 = &x[offset(node[l][0], n)];
+            for (int k = 0; k < n; ++k) {
+                const double* const xk = &x[offset(node[l][k + 1], n)];
+                for (int a = 0; a < n; ++a) J[a][k][l] = xk[a] - x0[a];
+            }
+        }
+        return J;
+    };
+    const Mat<n, Lanes> J0 = edges(from), J1 = edges(to), C0 = cofactor(J0), C1 = cofactor(J1);
+    std::array<Lanes, n + 1> b{};
+    for (int k = 0; k < n; ++k) {
+        b[0] += C0[0][k] * J0[0][k];
+        b[n] += C1[0][k] * J1[0][k];
+        for (int a = 0; a < n; ++a) b[1] += (1.0 / n) * C0[a][k] * J1[a][k];
+        for (int a = 0; a < n && n == 3; ++a) b[2] += (1.0 / n) * C1[a][k] * J0[a][k];
+    }
+    const Lanes bound = max(straight_rounding<n>(J0), straight_rounding<n>(J1));
+    LaneBits positive = b[0] > bound;
+    for (int k = 1; k <= n; ++k) positive &= b[k] > bound;
+    double fraction = 1;
+    for (int l = 0; l < count; ++l) {
+        if (positive[l]) continue;
+        std::array<double, n + 1> of_lane;
+        for (int k = 0; k <= n; ++k) of_lane[k] = b[k][l];
+        fraction = std::min(fraction, positive_until<n>(of_lane, bound[l]));
+    }
+    return fraction;
+}
+
+double mean(const JacobianBasis& basis, const double* b) {
+    return std::accumulate(b, b + basis.jacobian.count, 0.0) / basis.jacobian.count;
+}
+
+// One curved element that needs bisection.
+template <int n>
+class SlowCheck {
+public:
+    SlowCheck(const JacobianBasis& basis, const int* node, const std::vector<double>& from,
+              const std::vector<double>& to)
+        : of_(basis), node_(node), from_(from), to_(to) {
+        ElementJacobian<n, double> element(of_);
+        place(0, element.position(0));
+        element.compute(1);
+        const double* const b = element.coefficients(0);
+        const double least = polynomial_minimum(of_.jacobian, b, 0.001, space_bisections).lower;
+        const double average = mean(of_, b), part = keeps * std::min(least, near_fold * average);
+        least_ = element.unit() * std::max(part, std::min(0.999 * least, nearest_fold * average));
+    }
+
+    // As far as it is valid from s0 to s1, if it is at s0; else s0.
+    double until(double s0, double s1, int depth) {
+        if (valid_between(s0, s1)) return s1;
+        if (depth == 0) return s0;
+        const double middle = 0.5 * (s0 + s1), left = until(s0, middle, depth - 1);
+        return left < middle ? left : until(middle, s1, depth - 1);
+    }
+
+    std::optional<Fold> fold;  // at the end of the step
+
+private:
+    const JacobianBasis& of_;
+    const int* const node_;
+    const std::vector<double>& from_;
+    const std::vector<double>& to_;
+    double least_;  // determinant that is wanted everywhere
+
+    void place(double s, Vec<n>* x) const {
+        for (int i = 0; i < of_.position.bernstein.count; ++i) {
+            const double* const x0 = point(from_, node_[i], n);
+            const double* const x1 = point(to_, node_[i], n);
+            for (int a = 0; a < n; ++a) x[i][a] = s == 1 ? x1[a] : x0[a] + s * (x1[a] - x0[a]);
+        }
+    }
+
+    bool valid_between(double s0, double s1) {
+        ElementJacobian<n, double> element(of_);
+        place(s0, element.position(0));
+        place(s1, element.position(1));
+        element.compute(2);
+        bool valid = element.has_frame();
+        const double rounding = element.rounding(), bound = std::max(rounding, least_ / element.unit());
+        if (s1 == 1 && !fold) look_for_fold(element.coefficients(n), rounding);
+        for (int k = n; k >= 0 && valid; --k) {
+            const double* const b = element.coefficients(k);
+            valid = std::all_of(b, b + of_.jacobian.count, [](double c) { return std::isfinite(c); }) &&
+                    compare_with(of_.jacobian, b, bound, space_bisections).lower > bound;
+        }
+        return valid;
+    }
+
+    void look_for_fold(const double* b, double rounding) {
+        const double near = std::max(near_fold * mean(of_, b), rounding);
+        if (!std::isfinite(near)) return;
+        if (compare_with(of_.jacobian, b, near, space_bisections).lower > near) return;
+        const PolynomialMinimum least = polynomial_minimum(of_.jacobian, b, 0.5, space_bisections);
+        fold = {0, least.at, least.upper > rounding ? least.upper / mean(of_, b) : 0};
+    }
+};
+
+// Lanes that have no coefficient below any bound of what is tested one by one, with twice its margin for rounding, and
+// are not near a fold.
+template <int n>
+LaneBits cleared(const JacobianBasis& basis, const int* const* node, const std::vector<double>& from,
+                 const std::vector<double>& to) {
+    ElementJacobian<n, Lanes> elements(basis);
+    for (int end = 0; end < 2; ++end) {
+        const std::vector<double>& x = end == 0 ? from : to;
+        Vec<n, Lanes>* const position = elements.position(end);
+        for (int i = 0; i < basis.position.bernstein.count; ++i)
+            for (int l = 0; l < lanes; ++l) {
+                const double* const xi = &x[offset(node[l][i], n)];
+                for (int a = 0; a < n; ++a) position[i][a][l] = xi[a];
+            }
+    }
+    elements.compute(2);
+    LaneBits clear = elements.has_frame();
+    const auto all_above = [&](int k, Lanes bound) {
+        for (int a = 0; a < basis.jacobian.count; ++a) clear &= elements.coefficients(k)[a] > bound;
+    };
+    const auto near = [&](int k) {
+        Lanes sum{};
+        for (int a = 0; a < basis.jacobian.count; ++a) sum += elements.coefficients(k)[a];
+        return near_fold / basis.jacobian.count * sum;
+    };
+    all_above(0, near(0));
+    all_above(n, near(n));
+    for (int k = 0; k <= n; ++k) all_above(k, max(2 * elements.rounding(), keeps * near(0)));
+    return clear;
+}
+
+}  // namespace
+
+ValidStep::ValidStep(int dim, int degree) : dim_(dim), element_nodes_(simplex_node_count(dim, degree)) {
+    if (degree > 1) basis_ = std::make_shared<const JacobianBasis>(dim, degree);
+}
+
+// node: the nodes of each lane; `first`: number of the first of the `count` elements.
+template <int n>
+double ValidStep::of_batch(const int* const* node, int count, const std::vector<double>& from,
+                           const std::vector<double>& to, int first, std::vector<Fold>& folds) const {
+    if (!basis_) return straight_fraction<n>(node, count, from, to);
+    const LaneBits clear = cleared<n>(*basis_, node, from, to);
+    double fraction = 1;
+    for (int l = 0; l < count; ++l) {
+        if (clear[l]) continue;
+        SlowCheck<n> check(*basis_, node[l], from, to);
+        fraction = std::min(fraction, check.until(0, 1, curved_bisections));
+        if (check.fold) folds.push_back({first + l, check.fold->at, check.fold->ratio});
+    }
+    return fraction;
+}
+
+double ValidStep::fraction(const std::vector<int>& node, int count, const std::vector<double>& from,
+                           const std::vector<double>& to, std::vector<Fold>& folds) const {
+    struct Task {
+        double fraction = 1;
+        std::vector<Fold> folds;
+    };
+    const int task_size = batches_per_task * lanes;
+    std::vector<Task> tasks((count + task_size - 1) / task_size);
+    with_dimension(dim_, [&](auto n) {
+        parallel_for_uneven(static_cast<int>(tasks.size()), [&](int t) {
+            Task& task = tasks[t];
+            for (int k = t * task_size; k < std::min(count, (t + 1) * task_size); k += lanes) {
+                const int* of_lane[lanes];
+                for (int l = 0; l < lanes; ++l) of_lane[l] = &node[offset(std::min(k + l, count - 1), element_nodes_)];
+                task.fraction = std::min(task.fraction, of_batch<n>(of_lane, std::min(lanes, count - k), from, to, k,
+                                                                    task.folds));
+            }
+        }, 100.0 * task_size);
+    });
+    double fraction = 1;
+    for (const Task& task : tasks) {
+        fraction = std::min(fraction, task.fraction);
+        folds.insert(folds.end(), task.folds.begin(), task.folds.end());
+    }
+    return fraction;
+}
+
+}  // namespace almesh

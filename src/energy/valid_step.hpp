@@ -1,0 +1,50 @@
+// How far along a straight step all elements stay valid.
+//
+// Every node moves from x to x' on a straight line. The determinant of an element's map is a polynomial in the place in
+// the element and in the fraction s of the step, of degree n in s; its Bernstein coefficients in both bound it from
+// below (element_jacobian.hpp; a straight element has one number for each b_k). So no step of the method passes through
+// an inverted element, from one valid mesh to another that is wound differently, and the mesh that it leads to is
+// certified: everywhere in a curved element, not only at the points of its quadrature. Most elements are cleared by the
+// coefficients of the whole step; the others by bisection in space, and in s.
+//
+// A curved element whose determinant is small somewhere keeps a fifth of the least one in a step, as interior point
+// methods keep a part of the distance to the boundary: it comes near to folding in several steps, between which its
+// quadrature gets finer there (refined_rule.hpp).
+//
+// Conservative checks of this kind for curved elements: Johnen, Remacle, Geuzaine, J. Comput. Phys. 233, 2013; along
+// steps: Wang, Ferguson, Schneider, Jiang, Attene, Panozzo, ACM Trans. Graph. 40(5), 2021.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "geometry/element_jacobian.hpp"
+
+namespace almesh {
+
+// Where an element folds, or comes near it, although its quadrature may not see it.
+struct Fold {
+    int element;
+    Barycentric at;
+    double ratio;  // of the determinant here to its mean over the element; 0 where it folds or is not certified
+};
+
+class ValidStep {
+public:
+    ValidStep(int dim, int degree);
+
+    // The largest s in [0, 1] found so that every element is valid along (1 - r) x + r x' for 0 <= r <= s, if it is at
+    // x. node: count x m. Curved elements that are not certified at x', or have a ratio below 0.1, are added to
+    // `folds`. Same bits for any number of threads.
+    double fraction(const std::vector<int>& node, int count, const std::vector<double>& from,
+                    const std::vector<double>& to, std::vector<Fold>& folds) const;
+
+private:
+    int dim_, element_nodes_;
+    std::shared_ptr<const JacobianBasis> basis_;  // none for straight elements
+
+    template <int n>
+    double of_batch(const int* const* node, int count, const std::vector<double>& from, const std::vector<double>& to,
+                    int first, std::vector<Fold>& folds) const;
+};
+
+}  // namespace almesh

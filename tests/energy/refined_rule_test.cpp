@@ -1,0 +1,67 @@
+#include "energy/refined_rule.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "mesh/lagrange.hpp"
+
+using namespace almesh;
+
+// The gradients of the basis have the mean of those of the whole rule, since both integrate them exactly but for the
+// thousandth of weight at the nodes.
+TEST_CASE("a refined rule has the volume of the element, positive weights, and integrates derivatives of the basis") {
+    for (const int dim : {2, 3}) {
+        const Quadrature rule = element_quadrature(dim, 2, 0);
+        const ReferenceElement whole = reference_element(2, rule);
+        RefinedRule refined(dim);
+        REQUIRE(refined.refine({0.7, 0.1, 0.2, 0}, 0));
+        REQUIRE(refined.refine({0.72, 0.08, 0.2, 0}, 0));
+        REQUIRE(refined.refine({0, 1, 0, 0}, 0));
+        const ReferenceElement element = refined.element(2, rule);
+        CHECK(element.points == (1 + 3 * dim) * whole.points);
+        CHECK(std::accumulate(element.weight.begin(), element.weight.end(), 0.0) ==
+              doctest::Approx(dim == 2 ? 0.5 : 1.0 / 6));
+        for (const double w : element.weight) CHECK(w > 0);
+        const int stride = whole.nodes * dim;
+        for (int k = 0; k < stride; ++k) {
+            double of_whole = 0, of_refined = 0;
+            for (int q = 0; q < whole.points; ++q) of_whole += whole.weight[q] * whole.gradients[q * stride + k];
+            for (int q = 0; q < element.points; ++q) of_refined += element.weight[q] * element.gradients[q * stride + k];
+            CHECK(of_refined == doctest::Approx(of_whole).epsilon(1e-3));
+        }
+    }
+}
+
+// dN_0/dxi_0 of degree 2 is 1 - 4 lambda_0: a point's lambda_0 can be read from it.
+TEST_CASE("points gather where an element folded, and refinement ends") {
+    const Quadrature rule = element_quadrature(2, 2, 0);
+    RefinedRule refined(2);
+    const auto nearest = [&](double lambda) {
+        const ReferenceElement element = refined.element(2, rule);
+        double least = 1;
+        for (int q = 0; q < element.points; ++q)
+            least = std::min(least, std::abs(0.25 * (1 - element.gradients[q * element.nodes * 2]) - lambda));
+        return least;
+    };
+    const Barycentric at = {0.9137, 0.0511, 0.0352, 0};
+    int times = 0;
+    double before = nearest(at[0]);
+    while (refined.refine(at, 0)) ++times;
+    CHECK(times == 63);  // two more pieces each time, at most 128
+    CHECK(nearest(at[0]) < 1e-3 * before);
+    CHECK(refined.element(2, rule).points == 127 * rule.count);
+}
+
+TEST_CASE("a size that is asked for is reached at once, and not beyond") {
+    RefinedRule refined(3);
+    const Quadrature rule = element_quadrature(3, 2, 0);
+    const Barycentric corner = {0, 0, 0, 1};
+    CHECK(!refined.refine(corner, 1));
+    CHECK(refined.refine(corner, 0.3));
+    CHECK(refined.element(2, rule).points == 7 * rule.count);
+    CHECK(!refined.refine(corner, 0.25));
+    CHECK(refined.refine(corner, 0.2));
+    CHECK(refined.element(2, rule).points == 10 * rule.count);
+}

@@ -1,0 +1,167 @@
+#include "energy/valid_step.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+#include "mesh/lagrange.hpp"
+#include "support/meshes.hpp"
+#include "support/targets.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+double fraction(const Mesh& mesh, const std::vector<double>& from, const std::vector<double>& to,
+                std::vector<Fold>& folds) {
+    return ValidStep(mesh.dim, mesh.degree).fraction(mesh.elements, mesh.element_count(), from, to, folds);
+}
+
+double fraction(const Mesh& mesh, const std::vector<double>& from, const std::vector<double>& to) {
+    std::vector<Fold> folds;
+    return fraction(mesh, from, to, folds);
+}
+
+template <int n>
+double determinant_at(const LagrangeBasis& basis, const int* node, const std::vector<double>& x, const double* xi) {
+    std::vector<double> dN(static_cast<std::size_t>(basis.count) * n);
+    basis.gradients(xi, dN.data());
+    Mat<n> J{};
+    for (int i = 0; i < basis.count; ++i)
+        for (int a = 0; a < n; ++a)
+            for (int k = 0; k < n; ++k) J[a][k] += x[node[i] * n + a] * dN[i * n + k];
+    return determinant(J);
+}
+
+std::vector<double> between(const std::vector<double>& from, const std::vector<double>& to, double s) {
+    std::vector<double> x = from;
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += s * (to[i] - from[i]);
+    return x;
+}
+
+// Least determinant of the first element at a lattice of points.
+double least_determinant(const Mesh& mesh, const std::vector<double>& x) {
+    const LagrangeBasis basis(mesh.dim, mesh.degree);
+    double least = std::numeric_limits<double>::infinity();
+    for (const MultiIndex& a : gmsh_node_order(mesh.dim, 12)) {
+        const double xi[3] = {a[1] / 12.0, a[2] / 12.0, a[3] / 12.0};
+        const double det = mesh.dim == 2 ? determinant_at<2>(basis, mesh.element(0), x, xi)
+                                         : determinant_at<3>(basis, mesh.element(0), x, xi);
+        least = std::min(least, det);
+    }
+    return least;
+}
+
+Mesh one_element(int dim, int degree) {
+    const std::vector<double> x = dim == 2 ? std::vector<double>{0, 0, 1, 0, 0, 1}
+                                           : std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    std::vector<int> element(dim + 1);
+    for (int i = 0; i <= dim; ++i) element[i] = i;
+    return raise_degree(linear_mesh(dim, x, element, [](const double*) { return "wall"; }), degree);
+}
+
+}  // namespace
+
+TEST_CASE("a step that does nothing is valid, and so are small ones, in every degree") {
+    for (const int degree : {1, 2, 3, 4})
+        for (const Mesh& linear : {ring_mesh(10, 3, 4), cube_mesh(2)}) {
+            const Mesh mesh = raise_degree(linear, degree);
+            CHECK(fraction(mesh, mesh.x, mesh.x) == 1);
+            CHECK(fraction(mesh, mesh.x, wavy(mesh.x, mesh.dim, 0.02)) == 1);
+        }
+}
+
+// Both ends are valid, with the same shape; half way every element has shrunk to a point.
+TEST_CASE("half a turn is a step through an inversion though both of its ends are valid") {
+    for (const int degree : {1, 2, 4})
+        for (const Mesh& linear : {square_mesh(2), cube_mesh(1)}) {
+            const Mesh mesh = raise_degree(linear, degree);
+            std::vector<double> turned = mesh.x;
+            for (int i = 0; i < mesh.nodes(); ++i)
+                for (int a = 0; a < 2; ++a) turned[i * mesh.dim + a] *= -1;
+            std::vector<Fold> folds;
+            const double s = fraction(mesh, mesh.x, turned, folds);
+            CHECK(s > 0.4);
+            CHECK(s < 0.5);
+            CHECK(folds.empty());  // nothing is folded at the end
+        }
+}
+
+TEST_CASE("a straight element is followed up to where its determinant vanishes first") {
+    const Mesh mesh = one_element(2, 1);
+    const std::vector<double> to = {0, 0, 1, 0, 0, -3};  // vanishes at 1/4
+    CHECK(fraction(mesh, mesh.x, to) == doctest::Approx(0.25).epsilon(0.01));
+    CHECK(fraction(mesh, mesh.x, to) < 0.25);
+    const std::vector<double> far = between(mesh.x, to, 0.24);
+    CHECK(fraction(mesh, mesh.x, far) == 1);
+}
+
+// Up to the fraction that is found the element has a positive determinant wherever it is looked at; and not far beyond
+// there is a point where it has not.
+TEST_CASE("random steps of curved elements: no folded point before the end that is found, and one soon after it") {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> moved(-1, 1);
+    int cut = 0, close = 0;
+    for (int trial = 0; trial < 300; ++trial) {
+        const Mesh mesh = one_element(2 + trial % 2, 2 + trial / 2 % 3);
+        std::vector<double> to = mesh.x;
+        for (double& v : to) v += (0.1 + 0.002 * trial) * moved(random);
+        std::vector<Fold> folds;
+        const double s = fraction(mesh, mesh.x, to, folds);
+        for (int k = 0; k <= 20; ++k) REQUIRE(least_determinant(mesh, between(mesh.x, to, s * k / 20)) > 0);
+        const bool folded = least_determinant(mesh, to) <= 0;
+        if (folded) REQUIRE(s < 1);
+        if (folded) REQUIRE(folds.size() == 1);
+        if (folded) CHECK(folds[0].ratio == 0);
+        for (const Fold& fold : folds) {
+            const double xi[3] = {fold.at[1], fold.at[2], fold.at[3]};
+            const LagrangeBasis basis(mesh.dim, mesh.degree);
+            const double det = mesh.dim == 2 ? determinant_at<2>(basis, mesh.element(0), to, xi)
+                                             : determinant_at<3>(basis, mesh.element(0), to, xi);
+            CHECK(fold.ratio < 0.1);
+            CHECK((fold.ratio == 0) == (det < 1e-9));
+        }
+        if (s == 1) continue;
+        ++cut;
+        for (int k = 1; k <= 10; ++k)
+            if (least_determinant(mesh, between(mesh.x, to, std::min(1.0, s + 0.01 * k))) < 0.05) {
+                ++close;
+                break;
+            }
+    }
+    CHECK(cut > 100);
+    CHECK(close > 0.9 * cut);
+}
+
+TEST_CASE("steps have the same fraction and folds for any number of threads, and elements of aspect 1e6 pass") {
+    const Mesh mesh = raise_degree(ring_mesh(60, 30, 4), 3);
+    std::vector<double> to = wavy(mesh.x, 2, 0.02);
+    for (int i = 0; i < mesh.nodes(); i += 97) to[2 * i] += 0.4;
+    std::vector<std::size_t> counts;
+    for (const double s : for_threads([&] {
+             std::vector<Fold> folds;
+             const double found = fraction(mesh, mesh.x, to, folds);
+             counts.push_back(folds.size());
+             return found;
+         })) {
+        CHECK(s < 1);
+        CHECK(s == fraction(mesh, mesh.x, to));
+    }
+    CHECK(counts[0] > 0);
+    CHECK(counts[0] == counts[1]);
+    CHECK(counts[0] == counts[2]);
+
+    for (const int degree : {1, 3}) {
+        Mesh thin = raise_degree(square_mesh(4), degree);
+        for (std::size_t i = 1; i < thin.x.size(); i += 2) thin.x[i] *= 1e-6;
+        std::vector<double> turned = thin.x;  // by half a degree
+        const double c = std::cos(0.0087), s = std::sin(0.0087);
+        for (int i = 0; i < thin.nodes(); ++i) {
+            turned[2 * i] = c * thin.x[2 * i] - s * thin.x[2 * i + 1];
+            turned[2 * i + 1] = s * thin.x[2 * i] + c * thin.x[2 * i + 1];
+        }
+        CHECK(fraction(thin, thin.x, turned) == 1);
+    }
+}
