@@ -29,7 +29,7 @@ constexpr const char* help =
     "Results are written to outputs/<deck name>, or to the folder of the key `output`.\n"
     "Keys on the command line: almesh inputs/circle.deck refine=2 \"boundary inner=translate 4 0\"\n"
     "\n"
-    "Exit codes: 0 converged and certified valid; 1 usage or deck; 2 mesh, target or output folder;\n"
+    "Exit codes: 0 converged and certified valid and injective; 1 usage or deck; 2 mesh, target or output folder;\n"
     "  3 not converged (the last mesh is written); 4 converged but not certified valid;\n"
     "  5 an `expect` line of the deck does not hold.\n";
 

@@ -102,8 +102,7 @@ Problem make_problem(const Deck& deck) {
     const Mesh& mesh = problem.mesh();
     const TargetReport report = check_target(mesh, problem.target.node);
     refuse_invalid_target(report);
-    problem.target_crosses = !report.notes.empty();
-    problem.notes.insert(problem.notes.end(), report.notes.begin(), report.notes.end());
+    problem.crossed_before = report.crossed_before;
     problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
     change_unit(problem.length, *problem.level, problem.target);
     return problem;

@@ -16,7 +16,7 @@ struct Problem {
     BoundaryTarget target;         // in units of `length`
     double length = 1;             // of the mesh file, by which positions were divided
     std::string mesh_hash;         // FNV-1a of the file, to tell which mesh a result came from
-    bool target_crosses = false;   // closed parts of the target boundary cross each other: no valid mesh reaches it
+    bool crossed_before = false;   // faces of the initial boundary cross each other, and stay so
     std::vector<std::string> notes;
 
     const Mesh& mesh() const { return level->mesh; }

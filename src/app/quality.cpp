@@ -3,6 +3,7 @@
 #include <array>
 
 #include "check/certificate.hpp"
+#include "check/injectivity.hpp"
 #include "check/quality.hpp"
 #include "io/mesh_format.hpp"
 #include "mesh/build.hpp"
@@ -35,7 +36,10 @@ ExitCode quality(const std::string& mesh_path, std::FILE* out) {
     std::fprintf(out, "\nscaled Jacobian >= %.6g everywhere", certificate.min_scaled_jacobian);
     std::fprintf(out, certificate.valid ? ": all elements certified valid\n" : "\n");
     print_uncertified(out, mesh, mesh.x, 1, certificate);
-    return certificate.valid ? ExitCode::success : ExitCode::not_certified;
+    const Injectivity injectivity = certify_injective(mesh, mesh.x, certificate);
+    if (injectivity.certified) std::fprintf(out, "certified injective: no two elements overlap\n");
+    else if (certificate.valid) std::fprintf(out, "NOT certified injective: %s\n", injectivity.obstacle.c_str());
+    return injectivity.certified ? ExitCode::success : ExitCode::not_certified;
 }
 
 void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, double length,

@@ -5,6 +5,7 @@
 
 #include "app/summary.hpp"
 #include "check/certificate.hpp"
+#include "check/injectivity.hpp"
 #include "method/augmented_lagrangian.hpp"
 
 namespace almesh {
@@ -28,6 +29,7 @@ struct Solution {
     AlResult al;
     double max_boundary_error = 0;
     Certificate certificate;
+    Injectivity injectivity;
     RunTimes time;
     int coarse_newton_iterations = 0;  // on the coarser meshes
     int refined_elements = 0;          // with a finer quadrature

@@ -43,6 +43,13 @@ const char* advice(AlStatus status) {
     return "";
 }
 
+std::string judgement(const Solution& solution) {
+    if (!solution.certificate.valid) return "NOT certified valid";
+    if (!solution.injectivity.certified)
+        return "all elements valid, but NOT certified injective: " + solution.injectivity.obstacle;
+    return "certified valid and injective";
+}
+
 void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {
     const AlIteration& last = solution.al.iterations.back();
     std::string others;
@@ -60,8 +67,7 @@ void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, con
         std::fprintf(out,
                      "the iterative solver failed in %d Newton step%s, solved by Cholesky (history.csv tells why)\n",
                      fallbacks, fallbacks == 1 ? "" : "s");
-    std::fprintf(out, "%s: scaled Jacobian >= %.4g everywhere; results in %s\n",
-                 solution.certificate.valid ? "certified valid" : "NOT certified valid",
+    std::fprintf(out, "%s: scaled Jacobian >= %.4g everywhere; results in %s\n", judgement(solution).c_str(),
                  solution.certificate.min_scaled_jacobian, deck.output.c_str());
 }
 
@@ -71,9 +77,9 @@ bool starts_coarse(const Deck& deck) {
 }
 
 // The schedules of the paper do not follow the motion unless they are told to.
-Follow followed(const Deck& deck, const Problem& problem) {
+Follow followed(const Deck& deck) {
     const bool of_paper = deck.follow == Follow::automatic && deck.method.algorithm != Algorithm::adaptive;
-    return of_paper || problem.target_crosses ? Follow::never : deck.follow;
+    return of_paper ? Follow::never : deck.follow;
 }
 
 // Has the system of one Newton step written, for `almesh linsolve`. Where the Hessian of that step was weakened, the
@@ -130,7 +136,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
         report.add(stage);
         solution.coarse_newton_iterations += stage.newton_iterations;
     };
-    const MethodParams params = {deck.method, deck.linear, deck.forcing, followed(deck, problem)};
+    const MethodParams params = {deck.method, deck.linear, deck.forcing, followed(deck)};
     const int levels = starts_coarse(deck) ? deck.refine : 0;
     const CoarseSolution coarse = solve_coarser(levels, make_level, params, solution.time, add_stage);
     solution.time.coarse = solution.time.total;
@@ -155,13 +161,12 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     solution.time += newton->time;
     const double refused_bytes = newton->linear_solver().refused_bytes();
     newton.reset();  // the factor is the largest thing in memory
-    const bool failed = solution.al.status != AlStatus::converged && solution.al.status != AlStatus::interrupted;
-    if (failed && problem.target_crosses) solution.al.status = AlStatus::infeasible;
 
     // 5. What was reached: certificate and files.
     {
         const TimeAdder adder(solution.time.certify);
         solution.certificate = certify(problem.mesh(), solution.x, deck.certificate);
+        solution.injectivity = certify_injective(problem.mesh(), solution.x, solution.certificate);
         solution.refined_elements = level.energy->refined_elements();
         solution.max_boundary_error = level.constraint->max_error(solution.x);
     }
@@ -178,7 +183,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
 
     const bool expected = expectations_hold(out, deck, summary);
     if (solution.al.status != AlStatus::converged) return ExitCode::not_converged;
-    if (!solution.certificate.valid) return ExitCode::not_certified;
+    if (!solution.injectivity.certified) return ExitCode::not_certified;
     return expected ? ExitCode::success : ExitCode::expectation_failed;
 }
 

@@ -94,6 +94,8 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.solution.certificate.min_scaled_jacobian, 6); }},
     {{"certified_valid", "yes where det J > 0 is proved in every element, else no"}, word,
      [](R r) { return text(r.solution.certificate.valid ? "yes" : "no"); }},
+    {{"certified_injective", "yes where it is proved too that no two elements overlap, else no"}, word,
+     [](R r) { return text(r.solution.injectivity.certified ? "yes" : "no"); }},
     {{"time_run", "seconds of the whole run"}, decimal, [](R r) { return text(r.time.run, 4); }},
     {{"time_setup", "mesh, target and its checks, pattern and ordering of the matrix"}, decimal,
      [](R r) { return text(r.time.setup, 4); }},

@@ -2,6 +2,7 @@
 //   folded, collapsed   n . m / |m|^2 <= 0 somewhere, m the mean of n, from the Bezier coefficients of n (patch.hpp)
 //   mirrored, flattened the sum of the cones from one apex to the faces of a closed part, (1 / dim) int (x - apex) . n
 //   crossing            pairs of faces whose boxes overlap, by patch_contact()
+//   into or out of      the winding number of one closed part about a node of another, in turns
 //   folded neighbours   the angle between the directions in which they leave what they share is zero
 // Tolerances are relative to the size of a face or a closed part.
 #include "check/target_check.hpp"
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <set>
 #include <sstream>
@@ -90,6 +92,7 @@ struct Check {
     std::vector<const char*> bad;       // per face: what is wrong with it alone; later checks pass over such faces
     std::vector<ClosedPart> parts;
     std::vector<int> part;              // per face
+    std::set<std::pair<int, int>> crossing;  // parts, found by check_pairs()
     TargetReport report;
 
     Check(const Mesh& mesh, const std::vector<double>& target);
@@ -97,10 +100,13 @@ struct Check {
     void check_faces();
     void check_closed_parts();
     void check_pairs();
+    void check_nesting();
     void check_nodes();
 
     const char* fault_of_face(const Patch& patch) const;
     const char* fault_of_pair(int f, int g) const;
+    double winding(const std::vector<Patch>& patches, int around, const Vec<3>& point) const;
+    std::vector<std::array<int, 2>> farthest_corners(int of_part) const;
     std::vector<double> enclosed(const std::vector<Patch>& patches) const;
     std::string id_of_node(int i) const { return std::to_string(mesh.file.node_id.empty() ? i : mesh.file.node_id[i]); }
     void add_fault(int f, const std::string& what) { report.faults.push_back({f, face_name(mesh, f) + ": " + what}); }
@@ -184,23 +190,25 @@ void Check::check_closed_parts() {
     }
 }
 
-// Of two faces that come close in the target and are not bad themselves; null for none. In 3D, neighbours are not
-// tested for crossing: they touch along a curve, which no bisection decides. Faces that cross in the initial mesh
-// already are not a fault, within one closed part.
+constexpr char crossed_before[] = "";
+
+// Of two faces that come close in the target and are not bad themselves; null for none, crossed_before where they cross
+// in the initial mesh already. In 3D, neighbours are not tested for crossing: they touch along a curve, which no
+// bisection decides.
 const char* Check::fault_of_pair(int f, int g) const {
     const Bernstein& bernstein = basis.bernstein;
     const SharedCorners shared = shared_corners(mesh, f, g);
     const bool neighbours = static_cast<int>(shared.size()) >= mesh.dim - 1;
-    if (neighbours && folded_flat(bernstein, after[f], after[g], shared) &&
-        !folded_flat(bernstein, before[f], before[g], shared))
-        return "the target folds it flat onto ";
+    if (neighbours && folded_flat(bernstein, after[f], after[g], shared))
+        return folded_flat(bernstein, before[f], before[g], shared) ? crossed_before
+                                                                    : "the target folds it flat onto ";
     if (neighbours && mesh.dim == 3) return nullptr;
     if (patch_contact(bernstein, after[f], after[g]) != Contact::crossing) return nullptr;
-    if (part[f] == part[g] && patch_contact(bernstein, before[f], before[g]) == Contact::crossing) return nullptr;
-    return "in the target it crosses ";
+    const bool before_too = patch_contact(bernstein, before[f], before[g]) == Contact::crossing;
+    return before_too ? crossed_before : "in the target it crosses ";
 }
 
-// Closed parts that cross each other give one note per pair of them.
+// Closed parts that cross each other give one fault per pair of them.
 void Check::check_pairs() {
     const BoxTree tree = tree_of_boxes(after);
     std::vector<std::pair<int, int>> close;
@@ -215,16 +223,80 @@ void Check::check_pairs() {
     parallel_for_uneven(static_cast<int>(close.size()), [&](int k) {
         fault[k] = fault_of_pair(close[k].first, close[k].second);
     }, face_work);
-    std::set<std::pair<int, int>> noted;
+    std::set<std::pair<int, int>> named;
     for (std::size_t k = 0; k < close.size(); ++k) {
-        if (!fault[k]) continue;
         const auto [f, g] = close[k];
-        if (part[f] == part[g]) add_fault(f, fault[k] + face_name(mesh, g));
-        else if (noted.insert(std::minmax(part[f], part[g])).second)
-            report.notes.push_back(concat("in the target, the closed boundary made of ", parts[part[f]].boundaries,
-                                          " crosses the one made of ", parts[part[g]].boundaries, ": ",
-                                          face_name(mesh, f), " and ", face_name(mesh, g)));
+        if (fault[k] == crossed_before) report.crossed_before = true;
+        else if (fault[k] && part[f] == part[g]) add_fault(f, fault[k] + face_name(mesh, g));
+        else if (fault[k] && named.insert(std::minmax(part[f], part[g])).second)
+            add_fault(f, concat(fault[k], face_name(mesh, g), ": the closed boundary made of ",
+                                parts[part[f]].boundaries,
+                                " goes through the one made of ", parts[part[g]].boundaries));
     }
+    crossing = std::move(named);
+}
+
+// How often the closed part goes around the point, from flat pieces of its faces.
+double Check::winding(const std::vector<Patch>& patches, int around, const Vec<3>& p) const {
+    const int m = mesh.dim - 1, depth = mesh.degree == 1 ? 0 : 3 * m;
+    double sum = 0;
+    const auto add = [&](const auto& self, const Patch& patch, int bisections) -> void {
+        if (bisections > 0) {
+            const auto [a, b] = longest_edge(patch, m);
+            const auto [first, second] = bisect(basis.bernstein, patch, a, b);
+            self(self, first, bisections - 1);
+            self(self, second, bisections - 1);
+            return;
+        }
+        const Vec<3> u = patch[0] - p, v = patch[1] - p;
+        if (m == 1) {
+            sum += std::atan2(cross(u, v)[2], dot(u, v));
+        } else {  // Van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983
+            const Vec<3> w = patch[2] - p;
+            const double a = length(u), b = length(v), c = length(w);
+            sum += std::atan2(dot(u, cross(v, w)), a * b * c + dot(u, v) * c + dot(v, w) * a + dot(w, u) * b);
+        }
+    };
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (part[f] == around) add(add, patches[f], depth);
+    return sum / (2 * std::numbers::pi);
+}
+
+// Corners of its faces in which the closed part reaches farthest in the target, in each direction of each axis: (face,
+// corner).
+std::vector<std::array<int, 2>> Check::farthest_corners(int of_part) const {
+    const auto coordinate = [&](std::array<int, 2> at, int axis) { return after[at[0]][at[1]][axis]; };
+    std::vector<std::array<int, 2>> farthest(2 * mesh.dim, {parts[of_part].first_face, 0});
+    for (int f = 0; f < mesh.face_count(); ++f)
+        for (int i = 0; i < mesh.dim && part[f] == of_part; ++i)
+            for (int axis = 0; axis < mesh.dim; ++axis) {
+                std::array<int, 2>&least = farthest[2 * axis], &most = farthest[2 * axis + 1];
+                if (coordinate({f, i}, axis) < coordinate(least, axis)) least = {f, i};
+                if (coordinate({f, i}, axis) > coordinate(most, axis)) most = {f, i};
+            }
+    return farthest;
+}
+
+// For pairs of parts that are not known to cross: one that was inside the other must stay inside. A corner so near to
+// the other part that its winding number is no integer tells nothing.
+void Check::check_nesting() {
+    const int count = static_cast<int>(parts.size());
+    const auto is_inside = [](double turns) { return std::abs(turns) > 0.5; };
+    const auto is_clear = [](double turns) { return std::abs(turns - std::round(turns)) < 0.25; };
+    std::vector<char> moved(count * count, 0);
+    parallel_for_uneven(count * count, [&](int pair) {
+        const int k = pair / count, l = pair % count;
+        if (k == l || crossing.contains(std::minmax(k, l))) return;
+        for (const auto [f, i] : farthest_corners(k)) {
+            const double was = winding(before, l, before[f][i]), becomes = winding(after, l, after[f][i]);
+            if (is_clear(was) && is_clear(becomes) && is_inside(was) != is_inside(becomes)) moved[pair] = 1;
+        }
+    }, face_work * mesh.face_count());
+    for (int pair = 0; pair < count * count; ++pair)
+        if (moved[pair])
+            add_fault(parts[pair / count].first_face,
+                      concat("the target takes the closed boundary made of ", parts[pair / count].boundaries,
+                             " through the one made of ", parts[pair % count].boundaries));
 }
 
 // Distinct nodes of one closed part that the target puts in one place.
@@ -268,6 +340,7 @@ TargetReport check_target(const Mesh& mesh, const std::vector<double>& target) {
     check.check_faces();
     check.check_closed_parts();
     check.check_pairs();
+    check.check_nesting();
     check.check_nodes();
     return check.report;
 }

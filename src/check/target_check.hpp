@@ -6,13 +6,12 @@
 //   - a closed part of the boundary is mirrored, turned inside out or flattened: the area or volume it encloses, the
 //     integral of x . n / dim, changes sign or vanishes;
 //   - faces cross each other, or neighbours are folded flat onto each other;
+//   - a closed part is moved into or out of another one, through it or past it;
 //   - distinct nodes fall together.
 // Crossings, folds and coincident nodes of the initial mesh (the two sides of a crack) are no faults of the target.
-// Closed parts that cross each other, such as a body moved through the outer boundary, give a note only: there the
-// solver ends with a status of its own.
 // In 3D, non-neighbouring faces that overlap within one plane are not found.
 //
-// Cost: O(faces log faces), plus the bisections of faces that come close to each other.
+// Cost: O(faces log faces), plus the bisections of faces that come close to each other, plus O(faces parts).
 #pragma once
 #include <string>
 #include <vector>
@@ -27,7 +26,7 @@ struct TargetReport {
         std::string why;  // names the face by id and boundary, its centre in the mesh as read, and what is wrong
     };
     std::vector<Fault> faults;
-    std::vector<std::string> notes;
+    bool crossed_before = false;  // faces of the initial mesh cross, and do so in the target
 };
 
 // target: face_count x face_nodes x dim positions (BoundaryTarget::node), finite; the first face that holds a node

@@ -1,8 +1,8 @@
 // The quadrature of one element that has folded between the points of its rule.
 //
 // The integral of the distortion is infinite for a folded element, its sum over points is not: nothing keeps a
-// minimiser of the sum from folding the element between them. So where a step would (valid_step.hpp), the element is cut
-// into pieces that get smaller towards that place, with the element's rule on each. The points of the rule at the
+// minimiser of the sum from folding the element between them. So where a step would (valid_step.hpp), the element is
+// cut into pieces that get smaller towards that place, with the element's rule on each. The points of the rule at the
 // nodes of a piece make the energy infinite where the element folds there.
 #pragma once
 #include <array>

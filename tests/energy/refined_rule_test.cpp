@@ -28,7 +28,8 @@ TEST_CASE("a refined rule has the volume of the element, positive weights, and i
         for (int k = 0; k < stride; ++k) {
             double of_whole = 0, of_refined = 0;
             for (int q = 0; q < whole.points; ++q) of_whole += whole.weight[q] * whole.gradients[q * stride + k];
-            for (int q = 0; q < element.points; ++q) of_refined += element.weight[q] * element.gradients[q * stride + k];
+            for (int q = 0; q < element.points; ++q)
+                of_refined += element.weight[q] * element.gradients[q * stride + k];
             CHECK(of_refined == doctest::Approx(of_whole).epsilon(1e-3));
         }
     }

@@ -101,9 +101,10 @@ TEST_CASE("a motion that fails at once is followed in halves; one out of reach i
     const Outcome outcome = ring.run({"boundary inner=translate 6 0", "max_newton_iterations=4"});
     CHECK(count(ring, "followed_newton_iterations") > 0);
     CHECK(outcome.code == 0);
-    CHECK(ring.run({"boundary inner=translate 25 0"}).code == 3);
-    CHECK(value(ring, "status") == "infeasible");
-    CHECK(count(ring, "followed_newton_iterations") == 0);
+    const RingDeck thin(ring_mesh(16, 1, 2));
+    CHECK(thin.run({"boundary inner=rotate 90", "objective=squared"}).code == 3);
+    CHECK(value(thin, "status") == "infeasible");
+    CHECK(count(thin, "followed_newton_iterations") == 0);
 }
 
 TEST_CASE("where boundaries with common nodes agree on the whole motion only, it is made at once") {
@@ -123,13 +124,12 @@ TEST_CASE("where boundaries with common nodes agree on the whole motion only, it
 }
 
 TEST_CASE("what cannot be followed is tried at once at last, with all the steps it may take") {
-    const RingDeck ring(ring_mesh(around, layers, 20));
-    // The turned body ends outside.
-    CHECK(ring.run({"boundary inner=rotate 100; translate 30 0"}).code == 3);
+    const RingDeck ring(ring_mesh(16, 1, 2));  // one layer: it cannot be wound that far
+    CHECK(ring.run({"boundary inner=rotate 170"}).code == 3);
     CHECK(count(ring, "followed_newton_iterations") > 0);
     const auto summary = summary_of(ring.output);
-    CHECK(number(summary, "constraint_norm") > 1);
-    CHECK(number(summary, "relative_boundary_error") > 1);
+    CHECK(number(summary, "constraint_norm") > 0.01);
+    CHECK(number(summary, "relative_boundary_error") > 0.01);
     CHECK(summary.at("certified_valid") == "yes");
 }
 

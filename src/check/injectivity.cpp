@@ -1,0 +1,86 @@
+// The boundary by check_target(), with the positions that were reached as target; the angles of curved elements between
+// the tangents of their edges, which are the differences of Bezier points at the vertex.
+#include "check/injectivity.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/index.hpp"
+#include "base/parallel.hpp"
+#include "base/text.hpp"
+#include "check/target_check.hpp"
+#include "geometry/patch.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double corner_work = 200;  // simple operations for the angles of an element, at least
+
+// Of the directions of the edges at a corner, in units of a full turn or sphere.
+double angle(const Vec<3>& u, const Vec<3>& v) {
+    return std::atan2(length(cross(u, v)), dot(u, v)) / (2 * std::numbers::pi);
+}
+double solid_angle(const Vec<3>& u, const Vec<3>& v, const Vec<3>& w) {  // Van Oosterom & Strackee 1983
+    const double a = length(u), b = length(v), c = length(w);
+    const double half = std::atan2(std::abs(dot(u, cross(v, w))),
+                                   a * b * c + dot(u, v) * c + dot(v, w) * a + dot(w, u) * b);
+    return half / (2 * std::numbers::pi);
+}
+
+// Sum of the angles of all elements at each vertex, in units of a full one.
+std::vector<double> angle_sums(const Mesh& mesh, const std::vector<double>& x) {
+    const int n = mesh.dim, corners = n + 1, m = mesh.element_nodes();
+    const PatchBasis basis(n, mesh.degree);
+    std::vector<double> at_corner(offset(mesh.element_count(), corners));
+    parallel_for(mesh.element_count(), [&](int e) {
+        Vec<3> corner[4]{};
+        Patch patch;
+        if (mesh.degree > 1) patch = make_patch(basis, positions(mesh, x, mesh.element(e), m));
+        for (int i = 0; i < corners; ++i) std::copy_n(point(x, mesh.element(e)[i], n), n, corner[i].begin());
+        for (int i = 0; i < corners; ++i) {
+            Vec<3> tangent[3];
+            for (int j = 0, k = 0; j < corners; ++j) {
+                if (j == i) continue;
+                tangent[k++] = mesh.degree > 1 ? edge_tangent(basis.bernstein, patch, i, j) : corner[j] - corner[i];
+            }
+            at_corner[offset(e, corners, i)] = n == 2 ? angle(tangent[0], tangent[1])
+                                                      : solid_angle(tangent[0], tangent[1], tangent[2]);
+        }
+    }, corner_work);
+    std::vector<double> sum(mesh.nodes(), 0.0);
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int i = 0; i < corners; ++i) sum[mesh.element(e)[i]] += at_corner[offset(e, corners, i)];
+    return sum;
+}
+
+// The first vertex whose elements go around it more than once, or -1.
+int overlapped_vertex(const Mesh& mesh, const std::vector<double>& x) {
+    const std::vector<double> sum = angle_sums(mesh, x);
+    constexpr double rounding = 1e-6;
+    const auto found = std::find_if(sum.begin(), sum.end(), [](double turns) { return turns > 1 + rounding; });
+    return found == sum.end() ? -1 : static_cast<int>(found - sum.begin());
+}
+
+}  // namespace
+
+Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate) {
+    if (!certificate.valid) return {false, "elements are not certified valid"};
+    if (const int i = overlapped_vertex(mesh, x); i >= 0)
+        return {false, concat("the elements around node ", mesh.file.node_id.empty() ? i : mesh.file.node_id[i],
+                              " overlap")};
+    std::vector<double> boundary;
+    for (const int i : mesh.faces)
+        boundary.insert(boundary.end(), point(x, i, mesh.dim), point(x, i, mesh.dim) + mesh.dim);
+    const TargetReport report = check_target(mesh, boundary);
+    if (!report.faults.empty()) {
+        const int f = report.faults.front().face;
+        return {false, concat("the boundary overlaps itself at face ",
+                              mesh.file.face_id.empty() ? f : mesh.file.face_id[f], " of ",
+                              mesh.boundaries[mesh.face_boundary[f]])};
+    }
+    if (report.crossed_before) return {false, "the boundary of the initial mesh crosses itself"};
+    return {true, ""};
+}
+
+}  // namespace almesh

@@ -1,0 +1,29 @@
+// Whether the mesh covers every point once: no two elements overlap, not only none inverted.
+//
+// Let every element be valid (certificate.hpp). The number of points that the map phi takes to y is then the degree of
+// phi at y, which depends on the boundary alone, and changes only across the image of the boundary, by one (Lipman,
+// ACM Trans. Graph. 33(4), 2014, for straight meshes). Where the boundary does not cross itself, each of its closed
+// parts keeps its orientation, and none has moved through another (target_check.hpp), the degree is that of the
+// initial mesh: one inside, zero outside. So phi is injective, whatever lies between. Where the boundary is not in its
+// place yet it can overlap itself while all elements are valid, and nodes inside can then have elements around them
+// that fill their surroundings twice; as a check of its own, the angles at every node must add up to 2 pi in 2D, the
+// solid angles to 4 pi in 3D, at nodes of the boundary to no more.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "check/certificate.hpp"
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+struct Injectivity {
+    bool certified = false;
+    std::string obstacle;  // what stands in the way; empty where certified
+};
+
+// x: node_count x dim positions; certificate: of these. An initial mesh that overlaps itself is not certified.
+// Cost: O(elements), and that of check_target().
+Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate);
+
+}  // namespace almesh

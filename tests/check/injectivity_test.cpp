@@ -1,0 +1,130 @@
+#include "check/injectivity.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "support/meshes.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+Injectivity judge(const Mesh& mesh, const std::vector<double>& x) {
+    const Certificate certificate = certify(mesh, x);
+    REQUIRE(certificate.valid);
+    return certify_injective(mesh, x, certificate);
+}
+
+bool mentions(const Injectivity& injectivity, const std::string& text) {
+    return injectivity.obstacle.find(text) != std::string::npos;
+}
+
+// Every point of the plane is turned about `centre` by as much again as its angle.
+std::vector<double> wound_twice(const Mesh& mesh, double centre) {
+    std::vector<double> x = mesh.x;
+    for (int i = 0; i < mesh.nodes(); ++i) {
+        double* const p = &x[i * mesh.dim];
+        const double r = std::hypot(p[0] - centre, p[1] - centre), angle = 2 * std::atan2(p[1] - centre, p[0] - centre);
+        p[0] = centre + r * std::cos(angle);
+        p[1] = centre + r * std::sin(angle);
+    }
+    return x;
+}
+
+// `around` triangles about a node at the origin.
+Mesh disc(int around) {
+    std::vector<double> x = {0, 0};
+    std::vector<int> elements;
+    for (int i = 0; i < around; ++i) {
+        const double angle = 2 * std::numbers::pi * (i + 0.1) / around;
+        x.insert(x.end(), {std::cos(angle), std::sin(angle)});
+        elements.insert(elements.end(), {0, 1 + i, 1 + (i + 1) % around});
+    }
+    return linear_mesh(2, x, elements, [](const double*) { return "rim"; });
+}
+
+// Two layers of prisms over the disc, each cut into three tetrahedra.
+Mesh cylinder(int around) {
+    const Mesh flat = disc(around);
+    const int nodes = flat.nodes();
+    std::vector<double> x;
+    for (int layer = 0; layer < 3; ++layer)
+        for (int i = 0; i < nodes; ++i) x.insert(x.end(), {flat.x[2 * i], flat.x[2 * i + 1], 0.5 * layer});
+    std::vector<int> elements;
+    for (int layer = 0; layer < 2; ++layer)
+        for (int e = 0; e < flat.element_count(); ++e) {
+            std::vector<int> v(flat.element(e), flat.element(e) + 3);
+            std::sort(v.begin(), v.end());
+            const int a = v[0] + layer * nodes, b = v[1] + layer * nodes, c = v[2] + layer * nodes, up = nodes;
+            const std::array<int, 4> cut[3] = {{a, b, c, c + up}, {a, b, b + up, c + up}, {a, a + up, b + up, c + up}};
+            for (std::array<int, 4> tet : cut) {
+                if (determinant(straight_jacobian<3>(tet.data(), x)) < 0) std::swap(tet[0], tet[1]);
+                elements.insert(elements.end(), tet.begin(), tet.end());
+            }
+        }
+    return linear_mesh(3, x, elements, [](const double*) { return "wall"; });
+}
+
+}  // namespace
+
+TEST_CASE("valid meshes whose boundary is in its place are certified, in every degree") {
+    for (const int degree : {1, 2, 3})
+        for (const Mesh& linear : {square_mesh(3), ring_mesh(9, 2, 3), cube_mesh(2), disc(7), cylinder(6)}) {
+            const Mesh mesh = raise_degree(linear, degree);
+            for (const std::vector<double>& x : {mesh.x, wavy(mesh.x, mesh.dim, 0.005)}) {
+                const Injectivity found = judge(mesh, x);
+                CHECK(found.certified);
+                CHECK(found.obstacle.empty());
+            }
+        }
+}
+
+TEST_CASE("an inverted element settles it") {
+    const Mesh mesh = square_mesh(2);
+    std::vector<double> x = mesh.x;
+    for (std::size_t i = 0; i < x.size(); i += 2) x[i] *= -1;
+    const Injectivity found = certify_injective(mesh, x, certify(mesh, x));
+    CHECK(!found.certified);
+    CHECK(found.obstacle == "elements are not certified valid");
+}
+
+TEST_CASE("a node that its elements go around twice is found though all of them are valid") {
+    const Mesh flat = disc(12);
+    const Injectivity found = judge(flat, wound_twice(flat, 0));
+    CHECK(!found.certified);
+    CHECK(mentions(found, "the elements around node 1 overlap"));
+    const Mesh curved = raise_degree(flat, 2);
+    CHECK(mentions(judge(curved, straight_sided([&] {
+                             Mesh moved = curved;
+                             moved.x = wound_twice(curved, 0);
+                             return moved;
+                         }())),
+                   "around node 1 overlap"));
+
+    const Mesh tall = cylinder(12);  // the node in the middle of the axis has two full spheres of elements
+    CHECK(mentions(judge(tall, wound_twice(tall, 0)), "the elements around node 14 overlap"));
+}
+
+// A strip bent into a ring and beyond: its ends overlap, no node has more than its share.
+TEST_CASE("a boundary that overlaps itself is found though elements and angles are in order") {
+    Mesh strip = square_mesh(8);
+    const auto bent = [&](double turns) {
+        std::vector<double> x = strip.x;
+        for (std::size_t i = 0; i < x.size(); i += 2) {
+            const double r = 5 - strip.x[i + 1], angle = 2 * std::numbers::pi * turns * strip.x[i];
+            x[i] = r * std::cos(angle);
+            x[i + 1] = r * std::sin(angle);
+        }
+        return x;
+    };
+    const std::vector<double> open = bent(0.9), closed = bent(1.07);
+    CHECK(judge(strip, open).certified);
+    const Injectivity found = judge(strip, closed);
+    CHECK(!found.certified);
+    CHECK(mentions(found, "the boundary overlaps itself at face "));
+}
