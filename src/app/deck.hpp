@@ -35,6 +35,7 @@ struct DeckBoundary {
 };
 
 enum class Start { automatic, identity, coarse };
+enum class Snap { automatic, no, yes };
 enum class VtkOutput { ascii, binary, none };
 
 struct Deck {
@@ -49,6 +50,7 @@ struct Deck {
     AugmentedLagrangianParams method;
     Start start = Start::automatic;
     Follow follow = Follow::automatic;
+    Snap snap = Snap::automatic;
     std::optional<double> length_scale;
     LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;

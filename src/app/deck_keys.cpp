@@ -120,6 +120,9 @@ const std::vector<DeckKey>& deck_keys() {
          "Whether the motion is followed in parts, so that the mesh winds as the boundary turns; auto: with algorithm "
          "= adaptive, turns above 90 degrees by the shorter way, and where the whole motion fails at once; always: "
          "turns as they are written, also beyond 180 degrees."},
+        {"snap", choice<&Deck::snap>({"auto", "0", "1"}),
+         "1: in the end the nodes of the boundary are set to their targets, to the last bit, where elements stay "
+         "valid; auto: 1 with algorithm = adaptive, else 0."},
         {"mu0", number<&Deck::method, &Method::mu0>(positive),
          "Algorithms paper and literal: first penalty mu, in units of |1|^2, the sum of |f|/h over the boundary "
          "faces."},

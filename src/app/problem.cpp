@@ -104,6 +104,7 @@ Problem make_problem(const Deck& deck) {
     refuse_invalid_target(report);
     problem.crossed_before = report.crossed_before;
     problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
+    problem.node_target = problem.target.node;
     change_unit(problem.length, *problem.level, problem.target);
     return problem;
 }

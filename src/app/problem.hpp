@@ -14,6 +14,7 @@ struct Problem {
     Mesh base;                     // as read and mended
     std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in units of `length`
     BoundaryTarget target;         // in units of `length`
+    std::vector<double> node_target;  // target.node in units of the file
     double length = 1;             // of the mesh file, by which positions were divided
     std::string mesh_hash;         // FNV-1a of the file, to tell which mesh a result came from
     bool crossed_before = false;   // faces of the initial boundary cross each other, and stay so

@@ -30,10 +30,23 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
     return values;
 }
 
+// Of the nodes of the solution, in units of the file; those at their targets have the target's bits.
+std::vector<double> final_positions(const Problem& problem, const std::vector<double>& solution) {
+    const Mesh& mesh = problem.mesh();
+    const int dim = mesh.dim;
+    std::vector<double> x = scaled(solution, problem.length);
+    for (std::size_t k = mesh.faces.size(); k-- > 0;)  // the first face that holds a node decides
+        if (const int i = mesh.faces[k]; std::equal(point(solution, i, dim), point(solution, i, dim) + dim,
+                                                    &problem.target.node[k * dim]))
+            std::copy_n(&problem.node_target[k * dim], dim, point(x, i, dim));
+    return x;
+}
+
 VtkFormat format_of(const Deck& deck) { return deck.vtk == VtkOutput::binary ? VtkFormat::binary : VtkFormat::ascii; }
 
+// x, in the run's unit, and positions, in the file's, are the same places.
 void write_volume(const Deck& deck, const Problem& problem, const char* what, const std::vector<double>& x,
-                  const std::vector<double>& distortion, const std::vector<double>* scaled_jacobian) {
+                  std::vector<double> positions, const std::vector<double>& distortion, const std::vector<double>* scaled_jacobian) {
     const Mesh& mesh = problem.mesh();
     std::vector<VtkArray> point_data, cell_data = {{"distortion", 1, distortion}};
     if (!deck.wall.empty())
@@ -48,13 +61,14 @@ void write_volume(const Deck& deck, const Problem& problem, const char* what, co
     if (scaled_jacobian) cell_data.push_back({"min_scaled_jacobian", 1, *scaled_jacobian});
     cell_data.push_back({"element_id", 1, std::move(id)});
     write_vtk(deck.output + "/" + what + ".vtk",
-              {title(deck, what), mesh.dim, mesh.degree, scaled(x, problem.length), mesh.elements, mesh.dim,
+              {title(deck, what), mesh.dim, mesh.degree, std::move(positions), mesh.elements, mesh.dim,
                std::move(point_data), std::move(cell_data), provenance(deck, problem)},
               format_of(deck));
 }
 
 // Boundary faces on the trace nodes, with the multipliers and the projected constraint.
-void write_boundary(const Deck& deck, const Problem& problem, const Solution& solution) {
+void write_boundary(const Deck& deck, const Problem& problem, const Solution& solution,
+                    const std::vector<double>& positions) {
     const Mesh& mesh = problem.mesh();
     const Constraint& constraint = *problem.level->constraint;
     const std::vector<double> multipliers = constraint.multiplier_field(solution.al.lambda);
@@ -65,7 +79,7 @@ void write_boundary(const Deck& deck, const Problem& problem, const Solution& so
         trace[constraint.nodes()[t]] = t;
         double squared = 0;
         for (int a = 0; a < dim; ++a) {
-            x.push_back(solution.x[offset(constraint.nodes()[t], dim, a)] * problem.length);
+            x.push_back(positions[offset(constraint.nodes()[t], dim, a)]);
             squared += std::pow(multipliers[offset(t, dim, a)], 2);
         }
         magnitude.push_back(std::sqrt(squared));
@@ -95,15 +109,17 @@ void write_deck(const Deck& deck, const Problem& problem) {
 void write_initial(const Deck& deck, const Problem& problem) {
     if (deck.vtk == VtkOutput::none) return;
     const std::vector<double> undistorted(problem.mesh().element_count(), 1.0);
-    write_volume(deck, problem, "initial", problem.ideal(), undistorted, nullptr);
+    write_volume(deck, problem, "initial", problem.ideal(), scaled(problem.ideal(), problem.length), undistorted,
+                 nullptr);
 }
 
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {
-    write_msh(deck.output + "/final.msh", problem.mesh(), scaled(solution.x, problem.length));
+    const std::vector<double> positions = final_positions(problem, solution.x);
+    write_msh(deck.output + "/final.msh", problem.mesh(), positions);
     if (deck.vtk == VtkOutput::none) return;
-    write_volume(deck, problem, "final", solution.x, solution.al.distortion.element_max,
+    write_volume(deck, problem, "final", solution.x, positions, solution.al.distortion.element_max,
                  &solution.certificate.lower_bound);
-    write_boundary(deck, problem, solution);
+    write_boundary(deck, problem, solution, positions);
 }
 
 void write_summary(const Deck& deck, const Summary& summary) {

@@ -28,6 +28,7 @@ struct Solution {
     std::vector<double> x;  // nodes x dim
     AlResult al;
     double max_boundary_error = 0;
+    int nodes_off_target = 0;  // of the boundary, by whatever little
     Certificate certificate;
     Injectivity injectivity;
     RunTimes time;

@@ -9,6 +9,7 @@
 #include "base/text.hpp"
 #include "io/matrix_market.hpp"
 #include "method/continuation.hpp"
+#include "method/snap.hpp"
 
 namespace almesh {
 namespace {
@@ -52,15 +53,20 @@ std::string judgement(const Solution& solution) {
 
 void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {
     const AlIteration& last = solution.al.iterations.back();
+    const bool in_place = solution.nodes_off_target == 0;
     std::string others;
     if (const int steps = solution.coarse_newton_iterations) others = concat(" (and ", steps, " on coarser meshes)");
     if (const int steps = solution.al.followed_newton_iterations)
         others += concat(" (and ", steps, " on earlier parts of the motion)");
-    std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s; |c_D| = %.3g, largest boundary error %.3g, "
-                 "nodes off by at most %.2g of a cell's height\n",
-                 advice(solution.al.status), solution.al.iterations.size() - 1, solution.al.newton_iterations,
-                 others.c_str(), solution.time.total, last.constraint_norm * problem.length,
-                 solution.max_boundary_error * problem.length, last.relative_boundary_error);
+    std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s\n", advice(solution.al.status),
+                 solution.al.iterations.size() - 1, solution.al.newton_iterations, others.c_str(), solution.time.total);
+    if (in_place)
+        std::fprintf(out, "every boundary node is at its target to the last bit, the boundary between them to %.3g\n",
+                     solution.max_boundary_error * problem.length);
+    else
+        std::fprintf(out, "|c_D| = %.3g; %d boundary nodes off their targets, by at most %.2g of a cell's height; "
+                     "largest boundary error %.3g\n", last.constraint_norm * problem.length, solution.nodes_off_target,
+                     last.relative_boundary_error, solution.max_boundary_error * problem.length);
     if (last.newton_status == NewtonStatus::rounding_floor)
         std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
     if (fallbacks)
@@ -80,6 +86,23 @@ bool starts_coarse(const Deck& deck) {
 Follow followed(const Deck& deck) {
     const bool of_paper = deck.follow == Follow::automatic && deck.method.algorithm != Algorithm::adaptive;
     return of_paper ? Follow::never : deck.follow;
+}
+
+bool snaps(const Deck& deck) {
+    if (deck.snap == Snap::automatic) return deck.method.algorithm == Algorithm::adaptive;
+    return deck.snap == Snap::yes;
+}
+
+// The last row then tells of the mesh that is written.
+void snap(Level& level, Solution& solution) {
+    snap_to_targets(*level.energy, *level.constraint, solution.x);
+    AlIteration& last = solution.al.iterations.back();
+    solution.al.distortion = level.energy->statistics(solution.x);
+    last.relative_quality = solution.al.distortion.relative_quality;
+    last.max_distortion = solution.al.distortion.max_distortion;
+    last.constraint_norm = level.constraint->norm(solution.x);
+    last.projected_constraint_norm = level.constraint->projected_norm(solution.x);
+    last.relative_boundary_error = level.constraint->relative_error(solution.x);
 }
 
 // Has the system of one Newton step written, for `almesh linsolve`. Where the Hessian of that step was weakened, the
@@ -162,7 +185,11 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const double refused_bytes = newton->linear_solver().refused_bytes();
     newton.reset();  // the factor is the largest thing in memory
 
-    // 5. What was reached: certificate and files.
+    // 5. The boundary, exactly.
+    if (snaps(deck) && solution.al.status == AlStatus::converged) snap(level, solution);
+    solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);
+
+    // 6. What was reached: certificate and files.
     {
         const TimeAdder adder(solution.time.certify);
         solution.certificate = certify(problem.mesh(), solution.x, deck.certificate);

@@ -83,6 +83,8 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.max_boundary_error, 6); }},
     {{"relative_boundary_error", "largest distance of a boundary node from its place, in heights of the cells at it"},
      decimal, [](R r) { return text(r.last.relative_boundary_error, 6); }},
+    {{"nodes_off_target", "boundary nodes that are not at their targets to the last bit"}, count,
+     [](R r) { return text(r.solution.nodes_off_target); }},
     {{"gradient_norm", "|grad E| at the end"}, decimal, [](R r) { return text(r.last.gradient_norm, 6); }},
     {{"relative_quality", "q, L2 norm of 1 over that of eta; 1 is undistorted"}, decimal,
      [](R r) { return text(r.last.relative_quality, 7); }},

@@ -57,6 +57,8 @@ public:
     virtual std::vector<double> multiplier_field(const std::vector<double>& lambda) const = 0;
     virtual std::vector<double> multipliers_of_field(const std::vector<double>& field) const = 0;
     virtual std::vector<double> constraint_field(const std::vector<double>& x) const = 0;  // P c
+    // nodes().size() x dim positions at which P c = 0; empty where these are not unique.
+    virtual std::vector<double> targets() const { return {}; }
 };
 
 }  // namespace almesh

@@ -55,6 +55,7 @@ public:
     std::vector<double> multiplier_field(const std::vector<double>& lambda) const override { return lambda; }
     std::vector<double> multipliers_of_field(const std::vector<double>& field) const override { return field; }
     std::vector<double> constraint_field(const std::vector<double>& x) const override;
+    std::vector<double> targets() const override { return g_h_; }
 
 private:
     int dim_;

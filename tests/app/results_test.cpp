@@ -74,6 +74,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "projected_constraint_norm",
                                            "max_boundary_error",
                                            "relative_boundary_error",
+                                           "nodes_off_target",
                                            "gradient_norm",
                                            "relative_quality",
                                            "max_distortion",
