@@ -12,8 +12,8 @@ import sys
 import runs
 
 DECKS = runs.OUTPUTS.parent / "inputs" / "gauntlet"
-QUANTITIES = ["status", "certified_valid", "newton_iterations", "followed_newton_iterations", "max_distortion",
-              "min_scaled_jacobian", "max_boundary_error", "relative_boundary_error", "time_run"]
+QUANTITIES = ["status", "certified_injective", "newton_iterations", "followed_newton_iterations", "max_distortion",
+              "min_scaled_jacobian", "refined_elements", "relative_boundary_error", "nodes_off_target", "time_run"]
 
 
 def main():

@@ -46,7 +46,8 @@ struct Deck {
     int degree = 0;
     int refine = 0;
     TargetKind target = TargetKind::exact;
-    DistortionParams distortion;
+    DistortionParams distortion;  // but for weight_exponent:
+    std::optional<double> weight_exponent;
     AugmentedLagrangianParams method;
     Start start = Start::automatic;
     Follow follow = Follow::automatic;

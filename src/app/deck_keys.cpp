@@ -106,8 +106,9 @@ const std::vector<DeckKey>& deck_keys() {
         {"delta", number<&Deck::distortion, &Distortion::delta>(not_negative),
          "Regularisation of det F in the distortion (Eq. 3), without unit; 0: none. Above 0 inverted elements have "
          "finite energy, and a step may invert one."},
-        {"weight_exponent", number<&Deck::distortion, &Distortion::weight_exponent>({0, 1}),
-         "alpha: an element weighs |e|^alpha in the integral; 1: the paper's, 0: all elements alike."},
+        {"weight_exponent", number<&Deck::weight_exponent>({0, 1}),
+         "alpha: an element weighs |e|^alpha in the integral; 1: the paper's, 0: all elements alike; auto: 0.5 with "
+         "algorithm = adaptive, which keeps small elements in shape, else 1."},
         {"assembly", choice<&Deck::distortion, &Distortion::assembly>({"simd", "plain"}),
          "Assembly of the energy and its derivatives: one element per SIMD lane on all threads, or the textbook's, for "
          "study: some hundred times slower."},

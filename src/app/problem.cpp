@@ -72,6 +72,12 @@ void refuse_invalid_target(const TargetReport& report) {
     throw InputError(message);
 }
 
+DistortionParams distortion_of(const Deck& deck) {
+    DistortionParams params = deck.distortion;
+    params.weight_exponent = deck.weight_exponent.value_or(deck.method.algorithm == Algorithm::adaptive ? 0.5 : 1);
+    return params;
+}
+
 // The base mesh, refined `times` times and raised, its ideal mesh and its target, in units of the file.
 std::unique_ptr<Level> discretise(const Deck& deck, const Mesh& base, int times, BoundaryTarget& target) {
     auto level = std::make_unique<Level>();
@@ -110,7 +116,7 @@ Problem make_problem(const Deck& deck) {
 }
 
 void set_functional(const Deck& deck, double length, const BoundaryTarget& target, Level& level) {
-    level.energy = make_energy(level.mesh, level.ideal, deck.distortion);
+    level.energy = make_energy(level.mesh, level.ideal, distortion_of(deck));
     level.constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, target, deck.target);
     std::vector<Motion> motions = motions_of(deck, level.mesh);
     for (Motion& motion : motions) {

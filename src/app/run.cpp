@@ -30,7 +30,7 @@ const char* advice(AlStatus status) {
             return "infeasible: no valid mesh seems to reach the target; the last mesh is written";
         case AlStatus::stalled:
             return "stalled: the boundary comes no nearer to its target, which may be out of reach; try "
-                   "weight_exponent = 0.5, follow = always or a part of the motion; the last mesh is written";
+                   "weight_exponent = 0, follow = always or a part of the motion; the last mesh is written";
         case AlStatus::rounding_floor:
             return "not converged: |grad E| ended at its rounding floor, above omega0; mu0 may be too large";
         case AlStatus::ended_as_printed:

@@ -299,7 +299,7 @@ void Check::check_nesting() {
                              " through the one made of ", parts[pair % count].boundaries));
 }
 
-// Distinct nodes of one closed part that the target puts in one place.
+// Distinct nodes that the target puts in one place.
 void Check::check_nodes() {
     std::vector<int> nodes, first_face(mesh.nodes(), -1);
     std::vector<double> size(mesh.nodes(), std::numeric_limits<double>::max());  // of its smallest face in the target
@@ -325,7 +325,7 @@ void Check::check_nodes() {
         const Vec<3> reach = {tolerance, tolerance, tolerance};
         tree.visit_overlapping({becomes[k] - reach, becomes[k] + reach}, [&](int l) {
             const int j = nodes[l], g = first_face[j];
-            if (l <= k || part[f] != part[g] || (bad[f] && bad[g])) return;
+            if (l <= k || (bad[f] && bad[g])) return;
             if (length(becomes[k] - becomes[l]) > tolerance || length(was[k] - was[l]) <= tolerance) return;
             add_fault(g, "the target puts its node " + id_of_node(j) + " where node " + id_of_node(i) + " is");
         });

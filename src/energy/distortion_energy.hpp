@@ -62,7 +62,7 @@ public:
     // regularisation, which lets elements invert. Notes where elements would fold.
     double valid_fraction(const std::vector<double>& x, const std::vector<double>& to);
     bool certified(const std::vector<double>& x);  // everywhere in every element, or regularised
-    // A finer quadrature where elements would have folded since the last call. Whether E has changed.
+    // A finer quadrature of the elements that steps were cut for since the last call. Whether E has changed.
     bool refine_quadrature();
     // The refinements of a part of this energy since it was made.
     void take_over_refinements(const DistortionEnergy& part);

@@ -126,26 +126,23 @@ private:
         element.compute(2);
         bool valid = element.has_frame();
         const double rounding = element.rounding(), bound = std::max(rounding, least_ / element.unit());
-        if (s1 == 1 && !fold) look_for_fold(element.coefficients(n), rounding);
         for (int k = n; k >= 0 && valid; --k) {
             const double* const b = element.coefficients(k);
             valid = std::all_of(b, b + of_.jacobian.count, [](double c) { return std::isfinite(c); }) &&
                     compare_with(of_.jacobian, b, bound, space_bisections).lower > bound;
+            if (k == n && s1 == 1 && !valid && !fold) note_fold(b, rounding);
         }
         return valid;
     }
 
-    void look_for_fold(const double* b, double rounding) {
-        const double near = std::max(near_fold * mean(of_, b), rounding);
-        if (!std::isfinite(near)) return;
-        if (compare_with(of_.jacobian, b, near, space_bisections).lower > near) return;
+    void note_fold(const double* b, double rounding) {
+        if (!std::isfinite(mean(of_, b))) return;
         const PolynomialMinimum least = polynomial_minimum(of_.jacobian, b, 0.5, space_bisections);
         fold = {0, least.at, least.upper > rounding ? least.upper / mean(of_, b) : 0};
     }
 };
 
-// Lanes that have no coefficient below any bound of what is tested one by one, with twice its margin for rounding, and
-// are not near a fold.
+// Lanes that have no coefficient below any bound of what is tested one by one, with twice its margin for rounding.
 template <int n>
 LaneBits cleared(const JacobianBasis& basis, const int* const* node, const std::vector<double>& from,
                  const std::vector<double>& to) {
@@ -170,7 +167,6 @@ LaneBits cleared(const JacobianBasis& basis, const int* const* node, const std::
         return near_fold / basis.jacobian.count * sum;
     };
     all_above(0, near(0));
-    all_above(n, near(n));
     for (int k = 0; k <= n; ++k) all_above(k, max(2 * elements.rounding(), keeps * near(0)));
     return clear;
 }

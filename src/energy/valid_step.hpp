@@ -21,11 +21,11 @@
 
 namespace almesh {
 
-// Where an element folds, or comes near it, although its quadrature may not see it.
+// Where an element that a step has been cut for would have its least determinant at the end of the step.
 struct Fold {
     int element;
     Barycentric at;
-    double ratio;  // of the determinant here to its mean over the element; 0 where it folds or is not certified
+    double ratio;  // of the determinant there to its mean over the element; 0 where it folds or is not certified
 };
 
 class ValidStep {
@@ -33,7 +33,7 @@ public:
     ValidStep(int dim, int degree);
 
     // The largest s in [0, 1] found so that every element is valid along (1 - r) x + r x' for 0 <= r <= s, if it is at
-    // x. node: count x m. Curved elements that are not certified at x', or have a ratio below 0.1, are added to
+    // x. node: count x m. Curved elements that a step is cut for because of what they would be at x' are added to
     // `folds`. Same bits for any number of threads.
     double fraction(const std::vector<int>& node, int count, const std::vector<double>& from,
                     const std::vector<double>& to, std::vector<Fold>& folds) const;

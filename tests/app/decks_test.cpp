@@ -28,10 +28,10 @@ TEST_CASE("the small decks of the paper hold what they expect") {
     }
 }
 
-TEST_CASE("large motions in the plane hold what their decks expect") {
+TEST_CASE("small decks of large motions hold what their decks expect") {
     if (!std::filesystem::is_directory("inputs")) return;
-    for (const char* name : {"circle-turned", "circle-refined-turned", "plate-turned", "block-turned",
-                             "airfoil-pitched", "airfoil-turned"}) {
+    for (const char* name : {"circle-turned", "circle-refined-turned", "plate-turned", "plate-degree-2", "block-turned",
+                             "airfoil-pitched", "airfoil-turned", "airfoil-layers", "layers-degree-4", "torus"}) {
         CAPTURE(name);
         const TemporaryFolder folder;
         const Outcome outcome = almesh_with({std::string("inputs/gauntlet/") + name + ".deck",
@@ -54,12 +54,36 @@ TEST_CASE("a body turned by any angle: converged and valid, and never a leap in 
                          "boundary " + boundary + "=rotate " + std::to_string(angle) + " about 0 0"});
             const auto summary = summary_of(folder.path("out"));
             CHECK(summary.at("status") == "converged");
-            CHECK(summary.at("certified_valid") == "yes");
+            CHECK(summary.at("certified_injective") == "yes");
+            CHECK(summary.at("nodes_off_target") == "0");
             const int steps = static_cast<int>(number(summary, "newton_iterations")) +
                               static_cast<int>(number(summary, "followed_newton_iterations"));
             CHECK(steps <= 3 * before);
             before = std::max(steps, 5);
         }
+    }
+}
+
+TEST_CASE("the circle moved up to the outer boundary: every deck's objective gets there, and nothing goes beyond") {
+    if (!std::filesystem::is_directory("inputs")) return;
+    const auto run = [](const std::string& distance, const char* objective, const TemporaryFolder& folder) {
+        return almesh_with({"inputs/gauntlet/circle-turned.deck", "output=" + folder.path("out"), "vtk=none", objective,
+                            "boundary inner=translate " + distance + " 0"});
+    };
+    for (const char* objective : {"objective=squared", "objective=deviation"})
+        for (const char* distance : {"2", "8", "14", "18", "19", "19.5", "19.8", "19.9"}) {
+            CAPTURE(objective);
+            CAPTURE(distance);
+            const TemporaryFolder folder;
+            run(distance, objective, folder);
+            const auto summary = summary_of(folder.path("out"));
+            CHECK(summary.at("status") == "converged");
+            CHECK(summary.at("certified_injective") == "yes");
+            CHECK(summary.at("nodes_off_target") == "0");
+        }
+    for (const char* distance : {"20", "21", "30"}) {  // through the outer boundary, and past it
+        const TemporaryFolder folder;
+        CHECK(run(distance, "objective=squared", folder).code == 2);
     }
 }
 
@@ -79,6 +103,11 @@ TEST_CASE("thin layers at a wall that moves far: converged means that the wall i
     }
     CHECK(error[0] > 1e-3);
     CHECK(error[1] < 1e-4);
+}
+
+// The paper's decks leave it to their algorithm, and here they are run with another.
+std::string weight_of(const std::string& deck) {
+    return deck.find("weighted") == std::string::npos ? "weight_exponent=1" : "weight_exponent=0.5";
 }
 
 // The largest entry of a column of history.csv over all Newton steps, such as cuts_inverted: the trial lengths refused
@@ -109,8 +138,8 @@ TEST_CASE("algorithm = adaptive takes few Newton steps on the decks of the paper
         CAPTURE(bound.setting);
         const TemporaryFolder folder;
         const std::string deck = std::string("inputs/") + bound.name + ".deck";
-        almesh_with(
-            {deck, "output=" + folder.path("out"), "vtk=none", "algorithm=adaptive", "start=identity", bound.setting});
+        almesh_with({deck, "output=" + folder.path("out"), "vtk=none", "algorithm=adaptive", weight_of(deck),
+                     "start=identity", bound.setting});
         const auto summary = summary_of(folder.path("out"));
         CHECK(summary.at("status") == "converged");
         CHECK(summary.at("certified_valid") == "yes");
@@ -128,7 +157,7 @@ TEST_CASE("conjugate gradients take at most 60 iterations to 1e-8 in every Newto
             CAPTURE(algorithm);
             const TemporaryFolder folder;
             const Outcome outcome = almesh_with({deck, "output=" + folder.path("out"), "vtk=none", algorithm,
-                                                 "forcing=fixed", "linear_tolerance=1e-8"});
+                                                 weight_of(deck), "forcing=fixed", "linear_tolerance=1e-8"});
             CHECK(outcome.code == 0);
             CHECK_FALSE(has(outcome.out, "the iterative solver failed"));
             CHECK(most_in_a_step("linear_iterations", folder.path("out")) <= 60);

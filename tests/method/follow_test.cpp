@@ -97,8 +97,8 @@ TEST_CASE("the schedules of the paper do not follow, unless they are told to") {
 
 TEST_CASE("a motion that fails at once is followed in halves; one out of reach is not") {
     const RingDeck ring(ring_mesh(around, layers, 20));
-    // Four steps are too few for the whole way.
-    const Outcome outcome = ring.run({"boundary inner=translate 6 0", "max_newton_iterations=4"});
+    // Three steps are too few for the whole way.
+    const Outcome outcome = ring.run({"boundary inner=translate 6 0", "max_newton_iterations=3"});
     CHECK(count(ring, "followed_newton_iterations") > 0);
     CHECK(outcome.code == 0);
     const RingDeck thin(ring_mesh(16, 1, 2));
