@@ -126,8 +126,9 @@ void set_functional(const Deck& deck, double length, const BoundaryTarget& targe
     level.constraint_at = [&level, motions, length, kind = deck.target](double fraction) {
         std::vector<Motion> parts;
         for (const Motion& motion : motions) parts.push_back(at_fraction(motion, fraction));
-        Mesh in_file_units = level.mesh;
-        for (double& x : in_file_units.x) x *= length;
+        Mesh in_file_units = level.mesh;  // curved by the same fraction, where the file is
+        for (std::size_t i = 0; i < level.ideal.size(); ++i)
+            in_file_units.x[i] = length * (level.ideal[i] + fraction * (level.mesh.x[i] - level.ideal[i]));
         std::unique_ptr<Constraint> constraint;
         try {
             BoundaryTarget part = make_target(in_file_units, parts);

@@ -37,7 +37,9 @@ const char* advice(AlStatus status) {
             return "not converged: the loop as printed ended with one of its two tests met";
         case AlStatus::max_iterations: return "not converged: max_al_iterations reached";
         case AlStatus::max_newton_iterations: return "not converged: max_newton_iterations reached in a subproblem";
-        case AlStatus::line_search_failed: return "not converged: no step length decreases the energy";
+        case AlStatus::line_search_failed:
+            return "not converged: no step decreases the energy and keeps all elements valid; try weight_exponent = 0.5 "
+                   "or 0, or a part of the motion";
         case AlStatus::interrupted: return "interrupted: the last mesh is written";
         case AlStatus::linear_solver_failed: return "not converged: no linear solver gave a descent direction";
     }

@@ -1,5 +1,5 @@
 // x_0 = ideal mesh; for t = dt, 2 dt, ..., 1: x_t solves the problem at the fraction t of the motion, from x_{t - dt};
-// where that fails, dt is halved, and at last the whole motion is tried at once.
+// where that fails, dt is halved, and at last the whole motion is tried at once, unless it has been.
 #include "method/follow.hpp"
 
 #include <algorithm>
@@ -12,7 +12,8 @@ namespace {
 
 constexpr double part_turn = 90;  // degrees turned in one part
 constexpr double smallest_part = 1.0 / 32;
-constexpr int most_steps = 100;  // Newton steps of a subproblem that is not the last resort
+constexpr int most_steps = 100;  // Newton steps of a subproblem that is not the last resort,
+constexpr int most_followed_steps = 500;  // and of all parts
 
 bool succeeded(const AlResult& result) {
     return result.status == AlStatus::converged || result.status == AlStatus::interrupted;
@@ -35,7 +36,7 @@ std::optional<AlResult> follow(const Level& level, Newton& newton, const Augment
                                std::vector<double>& x, const AlObserver& observer, const StageObserver& observe_part,
                                int& earlier_steps) {
     std::vector<double> reached = level.ideal;
-    for (double done = 0; part >= smallest_part;) {
+    for (double done = 0; part >= smallest_part && earlier_steps <= most_followed_steps;) {
         const double fraction = done + part < 1 - 0.5 * smallest_part ? done + part : 1;
         const bool last = fraction == 1;
         const auto constraint = last ? nullptr : level.constraint_at(fraction);
@@ -83,6 +84,8 @@ AlResult minimise_following(const Level& level, Newton& newton, const MethodPara
     };
     if (!level.constraint_at || params.follow == Follow::never) return at_once(params.schedule);
     const std::vector<double> first = x;
+    std::optional<AlResult> at_once_failed;
+    std::vector<double> x_failed;
     double part = 0.5;
     int earlier_steps = 0;
     if (level.turn > part_turn && start.lambda.empty()) {
@@ -92,10 +95,18 @@ AlResult minimise_following(const Level& level, Newton& newton, const MethodPara
         const bool hopeless = result.status == AlStatus::infeasible || result.status == AlStatus::max_iterations;
         if (succeeded(result) || hopeless) return result;
         earlier_steps = result.newton_iterations;
+        if (result.status != AlStatus::max_newton_iterations) {
+            at_once_failed = std::move(result);
+            x_failed = x;
+        }
     }
     std::optional<AlResult> result =
         follow(level, newton, params.schedule, part, x, observer, observe_part, earlier_steps);
-    if (!result) {  // the last resort
+    if (!result && at_once_failed) {  // with more steps it would end alike
+        x = std::move(x_failed);
+        result = std::move(at_once_failed);
+        earlier_steps -= result->newton_iterations;
+    } else if (!result) {  // the last resort
         x = first;
         result = at_once(params.schedule);
     }
