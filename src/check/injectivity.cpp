@@ -23,8 +23,8 @@ double angle(const Vec<3>& u, const Vec<3>& v) {
 }
 double solid_angle(const Vec<3>& u, const Vec<3>& v, const Vec<3>& w) {  // Van Oosterom & Strackee 1983
     const double a = length(u), b = length(v), c = length(w);
-    const double half = std::atan2(std::abs(dot(u, cross(v, w))),
-                                   a * b * c + dot(u, v) * c + dot(v, w) * a + dot(w, u) * b);
+    const double half =
+        std::atan2(std::abs(dot(u, cross(v, w))), a * b * c + dot(u, v) * c + dot(v, w) * a + dot(w, u) * b);
     return half / (2 * std::numbers::pi);
 }
 
@@ -33,21 +33,24 @@ std::vector<double> angle_sums(const Mesh& mesh, const std::vector<double>& x) {
     const int n = mesh.dim, corners = n + 1, m = mesh.element_nodes();
     const PatchBasis basis(n, mesh.degree);
     std::vector<double> at_corner(offset(mesh.element_count(), corners));
-    parallel_for(mesh.element_count(), [&](int e) {
-        Vec<3> corner[4]{};
-        Patch patch;
-        if (mesh.degree > 1) patch = make_patch(basis, positions(mesh, x, mesh.element(e), m));
-        for (int i = 0; i < corners; ++i) std::copy_n(point(x, mesh.element(e)[i], n), n, corner[i].begin());
-        for (int i = 0; i < corners; ++i) {
-            Vec<3> tangent[3];
-            for (int j = 0, k = 0; j < corners; ++j) {
-                if (j == i) continue;
-                tangent[k++] = mesh.degree > 1 ? edge_tangent(basis.bernstein, patch, i, j) : corner[j] - corner[i];
+    parallel_for(
+        mesh.element_count(),
+        [&](int e) {
+            Vec<3> corner[4]{};
+            Patch patch;
+            if (mesh.degree > 1) patch = make_patch(basis, positions(mesh, x, mesh.element(e), m));
+            for (int i = 0; i < corners; ++i) std::copy_n(point(x, mesh.element(e)[i], n), n, corner[i].begin());
+            for (int i = 0; i < corners; ++i) {
+                Vec<3> tangent[3];
+                for (int j = 0, k = 0; j < corners; ++j) {
+                    if (j == i) continue;
+                    tangent[k++] = mesh.degree > 1 ? edge_tangent(basis.bernstein, patch, i, j) : corner[j] - corner[i];
+                }
+                at_corner[offset(e, corners, i)] =
+                    n == 2 ? angle(tangent[0], tangent[1]) : solid_angle(tangent[0], tangent[1], tangent[2]);
             }
-            at_corner[offset(e, corners, i)] = n == 2 ? angle(tangent[0], tangent[1])
-                                                      : solid_angle(tangent[0], tangent[1], tangent[2]);
-        }
-    }, corner_work);
+        },
+        corner_work);
     std::vector<double> sum(mesh.nodes(), 0.0);
     for (int e = 0; e < mesh.element_count(); ++e)
         for (int i = 0; i < corners; ++i) sum[mesh.element(e)[i]] += at_corner[offset(e, corners, i)];
@@ -67,17 +70,17 @@ int overlapped_vertex(const Mesh& mesh, const std::vector<double>& x) {
 Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate) {
     if (!certificate.valid) return {false, "elements are not certified valid"};
     if (const int i = overlapped_vertex(mesh, x); i >= 0)
-        return {false, concat("the elements around node ", mesh.file.node_id.empty() ? i : mesh.file.node_id[i],
-                              " overlap")};
+        return {false,
+                concat("the elements around node ", mesh.file.node_id.empty() ? i : mesh.file.node_id[i], " overlap")};
     std::vector<double> boundary;
     for (const int i : mesh.faces)
         boundary.insert(boundary.end(), point(x, i, mesh.dim), point(x, i, mesh.dim) + mesh.dim);
     const TargetReport report = check_target(mesh, boundary);
     if (!report.faults.empty()) {
         const int f = report.faults.front().face;
-        return {false, concat("the boundary overlaps itself at face ",
-                              mesh.file.face_id.empty() ? f : mesh.file.face_id[f], " of ",
-                              mesh.boundaries[mesh.face_boundary[f]])};
+        return {false,
+                concat("the boundary overlaps itself at face ", mesh.file.face_id.empty() ? f : mesh.file.face_id[f],
+                       " of ", mesh.boundaries[mesh.face_boundary[f]])};
     }
     if (report.crossed_before) return {false, "the boundary of the initial mesh crosses itself"};
     return {true, ""};

@@ -16,12 +16,12 @@
 namespace almesh {
 namespace {
 
-constexpr int time_bisections = 10;     // depth, of straight elements,
-constexpr int curved_bisections = 5;    // and of curved ones
-constexpr int space_bisections = 300;   // of one polynomial
+constexpr int time_bisections = 10;    // depth, of straight elements,
+constexpr int curved_bisections = 5;   // and of curved ones
+constexpr int space_bisections = 300;  // of one polynomial
 constexpr int batches_per_task = 64;
-constexpr double near_fold = 0.1;  // ratio of the determinant to its mean
-constexpr double keeps = 0.2;      // of an element's least determinant, at least, in one step,
+constexpr double near_fold = 0.1;      // ratio of the determinant to its mean
+constexpr double keeps = 0.2;          // of an element's least determinant, at least, in one step,
 constexpr double nearest_fold = 1e-6;  // but nearer than this no element comes: what is left is far above rounding
 
 // b: Bernstein coefficients on an interval of s of length `length`, the first of them above the bound. A length up to
@@ -202,15 +202,19 @@ double ValidStep::fraction(const std::vector<int>& node, int count, const std::v
     const int task_size = batches_per_task * lanes;
     std::vector<Task> tasks((count + task_size - 1) / task_size);
     with_dimension(dim_, [&](auto n) {
-        parallel_for_uneven(static_cast<int>(tasks.size()), [&](int t) {
-            Task& task = tasks[t];
-            for (int k = t * task_size; k < std::min(count, (t + 1) * task_size); k += lanes) {
-                const int* of_lane[lanes];
-                for (int l = 0; l < lanes; ++l) of_lane[l] = &node[offset(std::min(k + l, count - 1), element_nodes_)];
-                task.fraction = std::min(task.fraction, of_batch<n>(of_lane, std::min(lanes, count - k), from, to, k,
-                                                                    task.folds));
-            }
-        }, 100.0 * task_size);
+        parallel_for_uneven(
+            static_cast<int>(tasks.size()),
+            [&](int t) {
+                Task& task = tasks[t];
+                for (int k = t * task_size; k < std::min(count, (t + 1) * task_size); k += lanes) {
+                    const int* of_lane[lanes];
+                    for (int l = 0; l < lanes; ++l)
+                        of_lane[l] = &node[offset(std::min(k + l, count - 1), element_nodes_)];
+                    task.fraction = std::min(task.fraction,
+                                             of_batch<n>(of_lane, std::min(lanes, count - k), from, to, k, task.folds));
+                }
+            },
+            100.0 * task_size);
     });
     double fraction = 1;
     for (const Task& task : tasks) {

@@ -33,15 +33,20 @@ namespace almesh {
 struct JacobianBasis {
     int dim, degree;
     PatchBasis position;
-    Bernstein tangent, jacobian;  // of degree p - 1 and n (p - 1)
-    std::vector<int> raised;      // raised_places(n, p - 1)
+    Bernstein tangent, jacobian;                    // of degree p - 1 and n (p - 1)
+    std::vector<int> raised;                        // raised_places(n, p - 1)
     BezierProduct tangent_tangent, normal_tangent;  // normal_tangent: n = 3 only
-    std::vector<double> centre;   // nodes x dim: dN_i/dxi_k at the centroid
-    double amplification = 0;     // infinity norm of position.to_bezier
+    std::vector<double> centre;                     // nodes x dim: dN_i/dxi_k at the centroid
+    double amplification = 0;                       // infinity norm of position.to_bezier
 
     JacobianBasis(int n, int p)
-        : dim(n), degree(p), position(n, p), tangent(n, p - 1), jacobian(n, n * (p - 1)),
-          raised(raised_places(n, p - 1)), tangent_tangent(tangent, tangent, Bernstein(n, 2 * (p - 1))),
+        : dim(n),
+          degree(p),
+          position(n, p),
+          tangent(n, p - 1),
+          jacobian(n, n * (p - 1)),
+          raised(raised_places(n, p - 1)),
+          tangent_tangent(tangent, tangent, Bernstein(n, 2 * (p - 1))),
           normal_tangent(Bernstein(n, n == 3 ? 2 * (p - 1) : 0), Bernstein(n, n == 3 ? p - 1 : 0),
                          Bernstein(n, n == 3 ? 3 * (p - 1) : 0)) {
         const int nodes = position.bernstein.count;
@@ -69,7 +74,10 @@ template <int n, class T>
 class ElementJacobian {
 public:
     explicit ElementJacobian(const JacobianBasis& basis)
-        : of_(basis), m_(basis.position.bernstein.count), tangents_(basis.tangent.count), count_(basis.jacobian.count),
+        : of_(basis),
+          m_(basis.position.bernstein.count),
+          tangents_(basis.tangent.count),
+          count_(basis.jacobian.count),
           normals_(static_cast<int>(basis.tangent_tangent.result.size())) {
         const int vectors = 2 * m_ + m_ + 2 * n * tangents_ + (n == 3 ? 3 * normals_ : 0);
         T* next = workspace(vectors * n + (n + 1) * count_);
@@ -115,9 +123,9 @@ private:
     const JacobianBasis& of_;
     const int m_, tangents_, count_, normals_;
     Vec<n, T>* x_[2];
-    Vec<n, T>* bezier_;        // m, of the end at work
-    Vec<n, T>* tangent_[2][n]; // derivatives by xi_k, times their multinomials, as are
-    Vec<n, T>* normal_[3];     // n = 3: the products of two, by the number of factors from x'
+    Vec<n, T>* bezier_;         // m, of the end at work
+    Vec<n, T>* tangent_[2][n];  // derivatives by xi_k of x and x', times their multinomials
+    Vec<n, T>* normal_[3];      // n = 3: products of two, by their number of factors from x'
     T* b_[n + 1];
     Mat<n, T> inverse_;
     T det_, smallest_det_, sign_, inverse_norm_, farthest_, largest_;
@@ -200,20 +208,23 @@ private:
     }
 
     void add_cross(const Vec<n, T>* a, const Vec<n, T>* b, double factor, T* to) const requires(n == 2) {
-        add_product(of_.tangent_tangent, a, b, factor, [](const auto& u, const auto& v, double f, T& sum) {
-            sum += f * (u[0] * v[1] - u[1] * v[0]);
-        }, to);
+        add_product(
+            of_.tangent_tangent, a, b, factor,
+            [](const auto& u, const auto& v, double f, T& sum) { sum += f * (u[0] * v[1] - u[1] * v[0]); }, to);
     }
     void add_cross(const Vec<n, T>* a, const Vec<n, T>* b, Vec<n, T>* to) const requires(n == 3) {
-        add_product(of_.tangent_tangent, a, b, 1, [](const auto& u, const auto& v, double, Vec<n, T>& sum) {
-            const Vec<n, T> product = cross(u, v);
-            for (int c = 0; c < n; ++c) sum[c] += product[c];
-        }, to);
+        add_product(
+            of_.tangent_tangent, a, b, 1,
+            [](const auto& u, const auto& v, double, Vec<n, T>& sum) {
+                const Vec<n, T> product = cross(u, v);
+                for (int c = 0; c < n; ++c) sum[c] += product[c];
+            },
+            to);
     }
     void add_dot(const Vec<n, T>* normal, const Vec<n, T>* t, double factor, T* to) const requires(n == 3) {
-        add_product(of_.normal_tangent, normal, t, factor, [](const auto& u, const auto& v, double f, T& sum) {
-            sum += f * dot(u, v);
-        }, to);
+        add_product(
+            of_.normal_tangent, normal, t, factor,
+            [](const auto& u, const auto& v, double f, T& sum) { sum += f * dot(u, v); }, to);
     }
 
     void product_at_rest() {

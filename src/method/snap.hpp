@@ -1,5 +1,5 @@
-// The last step of a run: boundary nodes, which the method has brought to their targets up to its tolerances, are set to
-// them to the last bit. Where that would fold an element they stay where they are.
+// The last step of a run: boundary nodes, which the method has brought to their targets up to its tolerances, are set
+// to them to the last bit. Where that would fold an element they stay where they are.
 #pragma once
 #include <vector>
 

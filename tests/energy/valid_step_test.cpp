@@ -55,8 +55,8 @@ double least_determinant(const Mesh& mesh, const std::vector<double>& x) {
 }
 
 Mesh one_element(int dim, int degree) {
-    const std::vector<double> x = dim == 2 ? std::vector<double>{0, 0, 1, 0, 0, 1}
-                                           : std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const std::vector<double> x =
+        dim == 2 ? std::vector<double>{0, 0, 1, 0, 0, 1} : std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     std::vector<int> element(dim + 1);
     for (int i = 0; i <= dim; ++i) element[i] = i;
     return raise_degree(linear_mesh(dim, x, element, [](const double*) { return "wall"; }), degree);

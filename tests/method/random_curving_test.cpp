@@ -98,8 +98,8 @@ void solve(int number, Counts& tame, Counts& wild) {
     int uncertified = 0;
     AlObserver observer;
     observer.newton_step = [&](int, const NewtonStep&) { uncertified += !certify(level.mesh, x).valid; };
-    const AlResult result = minimise(*level.energy, *level.constraint, newton, {.max_newton_iterations = 60}, x,
-                                     observer);
+    const AlResult result =
+        minimise(*level.energy, *level.constraint, newton, {.max_newton_iterations = 60}, x, observer);
     CAPTURE(number);
     CAPTURE(degree);
     CAPTURE(alpha);

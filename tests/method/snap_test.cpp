@@ -30,10 +30,11 @@ TEST_CASE("all nodes are set to their targets where the mesh stays valid") {
 TEST_CASE("nodes that would fold an element stay, all others are set") {
     for (const int degree : {1, 2}) {
         const Mesh square = square_mesh(6), mesh = raise_degree(square, degree);
-        const Minimisation problem(mesh, {{"bottom", "translate 0 0.02"},
-                                          {"left", "translate 0 0.02"},
-                                          {"right", "translate 0 0.02"},
-                                          {"top", "translate 0 0.02"}},
+        const Minimisation problem(mesh,
+                                   {{"bottom", "translate 0 0.02"},
+                                    {"left", "translate 0 0.02"},
+                                    {"right", "translate 0 0.02"},
+                                    {"top", "translate 0 0.02"}},
                                    Objective::deviation);
         Mesh moved = square;
         for (int i = 0; i < square.nodes(); ++i) {
@@ -61,8 +62,7 @@ TEST_CASE("the boundary of final.msh has the bits of its target in the unit of t
             const BoundaryTarget target = target_of(initial, {{"inner", motion}});
             int off = 0;
             for (std::size_t k = 0; k < initial.faces.size(); ++k)
-                for (int a = 0; a < 2; ++a)
-                    off += result.x[2 * initial.faces[k] + a] != target.node[2 * k + a];
+                for (int a = 0; a < 2; ++a) off += result.x[2 * initial.faces[k] + a] != target.node[2 * k + a];
             return off;
         };
         const Outcome snapped = ring.run({"boundary inner=" + motion});

@@ -1,0 +1,120 @@
+#include "geometry/element_jacobian.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+#include "mesh/lagrange.hpp"
+
+using namespace almesh;
+
+namespace {
+
+// The nodes of the reference element, moved at random: x and x'.
+template <int n>
+std::array<std::vector<Vec<n>>, 2> random_positions(const JacobianBasis& basis, double amplitude,
+                                                    std::mt19937& random) {
+    std::uniform_real_distribution<double> moved(-amplitude, amplitude);
+    std::array<std::vector<Vec<n>>, 2> x;
+    for (auto& of_end : x)
+        for (const MultiIndex& a : basis.position.bernstein.index) {
+            Vec<n> p;
+            for (int k = 0; k < n; ++k) p[k] = a[k + 1] / (1.0 * basis.degree) + moved(random);
+            of_end.push_back(p);
+        }
+    return x;
+}
+
+template <int n>
+double determinant_at(const LagrangeBasis& basis, const std::array<std::vector<Vec<n>>, 2>& x, double s,
+                      const double* xi) {
+    std::vector<double> dN(basis.count * n);
+    basis.gradients(xi, dN.data());
+    Mat<n> J{};
+    for (int i = 0; i < basis.count; ++i)
+        for (int a = 0; a < n; ++a)
+            for (int k = 0; k < n; ++k) J[a][k] += ((1 - s) * x[0][i][a] + s * x[1][i][a]) * dN[i * n + k];
+    return determinant(J);
+}
+
+// sum_k B_k(s) sum_a b_ka B_a(lambda).
+template <int n>
+double value(const JacobianBasis& basis, const ElementJacobian<n, double>& element, double s, const double* xi) {
+    double l[4] = {1, 0, 0, 0}, sum = 0;
+    for (int k = 0; k < n; ++k) {
+        l[k + 1] = xi[k];
+        l[0] -= xi[k];
+    }
+    const double binomial[4] = {1, n == 2 ? 2.0 : 3.0, n == 2 ? 1.0 : 3.0, 1};
+    for (int k = 0; k <= n; ++k)
+        for (int a = 0; a < basis.jacobian.count; ++a) {
+            double term = binomial[k] * std::pow(s, k) * std::pow(1 - s, n - k) * basis.jacobian.multinomial[a];
+            for (int v = 0; v <= n; ++v) term *= std::pow(l[v], basis.jacobian.index[a][v]);
+            sum += element.coefficients(k)[a] * term;
+        }
+    return sum;
+}
+
+template <int n>
+void check_against_points(int degree) {
+    const JacobianBasis basis(n, degree);
+    const LagrangeBasis lagrange(n, degree);
+    std::mt19937 random(degree);
+    for (int trial = 0; trial < 10; ++trial) {
+        const auto x = random_positions<n>(basis, 0.3 / degree, random);
+        ElementJacobian<n, double> element(basis);
+        for (int end = 0; end < 2; ++end) std::copy(x[end].begin(), x[end].end(), element.position(end));
+        element.compute(2);
+        REQUIRE(element.has_frame());
+        CHECK(element.rounding() < 1e-9);
+        for (const double s : {0.0, 0.3, 0.5, 1.0})
+            for (const MultiIndex& a : gmsh_node_order(n, 3)) {
+                const double xi[3] = {a[1] / 3.0, a[2] / 3.0, a[3] / 3.0};
+                CHECK(element.unit() * value<n>(basis, element, s, xi) ==
+                      doctest::Approx(determinant_at<n>(lagrange, x, s, xi)).epsilon(1e-10));
+            }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("the coefficients are those of the determinant at every place of the element and of the step") {
+    for (const int degree : {2, 3, 4, 5}) check_against_points<2>(degree);
+    for (const int degree : {2, 3}) check_against_points<3>(degree);
+}
+
+TEST_CASE("lanes give what single elements give, and one end alone what both give for it") {
+    const JacobianBasis basis(3, 2);
+    std::mt19937 random(1);
+    std::vector<std::array<std::vector<Vec<3>>, 2>> x;
+    for (int l = 0; l < lanes; ++l) x.push_back(random_positions<3>(basis, 0.1, random));
+    ElementJacobian<3, Lanes> batch(basis);
+    for (int end = 0; end < 2; ++end)
+        for (int i = 0; i < basis.position.bernstein.count; ++i)
+            for (int a = 0; a < 3; ++a)
+                for (int l = 0; l < lanes; ++l) batch.position(end)[i][a][l] = x[l][end][i][a];
+    batch.compute(2);
+    for (int l = 0; l < lanes; ++l)
+        for (const int ends : {1, 2}) {
+            ElementJacobian<3, double> single(basis);
+            for (int end = 0; end < 2; ++end) std::copy(x[l][end].begin(), x[l][end].end(), single.position(end));
+            single.compute(ends);
+            for (int k = 0; k < (ends == 1 ? 1 : 4); ++k)
+                for (int a = 0; a < basis.jacobian.count; ++a)
+                    CHECK(single.coefficients(k)[a] == doctest::Approx(batch.coefficients(k)[a][l]).epsilon(1e-12));
+        }
+}
+
+// All vertices on a line: the straight-sided element has no volume, the curved one has.
+TEST_CASE("an element bent until its vertices are on a line has a frame") {
+    const JacobianBasis basis(2, 2);
+    const Vec<2> nodes[6] = {{0, 0}, {1, 0}, {2, 0}, {0.5, -0.5}, {1.5, -0.5}, {1, 0.8}};
+    ElementJacobian<2, double> element(basis);
+    std::copy(nodes, nodes + 6, element.position(0));
+    element.compute(1);
+    CHECK(element.has_frame());
+    std::fill(element.position(0), element.position(0) + 6, Vec<2>{1, 1});
+    element.compute(1);
+    CHECK(!element.has_frame());
+}
