@@ -30,7 +30,7 @@ constexpr const char* help =
     "Keys on the command line: almesh inputs/circle.deck refine=2 \"boundary inner=translate 4 0\"\n"
     "\n"
     "Exit codes: 0 converged and certified valid and injective; 1 usage or deck; 2 mesh, target or output folder;\n"
-    "  3 not converged (the last mesh is written); 4 converged but not certified valid;\n"
+    "  3 not converged (the last mesh is written); 4 converged but not certified;\n"
     "  5 an `expect` line of the deck does not hold.\n";
 
 ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {

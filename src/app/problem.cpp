@@ -106,9 +106,7 @@ Problem make_problem(const Deck& deck) {
     check_quadrature(deck, std::max(deck.degree, problem.base.degree));
     problem.level = discretise(deck, problem.base, deck.refine, problem.target);
     const Mesh& mesh = problem.mesh();
-    const TargetReport report = check_target(mesh, problem.target.node);
-    refuse_invalid_target(report);
-    problem.crossed_before = report.crossed_before;
+    refuse_invalid_target(check_target(mesh, problem.target.node));
     problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
     problem.node_target = problem.target.node;
     change_unit(problem.length, *problem.level, problem.target);

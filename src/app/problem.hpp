@@ -17,7 +17,6 @@ struct Problem {
     std::vector<double> node_target;  // target.node in units of the file
     double length = 1;             // of the mesh file, by which positions were divided
     std::string mesh_hash;         // FNV-1a of the file, to tell which mesh a result came from
-    bool crossed_before = false;   // faces of the initial boundary cross each other, and stay so
     std::vector<std::string> notes;
 
     const Mesh& mesh() const { return level->mesh; }

@@ -18,13 +18,23 @@ DistortionEnergy::DistortionEnergy(const DistortionParams& params, const Mesh& m
       reference_(reference_element(mesh.degree, quadrature_)),
       valid_step_(mesh.dim, mesh.degree) {}
 
-DistortionEnergy::DistortionEnergy(const DistortionEnergy& whole, const Mesh& part)
+DistortionEnergy::DistortionEnergy(const DistortionEnergy& whole, int element_count)
     : params_(whole.params_),
-      dim_(part.dim),
-      element_count_(part.element_count()),
+      dim_(whole.dim_),
+      element_count_(element_count),
       quadrature_(whole.quadrature_),
       reference_(whole.reference_),
       valid_step_(whole.valid_step_) {}
+
+void DistortionEnergy::take_refined_of(const DistortionEnergy& whole) {
+    for (const Refined& there : whole.refined_) {
+        const auto here = std::find(place_in_whole_.begin(), place_in_whole_.end(), there.element);
+        if (here == place_in_whole_.end()) continue;
+        refined_.push_back(there);
+        refined_.back().element = static_cast<int>(here - place_in_whole_.begin());
+        rule_changed(static_cast<int>(refined_.size()) - 1);
+    }
+}
 
 double DistortionEnergy::valid_fraction(const std::vector<double>& x, const std::vector<double>& to) {
     return params_.delta > 0 ? 1 : valid_step_.fraction(nodes_, element_count_, x, to, folds_);
@@ -61,8 +71,11 @@ bool DistortionEnergy::refine_quadrature() {
     return changed;
 }
 
-void DistortionEnergy::take_over_refinements(const DistortionEnergy& part) {
-    for (const Fold& fold : part.refinements_) refine({part.place_in_whole_[fold.element], fold.at, fold.ratio});
+bool DistortionEnergy::take_over_refinements(const DistortionEnergy& part) {
+    bool changed = false;
+    for (const Fold& fold : part.refinements_)
+        changed = refine({part.place_in_whole_[fold.element], fold.at, fold.ratio}) || changed;
+    return changed;
 }
 
 double DistortionEnergy::uniform(double eta) const {

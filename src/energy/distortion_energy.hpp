@@ -64,8 +64,8 @@ public:
     bool certified(const std::vector<double>& x);  // everywhere in every element, or regularised
     // A finer quadrature of the elements that steps were cut for since the last call. Whether E has changed.
     bool refine_quadrature();
-    // The refinements of a part of this energy since it was made.
-    void take_over_refinements(const DistortionEnergy& part);
+    // The refinements of a part of this energy since it was made. Whether E has changed.
+    bool take_over_refinements(const DistortionEnergy& part);
     bool is_curved() const { return reference_.degree > 1; }
     int refined_elements() const { return static_cast<int>(refined_.size()); }
 
@@ -85,7 +85,9 @@ protected:
     };
 
     DistortionEnergy(const DistortionParams& params, const Mesh& mesh);
-    DistortionEnergy(const DistortionEnergy& whole, const Mesh& part);  // without nodes and refined elements
+    // Some elements of another one; nodes_ and place_in_whole_ are to be set, then take_refined_of() called.
+    DistortionEnergy(const DistortionEnergy& whole, int element_count);
+    void take_refined_of(const DistortionEnergy& whole);
     const int* element(int e) const { return &nodes_[offset(e, reference_.nodes)]; }
 
     DistortionParams params_;

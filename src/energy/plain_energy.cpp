@@ -196,33 +196,28 @@ DistortionStatistics PlainEnergy::statistics(const std::vector<double>& x) {
     return result;
 }
 
+PlainEnergy::PlainEnergy(const PlainEnergy& whole, SubMesh chosen)
+    : DistortionEnergy(whole, static_cast<int>(chosen.place.size())),
+      refined_place_(element_count_, -1),
+      pattern_(matrix_of_cells(static_cast<int>(chosen.node.size()), dim_, chosen.elements, reference_.nodes)) {
+    nodes_ = std::move(chosen.elements);
+    place_in_whole_ = std::move(chosen.place);
+    for (const int e : place_in_whole_) {
+        const double* const inverse_of_A = &whole.ideal_inverse_[offset(e, dim_ * dim_)];
+        ideal_inverse_.insert(ideal_inverse_.end(), inverse_of_A, inverse_of_A + dim_ * dim_);
+        ideal_jacobian_.push_back(whole.ideal_jacobian_[e]);
+        weight_.push_back(whole.weight_[e]);
+        damping_weight_.push_back(whole.damping_weight_[e]);
+        volume_ += whole.ideal_jacobian_[e] * simplex(dim_).volume();
+    }
+    take_refined_of(whole);
+}
+
 std::unique_ptr<DistortionEnergy> PlainEnergy::part(const std::vector<double>&, const std::vector<char>& moves,
                                                     std::vector<int>& node) const {
     SubMesh chosen = elements_around(nodes_, element_count_, reference_.nodes, moves);
-    auto part = std::make_unique<PlainEnergy>(*this);
-    part->element_count_ = static_cast<int>(chosen.place.size());
-    part->nodes_ = std::move(chosen.elements);
-    part->place_in_whole_ = chosen.place;
-    for (std::vector<double>* values : {&part->ideal_inverse_, &part->ideal_jacobian_, &part->weight_,
-                                        &part->damping_weight_}) {
-        const int width = values == &part->ideal_inverse_ ? dim_ * dim_ : 1;
-        for (int e = 0; e < part->element_count_; ++e)  // place[e] >= e: nothing is overwritten before it is copied
-            std::copy_n(values->begin() + offset(chosen.place[e], width), width, values->begin() + offset(e, width));
-        values->resize(offset(part->element_count_, width));
-    }
-    part->refined_.clear();
-    for (int e = 0; e < part->element_count_; ++e) {
-        const int refined = refined_place_[chosen.place[e]];
-        part->refined_place_[e] = refined < 0 ? -1 : static_cast<int>(part->refined_.size());
-        if (refined < 0) continue;
-        part->refined_.push_back(refined_[refined]);
-        part->refined_.back().element = e;
-    }
-    part->volume_ = 0;
-    for (double jacobian : part->ideal_jacobian_) part->volume_ += jacobian * simplex(dim_).volume();
-    part->pattern_ = matrix_of_cells(static_cast<int>(chosen.node.size()), dim_, part->nodes_, reference_.nodes);
-    node = std::move(chosen.node);
-    return part;
+    node = chosen.node;
+    return std::unique_ptr<PlainEnergy>(new PlainEnergy(*this, std::move(chosen)));
 }
 
 void project(int size, double* A) {

@@ -22,6 +22,8 @@ public:
                                            std::vector<int>& node) const override;
 
 private:
+    PlainEnergy(const PlainEnergy& whole, SubMesh chosen);
+
     std::vector<double> ideal_inverse_;           // element x dim x dim, A^{-1}
     std::vector<double> ideal_jacobian_;          // element, det A
     std::vector<double> weight_, damping_weight_;  // element, w_e det A and w'_e det A

@@ -82,30 +82,24 @@ SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const
 }
 
 SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vector<int>& place)
-    : DistortionEnergy(whole, part) {
+    : DistortionEnergy(whole, part.element_count()) {
     set_up(part);
+    for (const int e : blocks_.order) place_in_whole_.push_back(place[e]);
     fill(part, [&](int e) {
         const int batch = place[e] / lanes, lane = place[e] % lanes;
         Geometry of{{}, whole.ideal_jacobian_[batch][lane], whole.weight_[batch][lane],
                     whole.damping_weight_[batch][lane]};
+        for (std::size_t r = 0; r < whole.refined_.size(); ++r) {  // these weigh nothing in their batch
+            if (whole.refined_[r].element != place[e]) continue;
+            of.jacobian = whole.singles_[r].jacobian;
+            of.weight = whole.singles_[r].weight;
+            of.damping_weight = whole.singles_[r].damping_weight;
+        }
         for (int ij = 0; ij < dim_ * dim_; ++ij)
             of.inverse[ij] = whole.ideal_inverse_[offset(batch, dim_ * dim_, ij)][lane];
         return of;
     });
-    for (const int e : blocks_.order) place_in_whole_.push_back(place[e]);
-    for (std::size_t r = 0; r < whole.refined_.size(); ++r) {
-        const auto here = std::find(place_in_whole_.begin(), place_in_whole_.end(), whole.refined_[r].element);
-        if (here == place_in_whole_.end()) continue;
-        refined_.push_back(whole.refined_[r]);
-        refined_.back().element = static_cast<int>(here - place_in_whole_.begin());
-        rule_changed(static_cast<int>(refined_.size()) - 1);
-        const Single& there = whole.singles_[r];
-        Single& single = singles_.back();
-        single.jacobian = there.jacobian;
-        single.weight = there.weight;
-        single.damping_weight = there.damping_weight;
-        volume_ += simplex(dim_).volume() * single.jacobian;
-    }
+    take_refined_of(whole);
 }
 
 void SimdEnergy::set_up(const Mesh& mesh) {

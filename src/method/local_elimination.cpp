@@ -163,9 +163,8 @@ LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& 
     Result result;
     result.nodes = static_cast<int>(std::count(chosen.begin(), chosen.end(), 1));
     result.steps = minimise_locally(local, worthwhile * gained, y);
+    if (E.distortion.take_over_refinements(local.distortion())) energy = E.energy(x);
     if (result.steps == 0) return result;
-    E.distortion.take_over_refinements(local.distortion());
-    if (E.distortion.refined_elements() > 0) energy = E.energy(x);
     local.write(y, x);
     const double found = E.energy(x);
     if (found <= energy) energy = found;

@@ -318,10 +318,17 @@ TEST_CASE("a part hands its refinements back") {
         const auto part = whole->part(x, some_nodes(mesh.nodes()), node);
         REQUIRE(part->valid_fraction(on_part(x, node, 2), on_part(wavy(mesh.x, 2, 0.2), node, 2)) < 1);
         REQUIRE(part->refine_quadrature());
-        whole->take_over_refinements(*part);
+        CHECK(whole->take_over_refinements(*part));
         CHECK(whole->refined_elements() == part->refined_elements());
         const auto again = whole->part(x, some_nodes(mesh.nodes()), node);
         CHECK(again->energy(on_part(x, node, 2)) ==
               doctest::Approx(part->energy(on_part(x, node, 2))).epsilon(1e-13));
+        // What the whole has had before is not handed back a second time.
+        const double before = whole->energy(x);
+        CHECK(!again->refine_quadrature());
+        CHECK(!whole->take_over_refinements(*again));
+        CHECK(whole->energy(x) == before);
+        REQUIRE(whole->valid_fraction(x, wavy(mesh.x, 2, 0.25)) < 1);  // not yet refined
+        CHECK(!whole->part(x, some_nodes(mesh.nodes()), node)->refine_quadrature());
     }
 }
