@@ -40,9 +40,11 @@ def run(number, deck, objective, alpha, settings):
     command = ["./almesh", f"inputs/{deck}.deck", "algorithm=adaptive", f"objective={objective}",
                f"weight_exponent={alpha}", f"output=outputs/{name}", "vtk=none", *settings]
     try:
-        subprocess.run(command, stdout=subprocess.DEVNULL, timeout=LIMIT, check=False)
+        code = subprocess.run(command, stdout=subprocess.DEVNULL, timeout=LIMIT, check=False).returncode
     except subprocess.TimeoutExpired:
         return f"not in {LIMIT} s", ""
+    if code not in (0, 3, 4, 5):
+        sys.exit(f"{' '.join(command)} ended with exit code {code}")
     summary = runs.summary(name)
     steps = sum(int(summary[f"{part}newton_iterations"]) for part in ("", "followed_", "coarse_"))
     if summary["status"] != "converged" or summary["certified_injective"] != "yes":

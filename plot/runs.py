@@ -57,7 +57,8 @@ def expectations(deck):
 
 
 def history(deck):
-    """The rows of history.csv: kind `al` per subproblem, `newton` per step, `coarse` per coarser mesh, `part` per part of the motion."""
+    """The rows of history.csv: kind `al` per subproblem, `newton` per step, `coarse` per coarser mesh, `part` per part of
+    the motion."""
     return table(deck, "history.csv")
 
 

@@ -46,7 +46,8 @@ VtkFormat format_of(const Deck& deck) { return deck.vtk == VtkOutput::binary ? V
 
 // x, in the run's unit, and positions, in the file's, are the same places.
 void write_volume(const Deck& deck, const Problem& problem, const char* what, const std::vector<double>& x,
-                  std::vector<double> positions, const std::vector<double>& distortion, const std::vector<double>* scaled_jacobian) {
+                  std::vector<double> positions, const std::vector<double>& distortion,
+                  const std::vector<double>* scaled_jacobian) {
     const Mesh& mesh = problem.mesh();
     std::vector<VtkArray> point_data, cell_data = {{"distortion", 1, distortion}};
     if (!deck.wall.empty())

@@ -38,8 +38,8 @@ const char* advice(AlStatus status) {
         case AlStatus::max_iterations: return "not converged: max_al_iterations reached";
         case AlStatus::max_newton_iterations: return "not converged: max_newton_iterations reached in a subproblem";
         case AlStatus::line_search_failed:
-            return "not converged: no step decreases the energy and keeps all elements valid; try weight_exponent = 0.5 "
-                   "or 0, or a part of the motion";
+            return "not converged: no step decreases the energy and keeps all elements valid; try "
+                   "weight_exponent = 0.5 or 0, or a part of the motion";
         case AlStatus::interrupted: return "interrupted: the last mesh is written";
         case AlStatus::linear_solver_failed: return "not converged: no linear solver gave a descent direction";
     }
@@ -105,6 +105,16 @@ void snap(Level& level, Solution& solution) {
     last.constraint_norm = level.constraint->norm(solution.x);
     last.projected_constraint_norm = level.constraint->projected_norm(solution.x);
     last.relative_boundary_error = level.constraint->relative_error(solution.x);
+}
+
+void examine(const Deck& deck, const Problem& problem, Solution& solution) {
+    const TimeAdder adder(solution.time.certify);
+    Level& level = *problem.level;
+    solution.certificate = certify(level.mesh, solution.x, deck.certificate);
+    solution.injectivity = certify_injective(level.mesh, solution.x, solution.certificate);
+    solution.refined_elements = level.energy->refined_elements();
+    solution.max_boundary_error = level.constraint->max_error(solution.x);
+    solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);
 }
 
 // Has the system of one Newton step written, for `almesh linsolve`. Where the Hessian of that step was weakened, the
@@ -187,18 +197,9 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const double refused_bytes = newton->linear_solver().refused_bytes();
     newton.reset();  // the factor is the largest thing in memory
 
-    // 5. The boundary, exactly.
+    // 5. What was reached: the boundary set exactly, certificates, files.
     if (snaps(deck) && solution.al.status == AlStatus::converged) snap(level, solution);
-    solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);
-
-    // 6. What was reached: certificate and files.
-    {
-        const TimeAdder adder(solution.time.certify);
-        solution.certificate = certify(problem.mesh(), solution.x, deck.certificate);
-        solution.injectivity = certify_injective(problem.mesh(), solution.x, solution.certificate);
-        solution.refined_elements = level.energy->refined_elements();
-        solution.max_boundary_error = level.constraint->max_error(solution.x);
-    }
+    examine(deck, problem, solution);
     {
         const TimeAdder adder(solution.time.write);
         write_results(deck, problem, solution);

@@ -17,17 +17,6 @@ namespace {
 
 constexpr double corner_work = 200;  // simple operations for the angles of an element, at least
 
-// Of the directions of the edges at a corner, in units of a full turn or sphere.
-double angle(const Vec<3>& u, const Vec<3>& v) {
-    return std::atan2(length(cross(u, v)), dot(u, v)) / (2 * std::numbers::pi);
-}
-double solid_angle(const Vec<3>& u, const Vec<3>& v, const Vec<3>& w) {  // Van Oosterom & Strackee 1983
-    const double a = length(u), b = length(v), c = length(w);
-    const double half =
-        std::atan2(std::abs(dot(u, cross(v, w))), a * b * c + dot(u, v) * c + dot(v, w) * a + dot(w, u) * b);
-    return half / (2 * std::numbers::pi);
-}
-
 // Sum of the angles of all elements at each vertex, in units of a full one.
 std::vector<double> angle_sums(const Mesh& mesh, const std::vector<double>& x) {
     const int n = mesh.dim, corners = n + 1, m = mesh.element_nodes();
@@ -46,8 +35,10 @@ std::vector<double> angle_sums(const Mesh& mesh, const std::vector<double>& x) {
                     if (j == i) continue;
                     tangent[k++] = mesh.degree > 1 ? edge_tangent(basis.bernstein, patch, i, j) : corner[j] - corner[i];
                 }
-                at_corner[offset(e, corners, i)] =
-                    n == 2 ? angle(tangent[0], tangent[1]) : solid_angle(tangent[0], tangent[1], tangent[2]);
+                const Vec<3>&u = tangent[0], &v = tangent[1];
+                const double turns = 1 / (2 * std::numbers::pi);
+                at_corner[offset(e, corners, i)] = n == 2 ? turns * std::atan2(length(cross(u, v)), dot(u, v))
+                                                          : 0.5 * turns * std::abs(solid_angle(u, v, tangent[2]));
             }
         },
         corner_work);

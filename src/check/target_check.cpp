@@ -249,13 +249,7 @@ double Check::winding(const std::vector<Patch>& patches, int around, const Vec<3
             return;
         }
         const Vec<3> u = patch[0] - p, v = patch[1] - p;
-        if (m == 1) {
-            sum += std::atan2(cross(u, v)[2], dot(u, v));
-        } else {  // Van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983
-            const Vec<3> w = patch[2] - p;
-            const double a = length(u), b = length(v), c = length(w);
-            sum += std::atan2(dot(u, cross(v, w)), a * b * c + dot(u, v) * c + dot(v, w) * a + dot(w, u) * b);
-        }
+        sum += m == 1 ? std::atan2(cross(u, v)[2], dot(u, v)) : 0.5 * solid_angle(u, v, patch[2] - p);
     };
     for (int f = 0; f < mesh.face_count(); ++f)
         if (part[f] == around) add(add, patches[f], depth);

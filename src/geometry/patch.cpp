@@ -39,6 +39,11 @@ BoxTree tree_of_boxes(const std::vector<Patch>& patches) {
     return BoxTree(boxes);
 }
 
+double solid_angle(const Vec<3>& u, const Vec<3>& v, const Vec<3>& w) {
+    const double a = length(u), b = length(v), c = length(w);
+    return 2 * std::atan2(dot(u, cross(v, w)), a * b * c + dot(u, v) * c + dot(v, w) * a + dot(w, u) * b);
+}
+
 double size_of(const Patch& patch, int m) {
     const auto [a, b] = longest_edge(patch, m);
     return length(patch[b] - patch[a]);

@@ -34,6 +34,10 @@ BoxTree tree_of_boxes(const std::vector<Patch>& patches);
 
 inline double length(const Vec<3>& v) { return std::sqrt(dot(v, v)); }
 
+// Solid angle of the cone of three directions, positive where they are right-handed: 2 atan(u . (v x w) / (...)) (Van
+// Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983).
+double solid_angle(const Vec<3>& u, const Vec<3>& v, const Vec<3>& w);
+
 double size_of(const Patch& patch, int m);  // longest distance between two corners
 
 // Derivative of the patch at corner i along its edge towards corner j, divided by the degree.

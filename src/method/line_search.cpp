@@ -1,6 +1,6 @@
 // t <- t / 2 where E(x + t d) is infinite; half of what is valid where the way there is not; where E is too large, the
-// minimiser of the parabola through E(x), its slope and E(x + t d), t <- -t^2 slope / (2 (E(x + t d) - E(x) - t slope)),
-// within [t / 10, t / 2] (Nocedal & Wright, sec. 3.5).
+// minimiser of the parabola through E(x), its slope and E(x + t d),
+// t <- -t^2 slope / (2 (E(x + t d) - E(x) - t slope)), within [t / 10, t / 2] (Nocedal & Wright, sec. 3.5).
 #include "method/line_search.hpp"
 
 #include <algorithm>

@@ -137,7 +137,8 @@ TEST_CASE("objective = size_shape keeps the sizes of elements too, from a deck")
 
     // Scaled by 2 every element has eta = (4 + 1/4)/2, but for deviation the mesh is as good as before.
     const auto energy_over_volume = [&](const std::string& objective) {
-        REQUIRE(ring.run({"boundary inner=scale 2", "boundary outer=scale 2", "weight_exponent=1", objective}).code == 0);
+        REQUIRE(ring.run({"boundary inner=scale 2", "boundary outer=scale 2", "weight_exponent=1", objective}).code ==
+                0);
         const auto rows = csv_rows(text_of(ring.output + "/history.csv"));
         REQUIRE(rows[0][3] == "energy");
         const Mesh mesh = mesh_of(ring.folder.path("ring.msh"));

@@ -11,6 +11,7 @@
 #include "base/small_matrix.hpp"
 #include "support/high_order.hpp"
 #include "mesh/lagrange.hpp"
+#include "support/determinant.hpp"
 #include "support/meshes.hpp"
 
 using namespace almesh;
@@ -28,27 +29,16 @@ Mesh one_element(int dim, int degree) {
     return with_degree(linear_mesh(dim, x, element, [](const double*) { return "wall"; }), degree);
 }
 
-template <int n>
-double jacobian(const LagrangeBasis& basis, const int* node, const std::vector<double>& x, const double* xi) {
-    std::vector<double> dN(static_cast<std::size_t>(basis.count) * n);
-    basis.gradients(xi, dN.data());
-    Mat<n> J{};
-    for (int i = 0; i < basis.count; ++i)
-        for (int a = 0; a < n; ++a)
-            for (int k = 0; k < n; ++k) J[a][k] += x[node[i] * n + a] * dN[i * n + k];
-    return determinant(J);
-}
-
 // Least scaled Jacobian of an element at a lattice of points.
 template <int n>
 double sampled_minimum(const Mesh& mesh, const std::vector<double>& x, int e, int steps) {
     const LagrangeBasis basis(n, mesh.degree), linear(n, 1);
     const double centre[3] = {0.2, 0.2, 0.2};
-    const double straight = std::abs(jacobian<n>(linear, mesh.element(e), x, centre));
+    const double straight = std::abs(determinant_at<n>(linear, mesh.element(e), x, centre));
     double least = std::numeric_limits<double>::infinity();
     for (const MultiIndex& a : gmsh_node_order(n, steps)) {
         const double xi[3] = {a[1] / (1.0 * steps), a[2] / (1.0 * steps), a[3] / (1.0 * steps)};
-        least = std::min(least, jacobian<n>(basis, mesh.element(e), x, xi) / straight);
+        least = std::min(least, determinant_at<n>(basis, mesh.element(e), x, xi) / straight);
     }
     return least;
 }

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "mesh/lagrange.hpp"
+#include "support/determinant.hpp"
 #include "support/meshes.hpp"
 #include "support/targets.hpp"
 
@@ -22,17 +23,6 @@ double fraction(const Mesh& mesh, const std::vector<double>& from, const std::ve
 double fraction(const Mesh& mesh, const std::vector<double>& from, const std::vector<double>& to) {
     std::vector<Fold> folds;
     return fraction(mesh, from, to, folds);
-}
-
-template <int n>
-double determinant_at(const LagrangeBasis& basis, const int* node, const std::vector<double>& x, const double* xi) {
-    std::vector<double> dN(static_cast<std::size_t>(basis.count) * n);
-    basis.gradients(xi, dN.data());
-    Mat<n> J{};
-    for (int i = 0; i < basis.count; ++i)
-        for (int a = 0; a < n; ++a)
-            for (int k = 0; k < n; ++k) J[a][k] += x[node[i] * n + a] * dN[i * n + k];
-    return determinant(J);
 }
 
 std::vector<double> between(const std::vector<double>& from, const std::vector<double>& to, double s) {
