@@ -15,7 +15,8 @@ TEST_CASE("the small decks of the paper hold what they expect") {
         return;
     }
     for (const char* name :
-         {"circle", "circle-refined-1", "circle-refined-2", "circle-printed", "curving", "curving-printed"}) {
+         {"circle", "circle-refined-1", "circle-refined-2", "circle-printed", "circle-size-shape", "curving",
+          "curving-printed"}) {
         CAPTURE(name);
         const TemporaryFolder folder;
         const std::string deck = std::string("inputs/") + name + ".deck";
