@@ -139,7 +139,7 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         }
         if (c_squared() <= s->epsilon) {                                                  //  9
             constraint.update_multipliers(x, s->mu, E.lambda);                            // 10
-            rows.back().update = s->tighten(c_squared());                                 // 11-14
+            rows.back().update = s->tighten(c_squared(), rows.back().relative_boundary_error);                                 // 11-14
         } else {                                                                          // 15-16
             rows.back().update = s->raise_penalty();                                      // 17-20
         }                                                                                 // 21

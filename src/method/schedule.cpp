@@ -18,7 +18,7 @@ public:
         epsilon = epsilon0;
         least_omega = p.omega_star;
     }
-    AlUpdate tighten(double) override {
+    AlUpdate tighten(double, double) override {
         epsilon /= std::pow(m, 0.9);  // 13
         omega /= m;                   // 14
         return AlUpdate::multipliers;
@@ -43,7 +43,7 @@ public:
     }
     double penalty() const override { return mu * mu; }                                                      // Eq. 6
     bool ends(bool constrained, bool stationary) const override { return constrained || stationary; }        // 7
-    AlUpdate tighten(double) override {
+    AlUpdate tighten(double, double) override {
         epsilon /= std::pow(m, 0.9);  // 13
         omega /= mu;                  // 14
         return AlUpdate::multipliers;
@@ -73,10 +73,13 @@ public:
         least_omega = omega_star;
     }
     // Where the constraint holds already only |grad E| has to follow, and the penalty stays.
-    AlUpdate tighten(double squared_constraint) override {
-        const bool holds = squared_constraint <= epsilon_star;
-        const bool falls = squared_constraint <= 0.01 * before;  // |c_D| by a factor ten
+    AlUpdate tighten(double squared_constraint, double boundary_error) override {
+        const bool in_place = boundary_error <= wall_tolerance;
+        const bool holds = squared_constraint <= epsilon_star && in_place;
+        const bool falls = squared_constraint <= 0.01 * before &&  // |c_D| by a factor ten
+                           (in_place || boundary_error <= 0.1 * error_before);
         before = squared_constraint;
+        error_before = boundary_error;
         omega = holds ? omega_star : 0.1 * omega;
         return holds || falls ? AlUpdate::multipliers : raise_penalty();
     }
@@ -86,7 +89,9 @@ public:
     }
 
 private:
-    double omega_star, epsilon_star, before;  // before: squared constraint of the subproblem before
+    double omega_star, epsilon_star;
+    double before;  // squared constraint of the subproblem before,
+    double error_before = std::numeric_limits<double>::infinity();  // and its boundary error
 };
 
 }  // namespace

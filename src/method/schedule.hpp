@@ -6,8 +6,8 @@
 //             (Nocedal & Wright, Numerical Optimization, Alg. 17.4).
 //   literal   Algorithm 1 exactly as printed (penalty weight mu^2, the loop ends when one test holds, eps and omega
 //             grow with m), for teaching: the README tells what goes wrong.
-//   adaptive  lambda after every subproblem; mu, large from the start, times 10 whenever |c_D| fell by less than a
-//             factor 10; omega a tenth, and omega* once the constraint holds. Needs no mu0, omega0, epsilon0.
+//   adaptive  lambda after every subproblem; mu, large from the start, times 10 whenever |c_D| or the largest distance
+//             of a node from its place fell by less than a factor 10; omega a tenth, and omega* once both hold. Needs no mu0, omega0, epsilon0.
 //
 // The penalty is given in units of |1|^2: mu |c_D|^2 = (mu / |1|^2) times the weighted integral of |phi - g_D|^2, and
 // with the weight 1/h that integral scales like the distortion term, whatever the unit of length and the number of
@@ -47,7 +47,8 @@ public:
     bool tests_reach = true;                          // whether the first subproblem may find the target out of reach
     virtual double penalty() const { return mu; }     // weight of |c_D|^2 / 2 in E
     virtual bool ends(bool constrained, bool stationary) const { return constrained && stationary; }  // not line 7
-    virtual AlUpdate tighten(double squared_constraint) = 0;  // lines 11-14: lambda has been updated
+    // Lines 11-14: lambda has been updated. boundary_error: what wall_tolerance is for.
+    virtual AlUpdate tighten(double squared_constraint, double boundary_error) = 0;
     virtual AlUpdate raise_penalty() = 0;                     // lines 17-20
 };
 
