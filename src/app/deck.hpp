@@ -46,8 +46,9 @@ struct Deck {
     int degree = 0;
     int refine = 0;
     TargetKind target = TargetKind::exact;
-    DistortionParams distortion;  // but for weight_exponent:
+    DistortionParams distortion;  // but for weight_exponent and power:
     std::optional<double> weight_exponent;
+    std::optional<int> power;
     AugmentedLagrangianParams method;
     Start start = Start::automatic;
     Follow follow = Follow::automatic;

@@ -59,21 +59,24 @@ struct Range {
 
 constexpr Range positive = {.lowest = 0, .open = true}, not_negative = {0};
 
-// Of an int, a double or an optional double, which is `auto` where it is empty.
+// Of an int, a double or an optional one, which is `auto` where it is empty.
 template <auto... path>
 DeckValue number(Range range) {
     using T = std::remove_reference_t<decltype(field<path...>(std::declval<Deck&>()))>;
-    constexpr bool whole = std::is_same_v<T, int>, optional = std::is_same_v<T, std::optional<double>>;
+    constexpr bool whole = std::is_same_v<T, int> || std::is_same_v<T, std::optional<int>>;
+    constexpr bool optional = !std::is_arithmetic_v<T>;
     const auto shown = [](double v) { return whole ? std::to_string(static_cast<int>(v)) : to_text(v); };
     const bool bounded = std::isfinite(range.highest);
-    const std::string legal = (whole ? "integer " : optional ? "auto or number " : "number ") +
+    const std::string legal = (optional ? std::string("auto or ") : "") + (whole ? "integer " : "number ") +
                               (bounded ? "in " + shown(range.lowest) + ".." + shown(range.highest)
                                        : (range.open ? "> " : ">= ") + shown(range.lowest));
     const auto set = [range](Deck& deck, std::string_view written) -> Hint {
         const auto value = whole ? std::optional<double>(parse_int(written)) : parse_double(written);
         const bool automatic = optional && written == "auto";
         if (!automatic && (!value || !range.contains(*value))) return "";
-        field<path...>(deck) = automatic ? T() : static_cast<T>(*value);
+        if (automatic) field<path...>(deck) = T();
+        else if constexpr (whole) field<path...>(deck) = static_cast<int>(*value);
+        else field<path...>(deck) = *value;
         return std::nullopt;
     };
     const auto text = [shown](const Deck& deck) -> std::string {
@@ -100,15 +103,19 @@ const std::vector<DeckKey>& deck_keys() {
         {"refine", number<&Deck::refine>({0, 8}), "Uniform refinements of the mesh before the run."},
         {"target", choice<&Deck::target>({"exact", "nodal"}),
          "Boundary target: the motion of every boundary point, or its interpolation at the nodes."},
-        {"objective", choice<&Deck::distortion, &Distortion::objective>({"squared", "deviation", "size_shape"}),
+        {"objective", choice<&Deck::distortion, &Distortion::objective>({"squared", "deviation", "size_shape", "worst"}),
          "Integral of eta^2 (the tables of the paper), of (eta - 1)^2 (its Eq. 5), or of the latter with eta times "
-         "(sigma + 1/sigma)/2, sigma = det F: elements keep their sizes too."},
+         "(sigma + 1/sigma)/2, sigma = det F: elements keep their sizes too; worst: powers of eta - 1 that rise in the "
+         "run, for the best worst element."},
+        {"power", number<&Deck::power>({2, 128}),
+         "Power of eta, or of eta - 1, in the objective; auto: 2. With objective = worst the last one; auto: 64, or "
+         "where eta does not get smaller any more."},
         {"delta", number<&Deck::distortion, &Distortion::delta>(not_negative),
          "Regularisation of det F in the distortion (Eq. 3), without unit; 0: none. Above 0 inverted elements have "
          "finite energy, and a step may invert one."},
         {"weight_exponent", number<&Deck::weight_exponent>({0, 1}),
          "alpha: an element weighs |e|^alpha in the integral; 1: the paper's, 0: all elements alike; auto: 0.5 with "
-         "algorithm = adaptive, which keeps small elements in shape, else 1."},
+         "algorithm = adaptive, which keeps small elements in shape, else 1; 0 with objective = worst."},
         {"assembly", choice<&Deck::distortion, &Distortion::assembly>({"simd", "plain"}),
          "Assembly of the energy and its derivatives: one element per SIMD lane on all threads, or the textbook's, for "
          "study: some hundred times slower."},

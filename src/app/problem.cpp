@@ -74,7 +74,10 @@ void refuse_invalid_target(const TargetReport& report) {
 
 DistortionParams distortion_of(const Deck& deck) {
     DistortionParams params = deck.distortion;
-    params.weight_exponent = deck.weight_exponent.value_or(deck.method.algorithm == Algorithm::adaptive ? 0.5 : 1);
+    const bool worst = params.objective == Objective::worst;
+    const double usual = worst ? 0 : deck.method.algorithm == Algorithm::adaptive ? 0.5 : 1;
+    params.weight_exponent = deck.weight_exponent.value_or(usual);
+    if (!worst) params.power.p = deck.power.value_or(params.power.p);
     return params;
 }
 

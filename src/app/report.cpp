@@ -58,11 +58,12 @@ std::string reason_of_cut(Nw row) {
     return row.step.cuts_decrease ? "insufficient decrease" : "none";
 }
 
-const char* kind(const Stage& stage) { return stage.fraction < 1 ? "part" : "coarse"; }
+const char* kind(const Stage& stage) { return stage.power ? "power" : stage.fraction < 1 ? "part" : "coarse"; }
 
 std::string update(Al row) {
     if (!row.stage) return to_string(row.it.update);
     if (row.stage->status != AlStatus::converged) return "dropped";
+    if (row.stage->power) return "next power";
     return row.stage->fraction < 1 ? "next part" : "finer mesh";
 }
 
@@ -72,7 +73,7 @@ constexpr bool at_start = true;
 
 constexpr auto columns = std::to_array<Column>({
     {{"kind", "al: augmented Lagrangian iteration; newton: step of its subproblem; coarse: all of a coarser mesh; "
-              "part: all of a part of the motion"},
+              "part: all of a part of the motion; power: all of a power before the last"},
      [](Al r) { return std::string(r.stage ? kind(*r.stage) : "al"); },
      [](Nw) { return std::string("newton"); }, at_start},
     {{"al_iteration", "number of the augmented Lagrangian iteration; 0: the mesh at the start"},
@@ -89,10 +90,10 @@ constexpr auto columns = std::to_array<Column>({
      [](Al r) { return std::isfinite(r.it.epsilon) ? text(r.it.epsilon) : ""; }},
     {{"relative_quality", "q"}, al<&It::relative_quality>, nullptr, at_start},
     {{"max_distortion", "largest eta"}, al<&It::max_distortion>, nullptr, at_start},
-    {{"newton_iterations", "Newton steps of the subproblem, on the coarser mesh or for the part"},
+    {{"newton_iterations", "Newton steps of the subproblem, on the coarser mesh, for the part or with the power"},
      al<&It::newton_iterations>},
     {{"newton_status", "how the subproblem ended"}, al<&It::newton_status>},
-    {{"update", "what was updated then: lambda, mu; coarse, part: whether what follows starts from it"}, update},
+    {{"update", "what was updated then: lambda, mu; coarse, part, power: whether what follows starts from it"}, update},
     {{"step_length", "of the line search"}, nullptr, newton<&Step::step_length>},
     {{"cuts_inverted", "trial lengths refused because an element was inverted"}, nullptr, newton<&Step::cuts_inverted>},
     {{"cuts_decrease", "trial lengths refused because E did not decrease enough"},
@@ -111,9 +112,10 @@ constexpr auto columns = std::to_array<Column>({
     {{"nodes", "of the coarser mesh"}, [](Al r) { return r.stage ? text(r.stage->nodes) : ""; }},
     {{"fraction", "part: of the motion, up to which it goes"},
      [](Al r) { return r.stage && r.stage->fraction < 1 ? text(r.stage->fraction) : ""; }},
+    {{"power", "power: of eta - 1"}, [](Al r) { return r.stage && r.stage->power ? text(r.stage->power) : ""; }},
     {{"relative_boundary_error", "largest distance of a boundary node from its place, in heights of the cells at it"},
      al<&It::relative_boundary_error>, nullptr, at_start},
-    {{"seconds", "since the iterations began; of a coarse or part row all of it"}, al<&It::seconds>, nullptr, at_start},
+    {{"seconds", "since the iterations began; of a coarse, part or power row all of it"}, al<&It::seconds>, nullptr, at_start},
 });
 
 // One line of the file; cell(column) gives its text.
@@ -165,9 +167,10 @@ void Report::add(const Stage& stage) {
     csv_ += line(AlRow{row, &stage});
     const char* const used = stage.status == AlStatus::converged ? "" : ", not used";
     std::string what = "  ";
-    if (stage.fraction < 1) append(what, stage.fraction, 3);
-    else what += std::to_string(stage.nodes);
-    print(row, kind(stage), what + (stage.fraction < 1 ? " of the motion" : " nodes") + used);
+    if (stage.power) what += "(eta - 1)^" + std::to_string(stage.power);
+    else if (stage.fraction < 1) append(what, stage.fraction, 3), what += " of the motion";
+    else what += std::to_string(stage.nodes) + " nodes";
+    print(row, kind(stage), what + used);
 }
 
 void Report::add(const AlIteration& it) {

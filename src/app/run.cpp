@@ -10,6 +10,7 @@
 #include "io/matrix_market.hpp"
 #include "method/continuation.hpp"
 #include "method/snap.hpp"
+#include "method/worst.hpp"
 
 namespace almesh {
 namespace {
@@ -59,7 +60,8 @@ void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, con
     std::string others;
     if (const int steps = solution.coarse_newton_iterations) others = concat(" (and ", steps, " on coarser meshes)");
     if (const int steps = solution.al.followed_newton_iterations)
-        others += concat(" (and ", steps, " on earlier parts of the motion)");
+        others += concat(" (and ", steps, " on earlier ",
+                         deck.distortion.objective == Objective::worst ? "powers" : "parts of the motion", ")");
     std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s\n", advice(solution.al.status),
                  solution.al.iterations.size() - 1, solution.al.newton_iterations, others.c_str(), solution.time.total);
     if (in_place)
@@ -115,6 +117,15 @@ void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     solution.refined_elements = level.energy->refined_elements();
     solution.max_boundary_error = level.constraint->max_error(solution.x);
     solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);
+}
+
+AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton, const MethodParams& params,
+                            std::vector<double>& x, const AlStart& start, const AlObserver& observer,
+                            const StageObserver& observe_part) {
+    constexpr int last_power = 64;
+    if (deck.distortion.objective != Objective::worst)
+        return minimise_following(level, newton, params, x, start, observer, observe_part);
+    return minimise_worst(level, newton, params, deck.power.value_or(last_power), x, start, observer, observe_part);
 }
 
 // Has the system of one Newton step written, for `almesh linsolve`. Where the Hessian of that step was weakened, the
@@ -191,7 +202,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     std::optional<Newton> newton(std::in_place, level.energy->hessian_pattern(), deck.linear, deck.forcing);
     write_system(deck, *newton, report);
     solution.time.setup = watch.seconds() - solution.time.coarse - solution.time.write;
-    solution.al = minimise_following(level, *newton, params, solution.x, start, observer,
+    solution.al = minimise_objective(deck, level, *newton, params, solution.x, start, observer,
                                      [&](const Stage& stage) { report.add(stage); });
     solution.time += newton->time;
     const double refused_bytes = newton->linear_solver().refused_bytes();

@@ -26,6 +26,7 @@ struct Run {
     const RunTimes& time;
     AlIteration last;           // in units of the mesh file,
     double max_boundary_error;  // and so is this
+    int power;
 };
 
 double peak_memory_mb() {
@@ -67,7 +68,8 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"al_iterations", "augmented Lagrangian iterations"}, count,
      [](R r) { return text(static_cast<long long>(r.al.iterations.size()) - 1); }},
     {{"newton_iterations", "Newton steps of all subproblems"}, count, [](R r) { return text(r.al.newton_iterations); }},
-    {{"followed_newton_iterations", "Newton steps on earlier parts of the motion, not among newton_iterations"}, count,
+    {{"followed_newton_iterations",
+      "Newton steps on earlier parts of the motion and with earlier powers, not among newton_iterations"}, count,
      [](R r) { return text(r.al.followed_newton_iterations); }},
     {{"coarse_newton_iterations", "Newton steps on coarser meshes, not among newton_iterations"}, count,
      [](R r) { return text(r.solution.coarse_newton_iterations); }},
@@ -90,6 +92,8 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.last.relative_quality, 7); }},
     {{"max_distortion", "largest eta over all quadrature points"}, decimal,
      [](R r) { return text(r.last.max_distortion, 7); }},
+    {{"power", "of eta - 1 or eta in the objective, in the end"}, count,
+     [](R r) { return text(r.power); }},
     {{"refined_elements", "curved elements that came near folding and were given a finer quadrature"}, count,
      [](R r) { return text(r.solution.refined_elements); }},
     {{"min_scaled_jacobian", "lower bound of the scaled Jacobian over all elements, everywhere in them"}, decimal,
@@ -160,7 +164,7 @@ std::string condition_text(const Expectation& expectation) {
 Summary summarise(const Problem& problem, const Solution& solution) {
     const Units units = {problem.mesh().dim, problem.length};
     const Run run = {problem.mesh(), solution, solution.al, solution.time, units.of(solution.al.iterations.back()),
-                     units.distance(solution.max_boundary_error)};
+                     units.distance(solution.max_boundary_error), problem.level->energy->power().p};
     Summary summary;
     for (const Quantity& quantity : quantities) summary.push_back({quantity.name, quantity.value(run)});
     return summary;

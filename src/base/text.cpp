@@ -114,6 +114,10 @@ std::string table_row(const std::vector<std::string>& cells, const std::vector<s
         column += width[i];
         row.resize(std::max(row.size() + 1, column), ' ');
     }
+    if (row.size() > column) {
+        row.resize(row.find_last_not_of(' ') + 1);
+        row.append(1, '\n').append(column, ' ');
+    }
     const auto lines = wrap(cells.back(), width.back());
     for (std::size_t k = 0; k < lines.size(); ++k) {
         if (k > 0) row.append(1, '\n').append(column, ' ');

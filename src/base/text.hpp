@@ -56,7 +56,7 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 std::vector<std::string> wrap(std::string_view text, std::size_t width);
 
 // One row of a table, with its line end: cell i padded to width[i] characters, the last one wrapped within width[i].
-// A cell wider than its column moves the rest of its line to the right by one blank.
+// Where a cell is wider than its column, the last one starts on a line of its own.
 std::string table_row(const std::vector<std::string>& cells, const std::vector<std::size_t>& width);
 
 std::string in_backquotes(std::string_view text);  // a word of the user, as messages show it

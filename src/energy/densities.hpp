@@ -99,11 +99,47 @@ struct Quadratic {
     double half_slope(double f) const { return std::sqrt(f); }
 };
 
-// body(density) for the one that the objective names.
+// x^k by squaring, k >= 0.
+template <class T>
+T integer_power(T x, int k) {
+    T result = T{} + 1;
+    for (; k > 0; k /= 2) {
+        if (k % 2) result *= x;
+        x *= x;
+    }
+    return result;
+}
+
+// M^2 (s^p + kappa s^2), s = (eta - 1) / M, or eta / M where `from_one` is false; p >= 2.
+template <class MeasureOf>
+struct Power {
+    using Measure = MeasureOf;
+    bool from_one;
+    int p;
+    double M, kappa;
+    template <class T> T root(T eta) const { return (from_one ? eta - 1 : eta) / M; }
+    template <class T> T f(T eta) const {
+        const T s = root(eta);
+        return M * M * (integer_power<T>(s, p) + kappa * s * s);
+    }
+    template <class T> T f1(T eta) const {
+        const T s = root(eta);
+        return M * (p * integer_power<T>(s, p - 1) + 2 * kappa * s);
+    }
+    template <class T> T f2(T eta) const { return p * (p - 1) * integer_power<T>(root(eta), p - 2) + 2 * kappa; }
+    double half_slope(double f) const {  // kappa left out
+        return 0.5 * M * p * std::pow(std::max(f, 0.0) / (M * M), (p - 1.0) / p);
+    }
+};
+
+// body(density) for the one that the parameters name.
 template <class Body>
-auto with_density(Objective objective, const Body& body) {
-    if (objective == Objective::size_shape) return body(Quadratic<ShapeAndSize>{true});
-    return body(Quadratic<Shape>{objective == Objective::deviation});
+auto with_density(const DistortionParams& params, const Body& body) {
+    const bool from_one = params.objective != Objective::squared, of_size = params.objective == Objective::size_shape;
+    const auto& [p, M, kappa] = params.power;
+    if (p == 2 && M == 1 && kappa == 0)
+        return of_size ? body(Quadratic<ShapeAndSize>{true}) : body(Quadratic<Shape>{from_one});
+    return of_size ? body(Power<ShapeAndSize>{true, p, M, kappa}) : body(Power<Shape>{from_one, p, M, kappa});
 }
 
 // share f + (1 - share) eta^2: the objective with its damping (distortion_energy.hpp).

@@ -79,12 +79,12 @@ bool DistortionEnergy::take_over_refinements(const DistortionEnergy& part) {
 }
 
 double DistortionEnergy::uniform(double eta) const {
-    return volume_ * with_density(params_.objective, [eta](auto density) { return density.f(eta); });
+    return volume_ * with_density(params_, [eta](auto density) { return density.f(eta); });
 }
 
 double DistortionEnergy::mean_slope(double energy) const {
     const double mean = std::max(0.0, energy) / volume_;
-    return with_density(params_.objective, [mean](auto density) { return density.half_slope(mean); });
+    return with_density(params_, [mean](auto density) { return density.half_slope(mean); });
 }
 
 std::unique_ptr<DistortionEnergy> make_energy(const Mesh& mesh, const std::vector<double>& ideal,

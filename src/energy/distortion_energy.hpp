@@ -66,6 +66,9 @@ public:
     bool refine_quadrature();
     // The refinements of a part of this energy since it was made. Whether E has changed.
     bool take_over_refinements(const DistortionEnergy& part);
+    // Another power in the density from now on.
+    void set_power(const PowerParams& power) { params_.power = power; }
+    const PowerParams& power() const { return params_.power; }
     bool is_curved() const { return reference_.degree > 1; }
     int refined_elements() const { return static_cast<int>(refined_.size()); }
 

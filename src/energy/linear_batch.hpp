@@ -111,7 +111,7 @@ private:
     const int* node_ = nullptr;
     const Mat<n, Lanes>* ideal_inverse_ = nullptr;
     Mat<n, Lanes> F_;
-    Lanes hessian_[whole_registers(entries)], separate_[whole_registers(entries)];
+    Lanes hessian_[whole_registers(entries)] = {}, separate_[whole_registers(entries)];  // pads are zero
 };
 
 }  // namespace almesh

@@ -4,9 +4,16 @@
 namespace almesh {
 
 enum class Objective {
-    squared,    // eta^2: the tables of the paper
-    deviation,  // (eta - 1)^2: its Eq. 5
-    size_shape  // (eta - 1)^2 of the distortion of shape and size
+    squared,     // eta^2: the tables of the paper
+    deviation,   // (eta - 1)^2: its Eq. 5
+    size_shape,  // (eta - 1)^2 of the distortion of shape and size
+    worst        // powers of eta - 1 that are raised in the run (method/worst.hpp)
+};
+
+// The density M^2 (s^p + kappa s^2), s = (eta - 1) / M or eta / M; as it stands here, the square.
+struct PowerParams {
+    int p = 2;
+    double M = 1, kappa = 0;
 };
 
 enum class Assembly { simd, plain };
@@ -17,6 +24,7 @@ struct DistortionParams {
     double weight_exponent = 1;  // alpha
     int exactness = 0;           // of the quadrature for p > 1; 0: default_exactness(degree)
     Assembly assembly = Assembly::simd;
+    PowerParams power = {};
 };
 
 enum class HessianKind {

@@ -120,7 +120,7 @@ void PlainEnergy::every_point(int e, const std::vector<double>& x, const Body& b
 
 double PlainEnergy::energy(const std::vector<double>& x) {
     double sum = 0;
-    with_density(params_.objective, [&](auto density) {
+    with_density(params_, [&](auto density) {
         with_dimension(dim_, [&](auto n) {
             for (int e = 0; e < element_count_; ++e)
                 every_point<n>(e, x, [&](const ElementPoint<n>& at) {
@@ -133,7 +133,7 @@ double PlainEnergy::energy(const std::vector<double>& x) {
 }
 
 void PlainEnergy::add_gradient(const std::vector<double>& x, std::vector<double>& g) {
-    with_density(params_.objective, [&](auto density) {
+    with_density(params_, [&](auto density) {
         with_dimension(dim_, [&](auto n) {
             for (int e = 0; e < element_count_; ++e)
                 every_point<n>(e, x, [&](const ElementPoint<n>& at) {
@@ -150,7 +150,7 @@ void PlainEnergy::add_gradient(const std::vector<double>& x, std::vector<double>
 
 void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping) {
     const int m = reference_.nodes;
-    with_density(params_.objective, [&](auto density) {
+    with_density(params_, [&](auto density) {
         with_dimension(dim_, [&](auto dimension) {
             constexpr int n = dimension;
             for (int e = 0; e < element_count_; ++e)

@@ -169,7 +169,7 @@ BlockCsr SimdEnergy::hessian_pattern() const {
 // body(std::type_identity<Batch>, density): the batch for elements of this dimension and degree.
 template <class Body>
 void SimdEnergy::dispatch(const Body& body) {
-    with_density(params_.objective, [&](auto density) {
+    with_density(params_, [&](auto density) {
         with_dimension(dim_, [&](auto n) {
             if (reference_.degree == 1) body(std::type_identity<LinearBatch<n()>>(), density);
             else body(std::type_identity<CurvedBatch<n()>>(), density);

@@ -34,13 +34,15 @@ struct Level {
     double turn = 0;
 };
 
-// What the method came to on a coarser mesh, or for a part of the motion: one row of the report.
+// What the method came to on a coarser mesh, for a part of the motion, or with one of several powers: a row of the
+// report.
 struct Stage {
     int nodes = 0;
     AlStatus status = AlStatus::converged;  // where it is not, what follows does not start from here
     AlIteration last;  // its last iteration; seconds: with making the mesh, its target and the pattern of its matrix
     int newton_iterations = 0;
     double fraction = 1;  // of the motion
+    int power = 0;        // of eta - 1, where it is one of several (worst.hpp)
 };
 
 using StageObserver = std::function<void(const Stage&)>;

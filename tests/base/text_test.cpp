@@ -96,7 +96,7 @@ TEST_CASE("lines and tables") {
     CHECK(wrap("unbreakable x", 3) == std::vector<std::string>{"unbreakable", "x"});
     CHECK(wrap("", 10).empty());
     CHECK(table_row({"a", "b", "one two three"}, {4, 3, 7}) == "a   b  one two\n       three\n");
-    CHECK(table_row({"abcdef", "x"}, {4, 3}) == "abcdef x\n");
+    CHECK(table_row({"abcdef", "x"}, {4, 3}) == "abcdef\n    x\n");
     CHECK(table_row({"a", ""}, {4, 3}) == "a   \n");
 }
 

@@ -135,6 +135,29 @@ TEST_CASE("a density that is no quadratic: slopes of gradient and Hessian, and i
     check_quartic<3, ShapeAndSize>();
 }
 
+TEST_CASE("powers: slopes of gradient and Hessian, their damping, and the square among them") {
+    std::mt19937 random(23);
+    const Power<Shape> of_deviation{true, 4, 1.7, 0.01}, of_distortion{false, 3, 0.5, 0};
+    const Mat<2> F = random_gradient<2>(random, 0.1), dF = random_matrix<2>(random);
+    const Mat<3> F3 = random_gradient<3>(random, 0.1), dF3 = random_matrix<3>(random);
+    for (const auto& density : {of_deviation, of_distortion}) {
+        check_gradient<2>(F, 0, density, dF, 1e-3);
+        check_hessian<2>(F, 0, density, dF, 1e-3);
+        check_gradient<3>(F3, 0, density, dF3, 1e-3);
+        check_hessian<3>(F3, 0, density, dF3, 1e-3);
+        for (double share : {0.0, 0.3, 1.0}) check_damped<3>(F3, density, share, dF3);
+    }
+    for (const double eta : {1.0, 1.5, 7.0}) {
+        const Power<Shape> square{true, 2, 3, 0};
+        CHECK(square.f(eta) == doctest::Approx((eta - 1) * (eta - 1)));
+        CHECK(square.f1(eta) == doctest::Approx(2 * (eta - 1)));
+        CHECK(square.f2(eta) == doctest::Approx(2));
+    }
+    CHECK(Power<Shape>{true, 64, 2, 0}.f(3.0) == doctest::Approx(4));  // M^2 where eta - 1 = M
+    CHECK(with_density({.objective = Objective::deviation, .power = {5, 1, 0}},
+                       [](auto density) { return density.f(3.0); }) == 32);
+}
+
 TEST_CASE("of a density that is no quadratic too the projected Hessian has no negative part") {
     std::mt19937 random(19);
     int lifted = 0;
@@ -164,16 +187,17 @@ TEST_CASE("half_slope is f'/2 at the eta where f has the given value") {
             CHECK(density.half_slope(density.f(eta)) == doctest::Approx(0.5 * density.f1(eta)).epsilon(1e-13));
     };
     for (const Objective objective : {Objective::squared, Objective::deviation, Objective::size_shape})
-        with_density(objective, check);
+        with_density({.objective = objective}, check);
     check(Quartic<Shape>());
+    check(Power<Shape>{true, 8, 2.5, 0});
 }
 
 TEST_CASE("each objective has the density of its formula") {
     const auto f = [](Objective objective, double eta) {
-        return with_density(objective, [eta](auto density) { return density.f(eta); });
+        return with_density({.objective = objective}, [eta](auto density) { return density.f(eta); });
     };
     const auto eta = [](Objective objective) {  // of a scaling by 2 in 2D
-        return with_density(objective, [](auto density) {
+        return with_density({.objective = objective}, [](auto density) {
             return distortion<2>({{{2, 0}, {0, 2}}}, 0, typename decltype(density)::Measure());
         });
     };

@@ -31,7 +31,7 @@ Mat<n> apply(const Tensor<n>& C, const Mat<n>& dF, int lane) {
 
 template <int n>
 Tensor<n> hessian(const Mat<n, Lanes>& F, double delta, Objective objective, bool projected) {
-    return with_density(objective, [&](auto density) {
+    return with_density({.objective = objective}, [&](auto density) {
         return in_element_coordinates<n>(frame_hessian<n>(F, density, delta, projected), identity<n>(),
                                          in_all_lanes(1));
     });
@@ -39,7 +39,7 @@ Tensor<n> hessian(const Mat<n, Lanes>& F, double delta, Objective objective, boo
 
 template <int n>
 Mat<n> gradient(const Mat<n>& F, double delta, Objective objective) {
-    return with_density(objective, [&](auto density) { return density_gradient<n>(F, delta, density); });
+    return with_density({.objective = objective}, [&](auto density) { return density_gradient<n>(F, delta, density); });
 }
 
 // Central differences of the gradient: the error must fall as t^2, in every lane.

@@ -14,7 +14,7 @@ namespace {
 // Central differences against the derivative: the error must fall as t^2.
 template <int n>
 void check_slope(const Mat<n>& F, double delta, Objective objective, const Mat<n>& dF, double t) {
-    with_density(objective, [&](auto density) {
+    with_density({.objective = objective}, [&](auto density) {
         using Measure = typename decltype(density)::Measure;
         const auto f = [&](double s) { return density.f(distortion<n>(shifted<n>(F, dF, s), delta, Measure())); };
         const double exact = inner<n>(density_gradient<n>(F, delta, density), dF);

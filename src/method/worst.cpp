@@ -1,0 +1,98 @@
+// x_2 = argmin of the deviation; for p = 4, 8, ...: M = max eta - 1 at x, lambda <- lambda p E_p / (p' E_p'), x_p from x.
+#include "method/worst.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linalg/vector_ops.hpp"
+#include "method/functional.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double quadratic_part = 0.012;   // kappa_p p
+constexpr int steps_of_power = 8;          // Newton steps of a subproblem of a power that is not the last
+constexpr double gradient_of_power = 0.03; // such a power lowers |grad E| to this part, and more where it starts far
+constexpr double worthwhile = 2e-3;        // relative decrease of the largest eta
+constexpr double undistorted = 1e-10;      // largest eta - 1 below which there is nothing to gain
+
+bool succeeded(const AlResult& result) { return result.status == AlStatus::converged; }
+
+// What one power leaves to the next.
+struct Sharpening {
+    const Level& level;
+    AlResult result;
+    double mu = 0;  // in units of |1|^2
+
+    double largest() const { return result.distortion.max_distortion; }
+
+    void take(AlResult next) {
+        result = std::move(next);
+        mu = result.iterations.back().mu / std::pow(level.constraint->norm_of_one(), 2);
+    }
+
+    // The density of another power, and the multipliers to go with it.
+    AlStart set_power(int p, const std::vector<double>& x) {
+        const PowerParams before = level.energy->power();
+        const double E_before = level.energy->energy(x);
+        if (p == 2) level.energy->set_power({});
+        else level.energy->set_power({p, largest() - 1, quadratic_part / p});
+        const double change = p * level.energy->energy(x) / (before.p * E_before);
+        AlStart start{result.lambda, mu};
+        for (double& lambda : start.lambda) lambda *= change;
+        return start;
+    }
+};
+
+double gradient_norm(const Level& level, const AlStart& start, const std::vector<double>& x) {
+    const double penalty = start.mu * std::pow(level.constraint->norm_of_one(), 2);
+    const AugmentedFunctional E{*level.energy, *level.constraint, start.lambda, penalty};
+    std::vector<double> g(x.size());
+    E.gradient(x, g);
+    return norm_2(g);
+}
+
+}  // namespace
+
+AlResult minimise_worst(const Level& level, Newton& newton, const MethodParams& params, int last_power,
+                        std::vector<double>& x, const AlStart& start, const AlObserver& observer,
+                        const StageObserver& observe_part) {
+    const AugmentedLagrangianParams loose = loosened(params.schedule, level);
+    MethodParams first = params;
+    first.schedule = loose;
+    Sharpening at{level, {}, 0};
+    level.energy->set_power({});
+    at.take(minimise_following(level, newton, first, x, start, {}, observe_part));
+    if (!succeeded(at.result)) return at.result;
+
+    int earlier_steps = at.result.newton_iterations + at.result.followed_newton_iterations, p = 2;
+    const auto report_power = [&] {
+        if (observe_part)
+            observe_part({level.mesh.nodes(), AlStatus::converged, at.result.iterations.back(),
+                          at.result.newton_iterations, 1, level.energy->power().p});
+    };
+    report_power();
+    const bool can_gain = at.largest() - 1 > undistorted && std::isfinite(at.largest());
+    for (double before = 2 * at.largest(); can_gain && 2 * p < last_power; p *= 2) {
+        if (at.largest() > (1 - worthwhile) * before) break;
+        before = at.largest();
+        const AlStart from = at.set_power(2 * p, x);
+        AugmentedLagrangianParams schedule = loose;
+        schedule.omega_star = std::min(loose.omega_star, gradient_of_power * gradient_norm(level, from, x));
+        schedule.max_newton_iterations = steps_of_power;
+        at.take(minimise(*level.energy, *level.constraint, newton, schedule, x, {}, from));
+        earlier_steps += at.result.newton_iterations;
+        if (at.result.status == AlStatus::interrupted) return at.result;
+        report_power();
+    }
+    for (p = can_gain ? std::min(2 * p, last_power) : 2;; p = std::max(2, p / 2)) {
+        const AlStart from = at.set_power(p, x);
+        at.take(minimise(*level.energy, *level.constraint, newton, params.schedule, x, observer, from));
+        if (succeeded(at.result) || at.result.status == AlStatus::interrupted || p == 2) break;
+        earlier_steps += at.result.newton_iterations;
+    }
+    at.result.followed_newton_iterations = earlier_steps;
+    return at.result;
+}
+
+}  // namespace almesh
