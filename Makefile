@@ -23,7 +23,9 @@ OBJECTS   := $(SOURCES:%.cpp=$(BUILD)/%.o)
 LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(OBJECTS))
 TESTS     := $(shell find tests -name '*.cpp' -not -path 'tests/bench/*' | sort)
 TEST_OBJECTS := $(TESTS:%.cpp=$(BUILD)/%.o)
-BENCH     := $(shell find tests/bench -name '*.cpp' | sort)
+# The comparison is a program of its own, the only one that needs CHOLMOD.
+COMPARISON := $(BUILD)/tests/bench/compare_cholmod.o
+BENCH     := $(shell find tests/bench -name '*.cpp' -not -name compare_cholmod.cpp | sort)
 BENCH_OBJECTS := $(BENCH:%.cpp=$(BUILD)/%.o)
 
 # Threads that wait soon sleep: spinning ones are slow on a machine with other work to do (src/main.cpp).
@@ -39,7 +41,7 @@ endif
 PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import numpy, matplotlib' 2>/dev/null && echo $(p))) python3)
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests doctest asan bench paper gauntlet defaults figures meshes clean FORCE
+.PHONY: all run help test run-tests doctest asan bench compare-cholmod cholmod paper gauntlet defaults figures meshes clean FORCE
 
 all: almesh ## build the program ./almesh
 
@@ -88,6 +90,17 @@ bench: almesh $(BUILD)/almesh-bench ## time kernels and decks against the machin
 $(BUILD)/almesh-bench: $(BENCH_OBJECTS) $(LIBRARY)
 	$(CXX) $(FLAGS) $^ -o $@
 
+compare-cholmod: cholmod $(BUILD)/almesh-compare-cholmod ## time the sparse Cholesky against SuiteSparse's: outputs/compare-cholmod.txt
+	$(BUILD)/almesh-compare-cholmod $(SYSTEMS)
+
+$(BUILD)/almesh-compare-cholmod: $(COMPARISON) $(LIBRARY)
+	$(CXX) $(FLAGS) $^ -lcholmod -ldl -o $@
+
+$(COMPARISON): | cholmod
+
+cholmod:
+	@CXX='$(CXX)' .ci/find-cholmod
+
 doctest:
 	@CXX='$(CXX)' .ci/install-doctest
 
@@ -116,6 +129,6 @@ clean: ## remove what was built
 	rm -rf build build-* almesh
 
 help: ## list the targets
-	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
 
--include $(OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d) $(BENCH_OBJECTS:.o=.d)
+-include $(OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d) $(BENCH_OBJECTS:.o=.d) $(COMPARISON:.o=.d)
