@@ -68,4 +68,5 @@ airfoil       2  msh22  1   4478   8706
 plates        3  msh22  1   4215  22777
 airfoil-layers  2  msh22  1 10029  19808
 torus         3  msh22  3   6078   1020
+sphere-layers  3  msh22  1   1146   6344
 TABLE
