@@ -32,7 +32,8 @@ TEST_CASE("the small decks of the paper hold what they expect") {
 TEST_CASE("small decks of large motions hold what their decks expect") {
     if (!std::filesystem::is_directory("inputs")) return;
     for (const char* name : {"circle-turned", "circle-refined-turned", "plate-turned", "plate-degree-2", "block-turned",
-                             "airfoil-pitched", "airfoil-turned", "airfoil-layers", "layers-degree-4", "torus"}) {
+                             "airfoil-pitched", "airfoil-turned", "airfoil-layers", "layers-degree-4", "torus",
+                             "sphere-layers-degree-2"}) {
         CAPTURE(name);
         const TemporaryFolder folder;
         const Outcome outcome = almesh_with({std::string("inputs/gauntlet/") + name + ".deck",
