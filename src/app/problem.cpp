@@ -81,11 +81,12 @@ DistortionParams distortion_of(const Deck& deck) {
     return params;
 }
 
-// The base mesh, refined `times` times and raised, its ideal mesh and its target, in units of the file.
-std::unique_ptr<Level> discretise(const Deck& deck, const Mesh& base, int times, BoundaryTarget& target) {
+// The base mesh, refined and of another degree, its ideal mesh and its target, in units of the file.
+std::unique_ptr<Level> discretise(const Deck& deck, const Mesh& base, int refinements, int degree,
+                                  BoundaryTarget& target) {
     auto level = std::make_unique<Level>();
-    level->mesh = refine(base, times);
-    if (deck.degree) level->mesh = raise_degree(level->mesh, deck.degree);
+    level->mesh = refine(base, refinements);
+    level->mesh = degree == 1 ? linear_part(level->mesh) : raise_degree(level->mesh, degree);
     level->ideal = straight_sided(level->mesh);
     target = make_target(level->mesh, motions_of(deck, level->mesh));
     return level;
@@ -107,7 +108,8 @@ Problem make_problem(const Deck& deck) {
     check_start(deck);
     problem.base = build_mesh(read_mesh_file(deck.mesh, problem.mesh_hash), problem.notes);
     check_quadrature(deck, std::max(deck.degree, problem.base.degree));
-    problem.level = discretise(deck, problem.base, deck.refine, problem.target);
+    const int degree = deck.degree ? deck.degree : problem.base.degree;
+    problem.level = discretise(deck, problem.base, deck.refine, degree, problem.target);
     const Mesh& mesh = problem.mesh();
     refuse_invalid_target(check_target(mesh, problem.target.node));
     problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
@@ -141,11 +143,22 @@ void set_functional(const Deck& deck, double length, const BoundaryTarget& targe
     };
 }
 
-std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, int times) {
+std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem) {
+    std::vector<CoarserMesh> coarser;
+    for (int refinements = 0; refinements < deck.refine; ++refinements) coarser.push_back({refinements, 1});
+    const int of_file = problem.base.degree;  // the file's own curves are known from its degree on
+    for (int degree = 1; degree < problem.mesh().degree; degree = std::max(degree + 1, of_file))
+        coarser.push_back({deck.refine, degree});
+    return coarser;
+}
+
+std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, const CoarserMesh& coarser) {
     BoundaryTarget target;
-    std::unique_ptr<Level> level = discretise(deck, problem.base, times, target);
+    std::unique_ptr<Level> level = discretise(deck, problem.base, coarser.refinements, coarser.degree, target);
     change_unit(problem.length, *level, target);
-    set_functional(deck, problem.length, target, *level);
+    Deck simpler = deck;
+    if (level->mesh.degree < problem.mesh().degree) simpler.target = TargetKind::nodal;
+    set_functional(simpler, problem.length, target, *level);
     return level;
 }
 

@@ -31,7 +31,16 @@ Problem make_problem(const Deck& deck);
 // the target, in units of the mesh file.
 void set_functional(const Deck& deck, double length, const BoundaryTarget& target, Level& level);
 
-// The problem on the base mesh refined `times` times, in the same unit of length; the target is not checked again.
-std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, int times);
+// A mesh on which the problem is solved first.
+struct CoarserMesh {
+    int refinements, degree;  // of the base mesh
+};
+
+// From coarse to fine: linear meshes refined 0, 1, ... times, then as fine as the deck's own of degree 1, 2, ...
+std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem);
+
+// The problem on it, in the same unit of length; the target is not checked again. With a lower degree than the deck's,
+// nodes are moved to where the motion takes them: what is curved between them is left to the finer mesh.
+std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, const CoarserMesh& coarser);
 
 }  // namespace almesh

@@ -177,14 +177,15 @@ ExitCode run(const Deck& deck, std::FILE* out) {
 
     // 2. The solution on coarser meshes, where the deck starts from there.
     Report report(out, {problem.mesh().dim, problem.length});
-    const auto make_level = [&](int times) { return coarser_level(deck, problem, times); };
+    const auto coarser = starts_coarse(deck) ? coarser_meshes(deck, problem) : std::vector<CoarserMesh>();
+    const auto make_level = [&](int k) { return coarser_level(deck, problem, coarser[k]); };
     const auto add_stage = [&](const Stage& stage) {
         report.add(stage);
         solution.coarse_newton_iterations += stage.newton_iterations;
     };
     const MethodParams params = {deck.method, deck.linear, deck.forcing, followed(deck)};
-    const int levels = starts_coarse(deck) ? deck.refine : 0;
-    const CoarseSolution coarse = solve_coarser(levels, make_level, params, solution.time, add_stage);
+    const CoarseSolution coarse =
+        solve_coarser(static_cast<int>(coarser.size()), make_level, params, solution.time, add_stage);
     solution.time.coarse = solution.time.total;
 
     // 3. The functional, Eq. 6.

@@ -71,6 +71,9 @@ Mat<n> straight_jacobian(const int* vertex, const std::vector<double>& y) {
 // Volume of the straight-sided mesh with the vertex positions y (node_count x dim).
 double volume(const Mesh& mesh, const std::vector<double>& y);
 
+// The linear mesh on the vertices, straight-sided.
+Mesh linear_part(const Mesh& mesh);
+
 // Raises the degree of the elements to `degree` >= mesh.degree. New nodes lie where the element's own map puts
 // them, so a curved mesh keeps its shape. Vertices keep their ids, other nodes get ids after the largest one.
 Mesh raise_degree(const Mesh& mesh, int degree);
@@ -82,7 +85,8 @@ Mesh raise_degree(const Mesh& mesh, int degree);
 // lie together, from e * 2^(n times).
 Mesh refine(const Mesh& mesh, int times);
 
-// Prolongation of a field (coarse.nodes() x dim) to a mesh that comes from `coarse` by refine() or raise_degree():
+// Prolongation of a field (coarse.nodes() x dim) to a mesh that comes from `coarse` by refine() or raise_degree(),
+// or whose linear_part() `coarse` is:
 // finite element interpolation. Each fine node lies in a coarse element, at a point xi of its reference simplex whose
 // coordinates are multiples of 1 / (c p), where each edge of the coarse element was cut into c parts and p is the fine
 // degree, and

@@ -73,31 +73,6 @@ void append_node_ids(const Mesh& from, Mesh& mesh) {
     while (static_cast<int>(mesh.file.node_id.size()) < mesh.nodes()) mesh.file.node_id.push_back(++next);
 }
 
-// Linear mesh on the vertices of `mesh`.
-Mesh linear_part(const Mesh& mesh) {
-    Mesh linear = mesh;
-    linear.degree = 1;
-    linear.x.clear();
-    linear.file.node_id.clear();
-    std::vector<int> index(mesh.nodes(), -1);
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int v = 0; v <= mesh.dim; ++v) index[mesh.element(e)[v]] = 0;
-    int count = 0;
-    for (int i = 0; i < mesh.nodes(); ++i) {
-        if (index[i] < 0) continue;
-        index[i] = count++;
-        linear.file.node_id.push_back(mesh.file.node_id[i]);
-        for (int a = 0; a < mesh.dim; ++a) linear.x.push_back(mesh.x[offset(i, mesh.dim, a)]);
-    }
-    linear.elements.clear();
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int v = 0; v <= mesh.dim; ++v) linear.elements.push_back(index[mesh.element(e)[v]]);
-    linear.faces.clear();
-    for (int f = 0; f < mesh.face_count(); ++f)
-        for (int v = 0; v < mesh.dim; ++v) linear.faces.push_back(index[mesh.face(f)[v]]);
-    return linear;
-}
-
 bool is_straight(const Mesh& mesh) {
     const std::vector<double> y = straight_sided(mesh);
     double size = 0, difference = 0;
@@ -227,6 +202,30 @@ Vec<n> reference_point(const int* vertex, const std::vector<double>& ideal, cons
 }
 
 }  // namespace
+
+Mesh linear_part(const Mesh& mesh) {
+    Mesh linear = mesh;
+    linear.degree = 1;
+    linear.x.clear();
+    linear.file.node_id.clear();
+    std::vector<int> index(mesh.nodes(), -1);
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int v = 0; v <= mesh.dim; ++v) index[mesh.element(e)[v]] = 0;
+    int count = 0;
+    for (int i = 0; i < mesh.nodes(); ++i) {
+        if (index[i] < 0) continue;
+        index[i] = count++;
+        linear.file.node_id.push_back(mesh.file.node_id[i]);
+        for (int a = 0; a < mesh.dim; ++a) linear.x.push_back(mesh.x[offset(i, mesh.dim, a)]);
+    }
+    linear.elements.clear();
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int v = 0; v <= mesh.dim; ++v) linear.elements.push_back(index[mesh.element(e)[v]]);
+    linear.faces.clear();
+    for (int f = 0; f < mesh.face_count(); ++f)
+        for (int v = 0; v < mesh.dim; ++v) linear.faces.push_back(index[mesh.face(f)[v]]);
+    return linear;
+}
 
 Mesh raise_degree(const Mesh& mesh, int degree) {
     if (degree == mesh.degree) return mesh;

@@ -13,7 +13,9 @@ namespace {
 
 double square(double v) { return v * v; }
 
-constexpr double penalty_growth = 10, largest_start_penalty = 1e6;  // from mesh to mesh; in units of |1|^2
+constexpr double penalty_growth = 100, largest_start_penalty = 1e7;  // from mesh to mesh; in units of |1|^2
+constexpr double nearer = 0.5;  // than the ideal mesh to the target: else what is left is to curve the boundary
+constexpr double of_gradient = 0.003;  // tolerance on coarser meshes: a step there is cheaper than one more here
 
 // A field on the nodes of the constraint, zero at all others.
 std::vector<double> extended(const std::vector<double>& of_constraint, const Level& level) {
@@ -31,7 +33,7 @@ Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Lev
     std::vector<double> x;
     const AlStart start = start_from(solution, *level, x);
     MethodParams loose = params;
-    loose.schedule = loosened(params.schedule, *level);
+    loose.schedule = loosened(params.schedule, *level, of_gradient);
     const AlResult result = minimise_following(*level, newton, loose, x, start);
     time += newton.time;
 
@@ -76,7 +78,9 @@ AlStart start_from(const CoarseSolution& coarse, const Level& level, std::vector
     };
     const std::vector<double> displacement = carried(coarse.displacement);
     for (std::size_t i = 0; i < x.size(); ++i) x[i] += displacement[i];
-    if (!std::isfinite(level.energy->energy(x)) || !level.energy->certified(x)) {
+    const auto distance = [&](const std::vector<double>& at) { return level.constraint->projected_norm(at); };
+    const bool useless = level.mesh.degree > coarse.level->mesh.degree && distance(x) > nearer * distance(level.ideal);
+    if (useless || !std::isfinite(level.energy->energy(x)) || !level.energy->certified(x)) {
         x = level.ideal;
         return {};
     }

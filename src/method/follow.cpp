@@ -65,8 +65,8 @@ std::optional<AlResult> follow(const Level& level, Newton& newton, const Augment
 
 }  // namespace
 
-AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level& level) {
-    constexpr double of_constraint = 1e-3, of_gradient = 0.03;
+AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level& level, double of_gradient) {
+    constexpr double of_constraint = 1e-3;
     const int dim = level.mesh.dim;
     const double motion = level.constraint->projected_norm(level.ideal);
     const double L = std::pow(level.energy->domain_volume(), 1.0 / dim);

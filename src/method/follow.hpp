@@ -56,8 +56,8 @@ struct MethodParams {
 };
 
 // Tolerances for a solution that is only a start of the next: relative to the motion, whose size is |c_D| of the ideal
-// mesh; |grad E| scales like L^(n - 1) times motion / L.
-AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level& level);
+// mesh; |grad E| scales like L^(n - 1) times motion / L, of which of_gradient is allowed.
+AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level& level, double of_gradient = 0.03);
 
 // Algorithm 1 on the level, from x (node_count x dim) and the given start, following the motion as params say; then it
 // starts anew from the ideal mesh. The result is that of the last run of Algorithm 1, with all Newton steps of those

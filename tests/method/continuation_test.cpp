@@ -58,7 +58,7 @@ TEST_CASE("distortion and multipliers do the same work on both meshes along ever
         E.gradient(x, g);
 
         const AlStart start = start_from(solution_of(coarse, x, E.lambda), fine.level, fine_x);
-        CHECK(start.mu == 500);
+        CHECK(start.mu == 5000);
         AugmentedFunctional fine_E = fine.functional(0);
         REQUIRE(start.lambda.size() == fine_E.lambda.size());
         fine_E.lambda = start.lambda;
@@ -96,7 +96,7 @@ TEST_CASE("the penalty carried over has a limit, but never falls") {
     const std::vector<double> no_multipliers(coarse.constraint.multipliers(), 0.0);
     CoarseSolution solution = solution_of(coarse, coarse.ideal, no_multipliers);
     std::vector<double> x;
-    for (const auto& [before, after] : {std::pair(1e3, 1e4), std::pair(3e5, 1e6), std::pair(1e7, 1e7)}) {
+    for (const auto& [before, after] : {std::pair(1e3, 1e5), std::pair(3e5, 1e7), std::pair(1e8, 1e8)}) {
         solution.mu = before;
         CHECK(start_from(solution, fine.level, x).mu == after);
     }
@@ -174,6 +174,9 @@ TEST_CASE("which decks start coarse") {
     CHECK(coarse_rows({"refine=1", "algorithm=paper"}) == 0);  // the paper's tables
     CHECK(coarse_rows({"refine=1", "algorithm=paper", "start=coarse"}) == 1);
     CHECK(coarse_rows({"refine=1", "start=identity"}) == 0);
+    CHECK(coarse_rows({"degree=3"}) == 2);
+    CHECK(coarse_rows({"degree=3", "refine=2"}) == 4);
+    CHECK(coarse_rows({"degree=3", "start=identity"}) == 0);
 }
 
 TEST_CASE("the algorithm as printed does not start coarse") {
