@@ -154,6 +154,8 @@ const std::vector<DeckKey>& deck_keys() {
          "Newton steps at most, per subproblem."},
         {"solver", choice<&Deck::linear, &Linear::kind>({"auto", "cg", "gmres", "cholesky"}),
          "Linear solver; auto: Cholesky in 2D and for small meshes, conjugate gradients for large ones in 3D."},
+        {"preconditioner", choice<&Deck::linear, &Linear::preconditioner>({"auto", "ilu0", "ssor"}),
+         "Of cg; auto: ilu0 for linear elements, ssor where that meets bad pivots and for curved elements in 3D."},
         {"forcing", choice<&Deck::forcing>({"auto", "fixed"}),
          "Residual at which cg and gmres stop; auto: after full steps by the rule of Eisenstat and Walker, fixed: "
          "linear_tolerance."},

@@ -21,6 +21,7 @@ constexpr int most_threads = 1024;
 struct Options {
     std::string matrix, right;  // paths; right may be empty
     SolverKind solver = SolverKind::cholesky;
+    PreconditionerKind preconditioner = PreconditionerKind::automatic;
     std::optional<Ordering> ordering;
     int threads = 0, block = 1;
 };
@@ -48,8 +49,12 @@ void set_option(Options& options, const std::string& key, const std::string& val
     else if (key == "ordering")
         options.ordering = kind_named<Ordering>(value, key, {Ordering::nested_dissection, Ordering::minimum_degree,
                                                              Ordering::reverse_cuthill_mckee, Ordering::natural});
+    else if (key == "preconditioner")
+        options.preconditioner =
+            kind_named<PreconditionerKind>(value, key, {PreconditionerKind::ilu0, PreconditionerKind::ssor});
     else
-        throw UsageError("linsolve has no key ", in_backquotes(key), "; there are solver, ordering, threads and block");
+        throw UsageError("linsolve has no key ", in_backquotes(key),
+                         "; there are solver, preconditioner, ordering, threads and block");
 }
 
 Options options_of(const std::vector<std::string>& arguments) {
@@ -63,7 +68,8 @@ Options options_of(const std::vector<std::string>& arguments) {
     }
     if (options.matrix.empty())
         throw UsageError("linsolve takes a matrix: almesh linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] "
-                         "[ordering=nested_dissection|minimum_degree|rcm|natural] [threads=N] [block=1|2|3]");
+                         "[preconditioner=ilu0|ssor] [ordering=nested_dissection|minimum_degree|rcm|natural] [threads=N] "
+                         "[block=1|2|3]");
     const bool fills = options.ordering == Ordering::nested_dissection || options.ordering == Ordering::minimum_degree;
     if (fills && options.solver != SolverKind::cholesky)
         throw UsageError("ordering=", to_string(*options.ordering),
@@ -91,8 +97,9 @@ void print_factor_sizes(std::FILE* out, const LinearSolver& solver, const BlockC
 void print_phases(std::FILE* out, const LinearSolver& solver, const SolveResult& result) {
     const double factor = result.factor_seconds, solve = result.solve_seconds;
     const bool direct = result.used == SolverKind::cholesky, reached = solve > 0;
-    const char* const preconditioner = result.used == SolverKind::cg ? "ILU(0), coarse" : "ILU(0)";
-    if (!direct) std::fprintf(out, "%-16s%.4g s\n", preconditioner, factor);
+    const std::string preconditioner =
+        concat(result.ssor ? "SSOR" : "ILU(0)", result.used == SolverKind::cg ? ", coarse" : "");
+    if (!direct) std::fprintf(out, "%-16s%.4g s\n", preconditioner.c_str(), factor);
     if (reached && direct) {
         std::fprintf(out, "factorisation   %.4g s, %.4g GF/s\n", factor, solver.factor_flops() / factor / 1e9);
         const double bytes = 2 * sizeof(double) * solver.factor_entries();
@@ -153,6 +160,7 @@ ExitCode linsolve(const std::vector<std::string>& arguments, std::FILE* out) {
 
     LinearSolverParams params;
     params.kind = options.solver;
+    params.preconditioner = options.preconditioner;
     params.ordering = options.ordering;
     params.fallback = false;
     LinearSolver solver(A.d == 2 ? 2 : 3, params);  // blocks of two are of a 2D mesh

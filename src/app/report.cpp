@@ -103,6 +103,10 @@ constexpr auto columns = std::to_array<Column>({
     {{"solver", "which linear solver"}, nullptr, newton<&Step::solver>},
     {{"fallback", "how an iterative solver failed before Cholesky took over"},
      nullptr, [](Nw r) { return r.step.fallback ? text(*r.step.fallback) : ""; }},
+    {{"preconditioner", "of cg or gmres: ilu0 or ssor"}, nullptr, [](Nw r) {
+         const PreconditionerKind kind = r.step.preconditioner;
+         return kind == PreconditionerKind::automatic ? std::string() : text(kind);
+     }},
     {{"linear_iterations", "of cg or gmres"}, nullptr, newton<&Step::linear_iterations>},
     {{"ilu_shift", "ILU(0) is of the matrix with its diagonal blocks times 1 + ilu_shift"},
      nullptr, newton<&Step::ilu_shift>},

@@ -23,29 +23,45 @@ const char* to_string(SolverKind kind) {
     return name[static_cast<int>(kind)];
 }
 
+const char* to_string(PreconditionerKind kind) {
+    constexpr const char* name[] = {"automatic", "ilu0", "ssor"};
+    return name[static_cast<int>(kind)];
+}
+
 namespace {
 
 constexpr int failures_to_give_up = 2;  // of iterative solvers in a row, if the choice is ours
+constexpr double long_rows = 40;  // blocks of a row from which ILU(0) spends more on products than it saves iterations
+constexpr double worth = 4;        // Cholesky may cost this many times what an iterative solver has spent
+constexpr double flops_of_entry = 20;  // of Cholesky, in the time that an iteration spends on an entry of A
 constexpr double refine_above = 1e-15;  // scaled residual from which a step of iterative refinement is worth a solve
 
 using Method = std::variant<ConjugateGradients, Gmres>;
 
-Method make_method(int size, const LinearSolverParams& params) {
-    const KrylovParams krylov{params.max_iterations, params.tolerance, params.restart};
+Method make_method(int size, const LinearSolverParams& params, int patience) {
+    const KrylovParams krylov{params.max_iterations, params.tolerance, params.restart, patience};
     if (params.kind == SolverKind::gmres) return Gmres(size, krylov);
     return ConjugateGradients(size, krylov);
 }
 
+Sweeps sweeps_for(const BlockCsr& pattern, int dimension, const LinearSolverParams& params) {
+    const bool by_choice = params.preconditioner != PreconditionerKind::automatic;
+    if (by_choice) return params.preconditioner == PreconditionerKind::ssor ? Sweeps::ssor : Sweeps::ilu0;
+    if (params.kind == SolverKind::gmres || dimension == 2) return Sweeps::ilu0;
+    return pattern.blocks() > long_rows * pattern.n ? Sweeps::ssor : Sweeps::ilu0_or_ssor;
+}
+
 // start: of the domains, see Ilu0.
 std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, const std::vector<int>& start,
-                                                    int dimension, SolverKind kind) {
+                                                    int dimension, const LinearSolverParams& params) {
     std::unique_ptr<Preconditioner> ilu;
     // Where ILU(0) of a positive definite matrix meets a bad pivot, that of one with a heavier diagonal may not, and
     // serves nearly as well (Manteuffel, Math. Comp. 34, 1980). Not so in 2D: there bad pivots come from stretched
     // elements, and iterations stagnate with any shift.
     const std::vector<double> shifts = dimension == 2 ? std::vector<double>{0} : std::vector<double>{0, 0.01, 0.1};
-    const auto set_up_ilu = [&] { ilu = std::make_unique<Ilu0>(pattern, start, shifts); };
-    if (kind == SolverKind::gmres) return set_up_ilu(), std::move(ilu);
+    const Sweeps sweeps = sweeps_for(pattern, dimension, params);
+    const auto set_up_ilu = [&] { ilu = std::make_unique<Ilu0>(pattern, start, shifts, sweeps); };
+    if (params.kind == SolverKind::gmres) return set_up_ilu(), std::move(ilu);
     std::unique_ptr<CoarseSpace> coarse;
     parallel_invoke(set_up_ilu, [&] { coarse = std::make_unique<CoarseSpace>(pattern); });
     return std::make_unique<Deflated>(std::move(ilu), std::move(coarse));
@@ -59,10 +75,10 @@ struct LinearSolver::Iterative {
     Method method;
     std::vector<double> right, solution;
 
-    Iterative(const BlockCsr& A, int dimension, const LinearSolverParams& params, const Domains& domains)
+    Iterative(const BlockCsr& A, int dimension, const LinearSolverParams& params, const Domains& domains, int patience)
         : system(A, domains.order),
-          M(make_preconditioner(system.matrix(), domains.start, dimension, params.kind)),
-          method(make_method(A.size(), params)),
+          M(make_preconditioner(system.matrix(), domains.start, dimension, params)),
+          method(make_method(A.size(), params, patience)),
           right(A.size()),
           solution(A.size()) {}
 
@@ -79,6 +95,7 @@ struct LinearSolver::Iterative {
         if (factored.bad_row >= 0) result.bad_node = system.order()[factored.bad_row];
         if (factored.status != SolveStatus::success) return result;
         result.diagonal_shift = factored.diagonal_shift;
+        result.ssor = factored.ssor;
 
         const Stopwatch iteration;
         system.gather(b.data(), right.data());
@@ -157,7 +174,9 @@ LinearSolver::Iterative& LinearSolver::iterative(const BlockCsr& A) {
     const Graph graph = graph_of(A);
     const Domains domains = params_.ordering ? Domains{order_vertices(graph, *params_.ordering), {0, A.n}}
                                              : cut_into_domains(graph);
-    iterative_ = std::make_unique<Iterative>(A, dimension_, params_, domains);
+    const double patience = predicted_flops(A) / (worth * flops_of_iteration(A));
+    iterative_ = std::make_unique<Iterative>(A, dimension_, params_, domains,
+                                             static_cast<int>(std::min<double>(patience, params_.max_iterations)));
     return *iterative_;
 }
 
@@ -176,6 +195,22 @@ bool LinearSolver::iterative_first(const BlockCsr& A) {
     return !direct(A).cholesky.fits();
 }
 
+// Of a Cholesky factorisation; 0 in 2D, where it is always worth its while.
+double LinearSolver::predicted_flops(const BlockCsr& A) const {
+    if (direct_) return dimension_ == 3 ? direct_->cholesky.flops() : 0;
+    return dimension_ == 3 && params_.fallback ? 6.0 * A.size() * A.size() : 0;
+}
+
+double LinearSolver::flops_of_iteration(const BlockCsr& A) const {
+    return flops_of_entry * std::max<double>(1, static_cast<double>(A.blocks()) * A.d * A.d);
+}
+
+bool LinearSolver::direct_is_worth(const BlockCsr& A, int iterations) {
+    const auto costs_too_much = [&] { return predicted_flops(A) > worth * iterations * flops_of_iteration(A); };
+    if (costs_too_much()) return false;
+    return direct(A).cholesky.fits() && !costs_too_much();
+}
+
 void LinearSolver::analyse(const BlockCsr& A) {
     if (iterative_first(A)) iterative(A);
     else direct(A);
@@ -189,8 +224,8 @@ SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b,
     if (first.status == SolveStatus::success) failures_ = 0;
     if (first.status == SolveStatus::success || first.status == SolveStatus::not_positive_definite) return first;
     if (may_be_indefinite && first.status == SolveStatus::indefinite_preconditioner) return first;
+    if (!params_.fallback || !direct_is_worth(A, first.iterations)) return first;
     ++failures_;
-    if (!params_.fallback || !direct(A).cholesky.fits()) return first;
     SolveResult second = direct(A).solve(A, b, x);
     second.iterations = first.iterations;
     second.failed_first = first.status;

@@ -4,7 +4,12 @@
 // `automatic` takes Cholesky in 2D, where the factor is small and ILU(0) fails on stretched elements, and conjugate
 // gradients in 3D except for small systems. The size decides, because already the analysis of a large 3D pattern costs
 // more than several iterative solves. Where an iterative solver does not converge, Cholesky solves the same system, and
-// after two such failures in a row all further ones. Analyses and memory are made when first needed, then kept.
+// after two such failures in a row all further ones; but not in 3D where its work, predicted by 6 N^2 operations for N
+// unknowns or known from the analysis, is more than four times what the iteration has spent: an iteration may go on
+// until it is, and is what it is then. Analyses and memory are made when first needed, then kept.
+//
+// The preconditioner of conjugate gradients: ILU(0) where rows are short, as those of linear elements are, and SSOR
+// where ILU(0) meets bad pivots or rows are long.
 #pragma once
 #include <memory>
 #include <optional>
@@ -17,14 +22,17 @@
 namespace almesh {
 
 enum class SolverKind { automatic, cg, gmres, cholesky };
+enum class PreconditionerKind { automatic, ilu0, ssor };  // of conjugate gradients
 
 const char* to_string(SolverKind kind);
+const char* to_string(PreconditionerKind kind);
 
 // Scaled residual |b - A x|_inf / (|A|_inf |x|_inf + |b|_inf) above which x does not count as a solution.
 inline constexpr double acceptable_residual = 1e-8;
 
 struct LinearSolverParams {
     SolverKind kind = SolverKind::automatic;
+    PreconditionerKind preconditioner = PreconditionerKind::automatic;
     double tolerance = 1e-10;    // iterative: on |b - A x|_2 / |b|_2
     int restart = 60;            // GMRES: iterations per cycle
     int max_iterations = 600;    // iterative: in all cycles
@@ -42,6 +50,7 @@ struct SolveResult {
     SolverKind used = SolverKind::cholesky;   // cg, gmres or cholesky: who made x
     std::optional<SolveStatus> failed_first;  // how an iterative solver failed before Cholesky took over
     double diagonal_shift = 0;       // ILU(0) is of A with its diagonal blocks times 1 + diagonal_shift
+    bool ssor = false;               // SSOR preconditioned, not ILU(0)
     int bad_node = -1;               // block row of the bad pivot of ILU(0) or Cholesky
     double factor_seconds = 0, solve_seconds = 0;  // of who made x, refinement left out; 0 if that was not reached
 };
@@ -81,6 +90,9 @@ private:
     Iterative& iterative(const BlockCsr& A);
     Direct& direct(const BlockCsr& A);
     bool iterative_first(const BlockCsr& A);
+    double predicted_flops(const BlockCsr& A) const;
+    double flops_of_iteration(const BlockCsr& A) const;
+    bool direct_is_worth(const BlockCsr& A, int iterations);
 
     int dimension_;
     LinearSolverParams params_;

@@ -17,6 +17,7 @@ struct FactorResult {
     SolveStatus status;
     int bad_row = -1;           // block row of the first bad pivot in elimination order; -1 if there is none
     double diagonal_shift = 0;  // ILU(0): what is factored is A with its diagonal blocks times 1 + diagonal_shift
+    bool ssor = false;          // the preconditioner is SSOR, not ILU(0)
 };
 
 // In the order of the enum: the name in history.csv, and the reason in messages.

@@ -19,6 +19,13 @@ bool weaken(HessianKind& kind) {
     return true;
 }
 
+// Every iterate of conjugate gradients with a positive definite preconditioner is a descent direction (truncated Newton:
+// Nocedal & Wright, sec. 7.1). Of the full Hessian it is better to take the projected one.
+bool is_truncated(SolveStatus status) {
+    return status == SolveStatus::stagnated || status == SolveStatus::max_iterations ||
+           status == SolveStatus::not_positive_definite;
+}
+
 }  // namespace
 
 NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& params, std::vector<double>& x,
@@ -99,8 +106,12 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
         step.linear_iterations += solve.iterations;
         step.solver = solve.used;
         step.ilu_shift = solve.diagonal_shift;
+        step.preconditioner = solve.used == SolverKind::cholesky ? PreconditionerKind::automatic
+                              : solve.ssor                       ? PreconditionerKind::ssor
+                                                                 : PreconditionerKind::ilu0;
         step.fallback = solve.failed_first;
-        if (solve.status == SolveStatus::success && dot(g_, d_) < 0) return true;
+        const bool truncated = step.hessian != HessianKind::full && is_truncated(solve.status);
+        if ((solve.status == SolveStatus::success || truncated) && dot(g_, d_) < 0) return true;
     } while (weaken(step.hessian));
     return false;
 }

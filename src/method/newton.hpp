@@ -64,6 +64,7 @@ struct NewtonStep {
     LocalElimination::Result local;  // of the local minimisation after the step
     int linear_iterations = 0;
     SolverKind solver = SolverKind::automatic;      // who made the direction
+    PreconditionerKind preconditioner = PreconditionerKind::automatic;  // automatic: none
     double ilu_shift = 0;                           // of the diagonal in ILU(0), see Ilu0::factor()
     std::optional<SolveStatus> fallback;            // how an iterative solver failed before Cholesky took over
 

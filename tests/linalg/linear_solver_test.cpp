@@ -7,6 +7,7 @@
 
 #include "base/parallel.hpp"
 #include "linalg/krylov/ilu0.hpp"
+#include "linalg/vector_ops.hpp"
 #include "support/matrices.hpp"
 
 using namespace almesh;
@@ -160,7 +161,7 @@ TEST_CASE("automatic stops trying conjugate gradients after two failures in a ro
     std::vector<double> x;
     LinearSolverParams params;
     params.cg_from_unknowns = 1;
-    params.max_iterations = 1;
+    params.max_iterations = 2;
     LinearSolver solver(3, params);
     CHECK(solver.solve(A, b, x).failed_first);
     CHECK(solver.solve(A, b, x).failed_first);
@@ -168,6 +169,21 @@ TEST_CASE("automatic stops trying conjugate gradients after two failures in a ro
     CHECK_FALSE(third.failed_first);
     CHECK(third.used == SolverKind::cholesky);
     CHECK(third.status == SolveStatus::success);
+}
+
+TEST_CASE("in 3D no Cholesky factorisation steps in whose work is many times what the iteration has spent") {
+    const BlockCsr A = random_spd(1000, 3, grid_3d(10), 1e-3);
+    const std::vector<double> b = random_vector(A.size());
+    std::vector<double> x;
+    LinearSolverParams params = params_of(SolverKind::cg);
+    params.max_iterations = 1;
+    LinearSolver solver(3, params);
+    const SolveResult result = solver.solve(A, b, x);
+    CHECK(result.status == SolveStatus::max_iterations);
+    CHECK(result.used == SolverKind::cg);
+    CHECK_FALSE(result.failed_first);
+    CHECK(dot(b, x) > 0);  // a descent direction for -b
+    CHECK(solver.factor_flops() == 0);
 }
 
 TEST_CASE("not_positive_definite is a result, with the node, x = 0 and no silent step") {
@@ -229,6 +245,22 @@ TEST_CASE("in 3D a bad pivot of ILU(0) is answered by a heavier diagonal") {
         CHECK(flat.used == SolverKind::cholesky);
         CHECK(flat.failed_first == SolveStatus::indefinite_preconditioner);
     }
+}
+
+TEST_CASE("the preconditioner of conjugate gradients: ILU(0) for short rows, SSOR for long ones, or as it is asked for") {
+    const BlockCsr sparse = random_spd(125, 3, grid_3d(5)), dense = random_spd(60, 3, complete(60));
+    std::vector<double> x;
+    const auto uses_ssor = [&](const BlockCsr& A, PreconditionerKind kind) {
+        LinearSolverParams params = params_of(SolverKind::cg);
+        params.preconditioner = kind;
+        const SolveResult result = LinearSolver(3, params).solve(A, random_vector(A.size()), x);
+        CHECK(result.status == SolveStatus::success);
+        return result.ssor;
+    };
+    CHECK_FALSE(uses_ssor(sparse, PreconditionerKind::automatic));
+    CHECK(uses_ssor(dense, PreconditionerKind::automatic));
+    CHECK(uses_ssor(sparse, PreconditionerKind::ssor));
+    CHECK_FALSE(uses_ssor(dense, PreconditionerKind::ilu0));
 }
 
 TEST_CASE("a factor too large for the memory: refused if asked for, else left to conjugate gradients") {

@@ -56,7 +56,7 @@ SolveStatus ConjugateGradients::cycle(const BlockCsr& A, Preconditioner& M, doub
             }
             return dot_of_piece(count, r_.data() + i, r_.data() + i);
         }));
-        if (progress.stagnates(r_norm)) return SolveStatus::stagnated;
+        if (progress.stagnates(r_norm) && iterations >= params_.patience) return SolveStatus::stagnated;
         rz = next_direction(M, rz);
     }
 }

@@ -50,9 +50,10 @@ bool inverse_of_cholesky(const double* D, double* inverse) {
 template <int d>
 class Ilu0OfBlocks final : public Preconditioner {
 public:
-    Ilu0OfBlocks(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts)
+    Ilu0OfBlocks(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts, Sweeps sweeps)
         : start_(std::move(start)),
           diagonal_shifts_(std::move(diagonal_shifts)),
+          sweeps_(sweeps),
           C_inverse_(offset(pattern.n, block)),
           y_(pattern.n),
           squares_(start_.size()),
@@ -63,11 +64,17 @@ public:
 
     FactorResult factor(const BlockCsr& A) override {
         FactorResult result{SolveStatus::indefinite_preconditioner};
-        for (const double diagonal_shift : diagonal_shifts_) {
+        const auto succeeds = [&](double diagonal_shift, bool ssor) {
             result.diagonal_shift = diagonal_shift;
-            result.bad_row = factor_shifted(A, diagonal_shift);
-            if (result.bad_row < 0) return {SolveStatus::success, -1, diagonal_shift};
-        }
+            result.ssor = ssor;
+            result.bad_row = factor_shifted(A, diagonal_shift, ssor);
+            if (result.bad_row < 0) result.status = SolveStatus::success;
+            return result.bad_row < 0;
+        };
+        if (sweeps_ != Sweeps::ssor)
+            for (const double diagonal_shift : diagonal_shifts_)
+                if (succeeds(diagonal_shift, false)) return result;
+        if (sweeps_ != Sweeps::ilu0) succeeds(0, true);
         return result;
     }
 
@@ -95,7 +102,7 @@ private:
             for (int k = pattern.row[i]; pattern.col[k] < i; ++k) col_.push_back(pattern.col[k]);
             row_.push_back(static_cast<int>(col_.size()));
             longest_ = std::max(longest_, row_[i + 1] - row_[i]);
-            for (int k = row_[i]; k < row_[i + 1]; ++k) {
+            for (int k = row_[i]; sweeps_ != Sweeps::ssor && k < row_[i + 1]; ++k) {
                 for (int a = row_[i], b = row_[col_[k]]; a < k && b < row_[col_[k] + 1];) {
                     const int left = col_[a], right = col_[b];
                     if (left == right) term_.push_back({a - row_[i], b});
@@ -127,18 +134,19 @@ private:
     }
 
     // Returns the first bad row, or -1.
-    int factor_shifted(const BlockCsr& A, double diagonal_shift) {
+    int factor_shifted(const BlockCsr& A, double diagonal_shift, bool ssor) {
         const auto T = [&](int domain) { return T_.data() + offset(domain, longest_ * block); };
 #pragma omp parallel for schedule(dynamic, 1) if (domains() > 1)
-        for (int k = 0; k < domains(); ++k) bad_[k] = factor_rows(A, diagonal_shift, start_[k], start_[k + 1], T(k));
+        for (int k = 0; k < domains(); ++k)
+            bad_[k] = factor_rows(A, diagonal_shift, ssor, start_[k], start_[k + 1], T(k));
         for (int bad : bad_)
             if (bad >= 0) return bad;
-        return factor_rows(A, diagonal_shift, start_.back(), rows(), T(domains()));
+        return factor_rows(A, diagonal_shift, ssor, start_.back(), rows(), T(domains()));
     }
 
     // Rows begin .. end-1; the rows that their columns name are done or among them. T: one row of blocks. Returns the
     // first bad row, or -1.
-    int factor_rows(const BlockCsr& A, double diagonal_shift, int begin, int end, double* T) {
+    int factor_rows(const BlockCsr& A, double diagonal_shift, bool ssor, int begin, int end, double* T) {
         for (int i = begin; i < end; ++i) {
             const double* const Ai = A.block(A.row[i]);  // as many blocks as L has in this row, then the diagonal one
             const int first = row_[i], count = row_[i + 1] - first;
@@ -147,13 +155,14 @@ private:
                 double Tj[block] = {};
                 subtract_product_transposed<d>(Ai + k * block, C_inverse(col_[first + k]), Tj);
                 for (double& entry : Tj) entry = -entry;
-                for (std::size_t t = term_start_[first + k]; t < term_start_[first + k + 1]; ++t)
-                    subtract_product_transposed<d>(T + term_[t].left * block, L(term_[t].right), Tj);
+                if (!ssor)
+                    for (std::size_t t = term_start_[first + k]; t < term_start_[first + k + 1]; ++t)
+                        subtract_product_transposed<d>(T + term_[t].left * block, L(term_[t].right), Tj);
                 std::copy_n(Tj, block, T + k * block);
             }
             double D[block];
             for (int e = 0; e < block; ++e) D[e] = Ai[count * block + e] * (1 + diagonal_shift);
-            for (int k = 0; k < count; ++k) subtract_product_transposed<d>(T + k * block, T + k * block, D);
+            for (int k = 0; k < count && !ssor; ++k) subtract_product_transposed<d>(T + k * block, T + k * block, D);
             double* const inverse = C_inverse_.data() + offset(i, block);
             if (!inverse_of_cholesky<d>(D, inverse)) return i;
             for (int k = 0; k < count; ++k) {
@@ -267,6 +276,7 @@ private:
 
     std::vector<int> start_;
     std::vector<double> diagonal_shifts_;
+    Sweeps sweeps_;
     std::vector<int> row_{0};                 // n + 1 offsets into col_
     std::vector<int> col_;                    // block columns of L, ascending in a row: the first of the row of A
     struct Term {
@@ -296,9 +306,9 @@ private:
 
 }  // namespace
 
-Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts) {
+Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts, Sweeps sweeps) {
     with_block_size(pattern.d, [&](auto d) {
-        blocks_ = std::make_unique<Ilu0OfBlocks<d>>(pattern, std::move(start), std::move(diagonal_shifts));
+        blocks_ = std::make_unique<Ilu0OfBlocks<d>>(pattern, std::move(start), std::move(diagonal_shifts), sweeps);
     });
 }
 

@@ -7,6 +7,12 @@
 // parallel, with one barrier before and one after the separators; inside a domain, reverse Cuthill-McKee keeps the
 // factor accurate. The blocks of a separator's row in the columns of a domain are swept with that domain, which leaves
 // little work to a single thread.
+// SSOR is the same without the products: C_i C_i' = A_ii, L_ij = C_i^{-1} A_ij C_j^{-T}, so that with A = D + T + T', T
+// strictly lower triangular, the preconditioner is (D + T) D^{-1} (D + T') (Saad, section 10.2). It exists and is
+// positive definite whenever the diagonal blocks are, for every stretched or nearly singular matrix of the projected
+// Hessian; it costs one pass over A to set up, and needs no list of products. With deflation it takes 20 to 40 % more
+// iterations than ILU(0) on linear tetrahedra, on those of degree 2 and 3 about as many.
+//
 // C carries the units of A, so the entries of L are of order one and are stored in single precision: the sweeps move
 // half the bytes.
 // Cost: O(sum over rows of neighbours^2 d^3) to factor, two passes over L to apply. Memory: L, half a matrix in single
@@ -20,13 +26,20 @@
 
 namespace almesh {
 
+enum class Sweeps {
+    ilu0,
+    ssor,
+    ilu0_or_ssor  // SSOR where no shift gives ILU(0) positive pivots
+};
+
 class Ilu0 final : public Preconditioner {
 public:
     // Sets up the pattern of L. pattern: symmetric with both triangles and the diagonal, d = 1, 2, 3. start: domain k
     // has the rows start[k] .. start[k+1]-1 and the separators those from start.back() on; no edge may join two
     // domains. diagonal_shifts: what is factored is A with its diagonal blocks times 1 + shift, for the first of these
-    // shifts that gives positive pivots.
-    Ilu0(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts = {0});
+    // shifts that gives positive pivots; SSOR takes none.
+    Ilu0(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts = {0},
+         Sweeps sweeps = Sweeps::ilu0);
 
     // The same as one domain.
     explicit Ilu0(const BlockCsr& pattern);

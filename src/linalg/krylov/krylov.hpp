@@ -85,6 +85,7 @@ struct KrylovParams {
     int max_iterations = 600;  // products with A
     double tolerance = 1e-10;
     int restart = 60;  // GMRES: iterations per cycle
+    int patience = 0;  // conjugate gradients: products with A before which they do not count as stagnated
 };
 
 // Preconditioned conjugate gradients (Hestenes & Stiefel, J. Res. Nat. Bur. Stand. 49, 1952; Saad, Iterative Methods

@@ -191,6 +191,50 @@ TEST_CASE("a shift factors A with a heavier diagonal") {
     CHECK(solved(shifted, r) == z);
 }
 
+TEST_CASE("SSOR is (D + T) D^{-1} (D + T') with the blocks of the matrix, in several domains too") {
+    for (int m : {6, 18}) {
+        const CutGrid grid(m, 2, 1e-2);
+        const BlockCsr& A = grid.A;
+        Ilu0 ssor(A, grid.start, {0}, Sweeps::ssor);
+        const FactorResult result = ssor.factor(A);
+        REQUIRE(result.status == SolveStatus::success);
+        CHECK(result.ssor);
+        // (D + T) D^{-1} (D + T') z from any z, by two triangular products with D^{-1} between them.
+        const std::vector<double> z = random_vector(A.size());
+        std::vector<double> upper(A.size()), between(A.size()), r(A.size());
+        for (int i = 0; i < A.n; ++i) {
+            const double* const D = A.block(A.find(i, i));
+            for (int k = A.row[i]; k < A.row[i + 1]; ++k)
+                for (int a = 0; a < 2 && A.col[k] >= i; ++a)
+                    for (int b = 0; b < 2; ++b) upper[2 * i + a] += A.block(k)[2 * a + b] * z[2 * A.col[k] + b];
+            const double det = D[0] * D[3] - D[1] * D[2];
+            between[2 * i] = (D[3] * upper[2 * i] - D[1] * upper[2 * i + 1]) / det;
+            between[2 * i + 1] = (D[0] * upper[2 * i + 1] - D[2] * upper[2 * i]) / det;
+        }
+        for (int i = 0; i < A.n; ++i)
+            for (int k = A.row[i]; k < A.row[i + 1]; ++k)
+                for (int a = 0; a < 2 && A.col[k] <= i; ++a)
+                    for (int b = 0; b < 2; ++b) r[2 * i + a] += A.block(k)[2 * a + b] * between[2 * A.col[k] + b];
+        CHECK(max_difference(solved(ssor, r), z) < 1e-5 * norm_inf(z));  // L is in single precision
+    }
+}
+
+TEST_CASE("SSOR steps in where ILU(0) has no positive pivots, and needs positive definite diagonal blocks itself") {
+    // Four nodes in a ring with springs of alternating sign: positive definite, but not without its fill.
+    BlockCsr A = random_spd(4, 1, {{0, 1}, {1, 2}, {2, 3}, {3, 0}});
+    for (int i = 0; i < 4; ++i)
+        for (int k = A.row[i]; k < A.row[i + 1]; ++k)
+            A.value[k] = A.col[k] == i ? 1.6 : A.col[k] + i == 3 && A.col[k] * i == 0 ? -1 : 1;
+    REQUIRE(Ilu0(A).factor(A).status == SolveStatus::indefinite_preconditioner);
+    Ilu0 either(A, {0, 4}, {0}, Sweeps::ilu0_or_ssor);
+    const FactorResult result = either.factor(A);
+    CHECK(result.status == SolveStatus::success);
+    CHECK(result.ssor);
+    A.value[A.find(2, 2)] = -1;
+    CHECK(either.factor(A).status == SolveStatus::indefinite_preconditioner);
+    CHECK(either.factor(A).bad_row == 2);
+}
+
 TEST_CASE("an empty matrix") {
     const BlockCsr A = matrix_of_cells(0, 2, {}, 2);
     CHECK(Ilu0(A).factor(A).status == SolveStatus::success);
