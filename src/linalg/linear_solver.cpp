@@ -44,10 +44,10 @@ Method make_method(int size, const LinearSolverParams& params, int patience) {
     return ConjugateGradients(size, krylov);
 }
 
-Sweeps sweeps_for(const BlockCsr& pattern, int dimension, const LinearSolverParams& params) {
+Sweeps sweeps_for(const BlockCsr& pattern, const LinearSolverParams& params) {
     const bool by_choice = params.preconditioner != PreconditionerKind::automatic;
     if (by_choice) return params.preconditioner == PreconditionerKind::ssor ? Sweeps::ssor : Sweeps::ilu0;
-    if (params.kind == SolverKind::gmres || dimension == 2) return Sweeps::ilu0;
+    if (params.kind == SolverKind::gmres) return Sweeps::ilu0;
     return pattern.blocks() > long_rows * pattern.n ? Sweeps::ssor : Sweeps::ilu0_or_ssor;
 }
 
@@ -59,7 +59,7 @@ std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, con
     // serves nearly as well (Manteuffel, Math. Comp. 34, 1980). Not so in 2D: there bad pivots come from stretched
     // elements, and iterations stagnate with any shift.
     const std::vector<double> shifts = dimension == 2 ? std::vector<double>{0} : std::vector<double>{0, 0.01, 0.1};
-    const Sweeps sweeps = sweeps_for(pattern, dimension, params);
+    const Sweeps sweeps = sweeps_for(pattern, params);
     const auto set_up_ilu = [&] { ilu = std::make_unique<Ilu0>(pattern, start, shifts, sweeps); };
     if (params.kind == SolverKind::gmres) return set_up_ilu(), std::move(ilu);
     std::unique_ptr<CoarseSpace> coarse;
@@ -93,9 +93,9 @@ struct LinearSolver::Iterative {
         result.factor_seconds = factorisation.seconds();
         result.status = factored.status;
         if (factored.bad_row >= 0) result.bad_node = system.order()[factored.bad_row];
+        result.ssor = factored.ssor;
         if (factored.status != SolveStatus::success) return result;
         result.diagonal_shift = factored.diagonal_shift;
-        result.ssor = factored.ssor;
 
         const Stopwatch iteration;
         system.gather(b.data(), right.data());
@@ -174,7 +174,7 @@ LinearSolver::Iterative& LinearSolver::iterative(const BlockCsr& A) {
     const Graph graph = graph_of(A);
     const Domains domains = params_.ordering ? Domains{order_vertices(graph, *params_.ordering), {0, A.n}}
                                              : cut_into_domains(graph);
-    const double patience = predicted_flops(A) / (worth * flops_of_iteration(A));
+    const double patience = params_.fallback ? predicted_flops(A) / (worth * flops_of_iteration(A)) : 0;
     iterative_ = std::make_unique<Iterative>(A, dimension_, params_, domains,
                                              static_cast<int>(std::min<double>(patience, params_.max_iterations)));
     return *iterative_;
@@ -191,14 +191,15 @@ LinearSolver::Direct& LinearSolver::direct(const BlockCsr& A) {
 
 bool LinearSolver::iterative_first(const BlockCsr& A) {
     if (params_.kind != SolverKind::automatic) return params_.kind != SolverKind::cholesky;
-    if (failures_ < failures_to_give_up && dimension_ == 3 && A.size() >= params_.cg_from_unknowns) return true;
+    if (failures_ < failures_to_give_up && A.size() >= params_.cg_from_unknowns[dimension_ - 2]) return true;
     return !direct(A).cholesky.fits();
 }
 
-// Of a Cholesky factorisation; 0 in 2D, where it is always worth its while.
+// Of a Cholesky factorisation, with the exponents of nested dissection and the factors of the aircraft and the circle.
 double LinearSolver::predicted_flops(const BlockCsr& A) const {
-    if (direct_) return dimension_ == 3 ? direct_->cholesky.flops() : 0;
-    return dimension_ == 3 && params_.fallback ? 6.0 * A.size() * A.size() : 0;
+    if (direct_) return direct_->cholesky.flops();
+    const double N = A.size();
+    return dimension_ == 3 ? 5 * N * N : 56 * N * std::sqrt(N);
 }
 
 double LinearSolver::flops_of_iteration(const BlockCsr& A) const {
@@ -224,7 +225,9 @@ SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b,
     if (first.status == SolveStatus::success) failures_ = 0;
     if (first.status == SolveStatus::success || first.status == SolveStatus::not_positive_definite) return first;
     if (may_be_indefinite && first.status == SolveStatus::indefinite_preconditioner) return first;
-    if (!params_.fallback || !direct_is_worth(A, first.iterations)) return first;
+    if (!params_.fallback) return first;
+    const bool tried = first.status != SolveStatus::indefinite_preconditioner;
+    if (tried ? !direct_is_worth(A, first.iterations) : first.ssor || !direct(A).cholesky.fits()) return first;
     ++failures_;
     SolveResult second = direct(A).solve(A, b, x);
     second.iterations = first.iterations;

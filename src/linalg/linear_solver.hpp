@@ -2,10 +2,10 @@
 // gradients with deflated ILU(0), or by GMRES with ILU(0).
 //
 // `automatic` takes Cholesky in 2D, where the factor is small and ILU(0) fails on stretched elements, and conjugate
-// gradients in 3D except for small systems. The size decides, because already the analysis of a large 3D pattern costs
-// more than several iterative solves. Where an iterative solver does not converge, Cholesky solves the same system, and
-// after two such failures in a row all further ones; but not in 3D where its work, predicted by 6 N^2 operations for N
-// unknowns or known from the analysis, is more than four times what the iteration has spent: an iteration may go on
+// gradients in 3D except for small systems, and in 2D from a million unknowns on. The size decides, because already the
+// analysis of a large 3D pattern costs more than several iterative solves. Where an iterative solver does not converge, Cholesky solves the same system, and
+// after two such failures in a row all further ones; but not where its work, predicted from the number of unknowns
+// or known from the analysis, is more than four times what the iteration has spent: an iteration may go on
 // until it is, and is what it is then. Analyses and memory are made when first needed, then kept.
 //
 // The preconditioner of conjugate gradients: ILU(0) where rows are short, as those of linear elements are, and SSOR
@@ -36,7 +36,7 @@ struct LinearSolverParams {
     double tolerance = 1e-10;    // iterative: on |b - A x|_2 / |b|_2
     int restart = 60;            // GMRES: iterations per cycle
     int max_iterations = 600;    // iterative: in all cycles
-    int cg_from_unknowns = 8000; // automatic, 3D: systems from this size on go to conjugate gradients
+    int cg_from_unknowns[2] = {1000000, 8000};  // automatic, 2D and 3D: systems from this size on go to cg
     double memory_limit = 0;     // bytes for the Cholesky factor; 0: the machine's physical memory
     bool fallback = true;        // Cholesky takes over where an iterative solver fails
     // Empty: nested dissection for Cholesky, domains for ILU(0), which any other ordering makes run on one thread.

@@ -69,7 +69,7 @@ void LocalFunctional::hessian(const std::vector<double>& y, HessianKind kind, Bl
 namespace {
 
 constexpr double part_of_nodes = 0.01, part_of_decrease = 0.9;
-constexpr double curved_part = 0.1;  // of the nodes, with their neighbours, of curved meshes at most
+constexpr double largest_part = 0.1;  // of the nodes, with their neighbours, of curved meshes and in 3D at most
 constexpr int layers = 2;
 constexpr int most_steps = 30;
 constexpr double local_tolerance = 1e-4;  // relative residual of iterative solvers
@@ -99,7 +99,7 @@ std::vector<char> with_neighbours(const BlockCsr& H, const std::vector<char>& ch
     return result;
 }
 
-std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g, double largest_part) {
+std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g, double most_of_all) {
     const std::vector<double> decrease = reachable_decrease(H, g);
     std::vector<int> order(H.n);
     std::iota(order.begin(), order.end(), 0);
@@ -113,7 +113,7 @@ std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g, 
         std::vector<char> chosen(H.n, 0);
         for (int k = 0; k < count; ++k) chosen[order[k]] = 1;
         for (int layer = 0; layer < layers; ++layer) chosen = with_neighbours(H, chosen);
-        if (count == 1 || std::count(chosen.begin(), chosen.end(), 1) <= largest_part * H.n) return chosen;
+        if (count == 1 || std::count(chosen.begin(), chosen.end(), 1) <= most_of_all * H.n) return chosen;
     }
 }
 
@@ -157,7 +157,7 @@ int minimise_locally(const LocalFunctional& E, double least_gain, std::vector<do
 LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& E, const BlockCsr& H,
                                                      const std::vector<double>& g, double gained,
                                                      std::vector<double>& x, double& energy) const {
-    const std::vector<char> chosen = choose_nodes(H, g, E.distortion.is_curved() ? curved_part : 1);
+    const std::vector<char> chosen = choose_nodes(H, g, E.distortion.is_curved() || H.d == 3 ? largest_part : 1);
     const LocalFunctional local(E, x, chosen);
     std::vector<double> y = local.start();
     Result result;
