@@ -14,25 +14,33 @@ def exponent(x, y):
 
 
 def scaling():
-    levels = runs.bench("scaling")
+    rows = runs.bench("scaling")
+    levels = [row for row in rows if row["name"].startswith("circle level")]
     unknowns, seconds, memory = (np.array([level[key] for level in levels]) for key in ("unknowns", "time", "peak memory"))
     paper_unknowns, paper_seconds = np.array([(2 * row.nodes, row.time) for row in TABLE1]).T
     threads = int(levels[0]["threads"])
 
-    fig, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.9), layout="constrained")
-    fig.suptitle("The circle refined: time and memory of a whole run", fontsize=10.5)
+    fig, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.4), layout="constrained")
+    fig.suptitle("The circle refined, the aircraft refined and of higher degree: time and memory of a whole run",
+                 fontsize=10.5)
     left.loglog(paper_unknowns, paper_seconds, "s--", color=style.PAPER, markersize=6, linewidth=0.9,
                 label=f"paper, Table 1: exponent {exponent(paper_unknowns, paper_seconds):.2f}")
     left.loglog(unknowns, seconds, "o-", color=style.INK, markersize=6, linewidth=0.9,
-                label=f"almesh, {threads} thread{'' if threads == 1 else 's'}: exponent {exponent(unknowns, seconds):.2f}")
+                label=f"circle, {threads} thread{'' if threads == 1 else 's'}: exponent {exponent(unknowns, seconds):.2f}")
     left.loglog(unknowns, seconds[0] * unknowns / unknowns[0], ":", color=style.ACCENT, linewidth=1,
                 label="proportional to the unknowns")
     left.set_ylabel("time (s)")
     right.loglog(unknowns, memory, "o-", color=style.INK, markersize=6, linewidth=0.9,
-                 label=f"almesh: exponent {exponent(unknowns, memory):.2f}")
+                 label=f"circle: exponent {exponent(unknowns, memory):.2f}")
     right.loglog(unknowns, memory[-1] * unknowns / unknowns[-1], ":", color=style.ACCENT, linewidth=1,
                  label="proportional to the unknowns")
     right.set_ylabel("peak memory (MB)")
+    for family, marker in (("aircraft refined", "^-"), ("aircraft degree", "D-")):
+        of_family = [row for row in rows if row["name"].startswith(family)]
+        n, time, size = (np.array([row[key] for row in of_family]) for key in ("unknowns", "time", "peak memory"))
+        for ax, y in ((left, time), (right, size)):
+            ax.loglog(n, y, marker, markersize=5, linewidth=0.9,
+                      label=f"{family}: exponent {exponent(n, y):.2f}" if len(n) > 1 else family)
     for ax in (left, right):
         ax.set_xlabel("unknowns")
         ax.grid(True, which="major", linewidth=0.3, alpha=0.5)

@@ -33,6 +33,7 @@ struct Solution {
     Injectivity injectivity;
     RunTimes time;
     int coarse_newton_iterations = 0;  // on the coarser meshes
+    double predicted_bytes = 0;  // of memory, before the run
     int refined_elements = 0;          // with a finer quadrature
 };
 

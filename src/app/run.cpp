@@ -1,11 +1,13 @@
 #include <optional>
 
 #include "app/commands.hpp"
+#include "app/memory.hpp"
 #include "app/problem.hpp"
 #include "app/report.hpp"
 #include "app/results.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
+#include "base/physical_memory.hpp"
 #include "base/text.hpp"
 #include "io/matrix_market.hpp"
 #include "method/continuation.hpp"
@@ -15,13 +17,20 @@
 namespace almesh {
 namespace {
 
-void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem) {
+constexpr double worth_telling = 0.5e9;  // bytes
+
+void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double bytes) {
     const Mesh& mesh = problem.mesh();
     if (!deck.title.empty()) std::fprintf(out, "%s\n", deck.title.c_str());
     std::fprintf(out, "%s: %d nodes, %d %s of degree %d, %d boundary faces; %d thread%s\n", deck.mesh.c_str(),
                  mesh.nodes(), mesh.element_count(), mesh.cell().plural, mesh.degree,
                  mesh.face_count(), max_threads(), max_threads() == 1 ? "" : "s");
     for (const std::string& note : problem.notes) std::fprintf(out, "note: %s\n", note.c_str());
+    if (bytes > worth_telling) std::fprintf(out, "about %.2g GB of memory will be needed\n", bytes / 1e9);
+    if (bytes > physical_memory())
+        std::fprintf(out, "note: this machine has %.3g GB; a coarser mesh or a lower degree takes less\n",
+                     physical_memory() / 1e9);
+    std::fflush(out);
 }
 
 const char* advice(AlStatus status) {
@@ -167,8 +176,9 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     set_threads(deck.threads);
     const Problem problem = make_problem(deck);
     make_folder(deck.output);
-    print_mesh(out, deck, problem);
     Solution solution;
+    solution.predicted_bytes = predicted_bytes(problem.mesh(), deck.linear);
+    print_mesh(out, deck, problem, solution.predicted_bytes);
     {
         const TimeAdder adder(solution.time.write);
         write_deck(deck, problem);

@@ -27,6 +27,7 @@ struct Run {
     AlIteration last;           // in units of the mesh file,
     double max_boundary_error;  // and so is this
     int power;
+    double predicted_bytes;
 };
 
 double peak_memory_mb() {
@@ -115,6 +116,8 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"time_line_search", "energies in line searches"}, decimal, [](R r) { return text(r.time.line_search, 4); }},
     {{"time_elimination", "local eliminations"}, decimal, [](R r) { return text(r.time.elimination, 4); }},
     {{"threads", "threads of the run"}, count, [](R) { return text(max_threads()); }},
+    {{"predicted_memory_mb", "what the run was expected to take, before it took it, MB"}, decimal,
+     [](R r) { return text(r.predicted_bytes / 1e6, 4); }},
     {{"peak_memory_mb", "largest memory of the process, MB"}, decimal, [](R) { return text(peak_memory_mb(), 4); }},
 });
 
@@ -164,7 +167,8 @@ std::string condition_text(const Expectation& expectation) {
 Summary summarise(const Problem& problem, const Solution& solution) {
     const Units units = {problem.mesh().dim, problem.length};
     const Run run = {problem.mesh(), solution, solution.al, solution.time, units.of(solution.al.iterations.back()),
-                     units.distance(solution.max_boundary_error), problem.level->energy->power().p};
+                     units.distance(solution.max_boundary_error), problem.level->energy->power().p,
+                     solution.predicted_bytes};
     Summary summary;
     for (const Quantity& quantity : quantities) summary.push_back({quantity.name, quantity.value(run)});
     return summary;

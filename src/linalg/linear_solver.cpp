@@ -31,7 +31,6 @@ const char* to_string(PreconditionerKind kind) {
 namespace {
 
 constexpr int failures_to_give_up = 2;  // of iterative solvers in a row, if the choice is ours
-constexpr double long_rows = 40;  // blocks of a row from which ILU(0) spends more on products than it saves iterations
 constexpr double worth = 4;        // Cholesky may cost this many times what an iterative solver has spent
 constexpr double flops_of_entry = 20;  // of Cholesky, in the time that an iteration spends on an entry of A
 constexpr double refine_above = 1e-15;  // scaled residual from which a step of iterative refinement is worth a solve

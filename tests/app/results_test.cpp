@@ -78,6 +78,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "gradient_norm",
                                            "relative_quality",
                                            "max_distortion",
+                                           "power",
                                            "refined_elements",
                                            "min_scaled_jacobian",
                                            "certified_valid",
@@ -93,6 +94,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "time_line_search",
                                            "time_elimination",
                                            "threads",
+                                           "predicted_memory_mb",
                                            "peak_memory_mb"});
     CHECK(keys == names_of(summary_quantities()));
     const auto summary = summary_of(ring.output);

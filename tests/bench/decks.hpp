@@ -6,7 +6,8 @@ namespace almesh::bench {
 
 void measure_decks(const Machine& machine, bool quick, Table& table);
 
-// The circle of section 4.1 refined 0, 1, 2, ... times, beside the paper's Table 1.
+// The circle of section 4.1 refined 0, 1, 2, ... times, beside the paper's Table 1; the aircraft refined, and of degree
+// 1, 2, ...
 void measure_scaling(bool quick, Table& table);
 
 }  // namespace almesh::bench

@@ -118,7 +118,7 @@ TEST_CASE("refined twice, a coarse start takes at most 5 steps on the deck's mes
         const auto coarse = rows_of_kind(ring.output, "coarse");
         REQUIRE(coarse.size() == 2);
         CHECK(std::stoi(coarse[0][12]) + std::stoi(coarse[1][12]) == count_of(ring.output, "coarse_newton_iterations"));
-        CHECK(coarse[0][26] == "48");
+        CHECK(coarse[0][27] == "48");
         CHECK(coarse[0][14] == "finer mesh");
         CHECK(has(outcome.out, "48 nodes\n"));
         CHECK(has(outcome.out, " on coarser meshes) in "));

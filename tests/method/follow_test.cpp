@@ -48,9 +48,9 @@ TEST_CASE("half a turn winds the whole mesh one way, in two parts") {
             CHECK(has(outcome.out, " on earlier parts of the motion) in "));
             const auto rows = csv_rows(text_of(ring.output + "/history.csv"));
             CHECK(rows[1][0] == "part");
-            CHECK(rows[0][27] == "fraction");
-            CHECK(rows[1][27] == "0.5");
-            CHECK(rows[2][27] == "");
+            CHECK(rows[0][28] == "fraction");
+            CHECK(rows[1][28] == "0.5");
+            CHECK(rows[2][28] == "");
             CHECK(std::abs(winding(ring.output + "/final.msh")) == doctest::Approx(180));
         }
 }

@@ -76,9 +76,9 @@ TEST_CASE("the powers on the way are rows of the report") {
     CHECK(has(outcome.out, " on earlier powers) in "));
     const auto rows = csv_rows(text_of(ring.output + "/history.csv"));
     CHECK(rows[1][0] == "power");
-    CHECK(rows[0][28] == "power");
-    CHECK(rows[1][28] == "2");
-    CHECK(rows[2][28] == "4");
+    CHECK(rows[0][29] == "power");
+    CHECK(rows[1][29] == "2");
+    CHECK(rows[2][29] == "4");
 }
 
 TEST_CASE("nothing is sharpened where nothing moves, and curved elements are sharpened too") {

@@ -2,8 +2,6 @@
 // dense Cholesky. A solve is L y = b in the same order, then L' x = y in the reverse one.
 #include "linalg/direct/cholesky.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -11,6 +9,7 @@
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
+#include "base/physical_memory.hpp"
 #include "linalg/ordering/graph.hpp"
 
 namespace almesh {
@@ -98,8 +97,7 @@ Cholesky::Cholesky(const BlockCsr& pattern, const CholeskyParams& params)
 double Cholesky::predicted_bytes() const { return plan_.bytes(max_threads()); }
 
 bool Cholesky::fits() const {
-    const double physical = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-    return predicted_bytes() <= (params_.memory_limit > 0 ? params_.memory_limit : physical);
+    return predicted_bytes() <= (params_.memory_limit > 0 ? params_.memory_limit : physical_memory());
 }
 
 void Cholesky::allocate() {

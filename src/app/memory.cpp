@@ -1,0 +1,68 @@
+// Two nodes are coupled where they share an element. Of the pairs of nodes, those whose smallest common entity is a
+// vertex, an edge, a face or a cell: with N_k nodes on a k-dimensional entity
+//     P_0 = 1,  P_1 = N_1^2 - 2 P_0,  P_2 = N_2^2 - 3 P_1 - 3 P_0,  P_3 = N_3^2 - 4 P_2 - 6 P_1 - 4 P_0;
+// blocks of the Hessian = sum over k of P_k times the number of these entities.
+#include "app/memory.hpp"
+
+#include <cmath>
+
+#include "mesh/cells.hpp"
+
+namespace almesh {
+namespace {
+
+double square(double v) { return v * v; }
+
+// Vertices, edges, triangles, tetrahedra, by Euler's formula for a domain without holes.
+struct Entities {
+    double vertices, edges, triangles, tetrahedra;
+};
+
+double vertex_count(const Mesh& mesh) {
+    std::vector<char> is_vertex(mesh.nodes(), 0);
+    double count = 0;
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int i = 0; i <= mesh.dim; ++i) {
+            char& known = is_vertex[mesh.element(e)[i]];
+            count += !known;
+            known = 1;
+        }
+    return count;
+}
+
+Entities entities_of(const Mesh& mesh) {
+    const double V = vertex_count(mesh), C = mesh.element_count(), boundary = mesh.face_count();
+    if (mesh.dim == 2) return {V, (3 * C + boundary) / 2, C, 0};
+    const double F = (4 * C + boundary) / 2;
+    return {V, V + F - C - 1, F, C};
+}
+
+}  // namespace
+
+double hessian_blocks(const Mesh& mesh) {
+    const double p = mesh.degree, N1 = p + 1, N2 = (p + 1) * (p + 2) / 2, N3 = N2 * (p + 3) / 3;
+    const double P0 = 1, P1 = square(N1) - 2 * P0, P2 = square(N2) - 3 * P1 - 3 * P0,
+                 P3 = square(N3) - 4 * P2 - 6 * P1 - 4 * P0;
+    const Entities of = entities_of(mesh);
+    return P0 * of.vertices + P1 * of.edges + P2 * of.triangles + P3 * of.tetrahedra;
+}
+
+double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear) {
+    constexpr double number = sizeof(double), single = sizeof(float), index = sizeof(int), program = 8e6;
+    const double d = mesh.dim, m = mesh.element_nodes(), elements = mesh.element_count(), nodes = mesh.nodes(),
+                 blocks = hessian_blocks(mesh), unknowns = d * nodes;
+    const double of_mesh = elements * m * index + nodes * (d * number + 16), vectors = 14 * unknowns * number;
+    const double of_energy = elements * (m * index + d * d * number + 3 * number + m * m * index) + blocks * index;
+    const double hessian = blocks * (d * d * number + index);
+    const bool iterative = linear.kind == SolverKind::automatic
+                               ? unknowns >= linear.cg_from_unknowns[mesh.dim - 2]
+                               : linear.kind != SolverKind::cholesky;
+    const double products = blocks < long_rows * nodes ? 12 * blocks : 0;  // of ILU(0)
+    const double sweeps = 0.5 * blocks * (d * d * single + 3 * index) + products, copy = hessian + blocks * index,
+                 coarse = hessian / 6;
+    const double factor = mesh.dim == 2 ? 80 * unknowns * std::log2(unknowns + 2) : 80 * std::pow(unknowns, 4.0 / 3);
+    constexpr double besides = 1.05;  // what was not counted
+    return program + besides * (of_mesh + vectors + of_energy + hessian + (iterative ? copy + sweeps + coarse : factor));
+}
+
+}  // namespace almesh

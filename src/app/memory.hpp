@@ -1,0 +1,17 @@
+// The memory that a run will take, told before it takes it.
+#pragma once
+#include "linalg/linear_solver.hpp"
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+// Bytes at the peak of a run on this mesh: the mesh, the energy's arrays, the Hessian and its solver's copies or factor.
+// Blocks of the Hessian are counted exactly, up to the holes of the domain; the Cholesky factor of a 2D mesh by its law
+// of growth. Of a run in which no direct factorisation takes over from conjugate gradients.
+double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear);
+
+// Blocks of the Hessian: pairs of nodes that share an element. Exact but for tunnels and cavities of a 3D domain, each of
+// which shifts it by one block.
+double hessian_blocks(const Mesh& mesh);
+
+}  // namespace almesh
