@@ -58,11 +58,10 @@ double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear) {
                                ? unknowns >= linear.cg_from_unknowns[mesh.dim - 2]
                                : linear.kind != SolverKind::cholesky;
     const double products = blocks < long_rows * nodes ? 12 * blocks : 0;  // of ILU(0)
-    const double sweeps = 0.5 * blocks * (d * d * single + 3 * index) + products, copy = hessian + blocks * index,
-                 coarse = hessian / 6;
+    const double sweeps = 0.5 * blocks * (d * d * single + 3 * index) + products, coarse = hessian / 6;
     const double factor = mesh.dim == 2 ? 80 * unknowns * std::log2(unknowns + 2) : 80 * std::pow(unknowns, 4.0 / 3);
     constexpr double besides = 1.05;  // what was not counted
-    return program + besides * (of_mesh + vectors + of_energy + hessian + (iterative ? copy + sweeps + coarse : factor));
+    return program + besides * (of_mesh + vectors + of_energy + hessian + (iterative ? sweeps + coarse : factor));
 }
 
 }  // namespace almesh

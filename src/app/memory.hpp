@@ -5,7 +5,7 @@
 
 namespace almesh {
 
-// Bytes at the peak of a run on this mesh: the mesh, the energy's arrays, the Hessian and its solver's copies or factor.
+// Bytes at the peak of a run on this mesh: the mesh, the energy's arrays, the Hessian and its preconditioner or factor.
 // Blocks of the Hessian are counted exactly, up to the holes of the domain; the Cholesky factor of a 2D mesh by its law
 // of growth. Of a run in which no direct factorisation takes over from conjugate gradients.
 double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear);

@@ -120,6 +120,8 @@ Problem make_problem(const Deck& deck) {
 
 void set_functional(const Deck& deck, double length, const BoundaryTarget& target, Level& level) {
     level.energy = make_energy(level.mesh, level.ideal, distortion_of(deck));
+    level.energy->order_hessian(
+        [&](const BlockCsr& pattern) { return sweep_order(pattern, level.mesh.dim, deck.linear); });
     level.constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, target, deck.target);
     std::vector<Motion> motions = motions_of(deck, level.mesh);
     for (Motion& motion : motions) {

@@ -265,7 +265,7 @@ void Dirichlet::add_mass(double factor, const Row& row, BlockCsr& H) const {
 
 // Positive semidefinite as it is.
 void Dirichlet::add_hessian(const std::vector<double>&, const std::vector<double>&, double mu, bool, BlockCsr& H) {
-    add_mass(mu / (norm_of_one_ * norm_of_one_), [](int node) { return node; }, H);
+    add_mass(mu / (norm_of_one_ * norm_of_one_), [&H](int node) { return H.row_of(node); }, H);
 }
 
 void Dirichlet::update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) {

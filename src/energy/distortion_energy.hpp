@@ -21,6 +21,7 @@
 //
 // Evaluations use work space of the object: one call at a time.
 #pragma once
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -49,6 +50,9 @@ public:
     // Adds to g (node_count x dim); x must have finite energy.
     virtual void add_gradient(const std::vector<double>& x, std::vector<double>& g) = 0;
     virtual BlockCsr hessian_pattern() const = 0;  // all values zero
+    // From now on with the rows of the Hessian in the order that `choose` makes of its pattern; none: as they are.
+    using ChooseOrder = std::function<std::shared_ptr<const RowOrder>(const BlockCsr& pattern)>;
+    virtual void order_hessian(const ChooseOrder& choose) = 0;
     // Adds to H, which has the pattern above. damping: t, for HessianKind::projected.
     virtual void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping = 0) = 0;
     virtual DistortionStatistics statistics(const std::vector<double>& x) = 0;

@@ -165,7 +165,7 @@ void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Bl
                     if (kind != HessianKind::full) project(n * n, A);
                     for (int i = 0; i < m; ++i)
                         for (int j = 0; j < m; ++j) {
-                            double* const block = H.block(H.find(element(e)[i], element(e)[j]));
+                            double* const block = H.block(H.find(H.row_of(element(e)[i]), H.row_of(element(e)[j])));
                             for (int a = 0; a < n; ++a)
                                 for (int b = 0; b < n; ++b)
                                     for (int k = 0; k < n; ++k)
@@ -177,6 +177,14 @@ void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Bl
                 });
         });
     });
+}
+
+void PlainEnergy::order_hessian(const ChooseOrder& choose) {
+    auto order = choose(pattern_);
+    if (!order) return;
+    LargeVector<int> place;
+    pattern_ = ordered_pattern(pattern_, std::move(order), place);
+    pattern_.value.assign(offset(pattern_.blocks(), dim_ * dim_), 0.0);
 }
 
 DistortionStatistics PlainEnergy::statistics(const std::vector<double>& x) {

@@ -16,6 +16,7 @@ public:
     double energy(const std::vector<double>& x) override;
     void add_gradient(const std::vector<double>& x, std::vector<double>& g) override;
     BlockCsr hessian_pattern() const override { return pattern_; }
+    void order_hessian(const ChooseOrder& choose) override;
     void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping = 0) override;
     DistortionStatistics statistics(const std::vector<double>& x) override;
     std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,

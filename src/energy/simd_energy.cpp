@@ -166,6 +166,20 @@ BlockCsr SimdEnergy::hessian_pattern() const {
     return H;
 }
 
+void SimdEnergy::order_hessian(const ChooseOrder& choose) {
+    auto order = choose(pattern_);
+    if (!order) return;
+    LargeVector<int> place;
+    pattern_ = ordered_pattern(pattern_, std::move(order), place);
+    parallel_for(element_count_, [&](int e) {
+        const int mm = reference_.nodes * reference_.nodes;
+        for (int k = 0; k < mm; ++k) {
+            int& block = hessian_block_[offset(e, mm, k)];
+            block = place[block];
+        }
+    }, reference_.nodes);
+}
+
 // body(std::type_identity<Batch>, density): the batch for elements of this dimension and degree.
 template <class Body>
 void SimdEnergy::dispatch(const Body& body) {

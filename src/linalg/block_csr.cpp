@@ -172,6 +172,25 @@ void copy_blocks(const std::vector<int>& source, const double* from, double* to)
 
 }  // namespace
 
+BlockCsr ordered_pattern(const BlockCsr& pattern, std::shared_ptr<const RowOrder> order, LargeVector<int>& place) {
+    std::vector<int> source;
+    BlockCsr ordered = permuted_pattern(pattern, order->node, source);
+    ordered.order = std::move(order);
+    place.resize(source.size());
+    parallel_for(static_cast<int>(source.size()), [&](int k) { place[source[k]] = k; });
+    return ordered;
+}
+
+void to_rows(const BlockCsr& A, const std::vector<double>& of_nodes, std::vector<double>& of_rows) {
+    of_rows.resize(A.size());
+    parallel_for(A.n, [&](int i) { std::copy_n(&of_nodes[offset(A.node_of(i), A.d)], A.d, &of_rows[offset(i, A.d)]); });
+}
+
+void to_nodes(const BlockCsr& A, const std::vector<double>& of_rows, std::vector<double>& of_nodes) {
+    of_nodes.resize(A.size());
+    parallel_for(A.n, [&](int i) { std::copy_n(&of_rows[offset(i, A.d)], A.d, &of_nodes[offset(A.node_of(i), A.d)]); });
+}
+
 Reordered::Reordered(const BlockCsr& pattern, std::vector<int> order)
     : order_(std::move(order)), matrix_(permuted_pattern(pattern, order_, source_)) {}
 

@@ -4,6 +4,7 @@
 // Block row i holds the blocks k = row[i] .. row[i+1]-1 in the block columns col[k], ascending and without repeats;
 // block k is value[k*d*d .. (k+1)*d*d), row-major. Symmetric matrices store both triangles.
 #pragma once
+#include <memory>
 #include <type_traits>
 #include <vector>
 
@@ -13,13 +14,24 @@
 
 namespace almesh {
 
+// An order of the block rows other than that of the mesh's nodes: the one in which a solver sweeps over them. A matrix
+// that is assembled in it need not be copied into it.
+struct RowOrder {
+    std::vector<int> node;   // of each row
+    std::vector<int> row;    // of each node
+    std::vector<int> start;  // of the domains, see Domains in ordering/ordering.hpp
+};
+
 struct BlockCsr {
     int n = 0;                  // block rows = block columns
     int d = 1;                  // block size
     std::vector<int> row;       // n + 1 offsets into col
     std::vector<int> col;       // block columns, ascending within a row
     LargeVector<double> value;  // d*d per block
+    std::shared_ptr<const RowOrder> order = {};  // none: row i is that of node i
 
+    int row_of(int node) const { return order ? order->row[node] : node; }
+    int node_of(int row_) const { return order ? order->node[row_] : row_; }
     int blocks() const { return static_cast<int>(col.size()); }
     int size() const { return n * d; }
     double* block(int k) { return value.data() + offset(k, d * d); }
@@ -45,6 +57,13 @@ BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_
 
 // The pattern with all values zero.
 BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes);
+
+// The pattern with rows and columns in the given order, its values undefined; place[k]: where block k is then.
+BlockCsr ordered_pattern(const BlockCsr& pattern, std::shared_ptr<const RowOrder> order, LargeVector<int>& place);
+
+// A vector with the entries of A's rows, from one with those of the nodes, and back.
+void to_rows(const BlockCsr& A, const std::vector<double>& of_nodes, std::vector<double>& of_rows);
+void to_nodes(const BlockCsr& A, const std::vector<double>& of_rows, std::vector<double>& of_nodes);
 
 // y = A x (x, y: n*d). Same bits for any number of threads.
 void multiply(const BlockCsr& A, const double* x, double* y);

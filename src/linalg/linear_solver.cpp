@@ -69,38 +69,39 @@ std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, con
 }  // namespace
 
 struct LinearSolver::Iterative {
-    Reordered system;  // in the order of the preconditioner
+    std::optional<Reordered> system;  // in the order of the preconditioner, where A is not
     std::unique_ptr<Preconditioner> M;
     Method method;
     std::vector<double> right, solution;
 
     Iterative(const BlockCsr& A, int dimension, const LinearSolverParams& params, const Domains& domains, int patience)
-        : system(A, domains.order),
-          M(make_preconditioner(system.matrix(), domains.start, dimension, params)),
+        : system(A.order ? std::nullopt : std::optional<Reordered>(std::in_place, A, domains.order)),
+          M(make_preconditioner(system ? system->matrix() : A, domains.start, dimension, params)),
           method(make_method(A.size(), params, patience)),
-          right(A.size()),
-          solution(A.size()) {}
+          right(system ? A.size() : 0),
+          solution(system ? A.size() : 0) {}
 
     SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
         SolveResult result;
         result.relative_residual = 1;
         result.used = std::holds_alternative<Gmres>(method) ? SolverKind::gmres : SolverKind::cg;
-        const BlockCsr& B = system.matrix();
+        const BlockCsr& B = system ? system->matrix() : A;
         const Stopwatch factorisation;
-        system.set(A);
+        if (system) system->set(A);
         const FactorResult factored = M->factor(B);
         result.factor_seconds = factorisation.seconds();
         result.status = factored.status;
-        if (factored.bad_row >= 0) result.bad_node = system.order()[factored.bad_row];
+        if (factored.bad_row >= 0) result.bad_node = system ? system->order()[factored.bad_row] : factored.bad_row;
         result.ssor = factored.ssor;
         if (factored.status != SolveStatus::success) return result;
         result.diagonal_shift = factored.diagonal_shift;
 
         const Stopwatch iteration;
-        system.gather(b.data(), right.data());
-        const KrylovResult solved =
-            std::visit([&](auto& krylov) { return krylov.solve(B, *M, right.data(), solution.data()); }, method);
-        system.scatter(solution.data(), x.data());
+        if (system) system->gather(b.data(), right.data());
+        const double* const from = system ? right.data() : b.data();
+        double* const to = system ? solution.data() : x.data();
+        const KrylovResult solved = std::visit([&](auto& krylov) { return krylov.solve(B, *M, from, to); }, method);
+        if (system) system->scatter(solution.data(), x.data());
         result.solve_seconds = iteration.seconds();
         result.status = solved.status;
         result.iterations = solved.iterations;
@@ -170,9 +171,10 @@ double LinearSolver::refused_bytes() const { return direct_ && !direct_->cholesk
 
 LinearSolver::Iterative& LinearSolver::iterative(const BlockCsr& A) {
     if (iterative_) return *iterative_;
-    const Graph graph = graph_of(A);
-    const Domains domains = params_.ordering ? Domains{order_vertices(graph, *params_.ordering), {0, A.n}}
-                                             : cut_into_domains(graph);
+    Domains domains;
+    if (A.order) domains.start = A.order->start;
+    else if (params_.ordering) domains = {order_vertices(graph_of(A), *params_.ordering), {0, A.n}};
+    else domains = cut_into_domains(graph_of(A));
     const double patience = params_.fallback ? predicted_flops(A) / (worth * flops_of_iteration(A)) : 0;
     iterative_ = std::make_unique<Iterative>(A, dimension_, params_, domains,
                                              static_cast<int>(std::min<double>(patience, params_.max_iterations)));
@@ -188,9 +190,27 @@ LinearSolver::Direct& LinearSolver::direct(const BlockCsr& A) {
     return *direct_;
 }
 
+namespace {
+
+// Before anything is known of the values.
+bool iterates(int unknowns, int dimension, const LinearSolverParams& params) {
+    if (params.kind != SolverKind::automatic) return params.kind != SolverKind::cholesky;
+    return unknowns >= params.cg_from_unknowns[dimension - 2];
+}
+
+}  // namespace
+
+std::shared_ptr<const RowOrder> sweep_order(const BlockCsr& pattern, int dimension, const LinearSolverParams& params) {
+    if (!iterates(pattern.size(), dimension, params) || params.ordering) return nullptr;
+    Domains domains = cut_into_domains(graph_of(pattern));
+    std::vector<int> row(pattern.n);
+    for (int i = 0; i < pattern.n; ++i) row[domains.order[i]] = i;
+    return std::make_shared<RowOrder>(RowOrder{std::move(domains.order), std::move(row), std::move(domains.start)});
+}
+
 bool LinearSolver::iterative_first(const BlockCsr& A) {
     if (params_.kind != SolverKind::automatic) return params_.kind != SolverKind::cholesky;
-    if (failures_ < failures_to_give_up && A.size() >= params_.cg_from_unknowns[dimension_ - 2]) return true;
+    if (failures_ < failures_to_give_up && iterates(A.size(), dimension_, params_)) return true;
     return !direct(A).cholesky.fits();
 }
 
@@ -218,6 +238,16 @@ void LinearSolver::analyse(const BlockCsr& A) {
 
 SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
                                 bool may_be_indefinite) {
+    if (!A.order) return solve_in_rows(A, b, x, may_be_indefinite);
+    to_rows(A, b, b_);
+    SolveResult result = solve_in_rows(A, b_, x_, may_be_indefinite);
+    to_nodes(A, x_, x);
+    if (result.bad_node >= 0) result.bad_node = A.node_of(result.bad_node);
+    return result;
+}
+
+SolveResult LinearSolver::solve_in_rows(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
+                                        bool may_be_indefinite) {
     x.assign(A.size(), 0.0);
     if (!iterative_first(A)) return direct(A).solve(A, b, x);
     const SolveResult first = iterative(A).solve(A, b, x);

@@ -58,6 +58,9 @@ struct SolveResult {
     double factor_seconds = 0, solve_seconds = 0;  // of who made x, refinement left out; 0 if that was not reached
 };
 
+// The order of rows in which the matrices on this pattern had best be assembled; none where they go to Cholesky first.
+std::shared_ptr<const RowOrder> sweep_order(const BlockCsr& pattern, int dimension, const LinearSolverParams& params);
+
 class LinearSolver {
 public:
     // dimension: 2 or 3, of the mesh. Takes no time: the pattern is analysed by the first solve that needs it.
@@ -72,6 +75,7 @@ public:
     // iterative solver does not mean that A is positive definite. not_positive_definite is about A itself, so nothing
     // else is tried then. may_be_indefinite: the caller has another matrix in place of an indefinite A, so
     // indefinite_preconditioner, a sign of that, ends the solve too.
+    // b, x by nodes, whatever the order of A's rows.
     SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
                       bool may_be_indefinite = false);
 
@@ -90,6 +94,8 @@ public:
 private:
     struct Iterative;
     struct Direct;
+    SolveResult solve_in_rows(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
+                              bool may_be_indefinite);
     Iterative& iterative(const BlockCsr& A);
     Direct& direct(const BlockCsr& A);
     bool iterative_first(const BlockCsr& A);
@@ -100,6 +106,7 @@ private:
     int dimension_;
     LinearSolverParams params_;
     int failures_ = 0;  // of iterative solvers in a row
+    std::vector<double> b_, x_;  // in the order of A's rows
     std::unique_ptr<Iterative> iterative_;
     std::unique_ptr<Direct> direct_;
 };

@@ -80,7 +80,7 @@ constexpr double part_of_gain = 1e-3;     // and of all local steps so far: less
 std::vector<double> reachable_decrease(const BlockCsr& H, const std::vector<double>& g) {
     std::vector<double> decrease(H.n);
     for (int i = 0; i < H.n; ++i) {
-        const double* const block = H.block(H.find(i, i));
+        const double* const block = H.block(H.find(H.row_of(i), H.row_of(i)));
         double trace = 0, squared = 0;
         for (int a = 0; a < H.d; ++a) {
             trace += block[a * H.d + a];
@@ -94,8 +94,8 @@ std::vector<double> reachable_decrease(const BlockCsr& H, const std::vector<doub
 std::vector<char> with_neighbours(const BlockCsr& H, const std::vector<char>& chosen) {
     std::vector<char> result = chosen;
     for (int i = 0; i < H.n; ++i)
-        if (chosen[i])
-            for (int k = H.row[i]; k < H.row[i + 1]; ++k) result[H.col[k]] = 1;
+        if (chosen[H.node_of(i)])
+            for (int k = H.row[i]; k < H.row[i + 1]; ++k) result[H.node_of(H.col[k])] = 1;
     return result;
 }
 

@@ -99,7 +99,11 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
             const bool damped = step.hessian == HessianKind::projected;
             E.hessian(x, step.hessian, H_, damped ? damping_.factor * E.mean_slope(x, at.energy) : 0);
         }
-        if (observe_system_) observe_system_(H_, minus_g_);
+        if (observe_system_) {
+            std::vector<double> b;
+            to_rows(H_, minus_g_, b);
+            observe_system_(H_, b);
+        }
         const TimeAdder adder(time.linear);
         const SolveResult solve = solver_.solve(H_, minus_g_, d_, step.hessian == HessianKind::full);
         at.linear_iterations += solve.iterations;

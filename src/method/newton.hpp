@@ -90,7 +90,7 @@ public:
     // pattern: of the Hessian. The linear solver and all work arrays are set up once for all subproblems.
     Newton(BlockCsr pattern, const LinearSolverParams& linear, Forcing forcing = Forcing::automatic);
 
-    // Called with every linear system A d = b before it is solved.
+    // Called with every linear system A d = b, in the order of A's rows, before it is solved.
     void observe_systems(SystemObserver observer) { observe_system_ = std::move(observer); }
 
     const LinearSolver& linear_solver() const { return solver_; }

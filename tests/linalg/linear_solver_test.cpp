@@ -249,6 +249,31 @@ TEST_CASE("in 3D a bad pivot of ILU(0) is answered by a heavier diagonal") {
     }
 }
 
+TEST_CASE("a matrix assembled in the order of the sweeps has the same solution, by nodes, and the same bits") {
+    const BlockCsr A = random_spd(3375, 3, grid_3d(15), 1e-2);
+    const std::vector<double> b = random_vector(A.size());
+    std::vector<double> x, y;
+    for (const SolverKind kind : {SolverKind::cg, SolverKind::gmres, SolverKind::cholesky}) {
+        const LinearSolverParams params = params_of(kind);
+        auto order = sweep_order(A, 3, params_of(SolverKind::cg));
+        REQUIRE(order);
+        LargeVector<int> place;
+        BlockCsr B = ordered_pattern(A, order, place);
+        for (int k = 0; k < A.blocks(); ++k) std::copy_n(A.block(k), 9, B.block(place[k]));
+        for (int i = 0; i < A.n; i += 100) CHECK(B.block(B.find(B.row_of(i), B.row_of(i)))[0] == A.block(A.find(i, i))[0]);
+        REQUIRE(LinearSolver(3, params).solve(A, b, x).status == SolveStatus::success);
+        REQUIRE(LinearSolver(3, params).solve(B, b, y).status == SolveStatus::success);
+        if (kind != SolverKind::cholesky) CHECK(x == y);
+        CHECK(scaled_residual(A, y, b) < 1e-10);
+        BlockCsr bad = B;
+        bad.block(bad.find(bad.row_of(42), bad.row_of(42)))[0] = -1;
+        if (kind == SolverKind::cholesky) CHECK(LinearSolver(3, params).solve(bad, b, y).bad_node >= 0);
+        if (kind == SolverKind::gmres) CHECK(LinearSolver(3, params).solve(bad, b, y, true).bad_node == 42);
+    }
+    CHECK_FALSE(sweep_order(A, 3, params_of(SolverKind::cholesky)));
+    CHECK_FALSE(sweep_order(A, 2, {}));
+}
+
 TEST_CASE("the preconditioner of conjugate gradients: ILU(0) for short rows, SSOR for long ones, or as it is asked for") {
     const BlockCsr sparse = random_spd(125, 3, grid_3d(5)), dense = random_spd(60, 3, complete(60));
     std::vector<double> x;
