@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The table behind the defaults of `objective` and `weight_exponent`: runs every case below with every choice, prints
+"""The table behind the defaults of `objective`, `weight_exponent` and `power`: runs every case below with every choice, prints
 the worst distortion and the Newton steps of each, and writes the table to outputs/defaults/table.md.
 
   plot/defaults.py      the same as `make defaults`; some minutes
@@ -11,7 +11,8 @@ import sys
 
 import runs
 
-CHOICES = [("squared", "1"), ("deviation", "1"), ("deviation", "0.5"), ("deviation", "0")]
+CHOICES = [("squared", "1", "2"), ("deviation", "1", "2"), ("deviation", "0.5", "2"), ("deviation", "0", "2"),
+           ("deviation", "0.5", "4"), ("worst", "0", "auto")]
 CASES = [
     ("circle translated by 8", "circle", []),
     ("by 14", "circle", ["boundary inner=translate 14 0"]),
@@ -34,11 +35,11 @@ CASES = [
 LIMIT = 120  # seconds of one run
 
 
-def run(number, deck, objective, alpha, settings):
+def run(number, deck, objective, alpha, power, settings):
     """(worst distortion, Newton steps) as text."""
-    name = f"defaults/{number}-{objective}-{alpha}"
+    name = f"defaults/{number}-{objective}-{alpha}-{power}"
     command = ["./almesh", f"inputs/{deck}.deck", "algorithm=adaptive", f"objective={objective}",
-               f"weight_exponent={alpha}", f"output=outputs/{name}", "vtk=none", *settings]
+               f"weight_exponent={alpha}", f"power={power}", f"output=outputs/{name}", "vtk=none", *settings]
     try:
         code = subprocess.run(command, stdout=subprocess.DEVNULL, timeout=LIMIT, check=False).returncode
     except subprocess.TimeoutExpired:
@@ -53,7 +54,9 @@ def run(number, deck, objective, alpha, settings):
 
 
 def main():
-    titles = [f"{'∫η²' if objective == 'squared' else 'Eq. 5'}, α {alpha}" for objective, alpha in CHOICES]
+    formula = {"squared": "∫η²", "deviation": "Eq. 5", "worst": "worst"}
+    titles = [f"{formula[objective]}, α {alpha}" + (", power 4" if power == "4" else "")
+              for objective, alpha, power in CHOICES]
     lines = ["| worst η (Newton steps) | " + " | ".join(titles) + " |", "|---" * (len(titles) + 1) + "|"]
     for number, (title, deck, settings) in enumerate(CASES):
         cells = ["{} ({})".format(*run(number, deck, *choice, settings)) for choice in CHOICES]
