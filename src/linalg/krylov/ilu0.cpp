@@ -91,6 +91,7 @@ public:
 
 private:
     static constexpr int block = d * d;
+    static constexpr int prefetched = 1024;  // numbers ahead
 
     int rows() const { return static_cast<int>(row_.size()) - 1; }
     int domains() const { return static_cast<int>(start_.size()) - 1; }
@@ -214,6 +215,8 @@ private:
         Four entry[d];
         for (int a = 0; a < d; ++a) entry[a] = Four{} + y[a];
         for (int k = begin; k < end; ++k) {
+            __builtin_prefetch(L(k) - prefetched);  // rows go backwards, which the hardware does not foresee
+            __builtin_prefetch(col_.data() + k - prefetched / block);
             Four row, product;
             load(L(k), row);
             product = row * entry[0];
