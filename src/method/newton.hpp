@@ -5,7 +5,7 @@
 // Direction. Far from the minimum the Hessian is indefinite; each step uses one of three (HessianKind): the full one,
 // whose convergence is quadratic, after a step of length one or more; the projected one, damped, after a step that was
 // cut, and whenever the full one is found not to be positive definite (by Cholesky, by negative curvature, or by
-// pivots of ILU(0) with any shift: no Cholesky factorisation is spent on finding out) or gives no descent direction;
+// bad diagonal blocks: no Cholesky factorisation is spent on finding out) or gives no descent direction;
 // the damping alone in the very first step, because the Hessian of (eta - 1)^2 vanishes at the identity.
 //
 // Around these lines, each in a file of its own with its formula and source: line_search.hpp, damping.hpp (of the
