@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The table behind the defaults of `objective`, `weight_exponent` and `power`: runs every case below with every choice, prints
-the worst distortion and the Newton steps of each, and writes the table to outputs/defaults/table.md.
+"""The table behind the defaults of `objective`, `weight_exponent` and `power`: runs every case below with every choice,
+prints the worst distortion and the Newton steps of each, and writes the table to outputs/defaults/table.md.
 
   plot/defaults.py      the same as `make defaults`; some minutes
 

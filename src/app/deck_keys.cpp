@@ -103,7 +103,8 @@ const std::vector<DeckKey>& deck_keys() {
         {"refine", number<&Deck::refine>({0, 8}), "Uniform refinements of the mesh before the run."},
         {"target", choice<&Deck::target>({"exact", "nodal"}),
          "Boundary target: the motion of every boundary point, or its interpolation at the nodes."},
-        {"objective", choice<&Deck::distortion, &Distortion::objective>({"squared", "deviation", "size_shape", "worst"}),
+        {"objective",
+         choice<&Deck::distortion, &Distortion::objective>({"squared", "deviation", "size_shape", "worst"}),
          "Integral of eta^2 (the tables of the paper), of (eta - 1)^2 (its Eq. 5), or of the latter with eta times "
          "(sigma + 1/sigma)/2, sigma = det F: elements keep their sizes too; worst: powers of eta - 1 that rise in the "
          "run, for the best worst element."},

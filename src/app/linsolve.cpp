@@ -68,8 +68,8 @@ Options options_of(const std::vector<std::string>& arguments) {
     }
     if (options.matrix.empty())
         throw UsageError("linsolve takes a matrix: almesh linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] "
-                         "[preconditioner=ilu0|ssor] [ordering=nested_dissection|minimum_degree|rcm|natural] [threads=N] "
-                         "[block=1|2|3]");
+                         "[preconditioner=ilu0|ssor] [ordering=nested_dissection|minimum_degree|rcm|natural] "
+                         "[threads=N] [block=1|2|3]");
     const bool fills = options.ordering == Ordering::nested_dissection || options.ordering == Ordering::minimum_degree;
     if (fills && options.solver != SolverKind::cholesky)
         throw UsageError("ordering=", to_string(*options.ordering),

@@ -10,8 +10,8 @@ namespace almesh {
 // of growth. Of a run in which no direct factorisation takes over from conjugate gradients.
 double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear);
 
-// Blocks of the Hessian: pairs of nodes that share an element. Exact but for tunnels and cavities of a 3D domain, each of
-// which shifts it by one block.
+// Blocks of the Hessian: pairs of nodes that share an element. Exact but for tunnels and cavities of a 3D domain, each
+// of which shifts it by a few blocks.
 double hessian_blocks(const Mesh& mesh);
 
 }  // namespace almesh

@@ -3,10 +3,11 @@
 //
 // `automatic` takes Cholesky in 2D, where the factor is small and ILU(0) fails on stretched elements, and conjugate
 // gradients in 3D except for small systems, and in 2D from a million unknowns on. The size decides, because already the
-// analysis of a large 3D pattern costs more than several iterative solves. Where an iterative solver does not converge, Cholesky solves the same system, and
-// after two such failures in a row all further ones; but not where its work, predicted from the number of unknowns
-// or known from the analysis, is more than four times what the iteration has spent: an iteration may go on
-// until it is, and is what it is then. Analyses and memory are made when first needed, then kept.
+// analysis of a large 3D pattern costs more than several iterative solves. Where an iterative solver does not converge,
+// Cholesky solves the same system, and after two such failures in a row all further ones; but not where its work,
+// predicted from the number of unknowns or known from the analysis, is more than four times what the iteration has
+// spent: until then an iteration does not count as stagnated, and after it x is what it has come to. Analyses and
+// memory are made when first needed, then kept.
 //
 // The preconditioner of conjugate gradients: ILU(0) where rows are short, as those of linear elements are, and SSOR
 // where ILU(0) meets bad pivots or rows are long.

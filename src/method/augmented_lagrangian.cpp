@@ -112,6 +112,7 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         if (observer.newton_step) observer.newton_step(static_cast<int>(rows.size()), step);
     };
     const auto c_squared = [&rows] { return square(rows.back().projected_constraint_norm); };
+    const auto boundary_error = [&rows] { return rows.back().relative_boundary_error; };
     const auto stationary = [&] { return is_stationary(rows.back(), params); };
 
     AugmentedFunctional E{distortion, constraint, start.lambda, 0};
@@ -120,7 +121,7 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
     const double one_squared = square(constraint.norm_of_one());
     const auto s = make_schedule(params, start.mu, one_squared, c_squared());             //  4-6
     const auto constrained = [&] {
-        return c_squared() <= params.epsilon_star && rows.back().relative_boundary_error <= s->wall_tolerance;
+        return c_squared() <= params.epsilon_star && boundary_error() <= s->wall_tolerance;
     };
     observe();
     // The gradient of E is known from the first subproblem on only: row 0 does not end the loop.
@@ -139,7 +140,7 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         }
         if (c_squared() <= s->epsilon) {                                                  //  9
             constraint.update_multipliers(x, s->mu, E.lambda);                            // 10
-            rows.back().update = s->tighten(c_squared(), rows.back().relative_boundary_error);                                 // 11-14
+            rows.back().update = s->tighten(c_squared(), boundary_error());               // 11-14
         } else {                                                                          // 15-16
             rows.back().update = s->raise_penalty();                                      // 17-20
         }                                                                                 // 21

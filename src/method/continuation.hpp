@@ -5,7 +5,8 @@
 // multipliers. The force that they put on the boundary is the integral of lambda . v / (h |1|), so lambda / (h |1|)
 // is the same on both meshes. Refinement divides every h by the same number, and |1|^2 = sum |f| / h is
 // inversely proportional to h; so lambda_fine = lambda_coarse |1|_coarse / |1|_fine, interpolated. The penalty grows
-// a hundredfold from mesh to mesh: from a good start a large one costs no Newton steps, and saves updates of the multipliers.
+// a hundredfold from mesh to mesh: from a good start a large one costs no Newton steps, and saves updates of the
+// multipliers.
 //
 // A step on a mesh that was refined k times less costs 2^(-n k) of one on the deck's own, so all coarse steps together
 // cost a third of those of the next coarser mesh (2D).
@@ -34,8 +35,8 @@ CoarseSolution solve_coarser(int levels, const std::function<std::unique_ptr<Lev
                              const StageObserver& observe);
 
 // Sets x (node_count x dim) and where the method starts: at the coarse solution, or at the identity map without
-// multipliers where there is none, where it is not valid on this mesh (by rounding), or where elements of a lower degree
-// have not come nearer to the target: if it only curves the boundary.
+// multipliers where there is none, where it is not valid on this mesh (by rounding), or where elements of a lower
+// degree have not come nearer to the target, because it only curves the boundary.
 AlStart start_from(const CoarseSolution& coarse, const Level& level, std::vector<double>& x);
 
 }  // namespace almesh

@@ -19,8 +19,8 @@ bool weaken(HessianKind& kind) {
     return true;
 }
 
-// Every iterate of conjugate gradients with a positive definite preconditioner is a descent direction (truncated Newton:
-// Nocedal & Wright, sec. 7.1). Of the full Hessian it is better to take the projected one.
+// Every iterate of conjugate gradients with a positive definite preconditioner is a descent direction (truncated
+// Newton: Nocedal & Wright, sec. 7.1). Of the full Hessian it is better to take the projected one.
 bool is_truncated(SolveStatus status) {
     return status == SolveStatus::stagnated || status == SolveStatus::max_iterations ||
            status == SolveStatus::not_positive_definite;

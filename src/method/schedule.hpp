@@ -7,7 +7,8 @@
 //   literal   Algorithm 1 exactly as printed (penalty weight mu^2, the loop ends when one test holds, eps and omega
 //             grow with m), for teaching: the README tells what goes wrong.
 //   adaptive  lambda after every subproblem; mu, large from the start, times 10 whenever |c_D| or the largest distance
-//             of a node from its place fell by less than a factor 10; omega a tenth, and omega* once both hold. Needs no mu0, omega0, epsilon0.
+//             of a node from its place fell by less than a factor 10; omega a tenth, and omega* once both hold. Needs
+//             no mu0, omega0, epsilon0.
 //
 // The penalty is given in units of |1|^2: mu |c_D|^2 = (mu / |1|^2) times the weighted integral of |phi - g_D|^2, and
 // with the weight 1/h that integral scales like the distortion term, whatever the unit of length and the number of

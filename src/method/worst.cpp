@@ -1,4 +1,5 @@
-// x_2 = argmin of the deviation; for p = 4, 8, ...: M = max eta - 1 at x, lambda <- lambda p E_p / (p' E_p'), x_p from x.
+// x_2 = argmin of the deviation; for p = 4, 8, ...: M = max eta - 1 at x, lambda <- lambda p E_p / (p' E_p'), and x_p
+// from x.
 #include "method/worst.hpp"
 
 #include <algorithm>

@@ -260,7 +260,8 @@ TEST_CASE("a matrix assembled in the order of the sweeps has the same solution, 
         LargeVector<int> place;
         BlockCsr B = ordered_pattern(A, order, place);
         for (int k = 0; k < A.blocks(); ++k) std::copy_n(A.block(k), 9, B.block(place[k]));
-        for (int i = 0; i < A.n; i += 100) CHECK(B.block(B.find(B.row_of(i), B.row_of(i)))[0] == A.block(A.find(i, i))[0]);
+        for (int i = 0; i < A.n; i += 100)
+            CHECK(B.block(B.find(B.row_of(i), B.row_of(i)))[0] == A.block(A.find(i, i))[0]);
         REQUIRE(LinearSolver(3, params).solve(A, b, x).status == SolveStatus::success);
         REQUIRE(LinearSolver(3, params).solve(B, b, y).status == SolveStatus::success);
         if (kind != SolverKind::cholesky) CHECK(x == y);
@@ -274,7 +275,7 @@ TEST_CASE("a matrix assembled in the order of the sweeps has the same solution, 
     CHECK_FALSE(sweep_order(A, 2, {}));
 }
 
-TEST_CASE("the preconditioner of conjugate gradients: ILU(0) for short rows, SSOR for long ones, or as it is asked for") {
+TEST_CASE("the preconditioner of conjugate gradients: ILU(0) for short rows, SSOR for long ones, or as asked for") {
     const BlockCsr sparse = random_spd(125, 3, grid_3d(5)), dense = random_spd(60, 3, complete(60));
     std::vector<double> x;
     const auto uses_ssor = [&](const BlockCsr& A, PreconditionerKind kind) {
