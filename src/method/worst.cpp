@@ -38,7 +38,8 @@ struct Sharpening {
         const double E_before = level.energy->energy(x);
         if (p == 2) level.energy->set_power({});
         else level.energy->set_power({p, largest() - 1, quadratic_part / p});
-        const double change = p * level.energy->energy(x) / (before.p * E_before);
+        // Where nothing is distorted no force acts.
+        const double change = E_before > 0 ? p * level.energy->energy(x) / (before.p * E_before) : 1;
         AlStart start{result.lambda, mu};
         for (double& lambda : start.lambda) lambda *= change;
         return start;
