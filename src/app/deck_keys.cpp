@@ -123,7 +123,7 @@ const std::vector<DeckKey>& deck_keys() {
         {"algorithm", choice<&Deck::method, &Method::algorithm>({"adaptive", "paper", "literal"}),
          "Augmented Lagrangian schedule: multipliers at every step, Algorithm 1 as corrected, or as printed."},
         {"start", choice<&Deck::start>({"auto", "identity", "coarse"}),
-         "First iterate: the ideal mesh, or with refine > 0 the solution on the mesh refined less, found the same way; "
+         "First iterate: the ideal mesh, or the solution on the mesh refined less or of lower degree, found so too; "
          "auto: coarse with algorithm = adaptive, else identity."},
         {"follow", choice<&Deck::follow>({"auto", "never", "always"}),
          "Whether the motion is followed in parts, so that the mesh winds as the boundary turns; auto: with algorithm "
@@ -154,9 +154,9 @@ const std::vector<DeckKey>& deck_keys() {
         {"max_newton_iterations", number<&Deck::method, &Method::max_newton_iterations>({1, 100000}),
          "Newton steps at most, per subproblem."},
         {"solver", choice<&Deck::linear, &Linear::kind>({"auto", "cg", "gmres", "cholesky"}),
-         "Linear solver; auto: Cholesky in 2D and for small meshes, conjugate gradients for large ones in 3D."},
+         "Linear solver; auto: Cholesky in 2D and for small meshes in 3D, conjugate gradients for large ones."},
         {"preconditioner", choice<&Deck::linear, &Linear::preconditioner>({"auto", "ilu0", "ssor"}),
-         "Of cg; auto: ilu0 for linear elements, ssor where that meets bad pivots and for curved elements in 3D."},
+         "Of cg; auto: ilu0, and ssor where that meets bad pivots or rows are long, as with tetrahedra of degree 3."},
         {"forcing", choice<&Deck::forcing>({"auto", "fixed"}),
          "Residual at which cg and gmres stop; auto: after full steps by the rule of Eisenstat and Walker, fixed: "
          "linear_tolerance."},

@@ -54,9 +54,7 @@ double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear) {
     const double of_mesh = elements * m * index + nodes * (d * number + 16), vectors = 14 * unknowns * number;
     const double of_energy = elements * (m * index + d * d * number + 3 * number + m * m * index) + blocks * index;
     const double hessian = blocks * (d * d * number + index);
-    const bool iterative = linear.kind == SolverKind::automatic
-                               ? unknowns >= linear.cg_from_unknowns[mesh.dim - 2]
-                               : linear.kind != SolverKind::cholesky;
+    const bool iterative = iterates(mesh.dim * mesh.nodes(), mesh.dim, linear);
     const double products = blocks < long_rows * nodes ? 12 * blocks : 0;  // of ILU(0)
     const double sweeps = 0.5 * blocks * (d * d * single + 3 * index) + products, coarse = hessian / 6;
     const double factor = mesh.dim == 2 ? 80 * unknowns * std::log2(unknowns + 2) : 80 * std::pow(unknowns, 4.0 / 3);

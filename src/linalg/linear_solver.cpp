@@ -190,15 +190,10 @@ LinearSolver::Direct& LinearSolver::direct(const BlockCsr& A) {
     return *direct_;
 }
 
-namespace {
-
-// Before anything is known of the values.
 bool iterates(int unknowns, int dimension, const LinearSolverParams& params) {
     if (params.kind != SolverKind::automatic) return params.kind != SolverKind::cholesky;
     return unknowns >= params.cg_from_unknowns[dimension - 2];
 }
-
-}  // namespace
 
 std::shared_ptr<const RowOrder> sweep_order(const BlockCsr& pattern, int dimension, const LinearSolverParams& params) {
     if (!iterates(pattern.size(), dimension, params) || params.ordering) return nullptr;

@@ -1,5 +1,5 @@
 // Solves the symmetric systems A x = b of Newton's method on one fixed pattern: by sparse Cholesky, by conjugate
-// gradients with deflated ILU(0), or by GMRES with ILU(0).
+// gradients with deflated ILU(0) or SSOR, or by GMRES with ILU(0).
 //
 // `automatic` takes Cholesky in 2D, where the factor is small and ILU(0) fails on stretched elements, and conjugate
 // gradients in 3D except for small systems, and in 2D from a million unknowns on. The size decides, because already the
@@ -58,6 +58,9 @@ struct SolveResult {
     int bad_node = -1;               // block row of the bad pivot of ILU(0) or Cholesky
     double factor_seconds = 0, solve_seconds = 0;  // of who made x, refinement left out; 0 if that was not reached
 };
+
+// Whether a system of this size goes to an iterative solver first.
+bool iterates(int unknowns, int dimension, const LinearSolverParams& params);
 
 // The order of rows in which the matrices on this pattern had best be assembled; none where they go to Cholesky first.
 std::shared_ptr<const RowOrder> sweep_order(const BlockCsr& pattern, int dimension, const LinearSolverParams& params);

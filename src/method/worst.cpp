@@ -84,7 +84,10 @@ AlResult minimise_worst(const Level& level, Newton& newton, const MethodParams& 
         schedule.max_newton_iterations = steps_of_power;
         at.take(minimise(*level.energy, *level.constraint, newton, schedule, x, {}, from));
         earlier_steps += at.result.newton_iterations;
-        if (at.result.status == AlStatus::interrupted) return at.result;
+        if (at.result.status == AlStatus::interrupted) {
+            at.result.followed_newton_iterations = earlier_steps - at.result.newton_iterations;
+            return at.result;
+        }
         report_power();
     }
     for (p = can_gain ? std::min(2 * p, last_power) : 2;; p = std::max(2, p / 2)) {
