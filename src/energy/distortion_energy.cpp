@@ -51,9 +51,10 @@ bool DistortionEnergy::refine(const Fold& fold) {
     const int r = static_cast<int>(place - refined_.begin());
     RefinedRule finer = place == refined_.end() ? RefinedRule(dim_) : place->rule;
     if (!finer.refine(fold.at, fold.ratio)) return false;
-    if (place == refined_.end()) refined_.push_back({fold.element, finer, {}});
+    if (place == refined_.end()) refined_.push_back({fold.element, finer, {}, {}});
     refined_[r].rule = std::move(finer);
     refined_[r].reference = refined_[r].rule.element(reference_.degree, quadrature_);
+    refined_[r].volume = refined_[r].rule.volumes(quadrature_);
     rule_changed(r);
     refinements_.push_back(fold);
     return true;

@@ -89,6 +89,7 @@ protected:
         int element;
         RefinedRule rule;
         ReferenceElement reference;
+        std::vector<double> volume;  // per point
     };
 
     DistortionEnergy(const DistortionParams& params, const Mesh& mesh);

@@ -65,7 +65,8 @@ template <int n>
 struct ElementPoint {
     const double* gradient;  // m x n: dN_i/dy_k on the ideal element
     Mat<n> F;
-    double weight;  // of the point in the reference element
+    double weight;  // of the point in the reference element: in the functional,
+    double volume;  // and in an integral
 };
 
 }  // namespace
@@ -101,7 +102,9 @@ PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, con
 template <int n, class Body>
 void PlainEnergy::every_point(int e, const std::vector<double>& x, const Body& body) const {
     const int m = reference_.nodes;
-    const ReferenceElement& rule = refined_place_[e] < 0 ? reference_ : refined_[refined_place_[e]].reference;
+    const Refined* const refined = refined_place_[e] < 0 ? nullptr : &refined_[refined_place_[e]];
+    const ReferenceElement& rule = refined ? refined->reference : reference_;
+    const std::vector<double>& volume = refined ? refined->volume : rule.weight;
     const double* const inverse_of_A = &ideal_inverse_[offset(e, n * n)];
     std::vector<double> gradient(offset(m, n));
     for (int q = 0; q < rule.points; ++q) {
@@ -114,7 +117,7 @@ void PlainEnergy::every_point(int e, const std::vector<double>& x, const Body& b
                 for (int a = 0; a < n; ++a)  // relative to the first node, whose gradients are minus the others' sum
                     F[a][k] += (point(x, element(e)[i], n)[a] - point(x, element(e)[0], n)[a]) * gradient[i * n + k];
             }
-        body(ElementPoint<n>{gradient.data(), F, rule.weight[q]});
+        body(ElementPoint<n>{gradient.data(), F, rule.weight[q], volume[q]});
     }
 }
 
@@ -195,7 +198,7 @@ DistortionStatistics PlainEnergy::statistics(const std::vector<double>& x) {
         for (int e = 0; e < element_count_; ++e)
             every_point<n>(e, x, [&](const ElementPoint<n>& at) {
                 const double eta = distortion<n>(at.F, 0);
-                squared_norm += ideal_jacobian_[e] * at.weight * eta * eta;
+                squared_norm += ideal_jacobian_[e] * at.volume * eta * eta;
                 result.element_max[e] = std::max(result.element_max[e], eta);
             });
     });

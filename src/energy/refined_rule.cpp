@@ -8,6 +8,8 @@
 namespace almesh {
 namespace {
 
+double barrier_weight(double volume, int dim) { return dim == 3 ? std::pow(volume, 4.0 / 9) : volume; }
+
 // Barycentric coordinates of `at` with respect to a piece that was made by bisections: the least of them, which is
 // negative outside. Solves sum_k c_k corner_k = at by Gaussian elimination; the entries are small binary fractions.
 double inside(const std::array<Barycentric, 4>& corner, int dim, const Barycentric& at) {
@@ -74,7 +76,8 @@ bool RefinedRule::refine(const Barycentric& at, double size) {
 
 ReferenceElement RefinedRule::element(int degree, const Quadrature& rule) const {
     Quadrature all{dim_, 0, {}, {}};
-    for (const Piece& piece : pieces_)
+    for (const Piece& piece : pieces_) {
+        const double weight = barrier_weight(piece.volume, dim_);
         for (int q = 0; q < rule.count; ++q) {
             double rest = 1;
             for (int k = 0; k < dim_; ++k) rest -= rule.xi[q * dim_ + k];
@@ -83,10 +86,18 @@ ReferenceElement RefinedRule::element(int degree, const Quadrature& rule) const 
                 for (int k = 0; k < dim_; ++k) xi += rule.xi[q * dim_ + k] * piece.corner[k + 1][i];
                 all.xi.push_back(xi);
             }
-            all.weight.push_back(piece.volume * rule.weight[q]);
+            all.weight.push_back(weight * rule.weight[q]);
             ++all.count;
         }
+    }
     return reference_element(degree, all);
+}
+
+std::vector<double> RefinedRule::volumes(const Quadrature& rule) const {
+    std::vector<double> volumes;
+    for (const Piece& piece : pieces_)
+        for (const double weight : rule.weight) volumes.push_back(piece.volume * weight);
+    return volumes;
 }
 
 }  // namespace almesh

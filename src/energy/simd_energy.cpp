@@ -312,10 +312,9 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
         }, is_large_ ? parallel_work : 0);
         every_refined<Batch>(x, [&](const Batch& element, int r) {
             double& largest = result.element_max[blocks_.order[refined_[r].element]];
-            const ReferenceElement& rule = refined_[r].reference;
-            for (int q = 0; q < rule.points; ++q) {
+            for (int q = 0; q < refined_[r].reference.points; ++q) {
                 const double eta = element.distortion_at(q)[0];
-                refined_norm += singles_[r].jacobian * rule.weight[q] * eta * eta;
+                refined_norm += singles_[r].jacobian * refined_[r].volume[q] * eta * eta;
                 largest = std::max(largest, eta);
             }
         });

@@ -21,15 +21,16 @@ TEST_CASE("a refined rule has the volume of the element, positive weights, and i
         REQUIRE(refined.refine({0, 1, 0, 0}, 0));
         const ReferenceElement element = refined.element(2, rule);
         CHECK(element.points == (1 + 3 * dim) * whole.points);
-        CHECK(std::accumulate(element.weight.begin(), element.weight.end(), 0.0) ==
-              doctest::Approx(dim == 2 ? 0.5 : 1.0 / 6));
-        for (const double w : element.weight) CHECK(w > 0);
+        const std::vector<double> volume = refined.volumes(rule);
+        REQUIRE(volume.size() == element.weight.size());
+        CHECK(std::accumulate(volume.begin(), volume.end(), 0.0) == doctest::Approx(dim == 2 ? 0.5 : 1.0 / 6));
+        for (const double v : volume) CHECK(v > 0);
         const int stride = whole.nodes * dim;
         for (int k = 0; k < stride; ++k) {
             double of_whole = 0, of_refined = 0;
             for (int q = 0; q < whole.points; ++q) of_whole += whole.weight[q] * whole.gradients[q * stride + k];
             for (int q = 0; q < element.points; ++q)
-                of_refined += element.weight[q] * element.gradients[q * stride + k];
+                of_refined += volume[q] * element.gradients[q * stride + k];
             CHECK(of_refined == doctest::Approx(of_whole).epsilon(1e-3));
         }
     }
@@ -65,4 +66,27 @@ TEST_CASE("a size that is asked for is reached at once, and not beyond") {
     CHECK(!refined.refine(corner, 0.25));
     CHECK(refined.refine(corner, 0.2));
     CHECK(refined.element(2, rule).points == 10 * rule.count);
+}
+
+// The volume of the smallest pieces falls by 8 with their size in 3D, their weight in the functional by 2^(4/3).
+TEST_CASE("in 3D small pieces weigh more than their volume, so that folding at a point is dear; in 2D their area") {
+    for (const int dim : {2, 3}) {
+        const Quadrature rule = element_quadrature(dim, 2, 0);
+        RefinedRule refined(dim);
+        for (int times = 1; times <= 5; ++times) {
+            Barycentric corner{};
+            corner[dim] = 1;
+            REQUIRE(refined.refine(corner, 0));
+            const ReferenceElement element = refined.element(2, rule);
+            const std::vector<double> volume = refined.volumes(rule);
+            double smallest = 1;
+            for (std::size_t q = 0; q < volume.size(); ++q) {
+                const double part = volume[q] / rule.weight[q % rule.weight.size()];
+                smallest = std::min(smallest, element.weight[q] / rule.weight[q % rule.weight.size()]);
+                const double of_barrier = dim == 3 ? std::pow(part, 4.0 / 9) : part;
+                CHECK(element.weight[q] == doctest::Approx(of_barrier * rule.weight[q % rule.weight.size()]));
+            }
+            CHECK(smallest == doctest::Approx(std::pow(2.0, -times * (dim == 3 ? 4.0 / 3 : 2))));
+        }
+    }
 }
