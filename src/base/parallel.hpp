@@ -41,7 +41,18 @@ void parallel_for(int n, const Body& body, [[maybe_unused]] double work = 10) {
     for (int i = 0; i < n; ++i) body(i);
 }
 
-// The same where some iterations are much more work than others: dynamic scheduling in small chunks.
+// add(i, compute(i)) for i in [0, n), the calls of add() one after the other in this order.
+template <class Compute, class Add>
+void parallel_in_order(int n, const Compute& compute, const Add& add, [[maybe_unused]] double work) {
+#pragma omp parallel for ordered schedule(monotonic : dynamic, 1) if (n > 1 && n * work >= parallel_work)
+    for (int i = 0; i < n; ++i) {
+        const auto result = compute(i);
+#pragma omp ordered
+        add(i, result);
+    }
+}
+
+// parallel_for() where some iterations are much more work than others: dynamic scheduling in small chunks.
 template <class Body>
 void parallel_for_uneven(int n, const Body& body, [[maybe_unused]] double work = 10) {
     [[maybe_unused]] constexpr int chunks = 256;

@@ -1,5 +1,6 @@
 // Energy, gradient and Hessian of `lanes` elements of degree p > 1 at once, each element in its own lane: all arrays
-// here are structures of lanes, so that every formula is that of one element.
+// here are structures of lanes, so that every formula is that of one element. Or of one element with a long rule, which
+// is in all lanes, each lane with its own points; the sum over the lanes is that over the points.
 //
 // Derivatives of the basis are those on the reference element, the same for all elements: the density is differentiated
 // with respect to J = sum x_i (grad N_i)^T = F A instead of F, which costs nothing (density_hessian.hpp). The Hessian's
@@ -11,20 +12,25 @@
 // while it gathers a block's share.
 #pragma once
 #include <algorithm>
+#include <type_traits>
 #include <vector>
 
 #include "base/index.hpp"
 #include "energy/density_hessian.hpp"
+#include "energy/point_lanes.hpp"
 #include "mesh/quadrature.hpp"
 
 namespace almesh {
 
-template <int n>
+// Reference: ReferenceElement, or PointLanes for one element.
+template <int n, class Reference = ReferenceElement>
 class CurvedBatch {
 public:
     static constexpr int dimension = n;
+    static constexpr bool points_in_lanes = std::is_same_v<Reference, PointLanes>;
+    using Number = std::conditional_t<points_in_lanes, Lanes, double>;  // of the rule
 
-    explicit CurvedBatch(const ReferenceElement& reference)
+    explicit CurvedBatch(const Reference& reference)
         : of_(reference), m_(reference.nodes), size_(m_ * n), position_(workspace(room())) {
         gradient_ = position_ + size_;
         hessian_ = gradient_ + size_;
@@ -51,7 +57,8 @@ public:
 
     Lanes distortion_at(int q) const { return distortion<n>(multiply<n>(jacobian(q), *ideal_inverse_), 0); }
 
-    // Per unit of det A; infinite or nan for an inverted element.
+    // Per unit of det A; infinite or nan for an inverted element. With points in lanes the sum over these is the
+    // element's.
     template <class Density>
     Lanes energy(Density density, double delta) const {
         Lanes sum{};
@@ -61,16 +68,16 @@ public:
         return sum;
     }
 
-    // Adds to g (nodes x n) the gradient of the first `count` elements, times `factor`.
+    // The gradient of each element after the other, times `factor`: lanes x whole_registers(nodes x n).
     template <class Density>
-    void add_gradient(Density density, double delta, Lanes factor, int count, double* g) {
+    const double* gradient(const Density& density, double delta, Lanes factor) {
         const Mat<n, Lanes> ideal_inverse_transposed = transpose<n>(*ideal_inverse_);
         std::fill_n(gradient_, size_, Lanes{});
         for (int q = 0; q < of_.points; ++q) {
             const Mat<n, Lanes> F = multiply<n>(jacobian(q), *ideal_inverse_);
             const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F, delta, density), ideal_inverse_transposed);
             const Lanes weight = factor * of_.weight[q];
-            const double* const dN = gradients(q);
+            const Number* const dN = gradients(q);
             for (int i = 0; i < m_; ++i)
                 for (int a = 0; a < n; ++a) {
                     Lanes sum = P[a][0] * dN[i * n];
@@ -78,7 +85,14 @@ public:
                     gradient_[i * n + a] += weight * sum;
                 }
         }
-        const double* part = separate_lanes(gradient_, size_, separate_);
+        if constexpr (points_in_lanes) sum_over_points(gradient_, size_);
+        return separate_lanes(gradient_, size_, separate_);
+    }
+
+    // Adds it to g (nodes x n) for the first `count` elements.
+    template <class Density>
+    void add_gradient(const Density& density, double delta, Lanes factor, int count, double* g) {
+        const double* part = gradient(density, delta, factor);
         for (int l = 0; l < count; ++l, part += whole_registers(size_))
             for (int i = 0; i < m_; ++i)
                 for (int a = 0; a < n; ++a) g[offset(node_[l * m_ + i], n, a)] += part[i * n + a];
@@ -103,6 +117,7 @@ public:
             for (int j = 0; j < i; ++j)
                 for (int a = 0; a < n; ++a)
                     for (int b = 0; b < n; ++b) block(j, i)[b * n + a] = block(i, j)[a * n + b];
+        if constexpr (points_in_lanes) sum_over_points(hessian_, size_ * size_);
         return separate_lanes(hessian_, size_ * size_, separate_);
     }
 
@@ -112,7 +127,7 @@ private:
     static constexpr int point_block = 8;               // points whose tensors fit the innermost cache
     static constexpr int tile_rows = n == 2 ? 5 : 3;    // blocks K_ij of one j that fit the registers
 
-    const ReferenceElement& of_;
+    const Reference& of_;
     const int m_, size_;
     const int* node_ = nullptr;
     const Mat<n, Lanes>* ideal_inverse_ = nullptr;
@@ -133,12 +148,16 @@ private:
         return values.data();
     }
 
-    const double* gradients(int q) const { return &of_.gradients[offset(q, size_)]; }
+    static void sum_over_points(Lanes* values, int count) {
+        for (int i = 0; i < count; ++i) values[i] = in_all_lanes(sum_of_lanes(values[i]));
+    }
+
+    const Number* gradients(int q) const { return &of_.gradients[offset(q, size_)]; }
     Tensor<n>& tensor(int k) { return reinterpret_cast<Tensor<n>*>(second_)[k]; }
 
     Mat<n, Lanes> jacobian(int q) const {
         Mat<n, Lanes> J = {};
-        const double* const dN = gradients(q);
+        const Number* const dN = gradients(q);
         for (int i = 1; i < m_; ++i)  // the first node is the origin
             for (int a = 0; a < n; ++a)
                 for (int k = 0; k < n; ++k) J[a][k] += position_[i * n + a] * dN[i * n + k];
@@ -155,7 +174,7 @@ private:
     // T_jk for the points q, q + 1, ..., q + count - 1.
     void apply_to_node(int j, int q, int count) {
         for (int point = 0; point < count; ++point) {
-            const double* const dN = gradients(q + point) + j * n;
+            const Number* const dN = gradients(q + point) + j * n;
             const Tensor<n>& C = tensor(point);
             Lanes* T = applied_ + point * n * n * n;
             for (int k = 0; k < n; ++k)
@@ -176,7 +195,7 @@ private:
             for (int e = 0; e < n * n; ++e) sum[r][e] = block(i + r, j)[e];
         const Lanes* T = applied_;
         for (int point = 0; point < count; ++point) {
-            const double* const dN = gradients(q + point) + i * n;
+            const Number* const dN = gradients(q + point) + i * n;
             for (int k = 0; k < n; ++k, T += n * n)
                 for (int e = 0; e < n * n; ++e)
                     for (int r = 0; r < rows; ++r) sum[r][e] += T[e] * dN[r * n + k];

@@ -113,9 +113,12 @@ void SimdEnergy::set_up(const Mesh& mesh) {
 }
 
 void SimdEnergy::rule_changed(int refined) {
-    if (refined < static_cast<int>(singles_.size())) return;
+    if (refined < static_cast<int>(singles_.size())) {
+        singles_[refined].rule = PointLanes(refined_[refined].reference);
+        return;
+    }
     const int place = refined_[refined].element, batch = place / lanes, lane = place % lanes;
-    Single single{{}, {}, ideal_jacobian_[batch][lane], weight_[batch][lane], damping_weight_[batch][lane]};
+    Single single{PointLanes(refined_[refined].reference), {}, {}, ideal_jacobian_[batch][lane], weight_[batch][lane], damping_weight_[batch][lane]};
     for (int l = 0; l < lanes; ++l)
         single.nodes.insert(single.nodes.end(), element(place), element(place) + reference_.nodes);
     for (int ij = 0; ij < dim_ * dim_; ++ij)
@@ -205,16 +208,21 @@ void SimdEnergy::every_batch(int block, const std::vector<double>& x, const Body
     }
 }
 
-// body(batch of one element in all lanes, its place in refined_).
-template <class Batch, class Body>
-void SimdEnergy::every_refined(const std::vector<double>& x, const Body& body) {
-    constexpr int n = Batch::dimension;
-    for (std::size_t r = 0; r < refined_.size(); ++r) {
-        Batch element(refined_[r].reference);
-        element.start(singles_[r].nodes.data(), x,
-                      reinterpret_cast<const Mat<n, Lanes>&>(singles_[r].ideal_inverse.front()));
-        body(element, static_cast<int>(r));
-    }
+// add(r, compute(element, r)) for r in [0, number of refined elements), element: CurvedBatch of the element; calls of
+// add() one after the other.
+template <class Compute, class Add>
+void SimdEnergy::every_refined(const std::vector<double>& x, const Compute& compute, const Add& add) {
+    if (refined_.empty()) return;
+    with_dimension(dim_, [&](auto n) {
+        const auto compute_single = [&](int r) {
+            CurvedBatch<n(), PointLanes> element(singles_[r].rule);
+            element.start(singles_[r].nodes.data(), x,
+                          reinterpret_cast<const Mat<n(), Lanes>&>(singles_[r].ideal_inverse.front()));
+            return compute(element, r);
+        };
+        const double work = refined_[0].reference.points * reference_.nodes;
+        parallel_in_order(static_cast<int>(refined_.size()), compute_single, add, work);
+    });
 }
 
 double SimdEnergy::energy(const std::vector<double>& x) {
@@ -232,9 +240,10 @@ double SimdEnergy::energy(const std::vector<double>& x) {
             block_value_[block] = sum_of_lanes(sum);
             if (!std::isfinite(block_value_[block])) inverted.store(true, std::memory_order_relaxed);
         }
-        every_refined<Batch>(x, [&](const Batch& element, int r) {
-            refined += singles_[r].weight * element.energy(density, params_.delta)[0];
-        });
+        const auto energy_of = [&](const auto& element, int r) {
+            return singles_[r].weight * sum_of_lanes(element.energy(density, params_.delta));
+        };
+        every_refined(x, energy_of, [&](int, double energy) { refined += energy; });
     });
     if (inverted || !std::isfinite(refined)) return std::numeric_limits<double>::infinity();
     return deterministic_sum(blocks_.count(), [this](int block) { return block_value_[block]; }) + refined;
@@ -249,8 +258,12 @@ void SimdEnergy::add_gradient(const std::vector<double>& x, std::vector<double>&
                 elements.add_gradient(density, params_.delta, weight_[batch], count, g.data());
             });
         });
-        every_refined<Batch>(x, [&](Batch& element, int r) {
-            element.add_gradient(density, params_.delta, in_all_lanes(singles_[r].weight), 1, g.data());
+        const auto gradient_of = [&](auto& element, int r) {
+            return element.gradient(density, params_.delta, in_all_lanes(singles_[r].weight));
+        };
+        every_refined(x, gradient_of, [&](int r, const double* part) {
+            for (int i = 0; i < reference_.nodes; ++i)
+                for (int a = 0; a < dim_; ++a) g[offset(singles_[r].nodes[i], dim_, a)] += *part++;
         });
     });
 }
@@ -262,29 +275,29 @@ void SimdEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Blo
     dispatch([&](auto type, auto density) {
         using Batch = typename decltype(type)::type;
         constexpr int block_size = Batch::dimension * Batch::dimension;
-        // of: what is in the lanes; count elements, whose Hessians' blocks go to target.
-        const auto add = [&](Batch& of, Lanes own, Lanes added, int count, const int* target) {
-            const int mm = of.nodes() * of.nodes();
-            prefetch_blocks<block_size>(H.value.data(), target, count * mm);
+        const int mm = reference_.nodes * reference_.nodes;
+        const auto target_of = [&](int place) { return &hessian_block_[offset(place, mm)]; };
+        const auto hessian_of = [&](auto& elements, Lanes own, Lanes added) {
             if (!of_objective) own = Lanes{};
             const Lanes weight = own + t * added;
             const Lanes share = own / max(weight, in_all_lanes(std::numeric_limits<double>::min()));
-            const double* const part = of.hessian(damped(density, share), params_.delta, projected, weight);
-            for (int k = 0; k < count; ++k)
-                add_blocks<block_size>(part + k * of.stride(), target + k * mm, mm, H.value.data());
-        };
-        const auto target_of = [&](int place) {
-            return &hessian_block_[offset(place, reference_.nodes * reference_.nodes)];
+            return elements.hessian(damped(density, share), params_.delta, projected, weight);
         };
         blocks_.in_schedule(is_large_, [&](int block) {
             every_batch<Batch>(block, x, [&](Batch& elements, int batch) {
                 const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
-                add(elements, weight_[batch], damping_weight_[batch], count, target_of(first));
+                const int* const target = target_of(first);
+                prefetch_blocks<block_size>(H.value.data(), target, count * mm);
+                const double* const part = hessian_of(elements, weight_[batch], damping_weight_[batch]);
+                for (int k = 0; k < count; ++k)
+                    add_blocks<block_size>(part + k * elements.stride(), target + k * mm, mm, H.value.data());
             });
         });
-        every_refined<Batch>(x, [&](Batch& element, int r) {
-            add(element, in_all_lanes(singles_[r].weight), in_all_lanes(singles_[r].damping_weight), 1,
-                target_of(refined_[r].element));
+        const auto hessian_of_refined = [&](auto& element, int r) {
+            return hessian_of(element, in_all_lanes(singles_[r].weight), in_all_lanes(singles_[r].damping_weight));
+        };
+        every_refined(x, hessian_of_refined, [&](int r, const double* part) {
+            add_blocks<block_size>(part, target_of(refined_[r].element), mm, H.value.data());
         });
     });
 }
@@ -310,14 +323,20 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
             });
             block_value_[block] = sum_of_lanes(sum);
         }, is_large_ ? parallel_work : 0);
-        every_refined<Batch>(x, [&](const Batch& element, int r) {
-            double& largest = result.element_max[blocks_.order[refined_[r].element]];
-            for (int q = 0; q < refined_[r].reference.points; ++q) {
-                const double eta = element.distortion_at(q)[0];
-                refined_norm += singles_[r].jacobian * refined_[r].volume[q] * eta * eta;
-                largest = std::max(largest, eta);
-            }
-        });
+    });
+    const auto measure = [&](const auto& element, int r) {
+        double squared = 0, largest = 0;
+        for (int q = 0; q < refined_[r].reference.points; ++q) {
+            const double eta = element.distortion_at(q / lanes)[q % lanes];
+            squared += refined_[r].volume[q] * eta * eta;
+            largest = std::max(largest, eta);
+        }
+        return std::pair(squared, largest);
+    };
+    every_refined(x, measure, [&](int r, const auto& of) {
+        refined_norm += singles_[r].jacobian * of.first;
+        double& largest = result.element_max[blocks_.order[refined_[r].element]];
+        largest = std::max(largest, of.second);
     });
     const double squared_norm = deterministic_sum(blocks_.count(), [this](int block) { return block_value_[block]; });
     result.relative_quality = std::sqrt(volume_ / (squared_norm + refined_norm));

@@ -10,6 +10,7 @@
 #include "base/large_array.hpp"
 #include "energy/distortion_energy.hpp"
 #include "energy/element_blocks.hpp"
+#include "energy/point_lanes.hpp"
 #include "mesh/quadrature.hpp"
 
 namespace almesh {
@@ -31,8 +32,9 @@ private:
     // The elements `place` of blocks_.order of `whole`, as the mesh `part` of their own.
     SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vector<int>& place);
 
-    // One element in all lanes, of which the first counts. It has no weight in its batch.
+    // One element in all lanes, with the points of its rule in lanes. It has no weight in its batch.
     struct Single {
+        PointLanes rule;
         std::vector<int> nodes;          // lanes x element nodes
         std::vector<Lanes> ideal_inverse;  // dim x dim
         double jacobian, weight, damping_weight;
@@ -61,8 +63,8 @@ private:
     void dispatch(const Body& body);
     template <class Batch, class Body>
     void every_batch(int block, const std::vector<double>& x, const Body& body);
-    template <class Batch, class Body>
-    void every_refined(const std::vector<double>& x, const Body& body);
+    template <class Compute, class Add>
+    void every_refined(const std::vector<double>& x, const Compute& compute, const Add& add);
 };
 
 }  // namespace almesh

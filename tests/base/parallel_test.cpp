@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <stdexcept>
+#include <vector>
 #include <string>
 
 using namespace almesh;
@@ -41,4 +42,19 @@ TEST_CASE("parallel_for_throwing() does all, and passes on what the first iterat
         CHECK(done == 997 + 41);
     }
     set_threads(before);
+}
+
+TEST_CASE("parallel_in_order() adds results in order, for any number of threads") {
+    for (const int n : {0, 1, 100}) {
+        std::vector<int> order;
+        parallel_in_order(
+            n, [](int i) { return 3 * i; },
+            [&](int i, int result) {
+                CHECK(result == 3 * i);
+                order.push_back(i);
+            },
+            1e6);
+        REQUIRE(order.size() == static_cast<std::size_t>(n));
+        for (int i = 0; i < n; ++i) CHECK(order[i] == i);
+    }
 }

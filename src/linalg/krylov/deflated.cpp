@@ -1,5 +1,5 @@
-// z = M^{-1} r, then z += Z c with E c = Z'r - (Z'A) z. Z'A has a row for each group, stored as the union of the rows
-// of A in the group; E is factored by sparse Cholesky.
+// z = M^{-1} r and A z, then z += Z c and A z += (A Z) c with E c = Z'(r - A z). A Z has a row for each node and a block
+// for each group next to it; E is factored by sparse Cholesky.
 #include "linalg/krylov/deflated.hpp"
 
 #include <algorithm>
@@ -43,79 +43,96 @@ CoarseSpace::CoarseSpace(const BlockCsr& pattern)
       factor_(E_),
       r_(E_.size()),
       c_(E_.size()) {
-    ZA_.n = groups();
-    ZA_.d = pattern.d;
-    ZA_.row.assign(1, 0);
+    AZ_.n = pattern.n;
+    AZ_.d = pattern.d;
+    AZ_.row.assign(1, 0);
     place_.resize(pattern.blocks());
-    std::vector<int> place_of(pattern.n, -1);  // of a column in the current row
-    for (int g = 0; g < groups(); ++g) {
-        const int first = static_cast<int>(ZA_.col.size());
-        for (int i : members_.of(g))
-            for (int k = pattern.row[i]; k < pattern.row[i + 1]; ++k) {
-                const int j = pattern.col[k];
-                if (place_of[j] < first) {
-                    place_of[j] = static_cast<int>(ZA_.col.size());
-                    ZA_.col.push_back(j);
-                    coarse_place_.push_back(E_.find(g, group_[j]));
-                }
-                place_[k] = place_of[j];
+    std::vector<int> place_of(groups(), -1);  // of a group in the current row
+    for (int i = 0; i < pattern.n; ++i) {
+        const int first = static_cast<int>(AZ_.col.size());
+        for (int k = pattern.row[i]; k < pattern.row[i + 1]; ++k) {
+            const int g = group_[pattern.col[k]];
+            if (place_of[g] < first) {
+                place_of[g] = static_cast<int>(AZ_.col.size());
+                AZ_.col.push_back(g);
+                coarse_place_.push_back(E_.find(group_[i], g));
             }
-        ZA_.row.push_back(static_cast<int>(ZA_.col.size()));
+            place_[k] = place_of[g];
+        }
+        AZ_.row.push_back(static_cast<int>(AZ_.col.size()));
     }
-    ZA_.value.resize(ZA_.col.size() * pattern.d * pattern.d);
+    AZ_.value.resize(AZ_.col.size() * pattern.d * pattern.d);
 }
 
-// Z'A and E = (Z'A) Z, row by row.
+// A Z and E = Z'(A Z), row by row.
 template <int d>
-void CoarseSpace::add_up_rows(const BlockCsr& A) {
+void CoarseSpace::add_up(const BlockCsr& A) {
     constexpr int block = d * d;
     const auto add = [](const double* from, double* to) {
         for (int e = 0; e < block; ++e) to[e] += from[e];
     };
     const auto make_row = [&](int g) {
-        std::fill_n(ZA_.block(ZA_.row[g]), offset(ZA_.row[g + 1] - ZA_.row[g], block), 0.0);
-        for (int i : members_.of(g))
-            for (int k = A.row[i]; k < A.row[i + 1]; ++k) add(A.block(k), ZA_.block(place_[k]));
         std::fill_n(E_.block(E_.row[g]), offset(E_.row[g + 1] - E_.row[g], block), 0.0);
-        for (int k = ZA_.row[g]; k < ZA_.row[g + 1]; ++k) add(ZA_.block(k), E_.block(coarse_place_[k]));
+        for (const int i : members_.of(g)) {
+            std::fill_n(AZ_.block(AZ_.row[i]), offset(AZ_.row[i + 1] - AZ_.row[i], block), 0.0);
+            for (int k = A.row[i]; k < A.row[i + 1]; ++k) add(A.block(k), AZ_.block(place_[k]));
+            for (int k = AZ_.row[i]; k < AZ_.row[i + 1]; ++k) add(AZ_.block(k), E_.block(coarse_place_[k]));
+        }
     };
     parallel_for(groups(), make_row, static_cast<double>(A.value.size()) / std::max(1, groups()));
 }
 
 FactorResult CoarseSpace::factor(const BlockCsr& A) {
-    with_block_size(A.d, [&](auto d) { add_up_rows<d>(A); });
+    with_block_size(A.d, [&](auto d) { add_up<d>(A); });
     return {factor_.factor(E_).status};
 }
 
-// r_ = Z'r and c_ = Z'(r - A z).
-template <int d>
-void CoarseSpace::restrict_residual(const double* r, const double* z) {
-#pragma omp for schedule(static)
-    for (int g = 0; g < groups(); ++g) {
-        double sum[d] = {};
-        SumOfProducts<d> product;
-        for (int i : members_.of(g))
-            for (int a = 0; a < d; ++a) sum[a] += r[offset(i, d, a)];
-        for (int k = ZA_.row[g]; z && k < ZA_.row[g + 1]; ++k) product.add(ZA_.block(k), z + offset(ZA_.col[k], d));
-        for (int a = 0; a < d; ++a) {
-            r_[offset(g, d, a)] = sum[a];
-            c_[offset(g, d, a)] = sum[a] - product.entry(a);
-        }
-    }
-}
-
-double CoarseSpace::correct(const double* r, const double* z, double* x) {
+// c_ = E^{-1} Z'(r - A z); returns r'Z c.
+double CoarseSpace::solve(const double* r, const double* Az) {
     const int d = E_.d;
-    with_block_size(d, [&](auto size) { restrict_residual<size>(r, z); });
+#pragma omp for schedule(static)
+    for (int g = 0; g < groups(); ++g)
+        for (int a = 0; a < d; ++a) {
+            double of_r = 0, of_Az = 0;
+            for (const int i : members_.of(g)) {
+                of_r += r[offset(i, d, a)];
+                if (Az) of_Az += Az[offset(i, d, a)];
+            }
+            r_[offset(g, d, a)] = of_r;
+            c_[offset(g, d, a)] = of_r - of_Az;
+        }
 #pragma omp single
     {
         factor_.solve(c_.data(), c_.data());
         rZc_ = std::inner_product(r_.begin(), r_.end(), c_.begin(), 0.0);
     }
-    const double rZc = rZc_;  // not written again before the next barrier
+    return rZc_;  // not written again before the next barrier
+}
+
+double CoarseSpace::correct_start(const double* r, double* x) {
+    const int d = E_.d;
+    const double rZc = solve(r, nullptr);
 #pragma omp for schedule(static)
     for (int node = 0; node < static_cast<int>(group_.size()); ++node)
         for (int a = 0; a < d; ++a) x[offset(node, d, a)] += c_[offset(group_[node], d, a)];
+    return rZc;
+}
+
+double CoarseSpace::correct(const double* r, double* z, double* Az) {
+    const double rZc = solve(r, Az);
+    with_block_size(E_.d, [&](auto size) {
+        constexpr int d = size;
+#pragma omp for schedule(static)
+        for (int node = 0; node < static_cast<int>(group_.size()); ++node) {
+            SumOfProducts<d> product;
+            for (int k = AZ_.row[node]; k < AZ_.row[node + 1]; ++k)
+                product.add(AZ_.block(k), &c_[offset(AZ_.col[k], d)]);
+            for (int a = 0; a < d; ++a) {
+                z[offset(node, d, a)] += c_[offset(group_[node], d, a)];
+                Az[offset(node, d, a)] += product.entry(a);
+            }
+        }
+    });
     return rZc;
 }
 
@@ -125,14 +142,16 @@ Deflated::Deflated(std::unique_ptr<Preconditioner> M, std::unique_ptr<CoarseSpac
 FactorResult Deflated::factor(const BlockCsr& A) {
     FactorResult result = M_->factor(A);
     if (result.status == SolveStatus::success) result.status = coarse_->factor(A).status;
+    A_ = &A;
+    Az_.resize(A.size());
     return result;
 }
 
-double Deflated::apply(const double* r, double* z) {
-    const double rz = M_->apply(r, z);
-    return rz + coarse_->correct(r, z, z);
+double Deflated::apply_and_multiply(const BlockCsr& A, const double* r, double* z, double* Az) {
+    const double rz = M_->apply_and_multiply(A, r, z, Az);
+    return rz + coarse_->correct(r, z, Az);
 }
 
-double Deflated::correct_start(const double* r, double* x) { return coarse_->correct(r, nullptr, x); }
+double Deflated::correct_start(const double* r, double* x) { return coarse_->correct_start(r, x); }
 
 }  // namespace almesh

@@ -6,11 +6,12 @@
 // the d x d identity in block (i, group of i). Deflation (Nicolaides, SIAM J. Numer. Anal. 24, 1987) turns a
 // preconditioner M^{-1} into
 //     (I - Z E^{-1} Z'A) M^{-1} + Z E^{-1} Z',   E = Z'A Z
-// ("A-DEF2" of Tang, Nabben, Vuik, Erlangga, J. Sci. Comput. 39, 2009, which is robust against rounding). It needs r
-// and z = M^{-1} r only: z + Z c with c = E^{-1} Z'(r - A z), where Z'A is A with the rows of each group added up.
+// ("A-DEF2" of Tang, Nabben, Vuik, Erlangga, J. Sci. Comput. 39, 2009, which is robust against rounding). It needs r,
+// z = M^{-1} r and A z, which conjugate gradients need anyway: z + Z c with c = E^{-1} Z'(r - A z), and A z + (A Z) c,
+// where A Z is A with the columns of each group added up.
 // Conjugate gradients must start from an x with Z'(b - A x) = 0.
 //
-// Cost: one pass over A to set up; in every iteration one over Z'A, a sixth of A, and the solve with E.
+// Cost: one pass over A to set up; in every iteration one over A Z, a sixth of A, and the solve with E.
 #pragma once
 #include <memory>
 #include <vector>
@@ -33,22 +34,24 @@ public:
     // A: the values, on the pattern given to the constructor. not_positive_definite: E is not, and so A is not.
     FactorResult factor(const BlockCsr& A);
 
-    // x += Z c with c = E^{-1} Z'(r - A z), z = nullptr for zero; returns r'Z c. r, z, x: n*d; x may be z. Called by
-    // all threads of a team; all have x when it returns.
-    double correct(const double* r, const double* z, double* x);
+    // With c = E^{-1} Z'(r - A z): z += Z c and Az += A Z c; returns r'Z c. r, z, Az: n*d. Called by all threads of a
+    // team; all have the results when it returns.
+    double correct(const double* r, double* z, double* Az);
+
+    // The same for z = 0, added to x.
+    double correct_start(const double* r, double* x);
 
 private:
     template <int d>
-    void add_up_rows(const BlockCsr& A);
-    template <int d>
-    void restrict_residual(const double* r, const double* z);
+    void add_up(const BlockCsr& A);
+    double solve(const double* r, const double* Az);
 
     std::vector<int> group_;         // of each node
     BlockCsr E_;
     Groups members_;                 // nodes of each group
-    BlockCsr ZA_;                    // Z'A: a block row per group, a block column per node
-    std::vector<int> place_;         // block of Z'A for every block of A
-    std::vector<int> coarse_place_;  // block of E for every block of Z'A
+    BlockCsr AZ_;                    // A Z: a block row per node, a block column per group
+    std::vector<int> place_;         // block of A Z for every block of A
+    std::vector<int> coarse_place_;  // block of E for every block of A Z
     Cholesky factor_;
     std::vector<double> r_, c_;      // groups*d: Z'r, c
     double rZc_ = 0;
@@ -60,12 +63,15 @@ public:
     Deflated(std::unique_ptr<Preconditioner> M, std::unique_ptr<CoarseSpace> coarse);
 
     FactorResult factor(const BlockCsr& A) override;
-    double apply(const double* r, double* z) override;
+    double apply(const double* r, double* z) override { return apply_and_multiply(*A_, r, z, Az_.data()); }
+    double apply_and_multiply(const BlockCsr& A, const double* r, double* z, double* Az) override;
     double correct_start(const double* r, double* x) override;  // so that Z'(b - A x) = 0
 
 private:
     std::unique_ptr<Preconditioner> M_;
     std::unique_ptr<CoarseSpace> coarse_;
+    const BlockCsr* A_ = nullptr;   // of factor()
+    std::vector<double> Az_;        // for apply()
 };
 
 }  // namespace almesh

@@ -69,6 +69,8 @@ public:
             result.ssor = ssor;
             result.bad_row = factor_shifted(A, diagonal_shift, ssor);
             if (result.bad_row < 0) result.status = SolveStatus::success;
+            keeps_forward_ = ssor && result.bad_row < 0;
+            if (keeps_forward_) forward_.resize(rows());
             return result.bad_row < 0;
         };
         if (sweeps_ != Sweeps::ssor)
@@ -76,6 +78,20 @@ public:
                 if (succeeds(diagonal_shift, false)) return result;
         if (sweeps_ != Sweeps::ilu0) succeeds(0, true);
         return result;
+    }
+
+    // SSOR has A = C (I + L + L') C', and with w = C'z, (I + L') w = y, A z = C (L w + y).
+    double apply_and_multiply(const BlockCsr& A, const double* r, double* z, double* Az) override {
+        if (!keeps_forward_) return Preconditioner::apply_and_multiply(A, r, z, Az);
+        const double rz = apply(r, z);
+#pragma omp for schedule(static)
+        for (int i = 0; i < rows(); ++i) {
+            Four sum;
+            multiply_row(row_[i], row_[i + 1], sum);
+            sum += forward_[i];
+            multiply_by_C(i, sum, Az);
+        }
+        return rz;
     }
 
     double apply(const double* r, double* z) override {
@@ -207,6 +223,7 @@ private:
             square += y[a] * y[a];
         }
         y_[i] = y;
+        if (keeps_forward_) forward_[i] = y;
         return square;
     }
 
@@ -228,13 +245,25 @@ private:
         }
     }
 
-    // z_i = C_i^{-T} y_i
-    [[gnu::always_inline]] inline void finish_row(int i, double* z) const {
+    // z_i = C_i^{-T} y_i, and zeros in the pads of y_i.
+    [[gnu::always_inline]] inline void finish_row(int i, double* z) {
+        for (int a = d; a < 4; ++a) y_[i][a] = 0;
         const double* const inverse = C_inverse(i);
         for (int b = 0; b < d; ++b) {
             double sum = 0;
             for (int a = b; a < d; ++a) sum += inverse[a * d + b] * y_[i][a];
             z[offset(i, d, b)] = sum;
+        }
+    }
+
+    // z_i = C_i v, from C_i^{-1} z_i = v.
+    [[gnu::always_inline]] inline void multiply_by_C(int i, const Four& v, double* z) const {
+        const double* const inverse = C_inverse(i);
+        double* const zi = z + offset(i, d);
+        for (int a = 0; a < d; ++a) {
+            double sum = v[a];
+            for (int b = 0; b < a; ++b) sum -= inverse[a * d + b] * zi[b];
+            zi[a] = sum / inverse[a * d + a];
         }
     }
 
@@ -300,7 +329,9 @@ private:
     std::vector<SeparatorRow> separator_row_; // one more than rows
     LargeVector<float> L_;                    // d*d per block, row-major
     std::vector<double> C_inverse_;           // d*d per row, lower triangular
-    std::vector<Four> y_;                     // n: the vector between the sweeps, d entries each and zeros
+    std::vector<Four> y_;                     // n: the vector between the sweeps, d entries each and zeros; then w
+    std::vector<Four> forward_;               // n: SSOR keeps y beside w
+    bool keeps_forward_ = false;
     std::vector<double> T_;                   // d*d per block of the longest row, for each domain and the separators
     std::vector<double> squares_;             // |y|^2 over each domain and the separators
     std::vector<int> bad_;                    // first bad row of each domain, or -1

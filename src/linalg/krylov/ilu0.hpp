@@ -51,6 +51,11 @@ public:
     // same array.
     double apply(const double* r, double* z) override { return blocks_->apply(r, z); }
 
+    // With SSOR, A z costs a third pass over L.
+    double apply_and_multiply(const BlockCsr& A, const double* r, double* z, double* Az) override {
+        return blocks_->apply_and_multiply(A, r, z, Az);
+    }
+
 private:
     std::unique_ptr<Preconditioner> blocks_;  // for d x d blocks
 };

@@ -53,6 +53,10 @@ public:
     // bits for any number of threads.
     virtual double apply(const double* r, double* z) = 0;
 
+    // apply(), and Az = A z. Preconditioners made of the parts of A have it for less than a product with A (Eisenstat,
+    // SIAM J. Sci. Stat. Comput. 2, 1981), up to the rounding of these parts. A: that of factor().
+    virtual double apply_and_multiply(const BlockCsr& A, const double* r, double* z, double* Az);
+
     // For those that require it of the x from which conjugate gradients start: x += y, given r = b - A x; returns r'y.
     // Called like apply(). By default y = 0, for which 0 is returned.
     virtual double correct_start(const double* /*r*/, double* /*x*/) { return 0; }
@@ -95,7 +99,9 @@ struct KrylovParams {
 //
 // The tolerance is on |r|_2 / |b|_2 and on |r|_M / |b|_M, r = b - A x and |r|_M^2 = r'M^{-1}r: the 2-norm hardly sees
 // errors of low energy beside stiff parts of A, such as a penalised boundary.
-// Cost of an iteration: one product with A, one with M^{-1}, two sums; memory 4 n doubles. One team of threads runs the
+// A p comes from A z by the recurrence of p, because some preconditioners have A z for little; where p'Ap <= 0 by the
+// recurrence, the product with A decides.
+// Cost of an iteration: one product with A, one with M^{-1}, two sums; memory 5 n doubles. One team of threads runs the
 // whole iteration and shares its loops. Sums go over fixed blocks, so the bits do not depend on the number of threads.
 class ConjugateGradients {
 public:
@@ -112,12 +118,14 @@ private:
     SolveStatus cycle(const BlockCsr& A, Preconditioner& M, double r_norm, double rz, double r_target,
                       double rz_target, int& iterations, double* x);
     double residual(const BlockCsr& A, const double* b, const double* x);
-    double next_direction(Preconditioner& M, double rz_before);
+    double next_direction(const BlockCsr& A, Preconditioner& M, double rz_before);
+    double multiply_direction(const BlockCsr& A);
 
     int size_;
     KrylovParams params_;
     std::vector<double> r_, z_, p_, q_;  // size: residual, M^{-1} r, search direction, A p
-    TeamSum pq_, rr_, true_rr_;          // p'q, r'r of the recurrence and of b - A x
+    std::vector<double> Az_;             // size
+    TeamSum pq_, true_pq_, rr_, true_rr_;  // p'q and r'r by the recurrences, and with products with A
 };
 
 // GMRES(m), m = restart, preconditioned from the right: minimises |b - A x|_2 over x_0 + M^{-1} K_m(A M^{-1}, r_0) by

@@ -104,6 +104,29 @@ TEST_CASE("negative and zero curvature are reported in the iteration that meets 
     CHECK(solve({0, 0, 0}, {1, 0, 0}).status == SolveStatus::not_positive_definite);
 }
 
+// A z is made wrong by more than the curvature of A, which then decides itself.
+TEST_CASE("where the recurrence sees negative curvature, the product with A decides") {
+    struct Careless final : Preconditioner {
+        FactorResult factor(const BlockCsr&) override { return {SolveStatus::success}; }
+        double apply(const double* r, double* z) override {
+            double rz = 0;
+            for (int i = 0; i < 2; ++i) z[i] = r[i], rz += r[i] * z[i];
+            return rz;
+        }
+        double apply_and_multiply(const BlockCsr& A, const double* r, double* z, double* Az) override {
+            const double rz = Preconditioner::apply_and_multiply(A, r, z, Az);
+            for (int i = 0; i < 2; ++i) Az[i] -= 0.01 * z[i];
+            return rz;
+        }
+    } careless;
+    const BlockCsr A = diagonal({1, 1e-3});
+    const std::vector<double> b = {1e-9, 1};
+    std::vector<double> x(2);
+    ConjugateGradients cg(2, {10, 1e-6});
+    CHECK(cg.solve(A, careless, b.data(), x.data()).status == SolveStatus::success);
+    CHECK(relative_residual(A, x, b) < 1e-6);
+}
+
 TEST_CASE("stagnation is noticed within a few windows of twenty iterations") {
     // The residual of the Laplacian of a path with b = e_0 travels along the path, one entry an iteration.
     const BlockCsr A = laplacian(4000, 0);

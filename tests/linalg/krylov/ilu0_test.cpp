@@ -219,6 +219,31 @@ TEST_CASE("SSOR is (D + T) D^{-1} (D + T') with the blocks of the matrix, in sev
     }
 }
 
+// SSOR has A z from its own parts, which are in single precision; ILU(0) multiplies by A.
+TEST_CASE("apply_and_multiply: z as by apply(), and A z, in several domains and in a team too") {
+    for (const Sweeps sweeps : {Sweeps::ssor, Sweeps::ilu0})
+        for (int d = 1; d <= 3; ++d)
+            for (int m : {6, 18}) {
+                const CutGrid grid(m, d, 1e-2);
+                Ilu0 M(grid.A, grid.start, {0}, sweeps);
+                REQUIRE(M.factor(grid.A).status == SolveStatus::success);
+                const std::vector<double> r = random_vector(grid.A.size());
+                std::vector<double> z(r.size()), Az(r.size()), expected(r.size());
+                double rz = 0;
+#pragma omp parallel if (m > 6)
+                {
+                    const double own = M.apply_and_multiply(grid.A, r.data(), z.data(), Az.data());
+#pragma omp single
+                    rz = own;
+                }
+                CHECK(z == solved(M, r));
+                CHECK(rz == doctest::Approx(dot(r, z)).epsilon(single));
+                multiply(grid.A, z.data(), expected.data());
+                const double error = sweeps == Sweeps::ssor ? 1e-6 : 0;
+                CHECK(max_difference(Az, expected) <= error * norm_inf(expected));
+            }
+}
+
 TEST_CASE("SSOR steps in where ILU(0) has no positive pivots, and needs positive definite diagonal blocks itself") {
     // Four nodes in a ring with springs of alternating sign: positive definite, but not without its fill.
     BlockCsr A = random_spd(4, 1, {{0, 1}, {1, 2}, {2, 3}, {3, 0}});
