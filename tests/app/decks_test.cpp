@@ -33,7 +33,7 @@ TEST_CASE("small decks of large motions hold what their decks expect") {
     if (!std::filesystem::is_directory("inputs")) return;
     for (const char* name : {"circle-turned", "circle-refined-turned", "plate-turned", "plate-degree-2", "block-turned",
                              "airfoil-pitched", "airfoil-turned", "airfoil-layers", "layers-degree-4", "torus",
-                             "sphere-layers-degree-2", "circle-turned-worst", "circle-quarter-worst",
+                             "sphere-layers-degree-2", "shell-moved", "circle-turned-worst", "circle-quarter-worst",
                              "circle-moved-worst"}) {
         CAPTURE(name);
         const TemporaryFolder folder;
