@@ -53,6 +53,7 @@ struct Deck {
     Start start = Start::automatic;
     Follow follow = Follow::automatic;
     Snap snap = Snap::automatic;
+    double feature_angle = 30;  // degrees
     std::optional<double> length_scale;
     LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;

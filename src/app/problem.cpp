@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <map>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -89,12 +90,41 @@ std::unique_ptr<Level> discretise(const Deck& deck, const Mesh& base, int refine
     level->mesh = degree == 1 ? linear_part(level->mesh) : raise_degree(level->mesh, degree);
     level->ideal = straight_sided(level->mesh);
     target = make_target(level->mesh, motions_of(deck, level->mesh));
+    prescribe_shared_nodes(level->mesh, target);
     return level;
 }
 
 void divide(std::initializer_list<std::vector<double>*> positions, double length) {
     for (std::vector<double>* x : positions)
         for (double& value : *x) value /= length;
+}
+
+std::vector<char> open_faces(const Mesh& mesh, const BoundaryTarget& target) {
+    std::vector<char> open(mesh.face_count());
+    for (int f = 0; f < mesh.face_count(); ++f)
+        open[f] = target.hold_of_face(mesh, f) != BoundaryHold::prescribed;
+    return open;
+}
+
+// Null where no boundary slides. target: of the base mesh, in units of the file.
+std::shared_ptr<const SlidingSurfaces> sliding_surfaces(double feature_angle, const Mesh& base, const BoundaryTarget& target,
+                                                        double length) {
+    std::vector<char> slides;
+    for (const BoundaryHold hold : target.hold) slides.push_back(hold == BoundaryHold::slides);
+    if (std::count(slides.begin(), slides.end(), 1) == 0) return nullptr;
+    return std::make_shared<SlidingSurfaces>(base, target.node, slides, feature_angle, length);
+}
+
+void note_surfaces(const Mesh& mesh, const SlidingSurfaces& sliding, std::vector<std::string>& notes) {
+    for (int b = 0; b < static_cast<int>(mesh.boundaries.size()); ++b) {
+        std::map<std::string, int> count;
+        for (int part = 0; part < sliding.parts(); ++part)
+            if (sliding.boundary(part) == b) ++count[sliding.surface(part).name()];
+        std::string text;
+        for (const auto& [name, times] : count)
+            text += (text.empty() ? "" : ", ") + (times > 1 ? std::to_string(times) + " of: " : std::string()) + name;
+        if (!text.empty()) notes.push_back("boundary " + mesh.boundaries[b] + " slides along: " + text);
+    }
 }
 
 void change_unit(double length, Level& level, BoundaryTarget& target) {
@@ -111,24 +141,34 @@ Problem make_problem(const Deck& deck) {
     const int degree = deck.degree ? deck.degree : problem.base.degree;
     problem.level = discretise(deck, problem.base, deck.refine, degree, problem.target);
     const Mesh& mesh = problem.mesh();
-    refuse_invalid_target(check_target(mesh, problem.target.node));
+    refuse_invalid_target(check_target(mesh, problem.target.node, open_faces(mesh, problem.target)));
     problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
     problem.node_target = problem.target.node;
+    if (!problem.target.prescribes_all()) {
+        if (std::all_of(problem.target.hold.begin(), problem.target.hold.end(),
+                        [](BoundaryHold hold) { return hold == BoundaryHold::free; }))
+            throw UsageError(deck.path, ": all boundaries are free: give at least one of them a motion");
+        const BoundaryTarget of_base = make_target(problem.base, motions_of(deck, problem.base));
+        problem.sliding = sliding_surfaces(deck.feature_angle, problem.base, of_base, problem.length);
+        if (problem.sliding) note_surfaces(mesh, *problem.sliding, problem.notes);
+    }
     change_unit(problem.length, *problem.level, problem.target);
     return problem;
 }
 
-void set_functional(const Deck& deck, double length, const BoundaryTarget& target, Level& level) {
+void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, Level& level) {
     level.energy = make_energy(level.mesh, level.ideal, distortion_of(deck));
     level.energy->order_hessian(
         [&](const BlockCsr& pattern) { return sweep_order(pattern, level.mesh.dim, deck.linear); });
-    level.constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, target, deck.target);
+    const TargetKind kind = target.prescribes_all() ? deck.target : TargetKind::nodal;
+    level.constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, target, kind, problem.sliding);
     std::vector<Motion> motions = motions_of(deck, level.mesh);
     for (Motion& motion : motions) {
         if (deck.follow != Follow::always) motion = shortest(std::move(motion));
         level.turn = std::max(level.turn, turn(motion));
     }
-    level.constraint_at = [&level, motions, length, kind = deck.target](double fraction) {
+    level.constraint_at = [&problem, &level, motions, kind, feature_angle = deck.feature_angle](double fraction) {
+        const double length = problem.length;
         std::vector<Motion> parts;
         for (const Motion& motion : motions) parts.push_back(at_fraction(motion, fraction));
         Mesh in_file_units = level.mesh;  // curved by the same fraction, where the file is
@@ -137,8 +177,12 @@ void set_functional(const Deck& deck, double length, const BoundaryTarget& targe
         std::unique_ptr<Constraint> constraint;
         try {
             BoundaryTarget part = make_target(in_file_units, parts);
+            prescribe_shared_nodes(in_file_units, part);
             divide({&part.node, &part.sample}, length);
-            constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, part, kind);
+            std::shared_ptr<const SlidingSurfaces> sliding;
+            if (problem.sliding)
+                sliding = sliding_surfaces(feature_angle, problem.base, make_target(problem.base, parts), length);
+            constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, part, kind, sliding);
         } catch (const InputError&) {  // the motions of two boundaries agree at their ends only
         }
         return constraint;
@@ -160,7 +204,7 @@ std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, c
     change_unit(problem.length, *level, target);
     Deck simpler = deck;
     if (level->mesh.degree < problem.mesh().degree) simpler.target = TargetKind::nodal;
-    set_functional(simpler, problem.length, target, *level);
+    set_functional(simpler, problem, target, *level);
     return level;
 }
 

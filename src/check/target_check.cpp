@@ -93,6 +93,7 @@ struct Check {
     std::vector<ClosedPart> parts;
     std::vector<int> part;              // per face
     std::set<std::pair<int, int>> crossing;  // parts, found by check_pairs()
+    std::vector<char> open, open_part;  // per face, per part
     TargetReport report;
 
     Check(const Mesh& mesh, const std::vector<double>& target);
@@ -157,10 +158,12 @@ const char* Check::fault_of_face(const Patch& patch) const {
     return least <= smallest_normal ? "the target folds the face back on itself" : nullptr;
 }
 
+constexpr char not_told[] = "";
+
 void Check::check_faces() {
-    parallel_for(mesh.face_count(), [&](int f) { bad[f] = fault_of_face(after[f]); }, face_work);
+    parallel_for(mesh.face_count(), [&](int f) { bad[f] = open[f] ? not_told : fault_of_face(after[f]); }, face_work);
     for (int f = 0; f < mesh.face_count(); ++f)
-        if (bad[f]) add_fault(f, bad[f]);
+        if (bad[f] && !open[f]) add_fault(f, bad[f]);
 }
 
 // Area or volume enclosed by each closed part, positive where the domain is inside it. Relative to the part's first
@@ -180,6 +183,7 @@ void Check::check_closed_parts() {
     for (int f = 0; f < mesh.face_count(); ++f)
         size[part[f]] = std::max(size[part[f]], length(after[f][0] - after[parts[part[f]].first_face][0]));
     for (std::size_t k = 0; k < parts.size(); ++k) {
+        if (open_part[k]) continue;
         const bool flat = std::abs(becomes[k]) <= degenerate * std::pow(size[k], mesh.dim);
         if (!flat && (was[k] > 0) == (becomes[k] > 0)) continue;
         std::ostringstream what;
@@ -280,7 +284,7 @@ void Check::check_nesting() {
     std::vector<char> moved(count * count, 0);
     parallel_for_uneven(count * count, [&](int pair) {
         const int k = pair / count, l = pair % count;
-        if (k == l || crossing.contains(std::minmax(k, l))) return;
+        if (k == l || open_part[k] || open_part[l] || crossing.contains(std::minmax(k, l))) return;
         for (const auto [f, i] : farthest_corners(k)) {
             const double was = winding(before, l, before[f][i]), becomes = winding(after, l, after[f][i]);
             if (is_clear(was) && is_clear(becomes) && is_inside(was) != is_inside(becomes)) moved[pair] = 1;
@@ -302,7 +306,7 @@ void Check::check_nodes() {
         for (int k = 0; k < mesh.face_nodes(); ++k) {
             const int i = mesh.face(f)[k];
             size[i] = std::min(size[i], face_size);
-            if (first_face[i] >= 0) continue;
+            if (first_face[i] >= 0 || open[f]) continue;
             first_face[i] = f;
             nodes.push_back(i);
         }
@@ -328,9 +332,14 @@ void Check::check_nodes() {
 
 }  // namespace
 
-TargetReport check_target(const Mesh& mesh, const std::vector<double>& target) {
+TargetReport check_target(const Mesh& mesh, const std::vector<double>& target, const std::vector<char>& open) {
     Check check(mesh, target);
     check.find_closed_parts();
+    check.open = open;
+    check.open.resize(mesh.face_count(), 0);
+    check.open_part.resize(check.parts.size(), 0);
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (check.open[f]) check.open_part[check.part[f]] = 1;
     check.check_faces();
     check.check_closed_parts();
     check.check_pairs();

@@ -30,7 +30,8 @@ struct TargetReport {
 };
 
 // target: face_count x face_nodes x dim positions (BoundaryTarget::node), finite; the first face that holds a node
-// decides where it goes.
-TargetReport check_target(const Mesh& mesh, const std::vector<double>& target);
+// decides where it goes. open: faces whose place the target does not tell, because they slide or are free; they and the
+// closed parts that they belong to are passed over. Empty for none.
+TargetReport check_target(const Mesh& mesh, const std::vector<double>& target, const std::vector<char>& open = {});
 
 }  // namespace almesh

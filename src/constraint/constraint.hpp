@@ -4,8 +4,8 @@
 //     C(x) = -(lambda, c) + mu/2 |c|^2,
 //
 // in a scalar product of the boundary with (1, 1) = |1|^2. Nothing here says that c is linear, which nodes it acts on,
-// or how many multipliers a node has. dirichlet.hpp prescribes positions; a boundary that slides would prescribe a
-// distance.
+// or how many multipliers a node has. dirichlet.hpp prescribes positions, or the distance to a surface along which the
+// boundary slides.
 //
 // Evaluations use work space of the object: one call at a time. x: node_count x dim positions everywhere.
 #pragma once
@@ -39,6 +39,10 @@ public:
     // The largest distance of a node from where P c = 0 would have it, over the height of the cells at that node.
     virtual double relative_error(const std::vector<double>& x) const = 0;
 
+    // Called with the current iterate before and after every subproblem: constraints that are not linear may be replaced,
+    // until the next call, by their expansion there, in C to second order. Returns whether anything has changed.
+    virtual bool expand(const std::vector<double>& /*x*/, const std::vector<double>& /*lambda*/) { return false; }
+
     virtual double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) = 0;
     virtual void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                               std::vector<double>& g) = 0;
@@ -57,8 +61,10 @@ public:
     virtual std::vector<double> multiplier_field(const std::vector<double>& lambda) const = 0;
     virtual std::vector<double> multipliers_of_field(const std::vector<double>& field) const = 0;
     virtual std::vector<double> constraint_field(const std::vector<double>& x) const = 0;  // P c
-    // nodes().size() x dim positions at which P c = 0; empty where these are not unique.
-    virtual std::vector<double> targets() const { return {}; }
+    // nodes().size() x dim positions at which P c = 0, those closest to x; empty where there are none to be had.
+    virtual std::vector<double> targets(const std::vector<double>& /*x*/) const { return {}; }
+    // Per node: whether its position x is not where P c = 0, to the last bit or as nearly as it can be computed.
+    virtual std::vector<char> off_target(const std::vector<double>& /*x*/) const { return {}; }
 };
 
 }  // namespace almesh

@@ -17,6 +17,7 @@
 namespace almesh {
 namespace {
 
+constexpr double surface_work = 1e3;  // and finding the closest point of a surface, at least
 constexpr double mass_work = 40;  // simple operations that a row of M takes
 
 // Length of the edge or area of the triangle spanned by the face's vertices.
@@ -33,8 +34,9 @@ double face_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
 
 }  // namespace
 
-Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target, TargetKind kind)
-    : dim_(mesh.dim), kind_(kind), mesh_(mesh), target_(target) {
+Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target, TargetKind kind,
+                     std::shared_ptr<const SlidingSurfaces> sliding)
+    : dim_(mesh.dim), kind_(kind), mesh_(mesh), target_(target), sliding_(std::move(sliding)) {
     const LagrangeBasis basis(dim_ - 1, mesh.degree);
     face_values_.resize(offset(target.quadrature.count, basis.count));
     for (int q = 0; q < target.quadrature.count; ++q)
@@ -44,6 +46,7 @@ Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const B
     std::vector<double> face_weight(mesh.face_count());
     double one_squared = 0;
     for (int f = 0; f < mesh.face_count(); ++f) {
+        if (target.hold_of_face(mesh, f) == BoundaryHold::free) continue;
         const double measure = face_measure(mesh, ideal, f), h = dim_ == 2 ? measure : std::sqrt(measure);
         one_squared += measure / h;
         face_weight[f] = measure / h * (dim_ == 2 ? 1 : 2);
@@ -55,6 +58,7 @@ Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const B
     if (kind == TargetKind::nodal || target.in_trace_space) interpolate_target();
     else project_target(ideal, face_weight);
     if (kind == TargetKind::exact) measure_best_approximation(face_weight);
+    if (!target.prescribes_all()) find_parts();
 }
 
 void Dirichlet::number_trace_nodes() {
@@ -144,7 +148,190 @@ void Dirichlet::measure_best_approximation(const std::vector<double>& face_weigh
 }
 
 double Dirichlet::difference(const std::vector<double>& x, int trace_node, int component) const {
-    return x[offset(nodes_[trace_node], dim_, component)] - g_h_[offset(trace_node, dim_, component)];
+    const auto from_target = [&](int a) { return x[offset(nodes_[trace_node], dim_, a)] - g_h_[offset(trace_node, dim_, a)]; };
+    if (P_.empty()) return from_target(component);
+    double sum = 0;
+    for (int b = 0; b < dim_; ++b) sum += P_[offset(trace_node, dim_ * dim_, component * dim_ + b)] * from_target(b);
+    return sum;
+}
+
+// v <- P_t v
+void Dirichlet::project(int trace_node, double* v) const {
+    if (P_.empty()) return;
+    double projected[3] = {};
+    for (int a = 0; a < dim_; ++a)
+        for (int b = 0; b < dim_; ++b) projected[a] += P_[offset(trace_node, dim_ * dim_, a * dim_ + b)] * v[b];
+    std::copy_n(projected, dim_, v);
+}
+
+namespace {
+
+constexpr double tangent = 0.17;  // sine of the angle below which two surfaces touch, and their common nodes stay
+
+Vec<3> in_space(const double* x, int dim) {
+    Vec<3> result{};
+    std::copy_n(x, dim, result.begin());
+    return result;
+}
+
+// The part of n perpendicular to the unit vectors of `basis`.
+Vec<3> perpendicular(Vec<3> n, const std::vector<Vec<3>>& basis) {
+    for (const Vec<3>& u : basis) n = n - dot(n, u) * u;
+    return n;
+}
+
+}  // namespace
+
+void Dirichlet::find_parts() {
+    const int m = mesh_.face_nodes(), t_count = static_cast<int>(nodes_.size());
+    std::vector<char> prescribed(t_count, 0);
+    parts_.resize(t_count);
+    for (int f = 0; f < mesh_.face_count(); ++f) {
+        const BoundaryHold hold = target_.hold_of_face(mesh_, f);
+        int part = -1;
+        if (hold == BoundaryHold::slides) {
+            Vec<3> centre{};
+            for (int i = 0; i < dim_; ++i)
+                centre = centre + 1.0 / dim_ * in_space(point(mesh_.x, mesh_.face(f)[i], dim_), dim_);
+            part = sliding_->part(mesh_.face_boundary[f], centre);
+        }
+        for (int i = 0; i < m; ++i) {
+            const int t = faces_[offset(f, m, i)];
+            if (hold == BoundaryHold::prescribed) prescribed[t] = 1;
+            if (part >= 0 && std::find(parts_[t].begin(), parts_[t].end(), part) == parts_[t].end())
+                parts_[t].push_back(part);
+        }
+    }
+    P_.assign(offset(t_count, dim_ * dim_), 0.0);
+    for (int t = 0; t < t_count; ++t) {
+        if (prescribed[t])
+            for (const int part : parts_[t]) check_prescribed_on_surface(t, part);
+        std::vector<Vec<3>> normals;  // orthonormal
+        const Vec<3> x = in_space(&g_h_[offset(t, dim_)], dim_);
+        bool stays = prescribed[t];
+        for (const int part : parts_[t]) {
+            const Vec<3> n = perpendicular(sliding_->closest(part, x).normal, normals);
+            stays = stays || length(n) < tangent || static_cast<int>(normals.size()) + 1 == dim_;
+            normals.push_back(1 / std::max(length(n), tangent) * n);
+        }
+        if (stays) {
+            parts_[t].clear();
+            for (int a = 0; a < dim_; ++a) P_[offset(t, dim_ * dim_, a * dim_ + a)] = 1;
+        }
+        for (const int part : parts_[t]) is_curved_ = is_curved_ || !sliding_->surface(part).is_flat();
+    }
+    B_.assign(P_.size(), 0.0);
+    for (int t = 0; t < t_count; ++t) hold_to_planes(t, in_space(&g_h_[offset(t, dim_)], dim_), {});
+}
+
+void Dirichlet::check_prescribed_on_surface(int t, int part) const {
+    constexpr double tolerance = 0.25;  // of a face: the rim of a refined body is as angular as the file's
+    const Vec<3> x = in_space(&g_h_[offset(t, dim_)], dim_);
+    const Vec<3> off = sliding_->closest(part, x).position - x;
+    double size = 0;
+    for (int k = M_.row[t]; k < M_.row[t + 1]; ++k) {
+        const Vec<3> side = in_space(point(mesh_.x, nodes_[M_.col[k]], dim_), dim_) - in_space(point(mesh_.x, nodes_[t], dim_), dim_);
+        size = std::max(size, std::sqrt(dot(side, side)));
+    }
+    const double distance = std::sqrt(dot(off, off));
+    if (distance <= tolerance * size) return;
+    throw InputError("node ", mesh_.file.node_id[nodes_[t]], " lies on the boundary ",
+                     mesh_.boundaries[sliding_->boundary(part)], ", which slides, and on another one, whose motion takes ",
+                     "it off that surface (", sliding_->surface(part).name(), ") by ", distance * sliding_->unit(),
+                     ": let that motion stay on the surface, or prescribe one for ",
+                     mesh_.boundaries[sliding_->boundary(part)], " too");
+}
+
+// The point at which the surfaces of the node's parts meet, from x: by Newton's method, one plane per surface.
+Vec<3> Dirichlet::on_surfaces(int t, Vec<3> x) const {
+    constexpr int steps = 20;
+    constexpr double rounding = 1e-16;
+    for (int step = 0; step < steps; ++step) {
+        std::vector<Vec<3>> normals;
+        Vec<3> move{};
+        for (const int part : parts_[t]) {  // onto the first plane, then along it onto the second
+            const SurfacePoint at = sliding_->closest(part, x);
+            const Vec<3> n = perpendicular(at.normal, normals);
+            const double distance = dot(at.position - x - move, at.normal), slope = dot(n, at.normal);
+            if (slope > tangent * tangent) {
+                move = move + distance / slope * n;
+                normals.push_back(1 / std::sqrt(dot(n, n)) * n);
+            }
+        }
+        x = x + move;
+        if (parts_[t].size() == 1 && sliding_->surface(parts_[t][0]).is_flat()) break;
+        if (dot(move, move) <= rounding * rounding * dot(x, x)) break;
+    }
+    return parts_[t].size() == 1 ? sliding_->closest(parts_[t][0], x).position : x;
+}
+
+// force: (M lambda)_t / |1|.
+void Dirichlet::hold_to_planes(int t, const Vec<3>& x, const Vec<3>& force) {
+    if (parts_[t].empty()) return;
+    const Vec<3> p = on_surfaces(t, x);
+    std::vector<Vec<3>> normals;
+    Mat<3> S{};
+    Vec<3> left = force;
+    for (const int part : parts_[t]) {
+        const SurfacePoint at = sliding_->closest(part, p);
+        const Vec<3> n = perpendicular(at.normal, normals);
+        if (!(dot(n, n) > tangent * tangent)) continue;
+        normals.push_back(1 / std::sqrt(dot(n, n)) * n);
+        const double along = parts_[t].size() == 1 ? dot(left, at.normal) : dot(left, n) / dot(n, n);
+        left = left - along * at.normal;
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b) S[a][b] -= along * at.curvature[a][b];
+    }
+    std::copy_n(p.begin(), dim_, &g_h_[offset(t, dim_)]);
+    for (int a = 0; a < dim_; ++a) std::copy_n(S[a].begin(), dim_, &B_[offset(t, dim_ * dim_, a * dim_)]);
+    for (int a = 0; a < dim_; ++a)
+        for (int b = 0; b < dim_; ++b) {
+            double& P = P_[offset(t, dim_ * dim_, a * dim_ + b)];
+            P = 0;
+            for (const Vec<3>& n : normals) P += n[a] * n[b];
+        }
+}
+
+bool Dirichlet::expand(const std::vector<double>& x, const std::vector<double>& lambda) {
+    if (!is_curved_) return false;
+    residual_.resize(v_.size());
+    for (int t = 0; t < M_.n; ++t)
+        for (int a = 0; a < dim_; ++a) residual_[offset(t, dim_, a)] = difference(x, t, a);
+    set_v([&](int t, int a) { return lambda[offset(t, dim_, a)] / norm_of_one_; });
+    with_dimension(dim_, [&](auto n) {
+        parallel_for(M_.n, [&](int t) {
+            Vec<3> force{};
+            mass_times_v<n>(t, force.data());
+            hold_to_planes(t, in_space(point(x, nodes_[t], dim_), dim_), force);
+        }, surface_work);
+    });
+    return true;
+}
+
+std::vector<double> Dirichlet::targets(const std::vector<double>& x) const {
+    std::vector<double> targets = g_h_;
+    if (P_.empty()) return targets;
+    parallel_for(static_cast<int>(nodes_.size()), [&](int t) {
+        const Vec<3> at = in_space(point(x, nodes_[t], dim_), dim_);
+        if (!parts_[t].empty()) std::copy_n(on_surfaces(t, at).begin(), dim_, &targets[offset(t, dim_)]);
+        else if (P_[offset(t, dim_ * dim_)] == 0) std::copy_n(at.begin(), dim_, &targets[offset(t, dim_)]);
+    }, surface_work);
+    return targets;
+}
+
+std::vector<char> Dirichlet::off_target(const std::vector<double>& x) const {
+    constexpr double rounding = 1e-13;
+    const std::vector<double> target = targets(x);
+    std::vector<char> off(nodes_.size());
+    for (std::size_t t = 0; t < nodes_.size(); ++t) {
+        const bool slides = !P_.empty() && !parts_[t].empty();
+        for (int a = 0; a < dim_; ++a) {
+            const double is = x[offset(nodes_[t], dim_, a)], should = target[offset(t, dim_, a)];
+            const double tolerance = slides ? rounding * std::max(1.0, std::abs(should)) : 0;
+            off[t] = off[t] || !(std::abs(is - should) <= tolerance);
+        }
+    }
+    return off;
 }
 
 // |u - g_D|^2 at a quadrature point of a face, u having the value trace[nodes[face node] x dim] at each face node.
@@ -204,6 +391,16 @@ double Dirichlet::norm(const std::vector<double>& x) {
 
 double Dirichlet::max_error(const std::vector<double>& x) {
     double squared = 0;
+    if (!P_.empty()) {
+        const std::vector<double> target = targets(x);
+        for (std::size_t t = 0; t < nodes_.size(); ++t) {
+            double s = 0;
+            for (int a = 0; a < dim_; ++a)
+                s += std::pow(x[offset(nodes_[t], dim_, a)] - target[offset(t, dim_, a)], 2);
+            squared = std::max(squared, s);
+        }
+        return std::sqrt(squared);
+    }
     for (std::size_t k = 0; k < mesh_.faces.size(); ++k) {
         double s = 0;
         for (int a = 0; a < dim_; ++a)
@@ -227,11 +424,32 @@ double Dirichlet::relative_error(const std::vector<double>& x) const {
     return largest;
 }
 
+// B_t (x_t - p_t)
+Vec<3> Dirichlet::turned_force(const std::vector<double>& x, int t) const {
+    Vec<3> sum{};
+    for (int a = 0; a < dim_; ++a)
+        for (int b = 0; b < dim_; ++b)
+            sum[a] += B_[offset(t, dim_ * dim_, a * dim_ + b)] *
+                      (x[offset(nodes_[t], dim_, b)] - g_h_[offset(t, dim_, b)]);
+    return sum;
+}
+
+double Dirichlet::of_curvature(const std::vector<double>& x) const {
+    if (!is_curved_) return 0;
+    return deterministic_sum(M_.n, [&](int t) {
+        const Vec<3> force = turned_force(x, t);
+        double sum = 0;
+        for (int a = 0; a < dim_; ++a)
+            sum += 0.5 * force[a] * (x[offset(nodes_[t], dim_, a)] - g_h_[offset(t, dim_, a)]);
+        return sum;
+    }, mass_work);
+}
+
 double Dirichlet::value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) {
     set_v([&](int t, int a) { return difference(x, t, a); });
     const double half = 0.5 * mu / norm_of_one_;
     const double of_projection = dot_mass_times_v([&](int k) { return half * v_[k] - lambda[k]; }) / norm_of_one_;
-    return of_projection + 0.5 * mu * best_approximation_error_ * best_approximation_error_;
+    return of_projection + 0.5 * mu * best_approximation_error_ * best_approximation_error_ + of_curvature(x);
 }
 
 void Dirichlet::add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
@@ -244,33 +462,59 @@ void Dirichlet::add_gradient(const std::vector<double>& x, const std::vector<dou
         parallel_for(M_.n, [&](int t) {
             double Mv[n];
             mass_times_v<n>(t, Mv);
-            for (int a = 0; a < n; ++a) g[offset(nodes_[t], n, a)] += Mv[a];
+            project(t, Mv);
+            const Vec<3> turned = is_curved_ ? turned_force(x, t) : Vec<3>{};
+            for (int a = 0; a < n; ++a) g[offset(nodes_[t], n, a)] += Mv[a] + turned[a];
         }, mass_work);
     });
 }
 
-// Adds factor M; row(mesh node): its block row in H, or -1 where H leaves it out.
+namespace {
+
+// C += factor A B
+void add_product(double factor, const double* A, const double* B, int n, double* C) {
+    for (int a = 0; a < n; ++a)
+        for (int b = 0; b < n; ++b)
+            for (int c = 0; c < n; ++c) C[a * n + b] += factor * A[a * n + c] * B[c * n + b];
+}
+
+}  // namespace
+
+// Adds mu / |1|^2 P M P + B, B without its negative part if `projected`; row(mesh node): its block row in H, or -1 where H leaves it out.
 template <class Row>
-void Dirichlet::add_mass(double factor, const Row& row, BlockCsr& H) const {
+void Dirichlet::add_matrix(double mu, bool projected, const Row& row, BlockCsr& H) const {
+    const double factor = mu / (norm_of_one_ * norm_of_one_);
     parallel_for(M_.n, [&](int t) {
         const int i = row(nodes_[t]);
         for (int k = M_.row[t]; k < M_.row[t + 1] && i >= 0; ++k) {
             const int j = row(nodes_[M_.col[k]]), place = j < 0 ? -1 : H.find(i, j);
             if (place < 0) continue;
             double* const block = H.block(place);
-            for (int a = 0; a < dim_; ++a) block[a * dim_ + a] += factor * M_.value[k];
+            const double entry = factor * M_.value[k];
+            if (P_.empty())
+                for (int a = 0; a < dim_; ++a) block[a * dim_ + a] += entry;
+            else
+                add_product(entry, &P_[offset(t, dim_ * dim_)], &P_[offset(M_.col[k], dim_ * dim_)], dim_, block);
+            if (P_.empty() || M_.col[k] != t) continue;
+            const double* const B = &B_[offset(t, dim_ * dim_)];
+            double trace = 0;  // B is semidefinite but on a saddle
+            for (int a = 0; a < dim_; ++a) trace += B[a * dim_ + a];
+            for (int e = 0; e < dim_ * dim_ && (!projected || trace > 0); ++e) block[e] += B[e];
         }
     }, 200);
 }
 
-// Positive semidefinite as it is.
-void Dirichlet::add_hessian(const std::vector<double>&, const std::vector<double>&, double mu, bool, BlockCsr& H) {
-    add_mass(mu / (norm_of_one_ * norm_of_one_), [&H](int node) { return H.row_of(node); }, H);
+void Dirichlet::add_hessian(const std::vector<double>&, const std::vector<double>&, double mu, bool projected,
+                            BlockCsr& H) {
+    add_matrix(mu, projected, [&H](int node) { return H.row_of(node); }, H);
 }
 
 void Dirichlet::update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) {
     for (int t = 0; t < M_.n; ++t)
-        for (int a = 0; a < dim_; ++a) lambda[offset(t, dim_, a)] -= mu * difference(x, t, a) / norm_of_one_;
+        for (int a = 0; a < dim_; ++a) {
+            const double r = is_curved_ ? residual_[offset(t, dim_, a)] : difference(x, t, a);
+            lambda[offset(t, dim_, a)] -= mu * r / norm_of_one_;
+        }
 }
 
 std::vector<double> Dirichlet::constraint_field(const std::vector<double>& x) const {
@@ -327,7 +571,7 @@ std::unique_ptr<ConstraintPart> Dirichlet::part(const std::vector<double>& x, co
         part->g.insert(part->g.end(), point(gradient, i, dim_), point(gradient, i, dim_) + dim_);
     }
     part->C = pattern;
-    add_mass(mu / (norm_of_one_ * norm_of_one_), [&row](int i) { return row[i]; }, part->C);
+    add_matrix(mu, false, [&row](int i) { return row[i]; }, part->C);
     return part;
 }
 

@@ -16,11 +16,29 @@
 //     gradient M (mu r / |1|^2 - lambda / |1|),   Hessian mu M / |1|^2,   update lambda <- lambda - mu r / |1|.
 // With the nodal target g_h interpolates g_D at the nodes, and e_h is zero by definition. Where every motion is affine,
 // g_D is in the trace space: interpolation is the projection, and e_h is zero but for rounding.
+//
+// Sliding boundaries. A node that slides is held to the surfaces of the parts that it is on: to one, along the curve in
+// which two of them meet, or to the corner of three. During a subproblem each surface is its tangent plane at the point
+// closest to the iterate before it (sliding.hpp), so that with P_i the orthogonal projection onto the planes' normals
+//
+//     r_i = P_i (x_i - p_i),   gradient P M (mu r / |1|^2 - lambda / |1|),   Hessian mu P M P / |1|^2,
+//
+// and nothing holds the node in other directions; P_i = I where its place is prescribed, 0 where it is free. Planes and
+// lines are themselves; along curved surfaces, the distance that a node has moved within a subproblem leaves it off by
+// the curvature times its square, which the next one removes. The forces turn with the surface: their second-order term,
+// with S_i the curvature and n_i the normal at p_i,
+//
+//     1/2 sum_i (x_i - p_i)' B_i (x_i - p_i),   B_i = -(n_i . (M lambda)_i / |1|) S_i,
+//
+// vanishes where x is on the surface and makes the sequence of subproblems converge quadratically, as in sequential
+// quadratic programming, if multipliers are updated with the r of the planes that the subproblem had; along a mesh's own faces it is left out, and they converge linearly. Sliding goes with the
+// nodal target only.
 #pragma once
 #include <memory>
 #include <vector>
 
 #include "constraint/constraint.hpp"
+#include "constraint/sliding.hpp"
 #include "constraint/target.hpp"
 #include "mesh/mesh.hpp"
 
@@ -30,8 +48,11 @@ enum class TargetKind { exact, nodal };
 
 class Dirichlet : public Constraint {
 public:
-    // ideal: node_count x dim positions of the ideal mesh. The mesh must outlive this.
-    Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target, TargetKind kind);
+    // ideal: node_count x dim positions of the ideal mesh. The mesh must outlive this. sliding: null where all places
+    // are prescribed; else the kind is nodal. Throws InputError where a prescribed place is off the surface along which
+    // the node slides as well.
+    Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target, TargetKind kind,
+              std::shared_ptr<const SlidingSurfaces> sliding = nullptr);
 
     double best_approximation_error() const { return best_approximation_error_; }  // e_h
 
@@ -55,7 +76,9 @@ public:
     std::vector<double> multiplier_field(const std::vector<double>& lambda) const override { return lambda; }
     std::vector<double> multipliers_of_field(const std::vector<double>& field) const override { return field; }
     std::vector<double> constraint_field(const std::vector<double>& x) const override;
-    std::vector<double> targets() const override { return g_h_; }
+    bool expand(const std::vector<double>& x, const std::vector<double>& lambda) override;
+    std::vector<double> targets(const std::vector<double>& x) const override;
+    std::vector<char> off_target(const std::vector<double>& x) const override;
 
 private:
     int dim_;
@@ -70,18 +93,30 @@ private:
     std::vector<double> face_values_;  // quadrature point x face node: N
     double norm_of_one_ = 0, best_approximation_error_ = 0;
     std::vector<double> v_;            // trace nodes x dim: what M is applied to
+    std::shared_ptr<const SlidingSurfaces> sliding_;
+    std::vector<std::vector<int>> parts_;  // trace nodes: along which it slides; empty where not
+    std::vector<double> P_, B_;        // trace nodes x dim x dim; empty where all places are prescribed
+    bool is_curved_ = false;           // a node slides along a curved surface: then
+    std::vector<double> residual_;     // trace nodes x dim: r at the last expand(), by the planes before it
 
     void number_trace_nodes();
     void measure_heights(const std::vector<double>& ideal);
     void assemble_mass(const std::vector<double>& face_weight);
     void project_target(const std::vector<double>& ideal, const std::vector<double>& face_weight);
     void interpolate_target();
+    void find_parts();
+    void check_prescribed_on_surface(int trace_node, int part) const;
+    void hold_to_planes(int trace_node, const Vec<3>& x, const Vec<3>& force);
+    Vec<3> on_surfaces(int trace_node, Vec<3> x) const;
+    void project(int trace_node, double* v) const;
+    Vec<3> turned_force(const std::vector<double>& x, int trace_node) const;
+    double of_curvature(const std::vector<double>& x) const;
     void measure_best_approximation(const std::vector<double>& face_weight);
     double difference(const std::vector<double>& x, int trace_node, int component) const;
     double squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face,
                                  int point) const;
     template <class Row>
-    void add_mass(double factor, const Row& row, BlockCsr& H) const;
+    void add_matrix(double mu, bool projected, const Row& row, BlockCsr& H) const;
     template <class Entry>
     void set_v(const Entry& entry);
     template <int n>

@@ -27,6 +27,7 @@ struct MotionForm {
     bool turns = false;                // its first number is an angle in degrees
     bool affine = true;                // false: targets are projected onto the trace space, not interpolated
     int projection_in = 0;             // the dimension a projection acts in; so many leading numbers are its centre
+    BoundaryHold hold = BoundaryHold::prescribed;  // by the last step of a motion
     // Why its numbers make no sense, whatever the dimension; "" where they do.
     const char* (*fault)(const MotionStep&) = [](const MotionStep&) { return ""; };
     // Moves a point given relative to the centre; false where its image is undefined. nullptr: every point stays.
@@ -89,7 +90,7 @@ Vec<3> cylinder_axis(Step step) { return padded(std::span(step.numbers).subspan(
 
 const char* axis_fault(const Vec<3>& axis) { return axis == Vec<3>{} ? "the axis is zero" : ""; }
 
-constexpr std::array<MotionForm, 7> forms = {{
+constexpr std::array<MotionForm, 9> forms = {{
     {.name = "fixed", .form = "fixed", .meaning = "stays where the mesh file has it"},
 
     {.name = "translate", .form = "translate DX DY [DZ]", .meaning = "shift", .fewest = 2, .most = 3, .per_axis = true,
@@ -132,6 +133,12 @@ constexpr std::array<MotionForm, 7> forms = {{
          const Vec<3> u = unit(cylinder_axis(step));
          return project(dot(u, d) * u, step.numbers.back(), d);
      }},
+
+    {.name = "slide", .form = "slide",
+     .meaning = "last step: nodes move freely along the surface to which the steps before it take the boundary",
+     .hold = BoundaryHold::slides},
+
+    {.name = "free", .form = "free", .meaning = "without any constraint", .hold = BoundaryHold::free},
 }};
 
 template <class... Parts>
@@ -224,9 +231,14 @@ bool apply_step(Step step, Vec<3>& x) {
 Motion parse_motion(std::string_view text) {
     Motion motion;
     for (const std::string_view piece : split(text, ';')) motion.steps.push_back(parse_step(piece));
-    const auto is_fixed = [](Step step) { return !step.form->move; };
-    if (motion.steps.size() > 1 && std::any_of(motion.steps.begin(), motion.steps.end(), is_fixed))
-        throw UsageError("`fixed` beside other steps: a fixed boundary does not move, remove one or the other");
+    const auto is_alone = [](Step step) { return !step.form->move && step.form->hold != BoundaryHold::slides; };
+    const auto alone = std::find_if(motion.steps.begin(), motion.steps.end(), is_alone);
+    if (motion.steps.size() > 1 && alone != motion.steps.end())
+        throw UsageError(in_backquotes(alone->form->name), " beside other steps: a ", alone->form->name,
+                         " boundary is not moved, remove one or the other");
+    const auto slides = [](Step step) { return step.form->hold == BoundaryHold::slides; };
+    if (std::any_of(motion.steps.begin(), motion.steps.end() - 1, slides))
+        throw UsageError("`slide` must be the last step: the boundary slides along where the steps before it take it");
     const std::string in_2d = misfit(motion, 2), in_3d = misfit(motion, 3);
     if (!in_2d.empty() && !in_3d.empty()) throw UsageError("fits no dimension: ", in_2d, "; ", in_3d);
     return motion;
@@ -266,6 +278,8 @@ double turn(const Motion& motion) {
 bool is_affine(const Motion& motion) {
     return std::all_of(motion.steps.begin(), motion.steps.end(), [](Step step) { return step.form->affine; });
 }
+
+BoundaryHold hold_of(const Motion& motion) { return motion.steps.back().form->hold; }
 
 std::string to_string(const Motion& motion) {
     std::string text;

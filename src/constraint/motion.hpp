@@ -4,7 +4,8 @@
 //   boundary inner = rotate 30 about 0 0; translate 8 0
 //
 // Kinds of steps: fixed, translate, rotate, scale, and the projections circle, sphere, cylinder, which take a point to
-// its closest one on a curved surface: the target of mesh curving. Coordinates in a step are those after the steps
+// its closest one on a curved surface: the target of mesh curving. `slide` at the end leaves the nodes free to move along
+// the boundary, `free` altogether. Coordinates in a step are those after the steps
 // before it: the centre of a rotation is not moved by them. Which steps fit a mesh is known only with its dimension:
 // check_dimension(). Cost of apply(): O(number of steps) per point.
 #pragma once
@@ -15,6 +16,13 @@
 #include "base/text.hpp"
 
 namespace almesh {
+
+// What a boundary's nodes are held to.
+enum class BoundaryHold {
+    prescribed,  // each to a place
+    slides,      // to a surface
+    free         // to nothing
+};
 
 struct MotionForm;  // a kind of step: one row of the table in motion.cpp
 
@@ -52,6 +60,8 @@ Motion at_fraction(Motion motion, double fraction);
 Motion shortest(Motion motion);
 
 double turn(const Motion& motion);  // sum of the angles of its steps, without sign, in degrees
+
+BoundaryHold hold_of(const Motion& motion);
 
 // Whether it is an affine map, which takes polynomials to polynomials of the same degree: no step is a projection.
 bool is_affine(const Motion& motion);

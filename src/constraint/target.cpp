@@ -58,6 +58,7 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
     parallel_for(mesh.face_count(), [&](int f) { size[f] = face_size(mesh, f); });
     std::vector<int> first(mesh.nodes(), -1);  // face * m + local node that first gave the target
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
+        if (target.hold_of_face(mesh, k / m) != BoundaryHold::prescribed) continue;
         int& seen = first[mesh.faces[k]];
         if (seen < 0) seen = k;
         const double* a = &target.node[offset(seen, dim)];
@@ -68,7 +69,8 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
         if (difference <= tolerance + rounding) continue;
         throw InputError("node ", mesh.file.node_id[mesh.faces[k]], " lies on two boundaries whose motions disagree: ",
                          mesh.boundaries[mesh.face_boundary[seen / m]], " takes it to ", point_text(a, dim), ", ",
-                         mesh.boundaries[mesh.face_boundary[k / m]], " to ", point_text(b, dim));
+                         mesh.boundaries[mesh.face_boundary[k / m]], " to ", point_text(b, dim),
+                         "; if one of them is a wall along which the other moves, let it `slide`");
     }
 }
 
@@ -79,6 +81,7 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion) 
     for (const Motion& each : motion) check_dimension(each, dim);
     const LagrangeBasis basis(dim - 1, mesh.degree);
     BoundaryTarget target;
+    for (const Motion& each : motion) target.hold.push_back(hold_of(each));
     target.in_trace_space = std::all_of(motion.begin(), motion.end(), is_affine);
     // Exact for N_i N_j. A g_D beyond the trace space needs far more to be integrated to rounding on a fair mesh.
     target.quadrature = simplex_quadrature(dim - 1, 2 * mesh.degree + (target.in_trace_space ? 0 : 10));
@@ -105,6 +108,23 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion) 
     }, move_work * (m + points));
     check_shared_nodes(mesh, target);
     return target;
+}
+
+void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target) {
+    const int dim = mesh.dim, m = mesh.face_nodes();
+    std::vector<int> first(mesh.nodes(), -1);
+    for (int pass = 0; pass < 2; ++pass)
+        for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
+            const bool prescribed = target.hold_of_face(mesh, k / m) == BoundaryHold::prescribed;
+            int& known = first[mesh.faces[k]];
+            if (pass == 0 && prescribed && known < 0) known = k;
+            if (pass == 1 && !prescribed && known >= 0)
+                std::copy_n(&target.node[offset(known, dim)], dim, &target.node[offset(k, dim)]);
+        }
+}
+
+bool BoundaryTarget::prescribes_all() const {
+    return std::all_of(hold.begin(), hold.end(), [](BoundaryHold h) { return h == BoundaryHold::prescribed; });
 }
 
 }  // namespace almesh

@@ -15,7 +15,7 @@ constexpr int most_tries = 1000;
 
 int snap_to_targets(DistortionEnergy& distortion, const Constraint& constraint, std::vector<double>& x) {
     const std::vector<int>& nodes = constraint.nodes();
-    const std::vector<double> targets = constraint.targets();
+    const std::vector<double> targets = constraint.targets(x);
     const int dim = nodes.empty() ? 0 : static_cast<int>(targets.size() / nodes.size());
     int tries = 0;
     std::vector<double> trial = x;
@@ -38,13 +38,8 @@ int snap_to_targets(DistortionEnergy& distortion, const Constraint& constraint, 
 }
 
 int nodes_off_target(const Constraint& constraint, const std::vector<double>& x) {
-    const std::vector<int>& nodes = constraint.nodes();
-    const std::vector<double> targets = constraint.targets();
-    const int dim = nodes.empty() ? 0 : static_cast<int>(targets.size() / nodes.size());
-    int off = 0;
-    for (std::size_t t = 0; t < nodes.size() && dim > 0; ++t)
-        off += !std::equal(&targets[offset(t, dim)], &targets[offset(t, dim)] + dim, point(x, nodes[t], dim));
-    return off;
+    const std::vector<char> off = constraint.off_target(x);
+    return static_cast<int>(std::count(off.begin(), off.end(), 1));
 }
 
 }  // namespace almesh

@@ -1,0 +1,44 @@
+// Along what the boundaries slide whose motion ends in `slide`.
+//
+// A boundary is cut into smooth parts: first where faces meet at more than 60 degrees, and each part that is a plane,
+// sphere, cylinder or torus (2D: a line or circle) stays one; the others are cut again at the feature angle, and what is
+// then no such surface slides along its own faces. The surfaces are those of the mesh as read, where the motion takes
+// it: a refined mesh slides along the same ones.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "constraint/surface.hpp"
+#include "geometry/closest_point.hpp"
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+class SlidingSurfaces {
+public:
+    // node: face x face node x dim, where the motions take the faces of `base`. slides: per boundary. feature_angle in
+    // degrees. unit: of the positions given to closest() and part(), in units of `node`.
+    SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
+                    double feature_angle, double unit);
+
+    int parts() const { return static_cast<int>(surface_.size()); }
+    int boundary(int part) const { return boundary_[part]; }
+    const Surface& surface(int part) const { return *surface_[part]; }
+
+    double unit() const { return unit_; }
+
+    // The part of the boundary whose faces are nearest to x, both before the motion.
+    int part(int boundary, const Vec<3>& x) const;
+
+    SurfacePoint closest(int part, const Vec<3>& x) const;
+
+private:
+    double unit_;
+    std::vector<std::unique_ptr<Surface>> surface_;
+    std::vector<int> boundary_;                             // per part
+    std::vector<std::unique_ptr<ClosestPoint>> of_boundary_;  // per boundary; none where it does not slide
+    std::vector<std::vector<int>> part_of_;                 // boundary, its face -> part
+};
+
+}  // namespace almesh

@@ -1,0 +1,365 @@
+// Distances to the primitives, with d = x - c, u = d.a a the part of d along the unit axis and v = d - u:
+//
+//     plane d.n      sphere |d| - R      cylinder |v| - R      torus sqrt((|v| - R)^2 + |u|^2) - r
+//
+// A fit minimises their squares over the points, in coordinates relative to the points' centre and extent; the residual
+// of a true one is zero, so that differences in place of derivatives lose no accuracy.
+#include "constraint/surface.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <sstream>
+
+#include "geometry/closest_point.hpp"
+#include "mesh/lagrange.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double tiny = std::numeric_limits<double>::min();
+
+Vec<3> unit(const Vec<3>& v) { return 1 / std::max(length(v), tiny) * v; }
+
+Vec<3> any_perpendicular(const Vec<3>& a) {
+    const Vec<3> axis = std::abs(a[0]) < 0.6 ? Vec<3>{1, 0, 0} : Vec<3>{0, 1, 0};
+    return unit(cross(a, axis));
+}
+
+// (I - sum of u u' over the unit vectors u) / R
+Mat<3> round(double R, std::initializer_list<Vec<3>> straight) {
+    Mat<3> S{};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            S[i][j] = i == j;
+            for (const Vec<3>& u : straight) S[i][j] -= u[i] * u[j];
+            S[i][j] /= R;
+        }
+    return S;
+}
+
+template <class... Parts>
+std::string text(const Parts&... parts) {
+    std::ostringstream out;
+    (out << ... << parts);
+    return out.str();
+}
+
+struct Plane final : Surface {
+    Vec<3> c, n;
+    int dim;
+    Plane(const Vec<3>& c_, const Vec<3>& n_, int dim_) : c(c_), n(n_), dim(dim_) {}
+    SurfacePoint closest(const Vec<3>& x) const override { return {x - dot(x - c, n) * n, n, {}}; }
+    std::string name() const override { return dim == 2 ? "straight line" : "plane"; }
+    bool is_flat() const override { return true; }
+};
+
+struct Sphere final : Surface {
+    Vec<3> c;
+    double R;
+    int dim;
+    Sphere(const Vec<3>& c_, double R_, int dim_) : c(c_), R(R_), dim(dim_) {}
+    SurfacePoint closest(const Vec<3>& x) const override {
+        const Vec<3> d = x - c, n = length(d) > 0 ? unit(d) : Vec<3>{1, 0, 0};
+        return {c + R * n, n, dim == 2 ? round(R, {n, {0, 0, 1}}) : round(R, {n})};
+    }
+    std::string name() const override { return text(dim == 2 ? "circle" : "sphere", " of radius ", R); }
+};
+
+// The cylinder is a torus with an infinite axis: both are given by c, the unit axis a and their radii.
+struct Cylinder final : Surface {
+    Vec<3> c, a;
+    double R;
+    Cylinder(const Vec<3>& c_, const Vec<3>& a_, double R_) : c(c_), a(a_), R(R_) {}
+    SurfacePoint closest(const Vec<3>& x) const override {
+        const Vec<3> d = x - c, u = dot(d, a) * a, v = d - u;
+        const Vec<3> n = length(v) > 0 ? unit(v) : any_perpendicular(a);
+        return {c + u + R * n, n, round(R, {n, a})};
+    }
+    std::string name() const override { return text("cylinder of radius ", R); }
+};
+
+struct Torus final : Surface {
+    Vec<3> c, a;
+    double R, r;
+    Torus(const Vec<3>& c_, const Vec<3>& a_, double R_, double r_) : c(c_), a(a_), R(R_), r(r_) {}
+    SurfacePoint closest(const Vec<3>& x) const override {
+        const Vec<3> d = x - c, v = d - dot(d, a) * a;
+        const Vec<3> ring = c + R * (length(v) > 0 ? unit(v) : any_perpendicular(a)), e = x - ring;
+        const Vec<3> n = length(e) > 0 ? unit(e) : a, x0 = ring + r * n;
+        const Vec<3> outward = unit(ring - c), along = cross(a, outward);
+        Mat<3> S = round(r, {n, along});
+        const double of_ring = dot(n, outward) / std::max(length(x0 - c - dot(x0 - c, a) * a), tiny);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) S[i][j] += of_ring * along[i] * along[j];
+        return {x0, n, S};
+    }
+    std::string name() const override { return text("torus of radii ", R, " and ", r); }
+};
+
+class Faces final : public Surface {
+public:
+    Faces(const PatchBasis& basis, const std::vector<Patch>& patches, const std::vector<std::vector<int>>& node)
+        : closest_(basis, patches), lagrange_(basis.bernstein.dim, basis.bernstein.degree) {
+        const PatchNormal normal(basis.bernstein.dim, basis.bernstein.degree);
+        const int m = lagrange_.count;
+        std::map<int, Vec<3>> mean;
+        for (std::size_t f = 0; f < patches.size(); ++f) {
+            const std::vector<Vec<3>> n = normal.coefficients(patches[f]);
+            for (int i = 0; i < m; ++i) {
+                Vec<3>& sum = mean[node[f][i]];
+                sum = sum + unit(value(normal.basis, n, place(i)));
+            }
+        }
+        for (std::size_t f = 0; f < patches.size(); ++f)
+            for (int i = 0; i < m; ++i) normal_.push_back(unit(mean[node[f][i]]));
+    }
+
+    SurfacePoint closest(const Vec<3>& x) const override {
+        const ClosestPoint::Place at = closest_.find(x);
+        std::vector<double> N(lagrange_.count);
+        lagrange_.values(&at.at[1], N.data());
+        Vec<3> n{};
+        for (int i = 0; i < lagrange_.count; ++i) n = n + N[i] * normal_[offset(at.patch, lagrange_.count, i)];
+        return {at.position, unit(n), {}};
+    }
+    std::string name() const override { return "the mesh's own faces"; }
+
+private:
+    ClosestPoint closest_;
+    LagrangeBasis lagrange_;
+    std::vector<Vec<3>> normal_;  // patch x node
+
+    Barycentric place(int i) const {
+        Barycentric l{};
+        for (int k = 0; k <= lagrange_.dim; ++k) l[k] = static_cast<double>(lagrange_.nodes[i][k]) / lagrange_.degree;
+        return l;
+    }
+
+    static Vec<3> value(const Bernstein& basis, const std::vector<Vec<3>>& c, const Barycentric& l) {
+        Vec<3> sum{};
+        for (int a = 0; a < basis.count; ++a) {
+            double B = basis.multinomial[a];
+            for (int k = 0; k <= basis.dim; ++k) B *= std::pow(l[k], basis.index[a][k]);
+            sum = sum + B * c[a];
+        }
+        return sum;
+    }
+};
+
+// Solves the k x k system A s = b by Gaussian elimination; false where it is singular.
+bool solve(std::vector<double> A, std::vector<double> b, std::vector<double>& s) {
+    const int k = static_cast<int>(b.size());
+    for (int i = 0; i < k; ++i) {
+        int pivot = i;
+        for (int r = i + 1; r < k; ++r)
+            if (std::abs(A[r * k + i]) > std::abs(A[pivot * k + i])) pivot = r;
+        if (!(std::abs(A[pivot * k + i]) > tiny)) return false;
+        for (int j = 0; j < k; ++j) std::swap(A[i * k + j], A[pivot * k + j]);
+        std::swap(b[i], b[pivot]);
+        for (int r = i + 1; r < k; ++r) {
+            const double factor = A[r * k + i] / A[i * k + i];
+            for (int j = i; j < k; ++j) A[r * k + j] -= factor * A[i * k + j];
+            b[r] -= factor * b[i];
+        }
+    }
+    s.assign(k, 0.0);
+    for (int i = k; i-- > 0;) {
+        double sum = b[i];
+        for (int j = i + 1; j < k; ++j) sum -= A[i * k + j] * s[j];
+        s[i] = sum / A[i * k + i];
+    }
+    return true;
+}
+
+using Residual = std::function<double(const std::vector<double>& parameters, const Vec<3>& x)>;
+
+double squares(const Residual& residual, const std::vector<double>& s, const std::vector<Vec<3>>& points) {
+    double sum = 0;
+    for (const Vec<3>& x : points) sum += std::pow(residual(s, x), 2);
+    return sum;
+}
+
+// Levenberg-Marquardt from s; returns the largest residual.
+double least_squares(const Residual& residual, const std::vector<Vec<3>>& points, std::vector<double>& s) {
+    constexpr int steps = 60;
+    constexpr double difference = 1e-6;
+    const int k = static_cast<int>(s.size());
+    double damping = 1e-3, sum = squares(residual, s, points);
+    for (int step = 0; step < steps && sum > 0; ++step) {
+        std::vector<double> A(k * k, 0.0), b(k, 0.0), d, derivative(k), trial;
+        for (const Vec<3>& x : points) {
+            const double r = residual(s, x);
+            for (int i = 0; i < k; ++i) {
+                trial = s;
+                trial[i] += difference;
+                const double plus = residual(trial, x);
+                trial[i] -= 2 * difference;
+                derivative[i] = (plus - residual(trial, x)) / (2 * difference);
+            }
+            for (int i = 0; i < k; ++i) {
+                b[i] -= r * derivative[i];
+                for (int j = 0; j < k; ++j) A[i * k + j] += derivative[i] * derivative[j];
+            }
+        }
+        for (int i = 0; i < k; ++i) A[i * k + i] += damping * (A[i * k + i] + 1e-12);
+        if (!solve(A, b, d)) break;
+        trial = s;
+        for (int i = 0; i < k; ++i) trial[i] += d[i];
+        const double next = squares(residual, trial, points);
+        if (next < sum) {
+            s = trial;
+            sum = next;
+            damping *= 0.05;
+        } else {
+            damping = std::max(20 * damping, 1e-9);
+            if (damping > 1e12) break;
+        }
+    }
+    double largest = 0;
+    for (const Vec<3>& x : points) largest = std::max(largest, std::abs(residual(s, x)));
+    return largest;
+}
+
+struct Fit {
+    const std::vector<Vec<3>>& points;
+    Vec<3> centre{};
+    double size = 0;
+
+    explicit Fit(const std::vector<Vec<3>>& points_) : points(points_) {
+        const Box box = box_of(points);
+        centre = 0.5 * (box.low + box.high);
+        size = 0.5 * length(box.high - box.low);
+    }
+
+    // Of the points' covariance, by Jacobi's rotations: those of a whole cylinder or torus have its axis among them.
+    std::array<Vec<3>, 3> principal_axes() const {
+        Mat<3> C{}, V{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+        const std::vector<Vec<3>> x = scaled();
+        Vec<3> mean{};
+        for (const Vec<3>& at : x) mean = mean + 1.0 / static_cast<double>(x.size()) * at;
+        for (const Vec<3>& at : x)
+            for (int i = 0; i < 3; ++i)
+                for (int j = 0; j < 3; ++j) C[i][j] += (at[i] - mean[i]) * (at[j] - mean[j]);
+        for (int sweep = 0; sweep < 30; ++sweep)
+            for (int i = 0; i < 3; ++i)
+                for (int j = i + 1; j < 3; ++j) {
+                    if (C[i][j] == 0) continue;
+                    const double angle = 0.5 * std::atan2(2 * C[i][j], C[j][j] - C[i][i]);
+                    const double c = std::cos(angle), s = std::sin(angle);
+                    for (int k = 0; k < 3; ++k) {
+                        const double a = C[k][i], b = C[k][j], v = V[k][i], w = V[k][j];
+                        C[k][i] = c * a - s * b, C[k][j] = s * a + c * b;
+                        V[k][i] = c * v - s * w, V[k][j] = s * v + c * w;
+                    }
+                    for (int k = 0; k < 3; ++k) {
+                        const double a = C[i][k], b = C[j][k];
+                        C[i][k] = c * a - s * b, C[j][k] = s * a + c * b;
+                    }
+                }
+        const Mat<3> rows = transpose<3>(V);
+        return {rows[0], rows[1], rows[2]};
+    }
+
+    // Relative to centre and size.
+    std::vector<Vec<3>> scaled() const {
+        std::vector<Vec<3>> result;
+        for (const Vec<3>& x : points) result.push_back(1 / size * (x - centre));
+        return result;
+    }
+
+    bool holds(const Surface& surface, double tolerance) const {
+        return std::all_of(points.begin(), points.end(), [&](const Vec<3>& x) {
+            return length(surface.closest(x).position - x) <= tolerance * size;
+        });
+    }
+};
+
+// |x|^2 = 2 c.x + (R^2 - |c|^2) is linear in c and the bracket.
+std::unique_ptr<Surface> fit_sphere(int dim, const Fit& fit) {
+    const int k = dim + 1;
+    std::vector<double> A(k * k, 0.0), b(k, 0.0), s;
+    for (const Vec<3>& x : fit.scaled()) {
+        std::array<double, 4> row{2 * x[0], 2 * x[1], 2 * x[2], 1};
+        row[dim] = 1;
+        for (int i = 0; i < k; ++i) {
+            b[i] += row[i] * dot(x, x);
+            for (int j = 0; j < k; ++j) A[i * k + j] += row[i] * row[j];
+        }
+    }
+    if (!solve(A, b, s)) return nullptr;
+    Vec<3> c{};
+    std::copy_n(s.begin(), dim, c.begin());
+    const double squared = s[dim] + dot(c, c);
+    if (!(squared > 0) || squared > 1e8) return nullptr;
+    return std::make_unique<Sphere>(fit.centre + fit.size * c, fit.size * std::sqrt(squared), dim);
+}
+
+// s: centre (2 or 3 numbers), axis (2), radii. The axis is a + s_k e_1 + s_{k+1} e_2 with e_1, e_2 perpendicular to the
+// guess a; the centre of a cylinder is where its axis meets the plane of e_1 and e_2.
+std::unique_ptr<Surface> fit_round(const Fit& fit, const Vec<3>& a, bool torus) {
+    const std::vector<Vec<3>> x = fit.scaled();
+    const Vec<3> e1 = any_perpendicular(a), e2 = cross(a, e1);
+    const auto axis = [&](const std::vector<double>& s) { return unit(a + s[0] * e1 + s[1] * e2); };
+    const auto centre = [&](const std::vector<double>& s) {
+        return s[2] * e1 + s[3] * e2 + (torus ? s[5] : 0) * a;
+    };
+    const Residual residual = [&](const std::vector<double>& s, const Vec<3>& at) {
+        const Vec<3> d = at - centre(s), u = dot(d, axis(s)) * axis(s);
+        const double out = length(d - u) - s[4];
+        return torus ? std::hypot(out, length(u)) - s[6] : out;
+    };
+    double farthest = 0, nearest = std::numeric_limits<double>::infinity();
+    for (const Vec<3>& at : x) {
+        const double radial = length(at - dot(at, a) * a);
+        farthest = std::max(farthest, radial);
+        nearest = std::min(nearest, radial);
+    }
+    std::vector<double> s = {0, 0, 0, 0, torus ? 0.5 * (nearest + farthest) : farthest};
+    if (torus) s.insert(s.end(), {0, 0.5 * (farthest - nearest) + 0.05});
+    if (!(least_squares(residual, x, s) <= 1e-6)) return nullptr;
+    const Vec<3> c = fit.centre + fit.size * centre(s);
+    if (torus) return std::make_unique<Torus>(c, axis(s), fit.size * s[4], fit.size * std::abs(s[6]));
+    return std::make_unique<Cylinder>(c, axis(s), fit.size * std::abs(s[4]));
+}
+
+}  // namespace
+
+std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points, const Vec<3>& normal,
+                                     double tolerance) {
+    const int count = static_cast<int>(points.size());
+    if (count == 0) return nullptr;
+    const Fit fit(points);
+    if (!(fit.size > 0)) return nullptr;
+    std::unique_ptr<Surface> found;
+    const auto holds = [&] { return found && fit.holds(*found, tolerance); };
+    if (length(normal) > 0) found = std::make_unique<Plane>(fit.centre, unit(normal), dim);
+    if (found) {  // through the points' own mean, which is in the plane to rounding
+        Vec<3> mean{};
+        for (const Vec<3>& x : points) mean = mean + 1.0 / count * (x - fit.centre);
+        found = std::make_unique<Plane>(fit.centre + mean, unit(normal), dim);
+    }
+    if (holds()) return found;
+    if (count < dim + 2) return nullptr;
+    found = fit_sphere(dim, fit);
+    if (holds() || dim == 2) return holds() ? std::move(found) : nullptr;
+    std::vector<Vec<3>> axes = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}};
+    for (const Vec<3>& axis : fit.principal_axes()) axes.push_back(axis);
+    for (const bool torus : {false, true})
+        for (const Vec<3>& axis : axes) {
+            if (count < (torus ? 9 : 7)) continue;
+            found = fit_round(fit, axis, torus);
+            if (holds()) return found;
+        }
+    return nullptr;
+}
+
+std::unique_ptr<Surface> surface_of_faces(const PatchBasis& basis, const std::vector<Patch>& patches,
+                                          const std::vector<std::vector<int>>& node) {
+    return std::make_unique<Faces>(basis, patches, node);
+}
+
+}  // namespace almesh

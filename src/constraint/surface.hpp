@@ -1,0 +1,39 @@
+// Surfaces (3D) and curves (2D) along which the nodes of a boundary slide: planes, spheres, cylinders and tori, lines
+// and circles, exactly; or the faces of a mesh as they are. In 2D the third coordinate is 0 everywhere.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/small_matrix.hpp"
+#include "geometry/patch.hpp"
+
+namespace almesh {
+
+struct SurfacePoint {
+    Vec<3> position, normal;  // unit normal, of either side
+    Mat<3> curvature{};       // second derivative of the distance, positive on the side of the normal; zero where unknown
+};
+
+class Surface {
+public:
+    virtual ~Surface() = default;
+
+    // The point of the surface closest to x. At the centre of a sphere, on the axis of a cylinder: any of them.
+    virtual SurfacePoint closest(const Vec<3>& x) const = 0;
+    virtual std::string name() const = 0;  // "plane", "circle of radius 2"
+    virtual bool is_flat() const { return false; }
+};
+
+// The first of plane, sphere, cylinder, torus (2D: line, circle) on which all points lie, to `tolerance` times the
+// extent of the points; null where there is none, or where the points are too few to tell. normal: of a plane through
+// them if there is one, any length. Cylinder and torus by the Levenberg-Marquardt method.
+std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points, const Vec<3>& normal,
+                                     double tolerance = 1e-8);
+
+// Faces, with normals interpolated from means at their nodes, so that these are continuous where faces meet at an
+// angle. node: numbers of the nodes of each patch, as in the basis' order.
+std::unique_ptr<Surface> surface_of_faces(const PatchBasis& basis, const std::vector<Patch>& patches,
+                                          const std::vector<std::vector<int>>& node);
+
+}  // namespace almesh
