@@ -15,11 +15,12 @@
 // file (see the end of "domain"), 97861 tetrahedra, aircraft 16732 and farfield
 // 614 faces. The four sizes below were tuned for these counts; a coarser aircraft
 // (9042 nodes, 46346 tetrahedra) comes from  -setnumber h_edge 0.02
-// -setnumber h_body 0.06.
+// -setnumber h_body 0.06; half-aircraft.msh (see generate.sh) is one half, coarser.
 
 SetFactory("OpenCASCADE");
 
 DefineConstant[
+  half   = 0,         // 1: the right half, y > 0, with the surface "symmetry"
   h_edge = 0.0095,    // size at leading and trailing edges, tips and wing roots
   h_body = 0.0238,    // size elsewhere on the aircraft
   growth = 0.606,     // increase of the size per unit of distance to the aircraft
@@ -122,10 +123,22 @@ air = newv;
 Sphere(air) = {0, 0, 0, 30};
 domain() = BooleanDifference{ Volume{air}; Delete; }{ Volume{body()}; Delete; };
 
+If (half)
+  side = newv;
+  Box(side) = {-31, 0, -31, 62, 31, 62};
+  domain() = BooleanIntersection{ Volume{domain()}; Delete; }{ Volume{side}; Delete; };
+EndIf
+
 b = 1.1;                                        // a box around the aircraft
 aircraft() = Surface In BoundingBox{-b, -b, -b, b, b, b};
 farfield() = Surface{:};
 farfield() -= aircraft();
+If (half)
+  symmetry() = Surface In BoundingBox{-31, -1e-3, -31, 31, 1e-3, 31};
+  aircraft() -= symmetry();
+  farfield() -= symmetry();
+  Physical Surface("symmetry", 5) = {symmetry()};
+EndIf
 
 Physical Surface("aircraft", 1) = {aircraft()};
 Physical Surface("farfield", 2) = {farfield()};

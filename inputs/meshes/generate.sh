@@ -42,11 +42,13 @@ trap 'rm -f "$log" new.msh' EXIT
 
 printf '%-18s %8s %9s   %s\n' mesh nodes elements "committed file"
 
-# name, dimension, format, degree, nodes and elements of the committed file
-while read -r name dim format degree nodes cells; do
-  if ! gmsh -nt 1 "-$dim" -order "$degree" -format "$format" "$name.geo" -o new.msh \
+# name, dimension, format, degree, nodes and elements of the committed file; where
+# they are not the name's, the .geo file and options
+while read -r name dim format degree nodes cells geo options; do
+  # shellcheck disable=SC2086
+  if ! gmsh -nt 1 "-$dim" -order "$degree" -format "$format" "${geo:-$name}.geo" $options -o new.msh \
        >"$log" 2>&1; then
-    echo "generate.sh: gmsh failed on $name.geo:" >&2
+    echo "generate.sh: gmsh failed on ${geo:-$name}.geo:" >&2
     grep Error "$log" >&2 || cat "$log" >&2
     exit 1
   fi
@@ -69,4 +71,6 @@ plates        3  msh22  1   4215  22777
 airfoil-layers  2  msh22  1 10029  19808
 torus         3  msh22  3   6078   1020
 sphere-layers  3  msh22  1   1146   6344
+piston        3  msh22  1    366   1291
+half-aircraft  3  msh22  1   3541  16590 aircraft -setnumber half 1 -setnumber h_edge 0.03 -setnumber h_body 0.09
 TABLE

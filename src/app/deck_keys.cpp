@@ -133,8 +133,8 @@ const std::vector<DeckKey>& deck_keys() {
          "1: in the end the nodes of the boundary are set to their targets, to the last bit, where elements stay "
          "valid; auto: 1 with algorithm = adaptive, else 0."},
         {"feature_angle", number<&Deck::feature_angle>({1, 180}),
-         "Angle in degrees between neighbouring faces of a sliding boundary from which they belong to different surfaces: "
-         "nodes slide along such an edge, and corners stay."},
+         "Angle in degrees between neighbouring faces of a sliding boundary from which they belong to different "
+         "surfaces: nodes slide along such an edge, and corners stay."},
         {"mu0", number<&Deck::method, &Method::mu0>(positive),
          "Algorithms paper and literal: first penalty mu, in units of |1|^2, the sum of |f|/h over the boundary "
          "faces."},

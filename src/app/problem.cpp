@@ -101,14 +101,13 @@ void divide(std::initializer_list<std::vector<double>*> positions, double length
 
 std::vector<char> open_faces(const Mesh& mesh, const BoundaryTarget& target) {
     std::vector<char> open(mesh.face_count());
-    for (int f = 0; f < mesh.face_count(); ++f)
-        open[f] = target.hold_of_face(mesh, f) != BoundaryHold::prescribed;
+    for (int f = 0; f < mesh.face_count(); ++f) open[f] = target.hold_of_face(mesh, f) != BoundaryHold::prescribed;
     return open;
 }
 
 // Null where no boundary slides. target: of the base mesh, in units of the file.
-std::shared_ptr<const SlidingSurfaces> sliding_surfaces(double feature_angle, const Mesh& base, const BoundaryTarget& target,
-                                                        double length) {
+std::shared_ptr<const SlidingSurfaces> sliding_surfaces(double feature_angle, const Mesh& base,
+                                                        const BoundaryTarget& target, double length) {
     std::vector<char> slides;
     for (const BoundaryHold hold : target.hold) slides.push_back(hold == BoundaryHold::slides);
     if (std::count(slides.begin(), slides.end(), 1) == 0) return nullptr;

@@ -74,7 +74,8 @@ void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, con
     std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s\n", advice(solution.al.status),
                  solution.al.iterations.size() - 1, solution.al.newton_iterations, others.c_str(), solution.time.total);
     if (in_place)
-        std::fprintf(out, "every boundary node is at its target to the last bit, the boundary between them to %.3g\n",
+        std::fprintf(out, "every boundary node is at its target%s, the boundary between them to %.3g\n",
+                     problem.sliding ? " or on the surface along which it slides" : " to the last bit",
                      solution.max_boundary_error * problem.length);
     else
         std::fprintf(out, "|c_D| = %.3g; %d boundary nodes off their targets, by at most %.2g of a cell's height; "

@@ -39,8 +39,9 @@ public:
     // The largest distance of a node from where P c = 0 would have it, over the height of the cells at that node.
     virtual double relative_error(const std::vector<double>& x) const = 0;
 
-    // Called with the current iterate before and after every subproblem: constraints that are not linear may be replaced,
-    // until the next call, by their expansion there, in C to second order. Returns whether anything has changed.
+    // Called with the current iterate before and after every subproblem: constraints that are not linear may be
+    // replaced, until the next call, by their expansion there, in C to second order. Returns whether anything has
+    // changed.
     virtual bool expand(const std::vector<double>& /*x*/, const std::vector<double>& /*lambda*/) { return false; }
 
     virtual double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) = 0;

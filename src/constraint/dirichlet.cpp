@@ -148,7 +148,9 @@ void Dirichlet::measure_best_approximation(const std::vector<double>& face_weigh
 }
 
 double Dirichlet::difference(const std::vector<double>& x, int trace_node, int component) const {
-    const auto from_target = [&](int a) { return x[offset(nodes_[trace_node], dim_, a)] - g_h_[offset(trace_node, dim_, a)]; };
+    const auto from_target = [&](int a) {
+        return x[offset(nodes_[trace_node], dim_, a)] - g_h_[offset(trace_node, dim_, a)];
+    };
     if (P_.empty()) return from_target(component);
     double sum = 0;
     for (int b = 0; b < dim_; ++b) sum += P_[offset(trace_node, dim_ * dim_, component * dim_ + b)] * from_target(b);
@@ -230,14 +232,16 @@ void Dirichlet::check_prescribed_on_surface(int t, int part) const {
     const Vec<3> off = sliding_->closest(part, x).position - x;
     double size = 0;
     for (int k = M_.row[t]; k < M_.row[t + 1]; ++k) {
-        const Vec<3> side = in_space(point(mesh_.x, nodes_[M_.col[k]], dim_), dim_) - in_space(point(mesh_.x, nodes_[t], dim_), dim_);
+        const Vec<3> side =
+            in_space(point(mesh_.x, nodes_[M_.col[k]], dim_), dim_) - in_space(point(mesh_.x, nodes_[t], dim_), dim_);
         size = std::max(size, std::sqrt(dot(side, side)));
     }
     const double distance = std::sqrt(dot(off, off));
     if (distance <= tolerance * size) return;
     throw InputError("node ", mesh_.file.node_id[nodes_[t]], " lies on the boundary ",
-                     mesh_.boundaries[sliding_->boundary(part)], ", which slides, and on another one, whose motion takes ",
-                     "it off that surface (", sliding_->surface(part).name(), ") by ", distance * sliding_->unit(),
+                     mesh_.boundaries[sliding_->boundary(part)],
+                     ", which slides, and on another one, whose motion takes ", "it off that surface (",
+                     sliding_->surface(part).name(), ") by ", distance * sliding_->unit(),
                      ": let that motion stay on the surface, or prescribe one for ",
                      mesh_.boundaries[sliding_->boundary(part)], " too");
 }
@@ -299,11 +303,14 @@ bool Dirichlet::expand(const std::vector<double>& x, const std::vector<double>& 
         for (int a = 0; a < dim_; ++a) residual_[offset(t, dim_, a)] = difference(x, t, a);
     set_v([&](int t, int a) { return lambda[offset(t, dim_, a)] / norm_of_one_; });
     with_dimension(dim_, [&](auto n) {
-        parallel_for(M_.n, [&](int t) {
-            Vec<3> force{};
-            mass_times_v<n>(t, force.data());
-            hold_to_planes(t, in_space(point(x, nodes_[t], dim_), dim_), force);
-        }, surface_work);
+        parallel_for(
+            M_.n,
+            [&](int t) {
+                Vec<3> force{};
+                mass_times_v<n>(t, force.data());
+                hold_to_planes(t, in_space(point(x, nodes_[t], dim_), dim_), force);
+            },
+            surface_work);
     });
     return true;
 }
@@ -311,11 +318,14 @@ bool Dirichlet::expand(const std::vector<double>& x, const std::vector<double>& 
 std::vector<double> Dirichlet::targets(const std::vector<double>& x) const {
     std::vector<double> targets = g_h_;
     if (P_.empty()) return targets;
-    parallel_for(static_cast<int>(nodes_.size()), [&](int t) {
-        const Vec<3> at = in_space(point(x, nodes_[t], dim_), dim_);
-        if (!parts_[t].empty()) std::copy_n(on_surfaces(t, at).begin(), dim_, &targets[offset(t, dim_)]);
-        else if (P_[offset(t, dim_ * dim_)] == 0) std::copy_n(at.begin(), dim_, &targets[offset(t, dim_)]);
-    }, surface_work);
+    parallel_for(
+        static_cast<int>(nodes_.size()),
+        [&](int t) {
+            const Vec<3> at = in_space(point(x, nodes_[t], dim_), dim_);
+            if (!parts_[t].empty()) std::copy_n(on_surfaces(t, at).begin(), dim_, &targets[offset(t, dim_)]);
+            else if (P_[offset(t, dim_ * dim_)] == 0) std::copy_n(at.begin(), dim_, &targets[offset(t, dim_)]);
+        },
+        surface_work);
     return targets;
 }
 
@@ -395,8 +405,7 @@ double Dirichlet::max_error(const std::vector<double>& x) {
         const std::vector<double> target = targets(x);
         for (std::size_t t = 0; t < nodes_.size(); ++t) {
             double s = 0;
-            for (int a = 0; a < dim_; ++a)
-                s += std::pow(x[offset(nodes_[t], dim_, a)] - target[offset(t, dim_, a)], 2);
+            for (int a = 0; a < dim_; ++a) s += std::pow(x[offset(nodes_[t], dim_, a)] - target[offset(t, dim_, a)], 2);
             squared = std::max(squared, s);
         }
         return std::sqrt(squared);
@@ -429,20 +438,23 @@ Vec<3> Dirichlet::turned_force(const std::vector<double>& x, int t) const {
     Vec<3> sum{};
     for (int a = 0; a < dim_; ++a)
         for (int b = 0; b < dim_; ++b)
-            sum[a] += B_[offset(t, dim_ * dim_, a * dim_ + b)] *
-                      (x[offset(nodes_[t], dim_, b)] - g_h_[offset(t, dim_, b)]);
+            sum[a] +=
+                B_[offset(t, dim_ * dim_, a * dim_ + b)] * (x[offset(nodes_[t], dim_, b)] - g_h_[offset(t, dim_, b)]);
     return sum;
 }
 
 double Dirichlet::of_curvature(const std::vector<double>& x) const {
     if (!is_curved_) return 0;
-    return deterministic_sum(M_.n, [&](int t) {
-        const Vec<3> force = turned_force(x, t);
-        double sum = 0;
-        for (int a = 0; a < dim_; ++a)
-            sum += 0.5 * force[a] * (x[offset(nodes_[t], dim_, a)] - g_h_[offset(t, dim_, a)]);
-        return sum;
-    }, mass_work);
+    return deterministic_sum(
+        M_.n,
+        [&](int t) {
+            const Vec<3> force = turned_force(x, t);
+            double sum = 0;
+            for (int a = 0; a < dim_; ++a)
+                sum += 0.5 * force[a] * (x[offset(nodes_[t], dim_, a)] - g_h_[offset(t, dim_, a)]);
+            return sum;
+        },
+        mass_work);
 }
 
 double Dirichlet::value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) {
@@ -480,7 +492,8 @@ void add_product(double factor, const double* A, const double* B, int n, double*
 
 }  // namespace
 
-// Adds mu / |1|^2 P M P + B, B without its negative part if `projected`; row(mesh node): its block row in H, or -1 where H leaves it out.
+// Adds mu / |1|^2 P M P + B, B without its negative part if `projected`; row(mesh node): its block row in H, or -1
+// where H leaves it out.
 template <class Row>
 void Dirichlet::add_matrix(double mu, bool projected, const Row& row, BlockCsr& H) const {
     const double factor = mu / (norm_of_one_ * norm_of_one_);
@@ -493,8 +506,7 @@ void Dirichlet::add_matrix(double mu, bool projected, const Row& row, BlockCsr& 
             const double entry = factor * M_.value[k];
             if (P_.empty())
                 for (int a = 0; a < dim_; ++a) block[a * dim_ + a] += entry;
-            else
-                add_product(entry, &P_[offset(t, dim_ * dim_)], &P_[offset(M_.col[k], dim_ * dim_)], dim_, block);
+            else add_product(entry, &P_[offset(t, dim_ * dim_)], &P_[offset(M_.col[k], dim_ * dim_)], dim_, block);
             if (P_.empty() || M_.col[k] != t) continue;
             const double* const B = &B_[offset(t, dim_ * dim_)];
             double trace = 0;  // B is semidefinite but on a saddle
@@ -506,7 +518,8 @@ void Dirichlet::add_matrix(double mu, bool projected, const Row& row, BlockCsr& 
 
 void Dirichlet::add_hessian(const std::vector<double>&, const std::vector<double>&, double mu, bool projected,
                             BlockCsr& H) {
-    add_matrix(mu, projected, [&H](int node) { return H.row_of(node); }, H);
+    add_matrix(
+        mu, projected, [&H](int node) { return H.row_of(node); }, H);
 }
 
 void Dirichlet::update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) {
@@ -571,7 +584,8 @@ std::unique_ptr<ConstraintPart> Dirichlet::part(const std::vector<double>& x, co
         part->g.insert(part->g.end(), point(gradient, i, dim_), point(gradient, i, dim_) + dim_);
     }
     part->C = pattern;
-    add_matrix(mu, false, [&row](int i) { return row[i]; }, part->C);
+    add_matrix(
+        mu, false, [&row](int i) { return row[i]; }, part->C);
     return part;
 }
 

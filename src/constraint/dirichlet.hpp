@@ -25,14 +25,14 @@
 //
 // and nothing holds the node in other directions; P_i = I where its place is prescribed, 0 where it is free. Planes and
 // lines are themselves; along curved surfaces, the distance that a node has moved within a subproblem leaves it off by
-// the curvature times its square, which the next one removes. The forces turn with the surface: their second-order term,
-// with S_i the curvature and n_i the normal at p_i,
+// the curvature times its square, which the next one removes. The forces turn with the surface: their second-order
+// term, with S_i the curvature and n_i the normal at p_i,
 //
 //     1/2 sum_i (x_i - p_i)' B_i (x_i - p_i),   B_i = -(n_i . (M lambda)_i / |1|) S_i,
 //
 // vanishes where x is on the surface and makes the sequence of subproblems converge quadratically, as in sequential
-// quadratic programming, if multipliers are updated with the r of the planes that the subproblem had; along a mesh's own faces it is left out, and they converge linearly. Sliding goes with the
-// nodal target only.
+// quadratic programming, if multipliers are updated with the r of the planes that the subproblem had; along a mesh's
+// own faces it is left out, and they converge linearly. Sliding goes with the nodal target only.
 #pragma once
 #include <memory>
 #include <vector>
@@ -95,9 +95,9 @@ private:
     std::vector<double> v_;            // trace nodes x dim: what M is applied to
     std::shared_ptr<const SlidingSurfaces> sliding_;
     std::vector<std::vector<int>> parts_;  // trace nodes: along which it slides; empty where not
-    std::vector<double> P_, B_;        // trace nodes x dim x dim; empty where all places are prescribed
-    bool is_curved_ = false;           // a node slides along a curved surface: then
-    std::vector<double> residual_;     // trace nodes x dim: r at the last expand(), by the planes before it
+    std::vector<double> P_, B_;            // trace nodes x dim x dim; empty where all places are prescribed
+    bool is_curved_ = false;               // a node slides along a curved surface: then
+    std::vector<double> residual_;         // trace nodes x dim: r at the last expand(), by the planes before it
 
     void number_trace_nodes();
     void measure_heights(const std::vector<double>& ideal);

@@ -4,10 +4,10 @@
 //   boundary inner = rotate 30 about 0 0; translate 8 0
 //
 // Kinds of steps: fixed, translate, rotate, scale, and the projections circle, sphere, cylinder, which take a point to
-// its closest one on a curved surface: the target of mesh curving. `slide` at the end leaves the nodes free to move along
-// the boundary, `free` altogether. Coordinates in a step are those after the steps
-// before it: the centre of a rotation is not moved by them. Which steps fit a mesh is known only with its dimension:
-// check_dimension(). Cost of apply(): O(number of steps) per point.
+// its closest one on a curved surface: the target of mesh curving. `slide` at the end leaves the nodes free to move
+// along the boundary, `free` altogether. Coordinates in a step are those after the steps before it: the centre of a
+// rotation is not moved by them. Which steps fit a mesh is known only with its dimension: check_dimension(). Cost of
+// apply(): O(number of steps) per point.
 #pragma once
 #include <string>
 #include <string_view>

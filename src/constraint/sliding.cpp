@@ -1,4 +1,5 @@
-// Faces of a boundary that share a side are joined unless their normals there differ by more than an angle (union-find).
+// Faces of a boundary that share a side are joined unless their normals there differ by more than an angle
+// (union-find).
 #include "constraint/sliding.hpp"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ double angle(const Vec<3>& u, const Vec<3>& v) {
 // The faces of one boundary, moved.
 struct BoundaryFaces {
     const Mesh& mesh;
-    std::vector<int> face;                // numbers in the mesh
+    std::vector<int> face;                      // numbers in the mesh
     std::vector<std::vector<Vec<3>>> position;  // of their nodes
     std::vector<Patch> patch;
     std::vector<std::vector<Vec<3>>> corner_normal;

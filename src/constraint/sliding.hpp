@@ -1,9 +1,9 @@
 // Along what the boundaries slide whose motion ends in `slide`.
 //
 // A boundary is cut into smooth parts: first where faces meet at more than 60 degrees, and each part that is a plane,
-// sphere, cylinder or torus (2D: a line or circle) stays one; the others are cut again at the feature angle, and what is
-// then no such surface slides along its own faces. The surfaces are those of the mesh as read, where the motion takes
-// it: a refined mesh slides along the same ones.
+// sphere, cylinder or torus (2D: a line or circle) stays one; the others are cut again at the feature angle, and what
+// is then no such surface slides along its own faces. The surfaces are those of the mesh as read, where the motion
+// takes it: a refined mesh slides along the same ones.
 #pragma once
 #include <memory>
 #include <string>
@@ -36,9 +36,9 @@ public:
 private:
     double unit_;
     std::vector<std::unique_ptr<Surface>> surface_;
-    std::vector<int> boundary_;                             // per part
+    std::vector<int> boundary_;                               // per part
     std::vector<std::unique_ptr<ClosestPoint>> of_boundary_;  // per boundary; none where it does not slide
-    std::vector<std::vector<int>> part_of_;                 // boundary, its face -> part
+    std::vector<std::vector<int>> part_of_;                   // boundary, its face -> part
 };
 
 }  // namespace almesh

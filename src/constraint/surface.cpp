@@ -304,9 +304,7 @@ std::unique_ptr<Surface> fit_round(const Fit& fit, const Vec<3>& a, bool torus) 
     const std::vector<Vec<3>> x = fit.scaled();
     const Vec<3> e1 = any_perpendicular(a), e2 = cross(a, e1);
     const auto axis = [&](const std::vector<double>& s) { return unit(a + s[0] * e1 + s[1] * e2); };
-    const auto centre = [&](const std::vector<double>& s) {
-        return s[2] * e1 + s[3] * e2 + (torus ? s[5] : 0) * a;
-    };
+    const auto centre = [&](const std::vector<double>& s) { return s[2] * e1 + s[3] * e2 + (torus ? s[5] : 0) * a; };
     const Residual residual = [&](const std::vector<double>& s, const Vec<3>& at) {
         const Vec<3> d = at - centre(s), u = dot(d, axis(s)) * axis(s);
         const double out = length(d - u) - s[4];

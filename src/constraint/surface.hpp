@@ -12,7 +12,7 @@ namespace almesh {
 
 struct SurfacePoint {
     Vec<3> position, normal;  // unit normal, of either side
-    Mat<3> curvature{};       // second derivative of the distance, positive on the side of the normal; zero where unknown
+    Mat<3> curvature{};  // second derivative of the distance, positive on the side of the normal; zero where unknown
 };
 
 class Surface {

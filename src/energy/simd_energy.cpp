@@ -118,7 +118,12 @@ void SimdEnergy::rule_changed(int refined) {
         return;
     }
     const int place = refined_[refined].element, batch = place / lanes, lane = place % lanes;
-    Single single{PointLanes(refined_[refined].reference), {}, {}, ideal_jacobian_[batch][lane], weight_[batch][lane], damping_weight_[batch][lane]};
+    Single single{PointLanes(refined_[refined].reference),
+                  {},
+                  {},
+                  ideal_jacobian_[batch][lane],
+                  weight_[batch][lane],
+                  damping_weight_[batch][lane]};
     for (int l = 0; l < lanes; ++l)
         single.nodes.insert(single.nodes.end(), element(place), element(place) + reference_.nodes);
     for (int ij = 0; ij < dim_ * dim_; ++ij)

@@ -1,6 +1,6 @@
-// The point closest to a given one on polynomial patches: curves in the plane or triangles in space, such as the faces of
-// a boundary, curved as they are. The error is of the order of the rounding errors of the coordinates. Where a patch is
-// curved so strongly that the distance has several minima on a nearly flat piece of it, the least one may be missed.
+// The point closest to a given one on polynomial patches: curves in the plane or triangles in space, such as the faces
+// of a boundary, curved as they are. The error is of the order of the rounding errors of the coordinates. Where a patch
+// is curved so strongly that the distance has several minima on a nearly flat piece of it, the least one may be missed.
 //
 // Cost: O(log patches) boxes and a few Newton steps per point.
 #pragma once
@@ -22,7 +22,7 @@ public:
 
     struct Place {
         int patch;
-        Vec<3> at;        // barycentric coordinates in it; on a curve the third is 0
+        Vec<3> at;  // barycentric coordinates in it; on a curve the third is 0
         Vec<3> position;
     };
     Place find(const Vec<3>& x) const;

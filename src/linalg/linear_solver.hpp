@@ -28,8 +28,8 @@ enum class PreconditionerKind { automatic, ilu0, ssor };  // of conjugate gradie
 const char* to_string(SolverKind kind);
 const char* to_string(PreconditionerKind kind);
 
-// Blocks of a row, on average, from which ILU(0) spends more on products, and on A z, than it saves iterations over SSOR:
-// tetrahedra of degree 1 have 14, those of degree 2 have 28.
+// Blocks of a row, on average, from which ILU(0) spends more on products, and on A z, than it saves iterations over
+// SSOR: tetrahedra of degree 1 have 14, those of degree 2 have 28.
 inline constexpr double long_rows = 20;
 
 // Scaled residual |b - A x|_inf / (|A|_inf |x|_inf + |b|_inf) above which x does not count as a solution.

@@ -29,6 +29,19 @@ TEST_CASE("the small decks of the paper hold what they expect") {
     }
 }
 
+TEST_CASE("the decks of inputs/slide hold what they expect") {
+    if (!std::filesystem::is_directory("inputs")) return;
+    for (const char* name : {"bump", "rotor", "piston", "half-aircraft"}) {
+        CAPTURE(name);
+        const TemporaryFolder folder;
+        const Outcome outcome =
+            almesh_with({std::string("inputs/slide/") + name + ".deck", "output=" + folder.path("out")});
+        CAPTURE(outcome.out);
+        CHECK(outcome.code == 0);
+        CHECK(has(outcome.out, "slides along"));
+    }
+}
+
 TEST_CASE("small decks of large motions hold what their decks expect") {
     if (!std::filesystem::is_directory("inputs")) return;
     for (const char* name : {"circle-turned", "circle-refined-turned", "plate-turned", "plate-degree-2", "block-turned",

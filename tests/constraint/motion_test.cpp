@@ -238,3 +238,16 @@ TEST_CASE("the shorter way of a turn, and how far a motion turns") {
     CHECK(turn(parse_motion("rotate 100; scale 2; rotate -60 about 1 0")) == 160);
     CHECK(turn(parse_motion("translate 200 0")) == 0);
 }
+
+TEST_CASE("slide is the last step, free the only one") {
+    CHECK(hold_of(parse_motion("fixed")) == BoundaryHold::prescribed);
+    CHECK(hold_of(parse_motion("slide")) == BoundaryHold::slides);
+    CHECK(hold_of(parse_motion("rotate 10; translate 1 0; slide")) == BoundaryHold::slides);
+    CHECK(hold_of(parse_motion("free")) == BoundaryHold::free);
+    CHECK(moved("translate 1 0; slide", 2, {1, 2, 0}) == Point{2, 2, 0});
+    CHECK(has(error_of("slide; translate 1 0"), "`slide` must be the last step"));
+    CHECK(has(error_of("translate 1 0; free"), "`free` beside other steps"));
+    CHECK(has(error_of("fixed; slide"), "`fixed` beside other steps"));
+    CHECK(has(error_of("slide 3"), "expected slide"));
+    CHECK(to_string(parse_motion("rotate 10 about 1 1;slide")) == "rotate 10 about 1 1; slide");
+}

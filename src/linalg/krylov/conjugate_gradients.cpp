@@ -19,7 +19,17 @@ double Preconditioner::apply_and_multiply(const BlockCsr& A, const double* r, do
 }
 
 ConjugateGradients::ConjugateGradients(int size, const KrylovParams& params)
-    : size_(size), params_(params), r_(size), z_(size), p_(size), q_(size), Az_(size), pq_(size), true_pq_(size), rr_(size), true_rr_(size) {}
+    : size_(size),
+      params_(params),
+      r_(size),
+      z_(size),
+      p_(size),
+      q_(size),
+      Az_(size),
+      pq_(size),
+      true_pq_(size),
+      rr_(size),
+      true_rr_(size) {}
 
 // r = b - A x; returns |r|.
 double ConjugateGradients::residual(const BlockCsr& A, const double* b, const double* x) {
@@ -30,8 +40,8 @@ double ConjugateGradients::residual(const BlockCsr& A, const double* b, const do
     }));
 }
 
-// p = z + beta p with z = M^{-1} r, beta = r'z / rz_before, and p = z where rz_before is 0; q likewise with A z. Returns
-// r'z.
+// p = z + beta p with z = M^{-1} r, beta = r'z / rz_before, and p = z where rz_before is 0; q likewise with A z.
+// Returns r'z.
 double ConjugateGradients::next_direction(const BlockCsr& A, Preconditioner& M, double rz_before) {
     const double rz = M.apply_and_multiply(A, r_.data(), z_.data(), Az_.data());
     const double beta = rz_before != 0 ? rz / rz_before : 0;

@@ -1,5 +1,5 @@
-// z = M^{-1} r and A z, then z += Z c and A z += (A Z) c with E c = Z'(r - A z). A Z has a row for each node and a block
-// for each group next to it; E is factored by sparse Cholesky.
+// z = M^{-1} r and A z, then z += Z c and A z += (A Z) c with E c = Z'(r - A z). A Z has a row for each node and a
+// block for each group next to it; E is factored by sparse Cholesky.
 #include "linalg/krylov/deflated.hpp"
 
 #include <algorithm>

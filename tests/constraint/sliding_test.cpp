@@ -1,0 +1,158 @@
+#include "constraint/sliding.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <set>
+
+#include "base/error.hpp"
+#include "constraint/dirichlet.hpp"
+#include "linalg/vector_ops.hpp"
+#include "method/augmented_lagrangian.hpp"
+#include "support/meshes.hpp"
+#include "support/targets.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+std::shared_ptr<const SlidingSurfaces> surfaces_of(const Mesh& mesh, const BoundaryTarget& target, double angle = 30) {
+    std::vector<char> slides;
+    for (const BoundaryHold hold : target.hold) slides.push_back(hold == BoundaryHold::slides);
+    return std::make_shared<SlidingSurfaces>(mesh, target.node, slides, angle, 1);
+}
+
+// Keeps what the constraint refers to.
+struct Case {
+    Mesh mesh;
+    BoundaryTarget target;
+    std::unique_ptr<Dirichlet> constraint;
+
+    Case(const Mesh& any, const std::map<std::string, std::string>& motions) : mesh(any) {
+        target = target_of(mesh, motions);
+        const auto sliding = surfaces_of(mesh, target);
+        prescribe_shared_nodes(mesh, target);
+        constraint = std::make_unique<Dirichlet>(mesh, straight_sided(mesh), target, TargetKind::nodal, sliding);
+    }
+};
+
+std::vector<double> some_multipliers(const Dirichlet& constraint) {
+    std::vector<double> lambda(constraint.multipliers());
+    for (std::size_t i = 0; i < lambda.size(); ++i) lambda[i] = std::cos(1.7 * static_cast<double>(i));
+    return lambda;
+}
+
+double largest_entry(const std::vector<double>& v) { return norm_inf(v); }
+
+}  // namespace
+
+TEST_CASE("a boundary is cut into its smooth parts: the sides of a cube into four planes, a ring's circle into one") {
+    const Mesh cube = cube_mesh(3);
+    const auto of_cube = surfaces_of(cube, target_of(cube, {{"sides", "slide"}}));
+    CHECK(of_cube->parts() == 4);
+    for (int part = 0; part < of_cube->parts(); ++part) CHECK(of_cube->surface(part).name() == "plane");
+    const int sides = cube.boundary_index("sides");
+    std::set<int> parts;
+    for (const Vec<3>& x : {Vec<3>{0, 0.4, 0.5}, Vec<3>{1, 0.4, 0.5}, Vec<3>{0.4, 0, 0.5}, Vec<3>{0.4, 1, 0.5}}) {
+        parts.insert(of_cube->part(sides, x));
+        CHECK(length(of_cube->closest(of_cube->part(sides, x), x).position - x) < 1e-14);
+    }
+    CHECK(parts.size() == 4);
+
+    const Mesh ring = ring_mesh(12, 3, 4);
+    const auto of_ring = surfaces_of(ring, target_of(ring, {{"outer", "translate 3 1; slide"}}));
+    CHECK(of_ring->parts() == 1);
+    CHECK(of_ring->surface(0).name() == "circle of radius 4");
+    CHECK(length(of_ring->closest(0, {9, 1, 0}).position - Vec<3>{7, 1, 0}) < 1e-12);
+
+    Mesh oval = ring;  // no circle: its own faces, smooth or, with a small feature angle, each for itself
+    for (int i = 0; i < oval.nodes(); ++i) oval.x[2 * i] *= 1.2;
+    CHECK(surfaces_of(oval, target_of(oval, {{"outer", "slide"}}), 45)->parts() == 1);
+    CHECK(surfaces_of(oval, target_of(oval, {{"outer", "slide"}}), 10)->parts() == 12);
+}
+
+TEST_CASE("nodes are free within their faces, along edges, and not at corners") {
+    const Case cube(cube_mesh(3), {{"bottom", "slide"}, {"top", "slide"}, {"sides", "slide"}});
+    const std::vector<int>& nodes = cube.constraint->nodes();
+    const std::vector<double> zero(cube.constraint->multipliers(), 0.0);
+    for (std::size_t t = 0; t < nodes.size(); ++t)
+        for (int a = 0; a < 3; ++a) {
+            const double at = cube.mesh.x[3 * nodes[t] + a];
+            int faces = 0;
+            for (int b = 0; b < 3; ++b) faces += std::abs(cube.mesh.x[3 * nodes[t] + b] - 0.5) > 0.499;
+            std::vector<double> x = cube.mesh.x;
+            x[3 * nodes[t] + a] += 0.1;
+            const bool held = std::abs(at - 0.5) > 0.499 || faces == 3;
+            CHECK((cube.constraint->value(x, zero, 1) > 1e-12) == held);
+        }
+    CHECK(!const_cast<Dirichlet&>(*cube.constraint).expand(cube.mesh.x, zero));  // planes are what they are
+}
+
+TEST_CASE("free nodes take no part, prescribed ones keep their places beside a boundary that slides") {
+    const Case square(square_mesh(4), {{"left", "free"}, {"right", "scale 1 1.2"}, {"bottom", "slide"},
+                                       {"top", "free"}});
+    const std::vector<double> zero(square.constraint->multipliers(), 0.0);
+    std::vector<double> g(square.mesh.x.size(), 0.0);
+    std::vector<double> x = square.mesh.x;
+    square.constraint->add_gradient(x, zero, 1, g);
+    const std::vector<double> targets = square.constraint->targets(x);
+    for (std::size_t t = 0; t < square.constraint->nodes().size(); ++t) {
+        const double* const y = &x[2 * square.constraint->nodes()[t]];
+        if (y[0] == 1) CHECK(targets[2 * t + 1] == doctest::Approx(1.2 * y[1]));
+        if (y[0] == 0 && y[1] > 0 && y[1] < 1) {
+            CHECK(targets[2 * t] == y[0]);
+            CHECK(g[2 * square.constraint->nodes()[t]] == 0);
+        }
+    }
+    CHECK_THROWS_WITH_AS(Case(square_mesh(4), {{"right", "translate 3 2"}, {"bottom", "slide"}, {"top", "slide"}}),
+                         doctest::Contains("off that surface (straight line) by 2"), InputError);
+    CHECK_THROWS_WITH_AS(Case(square_mesh(4), {{"right", "translate 1 0"}}), doctest::Contains("let it `slide`"),
+                         InputError);
+}
+
+TEST_CASE("derivatives of the sliding constraint have slope 2, on circles with their second-order term too") {
+    for (const Mesh& mesh : {ring_mesh(16, 2, 3), cube_mesh(2)}) {
+        const bool ring = mesh.dim == 2;
+        Case of(mesh, ring ? std::map<std::string, std::string>{{"outer", "slide"}}
+                           : std::map<std::string, std::string>{{"sides", "slide"}});
+        Dirichlet& C = *of.constraint;
+        const std::vector<double> lambda = some_multipliers(C);
+        CHECK(C.expand(mesh.x, lambda) == ring);
+        const double mu = 30;
+        const std::vector<double> x = wavy(mesh.x, mesh.dim, 0.05);
+        std::vector<double> g(x.size(), 0.0), d(x.size()), Hd(x.size());
+        for (std::size_t i = 0; i < d.size(); ++i) d[i] = std::sin(7.0 * static_cast<double>(i));
+        C.add_gradient(x, lambda, mu, g);
+        BlockCsr H = matrix_of_cells(mesh.nodes(), mesh.dim, mesh.elements, mesh.element_nodes());
+        C.add_hessian(x, lambda, mu, false, H);
+        multiply(H, d.data(), Hd.data());
+        const double h = 1e-4;  // C is quadratic: central differences are exact
+        std::vector<double> plus = x, minus = x, g_plus(x.size(), 0.0);
+        for (std::size_t i = 0; i < d.size(); ++i) plus[i] += h * d[i], minus[i] -= h * d[i];
+        CHECK((C.value(plus, lambda, mu) - C.value(minus, lambda, mu)) / (2 * h) == doctest::Approx(dot(g, d)));
+        C.add_gradient(plus, lambda, mu, g_plus);
+        for (std::size_t i = 0; i < d.size(); ++i) g_plus[i] = (g_plus[i] - g[i]) / h - Hd[i];
+        CHECK(largest_entry(g_plus) < 1e-8 * largest_entry(Hd));
+    }
+}
+
+TEST_CASE("off_target and targets: on the circle, whatever the place along it") {
+    Case ring(ring_mesh(16, 2, 3), {{"outer", "slide"}});
+    std::vector<double> x = ring.mesh.x;
+    const double c = std::cos(0.1), s = std::sin(0.1);
+    const int outer = ring.mesh.boundary_index("outer");
+    std::set<int> on_outer;
+    for (int f = 0; f < ring.mesh.face_count(); ++f)
+        if (ring.mesh.face_boundary[f] == outer) on_outer.insert({ring.mesh.face(f)[0], ring.mesh.face(f)[1]});
+    for (const int i : on_outer) {
+        const double a = x[2 * i], b = x[2 * i + 1];
+        x[2 * i] = c * a - s * b;
+        x[2 * i + 1] = s * a + c * b;
+    }
+    for (const char off : ring.constraint->off_target(x)) CHECK(!off);
+    x[2 * *on_outer.begin()] *= 1.001;
+    int count = 0;
+    for (const char off : ring.constraint->off_target(x)) count += off;
+    CHECK(count == 1);
+}

@@ -1,0 +1,121 @@
+#include "constraint/surface.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+#include "support/meshes.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+// A rotation without special directions, then a shift far from the origin compared to the size.
+Vec<3> placed(const Vec<3>& x) {
+    const double c = std::cos(0.7), s = std::sin(0.7), d = std::cos(1.1), e = std::sin(1.1);
+    const Vec<3> y = {c * x[0] - s * x[1], s * x[0] + c * x[1], x[2]};
+    return {y[0] + 50, d * y[1] - e * y[2] - 20, e * y[1] + d * y[2] + 30};
+}
+
+std::vector<Vec<3>> sampled(const std::function<Vec<3>(double, double)>& surface, double u_end, double v_end) {
+    std::vector<Vec<3>> points;
+    for (int i = 0; i <= 6; ++i)
+        for (int j = 0; j <= 5; ++j) points.push_back(placed(surface(u_end * i / 6, v_end * j / 5)));
+    return points;
+}
+
+Vec<3> on_torus(double u, double v) {
+    const double r = 3 + 0.8 * std::cos(v);
+    return {r * std::cos(u), r * std::sin(u), 0.8 * std::sin(v)};
+}
+
+const struct {
+    const char* name;
+    std::function<Vec<3>(double, double)> surface;
+    double u_end, v_end;
+} primitives[] = {
+    {"plane", [](double u, double v) -> Vec<3> { return {u, v, 0}; }, 2, 3},
+    {"sphere of radius 2", [](double u, double v) -> Vec<3> {
+         return {2 * std::cos(u) * std::cos(v), 2 * std::sin(u) * std::cos(v), 2 * std::sin(v)};
+     }, 2, 1},
+    {"cylinder of radius 1.5", [](double u, double v) -> Vec<3> { return {1.5 * std::cos(u), 1.5 * std::sin(u), v}; },
+     6, 4},
+    {"cylinder of radius 1.5", [](double u, double v) -> Vec<3> { return {1.5 * std::cos(u), 1.5 * std::sin(u), v}; },
+     1.5, 1},  // a piece of it
+    {"torus of radii 3 and 0.8", on_torus, 6, 6},
+};
+
+}  // namespace
+
+TEST_CASE("planes, spheres, cylinders and tori are found where points lie on them, turned and far from the origin") {
+    for (const auto& [name, surface, u_end, v_end] : primitives) {
+        CAPTURE(name);
+        const std::vector<Vec<3>> points = sampled(surface, u_end, v_end);
+        const Vec<3> normal = cross(points[1] - points[0], points[6] - points[0]);
+        const auto found = fit_surface(3, points, normal);
+        REQUIRE(found);
+        CHECK(found->name() == name);
+        for (const Vec<3>& x : points) CHECK(length(found->closest(x).position - x) < 1e-8);
+    }
+    std::vector<Vec<3>> bumpy = sampled(primitives[2].surface, 6, 4);
+    bumpy[17][1] += 1e-3;
+    CHECK(!fit_surface(3, bumpy, {0, 0, 1}));
+    CHECK(!fit_surface(3, {}, {0, 0, 1}));
+    CHECK(!fit_surface(3, {{1, 2, 3}}, {0, 0, 1}));
+    const auto line = fit_surface(2, {{0, 0, 0}, {1, 1, 0}, {3, 3, 0}}, {1, -1, 0});
+    REQUIRE(line);
+    CHECK(line->name() == "straight line");
+    std::vector<Vec<3>> arc;
+    for (int k = 0; k < 5; ++k) arc.push_back({7 + 2 * std::cos(0.3 * k), 2 * std::sin(0.3 * k), 0});
+    const auto circle = fit_surface(2, arc, {1, 0, 0});
+    REQUIRE(circle);
+    CHECK(circle->name() == "circle of radius 2");
+}
+
+TEST_CASE("the closest point is on the surface along its normal, and the curvature is the derivative of the normal") {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> number(-1, 1);
+    for (const auto& [name, surface, u_end, v_end] : primitives) {
+        CAPTURE(name);
+        const std::vector<Vec<3>> points = sampled(surface, u_end, v_end);
+        const auto found = fit_surface(3, points, cross(points[1] - points[0], points[6] - points[0]));
+        REQUIRE(found);
+        for (int k = 0; k < 20; ++k) {
+            const Vec<3> x = points[2 * k] + 0.2 * Vec<3>{number(random), number(random), number(random)};
+            const SurfacePoint at = found->closest(x);
+            CHECK(length(cross(x - at.position, at.normal)) < 1e-9);
+            CHECK(length(at.normal) == doctest::Approx(1));
+            CHECK(length(found->closest(at.position).position - at.position) < 1e-9);
+            const Vec<3> d = {number(random), number(random), number(random)};
+            const double h = 1e-5;
+            const Vec<3> change = 0.5 / h * (found->closest(at.position + h * d).normal -
+                                             found->closest(at.position - h * d).normal);
+            for (int i = 0; i < 3; ++i) CHECK(change[i] == doctest::Approx(dot(at.curvature[i], d)).epsilon(1e-5));
+        }
+    }
+}
+
+TEST_CASE("along a mesh's own faces: the closest point on them, with normals that turn continuously") {
+    const Mesh mesh = ring_mesh(24, 2, 2);
+    const PatchBasis basis(1, 1);
+    std::vector<Patch> patches;
+    std::vector<std::vector<int>> nodes;
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        if (mesh.boundaries[mesh.face_boundary[f]] != "outer") continue;
+        patches.push_back(face_patch(basis, mesh, mesh.x, f));
+        nodes.emplace_back(mesh.face(f), mesh.face(f) + 2);
+    }
+    const auto faces = surface_of_faces(basis, patches, nodes);
+    Vec<3> before{};
+    for (int k = 0; k <= 2000; ++k) {
+        const double t = 2 * std::acos(-1.0) * k / 2000;
+        const SurfacePoint at = faces->closest({1.95 * std::cos(t), 1.95 * std::sin(t), 0});
+        CHECK(length(at.position) <= 2 + 1e-12);
+        CHECK(length(at.position) >= 2 * std::cos(std::acos(-1.0) / 24) - 1e-12);
+        CHECK(std::abs(at.normal[0] * std::cos(t) + at.normal[1] * std::sin(t)) > 0.999);
+        if (k > 0) CHECK(length(at.normal - before) < 0.02);
+        before = at.normal;
+    }
+}
