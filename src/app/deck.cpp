@@ -32,6 +32,12 @@ void check_repeat(const std::string& what, const std::string& earlier, const std
         throw UsageError(what, " is already set (", earlier, "): remove one of the two");
 }
 
+// Paths start in the deck's folder, on the command line in the current one.
+std::string path_from(const std::string& where, const Deck& deck, const std::string& path) {
+    const fs::path start = where == command_line ? fs::path() : fs::path(deck.folder);
+    return (start / path).lexically_normal().string();
+}
+
 void read_key(Deck& deck, std::string_view name, std::string_view value, const std::string& where) {
     const DeckKey* const key = find_row(deck_keys(), name);
     if (!key) {
@@ -44,8 +50,7 @@ void read_key(Deck& deck, std::string_view name, std::string_view value, const s
     set_value(deck, *key, value);
     deck.given[key->name] = where;
     if (key->name == "mesh" && !deck.mesh.empty()) {
-        const fs::path start = where == command_line ? fs::path() : fs::path(deck.folder);
-        deck.mesh = (start / deck.mesh).lexically_normal().string();
+        deck.mesh = path_from(where, deck, deck.mesh);
     }
 }
 
@@ -66,7 +71,9 @@ std::string take_boundary_name(std::string_view& text) {
 
 void read_boundary(Deck& deck, std::string_view text, const std::string& where) {
     const std::string name = take_boundary_name(text), shown = "boundary " + with_quotes(name);
-    const Motion motion = with_context(shown, [&] { return parse_motion(text); });
+    Motion motion = with_context(shown, [&] { return parse_motion(text); });
+    for (MotionStep& step : motion.steps)
+        if (!step.file.empty()) step.file = path_from(where, deck, step.file);
     DeckBoundary* const earlier = find_row(deck.boundaries, name);
     if (earlier) check_repeat(shown, earlier->where, where);
     (earlier ? *earlier : deck.boundaries.emplace_back()) = {name, motion, where};
@@ -156,6 +163,12 @@ Deck read_deck(const std::string& path, const std::vector<std::string>& override
     return parse_deck(text, path, overrides);
 }
 
+const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary) {
+    for (const std::string& name : {boundary, std::string("rest"), std::string("all")})
+        if (const DeckBoundary* const found = find_row(deck.boundaries, name)) return found;
+    return nullptr;
+}
+
 void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string>& mesh_boundaries) {
     const auto check_name = [&](const std::string& name, const std::string& where) {
         if (std::find(mesh_boundaries.begin(), mesh_boundaries.end(), name) != mesh_boundaries.end()) return;
@@ -164,7 +177,7 @@ void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string
         throw UsageError(where, ": the mesh has no boundary ", with_quotes(name), ", only ", list);
     };
     for (const DeckBoundary& boundary : deck.boundaries) {
-        check_name(boundary.name, boundary.where);
+        if (boundary.name != "all" && boundary.name != "rest") check_name(boundary.name, boundary.where);
         with_context(boundary.where + ": boundary " + with_quotes(boundary.name),
                      [&] { check_dimension(boundary.motion, dim); });
     }
@@ -183,8 +196,11 @@ std::string resolved(const Deck& deck) {
         text += key.name + " = " + key.value.text(shown) + "\n";
     }
     if (!deck.boundaries.empty()) text += "\n# Motions of the boundaries.\n";
-    for (const DeckBoundary& boundary : deck.boundaries)
+    for (DeckBoundary boundary : deck.boundaries) {
+        for (MotionStep& step : boundary.motion.steps)
+            if (!step.file.empty()) step.file = relative_path(deck.output, step.file);
         text += "boundary " + quoted_where_needed(boundary.name, "#=\" \t") + " = " + to_string(boundary.motion) + "\n";
+    }
     if (!deck.expectations.empty()) text += "\n# Checked at the end of the run.\n";
     for (const Expectation& expectation : deck.expectations) text += "expect " + to_string(expectation) + "\n";
     return text;

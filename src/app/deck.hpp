@@ -77,6 +77,9 @@ Deck read_deck(const std::string& path, const std::vector<std::string>& override
 // The same from text in memory; `path` stands for the file.
 Deck parse_deck(std::string_view text, const std::string& path, const std::vector<std::string>& overrides = {});
 
+// The motion of a boundary of the mesh: its own, or that of `rest` or `all`; null where there is none.
+const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary);
+
 // What cannot be checked without the mesh: throws UsageError where a boundary line or `wall` names no boundary of the
 // mesh, or where a motion does not fit the dimension.
 void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string>& mesh_boundaries);

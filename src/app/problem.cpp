@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <map>
 
+#include "app/node_targets.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
@@ -33,19 +34,22 @@ RawMesh read_mesh_file(const std::string& path, std::string& hash) {
     return raw;
 }
 
-// One motion per boundary of the mesh; each must have one in the deck.
+// One motion per boundary of the mesh; each must have one in the deck, `all` and `rest` stand for those not named.
 std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
     check_against_mesh(deck, mesh.dim, mesh.boundaries);
     std::vector<Motion> motions;
+    std::vector<std::string> missing;
     for (const std::string& name : mesh.boundaries) {
-        const DeckBoundary* const boundary = find_row(deck.boundaries, name);
-        if (!boundary)
-            throw UsageError(deck.path, ": boundary `", name, "` of the mesh has no motion; add the line `boundary ",
-                             name.find(' ') == std::string::npos ? name : with_quotes(name),
-                             " = fixed` (or another motion)");
-        motions.push_back(boundary->motion);
+        const DeckBoundary* const boundary = motion_for(deck, name);
+        if (boundary) motions.push_back(boundary->motion);
+        else missing.push_back(name);
     }
-    return motions;
+    if (missing.empty()) return motions;
+    std::string lines;
+    for (const std::string& name : missing)
+        lines += "\n  boundary " + quoted_where_needed(name, "#=\" \t") + " = fixed";
+    throw UsageError(deck.path, ": ", counted(missing.size(), "boundary line"),
+                     " missing; add `boundary rest = fixed`, or each of these with its motion:", lines);
 }
 
 // With fewer points than |F|^2 needs, the energy does not see some motions of the nodes inside an element.
@@ -82,16 +86,47 @@ DistortionParams distortion_of(const Deck& deck) {
     return params;
 }
 
-// The base mesh, refined and of another degree, its ideal mesh and its target, in units of the file.
-std::unique_ptr<Level> discretise(const Deck& deck, const Mesh& base, int refinements, int degree,
+// Of the base mesh.
+PlacedNodes places_of_files(const Deck& deck, const Mesh& base) {
+    PlacedNodes placed;
+    const std::vector<Motion> motions = motions_of(deck, base);
+    for (int b = 0; b < static_cast<int>(motions.size()); ++b)
+        if (const MotionStep* const step = file_step(motions[b])) {
+            placed.resize(motions.size());
+            placed[b] = with_places_of_file(base, b, *step, base.x);
+        }
+    return placed;
+}
+
+Mesh discretised(const Mesh& base, int refinements, int degree) {
+    const Mesh refined = refine(base, refinements);
+    return degree == 1 ? linear_part(refined) : raise_degree(refined, degree);
+}
+
+// The base mesh, refined and of another degree, its ideal mesh and its target, in units of the file. placed: of the
+// base mesh, on return of this one: between the nodes of the file as the elements have it.
+std::unique_ptr<Level> discretise(const Deck& deck, const Mesh& base, int refinements, int degree, PlacedNodes& placed,
                                   BoundaryTarget& target) {
     auto level = std::make_unique<Level>();
-    level->mesh = refine(base, refinements);
-    level->mesh = degree == 1 ? linear_part(level->mesh) : raise_degree(level->mesh, degree);
+    level->mesh = discretised(base, refinements, degree);
     level->ideal = straight_sided(level->mesh);
-    target = make_target(level->mesh, motions_of(deck, level->mesh));
+    for (std::vector<double>& of_boundary : placed) {
+        if (of_boundary.empty()) continue;
+        Mesh moved = base;
+        moved.x = std::move(of_boundary);
+        of_boundary = discretised(moved, refinements, degree).x;
+    }
+    target = make_target(level->mesh, motions_of(deck, level->mesh), placed);
     prescribe_shared_nodes(level->mesh, target);
     return level;
+}
+
+// Where the nodes are at a fraction of the way there from the ideal mesh.
+PlacedNodes at_fraction(PlacedNodes placed, const std::vector<double>& ideal, double length, double fraction) {
+    for (std::vector<double>& of_boundary : placed)
+        for (std::size_t i = 0; i < of_boundary.size(); ++i)
+            of_boundary[i] = length * ideal[i] + fraction * (of_boundary[i] - length * ideal[i]);
+    return placed;
 }
 
 void divide(std::initializer_list<std::vector<double>*> positions, double length) {
@@ -138,7 +173,10 @@ Problem make_problem(const Deck& deck) {
     problem.base = build_mesh(read_mesh_file(deck.mesh, problem.mesh_hash), problem.notes);
     check_quadrature(deck, std::max(deck.degree, problem.base.degree));
     const int degree = deck.degree ? deck.degree : problem.base.degree;
-    problem.level = discretise(deck, problem.base, deck.refine, degree, problem.target);
+    problem.placed = places_of_files(deck, problem.base);
+    PlacedNodes placed = problem.placed;
+    problem.level = discretise(deck, problem.base, deck.refine, degree, placed, problem.target);
+    problem.level_placed = std::move(placed);
     const Mesh& mesh = problem.mesh();
     refuse_invalid_target(check_target(mesh, problem.target.node, open_faces(mesh, problem.target)));
     problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
@@ -147,7 +185,7 @@ Problem make_problem(const Deck& deck) {
         if (std::all_of(problem.target.hold.begin(), problem.target.hold.end(),
                         [](BoundaryHold hold) { return hold == BoundaryHold::free; }))
             throw UsageError(deck.path, ": all boundaries are free: give at least one of them a motion");
-        const BoundaryTarget of_base = make_target(problem.base, motions_of(deck, problem.base));
+        const BoundaryTarget of_base = make_target(problem.base, motions_of(deck, problem.base), problem.placed);
         problem.sliding = sliding_surfaces(deck.feature_angle, problem.base, of_base, problem.length);
         if (problem.sliding) note_surfaces(mesh, *problem.sliding, problem.notes);
     }
@@ -155,7 +193,8 @@ Problem make_problem(const Deck& deck) {
     return problem;
 }
 
-void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, Level& level) {
+void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
+                    Level& level) {
     level.energy = make_energy(level.mesh, level.ideal, distortion_of(deck));
     level.energy->order_hessian(
         [&](const BlockCsr& pattern) { return sweep_order(pattern, level.mesh.dim, deck.linear); });
@@ -166,7 +205,8 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
         if (deck.follow != Follow::always) motion = shortest(std::move(motion));
         level.turn = std::max(level.turn, turn(motion));
     }
-    level.constraint_at = [&problem, &level, motions, kind, feature_angle = deck.feature_angle](double fraction) {
+    const double angle = deck.feature_angle;
+    level.constraint_at = [&problem, &level, motions, placed, kind, angle](double fraction) {
         const double length = problem.length;
         std::vector<Motion> parts;
         for (const Motion& motion : motions) parts.push_back(at_fraction(motion, fraction));
@@ -175,12 +215,14 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
             in_file_units.x[i] = length * (level.ideal[i] + fraction * (level.mesh.x[i] - level.ideal[i]));
         std::unique_ptr<Constraint> constraint;
         try {
-            BoundaryTarget part = make_target(in_file_units, parts);
+            BoundaryTarget part =
+                make_target(in_file_units, parts, at_fraction(placed, level.ideal, length, fraction));
             prescribe_shared_nodes(in_file_units, part);
             divide({&part.node, &part.sample}, length);
             std::shared_ptr<const SlidingSurfaces> sliding;
             if (problem.sliding)
-                sliding = sliding_surfaces(feature_angle, problem.base, make_target(problem.base, parts), length);
+                sliding = sliding_surfaces(angle, problem.base, make_target(problem.base, parts, problem.placed),
+                                           length);
             constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, part, kind, sliding);
         } catch (const InputError&) {  // the motions of two boundaries agree at their ends only
         }
@@ -199,11 +241,12 @@ std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem
 
 std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, const CoarserMesh& coarser) {
     BoundaryTarget target;
-    std::unique_ptr<Level> level = discretise(deck, problem.base, coarser.refinements, coarser.degree, target);
+    PlacedNodes placed = problem.placed;
+    std::unique_ptr<Level> level = discretise(deck, problem.base, coarser.refinements, coarser.degree, placed, target);
     change_unit(problem.length, *level, target);
     Deck simpler = deck;
     if (level->mesh.degree < problem.mesh().degree) simpler.target = TargetKind::nodal;
-    set_functional(simpler, problem, target, *level);
+    set_functional(simpler, problem, target, placed, *level);
     return level;
 }
 

@@ -16,6 +16,7 @@ struct Problem {
     std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in units of `length`
     BoundaryTarget target;         // in units of `length`
     std::vector<double> node_target;  // target.node in units of the file
+    PlacedNodes placed, level_placed;  // by files, of the base mesh and of the level's, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
     double length = 1;             // of the mesh file, by which positions were divided
     std::string mesh_hash;         // FNV-1a of the file, to tell which mesh a result came from
@@ -29,9 +30,10 @@ struct Problem {
 // themselves included. The level has no energy and no constraint yet.
 Problem make_problem(const Deck& deck);
 
-// Gives the level its energy and its constraint: the functional of Eq. 6. target: in units of problem.length. The
-// problem must outlive the level.
-void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, Level& level);
+// Gives the level its energy and its constraint: the functional of Eq. 6. target: in units of problem.length, placed:
+// in those of the file. The problem must outlive the level.
+void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
+                    Level& level);
 
 // A mesh on which the problem is solved first.
 struct CoarserMesh {

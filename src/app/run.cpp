@@ -201,7 +201,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
 
     // 3. The functional, Eq. 6.
     Level& level = *problem.level;
-    set_functional(deck, problem, problem.target, level);
+    set_functional(deck, problem, problem.target, problem.level_placed, level);
 
     // 4. Algorithm 1, from the coarse solution or the identity map.
     AlObserver observer;

@@ -25,6 +25,10 @@ struct MotionForm {
     bool axis = false, about = false;  // whether these clauses may follow
     bool per_axis = false;             // its numbers are one for each axis, or a single one where that is allowed
     bool turns = false;                // its first number is an angle in degrees
+    bool twists = false;               // its first number is a rate, a part of which is a part of the motion
+    bool file = false;                 // the name of a file comes first
+    bool mesh = false;                 // which is a mesh
+    bool formulas = false;             // formulas in double quotes, one for each axis, in place of numbers
     bool affine = true;                // false: targets are projected onto the trace space, not interpolated
     int projection_in = 0;             // the dimension a projection acts in; so many leading numbers are its centre
     BoundaryHold hold = BoundaryHold::prescribed;  // by the last step of a motion
@@ -90,7 +94,7 @@ Vec<3> cylinder_axis(Step step) { return padded(std::span(step.numbers).subspan(
 
 const char* axis_fault(const Vec<3>& axis) { return axis == Vec<3>{} ? "the axis is zero" : ""; }
 
-constexpr std::array<MotionForm, 9> forms = {{
+constexpr std::array<MotionForm, 13> forms = {{
     {.name = "fixed", .form = "fixed", .meaning = "stays where the mesh file has it"},
 
     {.name = "translate", .form = "translate DX DY [DZ]", .meaning = "shift", .fewest = 2, .most = 3, .per_axis = true,
@@ -107,6 +111,35 @@ constexpr std::array<MotionForm, 9> forms = {{
          rotate(step.axis.empty() ? Vec<3>{0, 0, 1} : unit(padded(step.axis)), step.numbers[0], d);
          return true;
      }},
+
+    {.name = "twist", .form = "twist ANGLE-PER-LENGTH axis AX AY AZ [about PX PY PZ]",
+     .meaning = "3D: degrees for each unit of length along the axis, right-handed; none at the origin or `about`",
+     .fewest = 1, .most = 1, .axis = true, .about = true, .twists = true, .affine = false,
+     .fault = [](Step step) { return step.axis.empty() ? "it needs `axis`" : axis_fault(padded(step.axis)); },
+     .move = [](Step step, Vec<3>& d) {
+         const Vec<3> u = unit(padded(step.axis));
+         rotate(u, step.numbers[0] * dot(u, d), d);
+         return true;
+     }},
+
+    {.name = "expression", .form = "expression \"X\" \"Y\" [\"Z\"]",
+     .meaning = "the point as formulas of x, y, z: numbers, pi, + - * / ^, parentheses, sin cos tan asin acos atan "
+                "sinh cosh tanh exp log sqrt abs, and of two arguments atan2 min max hypot",
+     .formulas = true, .affine = false,
+     .move = [](Step step, Vec<3>& d) {
+         const Vec<3> x = d;
+         for (std::size_t a = 0; a < step.formulas.size(); ++a) d[a] = step.formulas[a](x);
+         return true;
+     }},
+
+    {.name = "file", .form = "file NAME [displacement]",
+     .meaning = "first step: places, or displacements, of the boundary's nodes, rows `node-id x y [z]` separated by "
+                "blanks or commas, from the deck's folder",
+     .file = true},
+
+    {.name = "mesh", .form = "mesh NAME",
+     .meaning = "first step: where a mesh, such as the final.msh of another run, has the nodes with the same ids",
+     .file = true, .mesh = true},
 
     {.name = "scale", .form = "scale S [about PX PY [PZ]]",
      .meaning = "one factor > 0, or one per axis: SX SY [SZ]", .fewest = 1, .most = 3, .about = true, .per_axis = true,
@@ -149,6 +182,9 @@ template <class... Parts>
 void check(const MotionForm& form, Step step) {
     const std::size_t count = step.numbers.size();
     if (count < form.fewest || count > form.most) refuse(form, counted(count, "number"));
+    if (form.formulas && step.formulas.size() != 2 && step.formulas.size() != 3)
+        refuse(form, counted(step.formulas.size(), "formula"), " in double quotes");
+    if (form.file && step.file.empty()) refuse(form, "the name of the file is missing");
     if (!step.axis.empty() && step.axis.size() != 3) refuse(form, "`axis` needs 3 numbers");
     if (!step.about.empty() && step.about.size() != 2 && step.about.size() != 3)
         refuse(form, "`about` needs 2 numbers, or 3 in 3D");
@@ -156,16 +192,42 @@ void check(const MotionForm& form, Step step) {
     if (form.projection_in && step.numbers.back() <= 0) refuse(form, "the radius must be > 0");
 }
 
+// Words, and texts in double quotes with their quotes.
+std::vector<std::string_view> quoted_words(std::string_view text) {
+    std::vector<std::string_view> result;
+    for (text = trim(text); !text.empty(); text = trim(text)) {
+        const std::size_t close = text[0] == '"' ? text.find('"', 1) : std::string_view::npos;
+        const std::size_t end = std::min(close == std::string_view::npos ? text.find_first_of(" \t") : close + 1,
+                                         text.size());
+        result.push_back(text.substr(0, end));
+        text.remove_prefix(end);
+    }
+    return result;
+}
+
 MotionStep parse_step(std::string_view text) {
-    const auto written = words(text);
+    const auto written = quoted_words(text);
     if (written.empty()) throw UsageError("a step of the motion is empty: put a step on both sides of every `;`");
     const MotionForm* const found = find_row(forms, written[0]);
     if (!found)
         throw UsageError("unknown motion ", in_backquotes(written[0]), did_you_mean(written[0], names_of(forms)));
     const MotionForm& form = *found;
-    MotionStep step{&form, {}, {}, {}};
+    MotionStep step;
+    step.form = &form;
     std::vector<double>* clause = &step.numbers;
     for (std::size_t i = 1; i < written.size(); ++i) {
+        if (form.file && step.file.empty()) {
+            step.file = without_quotes(written[i]).value_or("");
+            continue;
+        }
+        if (form.file && !form.mesh && written[i] == "displacement" && !step.displacement) {
+            step.displacement = true;
+            continue;
+        }
+        if (form.formulas && written[i].starts_with('"')) {
+            step.formulas.emplace_back(without_quotes(written[i]).value_or(""));
+            continue;
+        }
         if (const auto number = parse_double(written[i])) {
             clause->push_back(*number);
             continue;
@@ -183,6 +245,9 @@ MotionStep parse_step(std::string_view text) {
 
 std::string to_string(Step step) {
     std::string text = step.form->name;
+    if (!step.file.empty()) text += ' ' + quoted_where_needed(step.file, "#=;\" \t");
+    if (step.displacement) text += " displacement";
+    for (const Expression& formula : step.formulas) text += ' ' + with_quotes(formula.text());
     for (double v : step.numbers) text += ' ' + to_text(v);
     if (!step.axis.empty()) text += " axis";
     for (double v : step.axis) text += ' ' + to_text(v);
@@ -203,6 +268,8 @@ std::string misfit(Step step, int dim) {
         why = (dim == 3 ? " needs `axis AX AY AZ`" : " must not have an axis") + in_dimensions;
     else if (form.per_axis && count != 1 && count != width)
         why = " needs " + (form.fewest == 1 ? "one factor or " + n : n + " components") + in_dimensions;
+    else if (form.formulas && step.formulas.size() != width)
+        why = " needs " + n + " formulas" + in_dimensions;
     else if (!step.about.empty() && step.about.size() != width)
         why = " needs " + n + " numbers after `about`" + in_dimensions;
     return why.empty() ? "" : in_backquotes(to_string(step)) + why;
@@ -231,7 +298,12 @@ bool apply_step(Step step, Vec<3>& x) {
 Motion parse_motion(std::string_view text) {
     Motion motion;
     for (const std::string_view piece : split(text, ';')) motion.steps.push_back(parse_step(piece));
-    const auto is_alone = [](Step step) { return !step.form->move && step.form->hold != BoundaryHold::slides; };
+    const auto is_file = [](Step step) { return step.form->file; };
+    if (std::any_of(motion.steps.begin() + 1, motion.steps.end(), is_file))
+        throw UsageError("places from a file must be the first step: they belong to nodes where the mesh has them");
+    const auto is_alone = [](Step step) {
+        return !step.form->move && !step.form->file && step.form->hold != BoundaryHold::slides;
+    };
     const auto alone = std::find_if(motion.steps.begin(), motion.steps.end(), is_alone);
     if (motion.steps.size() > 1 && alone != motion.steps.end())
         throw UsageError(in_backquotes(alone->form->name), " beside other steps: a ", alone->form->name,
@@ -258,7 +330,8 @@ bool apply(const Motion& motion, int dim, double* x) {
 }
 
 Motion at_fraction(Motion motion, double fraction) {
-    for (MotionStep& step : motion.steps) (step.form->turns ? step.numbers[0] : step.fraction) *= fraction;
+    for (MotionStep& step : motion.steps)
+        (step.form->turns || step.form->twists ? step.numbers[0] : step.fraction) *= fraction;
     return motion;
 }
 
@@ -278,6 +351,12 @@ double turn(const Motion& motion) {
 bool is_affine(const Motion& motion) {
     return std::all_of(motion.steps.begin(), motion.steps.end(), [](Step step) { return step.form->affine; });
 }
+
+const MotionStep* file_step(const Motion& motion) {
+    return motion.steps.front().form->file ? &motion.steps.front() : nullptr;
+}
+
+bool is_of_mesh(const MotionStep& file_step) { return file_step.form->mesh; }
 
 BoundaryHold hold_of(const Motion& motion) { return motion.steps.back().form->hold; }
 

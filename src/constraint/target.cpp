@@ -76,7 +76,7 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
 
 }  // namespace
 
-BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion) {
+BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed) {
     const int dim = mesh.dim, m = mesh.face_nodes();
     for (const Motion& each : motion) check_dimension(each, dim);
     const LagrangeBasis basis(dim - 1, mesh.degree);
@@ -93,7 +93,9 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion) 
     target.sample.resize(offset(mesh.face_count(), points * dim));
     parallel_for_throwing(mesh.face_count(), [&](int f) {
         const int boundary = mesh.face_boundary[f];
-        const auto node_position = [&](int i) { return point(mesh.x, mesh.face(f)[i], dim); };
+        const bool from_file = !placed.empty() && !placed[boundary].empty();
+        const std::vector<double>& from = from_file ? placed[boundary] : mesh.x;
+        const auto node_position = [&](int i) { return point(from, mesh.face(f)[i], dim); };
         for (int i = 0; i < m; ++i) {
             double* const x = &target.node[offset(offset(f, m, i), dim)];
             std::copy_n(node_position(i), dim, x);

@@ -20,9 +20,12 @@ struct BoundaryTarget {
     bool prescribes_all() const;
 };
 
+// Per boundary: where a file has its nodes, nodes x dim; empty for boundaries without such a file, or altogether.
+using PlacedNodes = std::vector<std::vector<double>>;
+
 // motion: one per mesh.boundaries. Throws UsageError where one does not fit the dimension, InputError where a
 // projection is undefined (a node at the centre), or where two boundaries send a node they share to different places.
-BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion);
+BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed = {});
 
 // Nodes that one face prescribes are there on faces too that slide or are free.
 void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target);

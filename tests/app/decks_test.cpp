@@ -42,6 +42,18 @@ TEST_CASE("the decks of inputs/slide hold what they expect") {
     }
 }
 
+TEST_CASE("the decks of inputs/targets and inputs/cad hold what they expect") {
+    if (!std::filesystem::is_directory("inputs")) return;
+    for (const char* name : {"targets/flap", "targets/wave", "cad/cylinder-box"}) {
+        CAPTURE(name);
+        const TemporaryFolder folder;
+        const Outcome outcome =
+            almesh_with({std::string("inputs/") + name + ".deck", "output=" + folder.path("out"), "vtk=none"});
+        CAPTURE(outcome.out);
+        CHECK(outcome.code == 0);
+    }
+}
+
 TEST_CASE("small decks of large motions hold what their decks expect") {
     if (!std::filesystem::is_directory("inputs")) return;
     for (const char* name : {"circle-turned", "circle-refined-turned", "plate-turned", "plate-degree-2", "block-turned",

@@ -58,7 +58,8 @@ TEST_CASE("faults of the deck: code 1 with file, line and advice, nothing writte
 TEST_CASE("a boundary without a motion, and motions of another dimension: code 1") {
     const RingDeck ring;
     ring.folder.write("ring.deck", "mesh = ring.msh\noutput = " + ring.output + "\nboundary inner = fixed\n");
-    check_refused(ring.run(), 1, {"ring.deck", "boundary `outer` of the mesh has no motion", "boundary outer = fixed"});
+    check_refused(ring.run(), 1,
+                  {"ring.deck", "1 boundary line missing", "boundary rest = fixed", "\n  boundary outer = fixed"});
     check_refused(ring.run({"boundary outer=translate 1 0 0"}), 1, {"command line", "\"outer\"", "2 components in 2D"});
     check_refused(ring.run({"boundary outer=sphere 0 0 0 1"}), 1, {"command line", "use a circle"});
 }

@@ -251,3 +251,38 @@ TEST_CASE("slide is the last step, free the only one") {
     CHECK(has(error_of("slide 3"), "expected slide"));
     CHECK(to_string(parse_motion("rotate 10 about 1 1;slide")) == "rotate 10 about 1 1; slide");
 }
+
+TEST_CASE("twists and formulas move points, and in part") {
+    check_near(moved("twist 45 axis 0 0 2", 3, {1, 0, 2}), {0, 1, 2});
+    check_near(moved("twist 45 axis 0 0 1 about 0 0 1", 3, {1, 0, -1}), {0, -1, -1});
+    check_near(moved("expression \"2*x + y\" \"-y\"", 2, {1, 3, 0}), {5, -3, 0});
+    Point x = {1, 0, 2};
+    REQUIRE(apply(at_fraction(parse_motion("twist 45 axis 0 0 1"), 0.5), 3, x.data()));
+    check_near(x, {std::sqrt(0.5), std::sqrt(0.5), 2});
+    x = {1, 3, 0};
+    REQUIRE(apply(at_fraction(parse_motion("expression \"x\" \"y + 2\""), 0.25), 2, x.data()));
+    check_near(x, {1, 3.5, 0});
+    CHECK(has(misfit_of("twist 3 axis 0 0 1", 2), "must not have an axis in 2D"));
+    CHECK(has(error_of("twist 3"), "it needs `axis`"));
+    CHECK(has(misfit_of("expression \"x\" \"y\"", 3), "needs 3 formulas in 3D"));
+    CHECK(has(error_of("expression \"x\""), "1 formula in double quotes"));
+    CHECK(has(error_of("expression \"x\" \"y +\""), "column 4"));
+    CHECK(!is_affine(parse_motion("twist 3 axis 0 0 1")));
+    const std::string text = "expression \"x + 1\" \"y*2\"; rotate 30";
+    CHECK(to_string(parse_motion(text)) == text);
+}
+
+TEST_CASE("places from a file: the first step, its name with or without quotes") {
+    const Motion motion = parse_motion("file \"my nodes.csv\" displacement; rotate 5");
+    REQUIRE(file_step(motion));
+    CHECK(file_step(motion)->file == "my nodes.csv");
+    CHECK(file_step(motion)->displacement);
+    CHECK(!is_of_mesh(*file_step(motion)));
+    CHECK(to_string(motion) == "file \"my nodes.csv\" displacement; rotate 5");
+    CHECK(is_of_mesh(*file_step(parse_motion("mesh final.msh"))));
+    CHECK(!file_step(parse_motion("rotate 5")));
+    CHECK(moved("file a.csv; translate 1 0", 2, {1, 2, 0}) == Point{2, 2, 0});
+    CHECK(has(error_of("rotate 5; file a.csv"), "must be the first step"));
+    CHECK(has(error_of("file"), "the name of the file is missing"));
+    CHECK(has(error_of("mesh a.msh displacement"), "is not a number"));
+}

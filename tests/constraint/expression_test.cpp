@@ -1,0 +1,58 @@
+#include "constraint/expression.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "base/error.hpp"
+
+using namespace almesh;
+
+namespace {
+
+double value(const std::string& text, const Vec<3>& x = {2, 3, 5}) { return Expression(text)(x); }
+
+std::string error_of(const std::string& text) {
+    try {
+        Expression{text};
+    } catch (const UsageError& error) {
+        return error.what();
+    }
+    return "";
+}
+
+}  // namespace
+
+TEST_CASE("formulas with the usual precedence") {
+    CHECK(value("1 + 2*3") == 7);
+    CHECK(value("(1+2)*3 - 4/2/2") == 8);
+    CHECK(value("10 - 4 - 3") == 3);
+    CHECK(value("2^3^2") == 512);
+    CHECK(value("-2^2") == -4);
+    CHECK(value("2^-1") == 0.5);
+    CHECK(value("--3 + +1") == 4);
+    CHECK(value("1.5e-1*2E1") == doctest::Approx(3));
+    CHECK(value("x + 10*y + 100*z") == 532);
+    CHECK(value("x*-y") == -6);
+    CHECK(value("sin(pi/6) + 2*cos(0)") == doctest::Approx(2.5));
+    CHECK(value("max(x, y)^2 - min(x, y) + hypot(x, y)^2") == doctest::Approx(20));
+    CHECK(value("atan2(y, x)") == std::atan2(3.0, 2.0));
+    CHECK(value("sqrt(abs(-16)) + log(exp(2)) + tanh(0) + acos(1)") == doctest::Approx(6));
+    CHECK(Expression(" x ") .text() == " x ");
+}
+
+TEST_CASE("errors name the column and what was expected") {
+    const auto has = [](const std::string& text, const std::string& part) {
+        return text.find(part) != std::string::npos;
+    };
+    CHECK(has(error_of(""), "column 1: expected a number"));
+    CHECK(has(error_of("x +"), "column 4: expected a number"));
+    CHECK(has(error_of("(x + 1"), "column 7: expected `)`"));
+    CHECK(has(error_of("x 3"), "column 3: expected an operator"));
+    CHECK(has(error_of("sin x"), "column 5: expected `(`"));
+    CHECK(has(error_of("atan2(x)"), "column 8: expected `,`"));
+    CHECK(has(error_of("w + 1"), "unknown name `w`"));
+    CHECK(has(error_of("1.2.3"), "column 1: expected a number"));
+    CHECK(has(error_of(std::string(500, '(')), "nested too deeply"));
+    CHECK(has(error_of(std::string(500, '-') + "x"), "nested too deeply"));
+}
