@@ -14,6 +14,7 @@ constexpr const char* help =
     "almesh moves and curves meshes of triangles and tetrahedra without inverting an element.\n"
     "\n"
     "  almesh DECK [key=value ...]   run a deck; keys given here replace those of the deck\n"
+    "  almesh info FILE              what is in a mesh file, and a deck to start from: almesh info FILE > my.deck\n"
     "  almesh quality FILE           certify and measure any Gmsh mesh (MSH 2.2 or 4.1, ASCII)\n"
     "  almesh linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] [preconditioner=ilu0|ssor] [threads=N]\n"
     "                 [block=1|2|3] [ordering=nested_dissection|minimum_degree|rcm|natural]\n"
@@ -47,6 +48,10 @@ ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
     if (first == "quality") {
         if (arguments.size() != 2) throw UsageError("quality takes one mesh file: almesh quality FILE");
         return quality(arguments[1], out);
+    }
+    if (first == "info") {
+        if (arguments.size() != 2) throw UsageError("info takes one mesh file: almesh info FILE");
+        return info(arguments[1], out);
     }
     if (first == "linsolve") return linsolve({arguments.begin() + 1, arguments.end()}, out);
     if (first.starts_with("-")) throw UsageError("unknown option ", first, "; see almesh --help");

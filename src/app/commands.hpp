@@ -23,6 +23,10 @@ ExitCode run(const Deck& deck, std::FILE* out);
 // InputError for a file that is no mesh.
 ExitCode quality(const std::string& mesh_path, std::FILE* out);
 
+// What is in a mesh file, as comments, and a deck to start from: all boundaries fixed. Throws InputError for a file
+// that is no mesh.
+ExitCode info(const std::string& mesh_path, std::FILE* out);
+
 // How many elements the certificate could not prove valid, and the worst ten: id, centre (in units of the mesh file:
 // that of x times length), lower bound of the scaled Jacobian. Prints nothing where all are certified.
 void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, double length,

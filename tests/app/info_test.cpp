@@ -1,0 +1,23 @@
+#include <doctest/doctest.h>
+
+#include "support/ring_deck.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+TEST_CASE("info tells what is in a mesh, and is a deck that runs") {
+    const RingDeck ring;
+    const std::string mesh = ring.folder.path("ring.msh");
+    const Outcome told = almesh_with({"info", mesh});
+    CHECK(told.code == 0);
+    CHECK(has(told.out, "48 nodes, 72 triangles of degree 1"));
+    CHECK(has(told.out, "(-6, -6) to (6, 6)"));
+    CHECK(has(told.out, "inner  12 faces, 12 nodes, (-1, -1) to (1, 1)"));
+    CHECK(has(told.out, "all elements certified valid, none overlap"));
+    const std::string deck = ring.folder.write("from_info.deck", told.out);
+    const Outcome run = almesh_with({deck, "output=" + ring.output, "boundary inner=translate 1 0"});
+    CAPTURE(run.error);
+    CHECK(run.code == 0);
+    CHECK(almesh_with({"info"}).code == 1);
+    CHECK(almesh_with({"info", ring.folder.path("nothing.msh")}).code == 2);
+}
