@@ -37,6 +37,7 @@ struct DeckBoundary {
 enum class Start { automatic, identity, coarse };
 enum class Snap { automatic, no, yes };
 enum class VtkOutput { ascii, binary, none };
+enum class FinalFormat { msh, su2, both };
 
 struct Deck {
     // The keys with their defaults; parameters of the method stand in its own structs. An empty optional is `auto`.
@@ -60,6 +61,7 @@ struct Deck {
     CertificateParams certificate;
     int write_system = 0;
     VtkOutput vtk = VtkOutput::ascii;
+    FinalFormat final_format = FinalFormat::msh;
     std::string wall;  // boundary name, "" for none
     int threads = 0;
 

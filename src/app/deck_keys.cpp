@@ -177,6 +177,8 @@ const std::vector<DeckKey>& deck_keys() {
          "none."},
         {"vtk", choice<&Deck::vtk>({"ascii", "binary", "none"}),
          "Format of the VTK files: text, or binary, which is faster to write and read; or none of them."},
+        {"final", choice<&Deck::final_format>({"msh", "su2", "both"}),
+         "Format of the final mesh: final.msh (Gmsh), final.su2 (linear meshes), or both."},
         {"wall", text<&Deck::wall>("boundary name"),
          "Boundary whose distance is written with the results; \"\": none."},
         {"threads", number<&Deck::threads>({0, 1024}), "Threads; 0: all, or what OMP_NUM_THREADS says."},

@@ -173,6 +173,9 @@ Problem make_problem(const Deck& deck) {
     problem.base = build_mesh(read_mesh_file(deck.mesh, problem.mesh_hash), problem.notes);
     check_quadrature(deck, std::max(deck.degree, problem.base.degree));
     const int degree = deck.degree ? deck.degree : problem.base.degree;
+    if (degree > 1 && deck.final_format != FinalFormat::msh)
+        throw UsageError(deck.given.at("final"), ": SU2 meshes are linear, these elements have degree ", degree,
+                         ": take final = msh");
     problem.placed = places_of_files(deck, problem.base);
     PlacedNodes placed = problem.placed;
     problem.level = discretise(deck, problem.base, deck.refine, degree, placed, problem.target);

@@ -12,6 +12,7 @@
 #include "base/text.hpp"
 #include "check/wall_distance.hpp"
 #include "io/msh.hpp"
+#include "io/su2.hpp"
 #include "io/vtk.hpp"
 
 namespace almesh {
@@ -116,7 +117,8 @@ void write_initial(const Deck& deck, const Problem& problem) {
 
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {
     const std::vector<double> positions = final_positions(problem, solution.x);
-    write_msh(deck.output + "/final.msh", problem.mesh(), positions);
+    if (deck.final_format != FinalFormat::su2) write_msh(deck.output + "/final.msh", problem.mesh(), positions);
+    if (deck.final_format != FinalFormat::msh) write_su2(deck.output + "/final.su2", problem.mesh(), positions);
     if (deck.vtk == VtkOutput::none) return;
     write_volume(deck, problem, "final", solution.x, positions, solution.al.distortion.element_max,
                  &solution.certificate.lower_bound);

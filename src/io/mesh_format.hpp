@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "io/msh.hpp"
+#include "io/su2.hpp"
 
 namespace almesh {
 
@@ -18,7 +19,8 @@ struct MeshFormat {
     RawMesh (*parse)(std::string_view text, const std::string& path);  // throws InputError "path:line: message"
 };
 
-inline constexpr MeshFormat mesh_formats[] = {{"Gmsh MSH 2.2 and 4.1, ASCII", ".msh", looks_like_msh, parse_msh}};
+inline constexpr MeshFormat mesh_formats[] = {{"Gmsh MSH 2.2 and 4.1, ASCII", ".msh", looks_like_msh, parse_msh},
+                                              {"SU2", ".su2", looks_like_su2, parse_su2}};
 
 // The format that recognises the text, or else has the file's ending. Throws InputError where there is none.
 inline const MeshFormat& find_format(std::span<const MeshFormat> formats, std::string_view text,

@@ -7,6 +7,7 @@
 #include <compare>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include "base/files.hpp"
 #include "base/parallel.hpp"
@@ -190,7 +191,7 @@ struct BoundaryMatcher {
             all.inside += part.inside;
             all.repeated += part.repeated;
         }
-        if (!all.untagged.empty()) refuse_untagged(all.untagged);
+        if (!all.untagged.empty() && !build.faces.empty()) refuse_untagged(all.untagged);
         return all;
     }
 };
@@ -223,6 +224,44 @@ void fill_faces(const BoundaryMatcher& matcher, const RawMesh& raw, Mesh& mesh) 
     }
 }
 
+// The boundary of a mesh without tagged faces: its parts that hang together by vertices, numbered by their lowest nodes.
+void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides, MeshBuild& build) {
+    Mesh& mesh = build.mesh;
+    const int dim = mesh.dim;
+    std::vector<int> parent(mesh.nodes());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int v) {
+        while (parent[v] != v) v = parent[v] = parent[parent[v]];
+        return v;
+    };
+    for (const int side : sides)
+        for (int k = 1; k < dim; ++k) {
+            const int a = root(matcher.node_of(side, 0)), b = root(matcher.node_of(side, k));
+            parent[std::max(a, b)] = std::min(a, b);
+        }
+    std::map<int, std::vector<int>> parts;  // by lowest node
+    for (const int side : sides) parts[root(matcher.node_of(side, 0))].push_back(side);
+    long long id = *std::max_element(mesh.file.element_id.begin(), mesh.file.element_id.end());
+    int tag = 0;
+    for (const PhysicalGroup& group : mesh.file.groups) tag = std::max(tag, group.tag);
+    std::string note;
+    for (const auto& [lowest, of_part] : parts) {
+        const int boundary = static_cast<int>(mesh.boundaries.size());
+        mesh.boundaries.push_back(parts.size() == 1 ? "boundary" : concat("boundary-", boundary + 1));
+        mesh.file.groups.push_back({dim - 1, ++tag, mesh.boundaries.back()});
+        note += concat(note.empty() ? "" : ", ", mesh.boundaries.back(), " (", counted(of_part.size(), "face"), ")");
+        for (const int side : of_part) {
+            for (int k = 0; k < mesh.face_nodes(); ++k) mesh.faces.push_back(matcher.node_of(side, k));
+            mesh.face_element.push_back(side / matcher.corners);
+            mesh.face_boundary.push_back(boundary);
+            mesh.file.face_id.push_back(++id);
+            mesh.file.face_physical.push_back(tag);
+            mesh.file.face_entity.push_back(tag);
+        }
+    }
+    build.notes.push_back("no tagged boundary faces: the boundary is that of the elements, in parts: " + note);
+}
+
 }  // namespace
 
 std::string MeshBuild::node_ids(const int* nodes, int count) const {
@@ -240,7 +279,8 @@ std::vector<std::array<int, 2>> fill_boundary(MeshBuild& build) {
     Matched all = matcher.match();
     if (all.inside) build.notes.push_back(counted(all.inside, "tagged face") + " inside the mesh dropped");
     if (all.repeated) build.notes.push_back(counted(all.repeated, "repeated boundary face") + " dropped");
-    fill_faces(matcher, build.raw, build.mesh);
+    if (build.faces.empty()) fill_untagged(matcher, all.untagged, build);
+    else fill_faces(matcher, build.raw, build.mesh);
     return std::move(all.folded);
 }
 

@@ -36,7 +36,8 @@ struct MeshBuild {
 std::string name_of(const RawElement& element);                   // "element 12 (line 40)"
 std::string entity_kind(int dim);                                 // Gmsh's word: curve, surface or volume
 
-// Fills the faces of the mesh, whose nodes and elements are there already. Returns the pairs of elements that lie on
+// Fills the faces of the mesh, whose nodes and elements are there already; of a mesh without tagged faces, those of its
+// elements, in connected parts `boundary-1`, ... Returns the pairs of elements that lie on
 // the same side of their common face: none in a valid mesh. Throws InputError where faces, elements and tags are
 // inconsistent (see build_mesh()).
 //

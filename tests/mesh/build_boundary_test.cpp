@@ -3,14 +3,18 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
+#include "io/msh.hpp"
 #include "mesh/build.hpp"
+#include "support/meshes.hpp"
 #include "support/sample_mesh.hpp"
 
 using namespace almesh;
+using namespace almesh::test;
 using doctest::Approx;
 using doctest::Contains;
 
@@ -113,9 +117,10 @@ TEST_CASE("a boundary without a tag is refused with what to do") {
         "square.msh: an untagged boundary: 1 boundary face without a physical curve, the first has the "
         "nodes 2, 3 and the centre (1, 0.5); put every boundary curve into a Physical Curve of the .geo file");
     raw = SampleMesh(3, 1, 1).raw;
+    bool first = true;
     for (RawElement& element : raw.elements)
-        if (element.dim == 2) element.physical = 0;
-    check_refused(raw, "12 boundary faces without a physical surface");
+        if (element.dim == 2 && !std::exchange(first, false)) element.physical = 0;
+    check_refused(raw, "11 boundary faces without a physical surface");
 }
 
 TEST_CASE("a tagged face of no element is refused") {
@@ -186,13 +191,14 @@ TEST_CASE("large meshes report the same first error, and all there is to count, 
     const auto node = [&good](int tetrahedron) { return &good.element_nodes[good.elements[tetrahedron + 972].first]; };
     for (const int k : {400, 40, 4000}) append_element(twice, 3, 9, {node(k), node(k) + 4});
     for (const int k : {1212, 2184, 3156}) append_element(inside, 2, 9, {node(k), node(k) + 3});
+    bool first = true;
     for (RawElement& element : untagged.elements)
-        if (element.dim == 2) element.physical = 0;
+        if (element.dim == 2 && !std::exchange(first, false)) element.physical = 0;
     const int before = max_threads();
     for (const int threads : {1, 2, 3, 5}) {
         set_threads(threads);
         check_refused(twice, "element 5348 has the vertices of element 1013 (line 2012)");
-        check_refused(untagged, "972 boundary faces without a physical surface, the first has the nodes");
+        check_refused(untagged, "971 boundary faces without a physical surface, the first has the nodes");
         Strings notes;
         build_mesh(inside, notes);
         CHECK(notes == Strings{"3 tagged faces inside the mesh dropped"});
@@ -214,4 +220,30 @@ TEST_CASE("the same mesh for any number of threads") {
         CHECK(other.face_element == mesh.face_element);
     }
     set_threads(before);
+}
+
+TEST_CASE("a mesh without tagged faces has the boundary of its elements, in connected parts") {
+    for (const bool ring : {true, false}) {
+        Mesh mesh = ring ? ring_mesh(12, 3, 6) : cube_mesh(2);
+        RawMesh raw = parse_msh(msh_text(mesh, mesh.x), "a.msh");
+        for (RawElement& element : raw.elements)
+            if (element.dim < mesh.dim) element.physical = 0;
+        Strings notes;
+        const Mesh built = build_mesh(raw, notes);
+        CHECK(built.face_count() == mesh.face_count());
+        REQUIRE(notes.size() == 1);
+        if (ring) {
+            CHECK(built.boundaries == Strings{"boundary-1", "boundary-2"});
+            CHECK(notes[0] == "no tagged boundary faces: the boundary is that of the elements, in parts: "
+                              "boundary-1 (12 faces), boundary-2 (12 faces)");
+        } else {
+            CHECK(built.boundaries == Strings{"boundary"});
+        }
+        // What is written holds the new boundaries.
+        Strings none;
+        const Mesh again = build_mesh(parse_msh(msh_text(built, built.x), "b.msh"), none);
+        CHECK(none.empty());
+        CHECK(again.boundaries == built.boundaries);
+        CHECK(volume(again, again.x) == doctest::Approx(volume(mesh, mesh.x)));
+    }
 }
