@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "support/meshes.hpp"
 
@@ -50,9 +51,10 @@ const struct {
 }  // namespace
 
 TEST_CASE("planes, spheres, cylinders and tori are found where points lie on them, turned and far from the origin") {
-    for (const auto& [name, surface, u_end, v_end] : primitives) {
+    for (const auto& primitive : primitives) {
+        const std::string name = primitive.name;
         CAPTURE(name);
-        const std::vector<Vec<3>> points = sampled(surface, u_end, v_end);
+        const std::vector<Vec<3>> points = sampled(primitive.surface, primitive.u_end, primitive.v_end);
         const Vec<3> normal = cross(points[1] - points[0], points[6] - points[0]);
         const auto found = fit_surface(3, points, normal);
         REQUIRE(found);
@@ -77,9 +79,10 @@ TEST_CASE("planes, spheres, cylinders and tori are found where points lie on the
 TEST_CASE("the closest point is on the surface along its normal, and the curvature is the derivative of the normal") {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> number(-1, 1);
-    for (const auto& [name, surface, u_end, v_end] : primitives) {
+    for (const auto& primitive : primitives) {
+        const std::string name = primitive.name;
         CAPTURE(name);
-        const std::vector<Vec<3>> points = sampled(surface, u_end, v_end);
+        const std::vector<Vec<3>> points = sampled(primitive.surface, primitive.u_end, primitive.v_end);
         const auto found = fit_surface(3, points, cross(points[1] - points[0], points[6] - points[0]));
         REQUIRE(found);
         for (int k = 0; k < 20; ++k) {
