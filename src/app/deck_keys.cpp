@@ -102,7 +102,8 @@ const std::vector<DeckKey>& deck_keys() {
         {"degree", number<&Deck::degree>({0, 7}), "Degree of the elements; 0: that of the mesh file."},
         {"refine", number<&Deck::refine>({0, 8}), "Uniform refinements of the mesh before the run."},
         {"target", choice<&Deck::target>({"exact", "nodal"}),
-         "Boundary target: the motion of every boundary point, or its interpolation at the nodes."},
+         "Boundary target: the motion of every boundary point, or its interpolation at the nodes; the latter where a "
+         "boundary slides or is free."},
         {"objective",
          choice<&Deck::distortion, &Distortion::objective>({"squared", "deviation", "size_shape", "worst"}),
          "Integral of eta^2 (the tables of the paper), of (eta - 1)^2 (its Eq. 5), or of the latter with eta times "

@@ -10,6 +10,8 @@
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
+#include "constraint/quadratic_part.hpp"
+#include "constraint/tangent_planes.hpp"
 #include "linalg/direct/cholesky.hpp"
 #include "linalg/vector_ops.hpp"
 #include "mesh/lagrange.hpp"
@@ -17,8 +19,8 @@
 namespace almesh {
 namespace {
 
-constexpr double surface_work = 1e3;  // and finding the closest point of a surface, at least
-constexpr double mass_work = 40;  // simple operations that a row of M takes
+constexpr double mass_work = 40;       // simple operations that a row of M takes,
+constexpr double surface_work = 1e3;   // and finding the closest point of a surface, at least
 
 // Length of the edge or area of the triangle spanned by the face's vertices.
 double face_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
@@ -166,134 +168,24 @@ void Dirichlet::project(int trace_node, double* v) const {
     std::copy_n(projected, dim_, v);
 }
 
-namespace {
-
-constexpr double tangent = 0.17;  // sine of the angle below which two surfaces touch, and their common nodes stay
-
-Vec<3> in_space(const double* x, int dim) {
-    Vec<3> result{};
-    std::copy_n(x, dim, result.begin());
-    return result;
-}
-
-// The part of n perpendicular to the unit vectors of `basis`.
-Vec<3> perpendicular(Vec<3> n, const std::vector<Vec<3>>& basis) {
-    for (const Vec<3>& u : basis) n = n - dot(n, u) * u;
-    return n;
-}
-
-}  // namespace
-
 void Dirichlet::find_parts() {
-    const int m = mesh_.face_nodes(), t_count = static_cast<int>(nodes_.size());
-    std::vector<char> prescribed(t_count, 0);
-    parts_.resize(t_count);
-    for (int f = 0; f < mesh_.face_count(); ++f) {
-        const BoundaryHold hold = target_.hold_of_face(mesh_, f);
-        int part = -1;
-        if (hold == BoundaryHold::slides) {
-            Vec<3> centre{};
-            for (int i = 0; i < dim_; ++i)
-                centre = centre + 1.0 / dim_ * in_space(point(mesh_.x, mesh_.face(f)[i], dim_), dim_);
-            part = sliding_->part(mesh_.face_boundary[f], centre);
-        }
-        for (int i = 0; i < m; ++i) {
-            const int t = faces_[offset(f, m, i)];
-            if (hold == BoundaryHold::prescribed) prescribed[t] = 1;
-            if (part >= 0 && std::find(parts_[t].begin(), parts_[t].end(), part) == parts_[t].end())
-                parts_[t].push_back(part);
-        }
-    }
-    P_.assign(offset(t_count, dim_ * dim_), 0.0);
-    for (int t = 0; t < t_count; ++t) {
-        if (prescribed[t])
-            for (const int part : parts_[t]) check_prescribed_on_surface(t, part);
-        std::vector<Vec<3>> normals;  // orthonormal
-        const Vec<3> x = in_space(&g_h_[offset(t, dim_)], dim_);
-        bool stays = prescribed[t];
-        for (const int part : parts_[t]) {
-            const Vec<3> n = perpendicular(sliding_->closest(part, x).normal, normals);
-            stays = stays || length(n) < tangent || static_cast<int>(normals.size()) + 1 == dim_;
-            normals.push_back(1 / std::max(length(n), tangent) * n);
-        }
-        if (stays) {
-            parts_[t].clear();
-            for (int a = 0; a < dim_; ++a) P_[offset(t, dim_ * dim_, a * dim_ + a)] = 1;
-        }
-        for (const int part : parts_[t]) is_curved_ = is_curved_ || !sliding_->surface(part).is_flat();
-    }
+    const int t_count = static_cast<int>(nodes_.size());
+    parts_ = sliding_parts(mesh_, target_, sliding_.get(), nodes_, faces_, g_h_, P_);
+    for (const std::vector<int>& parts : parts_)
+        for (const int part : parts) is_curved_ = is_curved_ || !sliding_->surface(part).is_flat();
     B_.assign(P_.size(), 0.0);
     for (int t = 0; t < t_count; ++t) hold_to_planes(t, in_space(&g_h_[offset(t, dim_)], dim_), {});
-}
-
-void Dirichlet::check_prescribed_on_surface(int t, int part) const {
-    constexpr double tolerance = 0.25;  // of a face: the rim of a refined body is as angular as the file's
-    const Vec<3> x = in_space(&g_h_[offset(t, dim_)], dim_);
-    const Vec<3> off = sliding_->closest(part, x).position - x;
-    double size = 0;
-    for (int k = M_.row[t]; k < M_.row[t + 1]; ++k) {
-        const Vec<3> side =
-            in_space(point(mesh_.x, nodes_[M_.col[k]], dim_), dim_) - in_space(point(mesh_.x, nodes_[t], dim_), dim_);
-        size = std::max(size, std::sqrt(dot(side, side)));
-    }
-    const double distance = std::sqrt(dot(off, off));
-    if (distance <= tolerance * size) return;
-    throw InputError("node ", mesh_.file.node_id[nodes_[t]], " lies on the boundary ",
-                     mesh_.boundaries[sliding_->boundary(part)],
-                     ", which slides, and on another one, whose motion takes ", "it off that surface (",
-                     sliding_->surface(part).name(), ") by ", distance * sliding_->unit(),
-                     ": let that motion stay on the surface, or prescribe one for ",
-                     mesh_.boundaries[sliding_->boundary(part)], " too");
-}
-
-// The point at which the surfaces of the node's parts meet, from x: by Newton's method, one plane per surface.
-Vec<3> Dirichlet::on_surfaces(int t, Vec<3> x) const {
-    constexpr int steps = 20;
-    constexpr double rounding = 1e-16;
-    for (int step = 0; step < steps; ++step) {
-        std::vector<Vec<3>> normals;
-        Vec<3> move{};
-        for (const int part : parts_[t]) {  // onto the first plane, then along it onto the second
-            const SurfacePoint at = sliding_->closest(part, x);
-            const Vec<3> n = perpendicular(at.normal, normals);
-            const double distance = dot(at.position - x - move, at.normal), slope = dot(n, at.normal);
-            if (slope > tangent * tangent) {
-                move = move + distance / slope * n;
-                normals.push_back(1 / std::sqrt(dot(n, n)) * n);
-            }
-        }
-        x = x + move;
-        if (parts_[t].size() == 1 && sliding_->surface(parts_[t][0]).is_flat()) break;
-        if (dot(move, move) <= rounding * rounding * dot(x, x)) break;
-    }
-    return parts_[t].size() == 1 ? sliding_->closest(parts_[t][0], x).position : x;
 }
 
 // force: (M lambda)_t / |1|.
 void Dirichlet::hold_to_planes(int t, const Vec<3>& x, const Vec<3>& force) {
     if (parts_[t].empty()) return;
-    const Vec<3> p = on_surfaces(t, x);
-    std::vector<Vec<3>> normals;
-    Mat<3> S{};
-    Vec<3> left = force;
-    for (const int part : parts_[t]) {
-        const SurfacePoint at = sliding_->closest(part, p);
-        const Vec<3> n = perpendicular(at.normal, normals);
-        if (!(dot(n, n) > tangent * tangent)) continue;
-        normals.push_back(1 / std::sqrt(dot(n, n)) * n);
-        const double along = parts_[t].size() == 1 ? dot(left, at.normal) : dot(left, n) / dot(n, n);
-        left = left - along * at.normal;
-        for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 3; ++b) S[a][b] -= along * at.curvature[a][b];
+    const TangentPlanes planes = tangent_planes(*sliding_, parts_[t], x, force);
+    std::copy_n(planes.place.begin(), dim_, &g_h_[offset(t, dim_)]);
+    for (int a = 0; a < dim_; ++a) {
+        std::copy_n(planes.P[a].begin(), dim_, &P_[offset(t, dim_ * dim_, a * dim_)]);
+        std::copy_n(planes.B[a].begin(), dim_, &B_[offset(t, dim_ * dim_, a * dim_)]);
     }
-    std::copy_n(p.begin(), dim_, &g_h_[offset(t, dim_)]);
-    for (int a = 0; a < dim_; ++a) std::copy_n(S[a].begin(), dim_, &B_[offset(t, dim_ * dim_, a * dim_)]);
-    for (int a = 0; a < dim_; ++a)
-        for (int b = 0; b < dim_; ++b) {
-            double& P = P_[offset(t, dim_ * dim_, a * dim_ + b)];
-            P = 0;
-            for (const Vec<3>& n : normals) P += n[a] * n[b];
-        }
 }
 
 bool Dirichlet::expand(const std::vector<double>& x, const std::vector<double>& lambda) {
@@ -322,7 +214,8 @@ std::vector<double> Dirichlet::targets(const std::vector<double>& x) const {
         static_cast<int>(nodes_.size()),
         [&](int t) {
             const Vec<3> at = in_space(point(x, nodes_[t], dim_), dim_);
-            if (!parts_[t].empty()) std::copy_n(on_surfaces(t, at).begin(), dim_, &targets[offset(t, dim_)]);
+            if (!parts_[t].empty())
+                std::copy_n(on_surfaces(*sliding_, parts_[t], at).begin(), dim_, &targets[offset(t, dim_)]);
             else if (P_[offset(t, dim_ * dim_)] == 0) std::copy_n(at.begin(), dim_, &targets[offset(t, dim_)]);
         },
         surface_work);
@@ -536,40 +429,6 @@ std::vector<double> Dirichlet::constraint_field(const std::vector<double>& x) co
         for (int a = 0; a < dim_; ++a) c[offset(t, dim_, a)] = difference(x, t, a) / norm_of_one_;
     return c;
 }
-
-namespace {
-
-// With u = y - x, x where the part was made, C is exactly g.u + u'Cu/2 up to a constant, g its gradient at x.
-class QuadraticPart : public ConstraintPart {
-public:
-    std::vector<double> x, g;  // nodes of the part x dim
-    BlockCsr C;
-
-    void add_value(const std::vector<double>& y, double& E) override {
-        multiply_displacement(y);
-        E += dot(g, u_);
-        E += 0.5 * dot(u_, Cu_);
-    }
-    void add_gradient(const std::vector<double>& y, std::vector<double>& gradient) override {
-        multiply_displacement(y);
-        for (std::size_t i = 0; i < y.size(); ++i) gradient[i] += g[i] + Cu_[i];
-    }
-    void add_hessian(const std::vector<double>&, bool, BlockCsr& H) override {
-        for (std::size_t k = 0; k < H.value.size(); ++k) H.value[k] += C.value[k];
-    }
-
-private:
-    std::vector<double> u_, Cu_;
-
-    void multiply_displacement(const std::vector<double>& y) {
-        u_.resize(y.size());
-        Cu_.resize(y.size());
-        for (std::size_t i = 0; i < y.size(); ++i) u_[i] = y[i] - x[i];
-        multiply(C, u_.data(), Cu_.data());
-    }
-};
-
-}  // namespace
 
 std::unique_ptr<ConstraintPart> Dirichlet::part(const std::vector<double>& x, const std::vector<double>& lambda,
                                                 double mu, const std::vector<int>& node, const BlockCsr& pattern) {

@@ -105,9 +105,7 @@ private:
     void project_target(const std::vector<double>& ideal, const std::vector<double>& face_weight);
     void interpolate_target();
     void find_parts();
-    void check_prescribed_on_surface(int trace_node, int part) const;
     void hold_to_planes(int trace_node, const Vec<3>& x, const Vec<3>& force);
-    Vec<3> on_surfaces(int trace_node, Vec<3> x) const;
     void project(int trace_node, double* v) const;
     Vec<3> turned_force(const std::vector<double>& x, int trace_node) const;
     double of_curvature(const std::vector<double>& x) const;

@@ -23,7 +23,7 @@ enum class Folds {
 // one kept), a 2D mesh at z != 0.
 // Throws InputError: no triangles or tetrahedra, mixed degrees, a surface in space, elements of zero volume, repeated
 // elements, faces of three elements, neighbours that do not share the nodes of their face, boundary faces without a tag
-// or with two, tagged faces without an element, and folds unless they are kept.
+// beside others that have one, or with two tags, tagged faces without an element, and folds unless they are kept.
 // Cost: O(nodes + elements log(elements around a vertex)).
 Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds = Folds::refuse);
 

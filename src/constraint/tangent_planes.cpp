@@ -1,0 +1,140 @@
+// The planes of several surfaces one after the other: onto the first, then along it onto the second (Gram-Schmidt).
+#include "constraint/tangent_planes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/index.hpp"
+
+namespace almesh {
+
+namespace {
+
+constexpr double tangent = 0.17;  // sine of the angle below which two surfaces touch, and their common nodes stay
+
+// The part of n perpendicular to the unit vectors of `basis`.
+Vec<3> perpendicular(Vec<3> n, const std::vector<Vec<3>>& basis) {
+    for (const Vec<3>& u : basis) n = n - dot(n, u) * u;
+    return n;
+}
+
+}  // namespace
+
+Vec<3> in_space(const double* x, int dim) {
+    Vec<3> result{};
+    std::copy_n(x, dim, result.begin());
+    return result;
+}
+
+Vec<3> on_surfaces(const SlidingSurfaces& sliding, const std::vector<int>& parts, Vec<3> x) {
+    constexpr int steps = 20;
+    constexpr double rounding = 1e-16;
+    for (int step = 0; step < steps; ++step) {
+        std::vector<Vec<3>> normals;
+        Vec<3> move{};
+        for (const int part : parts) {  // onto the first plane, then along it onto the second
+            const SurfacePoint at = sliding.closest(part, x);
+            const Vec<3> n = perpendicular(at.normal, normals);
+            const double distance = dot(at.position - x - move, at.normal), slope = dot(n, at.normal);
+            if (slope > tangent * tangent) {
+                move = move + distance / slope * n;
+                normals.push_back(1 / std::sqrt(dot(n, n)) * n);
+            }
+        }
+        x = x + move;
+        if (parts.size() == 1 && sliding.surface(parts[0]).is_flat()) break;
+        if (dot(move, move) <= rounding * rounding * dot(x, x)) break;
+    }
+    return parts.size() == 1 ? sliding.closest(parts[0], x).position : x;
+}
+
+TangentPlanes tangent_planes(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
+                             const Vec<3>& force) {
+    TangentPlanes planes;
+    planes.place = on_surfaces(sliding, parts, x);
+    std::vector<Vec<3>> normals;
+    Vec<3> left = force;
+    for (const int part : parts) {
+        const SurfacePoint at = sliding.closest(part, planes.place);
+        const Vec<3> n = perpendicular(at.normal, normals);
+        if (!(dot(n, n) > tangent * tangent)) continue;
+        normals.push_back(1 / std::sqrt(dot(n, n)) * n);
+        const double along = parts.size() == 1 ? dot(left, at.normal) : dot(left, n) / dot(n, n);
+        left = left - along * at.normal;
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b) planes.B[a][b] -= along * at.curvature[a][b];
+    }
+    for (const Vec<3>& n : normals)
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b) planes.P[a][b] += n[a] * n[b];
+    return planes;
+}
+
+namespace {
+
+// Whether the surfaces leave a node at x no way to go, or touch there, so that their common curve is not told by them.
+bool stays(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x, int dim) {
+    std::vector<Vec<3>> normals;  // orthonormal
+    for (const int part : parts) {
+        const Vec<3> n = perpendicular(sliding.closest(part, x).normal, normals);
+        if (length(n) < tangent || static_cast<int>(normals.size()) + 1 == dim) return true;
+        normals.push_back(1 / length(n) * n);
+    }
+    return false;
+}
+
+// size: of the longest face at the node.
+void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& sliding, int part, int node, const Vec<3>& x,
+                                 double size) {
+    constexpr double tolerance = 0.25;  // of a face: the rim of a refined body is as angular as the file's
+    const double distance = length(sliding.closest(part, x).position - x);
+    if (distance <= tolerance * size) return;
+    const std::string& name = mesh.boundaries[sliding.boundary(part)];
+    throw InputError("node ", mesh.file.node_id[node], " lies on the boundary ", name,
+                     ", which slides, and on another one, whose motion takes it off that surface (",
+                     sliding.surface(part).name(), ") by ", distance * sliding.unit(),
+                     ": let that motion stay on the surface, or prescribe one for ", name, " too");
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarget& target,
+                                            const SlidingSurfaces* sliding, const std::vector<int>& nodes,
+                                            const std::vector<int>& faces, const std::vector<double>& places,
+                                            std::vector<double>& P) {
+    const int dim = mesh.dim, m = mesh.face_nodes();
+    std::vector<std::vector<int>> parts(nodes.size());
+    std::vector<char> prescribed(nodes.size(), 0);
+    std::vector<double> size(nodes.size(), 0.0);
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const BoundaryHold hold = target.hold_of_face(mesh, f);
+        const std::vector<Vec<3>> corner = positions(mesh, mesh.x, mesh.face(f), dim);
+        Vec<3> centre{};
+        double longest = 0;
+        for (const Vec<3>& x : corner) {
+            centre = centre + 1.0 / dim * x;
+            longest = std::max(longest, length(x - corner[0]));
+        }
+        const int part = hold == BoundaryHold::slides ? sliding->part(mesh.face_boundary[f], centre) : -1;
+        for (int i = 0; i < m; ++i) {
+            const int t = faces[offset(f, m, i)];
+            size[t] = std::max(size[t], longest);
+            if (hold == BoundaryHold::prescribed) prescribed[t] = 1;
+            if (part >= 0 && std::find(parts[t].begin(), parts[t].end(), part) == parts[t].end())
+                parts[t].push_back(part);
+        }
+    }
+    P.assign(offset(nodes.size(), dim * dim), 0.0);
+    for (std::size_t t = 0; t < nodes.size(); ++t) {
+        const Vec<3> x = in_space(&places[offset(t, dim)], dim);
+        for (const int part : parts[t])
+            if (prescribed[t]) check_prescribed_on_surface(mesh, *sliding, part, nodes[t], x, size[t]);
+        if (!prescribed[t] && (parts[t].empty() || !stays(*sliding, parts[t], x, dim))) continue;
+        parts[t].clear();
+        for (int a = 0; a < dim; ++a) P[offset(t, dim * dim, a * dim + a)] = 1;
+    }
+    return parts;
+}
+
+}  // namespace almesh
