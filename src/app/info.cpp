@@ -65,8 +65,9 @@ ExitCode info(const std::string& mesh_path, std::FILE* out) {
         return box_text(box_of(positions(mesh, mesh.x, nodes.data(), static_cast<int>(nodes.size()))), mesh.dim);
     };
     const char* const measure = mesh.dim == 2 ? "area" : "volume";
-    std::fprintf(out, "# %s: %d nodes, %d %s of degree %d\n", mesh_path.c_str(), mesh.nodes(), mesh.element_count(),
-                 mesh.cell().plural, mesh.degree);
+    std::fprintf(out, "# %s, %s: %d nodes, %d %s of degree %d\n", mesh_path.c_str(),
+                 to_string(mesh.file.format).c_str(), mesh.nodes(), mesh.element_count(), mesh.cell().plural,
+                 mesh.degree);
     std::fprintf(out, "# %s, %s %.6g with straight sides\n", box_of_nodes(all).c_str(), measure,
                  volume(mesh, straight_sided(mesh)));
     for (const std::string& note : notes) std::fprintf(out, "# note: %s\n", note.c_str());

@@ -28,7 +28,7 @@ std::string hash_of(const std::string& text) {
 }
 
 RawMesh read_mesh_file(const std::string& path, std::string& hash) {
-    const std::string text = read_text_file(path);
+    const std::string text = read_file(path);
     RawMesh raw;
     parallel_invoke([&] { raw = parse_mesh(text, path); }, [&] { hash = hash_of(text); });
     return raw;

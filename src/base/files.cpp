@@ -47,7 +47,7 @@ int write_all(const std::string& path, const std::function<void(const TextSink&)
 
 }  // namespace
 
-std::string read_text_file(const std::string& path) {
+std::string read_file(const std::string& path) {
     std::error_code error;
     if (fs::is_directory(path, error)) cannot("read", path, "it is a folder");
     const File file(std::fopen(path.c_str(), "rb"), std::fclose);
@@ -59,7 +59,17 @@ std::string read_text_file(const std::string& path) {
         text.append(rest, more);  // what has no size beforehand, such as a pipe
     if (std::ferror(file.get())) cannot("read", path, std::strerror(errno));
     if (text.empty()) cannot("read", path, "it is empty");
-    if (std::memchr(text.data(), '\0', text.size())) cannot("read", path, "it is binary; save it as text (ASCII)");
+    return text;
+}
+
+void check_is_text(std::string_view contents, const std::string& path) {
+    if (std::memchr(contents.data(), '\0', contents.size()))
+        cannot("read", path, "it is binary; save it as text (ASCII)");
+}
+
+std::string read_text_file(const std::string& path) {
+    std::string text = read_file(path);
+    check_is_text(text, path);
     return text;
 }
 

@@ -1,4 +1,4 @@
-// Text files: read as a whole, written atomically. Long files are handed over piece by piece, formatted in parallel.
+// Files: read as a whole, written atomically. Long files are handed over piece by piece, formatted in parallel.
 // Numbers are appended to a text buffer without locale or stream.
 #pragma once
 #include <algorithm>
@@ -8,7 +8,13 @@
 
 namespace almesh {
 
-// Contents of a text file. Throws InputError where it is missing, unreadable, a folder, empty or binary (zero bytes).
+// Contents of a file. Throws InputError where it is missing, unreadable, a folder or empty.
+std::string read_file(const std::string& path);
+
+// Throws InputError where the contents of the file `path` are no text: where there is a zero byte.
+void check_is_text(std::string_view contents, const std::string& path);
+
+// Contents of a text file: both of these.
 std::string read_text_file(const std::string& path);
 
 // Writes a temporary file beside `path` and renames it, so that `path` holds the old contents or the new ones, never

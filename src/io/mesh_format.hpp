@@ -17,10 +17,12 @@ struct MeshFormat {
     std::string_view ending;  // of file names: ".msh"
     bool (*recognise)(std::string_view text);  // by its first lines
     RawMesh (*parse)(std::string_view text, const std::string& path);  // throws InputError "path:line: message"
+    bool may_be_binary = false;
 };
 
-inline constexpr MeshFormat mesh_formats[] = {{"Gmsh MSH 2.2 and 4.1, ASCII", ".msh", looks_like_msh, parse_msh},
-                                              {"SU2", ".su2", looks_like_su2, parse_su2}};
+inline constexpr MeshFormat mesh_formats[] = {
+    {"Gmsh MSH 2.2, 4.0 and 4.1, ASCII or binary", ".msh", looks_like_msh, parse_msh, true},
+    {"SU2", ".su2", looks_like_su2, parse_su2}};
 
 // The format that recognises the text, or else has the file's ending. Throws InputError where there is none.
 inline const MeshFormat& find_format(std::span<const MeshFormat> formats, std::string_view text,
@@ -38,10 +40,19 @@ inline const MeshFormat& find_format(std::span<const MeshFormat> formats, std::s
 
 // The mesh in the text of the file `path`; throws InputError.
 inline RawMesh parse_mesh(std::string_view text, const std::string& path) {
-    return find_format(mesh_formats, text, path).parse(text, path);
+    const MeshFormat& format = find_format(mesh_formats, text, path);
+    if (!format.may_be_binary) check_is_text(text, path);
+    return format.parse(text, path);
+}
+
+// "MSH 4.1, binary".
+inline std::string to_string(const FileFormat& format) {
+    if (format.kind == FileFormat::Kind::su2) return "SU2";
+    return concat("MSH ", format.msh_version / 10, ".", format.msh_version % 10,
+                  format.binary ? ", binary" : ", ASCII");
 }
 
 // The same read from the file.
-inline RawMesh read_mesh(const std::string& path) { return parse_mesh(read_text_file(path), path); }
+inline RawMesh read_mesh(const std::string& path) { return parse_mesh(read_file(path), path); }
 
 }  // namespace almesh

@@ -1,5 +1,5 @@
-// Gmsh mesh files, MSH 2.2 and 4.1, ASCII (Gmsh reference manual, "MSH file format"): points, lines, triangles and
-// tetrahedra of Lagrange degree 1 to 7.
+// Gmsh mesh files, MSH 2.2, 4.0 and 4.1, ASCII and binary (Gmsh reference manual, "MSH file format"): points, lines,
+// triangles and tetrahedra of Lagrange degree 1 to 7.
 #pragma once
 #include <string>
 #include <string_view>
@@ -12,10 +12,12 @@ namespace almesh {
 // Whether a text begins like a Gmsh mesh file.
 bool looks_like_msh(std::string_view text);
 
-// Reads the text of the file `path`. Tolerated: blank lines and blanks at line ends, CR LF, any number of element tags,
-// sections of other kinds (skipped). Throws InputError "path:line: message": other element types, binary and
-// partitioned meshes, other versions, ids that repeat or are not there, numbers that are not finite, wrong counts.
-// Cost: one pass over the text; memory: a small multiple of the text, whatever the counts in it say.
+// Reads the contents of the file `path`, binary ones in either order of bytes. Tolerated: blank lines and blanks at
+// line ends, CR LF, any number of element tags, parameters of nodes (left out), sections of other kinds (skipped).
+// Throws InputError "path:line: message", of a binary file "path: $Nodes, byte 812: message": other element types,
+// partitioned meshes, other versions, ids that repeat or are not there, numbers that are not finite, wrong counts, the
+// end of the file before that of a section. Cost: one pass over the text; memory: a small multiple of it, whatever the
+// counts in it say.
 RawMesh parse_msh(std::string_view text, const std::string& path);
 
 // The mesh in the version it came in (mesh.file.msh_version), with the ids, tags and names of the input and the

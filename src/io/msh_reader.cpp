@@ -1,92 +1,62 @@
 // Section by section; each announces the number of its records, and every record is checked to be there. What a count
-// allocates is bounded by the length of the rest of the text.
+// allocates is bounded by the length of the rest of the file.
 #include <algorithm>
-#include <array>
 #include <climits>
 #include <cstdlib>
 #include <utility>
 
 #include "io/msh.hpp"
-#include "io/text_scanner.hpp"
+#include "io/msh_scanner.hpp"
+#include "io/msh_types.hpp"
 
 namespace almesh {
 namespace {
 
-struct ElementType {
-    int number;
-    int dim = -1;  // 0 to 3; -1: not a complete simplex of a degree up to max_degree
-    int degree = 0, nodes = 0;
-};
-
-ElementType element_type(int number) {
-    for (int dim = 0; dim <= 3; ++dim)
-        for (int degree = 1; degree <= max_degree; ++degree)
-            if (simplex(dim).msh_types[degree - 1] == number)
-                return {number, dim, degree, simplex_node_count(dim, degree)};
-    return {number};
-}
-
-// Element types that are not read, with what to do about them, by their numbers (GmshDefines.h).
-const char* foreign_name(int type) {
-    static const std::vector<std::pair<const char*, std::vector<std::array<int, 2>>>> foreign = {
-        {"quadrangles (mesh without Recombine)", {{3, 3}, {10, 10}, {16, 16}, {36, 41}, {47, 51}, {57, 61}}},
-        {"hexahedra (mesh without Recombine)", {{5, 5}, {12, 12}, {17, 17}, {92, 105}}},
-        {"prisms (mesh without Recombine)", {{6, 6}, {13, 13}, {18, 18}, {90, 91}, {106, 117}}},
-        {"pyramids (mesh without Recombine)", {{7, 7}, {14, 14}, {19, 19}, {118, 132}}},
-        {"incomplete triangles (mesh with Mesh.SecondOrderIncomplete = 0)", {{20, 20}, {22, 22}, {24, 24}, {52, 56}}},
-        {"incomplete tetrahedra (mesh with Mesh.SecondOrderIncomplete = 0)", {{79, 83}}},
-        {"simplices of a degree above 7 (mesh with a lower Mesh.ElementOrder)", {{44, 46}, {64, 66}, {73, 75}}},
-        {"elements of degree 0 (mesh with Mesh.ElementOrder = 1)", {{84, 89}}}};
-    for (const auto& [name, ranges] : foreign)
-        for (const auto& [first, last] : ranges)
-            if (first <= type && type <= last) return name;
-    return "elements of an unknown kind";
-}
-
-struct ForeignElements {
-    int type, line;
-    long long count;
-};
-
 struct MshReader {
-    TextScanner in;
-    RawMesh mesh;  // msh_version 0: not known yet
+    MshScanner in;
+    RawMesh mesh{};
     IdIndex node_index{}, element_index{};
-    ElementType type{0};  // of the element or block being read
-    std::vector<ForeignElements> foreign{};
+    MshType type{0};  // of the element or block being read
+    ForeignMshElements foreign{};
 
-    bool in_blocks() const { return mesh.msh_version == 41; }
+    bool in_blocks() const { return in.version >= 40; }
+    int line() const { return in.binary ? 0 : in.line; }
 
     RawMesh read() {
         while (in.next_line()) section();
-        if (!mesh.msh_version) in.fail("not a Gmsh mesh file: there is no $MeshFormat section");
+        in.part = "the end";
+        if (!in.version) in.fail("not a Gmsh mesh file: there is no $MeshFormat section");
         if (mesh.nodes.empty()) in.fail("there is no $Nodes section");
         if (mesh.elements.empty()) in.fail("there is no $Elements section");
+        mesh.format = {FileFormat::Kind::msh, in.version, in.binary};
         return std::move(mesh);
     }
 
     void section() {
-        const int line = in.line;
+        const int first_line = in.line;
         const std::string name(in.rest_of_line()), end = "$End" + name.substr(std::min<std::size_t>(1, name.size()));
-        if (!mesh.msh_version && name != "$MeshFormat" && name != "$Comments")
-            in.fail("not a Gmsh mesh file of version 2.2 or 4.1: it has to begin with $MeshFormat");
+        if (!in.version && name != "$MeshFormat" && name != "$Comments")
+            in.fail("not a Gmsh mesh file of version 2.2, 4.0 or 4.1: it has to begin with $MeshFormat");
         if (name.size() < 2 || name[0] != '$' || name.starts_with("$End"))
             in.fail("expected a section such as $Nodes, got `", name.substr(0, 40), "`");
+        in.part = name;
         if (name == "$MeshFormat") format();
         else if (name == "$PhysicalNames") physical_names();
         else if (name == "$Entities") entities();
-        else if (name == "$Nodes") nodes();
+        else if (name == "$Nodes" || name == "$ParametricNodes") nodes(name);
         else if (name == "$Elements") elements();
         else if (name == "$PartitionedEntities") in.fail("a partitioned mesh is not read: save it in one part");
-        else if (name == "$ParametricNodes")
-            in.fail("parametric nodes are not read: save the mesh without -parametric");
         else skip_section(end);
-        if (!in.next_line()) in.fail_at(line, "the file is cut off: ", name, " has no ", end);
+        if (!in.next_line()) {
+            const std::string message = concat("the file is cut off: ", name, " has no ", end);
+            in.binary ? in.fail(message) : in.fail_at(first_line, message);
+        }
         if (in.rest_of_line() != end) in.fail("expected ", end, ": ", name, " holds more than it announces");
     }
 
     // Goes to the last line of the section, or the end of the file.
     void skip_section(const std::string& end) {
+        if (in.binary) return in.find_line(end);
         while (in.next_line()) {
             const char* const begin = in.at;
             if (in.rest_of_line() != end) continue;
@@ -95,37 +65,60 @@ struct MshReader {
         }
     }
 
-    // Goes to record `done` (from 0) of `count`.
-    void begin_record(const char* section, const char* what, long long done, long long count) {
-        if (in.next_line() && *in.at != '$') return;
-        const std::string where = in.at == in.end ? "the file is cut off" : in.word() + " comes too early";
-        in.fail(where, ": ", section, " announces ", count, " ", what, ", only ", done, " are there");
+    // Goes to record `done` (from 0) of `count`, which in a binary file follows at once.
+    void begin_record(const char* what, long long done, long long count) {
+        if (!in.binary) begin_line(what, done, count);
     }
 
-    void check_total(const std::string& section, const char* what, long long found, long long count) const {
-        if (found != count) in.fail(section, " announces ", count, " ", what, ", its blocks hold ", found);
+    void begin_line(const char* what, long long done, long long count) {
+        if (in.next_line() && *in.at != '$') return;
+        const std::string where = in.at == in.end ? "the file is cut off" : in.word() + " comes too early";
+        in.fail(where, ": ", in.part, " announces ", count, " ", what, ", only ", done, " are there");
+    }
+
+    void check_total(const char* what, long long found, long long count) const {
+        if (found != count) in.fail(in.part, " announces ", count, " ", what, ", its blocks hold ", found);
     }
 
     void format() {
-        if (mesh.msh_version) in.fail("a second $MeshFormat section");
+        if (in.version) in.fail("a second $MeshFormat section");
         if (!in.next_line()) in.fail("the file is cut off after $MeshFormat");
         const std::string shown = in.word();
-        const double version = in.real("the format version");
-        if (version != 2.2 && version != 4.1)
-            in.fail("format version ", shown, ": only 2.2 and 4.1 are read (gmsh -0 IN.msh -format msh41 -o OUT.msh)");
-        mesh.msh_version = version == 2.2 ? 22 : 41;
-        if (in.small_integer("0 (ASCII)") != 0)
-            in.fail("a binary mesh is not read: save it in ASCII (gmsh without -bin)");
-        in.small_integer("the size of a number");
+        const double version = in.text().real("the format version");
+        if (version != 2.2 && version != 4.0 && version != 4.1)
+            in.fail("format version ", shown,
+                    ": only 2.2, 4.0 and 4.1 are read (gmsh -0 IN.msh -format msh41 -o OUT.msh)");
+        in.version = version == 2.2 ? 22 : version == 4.0 ? 40 : 41;
+        const bool binary = in.integer("0 (ASCII) or 1 (binary)", 0, 1) == 1;
+        const int bytes = in.integer("the size of a number");
         in.end_of_line();
+        if (!binary) return;
+        if (bytes != 8 && (bytes != 4 || in.version < 41))
+            in.fail("numbers of ", bytes, " bytes: only those of 8 are read, in MSH 4.1 also of 4");
+        in.size_bytes = bytes;
+        in.binary = true;
+        in.begin_numbers();
+        find_byte_order();
     }
 
-    void physical_names() {
+    // A 1 as int stands in the file for that.
+    void find_byte_order() {
+        const char* const begin = in.at;
+        for (const std::endian order : {std::endian::little, std::endian::big}) {
+            in.at = begin;
+            in.order = order;
+            if (in.integer("the number 1") == 1) return;
+        }
+        in.at = begin;
+        in.fail("expected the number 1 in four bytes, by which the order of bytes is told");
+    }
+
+    void physical_names() {  // text in every file
         in.next_line();
-        const long long count = in.integer("the number of physical names", 0, LLONG_MAX);
+        const long long count = in.text().integer("the number of physical names", 0, LLONG_MAX);
         in.end_of_line();
         for (long long i = 0; i < count; ++i) {
-            begin_record("$PhysicalNames", "names", i, count);
+            begin_line("names", i, count);
             PhysicalGroup group;
             group.dim = in.small_integer("the dimension of the physical group", 0, 3);
             group.tag = std::abs(in.small_integer("the tag of the physical group"));
@@ -137,171 +130,238 @@ struct MshReader {
         }
     }
 
-    // MSH 4.1 only. The physical groups are kept, not the bounding boxes and bounding entities.
-    void entities() {
+    void entities() {  // MSH 4
         if (!mesh.elements.empty()) in.fail("$Entities after $Elements");
         long long count[4] = {};
-        in.next_line();
-        for (long long& c : count) c = in.integer("the number of entities", 0, LLONG_MAX);
-        in.end_of_line();
+        in.begin_numbers();
+        for (long long& c : count) c = in.size("the number of entities", 0, LLONG_MAX);
+        in.end_of_record();
         for (int dim = 0; dim <= 3; ++dim)
             for (long long i = 0; i < count[dim]; ++i) {
-                begin_record("$Entities", "entities of this dimension", i, count[dim]);
-                RawEntity entity{dim, in.small_integer("the entity tag"), {}};
-                for (int k = 0; k < (dim ? 6 : 3); ++k) in.real("a coordinate");
-                const long long groups = in.integer("the number of physical tags", 0, LLONG_MAX);
-                for (long long k = 0; k < groups; ++k)
-                    entity.physical.push_back(std::abs(in.small_integer("a physical tag")));
-                in.rest_of_line();
-                mesh.entities.push_back(std::move(entity));
+                begin_record("entities of this dimension", i, count[dim]);
+                mesh.entities.push_back(entity(dim));
             }
-        std::ranges::stable_sort(mesh.entities, {}, [](const RawEntity& e) { return std::pair(e.dim, e.tag); });
+        std::ranges::stable_sort(mesh.entities, {}, &FileEntity::key);
+    }
+
+    // A point has a box from version 4.1 on no more.
+    FileEntity entity(int dim) {
+        FileEntity entity{{dim, in.integer("the entity tag")}};
+        const int coordinates = dim == 0 && in.version == 41 ? 3 : 6;
+        for (int k = 0; k < coordinates; ++k) entity.box[k] = in.real("a coordinate");
+        if (coordinates == 3) std::copy_n(entity.box.begin(), 3, entity.box.begin() + 3);
+        const long long groups = in.size("the number of physical tags", 0, LLONG_MAX);
+        for (long long k = 0; k < groups; ++k) entity.physical.push_back(std::abs(in.integer("a physical tag")));
+        if (dim > 0 && (in.binary || !in.at_end_of_record())) {
+            const long long bounds = in.size("the number of bounding entities", 0, LLONG_MAX);
+            for (long long k = 0; k < bounds; ++k) entity.bounds.push_back(in.integer("a bounding entity"));
+        }
+        if (!in.binary) in.rest_of_line();
+        return entity;
     }
 
     // Begins $Nodes or $Elements: returns the numbers of blocks and of items. MSH 2.2 has no blocks: all are in one.
+    // bytes: of an item at least.
     template <class Item>
-    std::pair<long long, long long> begin_items(std::vector<Item>& items, IdIndex& index, const std::string& section,
-                                                const char* what) {
-        if (!items.empty()) in.fail("a second ", section, " section");
-        in.next_line();
-        const long long blocks = in_blocks() ? in.integer("the number of blocks", 0, LLONG_MAX) : 1;
-        const long long count = in.integer(what, 1, INT_MAX);
-        if (in_blocks()) in.rest_of_line();
-        else in.end_of_line();
-        // The count may be wrong: a record has at least four characters.
-        const auto room = static_cast<std::size_t>(std::min<long long>(count, (in.end - in.at) / 4));
-        items.reserve(room);
-        index = IdIndex(room);
+    std::pair<long long, long long> begin_items(std::vector<Item>& items, IdIndex& index, const char* what, int bytes) {
+        if (!items.empty()) in.fail("a second ", in.part, " section");
+        long long blocks = 1, count = 0;
+        const std::string number = concat("the number of ", what);
+        if (in_blocks()) {
+            in.begin_numbers();
+            blocks = in.size("the number of blocks", 0, LLONG_MAX);
+            count = in.size(number.c_str(), 1, INT_MAX);
+            for (int k = 0; in.binary && in.version == 41 && k < 2; ++k) in.size("a least or largest id", 0, LLONG_MAX);
+            if (!in.binary) in.rest_of_line();
+        } else {
+            in.next_line();
+            count = in.text().integer(number.c_str(), 1, INT_MAX);
+            in.end_of_line();
+            if (in.binary) in.begin_numbers();
+        }
+        const long long room = (in.end - in.at) / bytes;
+        if (in.binary && room < count)
+            in.fail("the file is cut off: ", in.part, " announces ", count, " ", what, " of at least ", bytes,
+                    " bytes, ", in.end - in.at, " bytes are left");
+        items.reserve(static_cast<std::size_t>(std::min(count, room)));
+        index = IdIndex(items.capacity());
         return {blocks, count};
     }
 
     template <class Item>  // RawNode or RawElement
     void append(std::vector<Item>& items, IdIndex& index, const char* what, const Item& item) {
         const int earlier = index.insert(item.id, static_cast<int>(items.size()));
-        if (earlier >= 0) in.fail(what, " id ", item.id, " is there twice, first in line ", items[earlier].line);
+        if (earlier >= 0)
+            in.fail(what, " id ", item.id, " is there twice",
+                    in.binary ? "" : concat(", first in line ", items[earlier].line));
         items.push_back(item);
     }
 
-    void nodes() {
-        const auto [blocks, count] = begin_items(mesh.nodes, node_index, "$Nodes", "the number of nodes");
+    // $ParametricNodes is what MSH 2.2 calls $Nodes with parameters, of which the first two are the entity.
+    void nodes(const std::string& section) {
+        if (in_blocks() && section != "$Nodes") in.fail("parametric nodes of MSH 4 are in $Nodes");
+        const auto [blocks, count] = begin_items(mesh.nodes, node_index, "nodes", in.id_bytes() + 3 * in.real_bytes());
+        if (!in_blocks()) return nodes_with_ids(count, count, {section == "$ParametricNodes", -1});
         for (long long b = 0; b < blocks; ++b) {
-            const auto begin = static_cast<long long>(mesh.nodes.size());
-            long long end = count;
-            bool parametric = false;
-            if (in_blocks()) {
-                begin_record("$Nodes", "blocks", b, blocks);
-                in.integer("the dimension of the entity", 0, 3);
-                in.small_integer("the entity tag");
-                parametric = in.integer("0 or 1 (parametric)", 0, 1) == 1;
-                end = begin + in.integer("the number of nodes of this block", 0, count - begin);
-                in.end_of_line();
-            }
-            for (long long i = begin; i < end; ++i) {
-                begin_record("$Nodes", "nodes", i, count);
-                append(mesh.nodes, node_index, "node", {in.integer("a node id", 1, LLONG_MAX), {}, in.line});
-                if (!in_blocks()) read_position(mesh.nodes.back());
-                in.end_of_line();
-            }
-            for (long long i = begin; in_blocks() && i < end; ++i) {  // the positions follow all ids of the block
-                begin_record("$Nodes", "nodes with coordinates", i, count);
-                read_position(mesh.nodes[i]);
-                if (parametric) in.rest_of_line();
-                in.end_of_line();
-            }
+            begin_record("blocks", b, blocks);
+            node_block(count);
         }
-        check_total("$Nodes", "nodes", static_cast<long long>(mesh.nodes.size()), count);
+        check_total("nodes", static_cast<long long>(mesh.nodes.size()), count);
     }
 
-    void read_position(RawNode& node) {
-        node.line = in.line;
+    void node_block(long long count) {
+        const auto begin = static_cast<long long>(mesh.nodes.size());
+        EntityKey entity;
+        if (in.version == 40) entity.tag = in.integer("the entity tag");
+        entity.dim = in.integer("the dimension of the entity", 0, 3);
+        if (in.version == 41) entity.tag = in.integer("the entity tag");
+        const Parameters parameters{in.integer("0 or 1 (parametric)", 0, 1) == 1, entity.dim};
+        const long long end = begin + in.size("the number of nodes of this block", 0, count - begin);
+        in.end_of_record();
+        mesh.node_blocks.push_back({static_cast<std::size_t>(begin), entity});
+        if (in.version == 40) return nodes_with_ids(end, count, parameters);
+        for (long long i = begin; i < end; ++i) {
+            begin_record("nodes", i, count);
+            append(mesh.nodes, node_index, "node", {in.id("a node id"), {}, line()});
+            in.end_of_record();
+        }
+        for (long long i = begin; i < end; ++i) {  // the positions follow all ids of the block
+            begin_record("nodes with coordinates", i, count);
+            read_position(mesh.nodes[i], parameters);
+        }
+    }
+
+    // Of a node on its curve or surface: as many as the dimension; dim -1: the dimension stands with them. Not kept.
+    struct Parameters {
+        bool are_there;
+        int dim;
+    };
+
+    // Up to node `end` of `count`, each id with its position.
+    void nodes_with_ids(long long end, long long count, Parameters parameters) {
+        for (auto i = static_cast<long long>(mesh.nodes.size()); i < end; ++i) {
+            begin_record("nodes", i, count);
+            append(mesh.nodes, node_index, "node", {in.id("a node id"), {}, line()});
+            read_position(mesh.nodes.back(), parameters);
+        }
+    }
+
+    void read_position(RawNode& node, Parameters parameters) {
+        node.line = line();
         for (double& x : node.x) x = in.real("a coordinate");
+        if (parameters.are_there && parameters.dim < 0) {
+            parameters.dim = in.integer("the dimension of the entity", 0, 3) % 3;  // nodes of a volume have none
+            in.integer("the entity tag");
+        }
+        if (parameters.are_there) in.skip_reals(parameters.dim);
+        in.end_of_record();
     }
 
     void elements() {
         if (mesh.nodes.empty()) in.fail("$Elements before $Nodes");
-        const auto [blocks, count] = begin_items(mesh.elements, element_index, "$Elements", "the number of elements");
+        const auto [blocks, count] = begin_items(mesh.elements, element_index, "elements", 2 * in.id_bytes());
         long long done = 0;
-        for (long long b = 0; b < blocks; ++b) {
-            RawElement element{};
-            long long end = count;
-            if (in_blocks()) {
-                begin_record("$Elements", "blocks", b, blocks);
-                end = done + begin_element_block(element, count - done);
+        if (in_blocks()) {
+            for (long long b = 0; b < blocks; ++b) {
+                begin_record("blocks", b, blocks);
+                element_block(done, count);
             }
-            for (; done < end; ++done) {
-                begin_record("$Elements", "elements", done, count);
-                element.line = in.line;
-                element.id = in.integer("an element id", 1, LLONG_MAX);
-                if (!in_blocks()) read_type_and_tags(element);
-                if (type.dim < 0) {
-                    in.rest_of_line();
-                    continue;
-                }
-                element.first = mesh.element_nodes.size();
-                element.dim = type.dim;
-                element.degree = type.degree;
-                append(mesh.elements, element_index, "element", element);
-                for (int k = 0; k < type.nodes; ++k) mesh.element_nodes.push_back(read_node_of_element());
-                in.end_of_line();
-            }
+            check_total("elements", done, count);
+        } else if (in.binary) {
+            while (done < count) element_run(done, count);
+        } else {
+            for (; done < count; ++done) element_line(done, count);
         }
-        check_total("$Elements", "elements", done, count);
-        if (!foreign.empty()) refuse_foreign();
+        if (!foreign.kinds.empty()) in.fail_at(foreign.kinds[0].line, foreign.message());
     }
 
-    // MSH 4.1: what the elements of a block share. Returns their number.
-    long long begin_element_block(RawElement& element, long long most) {
-        const int dim = in.small_integer("the dimension of the entity", 0, 3);
-        element.entity = in.small_integer("the entity tag");
+    // MSH 4: elements of an entity and of one type. done: of all `count` elements.
+    void element_block(long long& done, long long count) {
+        RawElement element{};
+        int dim = 0;
+        if (in.version == 40) element.entity = in.integer("the entity tag");
+        dim = in.integer("the dimension of the entity", 0, 3);
+        if (in.version == 41) element.entity = in.integer("the entity tag");
         read_element_type();
-        const long long count = in.integer("the number of elements of this block", 0, most);
-        in.end_of_line();
-        if (type.dim < 0) add_foreign(count);
+        const long long end = done + in.size("the number of elements of this block", 0, count - done);
+        in.end_of_record();
+        if (type.dim < 0) add_foreign(end - done);
         else if (type.dim != dim) in.fail("element type ", type.number, " in an entity of dimension ", dim);
-        const RawEntity* const listed = find_entity(mesh, dim, element.entity);
+        const FileEntity* const listed = find_entity(mesh.entities, dim, element.entity);
         if (listed && !listed->physical.empty()) element.physical = listed->physical.front();
-        return count;
+        for (; done < end; ++done) {
+            begin_record("elements", done, count);
+            element.line = line();
+            element.id = in.id("an element id");
+            finish_element(element);
+        }
+    }
+
+    // MSH 2.2, binary: elements of one type with the same number of tags.
+    void element_run(long long& done, long long count) {
+        read_element_type();
+        const int size = in.integer("the number of elements of this type", 1, static_cast<int>(count - done));
+        const int tags = in.integer("the number of tags", 0);
+        if (type.dim < 0) add_foreign(size);
+        for (const long long end = done + size; done < end; ++done) {
+            RawElement element{};
+            element.id = in.id("an element id");
+            read_tags(element, tags);
+            finish_element(element);
+        }
+    }
+
+    // MSH 2.2, ASCII.
+    void element_line(long long done, long long count) {
+        begin_record("elements", done, count);
+        RawElement element{};
+        element.line = line();
+        element.id = in.id("an element id");
+        read_element_type();
+        if (type.dim < 0) add_foreign(1);
+        else read_tags(element, in.integer("the number of tags", 0));
+        finish_element(element);
     }
 
     // MSH 2.2: the tags of an element are those of its physical group, of its entity, and others.
-    void read_type_and_tags(RawElement& element) {
-        read_element_type();
-        if (type.dim < 0) return add_foreign(1);
-        element.physical = element.entity = 0;
-        const long long tags = in.integer("the number of tags", 0, INT_MAX);
-        for (long long k = 0; k < tags; ++k) {
-            const int tag = in.small_integer("a tag");
+    void read_tags(RawElement& element, int count) {
+        for (int k = 0; k < count; ++k) {
+            const int tag = in.integer("a tag");
             if (k == 0) element.physical = std::abs(tag);
             if (k == 1) element.entity = tag;
         }
     }
 
+    void finish_element(RawElement& element) {
+        if (type.dim < 0) {
+            in.rest_of_line();
+            return;
+        }
+        element.first = mesh.element_nodes.size();
+        element.dim = type.dim;
+        element.degree = type.degree;
+        append(mesh.elements, element_index, "element", element);
+        for (int k = 0; k < type.nodes; ++k) mesh.element_nodes.push_back(read_node_of_element());
+        in.end_of_record();
+    }
+
     // Most elements have the type of the one before.
     void read_element_type() {
-        const int number = in.small_integer("an element type", 1);
-        if (number != type.number) type = element_type(number);
+        const int number = in.integer("an element type", 1);
+        if (number != type.number) type = msh_type(number);
     }
 
     int read_node_of_element() {
-        const long long id = in.integer("a node id", 1, LLONG_MAX);
+        const long long id = in.id("a node id");
         const int node = node_index.find(id);
         if (node < 0) in.fail("the element has node ", id, ", which is not in $Nodes");
         return node;
     }
 
-    // Elements of other types are counted, to be refused all together.
+    // To be refused all together; in a binary file at once, as their length is not known.
     void add_foreign(long long count) {
-        const auto same = std::ranges::find(foreign, type.number, &ForeignElements::type);
-        if (same == foreign.end()) foreign.push_back({type.number, in.line, count});
-        else same->count += count;
-    }
-
-    void refuse_foreign() const {
-        std::string what;
-        for (const ForeignElements& f : foreign)
-            what += concat(what.empty() ? "" : "; ", f.count, " ", foreign_name(f.type), " of type ", f.type,
-                           ", the first in line ", f.line);
-        in.fail_at(foreign[0].line, what, ": only complete simplices of degree 1 to 7 are read");
+        foreign.add(type.number, line(), count);
+        if (in.binary) in.fail(foreign.message());
     }
 };
 
@@ -313,9 +373,8 @@ bool looks_like_msh(std::string_view text) {
 }
 
 RawMesh parse_msh(std::string_view text, const std::string& path) {
-    MshReader reader{TextScanner(text, path), {}};
+    MshReader reader{MshScanner(text, path)};
     reader.mesh.path = path;
-    reader.mesh.msh_version = 0;
     return reader.read();
 }
 

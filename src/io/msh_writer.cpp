@@ -79,7 +79,7 @@ struct MshWriter {
                          file.element_entity};
 
     void write() const {
-        sink(file.msh_version == 41 ? "$MeshFormat\n4.1" : "$MeshFormat\n2.2");
+        sink(file.format.msh_version == 41 ? "$MeshFormat\n4.1" : "$MeshFormat\n2.2");
         sink(" 0 8\n$EndMeshFormat\n");
         if (!file.groups.empty()) {
             sink("$PhysicalNames\n" + row({static_cast<long long>(file.groups.size())}));
@@ -87,7 +87,7 @@ struct MshWriter {
                 sink(concat(group.dim, " ", group.tag, " \"", group.name, "\"\n"));
             sink("$EndPhysicalNames\n");
         }
-        if (file.msh_version == 41) body_4_1();
+        if (file.format.msh_version == 41) body_4_1();
         else body_2_2();
     }
 

@@ -147,6 +147,7 @@ bool looks_like_su2(std::string_view text) {
 RawMesh parse_su2(std::string_view text, const std::string& path) {
     Su2Reader reader{TextScanner(text, path)};
     reader.mesh.path = path;
+    reader.mesh.format.kind = FileFormat::Kind::su2;
     return reader.read();
 }
 

@@ -1,4 +1,4 @@
-// What the readers of text formats share: a scanner, and an index of records by their ids.
+// What the readers of formats share: a scanner, and an index of records by their ids.
 #pragma once
 #include <algorithm>
 #include <charconv>
@@ -17,14 +17,17 @@ namespace almesh {
 
 // Scanner of a text with one record per line, in one pass and without allocation: blank lines are skipped, and a number
 // is never taken from the next line, so that a missing one is reported in the line where it is missing.
-// `at` points into line `line` (from 1) or to its line end. All failures are InputError "path:line: message".
+// `at` points into line `line` (from 1) or to its line end. All failures are InputError "path:line: message"; in a
+// binary file, where there are no lines to count, "path: $Nodes, byte 812: message".
 struct TextScanner {
-    const char *at, *end;
+    const char *at, *end, *start;
     const std::string& path;  // for messages; must outlive the scanner
     int line = 1;
+    bool binary = false;
+    std::string part;  // of a binary file in which `at` is
 
     TextScanner(std::string_view text, const std::string& path_)
-        : at(text.data()), end(text.data() + text.size()), path(path_) {}
+        : at(text.data()), end(text.data() + text.size()), start(text.data()), path(path_) {}
 
     template <class... Parts>
     [[noreturn]] void fail_at(int where, const Parts&... message) const {
@@ -32,7 +35,8 @@ struct TextScanner {
     }
     template <class... Parts>
     [[noreturn]] void fail(const Parts&... message) const {
-        fail_at(line, message...);
+        if (!binary) fail_at(line, message...);
+        throw InputError(path, ": ", part, ", byte ", at - start, ": ", message...);
     }
 
     // To the next character that is not blank; false where the text ends.
@@ -95,12 +99,14 @@ struct TextScanner {
         return value;
     }
 
-private:
-    static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-    bool is_word_end(const char* p) const { return p == end || is_blank(*p) || *p == '\n'; }
+protected:
     void skip_blanks() {
         while (at != end && is_blank(*at)) ++at;
     }
+
+private:
+    static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+    bool is_word_end(const char* p) const { return p == end || is_blank(*p) || *p == '\n'; }
     void check_number(const char* what, const char* stop, std::errc error) const {
         if (error == std::errc::invalid_argument || !is_word_end(stop)) fail("expected ", what, ", got ", word());
     }

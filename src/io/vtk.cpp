@@ -3,10 +3,10 @@
 #include "io/vtk.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 
+#include "base/bytes.hpp"
 #include "base/files.hpp"
 #include "base/index.hpp"
 #include "base/text.hpp"
@@ -39,14 +39,14 @@ struct VtkNumbers {
     bool binary;
 
     void integer(std::string& text, int value, char separator) const {
-        if (binary) return big_endian(text, static_cast<std::uint32_t>(value));
+        if (binary) return append_bytes(text, static_cast<std::int32_t>(value), std::endian::big);
         append(text, static_cast<long long>(value));
         text += separator;
     }
     void real(std::string& text, double value, int digits, char separator) const {
         constexpr double large = 1e300;
         if (!std::isfinite(value)) value = value < 0 ? -large : large;
-        if (binary) return big_endian(text, std::bit_cast<std::uint64_t>(value));
+        if (binary) return append_bytes(text, value, std::endian::big);
         if (digits) append(text, value, digits);
         else append(text, value);
         text += separator;
@@ -54,14 +54,6 @@ struct VtkNumbers {
     // After an array; in binary files the only line end.
     void end(const TextSink& sink) const {
         if (binary) sink("\n");
-    }
-
-private:
-    template <class Unsigned>
-    static void big_endian(std::string& text, Unsigned bits) {
-        char bytes[sizeof bits];
-        for (std::size_t k = sizeof bits; k-- > 0; bits >>= 8) bytes[k] = static_cast<char>(bits & 0xff);
-        text.append(bytes, sizeof bytes);
     }
 };
 

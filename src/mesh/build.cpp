@@ -91,9 +91,9 @@ void fill_elements(MeshBuild& build) {
 
 // An element of a Mesh has one physical tag.
 void note_shared_entities(const MeshBuild& build) {
-    for (const RawEntity& entity : build.raw.entities)
-        if (entity.dim == build.mesh.dim && entity.physical.size() > 1)
-            build.notes.push_back(concat(entity_kind(entity.dim), " ", entity.tag, " is in ",
+    for (const FileEntity& entity : build.raw.entities)
+        if (entity.key.dim == build.mesh.dim && entity.physical.size() > 1)
+            build.notes.push_back(concat(entity_kind(entity.key.dim), " ", entity.key.tag, " is in ",
                                          counted(entity.physical.size(), "physical group"),
                                          ", its elements keep the first, tag ", entity.physical[0]));
 }
@@ -159,7 +159,7 @@ Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds
     MeshBuild build{raw, notes, {}, {}, {}, {}};
     Mesh& mesh = build.mesh;
     mesh.file.groups = raw.groups;
-    mesh.file.msh_version = raw.msh_version;
+    mesh.file.format = raw.format;
     select(build);
     number_nodes(build);
     if (mesh.dim == 2) check_flat(build);

@@ -112,9 +112,9 @@ struct BoundaryMatcher {
 
     void check_face(const Side& element, const Side& tagged) const {
         const RawElement& face = tagged_face(tagged);
-        const RawEntity* entity = find_entity(build.raw, face.dim, face.entity);
+        const FileEntity* entity = find_entity(build.raw.entities, face.dim, face.entity);
         if (entity && entity->physical.size() > 1)
-            build.refuse(face, "lies on ", entity_kind(face.dim), " ", entity->tag, ", which has the tags ",
+            build.refuse(face, "lies on ", entity_kind(face.dim), " ", entity->key.tag, ", which has the tags ",
                          entity->physical[0], " and ", entity->physical[1], ": a boundary face needs exactly one tag");
         if (nodes_of(tagged.number) != nodes_of(element.number))
             build.refuse(face, "has the vertices of a face of ", name_of(element_of(element)),
@@ -270,7 +270,9 @@ std::string MeshBuild::node_ids(const int* nodes, int count) const {
     return text;
 }
 
-std::string name_of(const RawElement& element) { return concat("element ", element.id, " (line ", element.line, ")"); }
+std::string name_of(const RawElement& element) {
+    return concat("element ", element.id, element.line ? concat(" (line ", element.line, ")") : "");
+}
 
 std::string entity_kind(int dim) { return dim == 1 ? "curve" : dim == 2 ? "surface" : "volume"; }
 

@@ -22,19 +22,20 @@ struct MeshBuild {
     const RawElement& face(int f) const { return raw.elements[faces[f]]; }
     std::string node_ids(const int* nodes, int count) const;  // of nodes of the mesh, separated by commas
 
-    // Throw InputError "path: message" and "path:line: element 12 message".
+    // Throw InputError "path: message" and "path:line: element 12 message", without the line of a binary file.
     template <class... Parts>
     [[noreturn]] void refuse(const Parts&... message) const {
         throw InputError(raw.path, ": ", message...);
     }
     template <class... Parts>
     [[noreturn]] void refuse(const RawElement& element, const Parts&... message) const {
-        throw InputError(raw.path, ":", element.line, ": element ", element.id, " ", message...);
+        const std::string line = element.line ? concat(":", element.line) : "";
+        throw InputError(raw.path, line, ": element ", element.id, " ", message...);
     }
 };
 
-std::string name_of(const RawElement& element);                   // "element 12 (line 40)"
-std::string entity_kind(int dim);                                 // Gmsh's word: curve, surface or volume
+std::string name_of(const RawElement& element);  // "element 12 (line 40)", "element 12" of a binary file
+std::string entity_kind(int dim);                // Gmsh's word: curve, surface or volume
 
 // Fills the faces of the mesh, whose nodes and elements are there already; of a mesh without tagged faces, those of its
 // elements, in connected parts `boundary-1`, ... Returns the pairs of elements that lie on

@@ -5,6 +5,7 @@
 // refine() make others of it, and prolong() carries fields over to those.
 #pragma once
 #include <array>
+#include <compare>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,30 @@ struct PhysicalGroup {
     std::string name;
 };
 
+// How a mesh file is written.
+struct FileFormat {
+    enum class Kind { msh, su2 } kind = Kind::msh;
+    int msh_version = 22;  // 22, 40 or 41
+    bool binary = false;
+
+    bool operator==(const FileFormat&) const = default;
+};
+
+// An elementary entity of the geometry, a point, curve, surface or volume, by its dimension and tag.
+struct EntityKey {
+    int dim = -1, tag = 0;  // dim -1: none
+
+    auto operator<=>(const EntityKey&) const = default;
+};
+
+// What an MSH 4 file says of an entity.
+struct FileEntity {
+    EntityKey key;
+    std::vector<int> physical{};  // tags of its physical groups
+    std::vector<int> bounds{};    // tags of the entities around it, negative where turned
+    std::array<double, 6> box{};  // least and greatest coordinates; of a point, its own twice
+};
+
 // What a mesh file says besides the geometry: ids and tags of nodes, elements and boundary faces, so that the result is
 // written with the tags of the input.
 struct FileTags {
@@ -26,7 +51,7 @@ struct FileTags {
     std::vector<int> element_physical, face_physical;  // tag of the physical group; 0: none
     std::vector<int> element_entity, face_entity;      // tag of the elementary entity; 0: none
     std::vector<PhysicalGroup> groups;
-    int msh_version = 22;  // 22 or 41
+    FileFormat format;
 };
 
 struct Mesh {

@@ -10,7 +10,7 @@ TEST_CASE("info tells what is in a mesh, and is a deck that runs") {
     const std::string mesh = ring.folder.path("ring.msh");
     const Outcome told = almesh_with({"info", mesh});
     CHECK(told.code == 0);
-    CHECK(has(told.out, "48 nodes, 72 triangles of degree 1"));
+    CHECK(has(told.out, "ring.msh, MSH 2.2, ASCII: 48 nodes, 72 triangles of degree 1"));
     CHECK(has(told.out, "(-6, -6) to (6, 6)"));
     CHECK(has(told.out, "inner  12 faces, 12 nodes, (-1, -1) to (1, 1)"));
     CHECK(has(told.out, "all elements certified valid, none overlap"));

@@ -79,16 +79,18 @@ TEST_CASE("mesh files that cannot be read: code 2, naming the file") {
     std::filesystem::create_directory(ring.folder.path("ring.msh"));
     check_refused(ring.run(), 2, {ring.folder.path("ring.msh")});
     check_refused(run_on(""), 2, {"ring.msh", "empty"});
-    check_refused(run_on(std::string("$MeshFormat\n4.1 1 8\n\1\0\0\0", 24)), 2, {"ring.msh", "binary"});
-    check_refused(run_on("$MeshFormat\n4.1 1 8\n$EndMeshFormat\n"), 2, {"ring.msh:2", "binary", "ASCII"});
-    check_refused(run_on("$MeshFormat\n3.0 0 8\n$EndMeshFormat\n"), 2, {"ring.msh:2", "2.2 and 4.1"});
+    check_refused(run_on(std::string("$MeshFormat\n4.1 1 8\n\1\0\0\0", 24)), 2,
+                  {"ring.msh: $MeshFormat, byte 24", "cut off"});
+    check_refused(run_on("$MeshFormat\n4.1 1 8\n$EndMeshFormat\n"), 2,
+                  {"ring.msh: $MeshFormat, byte 20", "order of bytes"});
+    check_refused(run_on("$MeshFormat\n3.0 0 8\n$EndMeshFormat\n"), 2, {"ring.msh:2", "2.2, 4.0 and 4.1"});
     check_refused(run_on("solid cube\nfacet normal 0 0 1\n"), 2, {"ring.msh:1", "not a Gmsh mesh file"});
 }
 
 TEST_CASE("mesh files whose contents cannot be meant: code 2 with file and line") {
     for (int version : {22, 41}) {
         Mesh mesh = ring_mesh(8, 1, 2);
-        mesh.file.msh_version = version;
+        mesh.file.format.msh_version = version;
         const std::string good = msh_of(mesh);
         check_refused(run_on(good.substr(0, good.size() / 2)), 2, {"ring.msh:"});
         check_refused(run_on(good.substr(0, good.find("$Elements"))), 2, {"ring.msh", "$Elements"});

@@ -151,12 +151,12 @@ TEST_CASE("the history belongs to the summary") {
 TEST_CASE("final.msh is the mesh of the input with new positions") {
     for (int version : {22, 41}) {
         Mesh mesh = raise_degree(ring_mesh(10, 2, 5), 2);
-        mesh.file.msh_version = version;
+        mesh.file.format.msh_version = version;
         for (int i = 0; i < mesh.nodes(); ++i) mesh.file.node_id[i] = 1000 + 7 * i;
         const RingDeck ring(mesh);
         REQUIRE(ring.run().code == 0);
         const Mesh before = mesh_of(ring.folder.path("ring.msh")), after = mesh_of(ring.output + "/final.msh");
-        CHECK(after.file.msh_version == version);
+        CHECK(after.file.format.msh_version == version);
         CHECK(after.degree == 2);
         CHECK(std::is_permutation(after.file.node_id.begin(), after.file.node_id.end(), before.file.node_id.begin(),
                                   before.file.node_id.end()));

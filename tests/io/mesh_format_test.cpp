@@ -45,9 +45,18 @@ TEST_CASE("text of no known format is read by the ending of the name, so that th
 TEST_CASE("where neither tells, the formats are listed") {
     CHECK_THROWS_WITH_AS(parse_mesh("solid cube\n", "cube.stl"),
                          "cube.stl: not a mesh file of a known format, by its first lines or its name; readable are: "
-                         "Gmsh MSH 2.2 and 4.1, ASCII (*.msh); SU2 (*.su2)",
+                         "Gmsh MSH 2.2, 4.0 and 4.1, ASCII or binary (*.msh); SU2 (*.su2)",
                          InputError);
-    CHECK_THROWS_WITH_AS(find_format(with_points, "solid", "a"), Contains("ASCII (*.msh); Points (*.pts)"), InputError);
+    CHECK_THROWS_WITH_AS(find_format(with_points, "solid", "a"), Contains("binary (*.msh); Points (*.pts)"),
+                         InputError);
+}
+
+TEST_CASE("formats have names, and a text format no zero bytes") {
+    CHECK(to_string(parse_mesh(triangle, "a.msh").format) == "MSH 2.2, ASCII");
+    CHECK(to_string(FileFormat{.msh_version = 41, .binary = true}) == "MSH 4.1, binary");
+    CHECK(to_string(FileFormat{FileFormat::Kind::su2}) == "SU2");
+    CHECK_THROWS_WITH_AS(parse_mesh(std::string("NDIME= 2\n\0", 10), "a.su2"),
+                         "cannot read a.su2: it is binary; save it as text (ASCII)", InputError);
 }
 
 TEST_CASE("a mesh file is read, a missing one is refused by its name") {

@@ -3,135 +3,67 @@
 #include <random>
 
 #include "base/error.hpp"
-#include "io/msh.hpp"
+#include "io/msh_samples.hpp"
 
 using namespace almesh;
+using namespace almesh::test;
 using doctest::Contains;
 
 namespace {
-
-// A triangle of degree 1 with its three edges, in lines that the messages below count.
-const std::string in_2_2 = R"($MeshFormat
-2.2 0 8
-$EndMeshFormat
-$PhysicalNames
-2
-1 4 "the wall"
-2 9 "inside"
-$EndPhysicalNames
-$Nodes
-3
-1 0 0 0
-2 1 0 0
-5 0 1 1e-300
-$EndNodes
-$Elements
-5
-1 15 2 0 1 1
-2 1 2 4 11 1 2
-3 1 4 4 11 1 7 2 5
-4 1 2 4 12 5 1
-8 2 2 9 1 1 2 5
-$EndElements
-)";
-
-const std::string in_4_1 = R"($MeshFormat
-4.1 0 8
-$EndMeshFormat
-$PhysicalNames
-2
-1 4 "the wall"
-2 9 "inside"
-$EndPhysicalNames
-$Entities
-1 2 1 0
-1 0 0 0 0
-12 0 0 0 0 1 0 2 4 6 2 1 -1
-11 0 0 0 1 1 0 1 -4 2 1 -1
-1 0 0 0 1 1 0 1 9 2 11 12
-$EndEntities
-$Nodes
-2 3 1 5
-1 11 1 2
-1
-5
-0 0 0 0.25
-0 1 1e-300 0.5
-2 1 0 1
-2
-1 0 0
-$EndNodes
-$Elements
-4 5 1 8
-0 1 15 1
-1 1
-1 11 1 2
-2 1 2
-3 2 5
-1 12 1 1
-4 5 1
-2 1 2 1
-8 1 2 5
-$EndElements
-)";
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    const auto at = text.find(from);
-    REQUIRE(at != std::string::npos);
-    return text.replace(at, from.size(), to);
-}
 
 void check_refused(const std::string& text, const std::string& message) {
     CAPTURE(text);
     CHECK_THROWS_WITH_AS(parse_msh(text, "a.msh"), Contains(message.c_str()), InputError);
 }
 
-void check_is_the_triangle(const RawMesh& mesh) {
-    REQUIRE(mesh.nodes.size() == 3);
-    REQUIRE(mesh.elements.size() == 5);
-    REQUIRE(mesh.groups.size() == 2);
-    CHECK(mesh.groups[0].name == "the wall");
-    CHECK(mesh.groups[1].dim == 2);
-    CHECK(mesh.groups[1].tag == 9);
-    const long long ids[] = {1, 2, 3, 4, 8};
-    const int dims[] = {0, 1, 1, 1, 2}, physical[] = {0, 4, 4, 4, 9}, entity[] = {1, 11, 11, 12, 1};
-    const std::vector<long long> nodes[] = {{1}, {1, 2}, {2, 5}, {5, 1}, {1, 2, 5}};
-    for (int i = 0; i < 5; ++i) {
-        const RawElement& element = mesh.elements[i];
-        CHECK(element.id == ids[i]);
-        CHECK(element.dim == dims[i]);
-        CHECK(element.degree == 1);
-        CHECK(element.physical == physical[i]);
-        CHECK(element.entity == entity[i]);
-        for (std::size_t k = 0; k < nodes[i].size(); ++k)
-            CHECK(mesh.nodes[mesh.element_nodes[element.first + k]].id == nodes[i][k]);
-    }
-    for (const RawNode& node : mesh.nodes) {
-        CHECK(node.x[0] == (node.id == 2));
-        CHECK(node.x[1] == (node.id == 5));
-        CHECK(node.x[2] == (node.id == 5 ? 1e-300 : 0));
-    }
-}
-
 }  // namespace
 
-TEST_CASE("MSH 2.2 and 4.1 hold the same mesh") {
+TEST_CASE("MSH 2.2, 4.0 and 4.1 hold the same mesh") {
     const RawMesh old = parse_msh(in_2_2, "a.msh"), mesh = parse_msh(in_4_1, "a.msh");
-    CHECK(old.msh_version == 22);
-    CHECK(mesh.msh_version == 41);
+    CHECK(old.format == FileFormat{.msh_version = 22});
+    CHECK(mesh.format == FileFormat{.msh_version = 41});
     check_is_the_triangle(old);
     check_is_the_triangle(mesh);
     CHECK(old.nodes[2].line == 13);
     CHECK(old.elements[4].line == 21);
     CHECK(mesh.nodes[2].line == 25);
     CHECK(mesh.elements[4].line == 37);
-    REQUIRE(find_entity(mesh, 1, 12) != nullptr);
-    CHECK(find_entity(mesh, 1, 12)->physical == std::vector<int>{4, 6});
-    CHECK(find_entity(mesh, 2, 12) == nullptr);
+    REQUIRE(find_entity(mesh.entities, 1, 12) != nullptr);
+    CHECK(find_entity(mesh.entities, 1, 12)->physical == std::vector<int>{4, 6});
+    CHECK(find_entity(mesh.entities, 2, 12) == nullptr);
+}
+
+TEST_CASE("MSH 4 files say on which entity a node lies, and what bounds an entity") {
+    CHECK(parse_msh(in_4_0, "a.msh").format == FileFormat{.msh_version = 40});
+    for (const std::string& text : {in_4_0, in_4_1}) {
+        const RawMesh mesh = parse_msh(text, "a.msh");
+        check_is_the_triangle(mesh);
+        REQUIRE(mesh.node_blocks.size() == 2);
+        CHECK(mesh.node_blocks[0].entity == EntityKey{1, 11});
+        CHECK(mesh.node_blocks[1].first == 2);
+        CHECK(mesh.node_blocks[1].entity == EntityKey{2, 1});
+        REQUIRE(mesh.entities.size() == 4);
+        CHECK(mesh.entities[0].key == EntityKey{0, 1});
+        CHECK(mesh.entities[0].box == std::array<double, 6>{});
+        CHECK(mesh.entities[2].physical == std::vector<int>{4, 6});
+        CHECK(mesh.entities[2].bounds == std::vector<int>{1, -1});
+        CHECK(mesh.entities[2].box == std::array<double, 6>{0, 0, 0, 0, 1, 0});
+    }
+}
+
+TEST_CASE("nodes with parameters are read without them") {
+    std::string text = in_2_2;
+    for (const char* section : {"$Nodes", "$EndNodes"})
+        text = replaced(text, section, section == std::string("$Nodes") ? "$ParametricNodes" : "$EndParametricNodes");
+    text = replaced(text, "1 0 0 0\n", "1 0 0 0 0 1\n");
+    text = replaced(text, "2 1 0 0\n", "2 1 0 0 1 11 0.5\n");
+    check_is_the_triangle(parse_msh(replaced(text, "1e-300\n", "1e-300 2 1 0.5 0.25\n"), "a.msh"));
+    check_refused(replaced(text, "1 11 0.5", "x"), "a.msh:12: expected the dimension of the entity, got `x`");
+    check_refused(replaced(in_4_1, "$Nodes", "$ParametricNodes"), "a.msh:16: parametric nodes of MSH 4 are in $Nodes");
 }
 
 TEST_CASE("blank lines, CR LF, blanks at line ends and unknown sections change nothing") {
-    for (const std::string& text : {in_2_2, in_4_1}) {
+    for (const std::string& text : {in_2_2, in_4_0, in_4_1}) {
         std::string wild = "\n";
         for (const char c : text) wild += c == '\n' ? std::string(" \t\r\n\n") : std::string(1, c);
         check_is_the_triangle(parse_msh(wild, "a.msh"));
@@ -195,18 +127,17 @@ TEST_CASE("element types that are not read have a name") {
             check_refused(replaced(in_2_2, "8 2 2", "8 " + std::to_string(type) + " 2"), std::string(": 1 ") + name);
 }
 
-TEST_CASE("what is no ASCII mesh of version 2.2 or 4.1 is refused") {
+TEST_CASE("what is no mesh of version 2.2, 4.0 or 4.1 is refused") {
     check_refused("solid cube\n", "a.msh:1: not a Gmsh mesh file");
     check_refused("\n\n", "not a Gmsh mesh file: there is no $MeshFormat section");
-    check_refused(replaced(in_2_2, "2.2 0", "2.2 1"), "a.msh:2: a binary mesh is not read");
-    check_refused(replaced(in_2_2, "2.2 0", "4 0"), "a.msh:2: format version `4`: only 2.2 and 4.1 are read");
-    check_refused(replaced(in_2_2, "2.2 0", "2.2 x"), "a.msh:2: expected 0 (ASCII), got `x`");
+    check_refused(replaced(in_2_2, "2.2 0", "2.2 1"), "a.msh: $MeshFormat, byte 20: expected the number 1 in four");
+    check_refused(replaced(in_2_2, "2.2 0", "3 0"), "a.msh:2: format version `3`: only 2.2, 4.0 and 4.1 are read");
+    check_refused(replaced(in_2_2, "2.2 0", "2.2 x"), "a.msh:2: expected 0 (ASCII) or 1 (binary), got `x`");
     check_refused(replaced(in_2_2, "$Nodes", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes"), "a second $MeshFormat");
     check_refused("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n", "there is no $Nodes section");
     check_refused(in_2_2.substr(0, in_2_2.find("$Elements")), "there is no $Elements section");
     check_refused(replaced(in_4_1, "$Nodes", "$PartitionedEntities\n1\n$EndPartitionedEntities\n$Nodes"),
                   "a.msh:16: a partitioned mesh");
-    check_refused(replaced(in_2_2, "$Nodes", "$ParametricNodes"), "a.msh:9: parametric nodes are not read");
     check_refused(replaced(in_2_2, "$Nodes\n3", "3"), "a.msh:9: expected a section such as $Nodes, got `3`");
 }
 
@@ -263,7 +194,7 @@ TEST_CASE("sections have to come once and in order") {
 
 TEST_CASE("a file cut off anywhere, and one with a byte changed, is refused or read, never worse") {
     std::mt19937 random(1);
-    for (const std::string& text : {in_2_2, in_4_1}) {
+    for (const std::string& text : {in_2_2, in_4_0, in_4_1}) {
         for (std::size_t length = 0; length < text.size() - 14; ++length)
             CHECK_THROWS_AS(parse_msh(text.substr(0, length), "a.msh"), InputError);
         const std::string bytes = "0123456789 \n$-.e\x80";

@@ -17,7 +17,7 @@ namespace {
 
 Mesh sample(int dim, int degree, int version) {
     RawMesh raw = SampleMesh(dim, degree, 2).raw;
-    raw.msh_version = version;
+    raw.format.msh_version = version;
     std::vector<std::string> notes;
     return build_mesh(raw, notes);
 }
@@ -70,7 +70,7 @@ TEST_CASE("what is written reads back with the same ids, tags, names and bits") 
                 const Mesh mesh = sample(dim, degree, version);
                 const std::vector<double> x = moved(mesh);
                 const Mesh back = read_back(msh_text(mesh, x));
-                CHECK(back.file.msh_version == version);
+                CHECK(back.file.format.msh_version == version);
                 CHECK(back.degree == degree);
                 CHECK(positions_by_id(back, back.x) == positions_by_id(mesh, x));
                 CHECK(cells_by_id(back, back.elements, back.file.element_id) ==
@@ -125,11 +125,11 @@ TEST_CASE("in MSH 4.1 each entity has one physical tag, and each node is listed 
     std::fill(mesh.file.face_entity.begin(), mesh.file.face_entity.end(), 5);
     const RawMesh raw = parse_msh(msh_text(mesh, mesh.x), "written.msh");
     REQUIRE(raw.entities.size() == 3);
-    CHECK(raw.entities[0].tag == 5);
+    CHECK(raw.entities[0].key.tag == 5);
     CHECK(raw.entities[0].physical == std::vector<int>{1});
-    CHECK(raw.entities[1].tag == 6);
+    CHECK(raw.entities[1].key.tag == 6);
     CHECK(raw.entities[1].physical == std::vector<int>{2});
-    CHECK(raw.entities[2].dim == 2);
+    CHECK(raw.entities[2].key.dim == 2);
     CHECK(raw.nodes.size() == static_cast<std::size_t>(mesh.nodes()));
     for (std::size_t i = 0; i < raw.nodes.size(); ++i) {
         const double x = raw.nodes[i].x[0], y = raw.nodes[i].x[1];

@@ -144,7 +144,7 @@ TEST_CASE("a boundary face has one tag") {
 
     raw = square();
     raw.elements[3].entity = 4;
-    raw.entities = {{1, 4, {7, 8}}};
+    raw.entities = {{{1, 4}, {7, 8}}};
     check_refused(raw, "square.msh:1003: element 4 lies on curve 4, which has the tags 7 and 8");
 }
 

@@ -167,7 +167,7 @@ TEST_CASE("what makes no mesh of one degree is refused") {
 
 TEST_CASE("elements of several physical groups keep the first") {
     RawMesh raw = square();
-    raw.entities = {{1, 4, {7}}, {2, 1, {9, 10}}, {3, 1, {1, 2}}};
+    raw.entities = {{{1, 4}, {7}}, {{2, 1}, {9, 10}}, {{3, 1}, {1, 2}}};
     CHECK(note_of(raw) == "surface 1 is in 2 physical groups, its elements keep the first, tag 9");
 }
 

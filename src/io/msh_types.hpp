@@ -1,0 +1,28 @@
+// The element types of MSH files by their numbers (GmshDefines.h).
+#pragma once
+#include <string>
+#include <vector>
+
+namespace almesh {
+
+struct MshType {
+    int number;
+    int dim = -1;  // 0 to 3; -1: not a complete simplex of a degree up to max_degree
+    int degree = 0, nodes = 0;
+};
+
+MshType msh_type(int number);
+
+// Elements of types that are not read, counted to be refused all together.
+struct ForeignMshElements {
+    struct Kind {
+        int type, line;  // of the first; 0: of a binary file
+        long long count;
+    };
+    std::vector<Kind> kinds;
+
+    void add(int type, int line, long long count);
+    std::string message() const;  // what they are, with what to do about them
+};
+
+}  // namespace almesh
