@@ -37,7 +37,8 @@ struct DeckBoundary {
 enum class Start { automatic, identity, coarse };
 enum class Snap { automatic, no, yes };
 enum class VtkOutput { ascii, binary, none };
-enum class FinalFormat { msh, su2, both };
+// As written in the deck; those of one version of MSH stand from msh22 on.
+enum class FinalFormat { input, msh, su2, both, msh22, msh22_binary, msh40, msh40_binary, msh41, msh41_binary };
 
 struct Deck {
     // The keys with their defaults; parameters of the method stand in its own structs. An empty optional is `auto`.
@@ -61,7 +62,7 @@ struct Deck {
     CertificateParams certificate;
     int write_system = 0;
     VtkOutput vtk = VtkOutput::ascii;
-    FinalFormat final_format = FinalFormat::msh;
+    FinalFormat final_format = FinalFormat::input;
     std::string wall;  // boundary name, "" for none
     int threads = 0;
 

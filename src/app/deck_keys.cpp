@@ -37,9 +37,7 @@ DeckValue text(const char* what) {
 
 // An enum; enumerator i is written names[i].
 template <auto... path>
-DeckValue choice(const std::vector<std::string>& names) {
-    std::string legal;
-    for (const std::string& name : names) legal += (legal.empty() ? "" : " | ") + name;
+DeckValue choice(const std::vector<std::string>& names, std::string legal) {
     const auto set = [names](Deck& deck, std::string_view written) -> Hint {
         const auto it = std::find(names.begin(), names.end(), written);
         if (it == names.end()) return did_you_mean(written, names);
@@ -48,6 +46,13 @@ DeckValue choice(const std::vector<std::string>& names) {
         return std::nullopt;
     };
     return {legal, set, [names](const Deck& deck) { return names[static_cast<int>(field<path...>(deck))]; }};
+}
+
+template <auto... path>
+DeckValue choice(const std::vector<std::string>& names) {
+    std::string legal;
+    for (const std::string& name : names) legal += (legal.empty() ? "" : " | ") + name;
+    return choice<path...>(names, legal);
 }
 
 struct Range {
@@ -178,8 +183,13 @@ const std::vector<DeckKey>& deck_keys() {
          "none."},
         {"vtk", choice<&Deck::vtk>({"ascii", "binary", "none"}),
          "Format of the VTK files: text, or binary, which is faster to write and read; or none of them."},
-        {"final", choice<&Deck::final_format>({"msh", "su2", "both"}),
-         "Format of the final mesh: final.msh (Gmsh), final.su2 (linear meshes), or both."},
+        {"final",
+         choice<&Deck::final_format>(
+             {"input", "msh", "su2", "both", "msh22", "msh22-binary", "msh40", "msh40-binary", "msh41", "msh41-binary"},
+             "input | msh | su2 | both | msh22, msh40, msh41 [-binary]"),
+         "Format of the final mesh. input: that of the mesh file, in its version, text or binary, but final.msh where "
+         "that is SU2 and the elements are not linear; msh: final.msh in the version of the mesh file, or 2.2; su2: "
+         "final.su2 (linear meshes); both: these two; msh22, msh41-binary, ...: final.msh in that version."},
         {"wall", text<&Deck::wall>("boundary name"),
          "Boundary whose distance is written with the results; \"\": none."},
         {"threads", number<&Deck::threads>({0, 1024}), "Threads; 0: all, or what OMP_NUM_THREADS says."},

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "app/node_targets.hpp"
+#include "app/results.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
@@ -58,6 +59,17 @@ void check_quadrature(const Deck& deck, int degree) {
     if (exactness == 0 || exactness >= least) return;
     throw UsageError(deck.given.at("quadrature"), ": quadrature = ", exactness, " is too low for elements of degree ",
                      degree, ": at least ", least, ", or 0");
+}
+
+void check_final_degree(const Deck& deck, int degree) {
+    if (degree == 1 || (deck.final_format != FinalFormat::su2 && deck.final_format != FinalFormat::both)) return;
+    throw UsageError(deck.given.at("final"), ": SU2 meshes are linear, these elements have degree ", degree,
+                     ": take final = msh");
+}
+
+// Before a run rather than after it.
+void check_final_ids(const Deck& deck, const Mesh& mesh) {
+    for (const FileFormat& format : final_formats(deck.final_format, mesh)) check_ids_fit(mesh, format);
 }
 
 // Algorithm 1 as printed weighs the penalty mu^2: the mu of a coarser mesh would mean something else.
@@ -173,14 +185,16 @@ Problem make_problem(const Deck& deck) {
     problem.base = build_mesh(read_mesh_file(deck.mesh, problem.mesh_hash), problem.notes);
     check_quadrature(deck, std::max(deck.degree, problem.base.degree));
     const int degree = deck.degree ? deck.degree : problem.base.degree;
-    if (degree > 1 && deck.final_format != FinalFormat::msh)
-        throw UsageError(deck.given.at("final"), ": SU2 meshes are linear, these elements have degree ", degree,
-                         ": take final = msh");
+    check_final_degree(deck, degree);
+    if (degree > 1 && problem.base.file.format.kind == FileFormat::Kind::su2)
+        problem.notes.push_back("SU2 meshes are linear: the mesh of degree " + std::to_string(degree) +
+                                " is written as final.msh");
     problem.placed = places_of_files(deck, problem.base);
     PlacedNodes placed = problem.placed;
     problem.level = discretise(deck, problem.base, deck.refine, degree, placed, problem.target);
     problem.level_placed = std::move(placed);
     const Mesh& mesh = problem.mesh();
+    check_final_ids(deck, mesh);
     refuse_invalid_target(check_target(mesh, problem.target.node, open_faces(mesh, problem.target)));
     problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
     problem.node_target = problem.target.node;

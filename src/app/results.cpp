@@ -101,6 +101,27 @@ void write_boundary(const Deck& deck, const Problem& problem, const Solution& so
 
 }  // namespace
 
+std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
+    const FileFormat input = mesh.file.format, su2 = {FileFormat::Kind::su2};
+    const bool from_su2 = input.kind == FileFormat::Kind::su2;
+    const FileFormat msh = from_su2 ? FileFormat() : input;
+    switch (wanted) {
+        case FinalFormat::input:
+            return {from_su2 && mesh.degree == 1 ? su2 : msh};
+        case FinalFormat::msh:
+            return {msh};
+        case FinalFormat::su2:
+            return {su2};
+        case FinalFormat::both:
+            return {msh, su2};
+        default:
+            break;
+    }
+    const int place = static_cast<int>(wanted) - static_cast<int>(FinalFormat::msh22);
+    constexpr int versions[] = {22, 40, 41};
+    return {{FileFormat::Kind::msh, versions[place / 2], place % 2 == 1}};
+}
+
 void write_deck(const Deck& deck, const Problem& problem) {
     std::string text = concat("# ", version(), ", commit ", commit(), "\n# compiled by ", compiler(), "\n# threads ",
                               max_threads(), ", mesh hash ", problem.mesh_hash, "\n");
@@ -117,8 +138,10 @@ void write_initial(const Deck& deck, const Problem& problem) {
 
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {
     const std::vector<double> positions = final_positions(problem, solution.x);
-    if (deck.final_format != FinalFormat::su2) write_msh(deck.output + "/final.msh", problem.mesh(), positions);
-    if (deck.final_format != FinalFormat::msh) write_su2(deck.output + "/final.su2", problem.mesh(), positions);
+    for (const FileFormat& format : final_formats(deck.final_format, problem.mesh())) {
+        if (format.kind == FileFormat::Kind::su2) write_su2(deck.output + "/final.su2", problem.mesh(), positions);
+        else write_msh(deck.output + "/final.msh", problem.mesh(), positions, format);
+    }
     if (deck.vtk == VtkOutput::none) return;
     write_volume(deck, problem, "final", solution.x, positions, solution.al.distortion.element_max,
                  &solution.certificate.lower_bound);

@@ -12,6 +12,7 @@ namespace almesh {
 
 struct Deck;
 struct Problem;
+enum class FinalFormat;
 
 // Seconds of a run. Timings are of the iterations on the coarser meshes and on the deck's own; the others of what is
 // outside the latter: together they are the run.
@@ -39,7 +40,10 @@ struct Solution {
 
 void write_deck(const Deck& deck, const Problem& problem);     // deck.txt
 void write_initial(const Deck& deck, const Problem& problem);  // initial.vtk
-// final.msh, final.vtk, boundary.vtk
+// How the final mesh is written: final.msh, final.su2, or both.
+std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh);
+
+// The final mesh, final.vtk, boundary.vtk
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution);
 void write_summary(const Deck& deck, const Summary& summary);  // summary.txt and expectations.csv
 

@@ -20,12 +20,18 @@ bool looks_like_msh(std::string_view text);
 // counts in it say.
 RawMesh parse_msh(std::string_view text, const std::string& path);
 
-// The mesh in the version it came in (mesh.file.msh_version), with the ids, tags and names of the input and the
-// positions x (node_count x dim) in place of mesh.x; a 2D mesh at z = 0. Coordinates are the shortest decimals that
-// read back to the same bits (17 digits at most).
+// The mesh in a version and in text or bytes, with the ids, tags, names, entities and kept cells of the input and the
+// positions x (node_count x dim) in place of mesh.x; a 2D mesh at z = 0. Coordinates in text are the shortest decimals
+// that read back to the same bits (17 digits at most). In MSH 2.2 an element has the first of its physical tags. Throws
+// InputError where check_ids_fit() does. Without a format: in that of mesh.file.
+std::string msh_text(const Mesh& mesh, const std::vector<double>& x, const FileFormat& format);
 std::string msh_text(const Mesh& mesh, const std::vector<double>& x);
 
 // The same to a file. Throws InputError where it cannot be written.
+void write_msh(const std::string& path, const Mesh& mesh, const std::vector<double>& x, const FileFormat& format);
 void write_msh(const std::string& path, const Mesh& mesh, const std::vector<double>& x);
+
+// Throws InputError where an id is beyond the int that binary files before MSH 4.1 have for it.
+void check_ids_fit(const Mesh& mesh, const FileFormat& format);
 
 }  // namespace almesh

@@ -5,54 +5,15 @@
 // refine() make others of it, and prolong() carries fields over to those.
 #pragma once
 #include <array>
-#include <compare>
 #include <string>
 #include <vector>
 
 #include "base/index.hpp"
 #include "base/small_matrix.hpp"
 #include "mesh/cells.hpp"
+#include "mesh/file_tags.hpp"
 
 namespace almesh {
-
-struct PhysicalGroup {
-    int dim = 0, tag = 0;
-    std::string name;
-};
-
-// How a mesh file is written.
-struct FileFormat {
-    enum class Kind { msh, su2 } kind = Kind::msh;
-    int msh_version = 22;  // 22, 40 or 41
-    bool binary = false;
-
-    bool operator==(const FileFormat&) const = default;
-};
-
-// An elementary entity of the geometry, a point, curve, surface or volume, by its dimension and tag.
-struct EntityKey {
-    int dim = -1, tag = 0;  // dim -1: none
-
-    auto operator<=>(const EntityKey&) const = default;
-};
-
-// What an MSH 4 file says of an entity.
-struct FileEntity {
-    EntityKey key;
-    std::vector<int> physical{};  // tags of its physical groups
-    std::vector<int> bounds{};    // tags of the entities around it, negative where turned
-    std::array<double, 6> box{};  // least and greatest coordinates; of a point, its own twice
-};
-
-// What a mesh file says besides the geometry: ids and tags of nodes, elements and boundary faces, so that the result is
-// written with the tags of the input.
-struct FileTags {
-    std::vector<long long> node_id, element_id, face_id;
-    std::vector<int> element_physical, face_physical;  // tag of the physical group; 0: none
-    std::vector<int> element_entity, face_entity;      // tag of the elementary entity; 0: none
-    std::vector<PhysicalGroup> groups;
-    FileFormat format;
-};
 
 struct Mesh {
     int dim = 2;     // n, 2 or 3
@@ -63,6 +24,7 @@ struct Mesh {
     std::vector<int> face_element;     // element each face belongs to
     std::vector<int> face_boundary;    // index into boundaries
     std::vector<std::string> boundaries;  // physical names (or "tag 7" where the file names none)
+    std::array<KeptCells, 3> kept{};      // by dimension, below that of the mesh
     FileTags file;
 
     const CellType& cell() const { return simplex(dim); }  // of all elements; the faces are simplex(dim - 1)

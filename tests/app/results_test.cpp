@@ -179,6 +179,28 @@ TEST_CASE("final.msh is the mesh of the input with new positions") {
     }
 }
 
+TEST_CASE("the final mesh is in the format of the input or of the deck") {
+    const FileFormat binary{.msh_version = 41, .binary = true};
+    const Mesh mesh = ring_mesh(12, 3, 6);
+    const RingDeck ring;
+    ring.folder.write("ring.msh", msh_text(mesh, mesh.x, binary));
+    const auto format_with = [&](const std::string& final_format) {
+        std::filesystem::remove_all(ring.output);
+        CHECK(ring.run({"vtk=none", "final=" + final_format}).code == 0);
+        CHECK(std::filesystem::exists(ring.output + "/final.su2") == (final_format == "both"));
+        return to_string(mesh_of(ring.output + "/final.msh").file.format);
+    };
+    CHECK(format_with("input") == "MSH 4.1, binary");
+    CHECK(format_with("msh") == "MSH 4.1, binary");
+    CHECK(format_with("both") == "MSH 4.1, binary");
+    CHECK(format_with("msh22") == "MSH 2.2, ASCII");
+    CHECK(format_with("msh22-binary") == "MSH 2.2, binary");
+    CHECK(format_with("msh40") == "MSH 4.0, ASCII");
+    CHECK(format_with("msh40-binary") == "MSH 4.0, binary");
+    CHECK(format_with("msh41") == "MSH 4.1, ASCII");
+    CHECK(format_with("msh41-binary") == "MSH 4.1, binary");
+}
+
 TEST_CASE("deck.txt repeats the run: same final mesh to the bit") {
     const RingDeck ring(ring_mesh(12, 3, 6),
                         "threads = 1\ndegree = 2\nobjective = squared\nexpect status = converged\n");

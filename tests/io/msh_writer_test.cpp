@@ -156,3 +156,38 @@ TEST_CASE("to a file, and to a place where none can be") {
     std::filesystem::remove(path);
     CHECK_THROWS_AS(write_msh("/no/such/folder/a.msh", mesh, mesh.x), InputError);
 }
+
+TEST_CASE("every version, text and binary: what is written and read and written again is the same file") {
+    for (const int version : {22, 40, 41})
+        for (const bool binary : {false, true})
+            for (const int dim : {2, 3})
+                for (const int degree : {1, 2, 4}) {
+                    CAPTURE(version);
+                    CAPTURE(binary);
+                    const FileFormat format{.msh_version = version, .binary = binary};
+                    const Mesh mesh = sample(dim, degree, version);
+                    const std::vector<double> x = moved(mesh);
+                    const std::string text = msh_text(mesh, x, format);
+                    const Mesh back = read_back(text);
+                    CHECK(back.file.format == format);
+                    CHECK(positions_by_id(back, back.x) == positions_by_id(mesh, x));
+                    CHECK(cells_by_id(back, back.elements, back.file.element_id) ==
+                          cells_by_id(mesh, mesh.elements, mesh.file.element_id));
+                    CHECK(tags_by_id(back.file.face_id, back.file.face_physical, back.file.face_entity) ==
+                          tags_by_id(mesh.file.face_id, mesh.file.face_physical, mesh.file.face_entity));
+                    CHECK(msh_text(back, back.x) == text);
+                }
+}
+
+TEST_CASE("ids that do not fit into a binary file are refused before it is written") {
+    Mesh mesh = sample(2, 1, 22);
+    mesh.file.node_id[3] = 3000000000;
+    for (const int version : {22, 40})
+        CHECK_THROWS_WITH_AS(msh_text(mesh, mesh.x, {.msh_version = version, .binary = true}),
+                             "id 3000000000 is beyond what binary MSH files before version 4.1 can hold: take final = "
+                             "msh41-binary",
+                             InputError);
+    const Mesh back = read_back(msh_text(mesh, mesh.x, {.msh_version = 41, .binary = true}));
+    CHECK(std::ranges::max(back.file.node_id) == 3000000000);
+    CHECK(read_back(msh_text(mesh, mesh.x)).file.node_id[3] == 3000000000);
+}

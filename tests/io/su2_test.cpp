@@ -112,4 +112,12 @@ TEST_CASE("a run reads SU2 and writes it; not where elements are curved") {
     const Outcome curved = almesh_with({deck, "degree=2"});
     CHECK(curved.code == 1);
     CHECK(has(curved.error, "SU2 meshes are linear"));
+    std::filesystem::remove_all(folder.path("out"));
+    REQUIRE(almesh_with({deck, "final=input"}).code == 0);
+    CHECK(mesh_of(folder.path("out/final.su2")).file.format.kind == FileFormat::Kind::su2);
+    CHECK(!std::filesystem::exists(folder.path("out/final.msh")));
+    const Outcome raised = almesh_with({deck, "final=input", "degree=2"});
+    CHECK(raised.code == 0);
+    CHECK(has(raised.out, "note: SU2 meshes are linear: the mesh of degree 2 is written as final.msh"));
+    CHECK(mesh_of(folder.path("out/final.msh")).degree == 2);
 }

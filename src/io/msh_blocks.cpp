@@ -1,0 +1,147 @@
+#include "io/msh_blocks.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <map>
+
+namespace almesh {
+namespace {
+
+struct EntityBox {
+    std::array<double, 3> low, high;
+
+    EntityBox() {
+        low.fill(std::numeric_limits<double>::infinity());
+        high.fill(-std::numeric_limits<double>::infinity());
+    }
+    bool is_empty() const { return low[0] > high[0]; }
+    void include(const std::array<double, 3>& x) {
+        for (int a = 0; a < 3; ++a) {
+            low[a] = std::min(low[a], x[a]);
+            high[a] = std::max(high[a], x[a]);
+        }
+    }
+};
+
+struct BlockBuilder {
+    const Mesh& mesh;
+    const std::vector<double>& x;
+    std::map<EntityKey, FileEntity> entities{};
+    MshBlocks blocks{};
+
+    MshBlocks build() {
+        for (const FileEntity& entity : mesh.file.entities) entities.emplace(entity.key, entity);
+        const std::vector<MshCells> cells = msh_cells(mesh);
+        for (int dim = 0; dim <= mesh.dim; ++dim) append_cells(dim, cells);
+        place_nodes();
+        set_boxes();
+        for (auto& [key, entity] : entities) blocks.entities.push_back(std::move(entity));
+        return std::move(blocks);
+    }
+
+    using Parts = std::map<int, std::vector<std::vector<int>>>;  // cells of an entity by physical tag and MshCells
+
+    void append_cells(int dim, const std::vector<MshCells>& all) {
+        std::map<int, Parts> of_entity;
+        for (std::size_t k = 0; k < all.size(); ++k)
+            for (int c = 0; all[k].dim == dim && c < all[k].count(); ++c) {
+                std::vector<std::vector<int>>& part = of_entity[all[k].entity[c]][all[k].physical[c]];
+                part.resize(all.size());
+                part[k].push_back(c);
+            }
+        int unused = of_entity.empty() ? 0 : of_entity.rbegin()->first;
+        for (const auto& [key, entity] : entities)
+            if (key.dim == dim) unused = std::max(unused, key.tag);
+        for (auto& [tag, parts] : of_entity) {
+            FileEntity& own = entities[{dim, tag}];
+            const bool keeps = !own.physical.empty() && parts.contains(own.physical[0]);
+            const int first = keeps ? own.physical[0] : parts.begin()->first;
+            for (auto& [physical, part] : parts) {
+                const EntityKey key{dim, physical == first ? tag : ++unused};
+                FileEntity& entity = entities[key];
+                entity.key = key;
+                if (physical != first || !keeps) entity.physical.assign(physical != 0, physical);
+                for (std::size_t k = 0; k < all.size(); ++k)
+                    if (!part[k].empty()) blocks.elements.push_back({key, all[k], std::move(part[k])});
+            }
+        }
+    }
+
+    void place_nodes() {
+        std::vector<EntityKey> place = mesh.file.node_entity;
+        place.resize(mesh.nodes());
+        std::vector<EntityKey> loose;
+        for (const LooseNode& node : mesh.file.loose) loose.push_back(node.entity);
+        for (const MshElementBlock& block : blocks.elements)
+            for (const int c : block.cells)
+                for (const int node : block.of.nodes_of(c)) {
+                    EntityKey& of_node = node < 0 ? loose[-1 - node] : place[node];
+                    if (of_node.dim < 0) of_node = block.entity;
+                }
+        std::map<EntityKey, std::vector<int>> nodes;
+        for (int k = 0; k < static_cast<int>(loose.size()); ++k) nodes[loose[k]].push_back(-1 - k);
+        for (int i = 0; i < mesh.nodes(); ++i) nodes[place[i]].push_back(i);
+        for (auto& [key, of_entity] : nodes) {
+            entities[key].key = key;
+            blocks.nodes.push_back({key, std::move(of_entity)});
+        }
+    }
+
+    // The box of an entity holds its nodes, those of its cells and the entities around it; without any it stays.
+    void set_boxes() {
+        std::map<EntityKey, EntityBox> boxes;
+        for (const MshNodeBlock& block : blocks.nodes)
+            for (const int node : block.nodes) boxes[block.entity].include(msh_position(mesh, x, node));
+        for (const MshElementBlock& block : blocks.elements)
+            for (const int c : block.cells)
+                for (const int node : block.of.nodes_of(c)) boxes[block.entity].include(msh_position(mesh, x, node));
+        for (auto& [key, entity] : entities) {
+            EntityBox& box = boxes[key];
+            for (const int tag : entity.bounds)
+                if (const auto around = boxes.find({key.dim - 1, std::abs(tag)}); around != boxes.end()) {
+                    box.include(around->second.low);
+                    box.include(around->second.high);
+                }
+            if (box.is_empty()) continue;
+            std::copy_n(box.low.begin(), 3, entity.box.begin());
+            std::copy_n(box.high.begin(), 3, entity.box.begin() + 3);
+        }
+    }
+};
+
+}  // namespace
+
+std::vector<MshCells> msh_cells(const Mesh& mesh) {
+    const FileTags& file = mesh.file;
+    std::vector<MshCells> all;
+    const auto append = [&](int dim, std::span<const int> nodes, std::span<const long long> id,
+                            std::span<const int> physical, std::span<const int> entity) {
+        if (id.empty()) return;
+        const int degree = dim == 0 ? 1 : mesh.degree;
+        all.push_back(
+            {dim, simplex(dim).msh_types[degree - 1], simplex_node_count(dim, degree), nodes, id, physical, entity});
+    };
+    for (int dim = 0; dim < mesh.dim; ++dim) {
+        const KeptCells& kept = mesh.kept[dim];
+        append(dim, kept.nodes, kept.id, kept.physical, kept.entity);
+    }
+    append(mesh.dim - 1, mesh.faces, file.face_id, file.face_physical, file.face_entity);
+    append(mesh.dim, mesh.elements, file.element_id, file.element_physical, file.element_entity);
+    return all;
+}
+
+std::array<double, 3> msh_position(const Mesh& mesh, const std::vector<double>& x, int node) {
+    if (node < 0) return mesh.file.loose[-1 - node].x;
+    std::array<double, 3> position{};
+    std::copy_n(point(x, node, mesh.dim), mesh.dim, position.begin());
+    return position;
+}
+
+long long msh_node_id(const Mesh& mesh, int node) {
+    return node < 0 ? mesh.file.loose[-1 - node].id : mesh.file.node_id[node];
+}
+
+MshBlocks msh_blocks(const Mesh& mesh, const std::vector<double>& x) { return BlockBuilder{mesh, x}.build(); }
+
+}  // namespace almesh

@@ -1,0 +1,51 @@
+// The cells and nodes of a mesh as MSH 4 has them: by elementary entities, which carry the physical tags.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "base/index.hpp"
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+// Cells of one dimension, whose arrays live elsewhere.
+struct MshCells {
+    int dim, type, width;        // width: nodes of one cell
+    std::span<const int> nodes;  // count x width; below 0: of a loose node, see KeptCells
+    std::span<const long long> id;
+    std::span<const int> physical, entity;
+
+    int count() const { return static_cast<int>(id.size()); }
+    std::span<const int> nodes_of(int c) const { return nodes.subspan(offset(c, width), width); }
+};
+
+// All cells of a mesh by ascending dimension: kept ones, boundary faces, elements. No part is empty.
+std::vector<MshCells> msh_cells(const Mesh& mesh);
+
+// Where a node, or with an index below 0 a loose one, is; in 2D at z = 0.
+std::array<double, 3> msh_position(const Mesh& mesh, const std::vector<double>& x, int node);
+long long msh_node_id(const Mesh& mesh, int node);
+
+struct MshElementBlock {
+    EntityKey entity;
+    MshCells of;
+    std::vector<int> cells;
+};
+
+struct MshNodeBlock {
+    EntityKey entity;
+    std::vector<int> nodes;  // ascending
+};
+
+struct MshBlocks {
+    std::vector<FileEntity> entities;       // ascending by key, with the boxes of the positions given
+    std::vector<MshNodeBlock> nodes;        // each node is in one of them
+    std::vector<MshElementBlock> elements;  // one entity and one physical group each
+};
+
+// Entities of the file stay; an entity of several physical tags, possible in MSH 2.2, becomes several entities. A node
+// goes to its entity in the file or else to the first block, by ascending (dimension, entity, physical tag), that has
+// it.
+MshBlocks msh_blocks(const Mesh& mesh, const std::vector<double>& x);
+
+}  // namespace almesh

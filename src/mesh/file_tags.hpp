@@ -1,0 +1,69 @@
+// What a mesh file says besides the geometry, so that the result is written with the ids, tags and names of the input.
+#pragma once
+#include <array>
+#include <compare>
+#include <string>
+#include <vector>
+
+namespace almesh {
+
+struct PhysicalGroup {
+    int dim = 0, tag = 0;
+    std::string name;
+};
+
+// How a mesh file is written.
+struct FileFormat {
+    enum class Kind { msh, su2 } kind = Kind::msh;
+    int msh_version = 22;  // 22, 40 or 41
+    bool binary = false;
+
+    bool operator==(const FileFormat&) const = default;
+};
+
+// An elementary entity of the geometry, a point, curve, surface or volume, by its dimension and tag.
+struct EntityKey {
+    int dim = -1, tag = 0;  // dim -1: none
+
+    auto operator<=>(const EntityKey&) const = default;
+};
+
+// What an MSH 4 file says of an entity.
+struct FileEntity {
+    EntityKey key;
+    std::vector<int> physical{};  // tags of its physical groups
+    std::vector<int> bounds{};    // tags of the entities around it, negative where turned
+    std::array<double, 6> box{};  // least and greatest coordinates; of a point, its own twice
+};
+
+// A node with a point of the file on it, but without an element, such as the centre of an arc. It does not move.
+struct LooseNode {
+    long long id;
+    std::array<double, 3> x;
+    EntityKey entity;
+};
+
+// The cells of one dimension that a file has besides the elements and the boundary faces of its mesh: points, curves
+// of tetrahedra, faces inside the mesh, faces without a physical group. They move with the mesh and are written
+// again; the method does not see them.
+struct KeptCells {
+    std::vector<int> nodes;    // cells x nodes of a simplex of the mesh's degree, in Gmsh's order; -1 - k: loose[k]
+    std::vector<int> element;  // one that has all nodes of the cell; -1: of a loose node
+    std::vector<long long> id;
+    std::vector<int> physical, entity;  // tags, as those of FileTags
+
+    int count() const { return static_cast<int>(id.size()); }
+};
+
+struct FileTags {
+    std::vector<long long> node_id, element_id, face_id;
+    std::vector<int> element_physical, face_physical;  // tag of the physical group, the first of several; 0: none
+    std::vector<int> element_entity, face_entity;      // tag of the elementary entity; 0: none
+    std::vector<EntityKey> node_entity;                // of the first nodes; the others are on none that is known
+    std::vector<LooseNode> loose;
+    std::vector<FileEntity> entities;  // ascending by key, of MSH 4
+    std::vector<PhysicalGroup> groups;
+    FileFormat format;
+};
+
+}  // namespace almesh
