@@ -44,6 +44,15 @@ std::vector<BoundaryPart> parts_of(const Mesh& mesh) {
     return parts;
 }
 
+std::string kept_text(const Mesh& mesh) {
+    std::string text;
+    for (int dim = 0; dim < mesh.dim; ++dim)
+        if (const int count = mesh.kept[dim].count())
+            text += concat(text.empty() ? "" : ", ", counted(count, simplex(dim).name),
+                           dim == mesh.dim - 1 ? " inside or without a physical group" : "");
+    return text;
+}
+
 std::string validity_of(const Mesh& mesh) {
     const Certificate certificate = certify(mesh, mesh.x);
     if (!certificate.valid)
@@ -70,6 +79,8 @@ ExitCode info(const std::string& mesh_path, std::FILE* out) {
                  mesh.degree);
     std::fprintf(out, "# %s, %s %.6g with straight sides\n", box_of_nodes(all).c_str(), measure,
                  volume(mesh, straight_sided(mesh)));
+    if (const std::string kept = kept_text(mesh); !kept.empty())
+        std::fprintf(out, "# carried along with the mesh: %s\n", kept.c_str());
     for (const std::string& note : notes) std::fprintf(out, "# note: %s\n", note.c_str());
     std::fprintf(out, "# %s\n#\n# Boundaries:\n", validity_of(mesh).c_str());
     const std::vector<BoundaryPart> parts = parts_of(mesh);

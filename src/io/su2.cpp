@@ -2,6 +2,7 @@
 // its VTK type, its nodes, and a number of its own that may be left out; a point its coordinates and its number, too.
 #include "io/su2.hpp"
 
+#include <algorithm>
 #include <climits>
 
 #include "base/files.hpp"
@@ -134,6 +135,27 @@ struct Su2Reader {
     }
 };
 
+struct Marker {
+    std::string name;
+    std::vector<const int*> faces;  // their nodes
+};
+
+// The boundaries, and the tagged faces inside the mesh.
+std::vector<Marker> markers_of(const Mesh& mesh) {
+    std::vector<Marker> markers;
+    for (const std::string& name : mesh.boundaries) markers.push_back({name, {}});
+    for (int f = 0; f < mesh.face_count(); ++f) markers[mesh.face_boundary[f]].faces.push_back(mesh.face(f));
+    const KeptCells& kept = mesh.kept[mesh.dim - 1];
+    for (int c = 0; c < kept.count(); ++c) {
+        if (!kept.physical[c]) continue;
+        const std::string name = group_name(mesh.file.groups, mesh.dim - 1, kept.physical[c]);
+        auto marker = std::ranges::find(markers, name, &Marker::name);
+        if (marker == markers.end()) marker = markers.insert(markers.end(), {name, {}});
+        marker->faces.push_back(&kept.nodes[offset(c, mesh.dim)]);
+    }
+    return markers;
+}
+
 }  // namespace
 
 bool looks_like_su2(std::string_view text) {
@@ -177,14 +199,12 @@ void write_su2(const std::string& path, const Mesh& mesh, const std::vector<doub
             append(text, static_cast<long long>(i));
             text += '\n';
         });
-        sink(concat("NMARK= ", mesh.boundaries.size(), "\n"));
-        for (int b = 0; b < static_cast<int>(mesh.boundaries.size()); ++b) {
-            std::vector<int> faces;
-            for (int f = 0; f < mesh.face_count(); ++f)
-                if (mesh.face_boundary[f] == b) faces.push_back(f);
-            sink(concat("MARKER_TAG= ", mesh.boundaries[b], "\nMARKER_ELEMS= ", faces.size(), "\n"));
-            append_rows(sink, static_cast<int>(faces.size()), [&](std::string& text, int k) {
-                append_element(text, vtk_type[dim - 1], mesh.face(faces[k]), dim);
+        const std::vector<Marker> markers = markers_of(mesh);
+        sink(concat("NMARK= ", markers.size(), "\n"));
+        for (const Marker& marker : markers) {
+            sink(concat("MARKER_TAG= ", marker.name, "\nMARKER_ELEMS= ", marker.faces.size(), "\n"));
+            append_rows(sink, static_cast<int>(marker.faces.size()), [&](std::string& text, int k) {
+                append_element(text, vtk_type[dim - 1], marker.faces[k], dim);
                 text += '\n';
             });
         }

@@ -16,7 +16,7 @@ bool looks_like_su2(std::string_view text);
 RawMesh parse_su2(std::string_view text, const std::string& path);
 
 // x: node_count x dim positions. The mesh is linear. Nodes and elements are numbered from 0 in the mesh's order,
-// markers are its boundaries.
+// markers are its boundaries and the tagged faces inside it; points and curves of tetrahedra have no place in SU2.
 void write_su2(const std::string& path, const Mesh& mesh, const std::vector<double>& x);
 
 }  // namespace almesh

@@ -8,6 +8,7 @@
 
 #include "base/text.hpp"
 #include "mesh/build_boundary.hpp"
+#include "mesh/build_kept.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {
@@ -22,7 +23,10 @@ void select(MeshBuild& build) {
     for (int i = 0; i < static_cast<int>(raw.elements.size()); ++i) {
         const RawElement& element = raw.elements[i];
         const bool is_face = element.dim == dim - 1 && element.physical != 0;
-        if (element.dim != dim && !is_face) continue;
+        if (element.dim != dim && !is_face) {
+            build.kept.push_back(i);
+            continue;
+        }
         if (!first) first = &element;
         if (element.degree != first->degree)
             build.refuse(element, "has degree ", element.degree, ", ", name_of(*first), " has degree ", first->degree,
@@ -40,21 +44,24 @@ void number_nodes(MeshBuild& build) {
     build.node.assign(raw.nodes.size(), -1);
     for (int i : build.elements)
         for (int k = 0; k < mesh.element_nodes(); ++k) build.node[raw.element_nodes[raw.elements[i].first + k]] = 0;
+    fill_loose_nodes(build);
     const RawNode* first_unused = nullptr;
+    std::size_t unused = 0;
     int next = 0;
+    auto block = raw.node_blocks.begin();
     for (std::size_t i = 0; i < raw.nodes.size(); ++i) {
         const RawNode& node = raw.nodes[i];
-        if (build.node[i] < 0) {
-            if (!first_unused) first_unused = &node;
-            continue;
-        }
+        if (build.node[i] == -1 && ++unused == 1) first_unused = &node;
+        if (build.node[i] < 0) continue;
         build.node[i] = next++;
         mesh.file.node_id.push_back(node.id);
         mesh.x.insert(mesh.x.end(), node.x, node.x + mesh.dim);
+        while (block != raw.node_blocks.end() && block->first <= i) ++block;
+        if (block != raw.node_blocks.begin()) mesh.file.node_entity.push_back(std::prev(block)->entity);
     }
     if (first_unused)
-        build.notes.push_back(concat(counted(raw.nodes.size() - mesh.file.node_id.size(), "node"),
-                                     " without an element dropped, the first with id ", first_unused->id));
+        build.notes.push_back(
+            concat(counted(unused, "node"), " without an element dropped, the first with id ", first_unused->id));
 }
 
 // A 2D mesh has to lie in a plane z = constant, up to rounding.
@@ -87,15 +94,6 @@ void fill_elements(MeshBuild& build) {
         mesh.file.element_physical.push_back(element.physical);
         mesh.file.element_entity.push_back(element.entity);
     }
-}
-
-// An element of a Mesh has one physical tag.
-void note_shared_entities(const MeshBuild& build) {
-    for (const FileEntity& entity : build.raw.entities)
-        if (entity.key.dim == build.mesh.dim && entity.physical.size() > 1)
-            build.notes.push_back(concat(entity_kind(entity.key.dim), " ", entity.key.tag, " is in ",
-                                         counted(entity.physical.size(), "physical group"),
-                                         ", its elements keep the first, tag ", entity.physical[0]));
 }
 
 // Orientation of the straight-sided element: 1, -1, or 0 where its volume is within the rounding of its coordinates.
@@ -156,15 +154,15 @@ std::vector<int> minority(const Mesh& mesh, const std::vector<int>& elements) {
 }  // namespace
 
 Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds) {
-    MeshBuild build{raw, notes, {}, {}, {}, {}};
+    MeshBuild build{raw, notes, {}, {}, {}, {}, {}};
     Mesh& mesh = build.mesh;
     mesh.file.groups = raw.groups;
     mesh.file.format = raw.format;
+    mesh.file.entities = raw.entities;
     select(build);
     number_nodes(build);
     if (mesh.dim == 2) check_flat(build);
     fill_elements(build);
-    note_shared_entities(build);
     const std::vector<int> negative = negative_elements(build);
     reverse(mesh, negative);
     const std::vector<std::array<int, 2>> folded = fill_boundary(build);
@@ -177,6 +175,7 @@ Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds
         notes.push_back(concat(counted(negative.size(), "element"),
                                " with negative orientation turned, the first is element ",
                                mesh.file.element_id[negative[0]]));
+    fill_kept(build);
     return std::move(build.mesh);
 }
 

@@ -18,13 +18,13 @@ enum class Folds {
     keep  // oriented as most elements are in the file, so that the others count as inverted
 };
 
-// Repaired, each with a line in `notes`: nodes without elements (dropped), negatively oriented elements (two vertices
-// swapped), tagged faces inside the mesh and repeated ones (dropped), elements of several physical groups (the first
-// one kept), a 2D mesh at z != 0.
-// Throws InputError: no triangles or tetrahedra, mixed degrees, a surface in space, elements of zero volume, repeated
-// elements, faces of three elements, neighbours that do not share the nodes of their face, boundary faces without a tag
-// beside others that have one, or with two tags, tagged faces without an element, and folds unless they are kept.
-// Cost: O(nodes + elements log(elements around a vertex)).
+// Points, curves of tetrahedra, faces inside the mesh and those without a tag beside others that have one are kept
+// (Mesh::kept). Repaired, each with a line in `notes`: nodes without elements or points (dropped), negatively oriented
+// elements (two vertices swapped), repeated tagged faces, curves and untagged faces that are not in the mesh (dropped),
+// a 2D mesh at z != 0. Throws InputError: no triangles or tetrahedra, mixed degrees, a surface in space, elements of
+// zero volume, repeated elements, faces of three elements, neighbours that do not share the nodes of their face,
+// boundary faces without a tag beside others that have one, or with two tags, tagged faces without an element, and
+// folds unless they are kept. Cost: O(nodes + elements log(elements around a vertex)).
 Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds = Folds::refuse);
 
 }  // namespace almesh

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "base/files.hpp"
 #include "base/parallel.hpp"
@@ -32,7 +33,8 @@ struct Side {
 struct Matched {
     std::vector<int> untagged;               // numbers of boundary sides without a tagged face
     std::vector<std::array<int, 2>> folded;  // elements on the same side of their common face
-    int inside = 0, repeated = 0;            // tagged faces dropped
+    std::vector<int> inside;                 // tagged faces inside the mesh
+    int repeated = 0;                        // tagged faces dropped
 };
 
 struct BoundaryMatcher {
@@ -151,7 +153,7 @@ struct BoundaryMatcher {
             check_tags(tagged, end);
             const int tags = static_cast<int>(end - tagged);
             if (tagged - begin == 2) {
-                found.inside += tags;
+                for (const Side* s = tagged; s != end; ++s) found.inside.push_back(s->number - first_tagged);
                 if (begin[0].even == begin[1].even)
                     found.folded.push_back({begin[0].number / corners, begin[1].number / corners});
             } else if (tags == 0) {
@@ -188,19 +190,13 @@ struct BoundaryMatcher {
         for (const Matched& part : found) {
             all.untagged.insert(all.untagged.end(), part.untagged.begin(), part.untagged.end());
             all.folded.insert(all.folded.end(), part.folded.begin(), part.folded.end());
-            all.inside += part.inside;
+            all.inside.insert(all.inside.end(), part.inside.begin(), part.inside.end());
             all.repeated += part.repeated;
         }
         if (!all.untagged.empty() && !build.faces.empty()) refuse_untagged(all.untagged);
         return all;
     }
 };
-
-std::string boundary_name(const RawMesh& raw, int dim, int tag) {
-    for (const PhysicalGroup& group : raw.groups)
-        if (group.dim == dim && group.tag == tag) return group.name;
-    return "tag " + std::to_string(tag);
-}
 
 // The boundary faces in file order, with their nodes as their elements see them.
 void fill_faces(const BoundaryMatcher& matcher, const RawMesh& raw, Mesh& mesh) {
@@ -212,7 +208,7 @@ void fill_faces(const BoundaryMatcher& matcher, const RawMesh& raw, Mesh& mesh) 
         for (int k = 0; k < mesh.face_nodes(); ++k) mesh.faces.push_back(matcher.node_of(side, k));
         const auto [boundary, is_new] = boundary_of.try_emplace(face.physical, -1);
         if (is_new) {
-            const std::string name = boundary_name(raw, face.dim, face.physical);
+            const std::string name = group_name(raw.groups, face.dim, face.physical);
             if (mesh.boundary_index(name) < 0) mesh.boundaries.push_back(name);
             boundary->second = mesh.boundary_index(name);
         }
@@ -222,6 +218,21 @@ void fill_faces(const BoundaryMatcher& matcher, const RawMesh& raw, Mesh& mesh) 
         mesh.file.face_physical.push_back(face.physical);
         mesh.file.face_entity.push_back(face.entity);
     }
+}
+
+// The file's untagged faces by their nodes, ascending.
+std::map<std::vector<int>, int> untagged_faces(const MeshBuild& build) {
+    std::map<std::vector<int>, int> faces;
+    for (const int i : build.kept) {
+        const RawElement& face = build.raw.elements[i];
+        if (face.dim != build.mesh.dim - 1 || face.degree != build.mesh.degree) continue;
+        std::vector<int> nodes;
+        for (int k = 0; k < build.mesh.face_nodes(); ++k)
+            nodes.push_back(build.node[build.raw.element_nodes[face.first + k]]);
+        std::ranges::sort(nodes);
+        faces.emplace(std::move(nodes), i);
+    }
+    return faces;
 }
 
 // The boundary of a mesh without tagged faces: its parts that hang together by vertices, numbered by their lowest nodes.
@@ -241,7 +252,10 @@ void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides
         }
     std::map<int, std::vector<int>> parts;  // by lowest node
     for (const int side : sides) parts[root(matcher.node_of(side, 0))].push_back(side);
-    long long id = *std::max_element(mesh.file.element_id.begin(), mesh.file.element_id.end());
+    long long id = 0;
+    for (const RawElement& element : build.raw.elements) id = std::max(id, element.id);
+    const std::map<std::vector<int>, int> of_file = untagged_faces(build);
+    std::set<int> taken;
     int tag = 0;
     for (const PhysicalGroup& group : mesh.file.groups) tag = std::max(tag, group.tag);
     std::string note;
@@ -254,11 +268,15 @@ void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides
             for (int k = 0; k < mesh.face_nodes(); ++k) mesh.faces.push_back(matcher.node_of(side, k));
             mesh.face_element.push_back(side / matcher.corners);
             mesh.face_boundary.push_back(boundary);
-            mesh.file.face_id.push_back(++id);
+            const auto found = of_file.find(matcher.nodes_of(side));
+            const RawElement* const own = found == of_file.end() ? nullptr : &build.raw.elements[found->second];
+            mesh.file.face_id.push_back(own ? own->id : ++id);
             mesh.file.face_physical.push_back(tag);
-            mesh.file.face_entity.push_back(tag);
+            mesh.file.face_entity.push_back(own ? own->entity : tag);
+            if (own) taken.insert(found->second);
         }
     }
+    std::erase_if(build.kept, [&](int i) { return taken.contains(i); });
     build.notes.push_back("no tagged boundary faces: the boundary is that of the elements, in parts: " + note);
 }
 
@@ -270,6 +288,11 @@ std::string MeshBuild::node_ids(const int* nodes, int count) const {
     return text;
 }
 
+EntityKey MeshBuild::entity_of(std::size_t raw_node) const {
+    const auto next = std::ranges::upper_bound(raw.node_blocks, raw_node, {}, &RawNodeBlock::first);
+    return next == raw.node_blocks.begin() ? EntityKey{} : std::prev(next)->entity;
+}
+
 std::string name_of(const RawElement& element) {
     return concat("element ", element.id, element.line ? concat(" (line ", element.line, ")") : "");
 }
@@ -279,7 +302,7 @@ std::string entity_kind(int dim) { return dim == 1 ? "curve" : dim == 2 ? "surfa
 std::vector<std::array<int, 2>> fill_boundary(MeshBuild& build) {
     BoundaryMatcher matcher(build);
     Matched all = matcher.match();
-    if (all.inside) build.notes.push_back(counted(all.inside, "tagged face") + " inside the mesh dropped");
+    for (const int f : all.inside) build.kept.push_back(build.faces[f]);
     if (all.repeated) build.notes.push_back(counted(all.repeated, "repeated boundary face") + " dropped");
     if (build.faces.empty()) fill_untagged(matcher, all.untagged, build);
     else fill_faces(matcher, build.raw, build.mesh);

@@ -12,6 +12,13 @@ struct PhysicalGroup {
     std::string name;
 };
 
+// Of group (dim, tag); "tag 7" where there is none.
+inline std::string group_name(const std::vector<PhysicalGroup>& groups, int dim, int tag) {
+    for (const PhysicalGroup& group : groups)
+        if (group.dim == dim && group.tag == tag) return group.name;
+    return "tag " + std::to_string(tag);
+}
+
 // How a mesh file is written.
 struct FileFormat {
     enum class Kind { msh, su2 } kind = Kind::msh;

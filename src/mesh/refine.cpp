@@ -9,12 +9,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <string>
 #include <unordered_map>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "mesh/kept_cells.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
 
@@ -68,8 +68,9 @@ int face_number(const Mesh& mesh, int e, const int* vertex) {
 
 // New nodes get the ids after the largest one of the mesh they come from.
 void append_node_ids(const Mesh& from, Mesh& mesh) {
-    const std::vector<long long>& known = from.file.node_id;
-    long long next = known.empty() ? 0 : *std::max_element(known.begin(), known.end());
+    long long next = 0;
+    for (const long long id : from.file.node_id) next = std::max(next, id);
+    for (const LooseNode& node : from.file.loose) next = std::max(next, node.id);
     while (static_cast<int>(mesh.file.node_id.size()) < mesh.nodes()) mesh.file.node_id.push_back(++next);
 }
 
@@ -135,6 +136,45 @@ void append_children(const CellType& cell, const int* v, Midpoints& midpoint, co
     for (int k = 0; k < 4; ++k) append({o[0], o[1], o[2 + k], o[2 + (k + 1) % 4]});
 }
 
+template <class Values>
+Values repeated(const Values& from, int times) {
+    Values to;
+    to.reserve(from.size() * times);
+    for (const auto& value : from) to.insert(to.end(), times, value);
+    return to;
+}
+
+// The kept cells of a linear mesh split like its elements. Points stay.
+void refine_kept_cells(const Mesh& mesh, Midpoints& midpoint, Mesh& fine) {
+    const Subcells subcells(fine);
+    for (int dim = 1; dim < mesh.dim; ++dim) {
+        const KeptCells& coarse = mesh.kept[dim];
+        KeptCells& kept = fine.kept[dim] = {};
+        for (int c = 0; c < coarse.count(); ++c)
+            append_children(simplex(dim), &coarse.nodes[offset(c, dim + 1)], midpoint, fine.x, kept.nodes);
+        for (std::size_t k = 0; k < kept.nodes.size(); k += dim + 1) {
+            int e = coarse.element[(k / (dim + 1)) >> dim] << mesh.dim;
+            while (!subcells.has(e, &kept.nodes[k], dim)) ++e;
+            kept.element.push_back(e);
+        }
+        kept.physical = repeated(coarse.physical, 1 << dim);
+        kept.entity = repeated(coarse.entity, 1 << dim);
+        kept.id.resize(kept.physical.size());
+    }
+}
+
+// 1, 2, ...: of faces, elements, kept cells.
+void number_cells(Mesh& mesh) {
+    long long next = 0;
+    const auto number = [&next](std::vector<long long>& ids, int count) {
+        ids.resize(count);
+        for (long long& id : ids) id = ++next;
+    };
+    number(mesh.file.face_id, mesh.face_count());
+    number(mesh.file.element_id, mesh.element_count());
+    for (KeptCells& kept : mesh.kept) number(kept.id, kept.count());
+}
+
 Mesh refine_once(const Mesh& mesh) {
     const int dim = mesh.dim, children_count = 1 << dim, face_children = 1 << (dim - 1);
     Mesh fine = mesh;
@@ -144,12 +184,6 @@ Mesh refine_once(const Mesh& mesh) {
     fine.elements.reserve(mesh.elements.size() * children_count);
     fine.x.reserve(mesh.x.size() << dim);
     Midpoints midpoint(dim, fine.x);
-    const auto repeat = [](const auto& from, int times) {
-        std::decay_t<decltype(from)> to;
-        to.reserve(from.size() * times);
-        for (const auto& value : from) to.insert(to.end(), times, value);
-        return to;
-    };
     for (int e = 0; e < mesh.element_count(); ++e)
         append_children(mesh.cell(), mesh.element(e), midpoint, fine.x, fine.elements);
     std::vector<int> pieces;
@@ -165,15 +199,13 @@ Mesh refine_once(const Mesh& mesh) {
             for (int k = 0; k < dim; ++k) fine.faces.push_back(fine.element(e)[local[k]]);
         }
     }
-    fine.face_boundary = repeat(mesh.face_boundary, face_children);
-    fine.file.face_physical = repeat(mesh.file.face_physical, face_children);
-    fine.file.face_entity = repeat(mesh.file.face_entity, face_children);
-    fine.file.element_physical = repeat(mesh.file.element_physical, children_count);
-    fine.file.element_entity = repeat(mesh.file.element_entity, children_count);
-    fine.file.face_id.resize(fine.face_count());
-    fine.file.element_id.resize(fine.element_count());
-    std::iota(fine.file.face_id.begin(), fine.file.face_id.end(), 1LL);
-    std::iota(fine.file.element_id.begin(), fine.file.element_id.end(), fine.face_count() + 1LL);
+    fine.face_boundary = repeated(mesh.face_boundary, face_children);
+    fine.file.face_physical = repeated(mesh.file.face_physical, face_children);
+    fine.file.face_entity = repeated(mesh.file.face_entity, face_children);
+    fine.file.element_physical = repeated(mesh.file.element_physical, children_count);
+    fine.file.element_entity = repeated(mesh.file.element_entity, children_count);
+    refine_kept_cells(mesh, midpoint, fine);
+    number_cells(fine);
     append_node_ids(mesh, fine);
     return fine;
 }
@@ -208,6 +240,7 @@ Mesh linear_part(const Mesh& mesh) {
     linear.degree = 1;
     linear.x.clear();
     linear.file.node_id.clear();
+    linear.file.node_entity.clear();
     std::vector<int> index(mesh.nodes(), -1);
     for (int e = 0; e < mesh.element_count(); ++e)
         for (int v = 0; v <= mesh.dim; ++v) index[mesh.element(e)[v]] = 0;
@@ -216,6 +249,8 @@ Mesh linear_part(const Mesh& mesh) {
         if (index[i] < 0) continue;
         index[i] = count++;
         linear.file.node_id.push_back(mesh.file.node_id[i]);
+        if (i < static_cast<int>(mesh.file.node_entity.size()))
+            linear.file.node_entity.push_back(mesh.file.node_entity[i]);
         for (int a = 0; a < mesh.dim; ++a) linear.x.push_back(mesh.x[offset(i, mesh.dim, a)]);
     }
     linear.elements.clear();
@@ -224,6 +259,7 @@ Mesh linear_part(const Mesh& mesh) {
     linear.faces.clear();
     for (int f = 0; f < mesh.face_count(); ++f)
         for (int v = 0; v < mesh.dim; ++v) linear.faces.push_back(index[mesh.face(f)[v]]);
+    restrict_kept_cells(mesh, index, linear);
     return linear;
 }
 
@@ -270,6 +306,7 @@ Mesh raise_degree(const Mesh& mesh, int degree) {
         const int e = mesh.face_element[f];
         for (int k : face_nodes[face_number(mesh, e, mesh.face(f))]) raised.faces.push_back(raised.element(e)[k]);
     }
+    raise_kept_cells(raised);
     append_node_ids(mesh, raised);
     return raised;
 }

@@ -165,15 +165,10 @@ TEST_CASE("what makes no mesh of one degree is refused") {
     check_refused(raw, "sample.msh:1006: element 7 has degree 1, element 1 (line 1000) has degree 2");
 }
 
-TEST_CASE("elements of several physical groups keep the first") {
+TEST_CASE("elements of several physical groups have the first, their entity all") {
     RawMesh raw = square();
     raw.entities = {{{1, 4}, {7}}, {{2, 1}, {9, 10}}, {{3, 1}, {1, 2}}};
-    CHECK(note_of(raw) == "surface 1 is in 2 physical groups, its elements keep the first, tag 9");
-}
-
-TEST_CASE("points, and lines of a mesh of tetrahedra, do not matter") {
-    RawMesh raw = SampleMesh(3, 2, 1).raw;
-    append_element(raw, 0, 1, {0});
-    append_element(raw, 1, 1, {0, 1});
-    CHECK(build_quietly(raw).face_count() == 12);
+    const Mesh mesh = build_quietly(raw);
+    CHECK(mesh.file.element_physical[0] == 9);
+    CHECK(mesh.file.entities[1].physical == std::vector<int>{9, 10});
 }

@@ -1,0 +1,83 @@
+#include "mesh/build_kept.hpp"
+
+#include <algorithm>
+
+#include "linalg/ordering/graph.hpp"
+#include "mesh/kept_cells.hpp"
+
+namespace almesh {
+namespace {
+
+// Elements by their vertices.
+struct ElementsAround {
+    explicit ElementsAround(const Mesh& mesh) : corners(mesh.dim + 1) {
+        std::vector<int> vertex(offset(mesh.element_count(), corners));
+        for (int e = 0; e < mesh.element_count(); ++e)
+            std::copy_n(mesh.element(e), corners, &vertex[offset(e, corners)]);
+        sorted = sorted_by_group(vertex, mesh.nodes());
+    }
+    int corners;
+    Groups sorted;  // items: element * corners + local vertex
+};
+
+// An element that has the cell with the given nodes, -1: none.
+int element_of(const Subcells& subcells, const ElementsAround& around, const std::vector<int>& nodes, int dim) {
+    for (const int item : around.sorted.of(nodes[0])) {
+        const int e = item / around.corners;
+        if (subcells.has(e, nodes.data(), dim) && subcells.nodes(e, nodes.data(), dim) == nodes) return e;
+    }
+    return -1;
+}
+
+void append(KeptCells& kept, const RawElement& cell, const std::vector<int>& nodes, int element) {
+    kept.nodes.insert(kept.nodes.end(), nodes.begin(), nodes.end());
+    kept.element.push_back(element);
+    kept.id.push_back(cell.id);
+    kept.physical.push_back(cell.physical);
+    kept.entity.push_back(cell.entity);
+}
+
+}  // namespace
+
+void fill_loose_nodes(MeshBuild& build) {
+    const RawMesh& raw = build.raw;
+    std::vector<LooseNode>& loose = build.mesh.file.loose;
+    for (const int i : build.kept) {
+        const int of_point = raw.element_nodes[raw.elements[i].first];
+        if (raw.elements[i].dim > 0 || build.node[of_point] != -1) continue;
+        build.node[of_point] = -2 - static_cast<int>(loose.size());
+        const RawNode& node = raw.nodes[of_point];
+        loose.push_back(
+            {node.id, {node.x[0], node.x[1], build.mesh.dim == 2 ? 0 : node.x[2]}, build.entity_of(of_point)});
+    }
+}
+
+void fill_kept(MeshBuild& build) {
+    Mesh& mesh = build.mesh;
+    const RawMesh& raw = build.raw;
+    if (build.kept.empty()) return;
+    std::ranges::sort(build.kept);  // file order
+    const ElementsAround around(mesh);
+    const Subcells subcells(mesh);
+    const RawElement* first_dropped = nullptr;
+    std::size_t dropped = 0;
+    for (const int i : build.kept) {
+        const RawElement& cell = raw.elements[i];
+        std::vector<int> nodes;
+        for (int k = 0; k < simplex_node_count(cell.dim, cell.degree); ++k)
+            nodes.push_back(build.node[raw.element_nodes[cell.first + k]]);
+        if (cell.dim == 0) {
+            append(mesh.kept[0], cell, {nodes[0] < 0 ? nodes[0] + 1 : nodes[0]}, -1);
+            continue;
+        }
+        const bool in_mesh = cell.degree == mesh.degree && std::ranges::min(nodes) >= 0;
+        const int element = in_mesh ? element_of(subcells, around, nodes, cell.dim) : -1;
+        if (element >= 0) append(mesh.kept[cell.dim], cell, nodes, element);
+        else if (++dropped == 1) first_dropped = &cell;
+    }
+    if (dropped)
+        build.notes.push_back(concat(counted(dropped, "element"), " of the file that ", dropped == 1 ? "is" : "are",
+                                     " no edge or face of the mesh dropped, the first is ", name_of(*first_dropped)));
+}
+
+}  // namespace almesh
