@@ -21,3 +21,10 @@ TEST_CASE("info tells what is in a mesh, and is a deck that runs") {
     CHECK(almesh_with({"info"}).code == 1);
     CHECK(almesh_with({"info", ring.folder.path("nothing.msh")}).code == 2);
 }
+
+TEST_CASE("info tells the format of a file, and what comes along with the mesh") {
+    const Outcome told = almesh_with({"info", "tests/io/data/interface-41.msh"});
+    CHECK(told.code == 0);
+    CHECK(has(told.out, "interface-41.msh, MSH 4.1, binary: 9 nodes, 2 triangles of degree 2\n"));
+    CHECK(has(told.out, "# carried along with the mesh: 2 points, 1 line inside or without a physical group\n"));
+}
