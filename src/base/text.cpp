@@ -69,6 +69,16 @@ std::string to_text(double value) {
 
 std::string counted(std::size_t count, const char* noun) { return concat(count, " ", noun, count == 1 ? "" : "s"); }
 
+std::string place_text(const double* x, int dim, double unit) {
+    std::string text;
+    for (int a = 0; a < dim; ++a) {
+        char digits[32];
+        const auto end = std::to_chars(digits, digits + sizeof digits, unit * x[a], std::chars_format::general, 6).ptr;
+        text.append(a ? ", " : "(").append(digits, end);
+    }
+    return text + ")";
+}
+
 // d(i, j): distance of the first i characters of a and the first j of b.
 int edit_distance(std::string_view a, std::string_view b) {
     std::vector<int> distances((a.size() + 1) * (b.size() + 1));

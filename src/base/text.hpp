@@ -42,6 +42,9 @@ std::string concat(const Parts&... parts) {
 
 std::string counted(std::size_t count, const char* noun);  // "1 node", "2 nodes"
 
+// The dim coordinates of a point times `unit`, with six digits: "(1.5, -2e-07)".
+std::string place_text(const double* x, int dim, double unit = 1);
+
 // Optimal string alignment: least number of insertions, deletions, replacements and swaps of two neighbours that turn
 // one text into the other (Levenshtein's distance with swaps), by dynamic programming in O(|a| |b|).
 int edit_distance(std::string_view a, std::string_view b);

@@ -39,12 +39,8 @@ std::vector<double> node_targets(const Mesh& mesh, const std::vector<double>& ta
 
 std::string face_name(const Mesh& mesh, int f) {
     const Vec<3> centre = centroid(mesh, mesh.x, mesh.face(f), mesh.dim);
-    std::ostringstream out;
-    out << "face " << (mesh.file.face_id.empty() ? f : mesh.file.face_id[f]) << " of "
-        << mesh.boundaries[mesh.face_boundary[f]] << " at (" << centre[0] << ", " << centre[1];
-    if (mesh.dim == 3) out << ", " << centre[2];
-    out << ')';
-    return out.str();
+    return concat("face ", mesh.file.face_id.empty() ? f : mesh.file.face_id[f], " of ",
+                  mesh.boundaries[mesh.face_boundary[f]], " at ", place_text(centre.data(), mesh.dim));
 }
 
 // Pairs (place in f, place in g) of the corners that two faces share.

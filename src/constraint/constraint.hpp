@@ -38,6 +38,8 @@ public:
     virtual double max_error(const std::vector<double>& x) = 0;  // largest distance from where the boundary should be
     // The largest distance of a node from where P c = 0 would have it, over the height of the cells at that node.
     virtual double relative_error(const std::vector<double>& x) const = 0;
+    // The same for each of nodes().
+    virtual std::vector<double> relative_errors(const std::vector<double>& /*x*/) const { return {}; }
 
     // Called with the current iterate before and after every subproblem: constraints that are not linear may be
     // replaced, until the next call, by their expansion there, in C to second order. Returns whether anything has

@@ -318,12 +318,18 @@ double Dirichlet::max_error(const std::vector<double>& x) {
 
 double Dirichlet::relative_error(const std::vector<double>& x) const {
     double largest = 0;
+    for (const double error : relative_errors(x)) largest = std::max(largest, error);
+    return largest;
+}
+
+std::vector<double> Dirichlet::relative_errors(const std::vector<double>& x) const {
+    std::vector<double> errors(nodes_.size());
     for (std::size_t t = 0; t < nodes_.size(); ++t) {
         double squared = 0;
         for (int a = 0; a < dim_; ++a) squared += std::pow(difference(x, static_cast<int>(t), a), 2);
-        largest = std::max(largest, std::sqrt(squared) / height_[t]);
+        errors[t] = std::sqrt(squared) / height_[t];
     }
-    return largest;
+    return errors;
 }
 
 // B_t (x_t - p_t)

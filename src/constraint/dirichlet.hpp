@@ -64,6 +64,7 @@ public:
     // Over the nodes of the boundary faces and, unless the target is nodal, their quadrature points.
     double max_error(const std::vector<double>& x) override;
     double relative_error(const std::vector<double>& x) const override;
+    std::vector<double> relative_errors(const std::vector<double>& x) const override;
     double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) override;
     void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                       std::vector<double>& g) override;

@@ -73,15 +73,18 @@ bool is_stationary(const AlIteration& row, const AugmentedLagrangianParams& para
     return row.gradient_norm <= params.omega_star || (at_floor && row.gradient_norm <= params.omega0);
 }
 
-double gradient_norm(const AugmentedFunctional& E, const std::vector<double>& x) {
+std::vector<double> gradient(const AugmentedFunctional& E, const std::vector<double>& x) {
     std::vector<double> g(x.size());
     E.gradient(x, g);
-    return norm_2(g);
+    return g;
 }
 
-// What ends the method after the last of `rows` although line 7 would go on; nothing while it goes on.
+// How the method fails after the last of `rows`: ends although line 7 would go on, or the other way round. Nothing
+// where it goes on, and where it has converged. ends: by line 7.
 std::optional<AlStatus> failure(const std::vector<AlIteration>& rows, const AugmentedLagrangianParams& params,
-                                double one_squared, bool constrained) {
+                                double one_squared, bool constrained, bool stationary, bool ends) {
+    if (ends && constrained && stationary) return std::nullopt;
+    if (ends) return AlStatus::ended_as_printed;
     const AlIteration& row = rows.back();
     const bool at_floor = row.newton_status == NewtonStatus::rounding_floor;
     const bool solved = at_floor || row.newton_status == NewtonStatus::converged;
@@ -141,11 +144,14 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         add_counts(solved, result);
         const bool changed = constraint.expand(x, E.lambda);
         rows.push_back(measure(E, x, result.distortion, *s, solved, rows.back().iteration + 1));
-        if (changed) rows.back().gradient_norm = gradient_norm(E, x);
+        if (changed) rows.back().gradient_norm = norm_2(gradient(E, x));
         rows.back().seconds = watch.seconds();
         const bool ends = s->ends(constrained(), stationary());
-        if (const auto failed = ends ? std::nullopt : failure(rows, params, one_squared, constrained())) {
+        if (const auto failed = failure(rows, params, one_squared, constrained(), stationary(), ends)) {
             result.status = *failed;
+            result.gradient = gradient(E, x);
+        }
+        if (!ends && result.status != AlStatus::converged) {
             observe();
             break;
         }
@@ -155,7 +161,6 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         } else {                                                                          // 15-16
             rows.back().update = s->raise_penalty();                                      // 17-20
         }                                                                                 // 21
-        if (ends && !(constrained() && stationary())) result.status = AlStatus::ended_as_printed;
         observe();
     }                                                                                     // 22
     result.lambda = std::move(E.lambda);

@@ -67,6 +67,12 @@ TEST_CASE("messages are put together from their parts") {
     CHECK(counted(2, "face") == "2 faces");
 }
 
+TEST_CASE("a place in its dimension and unit") {
+    const double x[3] = {1.5, -2e-7, 1.0 / 3};
+    CHECK(place_text(x, 2) == "(1.5, -2e-07)");
+    CHECK(place_text(x, 3, 1000) == "(1500, -0.0002, 333.333)");
+}
+
 TEST_CASE("edit distance") {
     CHECK(edit_distance("", "") == 0);
     CHECK(edit_distance("", "abc") == 3);

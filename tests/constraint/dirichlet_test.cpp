@@ -93,6 +93,13 @@ TEST_CASE("the relative error is a node's distance from its place over the heigh
         const double height = (std::cbrt(21.0) - 1) * std::cos(std::numbers::pi / 12);
         CHECK(ring.constraint.relative_error(ring.ideal) == doctest::Approx(0.05 / height).epsilon(1e-12));
         CHECK(ring.constraint.relative_error(at_projection(ring, ring.ideal)) < 1e-12);
+        const std::vector<double> errors = ring.constraint.relative_errors(ring.ideal);
+        REQUIRE(errors.size() == ring.constraint.nodes().size());
+        for (std::size_t t = 0; t < errors.size(); ++t) {
+            const double* const at = point(ring.ideal, ring.constraint.nodes()[t], 2);
+            const bool inner = std::hypot(at[0], at[1]) < 2;
+            CHECK(errors[t] == doctest::Approx(inner ? 0.05 / height : 0).epsilon(1e-12));
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "check/certificate.hpp"
+#include "linalg/vector_ops.hpp"
 #include "support/meshes.hpp"
 #include "support/minimisation.hpp"
 
@@ -227,6 +228,7 @@ TEST_CASE("as printed, the loop ends as soon as one test holds") {
     params.omega0 = params.omega_star;
     std::vector<double> x;
     const AlResult result = problem.solve(params, x);
+    CHECK(norm_2(result.gradient) == doctest::Approx(result.iterations.back().gradient_norm).epsilon(1e-6));
     CHECK(result.status == AlStatus::ended_as_printed);
     CHECK(result.iterations.size() == 2);
     CHECK(problem.constraint.projected_norm(x) > 1e3 * std::sqrt(params.epsilon_star));
@@ -334,6 +336,7 @@ TEST_CASE("limits of iterations end the run with their status") {
     const AlResult outer = problem.solve(params, x);
     CHECK(outer.status == AlStatus::max_iterations);
     CHECK(outer.iterations.size() == 3);
+    CHECK(norm_2(outer.gradient) == doctest::Approx(outer.iterations.back().gradient_norm).epsilon(1e-6));
     CHECK(certify(problem.mesh, x).valid);
     params = {};
     params.max_newton_iterations = 1;
@@ -341,6 +344,7 @@ TEST_CASE("limits of iterations end the run with their status") {
     CHECK(inner.status == AlStatus::max_newton_iterations);
     CHECK(inner.iterations.back().newton_status == NewtonStatus::max_iterations);
     CHECK(inner.newton_iterations == 1);
+    CHECK(norm_2(inner.gradient) == doctest::Approx(inner.iterations.back().gradient_norm).epsilon(1e-6));
     CHECK(certify(problem.mesh, x).valid);
 }
 
@@ -365,6 +369,7 @@ TEST_CASE("a gradient tolerance below rounding is said to be so, and the run con
     CHECK(result.status == AlStatus::converged);
     CHECK(result.iterations.back().newton_status == NewtonStatus::rounding_floor);
     CHECK(problem.constraint.projected_norm(x) <= 1e-8);
+    CHECK(result.gradient.empty());
 }
 
 TEST_CASE("nothing moves: one subproblem that takes no step") {
