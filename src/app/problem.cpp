@@ -89,15 +89,6 @@ void refuse_invalid_target(const TargetReport& report) {
     throw InputError(message);
 }
 
-DistortionParams distortion_of(const Deck& deck) {
-    DistortionParams params = deck.distortion;
-    const bool worst = params.objective == Objective::worst;
-    const double usual = worst ? 0 : deck.method.algorithm == Algorithm::adaptive ? 0.5 : 1;
-    params.weight_exponent = deck.weight_exponent.value_or(usual);
-    if (!worst) params.power.p = deck.power.value_or(params.power.p);
-    return params;
-}
-
 // Of the base mesh.
 PlacedNodes places_of_files(const Deck& deck, const Mesh& base) {
     PlacedNodes placed;
@@ -178,6 +169,21 @@ void change_unit(double length, Level& level, BoundaryTarget& target) {
 }
 
 }  // namespace
+
+DistortionParams distortion_of(const Deck& deck) {
+    DistortionParams params = deck.distortion;
+    const bool worst = params.objective == Objective::worst;
+    const double usual = worst ? 0 : deck.method.algorithm == Algorithm::adaptive ? 0.5 : 1;
+    params.weight_exponent = deck.weight_exponent.value_or(usual);
+    if (!worst) params.power.p = deck.power.value_or(params.power.p);
+    return params;
+}
+
+// The schedules of the paper do not follow the motion unless they are told to.
+Follow followed(const Deck& deck) {
+    const bool of_paper = deck.follow == Follow::automatic && deck.method.algorithm != Algorithm::adaptive;
+    return of_paper ? Follow::never : deck.follow;
+}
 
 Problem make_problem(const Deck& deck) {
     Problem problem;

@@ -35,6 +35,10 @@ Problem make_problem(const Deck& deck);
 void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
                     Level& level);
 
+// The deck's settings, with those that are `auto` made definite.
+DistortionParams distortion_of(const Deck& deck);
+Follow followed(const Deck& deck);  // automatic only with algorithm = adaptive
+
 // A mesh on which the problem is solved first.
 struct CoarserMesh {
     int refinements, degree;  // of the base mesh

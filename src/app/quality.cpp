@@ -38,7 +38,8 @@ ExitCode quality(const std::string& mesh_path, std::FILE* out) {
     print_uncertified(out, mesh, mesh.x, 1, certificate);
     const Injectivity injectivity = certify_injective(mesh, mesh.x, certificate);
     if (injectivity.certified) std::fprintf(out, "certified injective: no two elements overlap\n");
-    else if (certificate.valid) std::fprintf(out, "NOT certified injective: %s\n", injectivity.obstacle.c_str());
+    else if (certificate.valid)
+        std::fprintf(out, "NOT certified injective: %s\n", overlap_text(mesh, injectivity).c_str());
     return injectivity.certified ? ExitCode::success : ExitCode::not_certified;
 }
 

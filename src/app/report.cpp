@@ -170,6 +170,7 @@ void Report::add(const Stage& stage) {
     AlIteration row = units_.of(stage.last);
     row.newton_iterations = stage.newton_iterations;
     csv_ += line(AlRow{row, &stage});
+    if (stage.status == AlStatus::converged && stage.fraction < 1) followed = std::max(followed, stage.fraction);
     const char* const used = stage.status == AlStatus::converged ? "" : ", not used";
     std::string what = "  ";
     if (stage.power) what += "(eta - 1)^" + std::to_string(stage.power);

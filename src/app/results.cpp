@@ -1,5 +1,6 @@
 #include "app/results.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "app/commands.hpp"
@@ -99,6 +100,54 @@ void write_boundary(const Deck& deck, const Problem& problem, const Solution& so
               format_of(deck));
 }
 
+// The elements around the obstacle, with the way from each node of the boundary to its target.
+void write_stop(const Deck& deck, const Problem& problem, const Solution& solution,
+                const std::vector<double>& positions) {
+    const Mesh& mesh = problem.mesh();
+    const int dim = mesh.dim;
+    const Constraint& constraint = *problem.level->constraint;
+    const std::vector<double> targets = constraint.targets(solution.x);
+    const std::vector<int> boundary = boundary_of_nodes(mesh, problem.target);
+    const SubMesh around = neighbourhood(mesh, solution.obstacle);
+    std::vector<double> x, node_id, of_node, at_node, to_target;
+    for (const int i : around.node) {
+        x.insert(x.end(), point(positions, i, dim), point(positions, i, dim) + dim);
+        node_id.push_back(static_cast<double>(mesh.file.node_id[i]));
+        of_node.push_back(boundary[i]);
+        at_node.push_back(i == solution.obstacle.node);
+        const auto trace = std::lower_bound(constraint.nodes().begin(), constraint.nodes().end(), i);
+        const bool has_target = trace != constraint.nodes().end() && *trace == i;
+        const auto t = static_cast<int>(trace - constraint.nodes().begin());
+        for (int a = 0; a < dim; ++a)
+            to_target.push_back(
+                has_target ? problem.length * (targets[offset(t, dim, a)] - point(solution.x, i, dim)[a]) : 0.0);
+    }
+    std::vector<double> element_id, distortion, scaled_jacobian, at_element;
+    for (const int e : around.place) {
+        element_id.push_back(static_cast<double>(mesh.file.element_id[e]));
+        distortion.push_back(solution.al.distortion.element_max[e]);
+        scaled_jacobian.push_back(solution.certificate.lower_bound[e]);
+        at_element.push_back(e == solution.obstacle.element);
+    }
+    write_vtk(deck.output + "/stop.vtk",
+              {title(deck, "stop"),
+               dim,
+               mesh.degree,
+               std::move(x),
+               around.elements,
+               dim,
+               {{"to_target", dim, std::move(to_target)},
+                {"node_id", 1, std::move(node_id)},
+                {"boundary", 1, std::move(of_node)},
+                {"obstacle", 1, std::move(at_node)}},
+               {{"distortion", 1, std::move(distortion)},
+                {"min_scaled_jacobian", 1, std::move(scaled_jacobian)},
+                {"element_id", 1, std::move(element_id)},
+                {"obstacle", 1, std::move(at_element)}},
+               provenance(deck, problem)},
+              format_of(deck));
+}
+
 }  // namespace
 
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
@@ -146,6 +195,7 @@ void write_results(const Deck& deck, const Problem& problem, const Solution& sol
     write_volume(deck, problem, "final", solution.x, positions, solution.al.distortion.element_max,
                  &solution.certificate.lower_bound);
     write_boundary(deck, problem, solution, positions);
+    if (solution.obstacle.kind != ObstacleKind::none) write_stop(deck, problem, solution, positions);
 }
 
 void write_summary(const Deck& deck, const Summary& summary) {

@@ -6,6 +6,7 @@
 #include "app/summary.hpp"
 #include "check/certificate.hpp"
 #include "check/injectivity.hpp"
+#include "check/obstacle.hpp"
 #include "method/augmented_lagrangian.hpp"
 
 namespace almesh {
@@ -32,6 +33,9 @@ struct Solution {
     int nodes_off_target = 0;  // of the boundary, by whatever little
     Certificate certificate;
     Injectivity injectivity;
+    Obstacle obstacle;         // of an ending other than converged and certified
+    double followed = 0;       // the largest part of the motion, less than all of it, that converged
+    double refused_bytes = 0;  // of the Cholesky factor, where they ended the run
     RunTimes time;
     int coarse_newton_iterations = 0;  // on the coarser meshes
     double predicted_bytes = 0;  // of memory, before the run
@@ -43,7 +47,7 @@ void write_initial(const Deck& deck, const Problem& problem);  // initial.vtk
 // How the final mesh is written: final.msh, final.su2, or both.
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh);
 
-// The final mesh, final.vtk, boundary.vtk
+// The final mesh, final.vtk, boundary.vtk; stop.vtk where the solution has an obstacle
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution);
 void write_summary(const Deck& deck, const Summary& summary);  // summary.txt and expectations.csv
 

@@ -1,6 +1,7 @@
 #include <optional>
 
 #include "app/commands.hpp"
+#include "app/ending.hpp"
 #include "app/memory.hpp"
 #include "app/problem.hpp"
 #include "app/report.hpp"
@@ -33,73 +34,9 @@ void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double
     std::fflush(out);
 }
 
-const char* advice(AlStatus status) {
-    switch (status) {
-        case AlStatus::converged: return "converged";
-        case AlStatus::infeasible:
-            return "infeasible: no valid mesh seems to reach the target; the last mesh is written";
-        case AlStatus::stalled:
-            return "stalled: the boundary comes no nearer to its target, which may be out of reach; try "
-                   "weight_exponent = 0, follow = always or a part of the motion; the last mesh is written";
-        case AlStatus::rounding_floor:
-            return "not converged: |grad E| ended at its rounding floor, above omega0; mu0 may be too large";
-        case AlStatus::ended_as_printed:
-            return "not converged: the loop as printed ended with one of its two tests met";
-        case AlStatus::max_iterations: return "not converged: max_al_iterations reached";
-        case AlStatus::max_newton_iterations: return "not converged: max_newton_iterations reached in a subproblem";
-        case AlStatus::line_search_failed:
-            return "not converged: no step decreases the energy and keeps all elements valid; try "
-                   "weight_exponent = 0.5 or 0, or a part of the motion";
-        case AlStatus::interrupted: return "interrupted: the last mesh is written";
-        case AlStatus::linear_solver_failed: return "not converged: no linear solver gave a descent direction";
-    }
-    return "";
-}
-
-std::string judgement(const Solution& solution) {
-    if (!solution.certificate.valid) return "NOT certified valid";
-    if (!solution.injectivity.certified)
-        return "all elements valid, but NOT certified injective: " + solution.injectivity.obstacle;
-    return "certified valid and injective";
-}
-
-void print_closing(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {
-    const AlIteration& last = solution.al.iterations.back();
-    const bool in_place = solution.nodes_off_target == 0;
-    std::string others;
-    if (const int steps = solution.coarse_newton_iterations) others = concat(" (and ", steps, " on coarser meshes)");
-    if (const int steps = solution.al.followed_newton_iterations)
-        others += concat(" (and ", steps, " on earlier ",
-                         deck.distortion.objective == Objective::worst ? "powers" : "parts of the motion", ")");
-    std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s\n", advice(solution.al.status),
-                 solution.al.iterations.size() - 1, solution.al.newton_iterations, others.c_str(), solution.time.total);
-    if (in_place)
-        std::fprintf(out, "every boundary node is at its target%s, the boundary between them to %.3g\n",
-                     problem.sliding ? " or on the surface along which it slides" : " to the last bit",
-                     solution.max_boundary_error * problem.length);
-    else
-        std::fprintf(out, "|c_D| = %.3g; %d boundary nodes off their targets, by at most %.2g of a cell's height; "
-                     "largest boundary error %.3g\n", last.constraint_norm * problem.length, solution.nodes_off_target,
-                     last.relative_boundary_error, solution.max_boundary_error * problem.length);
-    if (last.newton_status == NewtonStatus::rounding_floor)
-        std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
-    if (fallbacks)
-        std::fprintf(out,
-                     "the iterative solver failed in %d Newton step%s, solved by Cholesky (history.csv tells why)\n",
-                     fallbacks, fallbacks == 1 ? "" : "s");
-    std::fprintf(out, "%s: scaled Jacobian >= %.4g everywhere; results in %s\n", judgement(solution).c_str(),
-                 solution.certificate.min_scaled_jacobian, deck.output.c_str());
-}
-
 bool starts_coarse(const Deck& deck) {
     if (deck.start == Start::automatic) return deck.method.algorithm == Algorithm::adaptive;
     return deck.start == Start::coarse;
-}
-
-// The schedules of the paper do not follow the motion unless they are told to.
-Follow followed(const Deck& deck) {
-    const bool of_paper = deck.follow == Follow::automatic && deck.method.algorithm != Algorithm::adaptive;
-    return of_paper ? Follow::never : deck.follow;
 }
 
 bool snaps(const Deck& deck) {
@@ -127,6 +64,7 @@ void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     solution.refined_elements = level.energy->refined_elements();
     solution.max_boundary_error = level.constraint->max_error(solution.x);
     solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);
+    solution.obstacle = find_obstacle(deck, problem, solution);
 }
 
 AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton, const MethodParams& params,
@@ -149,14 +87,6 @@ void write_system(const Deck& deck, Newton& newton, const Report& report) {
     });
 }
 
-void print_refusal(std::FILE* out, double bytes) {
-    if (bytes == 0) return;
-    std::fprintf(out,
-                 "the Cholesky factor takes %.3g GB, more than this machine's memory: solve with solver=cg, or take a "
-                 "coarser mesh\n",
-                 bytes / 1e9);
-}
-
 bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary) {
     bool hold = true;
     for (const Expectation& expectation : deck.expectations) {
@@ -177,6 +107,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     set_threads(deck.threads);
     const Problem problem = make_problem(deck);
     make_folder(deck.output);
+    remove_file(deck.output + "/stop.vtk");  // of an earlier run
     Solution solution;
     solution.predicted_bytes = predicted_bytes(problem.mesh(), deck.linear);
     print_mesh(out, deck, problem, solution.predicted_bytes);
@@ -217,7 +148,9 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     solution.al = minimise_objective(deck, level, *newton, params, solution.x, start, observer,
                                      [&](const Stage& stage) { report.add(stage); });
     solution.time += newton->time;
-    const double refused_bytes = newton->linear_solver().refused_bytes();
+    if (solution.al.status == AlStatus::linear_solver_failed)
+        solution.refused_bytes = newton->linear_solver().refused_bytes();
+    solution.followed = report.followed;
     newton.reset();  // the factor is the largest thing in memory
 
     // 5. What was reached: the boundary set exactly, certificates, files.
@@ -231,8 +164,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const Summary summary = summarise(problem, solution);
     write_summary(deck, summary);
     print_uncertified(out, problem.mesh(), solution.x, problem.length, solution.certificate);
-    print_closing(out, deck, problem, solution, report.fallbacks);
-    if (solution.al.status == AlStatus::linear_solver_failed) print_refusal(out, refused_bytes);
+    print_ending(out, deck, problem, solution, report.fallbacks);
 
     const bool expected = expectations_hold(out, deck, summary);
     if (solution.al.status != AlStatus::converged) return ExitCode::not_converged;

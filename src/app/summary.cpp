@@ -28,6 +28,8 @@ struct Run {
     double max_boundary_error;  // and so is this
     int power;
     double predicted_bytes;
+    const Obstacle& at;
+    double length;  // of the mesh file, in which `at` is given
 };
 
 double peak_memory_mb() {
@@ -51,6 +53,13 @@ std::string text(double value, int digits) {
 enum class Kind { word, count, decimal };
 
 using R = const Run&;
+
+constexpr const char* none = "none";
+
+template <int axis>
+std::string coordinate(const Run& run) {
+    return run.at.kind == ObstacleKind::none ? none : text(run.at.place[axis] * run.length, 6);
+}
 
 struct Quantity : Named {
     Kind kind;
@@ -104,6 +113,19 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.solution.certificate.valid ? "yes" : "no"); }},
     {{"certified_injective", "yes where it is proved too that no two elements overlap, else no"}, word,
      [](R r) { return text(r.solution.injectivity.certified ? "yes" : "no"); }},
+    {{"obstacle",
+      "what held up a run that did not end as it should: pinned, off_target, unbalanced, distorted, invalid or overlap "
+      "(README, Results); else none, as are the next six"}, word,
+     [](R r) { return text(to_string(r.at.kind)); }},
+    {{"obstacle_boundary", "the boundary there, or nearest to it"}, word,
+     [](R r) { return r.at.boundary < 0 ? std::string(none) : r.mesh.boundaries[r.at.boundary]; }},
+    {{"obstacle_node", "id of the node, none where an element alone is in the way"}, count,
+     [](R r) { return r.at.node < 0 ? std::string(none) : text(r.mesh.file.node_id[r.at.node]); }},
+    {{"obstacle_element", "id of the element, or of the most distorted one at the node"}, count,
+     [](R r) { return r.at.element < 0 ? std::string(none) : text(r.mesh.file.element_id[r.at.element]); }},
+    {{"obstacle_x", "place of the node, or the element's centre"}, decimal, coordinate<0>},
+    {{"obstacle_y", "its second coordinate"}, decimal, coordinate<1>},
+    {{"obstacle_z", "its third coordinate, 0 in 2D"}, decimal, coordinate<2>},
     {{"time_run", "seconds of the whole run"}, decimal, [](R r) { return text(r.time.run, 4); }},
     {{"time_setup", "mesh, target and its checks, pattern and ordering of the matrix"}, decimal,
      [](R r) { return text(r.time.setup, 4); }},
@@ -169,7 +191,7 @@ Summary summarise(const Problem& problem, const Solution& solution) {
     const Units units = {problem.mesh().dim, problem.length};
     const Run run = {problem.mesh(), solution, solution.al, solution.time, units.of(solution.al.iterations.back()),
                      units.distance(solution.max_boundary_error), problem.level->energy->power().p,
-                     solution.predicted_bytes};
+                     solution.predicted_bytes, solution.obstacle, problem.length};
     Summary summary;
     for (const Quantity& quantity : quantities) summary.push_back({quantity.name, quantity.value(run)});
     return summary;

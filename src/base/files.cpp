@@ -87,6 +87,12 @@ void write_file(const std::string& path, const std::function<void(const TextSink
     cannot("write to", path, std::strerror(reason));
 }
 
+void remove_file(const std::string& path) {
+    std::error_code error;
+    fs::remove(path, error);
+    if (error) cannot("remove", path, error.message());
+}
+
 void make_folder(const std::string& path) {
     std::error_code error;
     fs::create_directories(path, error);

@@ -46,6 +46,9 @@ void append_rows(const TextSink& sink, int count, const Row& row) {
     }
 }
 
+// Nothing happens where there is no such file. Throws InputError where it cannot be removed.
+void remove_file(const std::string& path);
+
 // Makes the folder and those above it where they are missing. Throws InputError where that fails, or where nothing can
 // be written into it.
 void make_folder(const std::string& path);

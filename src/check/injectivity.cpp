@@ -58,23 +58,32 @@ int overlapped_vertex(const Mesh& mesh, const std::vector<double>& x) {
 
 }  // namespace
 
+std::string overlap_text(const Mesh& mesh, const Injectivity& found, double unit) {
+    if (found.node < 0 && found.face < 0) return found.obstacle;
+    return found.obstacle + " at " + place_text(found.place.data(), mesh.dim, unit);
+}
+
 Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate) {
-    if (!certificate.valid) return {false, "elements are not certified valid"};
+    if (!certificate.valid) return {.obstacle = "elements are not certified valid"};
     if (const int i = overlapped_vertex(mesh, x); i >= 0)
-        return {false,
-                concat("the elements around node ", mesh.file.node_id.empty() ? i : mesh.file.node_id[i], " overlap")};
+        return {.obstacle = concat("the elements around node ", mesh.file.node_id.empty() ? i : mesh.file.node_id[i],
+                                   " overlap"),
+                .node = i,
+                .place = centroid(mesh, x, &i, 1)};
     std::vector<double> boundary;
     for (const int i : mesh.faces)
         boundary.insert(boundary.end(), point(x, i, mesh.dim), point(x, i, mesh.dim) + mesh.dim);
     const TargetReport report = check_target(mesh, boundary);
     if (!report.faults.empty()) {
         const int f = report.faults.front().face;
-        return {false,
-                concat("the boundary overlaps itself at face ", mesh.file.face_id.empty() ? f : mesh.file.face_id[f],
-                       " of ", mesh.boundaries[mesh.face_boundary[f]])};
+        return {.obstacle = concat("the boundary overlaps itself at face ",
+                                   mesh.file.face_id.empty() ? f : mesh.file.face_id[f], " of ",
+                                   mesh.boundaries[mesh.face_boundary[f]]),
+                .face = f,
+                .place = centroid(mesh, x, mesh.face(f), mesh.dim)};
     }
-    if (report.crossed_before) return {false, "the boundary of the initial mesh crosses itself"};
-    return {true, ""};
+    if (report.crossed_before) return {.obstacle = "the boundary of the initial mesh crosses itself"};
+    return {.certified = true, .obstacle = ""};
 }
 
 }  // namespace almesh

@@ -9,6 +9,7 @@
 // that fill their surroundings twice; as a check of its own, the angles at every node must add up to 2 pi in 2D, the
 // solid angles to 4 pi in 3D, at nodes of the boundary to no more.
 #pragma once
+#include <array>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,13 @@ namespace almesh {
 struct Injectivity {
     bool certified = false;
     std::string obstacle;  // what stands in the way; empty where certified
+    int node = -1;         // where: the node that elements overlap around,
+    int face = -1;         // or a face at which the boundary overlaps itself
+    std::array<double, 3> place{};  // of the node or the face's centre, at x; in 2D the third coordinate is 0
 };
+
+// The obstacle with its place, times `unit`: "the elements around node 3 overlap at (0.5, 1)".
+std::string overlap_text(const Mesh& mesh, const Injectivity& found, double unit = 1);
 
 // x: node_count x dim positions; certificate: of these. An initial mesh that overlaps itself is not certified.
 // Cost: O(elements), and that of check_target().

@@ -83,6 +83,13 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "min_scaled_jacobian",
                                            "certified_valid",
                                            "certified_injective",
+                                           "obstacle",
+                                           "obstacle_boundary",
+                                           "obstacle_node",
+                                           "obstacle_element",
+                                           "obstacle_x",
+                                           "obstacle_y",
+                                           "obstacle_z",
                                            "time_run",
                                            "time_setup",
                                            "time_coarse",
@@ -116,6 +123,8 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                           number(summary, "time_certify") + number(summary, "time_write");
     CHECK(number(summary, "time_run") == doctest::Approx(phases).epsilon(0.01).scale(1));
     CHECK(summary.at("coarse_newton_iterations") == "0");
+    for (const std::string what : {"", "_boundary", "_node", "_element", "_x", "_y", "_z"})
+        CHECK(summary.at("obstacle" + what) == "none");
 }
 
 TEST_CASE("the history belongs to the summary") {

@@ -100,6 +100,16 @@ TEST_CASE("folders are made with those above them") {
     CHECK_THROWS_AS(make_folder(scratch / "file/below"), InputError);
 }
 
+TEST_CASE("a file is removed, a missing one is no error, a full folder is") {
+    const Scratch scratch;
+    write_file(scratch / "file", "x");
+    remove_file(scratch / "file");
+    CHECK(!fs::exists(scratch / "file"));
+    remove_file(scratch / "file");
+    make_folder(scratch / "a/b");
+    CHECK_THROWS_AS(remove_file(scratch / "a"), InputError);
+}
+
 TEST_CASE("numbers are appended shortest, or with the digits asked for") {
     CHECK(shown(-9223372036854775807LL) == "-9223372036854775807");
     CHECK(shown(0.1) == "0.1");

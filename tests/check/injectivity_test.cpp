@@ -91,6 +91,7 @@ TEST_CASE("an inverted element settles it") {
     const Injectivity found = certify_injective(mesh, x, certify(mesh, x));
     CHECK(!found.certified);
     CHECK(found.obstacle == "elements are not certified valid");
+    CHECK(overlap_text(mesh, found) == found.obstacle);
 }
 
 TEST_CASE("a node that its elements go around twice is found though all of them are valid") {
@@ -98,6 +99,8 @@ TEST_CASE("a node that its elements go around twice is found though all of them 
     const Injectivity found = judge(flat, wound_twice(flat, 0));
     CHECK(!found.certified);
     CHECK(mentions(found, "the elements around node 1 overlap"));
+    CHECK(found.node == 0);
+    CHECK(overlap_text(flat, found, 3) == "the elements around node 1 overlap at (0, 0)");
     const Mesh curved = raise_degree(flat, 2);
     CHECK(mentions(judge(curved, straight_sided([&] {
                              Mesh moved = curved;
@@ -127,4 +130,6 @@ TEST_CASE("a boundary that overlaps itself is found though elements and angles a
     const Injectivity found = judge(strip, closed);
     CHECK(!found.certified);
     CHECK(mentions(found, "the boundary overlaps itself at face "));
+    REQUIRE(found.face >= 0);
+    CHECK(found.place == centroid(strip, closed, strip.face(found.face), 2));
 }

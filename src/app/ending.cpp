@@ -1,0 +1,280 @@
+#include "app/ending.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "app/problem.hpp"
+#include "app/results.hpp"
+#include "base/files.hpp"
+#include "base/text.hpp"
+
+namespace almesh {
+namespace {
+
+std::string shown(double value, int digits = 4) {
+    std::string text;
+    append(text, value, digits);
+    return text;
+}
+
+bool is_certified(const Solution& solution) { return solution.injectivity.certified; }
+
+const char* headline(AlStatus status) {
+    switch (status) {
+        case AlStatus::converged: return "converged";
+        case AlStatus::infeasible: return "infeasible: no valid mesh seems to reach the target";
+        case AlStatus::stalled: return "stalled: the boundary comes no nearer to its target, which may be out of reach";
+        case AlStatus::rounding_floor: return "not converged: |grad E| ended at its rounding floor, above omega0";
+        case AlStatus::ended_as_printed:
+            return "not converged: the loop as printed ended with one of its two tests met";
+        case AlStatus::max_iterations: return "not converged: max_al_iterations reached";
+        case AlStatus::max_newton_iterations: return "not converged: max_newton_iterations reached in a subproblem";
+        case AlStatus::line_search_failed:
+            return "not converged: no step decreases the energy and keeps all elements valid";
+        case AlStatus::interrupted: return "interrupted";
+        case AlStatus::linear_solver_failed: return "not converged: no linear solver gave a descent direction";
+    }
+    return "";
+}
+
+// Whether the boundary is in its place, as far as Algorithm 1 tests it.
+bool constrained(const Deck& deck, const AlIteration& row) {
+    const bool adaptive = deck.method.algorithm == Algorithm::adaptive;
+    return row.projected_constraint_norm * row.projected_constraint_norm <= deck.method.epsilon_star &&
+           (!adaptive || row.relative_boundary_error <= deck.method.wall_tolerance);
+}
+
+// "inner", or "bottom and right": of the vertices of the obstacle's element.
+std::string boundaries_of_element(const Problem& problem, const Obstacle& obstacle) {
+    const Mesh& mesh = problem.mesh();
+    std::string names;
+    std::set<int> named;
+    const int* const vertex = mesh.element(obstacle.element);
+    const auto has_vertex = [&](int i) { return std::find(vertex, vertex + mesh.dim + 1, i) != vertex + mesh.dim + 1; };
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (std::any_of(mesh.face(f), mesh.face(f) + mesh.dim, has_vertex) &&
+            named.insert(mesh.face_boundary[f]).second)
+            names += (names.empty() ? "" : " and ") + mesh.boundaries[mesh.face_boundary[f]];
+    return names;
+}
+
+std::string quality_of_element(const Solution& solution, int element) {
+    return "eta " + shown(solution.al.distortion.element_max[element]) +
+           ", scaled Jacobian >= " + shown(solution.certificate.lower_bound[element]);
+}
+
+std::string name_of_node(const Mesh& mesh, const Obstacle& obstacle) {
+    return concat("node ", mesh.file.node_id[obstacle.node], obstacle.on_boundary ? " of" : ", nearest to",
+                  " boundary ", mesh.boundaries[obstacle.boundary]);
+}
+
+std::string name_of_element(const Mesh& mesh, const Obstacle& obstacle) {
+    return concat("element ", mesh.file.element_id[obstacle.element], obstacle.on_boundary ? " beside" : ", nearest to",
+                  " boundary ", mesh.boundaries[obstacle.boundary]);
+}
+
+std::string text_of_way(double way) {
+    if (std::isnan(way)) return "";
+    if (way < 0) return ", farther than at the start";
+    return ", after " + (way > 0.9999 ? "more than 99.99" : shown(100 * way)) + " % of its way";
+}
+
+// "node 107 of boundary inner at (0.9, 0.1): 0.137 from its target (0.72, 0.28), 0.55 of its cell's height"
+std::string description(const Problem& problem, const Solution& solution) {
+    const Mesh& mesh = problem.mesh();
+    const Obstacle& at = solution.obstacle;
+    const double unit = problem.length;
+    const std::string place = " at " + place_text(at.place.data(), mesh.dim, unit);
+    switch (at.kind) {
+        case ObstacleKind::none: return "";
+        case ObstacleKind::pinned:
+            return concat("element ", mesh.file.element_id[at.element], place,
+                          " has the edges of a corner on boundary ", boundaries_of_element(problem, at),
+                          ", whose targets fold it there: no valid mesh with "
+                          "this element reaches them");
+        case ObstacleKind::off_target:
+            return name_of_node(mesh, at) + place + " is " + shown(at.distance * unit) + " from its target " +
+                   place_text(at.target.data(), mesh.dim, unit) + ", " + shown(at.heights, 2) +
+                   " of its cells' height" + text_of_way(at.way);
+        case ObstacleKind::unbalanced:
+            return name_of_node(mesh, at) + place + " has " + shown(100 * at.share, 2) + " % of |grad E|, the most";
+        case ObstacleKind::distorted:
+            return name_of_element(mesh, at) + place +
+                   " is the most distorted: " + quality_of_element(solution, at.element);
+        case ObstacleKind::invalid:
+            return name_of_element(mesh, at) + place + " is the worst: " + quality_of_element(solution, at.element);
+        case ObstacleKind::overlap:
+            return overlap_text(problem.mesh(), solution.injectivity, problem.length) + ": " +
+                   (at.node >= 0 ? name_of_node(mesh, at) : name_of_element(mesh, at));
+    }
+    return "";
+}
+
+// Against an element that the boundary folds. Where two of its faces are on the boundary, it is in a corner or along an
+// edge, and so is one of those that it is split into.
+std::string against_pinned(const Deck& deck, const Problem& problem, const Obstacle& obstacle) {
+    const std::vector<int>& of_face = problem.mesh().face_element;
+    if (std::count(of_face.begin(), of_face.end(), obstacle.element) > 1)
+        return "targets that do not fold it, or a mesh in which it is divided by a node inside (refine leaves such an "
+               "element there)";
+    return concat("refine = ", deck.refine + 1, ", so that it is divided, or targets that do not fold it");
+}
+
+// Against a target that is too far: what the run has not done yet.
+void add_against_distance(const Deck& deck, const Problem& problem, const Solution& solution,
+                          std::vector<std::string>& to_try) {
+    const double alpha = distortion_of(deck).weight_exponent;
+    const Obstacle& at = solution.obstacle;
+    const bool fixed = at.kind == ObstacleKind::off_target && at.distance > 0 && std::isnan(at.way) &&
+                       problem.target.hold[at.boundary] == BoundaryHold::prescribed;
+    if (fixed)
+        to_try.push_back(concat("boundary ", problem.mesh().boundaries[at.boundary],
+                                " = slide or free, if its nodes need not stay in their places"));
+    if (alpha > 0) to_try.push_back(alpha > 0.5 ? "weight_exponent = 0.5 or 0" : "weight_exponent = 0");
+    if (followed(deck) == Follow::never) to_try.push_back("follow = always");
+    if (solution.followed > 0)
+        to_try.push_back("a part of the motion, of which " + shown(solution.followed) + " was reached");
+    else
+        to_try.push_back("a part of the motion");
+}
+
+void add_against_iterations(const Deck& deck, const Problem& problem, const Solution& solution,
+                            std::vector<std::string>& to_try) {
+    const std::vector<AlIteration>& rows = solution.al.iterations;
+    const double before = rows[rows.size() - 2].projected_constraint_norm, last = rows.back().projected_constraint_norm;
+    if (last > 0.5 * before) return add_against_distance(deck, problem, solution, to_try);
+    to_try.push_back(concat("max_al_iterations = ", 2 * deck.method.max_iterations, ": |P c_D| fell from ") +
+                     shown(before * problem.length, 3) + " to " + shown(last * problem.length, 3) + " in the last one");
+}
+
+void add_against_solver(const Deck& deck, const Solution& solution, std::vector<std::string>& to_try) {
+    if (solution.refused_bytes > 0)
+        to_try.push_back("solver = cg, or a coarser mesh");
+    else if (deck.linear.kind != SolverKind::cholesky)
+        to_try.push_back("solver = cholesky");
+    if (deck.method.algorithm != Algorithm::adaptive)
+        to_try.push_back("a smaller mu0, such as " + shown(1e-3 * deck.method.mu0));
+}
+
+void add_against_uncertified(const Deck& deck, const Problem& problem, const Solution& solution,
+                             std::vector<std::string>& to_try) {
+    if (deck.distortion.delta > 0)
+        to_try.push_back("delta = 0, with which no step inverts an element");
+    else if (solution.certificate.undecided > 0)
+        to_try.push_back(concat("certificate_bisections = ", 10 * std::max(1, deck.certificate.max_bisections)));
+    else if (!problem.target.prescribes_all())
+        to_try.push_back("places for the boundary there, in place of slide or free");
+    else
+        to_try.push_back("another mesh file: the boundary of this one crosses itself");
+}
+
+void print_obstacle(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
+    const Obstacle& at = solution.obstacle;
+    if (at.kind != ObstacleKind::none) {
+        std::string text = description(problem, solution) + "\n";
+        if (at.node >= 0)
+            text += concat("the worst element at it, ", problem.mesh().file.element_id[at.element], ", has ") +
+                    quality_of_element(solution, at.element) + "\n";
+        std::fputs(text.c_str(), out);
+    }
+    std::string advice;
+    for (const std::string& remedy : remedies(deck, problem, solution)) advice += (advice.empty() ? "" : "; ") + remedy;
+    if (!advice.empty()) std::fprintf(out, "try %s\n", advice.c_str());
+}
+
+std::string judgement(const Problem& problem, const Solution& solution) {
+    if (is_certified(solution)) return "certified valid and injective";
+    if (!solution.certificate.valid) return "NOT certified valid";
+    const bool told = solution.obstacle.kind == ObstacleKind::overlap;
+    return "all elements valid, but NOT certified injective" +
+           (told ? "" : ": " + overlap_text(problem.mesh(), solution.injectivity, problem.length));
+}
+
+void print_boundary(std::FILE* out, const Problem& problem, const Solution& solution) {
+    const AlIteration& last = solution.al.iterations.back();
+    if (solution.nodes_off_target == 0)
+        std::fprintf(out, "every boundary node is at its target%s, the boundary between them to %.3g\n",
+                     problem.sliding ? " or on the surface along which it slides" : " to the last bit",
+                     solution.max_boundary_error * problem.length);
+    else
+        std::fprintf(out,
+                     "|c_D| = %.3g; %d boundary nodes off their targets, by at most %.2g of a cell's height; "
+                     "largest boundary error %.3g\n",
+                     last.constraint_norm * problem.length, solution.nodes_off_target, last.relative_boundary_error,
+                     solution.max_boundary_error * problem.length);
+}
+
+}  // namespace
+
+Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution& solution) {
+    Level& level = *problem.level;
+    const AlStatus status = solution.al.status;
+    if (status == AlStatus::converged && is_certified(solution)) return {};
+    level.constraint->expand(solution.x, solution.al.lambda);  // another iterate's may be in force
+    const LastMesh last = {level.mesh,        level.ideal,    solution.x,
+                           *level.constraint, problem.target, solution.al.distortion.element_max};
+    if (status == AlStatus::converged && solution.certificate.valid) return overlapping(last, solution.injectivity);
+    if (status == AlStatus::converged) return least_valid(last, solution.certificate.lower_bound);
+    if (status == AlStatus::rounding_floor || status == AlStatus::linear_solver_failed)
+        return least_balanced(last, solution.al.gradient);
+    if (const auto pinned = pinned_element(last)) return *pinned;
+    if (status == AlStatus::max_newton_iterations) return least_balanced(last, solution.al.gradient);
+    if (status == AlStatus::line_search_failed) return most_distorted(last);
+    const bool out_of_reach = status == AlStatus::infeasible || status == AlStatus::stalled;
+    if (out_of_reach || !constrained(deck, solution.al.iterations.back())) return farthest_off_target(last);
+    return least_balanced(last, solution.al.gradient);
+}
+
+std::vector<std::string> remedies(const Deck& deck, const Problem& problem, const Solution& solution) {
+    std::vector<std::string> to_try;
+    const AlStatus status = solution.al.status;
+    if (solution.obstacle.kind == ObstacleKind::pinned) return {against_pinned(deck, problem, solution.obstacle)};
+    switch (status) {
+        case AlStatus::converged:
+            if (!is_certified(solution)) add_against_uncertified(deck, problem, solution, to_try);
+            break;
+        case AlStatus::infeasible:
+        case AlStatus::stalled:
+        case AlStatus::line_search_failed: add_against_distance(deck, problem, solution, to_try); break;
+        case AlStatus::rounding_floor:
+            to_try.push_back("a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0");
+            break;
+        case AlStatus::ended_as_printed: to_try.push_back("algorithm = paper, which goes on until both hold"); break;
+        case AlStatus::max_iterations: add_against_iterations(deck, problem, solution, to_try); break;
+        case AlStatus::max_newton_iterations:
+            to_try.push_back(concat("max_newton_iterations = ", 2 * deck.method.max_newton_iterations));
+            add_against_distance(deck, problem, solution, to_try);
+            break;
+        case AlStatus::interrupted: to_try.push_back("it again: a run starts from the mesh file"); break;
+        case AlStatus::linear_solver_failed: add_against_solver(deck, solution, to_try); break;
+    }
+    return to_try;
+}
+
+void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {
+    std::string others;
+    if (const int steps = solution.coarse_newton_iterations) others = concat(" (and ", steps, " on coarser meshes)");
+    if (const int steps = solution.al.followed_newton_iterations)
+        others += concat(" (and ", steps, " on earlier ",
+                         deck.distortion.objective == Objective::worst ? "powers" : "parts of the motion", ")");
+    std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s\n", headline(solution.al.status),
+                 solution.al.iterations.size() - 1, solution.al.newton_iterations, others.c_str(), solution.time.total);
+    print_obstacle(out, deck, problem, solution);
+    print_boundary(out, problem, solution);
+    if (solution.al.iterations.back().newton_status == NewtonStatus::rounding_floor)
+        std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
+    if (fallbacks)
+        std::fprintf(out,
+                     "the iterative solver failed in %d Newton step%s, solved by Cholesky (history.csv tells why)\n",
+                     fallbacks, fallbacks == 1 ? "" : "s");
+    if (solution.refused_bytes > 0)
+        std::fprintf(out, "the Cholesky factor takes %.3g GB, more than this machine's memory\n",
+                     solution.refused_bytes / 1e9);
+    const bool shows = solution.obstacle.kind != ObstacleKind::none && deck.vtk != VtkOutput::none;
+    std::fprintf(out, "%s: scaled Jacobian >= %.4g everywhere; results in %s%s\n", judgement(problem, solution).c_str(),
+                 solution.certificate.min_scaled_jacobian, deck.output.c_str(),
+                 shows ? ", the elements around the obstacle in stop.vtk" : "");
+}
+
+}  // namespace almesh

@@ -1,0 +1,33 @@
+// How a run ended, for its user: whether it converged and what is certified, and of any other ending what held it up
+// (check/obstacle.hpp), at which boundary, node and element, and what to try against that. Places and lengths are in
+// the unit of the mesh file, ids those of final.msh.
+#pragma once
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "check/obstacle.hpp"
+
+namespace almesh {
+
+struct Deck;
+struct Problem;
+struct Solution;
+
+// Of a solution with its certificates; kind none where it converged and is certified, and where there is no such place.
+// By the status:
+//   infeasible, stalled                           pinned, else off_target
+//   line_search_failed                            pinned, else distorted
+//   max_iterations, ended_as_printed, interrupted pinned, else off_target, or unbalanced where the boundary is in place
+//   max_newton_iterations                         pinned, else unbalanced
+//   rounding_floor, linear_solver_failed          unbalanced
+//   converged, but not certified                  invalid, else overlap
+Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution& solution);
+
+// What to try, the most promising first; empty where the run converged and is certified.
+std::vector<std::string> remedies(const Deck& deck, const Problem& problem, const Solution& solution);
+
+// The last lines of a run's report. fallbacks: Newton steps in which Cholesky took over.
+void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks);
+
+}  // namespace almesh

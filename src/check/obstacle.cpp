@@ -1,0 +1,252 @@
+// Every kind is a largest value over nodes or elements, the first one of several.
+#include "check/obstacle.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/index.hpp"
+#include "base/small_matrix.hpp"
+#include "mesh/lagrange.hpp"
+
+namespace almesh {
+namespace {
+
+double squared_distance(const double* a, const double* b, int dim) {
+    double squared = 0;
+    for (int k = 0; k < dim; ++k) squared += (a[k] - b[k]) * (a[k] - b[k]);
+    return squared;
+}
+
+double distance(const double* a, const double* b, int dim) { return std::sqrt(squared_distance(a, b, dim)); }
+
+std::array<double, 3> place_of(const std::vector<double>& x, int i, int dim) {
+    std::array<double, 3> place{};
+    std::copy_n(point(x, i, dim), dim, place.begin());
+    return place;
+}
+
+// Of the boundary node that is nearest to the place of the obstacle.
+int nearest_boundary(const LastMesh& last, const std::vector<int>& boundary, const std::array<double, 3>& place) {
+    double least = std::numeric_limits<double>::infinity();
+    int nearest = -1;
+    for (const int i : last.mesh.faces) {
+        const double d = squared_distance(point(last.x, i, last.mesh.dim), place.data(), last.mesh.dim);
+        if (d >= least) continue;
+        least = d;
+        nearest = boundary[i];
+    }
+    return nearest;
+}
+
+Obstacle at_node(const LastMesh& last, ObstacleKind kind, int node) {
+    const std::vector<int> boundary = boundary_of_nodes(last.mesh, last.target);
+    Obstacle obstacle;
+    obstacle.kind = kind;
+    obstacle.node = node;
+    obstacle.place = place_of(last.x, node, last.mesh.dim);
+    obstacle.on_boundary = boundary[node] >= 0;
+    obstacle.boundary = obstacle.on_boundary ? boundary[node] : nearest_boundary(last, boundary, obstacle.place);
+    const int m = last.mesh.element_nodes();
+    for (int e = 0; e < last.mesh.element_count(); ++e) {
+        const int* const of_element = last.mesh.element(e);
+        if (std::find(of_element, of_element + m, node) == of_element + m) continue;
+        if (obstacle.element < 0 || last.distortion[e] > last.distortion[obstacle.element]) obstacle.element = e;
+    }
+    return obstacle;
+}
+
+Obstacle at_element(const LastMesh& last, ObstacleKind kind, int element) {
+    const std::vector<int> boundary = boundary_of_nodes(last.mesh, last.target);
+    const int* const vertex = last.mesh.element(element);
+    const auto on_boundary = [&](int i) { return boundary[i] >= 0; };
+    Obstacle obstacle;
+    obstacle.kind = kind;
+    obstacle.element = element;
+    obstacle.place = centroid(last.mesh, last.x, vertex, last.mesh.dim + 1);
+    obstacle.on_boundary = std::any_of(vertex, vertex + last.mesh.dim + 1, on_boundary);
+    obstacle.boundary = nearest_boundary(last, boundary, obstacle.place);
+    return obstacle;
+}
+
+// Per node of the mesh: whether a face prescribes its place.
+std::vector<char> prescribed_nodes(const LastMesh& last) {
+    std::vector<char> prescribed(last.mesh.nodes(), 0);
+    for (int f = 0; f < last.mesh.face_count(); ++f)
+        if (last.target.hold_of_face(last.mesh, f) == BoundaryHold::prescribed)
+            for (int i = 0; i < last.mesh.face_nodes(); ++i) prescribed[last.mesh.face(f)[i]] = 1;
+    return prescribed;
+}
+
+// What det J depends on at a vertex of an element of any degree: the nodes of the edges there, and their grad N_i.
+struct Corner {
+    std::vector<int> nodes;        // of the element
+    std::vector<double> gradient;  // nodes x dim
+};
+
+std::vector<Corner> corners_of_cell(int dim, int degree) {
+    constexpr double rounding = 1e-10;
+    const LagrangeBasis basis(dim, degree);
+    std::vector<double> all(offset(basis.count, dim));
+    std::vector<Corner> corners;
+    for (int v = 0; v <= dim; ++v) {
+        double xi[3] = {};
+        if (v > 0) xi[v - 1] = 1;
+        basis.gradients(xi, all.data());
+        Corner corner;
+        for (int i = 0; i < basis.count; ++i) {
+            const double* const g = &all[offset(i, dim)];
+            if (std::all_of(g, g + dim, [](double value) { return std::abs(value) < rounding; })) continue;
+            corner.nodes.push_back(i);
+            corner.gradient.insert(corner.gradient.end(), g, g + dim);
+        }
+        corners.push_back(std::move(corner));
+    }
+    return corners;
+}
+
+// det J at the corner of the element with these node positions.
+template <int n>
+double determinant_at(const Corner& corner, const int* node, const std::vector<double>& x) {
+    Mat<n> J{};
+    for (std::size_t k = 0; k < corner.nodes.size(); ++k)
+        for (int a = 0; a < n; ++a)
+            for (int b = 0; b < n; ++b) J[a][b] += point(x, node[corner.nodes[k]], n)[a] * corner.gradient[k * n + b];
+    return determinant(J);
+}
+
+// The least det J over that of the ideal mesh, of the corners of an element all of whose nodes are prescribed.
+template <int n>
+double least_at_corners(const LastMesh& last, const std::vector<Corner>& corners, const std::vector<char>& prescribed,
+                        const std::vector<double>& targets, const int* node) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Corner& corner : corners)
+        if (std::all_of(corner.nodes.begin(), corner.nodes.end(), [&](int i) { return prescribed[node[i]]; }))
+            least = std::min(
+                least, determinant_at<n>(corner, node, targets) / determinant(straight_jacobian<n>(node, last.ideal)));
+    return least;
+}
+
+}  // namespace
+
+std::vector<int> boundary_of_nodes(const Mesh& mesh, const BoundaryTarget& target) {
+    std::vector<int> boundary(mesh.nodes(), -1);
+    std::vector<char> prescribed(mesh.nodes(), 0);
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const bool prescribes = target.hold_of_face(mesh, f) == BoundaryHold::prescribed;
+        for (int k = 0; k < mesh.face_nodes(); ++k) {
+            const int i = mesh.face(f)[k];
+            if (boundary[i] >= 0 && (prescribed[i] || !prescribes)) continue;
+            boundary[i] = mesh.face_boundary[f];
+            prescribed[i] = prescribes;
+        }
+    }
+    return boundary;
+}
+
+std::optional<Obstacle> pinned_element(const LastMesh& last) {
+    constexpr double rounding = 1e-12;
+    const int dim = last.mesh.dim;
+    const std::vector<double> at_nodes = last.constraint.targets(last.x);
+    if (at_nodes.empty()) return std::nullopt;
+    std::vector<double> targets = last.x;
+    for (std::size_t t = 0; t < last.constraint.nodes().size(); ++t)
+        std::copy_n(&at_nodes[t * dim], dim, point(targets, last.constraint.nodes()[t], dim));
+    const std::vector<char> prescribed = prescribed_nodes(last);
+    const std::vector<Corner> corners = corners_of_cell(dim, last.mesh.degree);
+    double least = rounding;
+    int found = -1;
+    with_dimension(dim, [&](auto n) {
+        for (int e = 0; e < last.mesh.element_count(); ++e) {
+            const double ratio = least_at_corners<n>(last, corners, prescribed, targets, last.mesh.element(e));
+            if (ratio >= least) continue;
+            least = ratio;
+            found = e;
+        }
+    });
+    if (found < 0) return std::nullopt;
+    return at_element(last, ObstacleKind::pinned, found);
+}
+
+Obstacle farthest_off_target(const LastMesh& last) {
+    constexpr double rounding = 1e-6;
+    const int dim = last.mesh.dim;
+    const std::vector<double> errors = last.constraint.relative_errors(last.x);
+    const auto largest = std::max_element(errors.begin(), errors.end());
+    if (largest == errors.end() || !(*largest > 0)) return {};
+    const int t = static_cast<int>(largest - errors.begin()), node = last.constraint.nodes()[t];
+    Obstacle obstacle = at_node(last, ObstacleKind::off_target, node);
+    obstacle.heights = *largest;
+    obstacle.target = place_of(last.constraint.targets(last.x), t, dim);
+    obstacle.distance = distance(obstacle.place.data(), obstacle.target.data(), dim);
+    const double whole = distance(point(last.ideal, node, dim), obstacle.target.data(), dim);
+    const bool stays = whole <= rounding * obstacle.distance;
+    if (prescribed_nodes(last)[node] && !stays) obstacle.way = 1 - obstacle.distance / whole;
+    return obstacle;
+}
+
+Obstacle least_balanced(const LastMesh& last, const std::vector<double>& gradient) {
+    const int dim = last.mesh.dim;
+    double largest = 0, sum = 0;
+    int found = -1;
+    for (int i = 0; i < static_cast<int>(gradient.size()) / dim; ++i) {
+        double squared = 0;
+        for (int a = 0; a < dim; ++a) squared += std::pow(point(gradient, i, dim)[a], 2);
+        sum += squared;
+        if (!(squared > largest)) continue;
+        largest = squared;
+        found = i;
+    }
+    if (found < 0) return {};
+    Obstacle obstacle = at_node(last, ObstacleKind::unbalanced, found);
+    obstacle.share = std::sqrt(largest / sum);
+    return obstacle;
+}
+
+Obstacle most_distorted(const LastMesh& last) {
+    const auto largest = std::max_element(last.distortion.begin(), last.distortion.end());
+    return at_element(last, ObstacleKind::distorted, static_cast<int>(largest - last.distortion.begin()));
+}
+
+Obstacle least_valid(const LastMesh& last, const std::vector<double>& scaled_jacobian) {
+    const auto least = std::min_element(scaled_jacobian.begin(), scaled_jacobian.end());
+    return at_element(last, ObstacleKind::invalid, static_cast<int>(least - scaled_jacobian.begin()));
+}
+
+Obstacle overlapping(const LastMesh& last, const Injectivity& found) {
+    if (found.node >= 0) return at_node(last, ObstacleKind::overlap, found.node);
+    if (found.face < 0) return {};
+    Obstacle obstacle = at_element(last, ObstacleKind::overlap, last.mesh.face_element[found.face]);
+    obstacle.boundary = last.mesh.face_boundary[found.face];
+    return obstacle;
+}
+
+SubMesh neighbourhood(const Mesh& mesh, const Obstacle& obstacle, int rings, int most) {
+    std::vector<char> reached(mesh.nodes(), 0);
+    if (obstacle.node >= 0)
+        reached[obstacle.node] = 1;
+    else
+        for (int i = 0; i < mesh.element_nodes(); ++i) reached[mesh.element(obstacle.element)[i]] = 1;
+    SubMesh found;
+    for (int ring = 0; ring < rings; ++ring) {
+        SubMesh next = elements_around(mesh.elements, mesh.element_count(), mesh.element_nodes(), reached);
+        if (ring > 0 && static_cast<int>(next.place.size()) > most) break;
+        for (const int i : next.node) reached[i] = 1;
+        found = std::move(next);
+    }
+    return found;
+}
+
+const char* to_string(ObstacleKind kind) {
+    switch (kind) {
+        case ObstacleKind::none: return "none";
+        case ObstacleKind::pinned: return "pinned";
+        case ObstacleKind::off_target: return "off_target";
+        case ObstacleKind::unbalanced: return "unbalanced";
+        case ObstacleKind::distorted: return "distorted";
+        case ObstacleKind::invalid: return "invalid";
+        case ObstacleKind::overlap: return "overlap";
+    }
+    return "";
+}
+
+}  // namespace almesh

@@ -1,0 +1,368 @@
+#include "app/ending.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "app/problem.hpp"
+#include "app/results.hpp"
+#include "base/interrupt.hpp"
+#include "support/ring_deck.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+constexpr const char* whats[] = {"", "_boundary", "_node", "_element", "_x", "_y", "_z"};
+
+int index_of(const std::vector<long long>& ids, const std::string& id) {
+    const auto found = std::find(ids.begin(), ids.end(), parse_int(id).value());
+    REQUIRE(found != ids.end());
+    return static_cast<int>(found - ids.begin());
+}
+
+// The numbers of an array of a VTK file.
+std::vector<double> numbers_of(const std::string& vtk, const std::string& heading) {
+    const auto at = vtk.find(heading);
+    REQUIRE(at != std::string::npos);
+    std::vector<double> values;
+    const char* from = vtk.c_str() + at + heading.size();
+    for (char* end = nullptr;; from = end) {
+        const double value = std::strtod(from, &end);
+        if (end == from) return values;
+        values.push_back(value);
+    }
+}
+
+// Of a mesh that may be folded.
+Mesh final_mesh(const std::string& folder) {
+    std::vector<std::string> notes;
+    return build_mesh(read_mesh(folder + "/final.msh"), notes, Folds::keep);
+}
+
+std::vector<double> scalars(const std::string& vtk, const std::string& name) {
+    return numbers_of(vtk, "SCALARS " + name + " double 1\nLOOKUP_TABLE default\n");
+}
+
+// What a run in `folder` says of its obstacle: the same place in the summary, in final.msh, in stop.vtk and on the
+// terminal.
+struct Stop {
+    std::map<std::string, std::string> summary;
+    Mesh mesh;
+    std::string vtk, out;
+    int node = -1, element = -1;
+
+    Stop(const std::string& folder, const Outcome& outcome)
+        : summary(summary_of(folder)), mesh(final_mesh(folder)), vtk(text_of(folder + "/stop.vtk")), out(outcome.out) {
+        element = index_of(mesh.file.element_id, summary.at("obstacle_element"));
+        if (summary.at("obstacle_node") != "none") node = index_of(mesh.file.node_id, summary.at("obstacle_node"));
+        const std::array<double, 3> place =
+            node >= 0 ? centroid(mesh, mesh.x, &node, 1) : centroid(mesh, mesh.x, mesh.element(element), mesh.dim + 1);
+        for (int a = 0; a < 3; ++a)
+            CHECK(number(summary, whats[4 + a]) == doctest::Approx(place[a]).epsilon(1e-4).scale(1e-3 * size()));
+        const int* const of_element = mesh.element(element);
+        if (node >= 0) CHECK(std::count(of_element, of_element + mesh.element_nodes(), node) == 1);
+        check_vtk();
+        CHECK(has(
+            out,
+            (node >= 0 ? "node " + summary.at("obstacle_node") : "element " + summary.at("obstacle_element")) + " "));
+        CHECK(has(out, "boundary " + boundary()));
+        CHECK(has(out, "\ntry "));
+        CHECK(has(out, "the elements around the obstacle in stop.vtk"));
+    }
+
+    static double number(const std::map<std::string, std::string>& of, const std::string& what) {
+        return test::number(of, "obstacle" + what);
+    }
+    std::string kind() const { return summary.at("obstacle"); }
+    std::string boundary() const { return summary.at("obstacle_boundary"); }
+    double size() const { return std::abs(*std::max_element(mesh.x.begin(), mesh.x.end())); }
+
+    bool is_on(const std::string& name, int i) const {
+        for (int f = 0; f < mesh.face_count(); ++f)
+            if (mesh.boundaries[mesh.face_boundary[f]] == name &&
+                std::count(mesh.face(f), mesh.face(f) + mesh.face_nodes(), i))
+                return true;
+        return false;
+    }
+
+    void check_vtk() const {
+        const std::vector<double> of_node = scalars(vtk, "node_id"), of_element = scalars(vtk, "element_id");
+        CHECK(of_element.size() >= 3);
+        CHECK(of_element.size() <= static_cast<std::size_t>(mesh.element_count()));
+        const auto marks =
+            numbers_of(vtk.substr(vtk.find("CELL_DATA")), "SCALARS obstacle double 1\nLOOKUP_TABLE default\n");
+        REQUIRE(marks.size() == of_element.size());
+        for (std::size_t k = 0; k < marks.size(); ++k)
+            CHECK((marks[k] == 1) == (static_cast<long long>(of_element[k]) == mesh.file.element_id[element]));
+        const auto points = numbers_of(vtk, concat("POINTS ", of_node.size(), " double\n"));
+        REQUIRE(points.size() == 3 * of_node.size());
+        for (std::size_t k = 0; k < of_node.size(); ++k) {
+            const int i = index_of(mesh.file.node_id, std::to_string(static_cast<long long>(of_node[k])));
+            for (int a = 0; a < mesh.dim; ++a) CHECK(points[3 * k + a] == point(mesh.x, i, mesh.dim)[a]);
+        }
+    }
+};
+
+// The square's corner (1, 0), where one triangle has both edges on the boundary, moved by 0.3 towards (0, 1): it is
+// then wider than 180 degrees, which no element can be. size, origin: of the square.
+struct DentedSquare {
+    TemporaryFolder folder;
+    std::string deck, output = folder.path("out");
+    double size, origin;
+
+    DentedSquare(const std::string& msh, double size_, double origin_) : size(size_), origin(origin_) {
+        folder.write("square.msh", msh);
+        const std::string X = concat("((x - ", origin, ")/", size, ")"), Y = concat("((y - ", origin, ")/", size, ")"),
+                          by = concat(0.3 * size, "*", X, "^2*(1-", Y, ")^2\"");
+        deck = folder.write("square.deck", "mesh = square.msh\nthreads = 1\noutput = " + output +
+                                               "\nboundary rest = expression \"x - " + by + " \"y + " + by + "\n");
+    }
+    Outcome run(const std::vector<std::string>& settings = {}) const {
+        std::vector<std::string> arguments = {deck};
+        for (const std::string& setting : settings) arguments.push_back(setting);
+        return almesh_with(arguments);
+    }
+};
+
+Mesh square_at(double size, double origin) {
+    Mesh mesh = square_mesh(4);
+    for (double& v : mesh.x) v = origin + size * v;
+    for (int i = 0; i < mesh.nodes(); ++i) mesh.file.node_id[i] = 500 - 3 * i;
+    for (int e = 0; e < mesh.element_count(); ++e) mesh.file.element_id[e] = 1000 + 7 * e;
+    return mesh;
+}
+
+std::string without_faces(const Mesh& mesh) {
+    std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + std::to_string(mesh.nodes()) + "\n";
+    for (int i = 0; i < mesh.nodes(); ++i)
+        text += concat(mesh.file.node_id[i], " ", mesh.x[2 * i], " ", mesh.x[2 * i + 1], " 0\n");
+    text += concat("$EndNodes\n$Elements\n", mesh.element_count(), "\n");
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        text += concat(mesh.file.element_id[e], " 2 2 1 1");
+        for (int k = 0; k < 3; ++k) text += concat(" ", mesh.file.node_id[mesh.element(e)[k]]);
+        text += "\n";
+    }
+    return text + "$EndElements\n";
+}
+
+}  // namespace
+
+TEST_CASE("an impossible corner is named whatever the unit, the origin, the degree, the schedule and the refinement") {
+    for (const auto& [size, origin] : {std::pair(1.0, 0.0), std::pair(1e-3, 5.0), std::pair(1e4, -3e4)})
+        for (const char* const setting : {"degree=1", "degree=2", "algorithm=paper", "refine=1", "vtk=binary"}) {
+            CAPTURE(setting);
+            const DentedSquare square(msh_of(square_at(size, origin)), size, origin);
+            const Outcome outcome = square.run({setting, "target=nodal"});
+            CHECK(outcome.code == 3);
+            if (std::string(setting) == "vtk=binary") {
+                CHECK(has(text_of(square.output + "/stop.vtk"), "\nBINARY\n"));
+                continue;
+            }
+            const Stop stop(square.output, outcome);
+            CHECK(stop.kind() == "pinned");
+            CHECK((stop.boundary() == "bottom" || stop.boundary() == "right"));
+            CHECK(has(outcome.out, "bottom and right, whose targets fold it there"));
+            CHECK(has(outcome.out, "refine leaves such an element there"));
+            const Mesh before = mesh_of(square.folder.path("square.msh"));  // its vertices keep their ids
+            bool has_corner = false;
+            for (int k = 0; k < 3; ++k) {
+                const long long id = stop.mesh.file.node_id[stop.mesh.element(stop.element)[k]];
+                has_corner = has_corner || id == before.file.node_id[4];
+            }
+            REQUIRE(before.x[2 * 4] == doctest::Approx(origin + size));
+            CHECK(has_corner);
+            if (std::string(setting) != "refine=1") CHECK((stop.mesh.file.element_id[stop.element] - 1000) % 7 == 0);
+        }
+}
+
+TEST_CASE("a mesh without boundary elements: the part of its boundary is named") {
+    const DentedSquare square(without_faces(square_at(1, 0)), 1, 0);
+    const Stop stop(square.output, square.run());
+    CHECK(stop.kind() == "pinned");
+    CHECK(stop.boundary() == mesh_of(square.folder.path("square.msh")).boundaries[0]);
+}
+
+TEST_CASE("a corner of a cube that is pushed through its element") {
+    const TemporaryFolder folder;
+    folder.write("cube.msh", msh_of(cube_mesh(2)));
+    const std::string by = "*exp(-400*((x-1)^2+y^2+z^2))\"";
+    const std::string deck = folder.write(
+        "cube.deck", "mesh = cube.msh\nthreads = 1\ntarget = nodal\noutput = " + folder.path("out") +
+                         "\nboundary all = expression \"x - 0.4" + by + " \"y + 0.35" + by + " \"z + 0.3" + by + "\n");
+    const Outcome outcome = almesh_with({deck});
+    CHECK(outcome.code == 3);
+    const Stop stop(folder.path("out"), outcome);
+    CHECK(stop.kind() == "pinned");
+    CHECK(has(outcome.out, "bottom and sides"));
+    const Mesh before = mesh_of(folder.path("cube.msh"));
+    const int* const node = stop.mesh.element(stop.element);
+    CHECK(std::any_of(node, node + 4, [&](int i) {
+        const double* const x = point(before.x, i, 3);
+        return x[0] == 1 && x[1] == 0 && x[2] == 0;
+    }));
+}
+
+// With a soft penalty and one iteration all nodes are on their way. Their targets are known, and all cells at the inner
+// circle have one height, all at the outer one another.
+TEST_CASE("the boundary node farthest off is named, and how far it has come") {
+    for (const char* const setting : {"degree=1", "degree=2", "refine=1"}) {
+        const RingDeck ring(ring_mesh(12, 3, 6),
+                            "algorithm = paper\nmu0 = 0.01\nmax_al_iterations = 1\nthreads = 1\n"
+                            "target = nodal\n");
+        const Outcome outcome = ring.run({setting});
+        CHECK(outcome.code == 3);
+        const Stop stop(ring.output, outcome);
+        CHECK(stop.summary.at("status") == "max_al_iterations");
+        CHECK(stop.kind() == "off_target");
+        CHECK(stop.boundary() == "inner");
+        CHECK(stop.is_on("inner", stop.node));
+        // Vertices are where the file has them, other nodes of the inner circle on its edges.
+        const Mesh before = mesh_of(ring.folder.path("ring.msh"));
+        const auto off = [&](int i) {
+            const auto known =
+                std::find(before.file.node_id.begin(), before.file.node_id.end(), stop.mesh.file.node_id[i]);
+            if (known == before.file.node_id.end()) return -1.0;
+            const double* const from = point(before.x, static_cast<int>(known - before.file.node_id.begin()), 2);
+            return std::hypot(point(stop.mesh.x, i, 2)[0] - from[0] - 2, point(stop.mesh.x, i, 2)[1] - from[1]);
+        };
+        if (off(stop.node) < 0) continue;
+        for (int i = 0; i < stop.mesh.nodes(); ++i)
+            if (stop.is_on("inner", i)) CHECK(off(i) <= (1 + 1e-9) * off(stop.node));
+        char way[32];
+        std::snprintf(way, sizeof way, "after %.4g %% of its way", 100 * (1 - off(stop.node) / 2));
+        CHECK(has(outcome.out, way));
+        // The arrow at that node ends at its target.
+        const auto ids = scalars(stop.vtk, "node_id"), arrows = numbers_of(stop.vtk, "VECTORS to_target double\n");
+        const auto k = std::find(ids.begin(), ids.end(), stop.mesh.file.node_id[stop.node]) - ids.begin();
+        CHECK(std::hypot(arrows[3 * k], arrows[3 * k + 1]) == doctest::Approx(off(stop.node)).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("a target out of reach of two layers: infeasible or stalled, at a boundary node, and what to try") {
+    for (const char* const algorithm : {"algorithm=adaptive", "algorithm=paper"}) {
+        const RingDeck ring(ring_mesh(16, 2, 3));
+        const Outcome outcome = ring.run({"boundary inner=rotate 175", algorithm});
+        CHECK(outcome.code == 3);
+        const Stop stop(ring.output, outcome);
+        CHECK(stop.kind() == "off_target");
+        CHECK(stop.is_on(stop.boundary(), stop.node));
+        CHECK(has(outcome.out, "a part of the motion"));
+    }
+}
+
+TEST_CASE("too few Newton steps: the node with most of the gradient, and twice as many to try") {
+    const RingDeck ring;
+    const Outcome outcome = ring.run({"max_newton_iterations=1", "follow=never"});
+    const Stop stop(ring.output, outcome);
+    CHECK(stop.summary.at("status") == "max_newton_iterations");
+    CHECK(stop.kind() == "unbalanced");
+    CHECK(has(outcome.out, " % of |grad E|"));
+    CHECK(has(outcome.out, "try max_newton_iterations = 2; "));
+    CHECK(has(outcome.out, "follow = always"));
+}
+
+TEST_CASE("a rounding floor, a loop that ends as printed, an overflow and an interrupt say what to change") {
+    const RingDeck ring;
+    Outcome outcome = ring.run({"algorithm=paper", "mu0=1e14", "omega0=1e-12"});
+    CHECK(Stop(ring.output, outcome).summary.at("status") == "rounding_floor");
+    CHECK(Stop(ring.output, outcome).kind() == "unbalanced");
+    CHECK(has(outcome.out, "try a smaller mu0, such as 1e+11"));
+
+    outcome = ring.run({"algorithm=literal", "mu0=1", "omega0=1e-8"});
+    CHECK(Stop(ring.output, outcome).summary.at("status") == "ended_as_printed");
+    CHECK(Stop(ring.output, outcome).kind() == "off_target");
+    CHECK(has(outcome.out, "try algorithm = paper"));
+
+    outcome = ring.run({"algorithm=paper", "mu0=1e307"});
+    CHECK(summary_of(ring.output).at("status") == "linear_solver_failed");
+    CHECK(has(outcome.out, "a smaller mu0, such as 1e+304"));
+
+    interrupt_flag = 1;
+    outcome = ring.run();
+    clear_interrupt();
+    CHECK(Stop(ring.output, outcome).summary.at("status") == "interrupted");
+    CHECK(Stop(ring.output, outcome).boundary() == "inner");
+    CHECK(has(outcome.out, "after 0 % of its way"));
+}
+
+TEST_CASE("converged but not certified: the worst element, beside its boundary") {
+    const RingDeck ring(ring_mesh(16, 1, 3));
+    const Outcome outcome = ring.run({"delta=1", "boundary inner=rotate 120"});
+    CHECK(outcome.code == 4);
+    const Stop stop(ring.output, outcome);
+    CHECK(stop.kind() == "invalid");
+    CHECK(has(outcome.out, "try delta = 0"));
+    const auto least = scalars(stop.vtk, "min_scaled_jacobian");
+    CHECK(*std::min_element(least.begin(), least.end()) ==
+          doctest::Approx(test::number(stop.summary, "min_scaled_jacobian")));
+}
+
+// These endings are made: no small deck comes to them otherwise.
+TEST_CASE("a line search that fails is told at the most distorted element, an overlap at its node or face") {
+    const RingDeck ring;
+    const Deck deck = read_deck(ring.deck, {"weight_exponent=1"});
+    Problem problem = make_problem(deck);
+    set_functional(deck, problem, problem.target, problem.level_placed, *problem.level);
+    const Mesh& mesh = problem.mesh();
+    Solution solution;
+    solution.x = problem.ideal();
+    solution.al.iterations.resize(2);
+    solution.al.lambda.assign(problem.level->constraint->multipliers(), 0.0);
+    solution.al.distortion.element_max.assign(mesh.element_count(), 1.0);
+    solution.al.distortion.element_max[40] = 12.5;
+    solution.certificate = certify(mesh, solution.x);
+    const auto print = [&] {
+        solution.obstacle = find_obstacle(deck, problem, solution);
+        std::FILE* const out = std::tmpfile();
+        print_ending(out, deck, problem, solution, 0);
+        return take_contents(out);
+    };
+
+    solution.al.status = AlStatus::line_search_failed;
+    solution.followed = 0.375;
+    std::string text = print();
+    CHECK(solution.obstacle.kind == ObstacleKind::distorted);
+    CHECK(solution.obstacle.element == 40);
+    CHECK(has(text, concat("element ", mesh.file.element_id[40])));
+    CHECK(has(text, " is the most distorted: eta 12.5, scaled Jacobian >= 1\n"));
+    CHECK(has(text, "try weight_exponent = 0.5 or 0; a part of the motion, of which 0.375 was reached\n"));
+
+    solution.al.status = AlStatus::converged;
+    solution.injectivity.node = 5;
+    solution.injectivity.obstacle = "the elements around node 6 overlap";
+    solution.injectivity.place = centroid(mesh, solution.x, &solution.injectivity.node, 1);
+    text = print();
+    CHECK(solution.obstacle.kind == ObstacleKind::overlap);
+    CHECK(solution.obstacle.node == 5);
+    CHECK(has(text, "the elements around node 6 overlap at " + place_text(point(solution.x, 5, 2), 2, problem.length) +
+                        ": node 6 of boundary inner\n"));
+    CHECK(has(text, "all elements valid, but NOT certified injective: scaled Jacobian"));
+
+    solution.injectivity = {.certified = false, .obstacle = "the boundary of the initial mesh crosses itself"};
+    text = print();
+    CHECK(solution.obstacle.kind == ObstacleKind::none);
+    CHECK(has(text, "NOT certified injective: the boundary of the initial mesh crosses itself:"));
+    CHECK(has(text, "try another mesh file"));
+}
+
+TEST_CASE("stop.vtk goes when the run converges, and is not written with vtk = none") {
+    const RingDeck ring;
+    const std::string file = ring.output + "/stop.vtk";
+    REQUIRE(ring.run({"max_al_iterations=1"}).code == 3);
+    CHECK(std::filesystem::exists(file));
+    const Outcome silent = ring.run({"max_al_iterations=1", "vtk=none"});
+    CHECK(silent.code == 3);
+    CHECK(!std::filesystem::exists(file));
+    CHECK(!has(silent.out, "stop.vtk"));
+    CHECK(summary_of(ring.output).at("obstacle") == "off_target");
+    REQUIRE(ring.run({"max_al_iterations=1"}).code == 3);
+    const Outcome good = ring.run();
+    CHECK(good.code == 0);
+    CHECK(!std::filesystem::exists(file));
+    CHECK(!has(good.out, "\ntry "));
+    for (const std::string what : whats) CHECK(summary_of(ring.output).at("obstacle" + what) == "none");
+}

@@ -1,0 +1,245 @@
+#include "check/obstacle.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "support/meshes.hpp"
+#include "support/minimisation.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+// A mesh whose boundaries move, and positions on their way.
+struct Case {
+    Minimisation problem;
+    BoundaryTarget target;
+    std::vector<double> x, distortion;
+
+    explicit Case(const Mesh& any, const std::map<std::string, std::string>& motions = {})
+        : problem(any, motions, Objective::squared),
+          target(target_of(any, motions)),
+          x(problem.ideal),
+          distortion(any.element_count(), 1.0) {}
+
+    LastMesh last() const { return {problem.mesh, problem.ideal, x, problem.constraint, target, distortion}; }
+    const Mesh& mesh() const { return problem.mesh; }
+    std::string boundary(const Obstacle& obstacle) const { return mesh().boundaries.at(obstacle.boundary); }
+};
+
+int node_at(const Mesh& mesh, const std::vector<double>& place) {
+    for (int i = 0; i < mesh.nodes(); ++i) {
+        double distance = 0;
+        for (int a = 0; a < mesh.dim; ++a) distance += std::abs(point(mesh.x, i, mesh.dim)[a] - place[a]);
+        if (distance < 1e-9) return i;
+    }
+    return -1;
+}
+
+bool has_node(const Mesh& mesh, int element, int node) {
+    const int* const first = mesh.element(element);
+    return std::find(first, first + mesh.element_nodes(), node) != first + mesh.element_nodes();
+}
+
+// The square's corner (1, 0), where one triangle has both edges on the boundary, moved by a towards (0, 1): beyond
+// a = 0.25 the corner is wider than 180 degrees.
+std::map<std::string, std::string> dented(double a) {
+    const std::string by = to_text(a) + "*x^2*(1-y)^2\"", moved = "expression \"x - " + by + " \"y + " + by;
+    return {{"left", moved}, {"right", moved}, {"bottom", moved}, {"top", moved}};
+}
+
+}  // namespace
+
+TEST_CASE("an element at whose corner the boundary folds it is pinned, in every degree") {
+    for (const int degree : {1, 2, 3}) {
+        const Case dent(raise_degree(square_mesh(4), degree), dented(0.3));
+        const auto found = pinned_element(dent.last());
+        REQUIRE(found);
+        CHECK(found->kind == ObstacleKind::pinned);
+        CHECK(found->node == -1);
+        CHECK(has_node(dent.mesh(), found->element, node_at(dent.mesh(), {1, 0})));
+        CHECK(found->on_boundary);
+        CHECK((dent.boundary(*found) == "bottom" || dent.boundary(*found) == "right"));
+        CHECK(found->place[0] == doctest::Approx(1 - 0.25 / 3));
+        CHECK(found->place[1] == doctest::Approx(0.25 / 3));
+        CHECK(!pinned_element(Case(raise_degree(square_mesh(4), degree), dented(degree == 1 ? 0.1 : 0.2)).last()));
+    }
+}
+
+// Two triangles share the other corners.
+TEST_CASE("a corner that an edge divides is not pinned") {
+    const std::string by = "0.3*x^2*y^2\"", moved = "expression \"x - " + by + " \"y - " + by;
+    const Case dent(square_mesh(4), {{"left", moved}, {"right", moved}, {"bottom", moved}, {"top", moved}});
+    CHECK(!pinned_element(dent.last()));
+}
+
+TEST_CASE("a layer of one element is pinned where the target winds it too far; sliding and finer layers are not") {
+    CHECK(pinned_element(Case(ring_mesh(16, 1, 3), {{"inner", "rotate 170"}}).last()));
+    CHECK(!pinned_element(Case(ring_mesh(16, 1, 3), {{"inner", "rotate 5"}}).last()));
+    CHECK(!pinned_element(Case(ring_mesh(16, 2, 3), {{"inner", "rotate 170"}}).last()));
+    CHECK(!pinned_element(Case(raise_degree(ring_mesh(16, 1, 3), 2), {{"inner", "rotate 170"}}).last()));
+    Case slides(ring_mesh(16, 1, 3), {{"inner", "rotate 170"}});
+    slides.target.hold[slides.mesh().boundary_index("inner")] = BoundaryHold::slides;
+    CHECK(!pinned_element(slides.last()));
+}
+
+TEST_CASE("a tetrahedron in a corner of a cube that is pushed through its opposite face is pinned") {
+    const std::string by = "*exp(-400*((x-1)^2+y^2+z^2))\"",
+                      moved = "expression \"x - 0.7" + by + " \"y + 0.6" + by + " \"z + 0.5" + by;
+    Minimisation problem(cube_mesh(2), {{"bottom", moved}, {"top", moved}, {"sides", moved}}, Objective::squared,
+                         TargetKind::nodal);
+    const BoundaryTarget target = target_of(problem.mesh, {{"bottom", moved}, {"top", moved}, {"sides", moved}});
+    const std::vector<double> distortion(problem.mesh.element_count(), 1.0);
+    const auto found =
+        pinned_element({problem.mesh, problem.ideal, problem.ideal, problem.constraint, target, distortion});
+    REQUIRE(found);
+    CHECK(has_node(problem.mesh, found->element, node_at(problem.mesh, {1, 0, 0})));
+}
+
+TEST_CASE("the node farthest from its target, in heights of its cells, with its boundary and its way") {
+    for (const int degree : {1, 2})
+        for (const bool in_space : {false, true}) {
+            const Mesh mesh = raise_degree(in_space ? cube_mesh(2) : square_mesh(2), degree);
+            std::map<std::string, std::string> motions;
+            for (const std::string& name : mesh.boundaries)
+                motions[name] = in_space ? "translate 4 0 0" : "translate 4 0";
+            Case moved(mesh, motions);
+            const int node = node_at(mesh, {0.5, in_space ? 0.5 : 1, 1});
+            REQUIRE(node >= 0);
+            for (int i = 0; i < mesh.nodes(); ++i) point(moved.x, i, mesh.dim)[0] += i == node ? 3 : 3.75;
+            for (int e = 0; e < mesh.element_count(); ++e) moved.distortion[e] = 1 + e;
+            const Obstacle found = farthest_off_target(moved.last());
+            CHECK(found.kind == ObstacleKind::off_target);
+            CHECK(found.node == node);
+            CHECK(found.on_boundary);
+            CHECK(moved.boundary(found) == "top");
+            CHECK(found.distance == doctest::Approx(1));
+            CHECK(found.heights == doctest::Approx(2));
+            CHECK(found.way == doctest::Approx(0.75));
+            CHECK(found.place[0] == doctest::Approx(3.5));
+            CHECK(found.target[0] == doctest::Approx(4.5));
+            int last_element = -1;
+            for (int e = 0; e < mesh.element_count(); ++e)
+                if (has_node(mesh, e, node)) last_element = e;
+            CHECK(found.element == last_element);
+        }
+}
+
+TEST_CASE("no way is told of nodes that should have stayed or slide, and none is farthest where all are in place") {
+    Case ring(ring_mesh(12, 3, 6), {{"inner", "translate 1 0"}});
+    const int outer = node_at(ring.mesh(), {6, 0});
+    for (const int i : ring.mesh().faces)
+        if (std::hypot(point(ring.problem.ideal, i, 2)[0], point(ring.problem.ideal, i, 2)[1]) < 2)
+            point(ring.x, i, 2)[0] = point(ring.problem.ideal, i, 2)[0] + 1;
+    CHECK(farthest_off_target(ring.last()).kind == ObstacleKind::none);
+    point(ring.x, outer, 2)[0] -= 0.5;
+    const Obstacle found = farthest_off_target(ring.last());
+    CHECK(found.node == outer);
+    CHECK(ring.boundary(found) == "outer");
+    CHECK(std::isnan(found.way));
+    ring.x = ring.problem.ideal;
+    CHECK(farthest_off_target(ring.last()).way == doctest::Approx(0).scale(1));
+    ring.target.hold[ring.mesh().boundary_index("inner")] = BoundaryHold::slides;
+    CHECK(std::isnan(farthest_off_target(ring.last()).way));
+}
+
+TEST_CASE("the node with the largest part of the gradient, and the boundary nearest to it") {
+    const Case ring(ring_mesh(12, 3, 6));
+    const Mesh& mesh = ring.mesh();
+    std::vector<double> gradient(mesh.x.size(), 0.0);
+    CHECK(least_balanced(ring.last(), gradient).kind == ObstacleKind::none);
+    const int inside = 12 * 2, at_wall = 12 * 3;  // in the third of four circles, on the fourth
+    point(gradient, inside, 2)[1] = -4;
+    point(gradient, at_wall, 2)[0] = 3;
+    Obstacle found = least_balanced(ring.last(), gradient);
+    CHECK(found.kind == ObstacleKind::unbalanced);
+    CHECK(found.node == inside);
+    CHECK(!found.on_boundary);
+    CHECK(found.share == doctest::Approx(0.8));
+    const double r = std::hypot(point(mesh.x, inside, 2)[0], point(mesh.x, inside, 2)[1]);
+    CHECK(ring.boundary(found) == (r - 1 < 6 - r ? "inner" : "outer"));
+    point(gradient, at_wall, 2)[0] = 5;
+    found = least_balanced(ring.last(), gradient);
+    CHECK(found.node == at_wall);
+    CHECK(found.on_boundary);
+    CHECK(ring.boundary(found) == "outer");
+}
+
+TEST_CASE("the most distorted and the least valid element") {
+    Case cube(cube_mesh(2));
+    cube.distortion[5] = 7;
+    const Obstacle worst = most_distorted(cube.last());
+    CHECK(worst.kind == ObstacleKind::distorted);
+    CHECK(worst.element == 5);
+    CHECK(worst.node == -1);
+    CHECK(worst.place == centroid(cube.mesh(), cube.x, cube.mesh().element(5), 4));
+    std::vector<double> scaled_jacobian(cube.mesh().element_count(), 1.0);
+    scaled_jacobian[11] = -0.25;
+    const Obstacle folded = least_valid(cube.last(), scaled_jacobian);
+    CHECK(folded.kind == ObstacleKind::invalid);
+    CHECK(folded.element == 11);
+}
+
+TEST_CASE("an overlap is at the node or the face that the check of injectivity names") {
+    const Case ring(ring_mesh(12, 3, 6));
+    Injectivity found;
+    found.node = 30;
+    CHECK(overlapping(ring.last(), found).node == 30);
+    CHECK(overlapping(ring.last(), found).kind == ObstacleKind::overlap);
+    found.node = -1;
+    found.face = 3;
+    const Obstacle at_face = overlapping(ring.last(), found);
+    CHECK(at_face.element == ring.mesh().face_element[3]);
+    CHECK(at_face.boundary == ring.mesh().face_boundary[3]);
+    found.face = -1;
+    CHECK(overlapping(ring.last(), found).kind == ObstacleKind::none);
+}
+
+TEST_CASE("a neighbourhood grows ring by ring, as long as it is not too large") {
+    for (const int degree : {1, 2}) {
+        const Mesh mesh = raise_degree(square_mesh(12), degree);
+        Obstacle at;
+        at.node = node_at(mesh, {0.5, 0.5});
+        CHECK(neighbourhood(mesh, at, 1).place.size() == 6);
+        CHECK(neighbourhood(mesh, at, 2).place.size() == 24);
+        CHECK(neighbourhood(mesh, at).place.size() == 54);
+        CHECK(neighbourhood(mesh, at, 3, 30).place.size() == 24);
+        CHECK(neighbourhood(mesh, at, 3, 5).place.size() == 6);
+        const SubMesh around = neighbourhood(mesh, at);
+        CHECK(around.elements.size() == around.place.size() * mesh.element_nodes());
+        for (std::size_t k = 0; k < around.elements.size(); ++k)
+            CHECK(around.node[around.elements[k]] ==
+                  mesh.element(around.place[k / mesh.element_nodes()])[k % mesh.element_nodes()]);
+        at.node = -1;
+        at.element = 0;  // in the corner of the square with two triangles
+        CHECK(neighbourhood(mesh, at, 1).place.size() == 7);
+    }
+}
+
+TEST_CASE("a node of two boundaries belongs to the one that prescribes its place") {
+    const Mesh mesh = square_mesh(2);
+    BoundaryTarget target = target_of(mesh, {});
+    const int corner = node_at(mesh, {0, 0});
+    for (const char* const slides : {"left", "bottom"}) {
+        target.hold.assign(mesh.boundaries.size(), BoundaryHold::prescribed);
+        target.hold[mesh.boundary_index(slides)] = BoundaryHold::slides;
+        const std::vector<int> boundary = boundary_of_nodes(mesh, target);
+        CHECK(mesh.boundaries[boundary[corner]] == (std::string(slides) == "left" ? "bottom" : "left"));
+        CHECK(boundary[node_at(mesh, {0.5, 0.5})] == -1);
+    }
+}
+
+TEST_CASE("every kind of obstacle has a name of its own") {
+    using enum ObstacleKind;
+    CHECK(std::string(to_string(none)) == "none");
+    CHECK(std::string(to_string(pinned)) == "pinned");
+    CHECK(std::string(to_string(off_target)) == "off_target");
+    CHECK(std::string(to_string(unbalanced)) == "unbalanced");
+    CHECK(std::string(to_string(distorted)) == "distorted");
+    CHECK(std::string(to_string(invalid)) == "invalid");
+    CHECK(std::string(to_string(overlap)) == "overlap");
+}
