@@ -321,7 +321,8 @@ void Check::check_nodes() {
             const int j = nodes[l], g = first_face[j];
             if (l <= k || (bad[f] && bad[g])) return;
             if (length(becomes[k] - becomes[l]) > tolerance || length(was[k] - was[l]) <= tolerance) return;
-            add_fault(g, "the target puts its node " + id_of_node(j) + " where node " + id_of_node(i) + " is");
+            add_fault(g, "the target puts its node " + id_of_node(j) + " where node " + id_of_node(i) + " is, at " +
+                             place_text(becomes[k].data(), mesh.dim));
         });
     }
 }

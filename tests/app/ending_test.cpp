@@ -206,6 +206,16 @@ TEST_CASE("a corner of a cube that is pushed through its element") {
     }));
 }
 
+TEST_CASE("a layer of one element that the target winds too far: what is advised succeeds") {
+    const RingDeck ring(ring_mesh(16, 1, 3));
+    const Outcome outcome = ring.run({"boundary inner=rotate 120"});
+    CHECK(outcome.code == 3);
+    CHECK(Stop(ring.output, outcome).kind() == "pinned");
+    CHECK(has(outcome.out, "inner and outer, whose targets fold it there"));
+    CHECK(has(outcome.out, "try refine = 1, so that it is divided"));
+    CHECK(ring.run({"boundary inner=rotate 120", "refine=1"}).code == 0);
+}
+
 // With a soft penalty and one iteration all nodes are on their way. Their targets are known, and all cells at the inner
 // circle have one height, all at the outer one another.
 TEST_CASE("the boundary node farthest off is named, and how far it has come") {
@@ -304,7 +314,7 @@ TEST_CASE("converged but not certified: the worst element, beside its boundary")
 // These endings are made: no small deck comes to them otherwise.
 TEST_CASE("a line search that fails is told at the most distorted element, an overlap at its node or face") {
     const RingDeck ring;
-    const Deck deck = read_deck(ring.deck, {"weight_exponent=1"});
+    const Deck deck = read_deck(ring.deck, {"weight_exponent=1", "boundary inner=fixed"});
     Problem problem = make_problem(deck);
     set_functional(deck, problem, problem.target, problem.level_placed, *problem.level);
     const Mesh& mesh = problem.mesh();
@@ -330,6 +340,16 @@ TEST_CASE("a line search that fails is told at the most distorted element, an ov
     CHECK(has(text, concat("element ", mesh.file.element_id[40])));
     CHECK(has(text, " is the most distorted: eta 12.5, scaled Jacobian >= 1\n"));
     CHECK(has(text, "try weight_exponent = 0.5 or 0; a part of the motion, of which 0.375 was reached\n"));
+
+    solution.al.status = AlStatus::stalled;  // all is fixed, but one node is not in its place
+    const int outer = mesh.face(mesh.boundary_index("outer") == mesh.face_boundary[0] ? 0 : mesh.face_count() - 1)[0];
+    point(solution.x, outer, 2)[0] += 0.01;
+    text = print();
+    CHECK(solution.obstacle.kind == ObstacleKind::off_target);
+    CHECK(solution.obstacle.node == outer);
+    CHECK(!has(text, "of its way"));
+    CHECK(has(text, "try boundary outer = slide or free, if its nodes need not stay in their places; "));
+    solution.x = problem.ideal();
 
     solution.al.status = AlStatus::converged;
     solution.injectivity.node = 5;

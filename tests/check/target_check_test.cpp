@@ -116,10 +116,10 @@ TEST_CASE("folded faces are found: nodes in the wrong order, or a tangent that v
 TEST_CASE("collapsed faces and nodes that fall together are found") {
     const Mesh square = square_mesh(2);
     CHECK(mentions(check(square, with_moved(square, {0.5, 0}, {0, 0})), "collapses the face"));
-    CHECK(mentions(check(square, with_moved(square, {0.5, 0}, {0.5, 1})), "where node"));
+    CHECK(mentions(check(square, with_moved(square, {0.5, 0}, {0.5, 1})), " is, at (0.5, 1)"));
     const Mesh cube = cube_mesh(2);
     CHECK(mentions(check(cube, with_moved(cube, {0.5, 0.5, 0}, {0, 0, 0})), "collapses the face"));
-    CHECK(mentions(check(cube, with_moved(cube, {0.5, 0.5, 0}, {0.5, 0.5, 1})), "where node"));
+    CHECK(mentions(check(cube, with_moved(cube, {0.5, 0.5, 0}, {0.5, 0.5, 1})), " is, at (0.5, 0.5, 1)"));
 }
 
 TEST_CASE("mirrored, inside-out and flattened boundaries are found") {
