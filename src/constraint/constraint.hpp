@@ -41,11 +41,6 @@ public:
     // The same for each of nodes().
     virtual std::vector<double> relative_errors(const std::vector<double>& /*x*/) const { return {}; }
 
-    // Called with the current iterate before and after every subproblem: constraints that are not linear may be
-    // replaced, until the next call, by their expansion there, in C to second order. Returns whether anything has
-    // changed.
-    virtual bool expand(const std::vector<double>& /*x*/, const std::vector<double>& /*lambda*/) { return false; }
-
     virtual double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) = 0;
     virtual void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                               std::vector<double>& g) = 0;
@@ -54,6 +49,13 @@ public:
     virtual void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
                              BlockCsr& H) = 0;
     virtual void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) = 0;
+
+    // Second-order correction of steps (Nocedal & Wright, sec. 18.3): moves y = x + t d so that c(y) is c(x) + t dc d.
+    // Without it, steps along a curved surface leave it by the curvature times their square, and a large penalty keeps
+    // them short (Maratos effect).
+    virtual bool bends_steps() const { return false; }
+    virtual void bend(const std::vector<double>& /*x*/, const std::vector<double>& /*d*/, double /*t*/,
+                      std::vector<double>& /*y*/) const {}
 
     // node: numbers in the mesh of the nodes of the part. pattern: of the part's Hessian.
     virtual std::unique_ptr<ConstraintPart> part(const std::vector<double>& x, const std::vector<double>& lambda,

@@ -18,28 +18,24 @@
 // g_D is in the trace space: interpolation is the projection, and e_h is zero but for rounding.
 //
 // Sliding boundaries. A node that slides is held to the surfaces of the parts that it is on: to one, along the curve in
-// which two of them meet, or to the corner of three. During a subproblem each surface is its tangent plane at the point
-// closest to the iterate before it (sliding.hpp), so that with P_i the orthogonal projection onto the planes' normals
+// which two of them meet, or to the corner of three. With r_i(x_i) the sum of its distance vectors from them
+// (sliding_nodes.hpp) and D_i = dr_i/dx_i,
 //
-//     r_i = P_i (x_i - p_i),   gradient P M (mu r / |1|^2 - lambda / |1|),   Hessian mu P M P / |1|^2,
+//     gradient D' f,  f = M (mu r / |1|^2 - lambda / |1|),   Hessian mu D' M D / |1|^2 + f . d2r/dx2,
 //
-// and nothing holds the node in other directions; P_i = I where its place is prescribed, 0 where it is free. Planes and
-// lines are themselves; along curved surfaces, the distance that a node has moved within a subproblem leaves it off by
-// the curvature times its square, which the next one removes. The forces turn with the surface: their second-order
-// term, with S_i the curvature and n_i the normal at p_i,
-//
-//     1/2 sum_i (x_i - p_i)' B_i (x_i - p_i),   B_i = -(n_i . (M lambda)_i / |1|) S_i,
-//
-// vanishes where x is on the surface and makes the sequence of subproblems converge quadratically, as in sequential
-// quadratic programming, if multipliers are updated with the r of the planes that the subproblem had; along a mesh's
-// own faces it is left out, and they converge linearly. Sliding goes with the nodal target only.
+// D_i = I where the place is prescribed, 0 where the node is free. D_i projects onto the normals where x is on the
+// surface: nothing holds the node in other directions, and multipliers along the surface are of no account. d2r/dx2 is
+// exact where x is on the surface; the Hessian without it (Gauss-Newton) is positive semidefinite. Sliding goes with
+// the nodal target only.
 #pragma once
 #include <memory>
 #include <vector>
 
 #include "constraint/constraint.hpp"
 #include "constraint/sliding.hpp"
+#include "constraint/sliding_nodes.hpp"
 #include "constraint/target.hpp"
+#include "constraint/trace_space.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {
@@ -57,8 +53,8 @@ public:
     double best_approximation_error() const { return best_approximation_error_; }  // e_h
 
     // lambda: trace nodes x dim.
-    int multipliers() const override { return static_cast<int>(nodes_.size()) * dim_; }
-    double norm_of_one() const override { return norm_of_one_; }
+    int multipliers() const override { return static_cast<int>(g_h_.size()); }
+    double norm_of_one() const override { return trace_.norm_of_one; }
     double norm(const std::vector<double>& x) override;
     double projected_norm(const std::vector<double>& x) override;
     // Over the nodes of the boundary faces and, unless the target is nodal, their quadrature points.
@@ -73,49 +69,46 @@ public:
     void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) override;
     std::unique_ptr<ConstraintPart> part(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                                          const std::vector<int>& node, const BlockCsr& pattern) override;
-    const std::vector<int>& nodes() const override { return nodes_; }  // trace node -> mesh node
+    bool bends_steps() const override { return sliding_ != nullptr; }
+    void bend(const std::vector<double>& x, const std::vector<double>& d, double t,
+              std::vector<double>& y) const override;
+    const std::vector<int>& nodes() const override { return trace_.nodes; }  // trace node -> mesh node
     std::vector<double> multiplier_field(const std::vector<double>& lambda) const override { return lambda; }
     std::vector<double> multipliers_of_field(const std::vector<double>& field) const override { return field; }
     std::vector<double> constraint_field(const std::vector<double>& x) const override;
-    bool expand(const std::vector<double>& x, const std::vector<double>& lambda) override;
     std::vector<double> targets(const std::vector<double>& x) const override;
     std::vector<char> off_target(const std::vector<double>& x) const override;
+
+    // Of a trace node at x from where it should be.
+    SurfaceDistance distance(int trace_node, const Vec<3>& x) const;
+    // Sum over k of force_k times the second derivative of r_k; zero for nodes that do not slide.
+    Mat<3> second_derivative_at(int trace_node, const Vec<3>& x, const Vec<3>& force) const;
 
 private:
     int dim_;
     TargetKind kind_;
     const Mesh& mesh_;
     BoundaryTarget target_;
-    std::vector<int> nodes_;           // trace node -> mesh node
-    std::vector<int> faces_;           // face x face node: trace nodes
-    BlockCsr M_;                       // trace mass matrix, d = 1
-    std::vector<double> g_h_;          // trace nodes x dim
-    std::vector<double> height_;       // trace nodes: least height over a boundary face of the ideal cells at it
-    std::vector<double> face_values_;  // quadrature point x face node: N
-    double norm_of_one_ = 0, best_approximation_error_ = 0;
-    std::vector<double> v_;            // trace nodes x dim: what M is applied to
+    TraceSpace trace_;
+    std::vector<double> g_h_;  // trace nodes x dim
+    double best_approximation_error_ = 0;
     std::shared_ptr<const SlidingSurfaces> sliding_;
     std::vector<std::vector<int>> parts_;  // trace nodes: along which it slides; empty where not
-    std::vector<double> P_, B_;            // trace nodes x dim x dim; empty where all places are prescribed
-    bool is_curved_ = false;               // a node slides along a curved surface: then
-    std::vector<double> residual_;         // trace nodes x dim: r at the last expand(), by the planes before it
+    std::vector<char> held_;               // trace nodes: whether its place is prescribed; empty where all are
+    std::vector<double> r_, v_, slope_;    // trace nodes x dim: r, and what M is applied to; x dim x dim: D
 
-    void number_trace_nodes();
-    void measure_heights(const std::vector<double>& ideal);
-    void assemble_mass(const std::vector<double>& face_weight);
-    void project_target(const std::vector<double>& ideal, const std::vector<double>& face_weight);
-    void interpolate_target();
-    void find_parts();
-    void hold_to_planes(int trace_node, const Vec<3>& x, const Vec<3>& force);
-    void project(int trace_node, double* v) const;
-    Vec<3> turned_force(const std::vector<double>& x, int trace_node) const;
-    double of_curvature(const std::vector<double>& x) const;
-    void measure_best_approximation(const std::vector<double>& face_weight);
-    double difference(const std::vector<double>& x, int trace_node, int component) const;
+    int count() const { return trace_.M.n; }
+    bool prescribes_all() const { return held_.empty(); }
+    void measure(const std::vector<double>& x);
+    void measure_slopes(const std::vector<double>& x);
+    void set_force(const std::vector<double>& lambda, double mu);
+    double relative_to_height(int trace_node, const double* at, const double* target) const;
+    void measure_best_approximation();
     double squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face,
                                  int point) const;
     template <class Row>
-    void add_matrix(double mu, bool projected, const Row& row, BlockCsr& H) const;
+    void add_matrix(double factor, const Row& row, bool slopes, BlockCsr& H) const;
+    void add_second_derivatives(const std::vector<double>& x, BlockCsr& H) const;
     template <class Entry>
     void set_v(const Entry& entry);
     template <int n>
@@ -123,5 +116,12 @@ private:
     template <class Weight>
     double dot_mass_times_v(const Weight& weight) const;
 };
+
+// C += factor A' B, d x d each.
+inline void add_congruence(double factor, const double* A, const double* B, int d, double* C) {
+    for (int c = 0; c < d; ++c)
+        for (int a = 0; a < d; ++a)
+            for (int b = 0; b < d; ++b) C[a * d + b] += factor * A[c * d + a] * B[c * d + b];
+}
 
 }  // namespace almesh

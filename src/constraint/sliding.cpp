@@ -158,8 +158,8 @@ int SlidingSurfaces::part(int boundary, const Vec<3>& x) const {
     return part_of_[boundary][of_boundary_[boundary]->find(unit_ * x).patch];
 }
 
-SurfacePoint SlidingSurfaces::closest(int part, const Vec<3>& x) const {
-    SurfacePoint place = surface_[part]->closest(unit_ * x);
+SurfacePoint SlidingSurfaces::foot(int part, const Vec<3>& x) const {
+    SurfacePoint place = surface_[part]->foot(unit_ * x);
     place.position = 1 / unit_ * place.position;
     for (auto& row : place.curvature)
         for (double& entry : row) entry *= unit_;

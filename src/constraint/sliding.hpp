@@ -18,7 +18,7 @@ namespace almesh {
 class SlidingSurfaces {
 public:
     // node: face x face node x dim, where the motions take the faces of `base`. slides: per boundary. feature_angle in
-    // degrees. unit: of the positions given to closest() and part(), in units of `node`.
+    // degrees. unit: of the positions given to foot() and part(), in units of `node`.
     SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
                     double feature_angle, double unit);
 
@@ -31,7 +31,7 @@ public:
     // The part of the boundary whose faces are nearest to x, both before the motion.
     int part(int boundary, const Vec<3>& x) const;
 
-    SurfacePoint closest(int part, const Vec<3>& x) const;
+    SurfacePoint foot(int part, const Vec<3>& x) const;
 
 private:
     double unit_;

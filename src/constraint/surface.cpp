@@ -11,11 +11,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <map>
 #include <sstream>
 
-#include "geometry/closest_point.hpp"
-#include "mesh/lagrange.hpp"
 
 namespace almesh {
 namespace {
@@ -48,13 +45,24 @@ std::string text(const Parts&... parts) {
     return out.str();
 }
 
+// S: the second derivative of the distance at x.
+SurfacePoint foot_at(const Vec<3>& x, const Vec<3>& p, const Vec<3>& n, const Mat<3>& S) {
+    SurfacePoint foot{p, n, {}, S};
+    const double d = dot(x - p, n);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) foot.slope[i][j] = n[i] * n[j] + d * S[i][j];
+    return foot;
+}
+
+// Radii below which a surface's second derivatives are not followed towards its centre or axis, over its radius.
+constexpr double innermost = 1e-3;
+
 struct Plane final : Surface {
     Vec<3> c, n;
     int dim;
     Plane(const Vec<3>& c_, const Vec<3>& n_, int dim_) : c(c_), n(n_), dim(dim_) {}
-    SurfacePoint closest(const Vec<3>& x) const override { return {x - dot(x - c, n) * n, n, {}}; }
+    SurfacePoint foot(const Vec<3>& x) const override { return foot_at(x, x - dot(x - c, n) * n, n, {}); }
     std::string name() const override { return dim == 2 ? "straight line" : "plane"; }
-    bool is_flat() const override { return true; }
 };
 
 struct Sphere final : Surface {
@@ -62,9 +70,10 @@ struct Sphere final : Surface {
     double R;
     int dim;
     Sphere(const Vec<3>& c_, double R_, int dim_) : c(c_), R(R_), dim(dim_) {}
-    SurfacePoint closest(const Vec<3>& x) const override {
+    SurfacePoint foot(const Vec<3>& x) const override {
         const Vec<3> d = x - c, n = length(d) > 0 ? unit(d) : Vec<3>{1, 0, 0};
-        return {c + R * n, n, dim == 2 ? round(R, {n, {0, 0, 1}}) : round(R, {n})};
+        const double radius = std::max(length(d), innermost * R);
+        return foot_at(x, c + R * n, n, dim == 2 ? round(radius, {n, {0, 0, 1}}) : round(radius, {n}));
     }
     std::string name() const override { return text(dim == 2 ? "circle" : "sphere", " of radius ", R); }
 };
@@ -74,10 +83,10 @@ struct Cylinder final : Surface {
     Vec<3> c, a;
     double R;
     Cylinder(const Vec<3>& c_, const Vec<3>& a_, double R_) : c(c_), a(a_), R(R_) {}
-    SurfacePoint closest(const Vec<3>& x) const override {
+    SurfacePoint foot(const Vec<3>& x) const override {
         const Vec<3> d = x - c, u = dot(d, a) * a, v = d - u;
         const Vec<3> n = length(v) > 0 ? unit(v) : any_perpendicular(a);
-        return {c + u + R * n, n, round(R, {n, a})};
+        return foot_at(x, c + u + R * n, n, round(std::max(length(v), innermost * R), {n, a}));
     }
     std::string name() const override { return text("cylinder of radius ", R); }
 };
@@ -86,68 +95,17 @@ struct Torus final : Surface {
     Vec<3> c, a;
     double R, r;
     Torus(const Vec<3>& c_, const Vec<3>& a_, double R_, double r_) : c(c_), a(a_), R(R_), r(r_) {}
-    SurfacePoint closest(const Vec<3>& x) const override {
+    SurfacePoint foot(const Vec<3>& x) const override {
         const Vec<3> d = x - c, v = d - dot(d, a) * a;
-        const Vec<3> ring = c + R * (length(v) > 0 ? unit(v) : any_perpendicular(a)), e = x - ring;
-        const Vec<3> n = length(e) > 0 ? unit(e) : a, x0 = ring + r * n;
-        const Vec<3> outward = unit(ring - c), along = cross(a, outward);
-        Mat<3> S = round(r, {n, along});
-        const double of_ring = dot(n, outward) / std::max(length(x0 - c - dot(x0 - c, a) * a), tiny);
+        const Vec<3> outward = length(v) > 0 ? unit(v) : any_perpendicular(a), along = cross(a, outward);
+        const Vec<3> ring = c + R * outward, e = x - ring, n = length(e) > 0 ? unit(e) : a;
+        Mat<3> S = round(std::max(length(e), innermost * r), {n, along});
+        const double of_ring = dot(n, outward) / std::max(length(v), innermost * R);
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) S[i][j] += of_ring * along[i] * along[j];
-        return {x0, n, S};
+        return foot_at(x, ring + r * n, n, S);
     }
     std::string name() const override { return text("torus of radii ", R, " and ", r); }
-};
-
-class Faces final : public Surface {
-public:
-    Faces(const PatchBasis& basis, const std::vector<Patch>& patches, const std::vector<std::vector<int>>& node)
-        : closest_(basis, patches), lagrange_(basis.bernstein.dim, basis.bernstein.degree) {
-        const PatchNormal normal(basis.bernstein.dim, basis.bernstein.degree);
-        const int m = lagrange_.count;
-        std::map<int, Vec<3>> mean;
-        for (std::size_t f = 0; f < patches.size(); ++f) {
-            const std::vector<Vec<3>> n = normal.coefficients(patches[f]);
-            for (int i = 0; i < m; ++i) {
-                Vec<3>& sum = mean[node[f][i]];
-                sum = sum + unit(value(normal.basis, n, place(i)));
-            }
-        }
-        for (std::size_t f = 0; f < patches.size(); ++f)
-            for (int i = 0; i < m; ++i) normal_.push_back(unit(mean[node[f][i]]));
-    }
-
-    SurfacePoint closest(const Vec<3>& x) const override {
-        const ClosestPoint::Place at = closest_.find(x);
-        std::vector<double> N(lagrange_.count);
-        lagrange_.values(&at.at[1], N.data());
-        Vec<3> n{};
-        for (int i = 0; i < lagrange_.count; ++i) n = n + N[i] * normal_[offset(at.patch, lagrange_.count, i)];
-        return {at.position, unit(n), {}};
-    }
-    std::string name() const override { return "the mesh's own faces"; }
-
-private:
-    ClosestPoint closest_;
-    LagrangeBasis lagrange_;
-    std::vector<Vec<3>> normal_;  // patch x node
-
-    Barycentric place(int i) const {
-        Barycentric l{};
-        for (int k = 0; k <= lagrange_.dim; ++k) l[k] = static_cast<double>(lagrange_.nodes[i][k]) / lagrange_.degree;
-        return l;
-    }
-
-    static Vec<3> value(const Bernstein& basis, const std::vector<Vec<3>>& c, const Barycentric& l) {
-        Vec<3> sum{};
-        for (int a = 0; a < basis.count; ++a) {
-            double B = basis.multinomial[a];
-            for (int k = 0; k <= basis.dim; ++k) B *= std::pow(l[k], basis.index[a][k]);
-            sum = sum + B * c[a];
-        }
-        return sum;
-    }
 };
 
 // Solves the k x k system A s = b by Gaussian elimination; false where it is singular.
@@ -273,7 +231,7 @@ struct Fit {
 
     bool holds(const Surface& surface, double tolerance) const {
         return std::all_of(points.begin(), points.end(), [&](const Vec<3>& x) {
-            return length(surface.closest(x).position - x) <= tolerance * size;
+            return length(surface.foot(x).position - x) <= tolerance * size;
         });
     }
 };
@@ -353,11 +311,6 @@ std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points,
             if (holds()) return found;
         }
     return nullptr;
-}
-
-std::unique_ptr<Surface> surface_of_faces(const PatchBasis& basis, const std::vector<Patch>& patches,
-                                          const std::vector<std::vector<int>>& node) {
-    return std::make_unique<Faces>(basis, patches, node);
 }
 
 }  // namespace almesh

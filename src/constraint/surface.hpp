@@ -10,19 +10,20 @@
 
 namespace almesh {
 
+// The foot p of the perpendicular from x to a surface, with d the signed distance, x = p + d n.
 struct SurfacePoint {
-    Vec<3> position, normal;  // unit normal, of either side
-    Mat<3> curvature{};  // second derivative of the distance, positive on the side of the normal; zero where unknown
+    Vec<3> position, normal;  // p; the unit normal n there, of either side
+    Mat<3> slope{};           // derivative of x - p with respect to x: n n' + d S
+    Mat<3> curvature{};       // S, the second derivative of d at x
 };
 
 class Surface {
 public:
     virtual ~Surface() = default;
 
-    // The point of the surface closest to x. At the centre of a sphere, on the axis of a cylinder: any of them.
-    virtual SurfacePoint closest(const Vec<3>& x) const = 0;
+    // At the centre of a sphere, on the axis of a cylinder: any of the feet.
+    virtual SurfacePoint foot(const Vec<3>& x) const = 0;
     virtual std::string name() const = 0;  // "plane", "circle of radius 2"
-    virtual bool is_flat() const { return false; }
 };
 
 // The first of plane, sphere, cylinder, torus (2D: line, circle) on which all points lie, to `tolerance` times the
@@ -31,8 +32,9 @@ public:
 std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points, const Vec<3>& normal,
                                      double tolerance = 1e-8);
 
-// Faces, with normals interpolated from means at their nodes, so that these are continuous where faces meet at an
-// angle. node: numbers of the nodes of each patch, as in the basis' order.
+// Faces, with normals interpolated from means at their nodes. These are continuous where faces meet at an angle, and so
+// is the foot of the perpendicular: p in that face at whose p the normal points to x. node: numbers of the nodes of
+// each patch, as in the basis' order.
 std::unique_ptr<Surface> surface_of_faces(const PatchBasis& basis, const std::vector<Patch>& patches,
                                           const std::vector<std::vector<int>>& node);
 

@@ -5,7 +5,6 @@
 #include <limits>
 #include <optional>
 
-#include "linalg/vector_ops.hpp"
 #include "method/functional.hpp"
 
 namespace almesh {
@@ -127,7 +126,6 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
 
     AugmentedFunctional E{distortion, constraint, start.lambda, 0};
     E.lambda.resize(constraint.multipliers());                                            //  3: zero where not given
-    constraint.expand(x, E.lambda);
     rows.push_back(measure(E, x, result.distortion));
     const double one_squared = square(constraint.norm_of_one());
     const auto s = make_schedule(params, start.mu, one_squared, c_squared());             //  4-6
@@ -137,14 +135,11 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
     observe();
     // The gradient of E is known from the first subproblem on only: row 0 does not end the loop.
     while (rows.size() == 1 || !s->ends(constrained(), stationary())) {                   //  7
-        constraint.expand(x, E.lambda);
         const NewtonParams wanted = subproblem(params, *s, rows.size() == 1 && start.lambda.empty(), distortion);
         E.penalty = s->penalty();
         const NewtonResult solved = newton.minimise(E, wanted, x, observe_step);          //  8
         add_counts(solved, result);
-        const bool changed = constraint.expand(x, E.lambda);
         rows.push_back(measure(E, x, result.distortion, *s, solved, rows.back().iteration + 1));
-        if (changed) rows.back().gradient_norm = norm_2(gradient(E, x));
         rows.back().seconds = watch.seconds();
         const bool ends = s->ends(constrained(), stationary());
         if (const auto failed = failure(rows, params, one_squared, constrained(), stationary(), ends)) {

@@ -78,11 +78,7 @@ AlStart start_from(const CoarseSolution& coarse, const Level& level, std::vector
     };
     const std::vector<double> displacement = carried(coarse.displacement);
     for (std::size_t i = 0; i < x.size(); ++i) x[i] += displacement[i];
-    const std::vector<double> no_multipliers(level.constraint->multipliers(), 0.0);
-    const auto distance = [&](const std::vector<double>& at) {
-        level.constraint->expand(at, no_multipliers);
-        return level.constraint->projected_norm(at);
-    };
+    const auto distance = [&](const std::vector<double>& at) { return level.constraint->projected_norm(at); };
     const bool useless = level.mesh.degree > coarse.level->mesh.degree && distance(x) > nearer * distance(level.ideal);
     if (useless || !std::isfinite(level.energy->energy(x)) || !level.energy->certified(x)) {
         x = level.ideal;

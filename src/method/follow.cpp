@@ -26,7 +26,6 @@ AugmentedLagrangianParams impatient(AugmentedLagrangianParams params) {
 
 // Of the constraint that the last iterate of a part is on the way to.
 void measure_boundary(Constraint& constraint, const std::vector<double>& x, AlIteration& row) {
-    constraint.expand(x, std::vector<double>(constraint.multipliers(), 0.0));
     row.constraint_norm = constraint.norm(x);
     row.projected_constraint_norm = constraint.projected_norm(x);
     row.relative_boundary_error = constraint.relative_error(x);

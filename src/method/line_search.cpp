@@ -19,9 +19,11 @@ constexpr double worth_lengthening = 2.0 / 3;  // of what the slope promises
 }  // namespace
 
 LineSearchResult line_search(const EnergyFunction& E, const StepFunction& valid_fraction, double energy, double slope,
-                             const std::vector<double>& d, std::vector<double>& x, std::vector<double>& trial) {
+                             const std::vector<double>& d, std::vector<double>& x, std::vector<double>& trial,
+                             const BendFunction& bend) {
     const auto place = [&](double t) {
         for (std::size_t i = 0; i < x.size(); ++i) trial[i] = x[i] + t * d[i];
+        if (bend) bend(t, trial);
     };
     const auto energy_at = [&](double t) {
         place(t);

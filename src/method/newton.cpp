@@ -128,7 +128,9 @@ LineSearchResult Newton::search(const AugmentedFunctional& E, std::vector<double
     const auto valid_fraction = [&E](const std::vector<double>& y, const std::vector<double>& to) {
         return E.valid_fraction(y, to);
     };
-    const LineSearchResult found = line_search(energy_of, valid_fraction, at.energy, dot(g_, d_), d_, x, trial_);
+    BendFunction bend;
+    if (E.constraint.bends_steps()) bend = [&](double t, std::vector<double>& y) { E.constraint.bend(x, d_, t, y); };
+    const LineSearchResult found = line_search(energy_of, valid_fraction, at.energy, dot(g_, d_), d_, x, trial_, bend);
     if (found.step_length > 0) at.energy = found.energy;
     step.cuts_inverted += found.cuts_inverted;
     step.cuts_decrease += found.cuts_decrease;

@@ -59,7 +59,7 @@ TEST_CASE("planes, spheres, cylinders and tori are found where points lie on the
         const auto found = fit_surface(3, points, normal);
         REQUIRE(found);
         CHECK(found->name() == name);
-        for (const Vec<3>& x : points) CHECK(length(found->closest(x).position - x) < 1e-8);
+        for (const Vec<3>& x : points) CHECK(length(found->foot(x).position - x) < 1e-8);
     }
     std::vector<Vec<3>> bumpy = sampled(primitives[2].surface, 6, 4);
     bumpy[17][1] += 1e-3;
@@ -76,7 +76,7 @@ TEST_CASE("planes, spheres, cylinders and tori are found where points lie on the
     CHECK(circle->name() == "circle of radius 2");
 }
 
-TEST_CASE("the closest point is on the surface along its normal, and the curvature is the derivative of the normal") {
+TEST_CASE("the foot of the perpendicular is on the surface; slope and curvature are derivatives") {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> number(-1, 1);
     for (const auto& primitive : primitives) {
@@ -87,20 +87,24 @@ TEST_CASE("the closest point is on the surface along its normal, and the curvatu
         REQUIRE(found);
         for (int k = 0; k < 20; ++k) {
             const Vec<3> x = points[2 * k] + 0.2 * Vec<3>{number(random), number(random), number(random)};
-            const SurfacePoint at = found->closest(x);
+            const SurfacePoint at = found->foot(x);
             CHECK(length(cross(x - at.position, at.normal)) < 1e-9);
             CHECK(length(at.normal) == doctest::Approx(1));
-            CHECK(length(found->closest(at.position).position - at.position) < 1e-9);
+            CHECK(length(found->foot(at.position).position - at.position) < 1e-9);
             const Vec<3> d = {number(random), number(random), number(random)};
             const double h = 1e-5;
-            const Vec<3> change = 0.5 / h * (found->closest(at.position + h * d).normal -
-                                             found->closest(at.position - h * d).normal);
-            for (int i = 0; i < 3; ++i) CHECK(change[i] == doctest::Approx(dot(at.curvature[i], d)).epsilon(1e-5));
+            const SurfacePoint plus = found->foot(x + h * d), minus = found->foot(x - h * d);
+            const Vec<3> turn = 0.5 / h * (plus.normal - minus.normal);
+            const Vec<3> change = d - 0.5 / h * (plus.position - minus.position);
+            for (int i = 0; i < 3; ++i) {
+                CHECK(turn[i] == doctest::Approx(dot(at.curvature[i], d)).epsilon(1e-5));
+                CHECK(change[i] == doctest::Approx(dot(at.slope[i], d)).epsilon(1e-5));
+            }
         }
     }
 }
 
-TEST_CASE("along a mesh's own faces: the closest point on them, with normals that turn continuously") {
+TEST_CASE("along a mesh's own faces: a point on them, with normals that turn continuously") {
     const Mesh mesh = ring_mesh(24, 2, 2);
     const PatchBasis basis(1, 1);
     std::vector<Patch> patches;
@@ -114,11 +118,52 @@ TEST_CASE("along a mesh's own faces: the closest point on them, with normals tha
     Vec<3> before{};
     for (int k = 0; k <= 2000; ++k) {
         const double t = 2 * std::acos(-1.0) * k / 2000;
-        const SurfacePoint at = faces->closest({1.95 * std::cos(t), 1.95 * std::sin(t), 0});
+        const SurfacePoint at = faces->foot({1.95 * std::cos(t), 1.95 * std::sin(t), 0});
         CHECK(length(at.position) <= 2 + 1e-12);
         CHECK(length(at.position) >= 2 * std::cos(std::acos(-1.0) / 24) - 1e-12);
         CHECK(std::abs(at.normal[0] * std::cos(t) + at.normal[1] * std::sin(t)) > 0.999);
         if (k > 0) CHECK(length(at.normal - before) < 0.02);
         before = at.normal;
+    }
+}
+
+TEST_CASE("the foot on a mesh's own faces: along the normal to x, its slope the derivative, to itself on the surface") {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> number(-1, 1);
+    Mesh bowl = cube_mesh(3);
+    for (int i = 0; i < bowl.nodes(); ++i) {
+        double* const x = &bowl.x[3 * i];
+        x[2] += 0.3 * (x[0] - 0.5) * (x[0] - 0.5) + 0.2 * std::sin(2 * x[1]);
+    }
+    for (const Mesh& mesh : {ring_mesh(24, 2, 2), bowl, raise_degree(bowl, 2)}) {
+        const int dim = mesh.dim;
+        CAPTURE(dim);
+        CAPTURE(mesh.degree);
+        const PatchBasis basis(dim - 1, mesh.degree);
+        std::vector<Patch> patches;
+        std::vector<std::vector<int>> nodes;
+        for (int f = 0; f < mesh.face_count(); ++f) {
+            if (mesh.boundaries[mesh.face_boundary[f]] != (dim == 2 ? "outer" : "bottom")) continue;
+            patches.push_back(face_patch(basis, mesh, mesh.x, f));
+            nodes.emplace_back(mesh.face(f), mesh.face(f) + mesh.face_nodes());
+        }
+        const auto faces = surface_of_faces(basis, patches, nodes);
+        for (int k = 0; k < 40; ++k) {
+            const double t = number(random);
+            const Vec<3> x = dim == 2 ? Vec<3>{1.93 * std::cos(3 * t), 1.93 * std::sin(3 * t), 0}
+                                      : Vec<3>{0.5 + 0.3 * t, 0.5 + 0.3 * number(random), 0.3 + 0.05 * number(random)};
+            const SurfacePoint at = faces->foot(x);
+            CHECK(length(cross(x - at.position, at.normal)) < 1e-12);
+            CHECK(length(faces->foot(at.position).position - at.position) < 1e-13);
+            const Vec<3> d = {number(random), number(random), dim == 2 ? 0 : number(random)};
+            const double h = 1e-6;
+            const SurfacePoint plus = faces->foot(x + h * d), minus = faces->foot(x - h * d);
+            const Vec<3> change = d - 0.5 / h * (plus.position - minus.position);
+            const Vec<3> turn = 0.5 / h * (plus.normal - minus.normal);
+            for (int i = 0; i < dim; ++i) {
+                CHECK(change[i] == doctest::Approx(dot(at.slope[i], d)).epsilon(1e-6));
+                CHECK(std::abs(turn[i] - dot(at.curvature[i], d)) < 0.2);
+            }
+        }
     }
 }

@@ -1,5 +1,5 @@
-// The planes of several surfaces one after the other: onto the first, then along it onto the second (Gram-Schmidt).
-#include "constraint/tangent_planes.hpp"
+// Where surfaces meet: onto the plane of the first, then along it onto that of the second (Gram-Schmidt).
+#include "constraint/sliding_nodes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,48 +27,66 @@ Vec<3> in_space(const double* x, int dim) {
     return result;
 }
 
-Vec<3> on_surfaces(const SlidingSurfaces& sliding, const std::vector<int>& parts, Vec<3> x) {
+Vec<3> at_distances(const SlidingSurfaces& sliding, const std::vector<int>& parts, Vec<3> x,
+                    const std::array<double, 3>& distances) {
     constexpr int steps = 20;
     constexpr double rounding = 1e-16;
     for (int step = 0; step < steps; ++step) {
         std::vector<Vec<3>> normals;
         Vec<3> move{};
-        for (const int part : parts) {  // onto the first plane, then along it onto the second
-            const SurfacePoint at = sliding.closest(part, x);
+        for (std::size_t k = 0; k < parts.size(); ++k) {  // onto the first plane, then along it onto the second
+            const SurfacePoint at = sliding.foot(parts[k], x);
             const Vec<3> n = perpendicular(at.normal, normals);
-            const double distance = dot(at.position - x - move, at.normal), slope = dot(n, at.normal);
+            const double distance = dot(at.position - x - move, at.normal) + distances[k], slope = dot(n, at.normal);
             if (slope > tangent * tangent) {
                 move = move + distance / slope * n;
                 normals.push_back(1 / std::sqrt(dot(n, n)) * n);
             }
         }
         x = x + move;
-        if (parts.size() == 1 && sliding.surface(parts[0]).is_flat()) break;
         if (dot(move, move) <= rounding * rounding * dot(x, x)) break;
     }
-    return parts.size() == 1 ? sliding.closest(parts[0], x).position : x;
+    return x;
 }
 
-TangentPlanes tangent_planes(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
-                             const Vec<3>& force) {
-    TangentPlanes planes;
-    planes.place = on_surfaces(sliding, parts, x);
-    std::vector<Vec<3>> normals;
-    Vec<3> left = force;
-    for (const int part : parts) {
-        const SurfacePoint at = sliding.closest(part, planes.place);
-        const Vec<3> n = perpendicular(at.normal, normals);
-        if (!(dot(n, n) > tangent * tangent)) continue;
-        normals.push_back(1 / std::sqrt(dot(n, n)) * n);
-        const double along = parts.size() == 1 ? dot(left, at.normal) : dot(left, n) / dot(n, n);
-        left = left - along * at.normal;
-        for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 3; ++b) planes.B[a][b] -= along * at.curvature[a][b];
+Vec<3> on_surfaces(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x) {
+    return parts.size() == 1 ? sliding.foot(parts[0], x).position : at_distances(sliding, parts, x, {});
+}
+
+std::array<double, 3> distances(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
+                                const Vec<3>& d) {
+    std::array<double, 3> result{};
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        const SurfacePoint at = sliding.foot(parts[k], x);
+        const Vec<3> change = {dot(at.slope[0], d), dot(at.slope[1], d), dot(at.slope[2], d)};
+        result[k] = dot(x - at.position + change, at.normal);
     }
-    for (const Vec<3>& n : normals)
-        for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 3; ++b) planes.P[a][b] += n[a] * n[b];
-    return planes;
+    return result;
+}
+
+SurfaceDistance distance_to(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x) {
+    SurfaceDistance sum;
+    for (const int part : parts) {
+        const SurfacePoint foot = sliding.foot(part, x);
+        sum.r = sum.r + (x - foot.position);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) sum.slope[i][j] += foot.slope[i][j];
+    }
+    return sum;
+}
+
+Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
+                         const Vec<3>& force) {
+    Mat<3> sum{};
+    for (const int part : parts) {
+        const SurfacePoint foot = sliding.foot(part, x);
+        const Mat<3>& S = foot.curvature;
+        const Vec<3> turned = {dot(S[0], force), dot(S[1], force), dot(S[2], force)}, &n = foot.normal;
+        const double along = dot(n, force);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) sum[i][j] += along * S[i][j] + n[i] * turned[j] + turned[i] * n[j];
+    }
+    return sum;
 }
 
 namespace {
@@ -77,7 +95,7 @@ namespace {
 bool stays(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x, int dim) {
     std::vector<Vec<3>> normals;  // orthonormal
     for (const int part : parts) {
-        const Vec<3> n = perpendicular(sliding.closest(part, x).normal, normals);
+        const Vec<3> n = perpendicular(sliding.foot(part, x).normal, normals);
         if (length(n) < tangent || static_cast<int>(normals.size()) + 1 == dim) return true;
         normals.push_back(1 / length(n) * n);
     }
@@ -88,7 +106,7 @@ bool stays(const SlidingSurfaces& sliding, const std::vector<int>& parts, const 
 void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& sliding, int part, int node, const Vec<3>& x,
                                  double size) {
     constexpr double tolerance = 0.25;  // of a face: the rim of a refined body is as angular as the file's
-    const double distance = length(sliding.closest(part, x).position - x);
+    const double distance = length(sliding.foot(part, x).position - x);
     if (distance <= tolerance * size) return;
     const std::string& name = mesh.boundaries[sliding.boundary(part)];
     throw InputError("node ", mesh.file.node_id[node], " lies on the boundary ", name,
@@ -102,7 +120,7 @@ void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& slidin
 std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarget& target,
                                             const SlidingSurfaces* sliding, const std::vector<int>& nodes,
                                             const std::vector<int>& faces, const std::vector<double>& places,
-                                            std::vector<double>& P) {
+                                            std::vector<char>& held) {
     const int dim = mesh.dim, m = mesh.face_nodes();
     std::vector<std::vector<int>> parts(nodes.size());
     std::vector<char> prescribed(nodes.size(), 0);
@@ -125,14 +143,14 @@ std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarg
                 parts[t].push_back(part);
         }
     }
-    P.assign(offset(nodes.size(), dim * dim), 0.0);
+    held.assign(nodes.size(), 0);
     for (std::size_t t = 0; t < nodes.size(); ++t) {
         const Vec<3> x = in_space(&places[offset(t, dim)], dim);
         for (const int part : parts[t])
             if (prescribed[t]) check_prescribed_on_surface(mesh, *sliding, part, nodes[t], x, size[t]);
         if (!prescribed[t] && (parts[t].empty() || !stays(*sliding, parts[t], x, dim))) continue;
         parts[t].clear();
-        for (int a = 0; a < dim; ++a) P[offset(t, dim * dim, a * dim + a)] = 1;
+        held[t] = 1;
     }
     return parts;
 }

@@ -1,0 +1,47 @@
+// The nodes that slide, and how far they are from their surfaces (dirichlet.hpp).
+#pragma once
+#include <array>
+#include <vector>
+
+#include "constraint/sliding.hpp"
+#include "constraint/target.hpp"
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+Vec<3> in_space(const double* x, int dim);  // dim coordinates, in 2D with a third of 0
+
+// The point at which the surfaces of the parts meet, from x.
+Vec<3> on_surfaces(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x);
+
+// The point at these signed distances from the surfaces, from x: by Newton's method, one plane per surface.
+Vec<3> at_distances(const SlidingSurfaces& sliding, const std::vector<int>& parts, Vec<3> x,
+                    const std::array<double, 3>& distances);
+
+// Those of x + d, to first order in d.
+std::array<double, 3> distances(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
+                                const Vec<3>& d);
+
+// The sum r of the vectors from the feet of the perpendiculars on the surfaces of the parts to x: zero where x is on
+// all of them, since their normals are linearly independent.
+struct SurfaceDistance {
+    Vec<3> r{};
+    Mat<3> slope{};  // of r with respect to x
+};
+
+SurfaceDistance distance_to(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x);
+
+// Sum over k of force_k times the second derivative of r_k: that of r = d n, n n' + d S, without the terms that vanish
+// on the surface: (n . force) S + n (S force)' + (S force) n'.
+Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
+                         const Vec<3>& force);
+
+// The parts along which each of the nodes (numbers in the mesh) slides; none where its place is prescribed, where it is
+// a corner, and where it is free. faces: face x face node, places in `nodes`. places: of the nodes, n x dim. held: per
+// node, whether it is held to its place. Throws InputError where a prescribed place is off the surface.
+std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarget& target,
+                                            const SlidingSurfaces* sliding, const std::vector<int>& nodes,
+                                            const std::vector<int>& faces, const std::vector<double>& places,
+                                            std::vector<char>& held);
+
+}  // namespace almesh
