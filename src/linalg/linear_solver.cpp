@@ -31,7 +31,8 @@ const char* to_string(PreconditionerKind kind) {
 namespace {
 
 constexpr int failures_to_give_up = 2;  // of iterative solvers in a row, if the choice is ours
-constexpr double worth = 4;        // Cholesky may cost this many times what an iterative solver has spent
+constexpr double worth = 4;        // Cholesky may cost this many times what an iterative solver has just spent, or
+                                   // once what it has spent since it last succeeded
 constexpr double flops_of_entry = 20;  // of Cholesky, in the time that an iteration spends on an entry of A
 constexpr double refine_above = 1e-15;  // scaled residual from which a step of iterative refinement is worth a solve
 
@@ -221,7 +222,9 @@ double LinearSolver::flops_of_iteration(const BlockCsr& A) const {
 }
 
 bool LinearSolver::direct_is_worth(const BlockCsr& A, int iterations) {
-    const auto costs_too_much = [&] { return predicted_flops(A) > worth * iterations * flops_of_iteration(A); };
+    failed_iterations_ += iterations;
+    const double spent = std::max(worth * iterations, failed_iterations_) * flops_of_iteration(A);
+    const auto costs_too_much = [&] { return predicted_flops(A) > spent; };
     if (costs_too_much()) return false;
     return direct(A).cholesky.fits() && !costs_too_much();
 }
@@ -246,7 +249,7 @@ SolveResult LinearSolver::solve_in_rows(const BlockCsr& A, const std::vector<dou
     x.assign(A.size(), 0.0);
     if (!iterative_first(A)) return direct(A).solve(A, b, x);
     const SolveResult first = iterative(A).solve(A, b, x);
-    if (first.status == SolveStatus::success) failures_ = 0;
+    if (first.status == SolveStatus::success) failures_ = 0, failed_iterations_ = 0;
     if (first.status == SolveStatus::success || first.status == SolveStatus::not_positive_definite) return first;
     if (may_be_indefinite && first.status == SolveStatus::indefinite_preconditioner) return first;
     if (!params_.fallback) return first;

@@ -110,7 +110,8 @@ private:
 
     int dimension_;
     LinearSolverParams params_;
-    int failures_ = 0;  // of iterative solvers in a row
+    int failures_ = 0;  // of iterative solvers in a row, solved by Cholesky
+    double failed_iterations_ = 0;  // since the last success
     std::vector<double> b_, x_;  // in the order of A's rows
     std::unique_ptr<Iterative> iterative_;
     std::unique_ptr<Direct> direct_;
