@@ -36,6 +36,7 @@ struct DeckBoundary {
 
 enum class Start { automatic, identity, coarse };
 enum class Snap { automatic, no, yes };
+enum class SurfaceKind { automatic, keep, slide };
 enum class VtkOutput { ascii, binary, none };
 // As written in the deck; those of one version of MSH stand from msh22 on.
 enum class FinalFormat { input, msh, su2, both, msh22, msh22_binary, msh40, msh40_binary, msh41, msh41_binary };
@@ -56,6 +57,7 @@ struct Deck {
     Follow follow = Follow::automatic;
     Snap snap = Snap::automatic;
     double feature_angle = 30;  // degrees
+    SurfaceKind surface = SurfaceKind::automatic;
     std::optional<double> length_scale;
     LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;

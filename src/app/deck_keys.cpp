@@ -141,6 +141,9 @@ const std::vector<DeckKey>& deck_keys() {
         {"feature_angle", number<&Deck::feature_angle>({1, 180}),
          "Angle in degrees between neighbouring faces of a sliding boundary from which they belong to different "
          "surfaces: nodes slide along such an edge, and corners stay."},
+        {"surface", choice<&Deck::surface>({"auto", "keep", "slide"}),
+         "Whether nodes keep the places on the boundary that its motion gives them, or slide along the surface there; "
+         "auto: they slide only where a valid mesh cannot keep them, because the target folds faces or elements."},
         {"mu0", number<&Deck::method, &Method::mu0>(positive),
          "Algorithms paper and literal: first penalty mu, in units of |1|^2, the sum of |f|/h over the boundary "
          "faces."},

@@ -203,6 +203,10 @@ void print_boundary(std::FILE* out, const Problem& problem, const Solution& solu
                      "largest boundary error %.3g\n",
                      last.constraint_norm * problem.length, solution.nodes_off_target, last.relative_boundary_error,
                      solution.max_boundary_error * problem.length);
+    if (solution.released_nodes)
+        std::fprintf(out, "%d nodes slid along the surface, by at most %.3g; the faces are within %.3g of it\n",
+                     solution.released_nodes, solution.largest_slide * problem.length,
+                     solution.surface_distance * problem.length);
 }
 
 }  // namespace
@@ -211,7 +215,6 @@ Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution&
     Level& level = *problem.level;
     const AlStatus status = solution.al.status;
     if (status == AlStatus::converged && is_certified(solution)) return {};
-    level.constraint->expand(solution.x, solution.al.lambda);  // another iterate's may be in force
     const LastMesh last = {level.mesh,        level.ideal,    solution.x,
                            *level.constraint, problem.target, solution.al.distortion.element_max};
     if (status == AlStatus::converged && solution.certificate.valid) return overlapping(last, solution.injectivity);

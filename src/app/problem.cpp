@@ -12,7 +12,7 @@
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
-#include "check/target_check.hpp"
+#include "check/released_nodes.hpp"
 #include "constraint/dirichlet.hpp"
 #include "io/mesh_format.hpp"
 #include "mesh/build.hpp"
@@ -42,8 +42,10 @@ std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
     std::vector<std::string> missing;
     for (const std::string& name : mesh.boundaries) {
         const DeckBoundary* const boundary = motion_for(deck, name);
-        if (boundary) motions.push_back(boundary->motion);
-        else missing.push_back(name);
+        if (!boundary) missing.push_back(name);
+        else if (deck.surface == SurfaceKind::slide && hold_of(boundary->motion) == BoundaryHold::prescribed)
+            motions.push_back(parse_motion(to_string(boundary->motion) + "; slide"));
+        else motions.push_back(boundary->motion);
     }
     if (missing.empty()) return motions;
     std::string lines;
@@ -79,14 +81,43 @@ void check_start(const Deck& deck) {
                      ": start = coarse does not go with algorithm = literal; take start = identity");
 }
 
-void refuse_invalid_target(const TargetReport& report) {
-    if (report.faults.empty()) return;
-    constexpr std::size_t shown = 10;
-    std::string message =
-        "the target makes the boundary itself invalid at " + counted(report.faults.size(), "face") + ":";
-    for (std::size_t k = 0; k < std::min(shown, report.faults.size()); ++k) message += "\n  " + report.faults[k].why;
-    if (report.faults.size() > shown) message += "\n  ...";
-    throw InputError(message);
+void refuse(const Mesh& mesh, const TargetFaults& faults, const std::string& advice) {
+    std::string message = faults.faces.faults.empty() ? "no valid mesh reaches the target: it folds elements"
+                                                      : "the target makes the boundary itself invalid";
+    if (const std::size_t count = faults.faces.faults.size()) message += " at " + counted(count, "face");
+    if (const std::size_t count = faults.elements.size())
+        message += (faults.faces.faults.empty() ? " at " : " and ") + counted(count, "element");
+    throw InputError(message, ":", describe(mesh, faults), advice);
+}
+
+// What helps against elements all of whose vertices are on the boundary. Where two of its faces are, an element is in a
+// corner or along an edge, and so is one of those that it is split into.
+std::string against(const Mesh& mesh, const TargetFaults& faults, int refinements) {
+    if (faults.elements.empty() || !faults.faces.faults.empty()) return "";
+    const bool stays = std::any_of(faults.elements.begin(), faults.elements.end(), [&](const DeterminedElement& fault) {
+        return std::count(mesh.face_element.begin(), mesh.face_element.end(), fault.element) > 1;
+    });
+    if (stays)
+        return "\ntry targets that do not fold them, or a mesh in which they are divided by a node inside (refine leaves "
+               "such an element there)";
+    return concat("\ntry refine = ", refinements + 1, ", so that they are divided, or targets that do not fold them");
+}
+
+// Releases the nodes around faces and elements that the target folds; throws InputError where that cannot help.
+void release_folded(const Deck& deck, const Mesh& mesh, const std::vector<double>& ideal, BoundaryTarget& target,
+                    std::vector<std::string>& notes) {
+    const TargetFaults faults = find_faults(mesh, ideal, target);
+    if (faults.none()) return;
+    if (!faults.may_be_mended()) refuse(mesh, faults, against(mesh, faults, deck.refine));
+    if (deck.surface == SurfaceKind::keep)
+        refuse(mesh, faults, "\ntry surface = auto, with which nodes slide along the surface there");
+    target.released = released_nodes(mesh, target, faults);
+    const TargetFaults left = find_faults(mesh, ideal, target);
+    if (!left.none()) refuse(mesh, left, against(mesh, left, deck.refine));
+    notes.push_back(concat("no valid mesh keeps the target at ", counted(faults.faces.faults.size(), "face"), " and ",
+                           counted(faults.elements.size(), "element"), "; ",
+                           counted(std::count(target.released.begin(), target.released.end(), 1), "node"),
+                           " around slide along the surface:", describe(mesh, faults)));
 }
 
 // Of the base mesh.
@@ -137,17 +168,20 @@ void divide(std::initializer_list<std::vector<double>*> positions, double length
         for (double& value : *x) value /= length;
 }
 
-std::vector<char> open_faces(const Mesh& mesh, const BoundaryTarget& target) {
-    std::vector<char> open(mesh.face_count());
-    for (int f = 0; f < mesh.face_count(); ++f) open[f] = target.hold_of_face(mesh, f) != BoundaryHold::prescribed;
-    return open;
+// Boundaries along which nodes slide.
+std::vector<char> slides(const Mesh& mesh, const BoundaryTarget& target) {
+    std::vector<char> result;
+    for (const BoundaryHold hold : target.hold) result.push_back(hold == BoundaryHold::slides);
+    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
+        const int b = mesh.face_boundary[k / mesh.face_nodes()];
+        if (target.hold[b] == BoundaryHold::prescribed && target.is_released(mesh.faces[k])) result[b] = 1;
+    }
+    return result;
 }
 
-// Null where no boundary slides. target: of the base mesh, in units of the file.
-std::shared_ptr<const SlidingSurfaces> sliding_surfaces(double feature_angle, const Mesh& base,
-                                                        const BoundaryTarget& target, double length) {
-    std::vector<char> slides;
-    for (const BoundaryHold hold : target.hold) slides.push_back(hold == BoundaryHold::slides);
+// Null where no node slides. target: of the base mesh, in units of the file.
+std::shared_ptr<SlidingSurfaces> sliding_surfaces(double feature_angle, const Mesh& base, const BoundaryTarget& target,
+                                                  const std::vector<char>& slides, double length) {
     if (std::count(slides.begin(), slides.end(), 1) == 0) return nullptr;
     return std::make_shared<SlidingSurfaces>(base, target.node, slides, feature_angle, length);
 }
@@ -201,18 +235,22 @@ Problem make_problem(const Deck& deck) {
     problem.level_placed = std::move(placed);
     const Mesh& mesh = problem.mesh();
     check_final_ids(deck, mesh);
-    refuse_invalid_target(check_target(mesh, problem.target.node, open_faces(mesh, problem.target)));
+    release_folded(deck, mesh, problem.ideal(), problem.target, problem.notes);
     problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
     problem.node_target = problem.target.node;
+    std::shared_ptr<SlidingSurfaces> sliding;
     if (!problem.target.prescribes_all()) {
         if (std::all_of(problem.target.hold.begin(), problem.target.hold.end(),
                         [](BoundaryHold hold) { return hold == BoundaryHold::free; }))
             throw UsageError(deck.path, ": all boundaries are free: give at least one of them a motion");
         const BoundaryTarget of_base = make_target(problem.base, motions_of(deck, problem.base), problem.placed);
-        problem.sliding = sliding_surfaces(deck.feature_angle, problem.base, of_base, problem.length);
-        if (problem.sliding) note_surfaces(mesh, *problem.sliding, problem.notes);
+        sliding = sliding_surfaces(deck.feature_angle, problem.base, of_base, slides(mesh, problem.target),
+                                   problem.length);
+        if (sliding) note_surfaces(mesh, *sliding, problem.notes);
     }
     change_unit(problem.length, *problem.level, problem.target);
+    if (sliding) smooth_released(mesh, problem.target, *sliding);
+    problem.sliding = std::move(sliding);
     return problem;
 }
 
@@ -229,7 +267,8 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
         level.turn = std::max(level.turn, turn(motion));
     }
     const double angle = deck.feature_angle;
-    level.constraint_at = [&problem, &level, motions, placed, kind, angle](double fraction) {
+    level.constraint_at = [&problem, &level, motions, placed, kind, angle,
+                           released = target.released](double fraction) {
         const double length = problem.length;
         std::vector<Motion> parts;
         for (const Motion& motion : motions) parts.push_back(at_fraction(motion, fraction));
@@ -242,10 +281,17 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
                 make_target(in_file_units, parts, at_fraction(placed, level.ideal, length, fraction));
             prescribe_shared_nodes(in_file_units, part);
             divide({&part.node, &part.sample}, length);
-            std::shared_ptr<const SlidingSurfaces> sliding;
-            if (problem.sliding)
-                sliding = sliding_surfaces(angle, problem.base, make_target(problem.base, parts, problem.placed),
-                                           length);
+            part.released = released;
+            std::shared_ptr<SlidingSurfaces> sliding;
+            if (problem.sliding) {
+                Mesh base = problem.base;
+                const std::vector<double> straight = straight_sided(base);
+                for (std::size_t i = 0; i < straight.size() && !released.empty(); ++i)
+                    base.x[i] = straight[i] + fraction * (base.x[i] - straight[i]);
+                sliding = sliding_surfaces(angle, base, make_target(base, parts, problem.placed),
+                                           slides(level.mesh, part), length);
+                if (sliding) smooth_released(level.mesh, part, *sliding);
+            }
             constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, part, kind, sliding);
         } catch (const InputError&) {  // the motions of two boundaries agree at their ends only
         }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <optional>
 
 #include "app/commands.hpp"
@@ -10,6 +11,7 @@
 #include "base/parallel.hpp"
 #include "base/physical_memory.hpp"
 #include "base/text.hpp"
+#include "check/surface_distance.hpp"
 #include "io/matrix_market.hpp"
 #include "method/continuation.hpp"
 #include "method/snap.hpp"
@@ -56,6 +58,15 @@ void snap(Level& level, Solution& solution) {
     last.relative_boundary_error = level.constraint->relative_error(solution.x);
 }
 
+void measure_sliding(const Problem& problem, Solution& solution) {
+    if (!problem.sliding) return;
+    const Mesh& mesh = problem.mesh();
+    const std::vector<char>& released = problem.target.released;
+    solution.released_nodes = static_cast<int>(std::count(released.begin(), released.end(), 1));
+    solution.largest_slide = largest_slide(mesh, problem.target, solution.x);
+    solution.surface_distance = distance_from_surfaces(mesh, problem.target, *problem.sliding, solution.x);
+}
+
 void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     const TimeAdder adder(solution.time.certify);
     Level& level = *problem.level;
@@ -64,6 +75,7 @@ void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     solution.refined_elements = level.energy->refined_elements();
     solution.max_boundary_error = level.constraint->max_error(solution.x);
     solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);
+    measure_sliding(problem, solution);
     solution.obstacle = find_obstacle(deck, problem, solution);
 }
 

@@ -25,7 +25,8 @@ struct Run {
     const AlResult& al;
     const RunTimes& time;
     AlIteration last;           // in units of the mesh file,
-    double max_boundary_error;  // and so is this
+    double max_boundary_error;  // and so are these
+    double largest_slide, surface_distance;
     int power;
     double predicted_bytes;
     const Obstacle& at;
@@ -105,6 +106,12 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.last.max_distortion, 7); }},
     {{"power", "of eta - 1 or eta in the objective, in the end"}, count,
      [](R r) { return text(r.power); }},
+    {{"released_nodes", "boundary nodes that slide along the surface because the target folds faces or elements there"},
+     count, [](R r) { return text(r.solution.released_nodes); }},
+    {{"largest_slide", "largest distance of one of them from its target"}, decimal,
+     [](R r) { return text(r.largest_slide, 6); }},
+    {{"surface_distance", "largest distance of a face whose nodes slide from their surface"}, decimal,
+     [](R r) { return text(r.surface_distance, 6); }},
     {{"refined_elements", "curved elements that came near folding and were given a finer quadrature"}, count,
      [](R r) { return text(r.solution.refined_elements); }},
     {{"min_scaled_jacobian", "lower bound of the scaled Jacobian over all elements, everywhere in them"}, decimal,
@@ -190,7 +197,8 @@ std::string condition_text(const Expectation& expectation) {
 Summary summarise(const Problem& problem, const Solution& solution) {
     const Units units = {problem.mesh().dim, problem.length};
     const Run run = {problem.mesh(), solution, solution.al, solution.time, units.of(solution.al.iterations.back()),
-                     units.distance(solution.max_boundary_error), problem.level->energy->power().p,
+                     units.distance(solution.max_boundary_error), units.distance(solution.largest_slide),
+                     units.distance(solution.surface_distance), problem.level->energy->power().p,
                      solution.predicted_bytes, solution.obstacle, problem.length};
     Summary summary;
     for (const Quantity& quantity : quantities) summary.push_back({quantity.name, quantity.value(run)});

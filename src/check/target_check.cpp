@@ -106,7 +106,7 @@ struct Check {
     std::vector<std::array<int, 2>> farthest_corners(int of_part) const;
     std::vector<double> enclosed(const std::vector<Patch>& patches) const;
     std::string id_of_node(int i) const { return std::to_string(mesh.file.node_id.empty() ? i : mesh.file.node_id[i]); }
-    void add_fault(int f, const std::string& what) { report.faults.push_back({f, face_name(mesh, f) + ": " + what}); }
+    void add_fault(int f, const std::string& what) { report.faults.push_back({f, face_name(mesh, f) + ": " + what, false}); }
 };
 
 Check::Check(const Mesh& mesh_, const std::vector<double>& target_)
@@ -154,12 +154,21 @@ const char* Check::fault_of_face(const Patch& patch) const {
     return least <= smallest_normal ? "the target folds the face back on itself" : nullptr;
 }
 
+// Whether the flat face with the same corners is one.
+bool has_corners_apart(const Patch& patch, int m) {
+    const Vec<3> u = patch[1] - patch[0], normal = m == 1 ? u : cross(u, patch[2] - patch[0]);
+    return length(normal) > degenerate * std::pow(box_of(patch).longest_side(), m);
+}
+
 constexpr char not_told[] = "";
 
 void Check::check_faces() {
     parallel_for(mesh.face_count(), [&](int f) { bad[f] = open[f] ? not_told : fault_of_face(after[f]); }, face_work);
     for (int f = 0; f < mesh.face_count(); ++f)
-        if (bad[f] && !open[f]) add_fault(f, bad[f]);
+        if (bad[f] && !open[f]) {
+            add_fault(f, bad[f]);
+            report.faults.back().by_curvature = has_corners_apart(after[f], mesh.dim - 1);
+        }
 }
 
 // Area or volume enclosed by each closed part, positive where the domain is inside it. Relative to the part's first

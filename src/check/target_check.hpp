@@ -24,6 +24,7 @@ struct TargetReport {
     struct Fault {
         int face;         // index into the mesh's faces
         std::string why;  // names the face by id and boundary, its centre in the mesh as read, and what is wrong
+        bool by_curvature = false;  // it is folded although the flat face with the same corners is not
     };
     std::vector<Fault> faults;
     bool crossed_before = false;  // faces of the initial mesh cross, and do so in the target

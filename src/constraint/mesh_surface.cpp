@@ -87,11 +87,14 @@ void MeshSurface::average_normals(const PatchNormal& normal, const std::vector<P
     std::map<int, Vec<3>> mean;
     for (std::size_t f = 0; f < patches.size(); ++f) {
         const std::vector<Vec<3>> n = normal.coefficients(patches[f]);
+        const Vec<3> u = patches[f][1] - patches[f][0];
+        const Vec<3> flat = m_ == 1 ? cross(u, {0, 0, 1}) : cross(u, patches[f][2] - patches[f][0]);
         for (int i = 0; i < lagrange_.count; ++i) {
             Barycentric l{};
             for (int k = 0; k <= m_; ++k) l[k] = static_cast<double>(lagrange_.nodes[i][k]) / lagrange_.degree;
             Vec<3>& sum = mean[node[f][i]];
-            sum = sum + unit(value(normal.basis, n, l));
+            const Vec<3> at = value(normal.basis, n, l);
+            sum = sum + unit(dot(at, flat) > 0 ? at : flat);  // of a face that is folded there
         }
     }
     for (const std::vector<int>& of_face : node)

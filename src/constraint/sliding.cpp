@@ -9,6 +9,8 @@
 #include <numeric>
 
 #include "base/index.hpp"
+#include "constraint/height_patch.hpp"
+#include "constraint/quadric.hpp"
 
 namespace almesh {
 namespace {
@@ -42,7 +44,11 @@ struct BoundaryFaces {
             position.push_back(std::move(moved));
             const std::vector<Vec<3>> n = normal.coefficients(patch.back());  // corners first
             std::vector<Vec<3>> at_corner;
-            for (int k = 0; k < dim; ++k) at_corner.push_back(n[n.size() == 1 ? 0 : k]);
+            const Vec<3> flat = flat_normal(position.back());
+            for (int k = 0; k < dim; ++k) {
+                const Vec<3>& at = n[n.size() == 1 ? 0 : k];
+                at_corner.push_back(dot(at, flat) > 0 ? at : flat);  // of a face that is folded there
+            }
             corner_normal.push_back(std::move(at_corner));
         }
         find_sides();
@@ -66,6 +72,11 @@ struct BoundaryFaces {
                 side.push_back({f, g});
                 side_angle.push_back(largest);
             }
+    }
+
+    Vec<3> flat_normal(const std::vector<Vec<3>>& corner) const {
+        const Vec<3> u = corner[1] - corner[0];
+        return mesh.dim == 2 ? Vec<3>{u[1], -u[0], 0} : cross(u, corner[2] - corner[0]);
     }
 
     Vec<3> normal_at(int k, int node) const {
@@ -96,17 +107,42 @@ struct BoundaryFaces {
         return result;
     }
 
+    std::vector<Vec<3>> points(const std::vector<int>& faces) const {
+        std::map<int, Vec<3>> of_node;
+        for (const int k : faces)
+            for (int i = 0; i < mesh.face_nodes(); ++i) of_node[mesh.face(face[k])[i]] = position[k][i];
+        std::vector<Vec<3>> result;
+        for (const auto& [node, x] : of_node) result.push_back(x);
+        return result;
+    }
+
     // Null where the faces are on none of the surfaces that it knows.
     std::unique_ptr<Surface> fitted(const std::vector<int>& faces) const {
-        std::map<int, Vec<3>> of_node;
         Vec<3> normal{};
-        for (const int k : faces) {
-            for (int i = 0; i < mesh.face_nodes(); ++i) of_node[mesh.face(face[k])[i]] = position[k][i];
+        for (const int k : faces)
             for (const Vec<3>& n : corner_normal[k]) normal = normal + n;
-        }
-        std::vector<Vec<3>> points;
-        for (const auto& [node, x] : of_node) points.push_back(x);
-        return fit_surface(mesh.dim, points, normal);
+        return fit_surface(mesh.dim, points(faces), normal);
+    }
+
+    // Whose normals are not across those of the faces, as those of the cylinder through the ends of a prism are.
+    bool on_one_quadric(const std::vector<int>& faces) const {
+        constexpr double tolerance = 1e-8, least_cosine = 0.1;
+        const auto quadric = fit_quadric(mesh.dim, points(faces), tolerance);
+        return quadric && std::all_of(faces.begin(), faces.end(), [&](int k) {
+            Vec<3> n{};
+            for (int c = 0; c < mesh.dim; ++c) n = n + quadric->foot(position[k][c]).normal;
+            const Vec<3> flat = flat_normal(position[k]);
+            return std::abs(dot(n, flat)) > least_cosine * length(n) * length(flat);
+        });
+    }
+
+    // By the elementary entity of the file: the faces of a CAD model.
+    std::vector<std::vector<int>> cut_by_entity(const std::vector<int>& faces) const {
+        std::map<int, std::vector<int>> groups;
+        for (const int k : faces) groups[mesh.file.face_entity.empty() ? 0 : mesh.file.face_entity[face[k]]].push_back(k);
+        std::vector<std::vector<int>> result;
+        for (auto& [entity, group] : groups) result.push_back(std::move(group));
+        return result;
     }
 
     std::unique_ptr<Surface> own(const PatchBasis& basis, const std::vector<int>& faces) const {
@@ -120,33 +156,56 @@ struct BoundaryFaces {
     }
 };
 
+struct SurfaceOfFaces {
+    std::unique_ptr<Surface> surface;
+    std::vector<int> faces;
+    bool of_mesh;  // the mesh's own faces
+};
+
+std::vector<SurfaceOfFaces> surfaces_of(const BoundaryFaces& faces, const PatchBasis& basis, double feature_angle) {
+    std::vector<SurfaceOfFaces> result;
+    const auto add = [&result](std::unique_ptr<Surface> surface, const std::vector<int>& of, bool of_mesh = false) {
+        if (!surface) return false;
+        result.push_back({std::move(surface), of, of_mesh});
+        return true;
+    };
+    std::vector<int> all(faces.face.size());
+    std::iota(all.begin(), all.end(), 0);
+    for (const std::vector<int>& connected : faces.cut(all, 180)) {
+        if (faces.on_one_quadric(connected) && add(faces.fitted(connected), connected)) continue;
+        for (const std::vector<int>& piece : faces.cut(connected, std::max(surely_sharp, feature_angle))) {
+            if (add(faces.fitted(piece), piece)) continue;
+            for (const std::vector<int>& smooth : faces.cut(piece, feature_angle)) {
+                if (add(faces.fitted(smooth), smooth)) continue;
+                std::vector<int> rest;
+                const auto entities = faces.cut_by_entity(smooth);
+                for (const std::vector<int>& entity : entities)
+                    if (entities.size() == 1 || !add(faces.fitted(entity), entity))
+                        rest.insert(rest.end(), entity.begin(), entity.end());
+                if (!rest.empty()) add(faces.own(basis, rest), rest, true);
+            }
+        }
+    }
+    return result;
+}
+
 }  // namespace
 
 SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
                                  double feature_angle, double unit)
-    : unit_(unit), of_boundary_(base.boundaries.size()), part_of_(base.boundaries.size()) {
+    : dim_(base.dim), unit_(unit), of_boundary_(base.boundaries.size()), part_of_(base.boundaries.size()) {
     const PatchBasis basis(base.dim - 1, base.degree);
     for (int b = 0; b < static_cast<int>(base.boundaries.size()); ++b) {
         if (!slides[b]) continue;
         const BoundaryFaces faces(base, basis, node, b);
         part_of_[b].resize(faces.face.size());
-        const auto add = [&](std::unique_ptr<Surface> surface, const std::vector<int>& of) {
+        for (auto& [surface, of, of_mesh] : surfaces_of(faces, basis, feature_angle)) {
             for (const int k : of) part_of_[b][k] = parts();
+            points_.emplace_back();
+            if (of_mesh) points_.back().position = faces.points(of);
+            for (const Vec<3>& x : points_.back().position) points_.back().normal.push_back(surface->foot(x).normal);
             surface_.push_back(std::move(surface));
             boundary_.push_back(b);
-        };
-        std::vector<int> all(faces.face.size());
-        std::iota(all.begin(), all.end(), 0);
-        for (const std::vector<int>& piece : faces.cut(all, std::max(surely_sharp, feature_angle))) {
-            if (auto surface = faces.fitted(piece)) {
-                add(std::move(surface), piece);
-                continue;
-            }
-            for (const std::vector<int>& smooth : faces.cut(piece, feature_angle)) {
-                auto surface = faces.fitted(smooth);
-                if (!surface) surface = faces.own(basis, smooth);
-                add(std::move(surface), smooth);
-            }
         }
         std::vector<Patch> before;
         for (const int f : faces.face) before.push_back(face_patch(basis, base, base.x, f));
@@ -156,6 +215,33 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
 
 int SlidingSurfaces::part(int boundary, const Vec<3>& x) const {
     return part_of_[boundary][of_boundary_[boundary]->find(unit_ * x).patch];
+}
+
+void SlidingSurfaces::add_patch(int node, int part, const Vec<3>& place) {
+    constexpr int most_points[] = {10, 30};
+    constexpr double same_side = 0.3;  // cosine of the angle between normals
+    const Points& all = points_[part];
+    if (all.position.empty() || patch_.contains({node, part})) return;
+    const SurfacePoint centre = surface_[part]->foot(unit_ * place);
+    std::vector<std::pair<double, int>> near;
+    for (int i = 0; i < static_cast<int>(all.position.size()); ++i)
+        if (dot(all.normal[i], centre.normal) > same_side)
+            near.emplace_back(length(all.position[i] - centre.position), i);
+    const auto count = std::min<std::size_t>(near.size(), most_points[dim_ - 2]);
+    std::partial_sort(near.begin(), near.begin() + count, near.end());
+    std::vector<Vec<3>> points;
+    for (std::size_t k = 0; k < count; ++k) points.push_back(all.position[near[k].second]);
+    auto patch = fit_height_patch(dim_, centre.position, centre.normal, points);
+    if (!patch) return;
+    patch_[{node, part}] = parts();
+    boundary_.push_back(boundary_[part]);
+    surface_.push_back(std::move(patch));
+    points_.emplace_back();
+}
+
+int SlidingSurfaces::part_or_patch(int node, int part) const {
+    const auto found = patch_.find({node, part});
+    return found == patch_.end() ? part : found->second;
 }
 
 SurfacePoint SlidingSurfaces::foot(int part, const Vec<3>& x) const {

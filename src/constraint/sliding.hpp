@@ -5,6 +5,8 @@
 // is then no such surface slides along its own faces. The surfaces are those of the mesh as read, where the motion
 // takes it: a refined mesh slides along the same ones.
 #pragma once
+#include <array>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,8 +35,22 @@ public:
 
     SurfacePoint foot(int part, const Vec<3>& x) const;
 
+    // Where the part is the mesh's own faces: a smooth patch around a node's place after the motion, along which it
+    // slides instead, as a part of its own.
+    void add_patch(int node, int part, const Vec<3>& place);
+
+    // The patch of the node, or the part itself.
+    int part_or_patch(int node, int part) const;
+
 private:
+    struct Points {
+        std::vector<Vec<3>> position, normal;
+    };
+
+    int dim_;
     double unit_;
+    std::vector<Points> points_;            // per part: of its nodes, where it is the mesh's own faces
+    std::map<std::array<int, 2>, int> patch_;  // node, part -> part
     std::vector<std::unique_ptr<Surface>> surface_;
     std::vector<int> boundary_;                               // per part
     std::vector<std::unique_ptr<ClosestPoint>> of_boundary_;  // per boundary; none where it does not slide

@@ -11,6 +11,8 @@ namespace almesh {
 
 namespace {
 
+constexpr int most_steps = 20;  // to a point of surfaces,
+constexpr double rounding = 1e-16;  // the shortest of which is that times |x|
 constexpr double tangent = 0.17;  // sine of the angle below which two surfaces touch, and their common nodes stay
 
 // The part of n perpendicular to the unit vectors of `basis`.
@@ -29,9 +31,7 @@ Vec<3> in_space(const double* x, int dim) {
 
 Vec<3> at_distances(const SlidingSurfaces& sliding, const std::vector<int>& parts, Vec<3> x,
                     const std::array<double, 3>& distances) {
-    constexpr int steps = 20;
-    constexpr double rounding = 1e-16;
-    for (int step = 0; step < steps; ++step) {
+    for (int step = 0; step < most_steps; ++step) {
         std::vector<Vec<3>> normals;
         Vec<3> move{};
         for (std::size_t k = 0; k < parts.size(); ++k) {  // onto the first plane, then along it onto the second
@@ -50,7 +50,14 @@ Vec<3> at_distances(const SlidingSurfaces& sliding, const std::vector<int>& part
 }
 
 Vec<3> on_surfaces(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x) {
-    return parts.size() == 1 ? sliding.foot(parts[0], x).position : at_distances(sliding, parts, x, {});
+    if (parts.size() > 1) return at_distances(sliding, parts, x, {});
+    Vec<3> at = x;
+    for (int step = 0; step < most_steps; ++step) {
+        const Vec<3> foot = sliding.foot(parts[0], at).position;
+        if (length(foot - at) <= rounding * length(at)) return foot;
+        at = foot;
+    }
+    return at;
 }
 
 std::array<double, 3> distances(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
@@ -117,6 +124,15 @@ void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& slidin
 
 }  // namespace
 
+void smooth_released(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding) {
+    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
+        const int f = k / mesh.face_nodes(), node = mesh.faces[k];
+        if (!target.is_released(node) || target.hold_of_face(mesh, f) != BoundaryHold::prescribed) continue;
+        const int part = sliding.part(mesh.face_boundary[f], centroid(mesh, mesh.x, mesh.face(f), mesh.dim));
+        sliding.add_patch(node, part, in_space(&target.node[offset(k, mesh.dim)], mesh.dim));
+    }
+}
+
 std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarget& target,
                                             const SlidingSurfaces* sliding, const std::vector<int>& nodes,
                                             const std::vector<int>& faces, const std::vector<double>& places,
@@ -134,13 +150,19 @@ std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarg
             centre = centre + 1.0 / dim * x;
             longest = std::max(longest, length(x - corner[0]));
         }
-        const int part = hold == BoundaryHold::slides ? sliding->part(mesh.face_boundary[f], centre) : -1;
+        const int* const node = mesh.face(f);
+        const bool slides = hold == BoundaryHold::slides;
+        const auto is_released = [&](int i) { return target.is_released(i); };
+        const bool has_part =
+            slides || (hold == BoundaryHold::prescribed && std::any_of(node, node + m, is_released));
+        const int part = has_part ? sliding->part(mesh.face_boundary[f], centre) : -1;
         for (int i = 0; i < m; ++i) {
             const int t = faces[offset(f, m, i)];
             size[t] = std::max(size[t], longest);
-            if (hold == BoundaryHold::prescribed) prescribed[t] = 1;
-            if (part >= 0 && std::find(parts[t].begin(), parts[t].end(), part) == parts[t].end())
-                parts[t].push_back(part);
+            if (hold == BoundaryHold::prescribed && !is_released(node[i])) prescribed[t] = 1;
+            if (part < 0 || !(slides || is_released(node[i]))) continue;
+            const int along = sliding->part_or_patch(node[i], part);
+            if (std::find(parts[t].begin(), parts[t].end(), along) == parts[t].end()) parts[t].push_back(along);
         }
     }
     held.assign(nodes.size(), 0);

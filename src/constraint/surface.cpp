@@ -13,6 +13,9 @@
 #include <limits>
 #include <sstream>
 
+#include "constraint/quadric.hpp"
+#include "linalg/dense_solve.hpp"
+
 
 namespace almesh {
 namespace {
@@ -108,31 +111,6 @@ struct Torus final : Surface {
     std::string name() const override { return text("torus of radii ", R, " and ", r); }
 };
 
-// Solves the k x k system A s = b by Gaussian elimination; false where it is singular.
-bool solve(std::vector<double> A, std::vector<double> b, std::vector<double>& s) {
-    const int k = static_cast<int>(b.size());
-    for (int i = 0; i < k; ++i) {
-        int pivot = i;
-        for (int r = i + 1; r < k; ++r)
-            if (std::abs(A[r * k + i]) > std::abs(A[pivot * k + i])) pivot = r;
-        if (!(std::abs(A[pivot * k + i]) > tiny)) return false;
-        for (int j = 0; j < k; ++j) std::swap(A[i * k + j], A[pivot * k + j]);
-        std::swap(b[i], b[pivot]);
-        for (int r = i + 1; r < k; ++r) {
-            const double factor = A[r * k + i] / A[i * k + i];
-            for (int j = i; j < k; ++j) A[r * k + j] -= factor * A[i * k + j];
-            b[r] -= factor * b[i];
-        }
-    }
-    s.assign(k, 0.0);
-    for (int i = k; i-- > 0;) {
-        double sum = b[i];
-        for (int j = i + 1; j < k; ++j) sum -= A[i * k + j] * s[j];
-        s[i] = sum / A[i * k + i];
-    }
-    return true;
-}
-
 using Residual = std::function<double(const std::vector<double>& parameters, const Vec<3>& x)>;
 
 double squares(const Residual& residual, const std::vector<double>& s, const std::vector<Vec<3>>& points) {
@@ -164,7 +142,7 @@ double least_squares(const Residual& residual, const std::vector<Vec<3>>& points
             }
         }
         for (int i = 0; i < k; ++i) A[i * k + i] += damping * (A[i * k + i] + 1e-12);
-        if (!solve(A, b, d)) break;
+        if (!solve_dense(A, b, d, 0)) break;
         trial = s;
         for (int i = 0; i < k; ++i) trial[i] += d[i];
         const double next = squares(residual, trial, points);
@@ -248,7 +226,7 @@ std::unique_ptr<Surface> fit_sphere(int dim, const Fit& fit) {
             for (int j = 0; j < k; ++j) A[i * k + j] += row[i] * row[j];
         }
     }
-    if (!solve(A, b, s)) return nullptr;
+    if (!solve_dense(A, b, s, 0)) return nullptr;
     Vec<3> c{};
     std::copy_n(s.begin(), dim, c.begin());
     const double squared = s[dim] + dot(c, c);
@@ -301,7 +279,8 @@ std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points,
     if (holds()) return found;
     if (count < dim + 2) return nullptr;
     found = fit_sphere(dim, fit);
-    if (holds() || dim == 2) return holds() ? std::move(found) : nullptr;
+    if (holds()) return found;
+    if (dim == 2) return fit_quadric(dim, points, tolerance);
     std::vector<Vec<3>> axes = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}};
     for (const Vec<3>& axis : fit.principal_axes()) axes.push_back(axis);
     for (const bool torus : {false, true})
@@ -310,7 +289,7 @@ std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points,
             found = fit_round(fit, axis, torus);
             if (holds()) return found;
         }
-    return nullptr;
+    return fit_quadric(dim, points, tolerance);
 }
 
 }  // namespace almesh

@@ -112,6 +112,12 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, 
     return target;
 }
 
+std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, std::vector<double> x) {
+    for (std::size_t k = mesh.faces.size(); k-- > 0;)
+        std::copy_n(&target.node[k * mesh.dim], mesh.dim, point(x, mesh.faces[k], mesh.dim));
+    return x;
+}
+
 void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target) {
     const int dim = mesh.dim, m = mesh.face_nodes();
     std::vector<int> first(mesh.nodes(), -1);
@@ -126,7 +132,7 @@ void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target) {
 }
 
 bool BoundaryTarget::prescribes_all() const {
-    return std::all_of(hold.begin(), hold.end(), [](BoundaryHold h) { return h == BoundaryHold::prescribed; });
+    return released.empty() && std::all_of(hold.begin(), hold.end(), [](BoundaryHold h) { return h == BoundaryHold::prescribed; });
 }
 
 }  // namespace almesh

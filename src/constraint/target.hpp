@@ -12,11 +12,13 @@ namespace almesh {
 struct BoundaryTarget {
     bool in_trace_space = false;  // all motions are affine: g_D is of the mesh's degree on every face
     std::vector<BoundaryHold> hold;  // per boundary
+    std::vector<char> released;      // per node: whether it slides although its boundary is prescribed; empty: none
     Quadrature quadrature;        // on the reference face
     std::vector<double> node;     // face x face node x dim: g_D at the nodes of the face
     std::vector<double> sample;   // face x quadrature point x dim: g_D at the quadrature points
 
     BoundaryHold hold_of_face(const Mesh& mesh, int f) const { return hold[mesh.face_boundary[f]]; }
+    bool is_released(int i) const { return !released.empty() && released[i]; }
     bool prescribes_all() const;
 };
 
@@ -26,6 +28,9 @@ using PlacedNodes = std::vector<std::vector<double>>;
 // motion: one per mesh.boundaries. Throws UsageError where one does not fit the dimension, InputError where a
 // projection is undefined (a node at the centre), or where two boundaries send a node they share to different places.
 BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed = {});
+
+// x (node_count x dim) with the boundary nodes at their places in the target: the first face that holds a node decides.
+std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, std::vector<double> x);
 
 // Nodes that one face prescribes are there on faces too that slide or are free.
 void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target);

@@ -1,0 +1,123 @@
+#include "check/released_nodes.hpp"
+
+#include <algorithm>
+
+#include "base/index.hpp"
+#include "base/text.hpp"
+#include "geometry/patch.hpp"
+
+namespace almesh {
+namespace {
+
+// Scaled Jacobian at or below which a target leaves no element of any use.
+constexpr double useless = 0.01;
+
+std::vector<char> open_faces(const Mesh& mesh, const BoundaryTarget& target) {
+    std::vector<char> open(mesh.face_count());
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const int* const node = mesh.face(f);
+        open[f] = target.hold_of_face(mesh, f) != BoundaryHold::prescribed ||
+                  std::any_of(node, node + mesh.face_nodes(), [&](int i) { return target.is_released(i); });
+    }
+    return open;
+}
+
+std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target) {
+    std::vector<char> prescribed(mesh.nodes(), 0);
+    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
+        if (target.hold_of_face(mesh, k / mesh.face_nodes()) == BoundaryHold::prescribed)
+            prescribed[mesh.faces[k]] = !target.is_released(mesh.faces[k]);
+    return prescribed;
+}
+
+}  // namespace
+
+bool TargetFaults::may_be_mended() const {
+    return !none() &&
+           std::all_of(faces.faults.begin(), faces.faults.end(), [](const auto& fault) { return fault.by_curvature; }) &&
+           std::all_of(elements.begin(), elements.end(), [](const auto& fault) { return fault.by_curvature; });
+}
+
+TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target) {
+    const std::vector<double> place = at_target(mesh, target, ideal);
+    TargetFaults faults;
+    faults.faces = check_target(mesh, target.node, open_faces(mesh, target));
+    // Boundaries that are not in the trace space end as near to these places as the elements resolve them.
+    const double bound = mesh.degree == 1 ? 0 : target.in_trace_space ? useless : -useless;
+    faults.elements = determined_elements(mesh, place, prescribed_nodes(mesh, target), bound);
+    return faults;
+}
+
+std::string describe(const Mesh& mesh, const TargetFaults& faults) {
+    constexpr std::size_t shown = 10;
+    std::string text;
+    std::size_t lines = 0;
+    const auto add = [&](const std::string& line) {
+        if (++lines <= shown) text += "\n  " + line;
+    };
+    for (const TargetReport::Fault& fault : faults.faces.faults) add(fault.why);
+    for (const DeterminedElement& fault : faults.elements) {
+        const Vec<3> c = centroid(mesh, mesh.x, mesh.element(fault.element), mesh.dim + 1);
+        add(concat(mesh.cell().name, " ", mesh.file.element_id[fault.element], " at (", c[0], ", ", c[1],
+                   mesh.dim == 3 ? concat(", ", c[2]) : std::string(), "): the boundary alone makes its scaled Jacobian ",
+                   fault.scaled_jacobian, ", whatever the mesh inside"));
+    }
+    if (lines > shown) text += "\n  ...";
+    return text;
+}
+
+namespace {
+
+// The unit normal of the flat face with the same vertices; 0 where these lie on a line.
+Vec<3> flat_normal(const Mesh& mesh, const BoundaryTarget& target, int f) {
+    std::array<Vec<3>, 3> corner{};
+    for (int i = 0; i < mesh.dim; ++i)
+        std::copy_n(&target.node[offset(offset(f, mesh.face_nodes(), i), mesh.dim)], mesh.dim, corner[i].begin());
+    const Vec<3> u = corner[1] - corner[0];
+    const Vec<3> n = mesh.dim == 2 ? Vec<3>{u[1], -u[0], 0} : cross(u, corner[2] - corner[0]);
+    return length(n) > 0 ? 1 / length(n) * n : n;
+}
+
+// Adds to the chosen faces those of the same boundary that lie in one plane with them.
+void add_coplanar(const Mesh& mesh, const BoundaryTarget& target, std::vector<char>& chosen) {
+    constexpr double same_plane = 1e-7;  // sine of the angle between normals
+    std::vector<std::vector<int>> at_node(mesh.nodes());
+    for (int f = 0; f < mesh.face_count(); ++f)
+        for (int i = 0; i < mesh.dim; ++i) at_node[mesh.face(f)[i]].push_back(f);
+    std::vector<int> front;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (chosen[f]) front.push_back(f);
+    while (!front.empty()) {
+        const int f = front.back();
+        front.pop_back();
+        const Vec<3> n = flat_normal(mesh, target, f);
+        for (int i = 0; i < mesh.dim; ++i)
+            for (const int g : at_node[mesh.face(f)[i]]) {
+                if (chosen[g] || mesh.face_boundary[g] != mesh.face_boundary[f]) continue;
+                const Vec<3> other = flat_normal(mesh, target, g);
+                if (!(dot(n, other) > 0) || length(cross(n, other)) > same_plane) continue;
+                chosen[g] = 1;
+                front.push_back(g);
+            }
+    }
+}
+
+}  // namespace
+
+std::vector<char> released_nodes(const Mesh& mesh, const BoundaryTarget& target, const TargetFaults& faults) {
+    const int m = mesh.face_nodes();
+    std::vector<char> vertex(mesh.nodes(), 0), chosen(mesh.face_count(), 0), released(mesh.nodes(), 0);
+    for (const TargetReport::Fault& fault : faults.faces.faults)
+        for (int i = 0; i < mesh.dim; ++i) vertex[mesh.face(fault.face)[i]] = 1;
+    for (const DeterminedElement& fault : faults.elements)
+        for (int i = 0; i <= mesh.dim; ++i) vertex[mesh.element(fault.element)[i]] = 1;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        chosen[f] = std::any_of(mesh.face(f), mesh.face(f) + mesh.dim, [&](int i) { return vertex[i]; });
+    add_coplanar(mesh, target, chosen);
+    for (int f = 0; f < mesh.face_count(); ++f)
+        for (int i = 0; i < m && chosen[f]; ++i)
+            released[mesh.face(f)[i]] = target.hold_of_face(mesh, f) == BoundaryHold::prescribed;
+    return released;
+}
+
+}  // namespace almesh

@@ -1,0 +1,32 @@
+// Targets that fold a face, or an element with several faces on the boundary: as CAD surfaces do where the nodes that
+// are not vertices crowd. No mesh keeps such a target, but one whose nodes slide along the target's surface there may.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "check/determined_elements.hpp"
+#include "check/target_check.hpp"
+#include "constraint/target.hpp"
+
+namespace almesh {
+
+struct TargetFaults {
+    TargetReport faces;
+    std::vector<DeterminedElement> elements;
+
+    bool none() const { return faces.faults.empty() && elements.empty(); }
+    bool may_be_mended() const;  // by sliding: all are of faces and elements that are folded by their curvature alone
+};
+
+// ideal: node_count x dim positions. What the target leaves open, because it slides, is released or free, is passed
+// over.
+TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target);
+
+// The first faults, a line each: what, where.
+std::string describe(const Mesh& mesh, const TargetFaults& faults);
+
+// Per node of the mesh, whether it is prescribed by the target and on a face that is folded, or at an element that is,
+// or on a face next to these, or in one plane with those.
+std::vector<char> released_nodes(const Mesh& mesh, const BoundaryTarget& target, const TargetFaults& faults);
+
+}  // namespace almesh

@@ -1,0 +1,62 @@
+#include "check/surface_distance.hpp"
+
+#include <algorithm>
+
+#include "base/index.hpp"
+#include "base/parallel.hpp"
+#include "constraint/sliding_nodes.hpp"
+#include "geometry/patch.hpp"
+#include "mesh/lagrange.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double face_work = 1e4;  // simple operations for one face
+
+// point x face node: the basis functions at the points of a grid.
+std::vector<double> grid_values(int m, int degree) {
+    const LagrangeBasis basis(m, degree), grid(m, 2 * degree);
+    std::vector<double> values(offset(grid.count, basis.count));
+    for (int q = 0; q < grid.count; ++q) {
+        double xi[3] = {};
+        for (int k = 0; k < m; ++k) xi[k] = static_cast<double>(grid.nodes[q][k + 1]) / grid.degree;
+        basis.values(xi, &values[offset(q, basis.count)]);
+    }
+    return values;
+}
+
+}  // namespace
+
+double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces& sliding,
+                              const std::vector<double>& x) {
+    const int m = mesh.face_nodes(), dim = mesh.dim;
+    const std::vector<double> values = grid_values(dim - 1, mesh.degree);
+    std::vector<double> distance(mesh.face_count(), 0.0);
+    parallel_for(mesh.face_count(), [&](int f) {
+        const int* const node = mesh.face(f);
+        const BoundaryHold hold = target.hold_of_face(mesh, f);
+        const bool released = std::any_of(node, node + m, [&](int i) { return target.is_released(i); });
+        if (hold == BoundaryHold::free || (hold == BoundaryHold::prescribed && !released)) return;
+        const std::vector<int> part = {sliding.part(mesh.face_boundary[f], centroid(mesh, mesh.x, node, dim))};
+        const std::vector<Vec<3>> nodes = positions(mesh, x, node, m);
+        for (std::size_t q = 0; q < values.size(); q += m) {
+            Vec<3> at{};
+            for (int i = 0; i < m; ++i) at = at + values[q + i] * nodes[i];
+            distance[f] = std::max(distance[f], length(at - on_surfaces(sliding, part, at)));
+        }
+    }, face_work);
+    return distance.empty() ? 0 : *std::max_element(distance.begin(), distance.end());
+}
+
+double largest_slide(const Mesh& mesh, const BoundaryTarget& target, const std::vector<double>& x) {
+    const std::vector<double> place = at_target(mesh, target, x);
+    double largest = 0;
+    for (int i = 0; i < mesh.nodes(); ++i) {
+        if (!target.is_released(i)) continue;
+        const Vec<3> move = in_space(point(x, i, mesh.dim), mesh.dim) - in_space(point(place, i, mesh.dim), mesh.dim);
+        largest = std::max(largest, length(move));
+    }
+    return largest;
+}
+
+}  // namespace almesh
