@@ -1,0 +1,252 @@
+#!/usr/bin/env python3
+"""Curved CAD meshes mended by almesh and by gmsh's high-order optimisers, in one table.
+
+  plot/compare_gmsh.py          the same as `make compare-gmsh`: all cases, outputs/compare-gmsh/table.md
+  plot/compare_gmsh.py NAME...  those whose names contain one of the words
+
+Needs gmsh's Python module and numpy (Debian: python3-gmsh, python3-numpy). Every mesh is made anew from its geometry in
+inputs/cad/, and component8.step of gmsh's demos (Debian: gmsh-doc) where it is installed. gmsh's optimisers are those of
+its option Mesh.HighOrderOptimize: 1 optimisation, 2 elastic analogy, then optimisation, 3 elastic analogy, 4 fast
+curving. Per mesh and method:
+
+  invalid    elements that `almesh quality` does not certify
+  eta        largest distortion of an element with respect to the straight one of gmsh's linear mesh, at a grid of points
+  distance   largest distance of a grid of points of the boundary faces from their CAD surfaces, over the mesh size h
+  seconds    of the optimiser alone, and of the whole run of almesh
+
+The first method that leaves no invalid element, by time, is marked. Every run has a process of its own and ends after
+LIMIT seconds.
+"""
+import gzip
+import itertools
+import json
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import runs
+
+ROOT = runs.OUTPUTS.parent
+FOLDER = runs.OUTPUTS / "compare-gmsh"
+STEP = Path("/usr/share/doc/gmsh-doc/doc/gmsh/demos/boolean/component8.step.gz")
+LIMIT = 120
+OPTIMISERS = {1: ["HighOrder"], 2: ["HighOrderElastic", "HighOrder"], 3: ["HighOrderElastic"],
+              4: ["HighOrderFastCurving"]}
+GRID = 8  # points along the edge of an element
+
+# geometry: sizes h
+GEOMETRIES = {"cylinder-box": [0.5, 0.3], "layers": [0.5, 0.3], "torus": [0.35, 0.21],
+              "torus-in-sphere": [0.5, 0.3], "ellipsoid": [0.4, 0.3], "component8": [10, 5]}
+
+
+def cases():
+    """[(name, geometry, h, degree)]."""
+    return [(f"{geometry} h={h} degree={degree}", geometry, h, degree)
+            for geometry, sizes in GEOMETRIES.items() for h in sizes for degree in (2, 3)
+            if geometry != "component8" or STEP.exists()]
+
+
+def folder_of(name):
+    return FOLDER / name.replace(" ", "-").replace("=", "")
+
+
+# ---------------------------------------------------------------- in a process of its own: gmsh
+
+def open_geometry(geometry, h):
+    import gmsh
+    gmsh.initialize()
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.option.setNumber("General.NumThreads", 1)
+    gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)
+    if geometry == "component8":
+        step = FOLDER / "component8.step"
+        step.write_bytes(gzip.decompress(STEP.read_bytes()))
+        gmsh.open(str(step))
+        gmsh.option.setNumber("Mesh.MeshSizeMin", h)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 2 * h)
+        gmsh.model.addPhysicalGroup(3, [tag for _, tag in gmsh.model.getEntities(3)])
+        gmsh.model.addPhysicalGroup(2, [tag for _, tag in gmsh.model.getEntities(2)])
+    else:
+        gmsh.parser.setNumber("h", [h]) if hasattr(gmsh, "parser") else gmsh.onelab.set(json.dumps(
+            [{"type": "number", "name": "Parameters/h", "values": [h]}]))
+        gmsh.open(str(ROOT / "inputs" / "cad" / f"{geometry}.geo"))
+    return gmsh
+
+
+def make(geometry, h, degree, optimiser, path):
+    """Writes the mesh of the degree, optimised or not; prints the optimiser's seconds."""
+    gmsh = open_geometry(geometry, float(h))
+    gmsh.model.mesh.generate(3)
+    gmsh.model.mesh.setOrder(int(degree))
+    start = time.perf_counter()
+    for method in OPTIMISERS.get(int(optimiser), []):
+        gmsh.model.mesh.optimize(method)
+    print(time.perf_counter() - start)
+    gmsh.write(path)
+
+
+class Basis:
+    """Lagrange polynomials of a gmsh element type, at a grid of barycentric points."""
+
+    def __init__(self, gmsh, element_type):
+        import numpy as np
+        _, self.dim, degree, self.count, nodes, _ = gmsh.model.mesh.getElementProperties(element_type)
+        nodes = np.array(nodes).reshape(self.count, -1)[:, :self.dim]
+        powers = [p for p in itertools.product(range(degree + 1), repeat=self.dim) if sum(p) <= degree]
+        points = np.array([p for p in itertools.product(range(GRID + 1), repeat=self.dim) if sum(p) <= GRID]) / GRID
+
+        def monomials(at, lowered=None):
+            columns = []
+            for power in powers:
+                column, power = np.ones(len(at)), list(power)
+                if lowered is not None:
+                    column *= power[lowered]
+                    power[lowered] = max(0, power[lowered] - 1)
+                for k, exponent in enumerate(power):
+                    column = column * at[:, k] ** exponent
+                columns.append(column)
+            return np.array(columns).T
+
+        inverse = np.linalg.inv(monomials(nodes))
+        self.values = monomials(points) @ inverse
+        self.gradients = [monomials(points, k) @ inverse for k in range(self.dim)]
+
+
+def measure(geometry, h, mesh, reference):
+    """Prints eta and distance over h of the mesh; reference: the one that was not optimised, with the same nodes."""
+    import numpy as np
+    gmsh = open_geometry(geometry, float(h))
+
+    def read(path):
+        """{element type: (entity, nodes)}, {node: position}."""
+        lines = Path(path).read_text().split("\n")
+        at = lines.index("$Nodes")
+        position = {int(line.split()[0]): [float(v) for v in line.split()[1:4]]
+                    for line in lines[at + 2:at + 2 + int(lines[at + 1])]}
+        at = lines.index("$Elements")
+        of_type = {}
+        for line in lines[at + 2:at + 2 + int(lines[at + 1])]:
+            words = [int(word) for word in line.split()]
+            of_type.setdefault(words[1], []).append((words[4], words[3 + words[2]:]))
+        return of_type, position
+
+    of_type, position = read(mesh)
+    _, before = read(reference)
+    eta = distance = 0
+    for element_type, elements in of_type.items():
+        basis = Basis(gmsh, element_type)
+        x = np.array([[position[i] for i in nodes] for _, nodes in elements])
+        if basis.dim == 3:
+            y = np.array([[before[i] for i in nodes[:4]] for _, nodes in elements])
+            ideal = np.stack([y[:, k + 1] - y[:, 0] for k in range(3)], axis=2)
+            J = np.stack([np.einsum("qi,eia->eqa", g, x) for g in basis.gradients], axis=3)
+            F = np.einsum("eqab,ebc->eqac", J, np.linalg.inv(ideal))
+            det = np.linalg.det(F)
+            squared = np.einsum("eqab,eqab->eq", F, F)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                values = np.where(det > 0, squared / (3 * np.abs(det) ** (2 / 3)), np.inf)
+            eta = max(eta, values.max())
+        if basis.dim == 2:
+            points = np.einsum("qi,eia->eqa", basis.values, x)
+            for (entity, _), of_face in zip(elements, points):
+                closest, _ = gmsh.model.getClosestPoint(2, entity, of_face.ravel().tolist())
+                apart = np.linalg.norm(np.array(closest).reshape(-1, 3) - of_face, axis=1)
+                distance = max(distance, apart.max())
+    print(eta, distance / float(h))
+
+
+# ---------------------------------------------------------------- the table
+
+def in_process(function, *arguments):
+    """Words that it prints, or None where it fails or takes too long."""
+    command = [sys.executable, __file__, "--" + function.__name__, *map(str, arguments)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
+    except subprocess.TimeoutExpired:
+        return None
+    return done.stdout.split() if done.returncode == 0 else None
+
+
+def invalid_elements(mesh):
+    text = subprocess.run([ROOT / "almesh", "quality", mesh], capture_output=True, text=True).stdout
+    counts = [line.split()[0] for line in text.splitlines() if "NOT certified valid" in line]
+    return int(counts[0]) if counts else 0
+
+
+def run_almesh(mesh, folder):
+    """(final mesh, seconds, status)."""
+    deck = folder / "almesh.deck"
+    deck.write_text(f"mesh = {mesh.name}\noutput = {folder / 'almesh'}\nboundary all = fixed\nvtk = none\n")
+    shutil.rmtree(folder / "almesh", ignore_errors=True)
+    start = time.perf_counter()
+    try:
+        subprocess.run([ROOT / "almesh", deck], capture_output=True, timeout=LIMIT)
+    except subprocess.TimeoutExpired:
+        return None
+    seconds = time.perf_counter() - start
+    final = folder / "almesh" / "final.msh"
+    return (final, seconds) if final.exists() else None
+
+
+def compare(name, geometry, h, degree):
+    """[(method, seconds, invalid, eta, distance)]; seconds None: it failed or took too long."""
+    folder = folder_of(name)
+    folder.mkdir(parents=True, exist_ok=True)
+    raw = folder / "gmsh-0.msh"
+    if in_process(make, geometry, h, degree, 0, raw) is None:
+        raise SystemExit(f"compare_gmsh.py: gmsh could not make {name}")
+    results = []
+
+    def add(method, mesh, seconds):
+        found = in_process(measure, geometry, h, mesh, raw) or ["nan", "nan"]
+        results.append((method, seconds, invalid_elements(mesh), float(found[0]), float(found[1])))
+
+    add("none", raw, 0.0)
+    for optimiser in OPTIMISERS:
+        mesh = folder / f"gmsh-{optimiser}.msh"
+        seconds = in_process(make, geometry, h, degree, optimiser, mesh)
+        if seconds is None:
+            results.append((f"gmsh {optimiser}", None, None, None, None))
+        else:
+            add(f"gmsh {optimiser}", mesh, float(seconds[0]))
+    final = run_almesh(raw, folder)
+    if final is None:
+        results.append(("almesh", None, None, None, None))
+    else:
+        add("almesh", *final)
+    return results
+
+
+def cell(result, fastest):
+    method, seconds, invalid, eta, distance = result
+    if seconds is None:
+        return f"- (over {LIMIT} s, or failed)"
+    text = f"{invalid}; {eta:.3g}; {distance:.2g}; {seconds:.2g} s"
+    return f"**{text}**" if method == fastest else text
+
+
+def main(words):
+    chosen = [case for case in cases() if not words or any(word in case[0] for word in words)]
+    methods = ["none", *(f"gmsh {k}" for k in OPTIMISERS), "almesh"]
+    lines = ["invalid elements; largest eta; distance from the CAD over h; seconds", "",
+             "| mesh | " + " | ".join(methods) + " |", "|---" * (len(methods) + 1) + "|"]
+    print("\n".join(lines))
+    for case in chosen:
+        results = compare(*case)
+        valid = [r for r in results if r[1] is not None and r[2] == 0 and r[0] != "none"]
+        fastest = min(valid, key=lambda r: r[1])[0] if valid else None
+        lines.append(f"| {case[0]} | " + " | ".join(cell(r, fastest) for r in results) + " |")
+        print(lines[-1], flush=True)
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    (FOLDER / "table.md").write_text("\n".join(lines) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    PARTS = {"--make": make, "--measure": measure}
+    if len(sys.argv) > 1 and sys.argv[1] in PARTS:
+        PARTS[sys.argv[1]](*sys.argv[2:])
+    else:
+        sys.exit(main(sys.argv[1:]))
