@@ -134,7 +134,7 @@ PlacedNodes places_of_files(const Deck& deck, const Mesh& base) {
 
 Mesh discretised(const Mesh& base, int refinements, int degree) {
     const Mesh refined = refine(base, refinements);
-    return degree == 1 ? linear_part(refined) : raise_degree(refined, degree);
+    return degree == 1 ? linear_part(refined) : interpolated(refined, degree);
 }
 
 // The base mesh, refined and of another degree, its ideal mesh and its target, in units of the file. placed: of the
@@ -184,6 +184,12 @@ std::shared_ptr<SlidingSurfaces> sliding_surfaces(double feature_angle, const Me
                                                   const std::vector<char>& slides, double length) {
     if (std::count(slides.begin(), slides.end(), 1) == 0) return nullptr;
     return std::make_shared<SlidingSurfaces>(base, target.node, slides, feature_angle, length);
+}
+
+// Takes back the release of nodes on boundaries whose surfaces are not known.
+void keep_where_unknown(const Mesh& mesh, const SlidingSurfaces& sliding, BoundaryTarget& target) {
+    for (int k = 0; k < static_cast<int>(mesh.faces.size()) && !target.released.empty(); ++k)
+        if (!sliding.knows(mesh.face_boundary[k / mesh.face_nodes()])) target.released[mesh.faces[k]] = 0;
 }
 
 void note_surfaces(const Mesh& mesh, const SlidingSurfaces& sliding, std::vector<std::string>& notes) {
@@ -302,7 +308,8 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
 std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem) {
     std::vector<CoarserMesh> coarser;
     for (int refinements = 0; refinements < deck.refine; ++refinements) coarser.push_back({refinements, 1});
-    const int of_file = problem.base.degree;  // the file's own curves are known from its degree on
+    // The file's own curves are known from its degree on; but where nodes slide, they find their way at lower ones.
+    const int of_file = problem.target.released.empty() ? problem.base.degree : 1;
     for (int degree = 1; degree < problem.mesh().degree; degree = std::max(degree + 1, of_file))
         coarser.push_back({deck.refine, degree});
     return coarser;
@@ -312,6 +319,12 @@ std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, c
     BoundaryTarget target;
     PlacedNodes placed = problem.placed;
     std::unique_ptr<Level> level = discretise(deck, problem.base, coarser.refinements, coarser.degree, placed, target);
+    if (level->mesh.degree > 1 && !problem.target.released.empty()) {
+        const TargetFaults faults = find_faults(level->mesh, level->ideal, target);
+        if (faults.may_be_mended()) target.released = released_nodes(level->mesh, target, faults);
+        keep_where_unknown(level->mesh, *problem.sliding, target);
+        level->is_worth_little = level->mesh.degree < problem.base.degree;  // it has not the shape of the file
+    }
     change_unit(problem.length, *level, target);
     Deck simpler = deck;
     if (level->mesh.degree < problem.mesh().degree) simpler.target = TargetKind::nodal;

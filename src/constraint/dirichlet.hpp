@@ -69,7 +69,7 @@ public:
     void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) override;
     std::unique_ptr<ConstraintPart> part(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                                          const std::vector<int>& node, const BlockCsr& pattern) override;
-    bool bends_steps() const override { return sliding_ != nullptr; }
+    bool bends_steps() const override { return sliding_ && !prescribes_all(); }
     void bend(const std::vector<double>& x, const std::vector<double>& d, double t,
               std::vector<double>& y) const override;
     const std::vector<int>& nodes() const override { return trace_.nodes; }  // trace node -> mesh node

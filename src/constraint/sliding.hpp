@@ -29,6 +29,7 @@ public:
     const Surface& surface(int part) const { return *surface_[part]; }
 
     double unit() const { return unit_; }
+    bool knows(int boundary) const { return of_boundary_[boundary] != nullptr; }
 
     // The part of the boundary whose faces are nearest to x, both before the motion.
     int part(int boundary, const Vec<3>& x) const;

@@ -65,6 +65,9 @@ Mesh linear_part(const Mesh& mesh);
 // them, so a curved mesh keeps its shape. Vertices keep their ids, other nodes get ids after the largest one.
 Mesh raise_degree(const Mesh& mesh, int degree);
 
+// The same with any degree from 1 on: with a lower one a curved mesh changes its shape between the nodes.
+Mesh interpolated(const Mesh& mesh, int degree);
+
 // Splits every element uniformly `times` times (2D: 4 triangles by the edge midpoints; 3D: 8 tetrahedra, the inner
 // octahedron cut along its shortest diagonal). Works on the straight-sided linear mesh; throws InputError for a mesh
 // that is curved, and where the result is beyond the range of int. A mesh of degree p is refined as a linear one and

@@ -264,9 +264,13 @@ Mesh linear_part(const Mesh& mesh) {
 }
 
 Mesh raise_degree(const Mesh& mesh, int degree) {
-    if (degree == mesh.degree) return mesh;
     if (degree < mesh.degree)
         throw InputError("cannot lower the degree of the mesh from ", mesh.degree, " to ", degree);
+    return interpolated(mesh, degree);
+}
+
+Mesh interpolated(const Mesh& mesh, int degree) {
+    if (degree == mesh.degree) return mesh;
     const int dim = mesh.dim;
     const LagrangeBasis coarse(dim, mesh.degree), fine(dim, degree);
     check_size(static_cast<double>(mesh.element_count()) * fine.count, "degree");

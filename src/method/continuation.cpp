@@ -15,6 +15,7 @@ double square(double v) { return v * v; }
 
 constexpr double penalty_growth = 100, largest_start_penalty = 1e7;  // from mesh to mesh; in units of |1|^2
 constexpr double nearer = 0.5;  // than the ideal mesh to the target: else what is left is to curve the boundary
+constexpr int few_steps = 20;  // on a level that is worth little
 constexpr double of_gradient = 0.003;  // tolerance on coarser meshes: a step there is cheaper than one more here
 
 // A field on the nodes of the constraint, zero at all others.
@@ -34,6 +35,10 @@ Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Lev
     const AlStart start = start_from(solution, *level, x);
     MethodParams loose = params;
     loose.schedule = loosened(params.schedule, *level, of_gradient);
+    if (level->is_worth_little) {
+        loose.schedule.max_newton_iterations = std::min(loose.schedule.max_newton_iterations, few_steps);
+        loose.follow = Follow::never;
+    }
     const AlResult result = minimise_following(*level, newton, loose, x, start);
     time += newton.time;
 

@@ -32,6 +32,8 @@ struct Level {
     // motion is not followed.
     std::function<std::unique_ptr<Constraint>(double fraction)> constraint_at = {};
     double turn = 0;
+
+    bool is_worth_little = false;  // among coarser meshes: tried at once, in a few steps
 };
 
 // What the method came to on a coarser mesh, for a part of the motion, or with one of several powers: a row of the
