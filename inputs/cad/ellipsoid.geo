@@ -1,3 +1,9 @@
+// ellipsoid.geo: a thin ellipsoid in a sphere, by OpenCASCADE, too coarse for its rim.
+//
+//   gmsh -nt 1 -3 -order 2 -bin -format msh41 ellipsoid.geo -o ellipsoid.msh
+//
+// Made with gmsh 4.8.4.
+
 SetFactory("OpenCASCADE");
 DefineConstant[ h = 0.4 ];
 Sphere(1) = {0, 0, 0, 2};

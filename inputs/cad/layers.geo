@@ -1,3 +1,10 @@
+// layers.geo: layers of tetrahedra around a cylinder, extruded from a plane, by OpenCASCADE. The thin
+// triangles of the end planes are folded by the arcs that gmsh curves them to.
+//
+//   gmsh -nt 1 -3 -order 3 -bin -format msh41 layers.geo -o layers.msh
+//
+// Made with gmsh 4.8.4.
+
 SetFactory("OpenCASCADE");
 DefineConstant[ h = 0.5 ];
 Rectangle(1) = {-2, -2, 0, 4, 4};

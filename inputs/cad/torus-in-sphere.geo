@@ -1,3 +1,9 @@
+// torus-in-sphere.geo: a torus in a sphere, the space between them, by OpenCASCADE.
+//
+//   gmsh -nt 1 -3 -order 2 -bin -format msh41 torus-in-sphere.geo -o torus-in-sphere.msh
+//
+// Made with gmsh 4.8.4.
+
 SetFactory("OpenCASCADE");
 DefineConstant[ h = 0.5 ];
 Sphere(1) = {0, 0, 0, 3};

@@ -11,6 +11,7 @@ namespace almesh {
 namespace {
 
 constexpr double part_turn = 90;  // degrees turned in one part
+constexpr double most_at_once = 180;  // beyond, the target does not tell how it is reached
 constexpr double smallest_part = 1.0 / 32;
 constexpr int most_steps = 100;  // Newton steps of a subproblem that is not the last resort,
 constexpr int most_followed_steps = 500;  // and of all parts
@@ -31,10 +32,10 @@ void measure_boundary(Constraint& constraint, const std::vector<double>& x, AlIt
     row.relative_boundary_error = constraint.relative_error(x);
 }
 
-// Nothing where the motion cannot be followed. x: the last iterate.
+// Nothing where the motion cannot be followed. x: the last iterate; failed: what came of the last part that was tried.
 std::optional<AlResult> follow(const Level& level, Newton& newton, const AugmentedLagrangianParams& params, double part,
                                std::vector<double>& x, const AlObserver& observer, const StageObserver& observe_part,
-                               int& earlier_steps) {
+                               int& earlier_steps, std::optional<AlResult>& failed) {
     std::vector<double> reached = level.ideal;
     for (double done = 0; part >= smallest_part && earlier_steps <= most_followed_steps;) {
         const double fraction = done + part < 1 - 0.5 * smallest_part ? done + part : 1;
@@ -56,9 +57,11 @@ std::optional<AlResult> follow(const Level& level, Newton& newton, const Augment
         if (succeeded(result)) {
             reached = x;
             done = fraction;
+            result.status = AlStatus::max_newton_iterations;  // if it is the last one
         } else {
             part *= 0.5;
         }
+        failed = std::move(result);
     }
     return std::nullopt;
 }
@@ -100,9 +103,13 @@ AlResult minimise_following(const Level& level, Newton& newton, const MethodPara
             x_failed = x;
         }
     }
+    std::optional<AlResult> failed_part;
     std::optional<AlResult> result =
-        follow(level, newton, params.schedule, part, x, observer, observe_part, earlier_steps);
-    if (!result && at_once_failed) {  // with more steps it would end alike
+        follow(level, newton, params.schedule, part, x, observer, observe_part, earlier_steps, failed_part);
+    if (!result && failed_part && level.turn > most_at_once) {  // at once it would go the shorter way
+        result = std::move(failed_part);
+        earlier_steps -= result->newton_iterations;
+    } else if (!result && at_once_failed) {  // with more steps it would end alike
         x = std::move(x_failed);
         result = std::move(at_once_failed);
         earlier_steps -= result->newton_iterations;

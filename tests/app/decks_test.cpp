@@ -44,7 +44,8 @@ TEST_CASE("the decks of inputs/slide hold what they expect") {
 
 TEST_CASE("the decks of inputs/targets and inputs/cad hold what they expect") {
     if (!std::filesystem::is_directory("inputs")) return;
-    for (const char* name : {"targets/flap", "targets/wave", "cad/cylinder-box"}) {
+    for (const char* name : {"targets/flap", "targets/wave", "cad/cylinder-box", "cad/layers", "cad/torus",
+                             "cad/torus-in-sphere", "cad/ellipsoid"}) {
         CAPTURE(name);
         const TemporaryFolder folder;
         const Outcome outcome =

@@ -133,6 +133,14 @@ TEST_CASE("what cannot be followed is tried at once at last, with all the steps 
     CHECK(summary.at("certified_valid") == "yes");
 }
 
+TEST_CASE("a turn beyond half of one that cannot be followed is not made the shorter way instead") {
+    const RingDeck ring(ring_mesh(12, 2, 1.5));  // two layers: 30 degrees of winding are much
+    const Outcome outcome = ring.run({"boundary inner=rotate 720", "follow=always", "weight_exponent=1"});
+    CHECK(outcome.code == 3);
+    CHECK(value(ring, "status") != "converged");
+    CHECK(std::stod(value(ring, "max_distortion")) > 2);  // it is not the mesh as it was
+}
+
 TEST_CASE("an interrupted part reports how far the boundary is from the target of the whole motion") {
     Minimisation problem(ring_mesh(around, layers, 20), {{"inner", "rotate 180"}}, Objective::deviation);
     Level& level = problem.level;
