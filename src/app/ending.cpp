@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "app/problem.hpp"
 #include "app/results.hpp"
@@ -45,20 +44,6 @@ bool constrained(const Deck& deck, const AlIteration& row) {
            (!adaptive || row.relative_boundary_error <= deck.method.wall_tolerance);
 }
 
-// "inner", or "bottom and right": of the vertices of the obstacle's element.
-std::string boundaries_of_element(const Problem& problem, const Obstacle& obstacle) {
-    const Mesh& mesh = problem.mesh();
-    std::string names;
-    std::set<int> named;
-    const int* const vertex = mesh.element(obstacle.element);
-    const auto has_vertex = [&](int i) { return std::find(vertex, vertex + mesh.dim + 1, i) != vertex + mesh.dim + 1; };
-    for (int f = 0; f < mesh.face_count(); ++f)
-        if (std::any_of(mesh.face(f), mesh.face(f) + mesh.dim, has_vertex) &&
-            named.insert(mesh.face_boundary[f]).second)
-            names += (names.empty() ? "" : " and ") + mesh.boundaries[mesh.face_boundary[f]];
-    return names;
-}
-
 std::string quality_of_element(const Solution& solution, int element) {
     return "eta " + shown(solution.al.distortion.element_max[element]) +
            ", scaled Jacobian >= " + shown(solution.certificate.lower_bound[element]);
@@ -88,11 +73,6 @@ std::string description(const Problem& problem, const Solution& solution) {
     const std::string place = " at " + place_text(at.place.data(), mesh.dim, unit);
     switch (at.kind) {
         case ObstacleKind::none: return "";
-        case ObstacleKind::pinned:
-            return concat("element ", mesh.file.element_id[at.element], place,
-                          " has the edges of a corner on boundary ", boundaries_of_element(problem, at),
-                          ", whose targets fold it there: no valid mesh with "
-                          "this element reaches them");
         case ObstacleKind::off_target:
             return name_of_node(mesh, at) + place + " is " + shown(at.distance * unit) + " from its target " +
                    place_text(at.target.data(), mesh.dim, unit) + ", " + shown(at.heights, 2) +
@@ -109,16 +89,6 @@ std::string description(const Problem& problem, const Solution& solution) {
                    (at.node >= 0 ? name_of_node(mesh, at) : name_of_element(mesh, at));
     }
     return "";
-}
-
-// Against an element that the boundary folds. Where two of its faces are on the boundary, it is in a corner or along an
-// edge, and so is one of those that it is split into.
-std::string against_pinned(const Deck& deck, const Problem& problem, const Obstacle& obstacle) {
-    const std::vector<int>& of_face = problem.mesh().face_element;
-    if (std::count(of_face.begin(), of_face.end(), obstacle.element) > 1)
-        return "targets that do not fold it, or a mesh in which it is divided by a node inside (refine leaves such an "
-               "element there)";
-    return concat("refine = ", deck.refine + 1, ", so that it is divided, or targets that do not fold it");
 }
 
 // Against a target that is too far: what the run has not done yet.
@@ -221,7 +191,6 @@ Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution&
     if (status == AlStatus::converged) return least_valid(last, solution.certificate.lower_bound);
     if (status == AlStatus::rounding_floor || status == AlStatus::linear_solver_failed)
         return least_balanced(last, solution.al.gradient);
-    if (const auto pinned = pinned_element(last)) return *pinned;
     if (status == AlStatus::max_newton_iterations) return least_balanced(last, solution.al.gradient);
     if (status == AlStatus::line_search_failed) return most_distorted(last);
     const bool out_of_reach = status == AlStatus::infeasible || status == AlStatus::stalled;
@@ -232,7 +201,6 @@ Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution&
 std::vector<std::string> remedies(const Deck& deck, const Problem& problem, const Solution& solution) {
     std::vector<std::string> to_try;
     const AlStatus status = solution.al.status;
-    if (solution.obstacle.kind == ObstacleKind::pinned) return {against_pinned(deck, problem, solution.obstacle)};
     switch (status) {
         case AlStatus::converged:
             if (!is_certified(solution)) add_against_uncertified(deck, problem, solution, to_try);

@@ -16,11 +16,11 @@ struct Solution;
 
 // Of a solution with its certificates; kind none where it converged and is certified, and where there is no such place.
 // By the status:
-//   infeasible, stalled                           pinned, else off_target
-//   line_search_failed                            pinned, else distorted
-//   max_iterations, ended_as_printed, interrupted pinned, else off_target, or unbalanced where the boundary is in place
-//   max_newton_iterations                         pinned, else unbalanced
-//   rounding_floor, linear_solver_failed          unbalanced
+//   infeasible, stalled                           off_target
+//   line_search_failed                            distorted
+//   max_iterations, ended_as_printed, interrupted off_target, or unbalanced where the boundary is in place
+//   max_newton_iterations, rounding_floor, linear_solver_failed
+//                                                 unbalanced
 //   converged, but not certified                  invalid, else overlap
 Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution& solution);
 

@@ -121,7 +121,7 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"certified_injective", "yes where it is proved too that no two elements overlap, else no"}, word,
      [](R r) { return text(r.solution.injectivity.certified ? "yes" : "no"); }},
     {{"obstacle",
-      "what held up a run that did not end as it should: pinned, off_target, unbalanced, distorted, invalid or overlap "
+      "what held up a run that did not end as it should: off_target, unbalanced, distorted, invalid or overlap "
       "(README, Results); else none, as are the next six"}, word,
      [](R r) { return text(to_string(r.at.kind)); }},
     {{"obstacle_boundary", "the boundary there, or nearest to it"}, word,

@@ -5,8 +5,6 @@
 #include <cmath>
 
 #include "base/index.hpp"
-#include "base/small_matrix.hpp"
-#include "mesh/lagrange.hpp"
 
 namespace almesh {
 namespace {
@@ -77,55 +75,6 @@ std::vector<char> prescribed_nodes(const LastMesh& last) {
     return prescribed;
 }
 
-// What det J depends on at a vertex of an element of any degree: the nodes of the edges there, and their grad N_i.
-struct Corner {
-    std::vector<int> nodes;        // of the element
-    std::vector<double> gradient;  // nodes x dim
-};
-
-std::vector<Corner> corners_of_cell(int dim, int degree) {
-    constexpr double rounding = 1e-10;
-    const LagrangeBasis basis(dim, degree);
-    std::vector<double> all(offset(basis.count, dim));
-    std::vector<Corner> corners;
-    for (int v = 0; v <= dim; ++v) {
-        double xi[3] = {};
-        if (v > 0) xi[v - 1] = 1;
-        basis.gradients(xi, all.data());
-        Corner corner;
-        for (int i = 0; i < basis.count; ++i) {
-            const double* const g = &all[offset(i, dim)];
-            if (std::all_of(g, g + dim, [](double value) { return std::abs(value) < rounding; })) continue;
-            corner.nodes.push_back(i);
-            corner.gradient.insert(corner.gradient.end(), g, g + dim);
-        }
-        corners.push_back(std::move(corner));
-    }
-    return corners;
-}
-
-// det J at the corner of the element with these node positions.
-template <int n>
-double determinant_at(const Corner& corner, const int* node, const std::vector<double>& x) {
-    Mat<n> J{};
-    for (std::size_t k = 0; k < corner.nodes.size(); ++k)
-        for (int a = 0; a < n; ++a)
-            for (int b = 0; b < n; ++b) J[a][b] += point(x, node[corner.nodes[k]], n)[a] * corner.gradient[k * n + b];
-    return determinant(J);
-}
-
-// The least det J over that of the ideal mesh, of the corners of an element all of whose nodes are prescribed.
-template <int n>
-double least_at_corners(const LastMesh& last, const std::vector<Corner>& corners, const std::vector<char>& prescribed,
-                        const std::vector<double>& targets, const int* node) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Corner& corner : corners)
-        if (std::all_of(corner.nodes.begin(), corner.nodes.end(), [&](int i) { return prescribed[node[i]]; }))
-            least = std::min(
-                least, determinant_at<n>(corner, node, targets) / determinant(straight_jacobian<n>(node, last.ideal)));
-    return least;
-}
-
 }  // namespace
 
 std::vector<int> boundary_of_nodes(const Mesh& mesh, const BoundaryTarget& target) {
@@ -141,30 +90,6 @@ std::vector<int> boundary_of_nodes(const Mesh& mesh, const BoundaryTarget& targe
         }
     }
     return boundary;
-}
-
-std::optional<Obstacle> pinned_element(const LastMesh& last) {
-    constexpr double rounding = 1e-12;
-    const int dim = last.mesh.dim;
-    const std::vector<double> at_nodes = last.constraint.targets(last.x);
-    if (at_nodes.empty()) return std::nullopt;
-    std::vector<double> targets = last.x;
-    for (std::size_t t = 0; t < last.constraint.nodes().size(); ++t)
-        std::copy_n(&at_nodes[t * dim], dim, point(targets, last.constraint.nodes()[t], dim));
-    const std::vector<char> prescribed = prescribed_nodes(last);
-    const std::vector<Corner> corners = corners_of_cell(dim, last.mesh.degree);
-    double least = rounding;
-    int found = -1;
-    with_dimension(dim, [&](auto n) {
-        for (int e = 0; e < last.mesh.element_count(); ++e) {
-            const double ratio = least_at_corners<n>(last, corners, prescribed, targets, last.mesh.element(e));
-            if (ratio >= least) continue;
-            least = ratio;
-            found = e;
-        }
-    });
-    if (found < 0) return std::nullopt;
-    return at_element(last, ObstacleKind::pinned, found);
 }
 
 Obstacle farthest_off_target(const LastMesh& last) {
@@ -239,7 +164,6 @@ SubMesh neighbourhood(const Mesh& mesh, const Obstacle& obstacle, int rings, int
 const char* to_string(ObstacleKind kind) {
     switch (kind) {
         case ObstacleKind::none: return "none";
-        case ObstacleKind::pinned: return "pinned";
         case ObstacleKind::off_target: return "off_target";
         case ObstacleKind::unbalanced: return "unbalanced";
         case ObstacleKind::distorted: return "distorted";

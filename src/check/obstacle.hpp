@@ -1,9 +1,6 @@
 // What holds up a run that did not end as it should, and where: a node or an element of its last mesh. Each kind of
 // obstacle is found from that mesh alone, and says no more than what it measures.
 //
-//   pinned      an element with a corner at which all nodes of its edges are on the boundary, with prescribed places
-//               that fold it there: det J <= 0 at that corner, which depends on no other node. While the element is
-//               there no valid mesh reaches the target. The element whose det J is least, in units of the ideal one
 //   off_target  the boundary node farthest from its target, in heights of the cells at it
 //   unbalanced  the node with the largest part of |grad E|
 //   distorted   the element with the largest distortion
@@ -14,7 +11,6 @@
 #pragma once
 #include <array>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "check/injectivity.hpp"
@@ -25,7 +21,7 @@
 
 namespace almesh {
 
-enum class ObstacleKind { none, pinned, off_target, unbalanced, distorted, invalid, overlap };
+enum class ObstacleKind { none, off_target, unbalanced, distorted, invalid, overlap };
 const char* to_string(ObstacleKind kind);
 
 struct Obstacle {
@@ -53,7 +49,6 @@ struct LastMesh {
     const std::vector<double>& distortion;  // largest eta of each element
 };
 
-std::optional<Obstacle> pinned_element(const LastMesh& last);
 Obstacle farthest_off_target(const LastMesh& last);  // kind none where every node is at its target
 Obstacle least_balanced(const LastMesh& last, const std::vector<double>& gradient);  // nodes x dim; none where zero
 Obstacle most_distorted(const LastMesh& last);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/files.hpp"
 #include "base/index.hpp"
 #include "base/text.hpp"
 #include "geometry/patch.hpp"
@@ -58,9 +59,10 @@ std::string describe(const Mesh& mesh, const TargetFaults& faults) {
     for (const TargetReport::Fault& fault : faults.faces.faults) add(fault.why);
     for (const DeterminedElement& fault : faults.elements) {
         const Vec<3> c = centroid(mesh, mesh.x, mesh.element(fault.element), mesh.dim + 1);
-        add(concat(mesh.cell().name, " ", mesh.file.element_id[fault.element], " at (", c[0], ", ", c[1],
-                   mesh.dim == 3 ? concat(", ", c[2]) : std::string(), "): the boundary alone makes its scaled Jacobian ",
-                   fault.scaled_jacobian, ", whatever the mesh inside"));
+        std::string line = concat(mesh.cell().name, " ", mesh.file.element_id[fault.element], " at ",
+                                  place_text(c.data(), mesh.dim), ": the boundary alone makes its scaled Jacobian ");
+        append(line, fault.scaled_jacobian, 4);
+        add(line + ", whatever the mesh inside");
     }
     if (lines > shown) text += "\n  ...";
     return text;

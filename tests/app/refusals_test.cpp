@@ -1,6 +1,7 @@
 // What the program refuses before it solves anything: exit codes 1 and 2, with what, where and what to do.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/ring_deck.hpp"
@@ -35,6 +36,68 @@ std::string replaced(std::string text, const std::string& from, const std::strin
     REQUIRE(at != std::string::npos);
     return text.replace(at, from.size(), to);
 }
+
+// The square's corner (1, 0), where one triangle has both edges on the boundary, moved by 0.3 towards (0, 1): it is
+// then wider than 180 degrees, which no element can be. size, origin: of the square.
+struct DentedSquare {
+    TemporaryFolder folder;
+    std::string deck, output = folder.path("out");
+    double size, origin;
+
+    DentedSquare(const std::string& msh, double size_, double origin_) : size(size_), origin(origin_) {
+        folder.write("square.msh", msh);
+        const std::string X = concat("((x - ", origin, ")/", size, ")"), Y = concat("((y - ", origin, ")/", size, ")"),
+                          by = concat(0.3 * size, "*", X, "^2*(1-", Y, ")^2\"");
+        deck = folder.write("square.deck", "mesh = square.msh\nthreads = 1\noutput = " + output +
+                                               "\nboundary rest = expression \"x - " + by + " \"y + " + by + "\n");
+    }
+    Outcome run(const std::vector<std::string>& settings = {}) const {
+        std::vector<std::string> arguments = {deck};
+        for (const std::string& setting : settings) arguments.push_back(setting);
+        return almesh_with(arguments);
+    }
+};
+
+Mesh square_at(double size, double origin) {
+    Mesh mesh = square_mesh(4);
+    for (double& v : mesh.x) v = origin + size * v;
+    for (int i = 0; i < mesh.nodes(); ++i) mesh.file.node_id[i] = 500 - 3 * i;
+    for (int e = 0; e < mesh.element_count(); ++e) mesh.file.element_id[e] = 1000 + 7 * e;
+    return mesh;
+}
+
+std::string without_faces(const Mesh& mesh) {
+    std::string text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + std::to_string(mesh.nodes()) + "\n";
+    for (int i = 0; i < mesh.nodes(); ++i)
+        text += concat(mesh.file.node_id[i], " ", mesh.x[2 * i], " ", mesh.x[2 * i + 1], " 0\n");
+    text += concat("$EndNodes\n$Elements\n", mesh.element_count(), "\n");
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        text += concat(mesh.file.element_id[e], " 2 2 1 1");
+        for (int k = 0; k < 3; ++k) text += concat(" ", mesh.file.node_id[mesh.element(e)[k]]);
+        text += "\n";
+    }
+    return text + "$EndElements\n";
+}
+
+// What is told of one folded element.
+struct FoldedElement {
+    long long id = -1;
+    std::vector<double> place;
+    double scaled_jacobian = 1;
+
+    FoldedElement(const std::string& error, const std::string& cell) {
+        const std::string start = "\n  " + cell + " ", middle = " at (",
+                          end = "): the boundary alone makes its scaled Jacobian ";
+        const auto at = error.find(start), coordinates = error.find(middle, at), value = error.find(end, coordinates);
+        REQUIRE(value != std::string::npos);
+        id = parse_int(error.substr(at + start.size(), coordinates - at - start.size())).value();
+        const auto first = coordinates + middle.size();
+        for (const std::string& number : pieces(error.substr(first, value - first), ','))
+            place.push_back(parse_double(trim(number)).value());
+        const auto number = value + end.size();
+        scaled_jacobian = parse_double(error.substr(number, error.find(',', number) - number)).value();
+    }
+};
 
 }  // namespace
 
@@ -133,15 +196,71 @@ TEST_CASE("targets that make the boundary itself invalid: code 2, naming faces b
     const double* const end = &folded.x[2 * folded.face(bad)[0]];
     for (int a = 0; a < 2; ++a) middle[a] = 0.05 * middle[a] + 0.95 * end[a];
     const RingDeck ring(folded);
-    check_refused(ring.run(), 2,
+    check_refused(ring.run({"surface=keep"}), 2,
                   {"the target makes the boundary itself invalid at 1 face", "folds the face back",
-                   "face " + std::to_string(folded.file.face_id[bad]) + " of inner"});
+                   "face " + std::to_string(folded.file.face_id[bad]) + " of inner", "try surface = auto"});
     CHECK(!std::filesystem::exists(ring.output));
 
     // Onto the closest points of a circle elsewhere: the whole inner boundary falls on one side of that.
     const RingDeck far;
     check_refused(far.run({"boundary inner=circle 9 0 1"}), 2,
                   {"the target makes the boundary itself invalid", "of inner at ("});
+}
+
+TEST_CASE("a corner that the target folds: code 2, whatever unit, origin, degree, schedule, refinement and surface") {
+    for (const auto& [size, origin] : {std::pair(1.0, 0.0), std::pair(1e-3, 5.0), std::pair(1e4, -3e4)})
+        for (const std::string setting :
+             {"degree=1", "degree=2", "degree=3", "target=nodal", "algorithm=paper", "refine=1", "surface=keep"}) {
+            CAPTURE(setting);
+            const Mesh mesh = square_at(size, origin);
+            const DentedSquare square(msh_of(mesh), size, origin);
+            const Outcome outcome = square.run({setting});
+            check_refused(outcome, 2, {"no valid mesh reaches the target: it folds elements at 1 element:",
+                                       "refine leaves such an element there"});
+            CHECK(!std::filesystem::exists(square.output));
+            const FoldedElement folded(outcome.error, "triangle");
+            CHECK(folded.scaled_jacobian < 0);
+            const double h = setting == "refine=1" ? 0.125 : 0.25, rounding = 1e-5 * (std::abs(origin) + size);
+            REQUIRE(folded.place.size() == 2);
+            CHECK(std::abs(folded.place[0] - origin - size * (1 - h / 3)) < rounding);
+            CHECK(std::abs(folded.place[1] - origin - size * h / 3) < rounding);
+            if (setting == "refine=1") continue;
+            const int e = static_cast<int>(folded.id - 1000) / 7;
+            CHECK(mesh.file.element_id.at(e) == folded.id);
+            CHECK(std::count(mesh.element(e), mesh.element(e) + 3, 4) == 1);  // the node in that corner
+        }
+}
+
+TEST_CASE("a corner that the target folds in a mesh without boundary elements: code 2") {
+    const Mesh mesh = square_at(1, 0);
+    const DentedSquare square(without_faces(mesh), 1, 0);
+    const Outcome outcome = square.run();
+    check_refused(outcome, 2, {"it folds elements at 1 element:"});
+    CHECK(FoldedElement(outcome.error, "triangle").id == 1000 + 7 * 6);
+}
+
+TEST_CASE("a corner of a cube that is pushed through its element: code 2, naming that") {
+    const TemporaryFolder folder;
+    const Mesh mesh = cube_mesh(2);
+    folder.write("cube.msh", msh_of(mesh));
+    const std::string by = "*exp(-400*((x-1)^2+y^2+z^2))\"";
+    const std::string deck = folder.write(
+        "cube.deck", "mesh = cube.msh\noutput = " + folder.path("out") + "\nboundary all = expression \"x - 0.4" + by +
+                         " \"y + 0.35" + by + " \"z + 0.3" + by + "\n");
+    const Outcome outcome = almesh_with({deck});
+    check_refused(outcome, 2, {"it folds elements at ", "refine leaves such an element there"});
+    const FoldedElement folded(outcome.error, "tetrahedron");
+    CHECK(folded.place.size() == 3);
+    const auto e = folded.id - mesh.file.element_id[0];
+    const int* const node = mesh.element(static_cast<int>(e));
+    CHECK(std::count(node, node + 4, 2) == 1);  // at (1, 0, 0)
+}
+
+TEST_CASE("a layer of one element that the target winds too far: code 2, and what is advised succeeds") {
+    const RingDeck ring(ring_mesh(16, 1, 3));
+    check_refused(ring.run({"boundary inner=rotate 120"}), 2,
+                  {"it folds elements at 16 elements:", "\n  ...\n", "try refine = 1, so that they are divided"});
+    CHECK(ring.run({"boundary inner=rotate 120", "refine=1"}).code == 0);
 }
 
 TEST_CASE("a projection that is not defined, or boundaries that are torn apart: code 2") {

@@ -45,60 +45,7 @@ bool has_node(const Mesh& mesh, int element, int node) {
     return std::find(first, first + mesh.element_nodes(), node) != first + mesh.element_nodes();
 }
 
-// The square's corner (1, 0), where one triangle has both edges on the boundary, moved by a towards (0, 1): beyond
-// a = 0.25 the corner is wider than 180 degrees.
-std::map<std::string, std::string> dented(double a) {
-    const std::string by = to_text(a) + "*x^2*(1-y)^2\"", moved = "expression \"x - " + by + " \"y + " + by;
-    return {{"left", moved}, {"right", moved}, {"bottom", moved}, {"top", moved}};
-}
-
 }  // namespace
-
-TEST_CASE("an element at whose corner the boundary folds it is pinned, in every degree") {
-    for (const int degree : {1, 2, 3}) {
-        const Case dent(raise_degree(square_mesh(4), degree), dented(0.3));
-        const auto found = pinned_element(dent.last());
-        REQUIRE(found);
-        CHECK(found->kind == ObstacleKind::pinned);
-        CHECK(found->node == -1);
-        CHECK(has_node(dent.mesh(), found->element, node_at(dent.mesh(), {1, 0})));
-        CHECK(found->on_boundary);
-        CHECK((dent.boundary(*found) == "bottom" || dent.boundary(*found) == "right"));
-        CHECK(found->place[0] == doctest::Approx(1 - 0.25 / 3));
-        CHECK(found->place[1] == doctest::Approx(0.25 / 3));
-        CHECK(!pinned_element(Case(raise_degree(square_mesh(4), degree), dented(degree == 1 ? 0.1 : 0.2)).last()));
-    }
-}
-
-// Two triangles share the other corners.
-TEST_CASE("a corner that an edge divides is not pinned") {
-    const std::string by = "0.3*x^2*y^2\"", moved = "expression \"x - " + by + " \"y - " + by;
-    const Case dent(square_mesh(4), {{"left", moved}, {"right", moved}, {"bottom", moved}, {"top", moved}});
-    CHECK(!pinned_element(dent.last()));
-}
-
-TEST_CASE("a layer of one element is pinned where the target winds it too far; sliding and finer layers are not") {
-    CHECK(pinned_element(Case(ring_mesh(16, 1, 3), {{"inner", "rotate 170"}}).last()));
-    CHECK(!pinned_element(Case(ring_mesh(16, 1, 3), {{"inner", "rotate 5"}}).last()));
-    CHECK(!pinned_element(Case(ring_mesh(16, 2, 3), {{"inner", "rotate 170"}}).last()));
-    CHECK(!pinned_element(Case(raise_degree(ring_mesh(16, 1, 3), 2), {{"inner", "rotate 170"}}).last()));
-    Case slides(ring_mesh(16, 1, 3), {{"inner", "rotate 170"}});
-    slides.target.hold[slides.mesh().boundary_index("inner")] = BoundaryHold::slides;
-    CHECK(!pinned_element(slides.last()));
-}
-
-TEST_CASE("a tetrahedron in a corner of a cube that is pushed through its opposite face is pinned") {
-    const std::string by = "*exp(-400*((x-1)^2+y^2+z^2))\"",
-                      moved = "expression \"x - 0.7" + by + " \"y + 0.6" + by + " \"z + 0.5" + by;
-    Minimisation problem(cube_mesh(2), {{"bottom", moved}, {"top", moved}, {"sides", moved}}, Objective::squared,
-                         TargetKind::nodal);
-    const BoundaryTarget target = target_of(problem.mesh, {{"bottom", moved}, {"top", moved}, {"sides", moved}});
-    const std::vector<double> distortion(problem.mesh.element_count(), 1.0);
-    const auto found =
-        pinned_element({problem.mesh, problem.ideal, problem.ideal, problem.constraint, target, distortion});
-    REQUIRE(found);
-    CHECK(has_node(problem.mesh, found->element, node_at(problem.mesh, {1, 0, 0})));
-}
 
 TEST_CASE("the node farthest from its target, in heights of its cells, with its boundary and its way") {
     for (const int degree : {1, 2})
@@ -236,7 +183,6 @@ TEST_CASE("a node of two boundaries belongs to the one that prescribes its place
 TEST_CASE("every kind of obstacle has a name of its own") {
     using enum ObstacleKind;
     CHECK(std::string(to_string(none)) == "none");
-    CHECK(std::string(to_string(pinned)) == "pinned");
     CHECK(std::string(to_string(off_target)) == "off_target");
     CHECK(std::string(to_string(unbalanced)) == "unbalanced");
     CHECK(std::string(to_string(distorted)) == "distorted");
