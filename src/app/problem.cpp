@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <map>
 
 #include "app/node_targets.hpp"
@@ -106,15 +107,19 @@ std::string against(const Mesh& mesh, const TargetFaults& faults, int refinement
 // Releases the nodes around faces and elements that the target folds; throws InputError where that cannot help.
 void release_folded(const Deck& deck, const Mesh& mesh, const std::vector<double>& ideal, BoundaryTarget& target,
                     std::vector<std::string>& notes) {
-    const TargetFaults faults = find_faults(mesh, ideal, target);
+    constexpr double useless = 0.01;  // scaled Jacobian that leaves no element of any use
+    const double bound = deck.distortion.delta > 0             ? -std::numeric_limits<double>::infinity()
+                         : deck.surface == SurfaceKind::keep ? 0
+                                                             : useless;
+    const TargetFaults faults = find_faults(mesh, ideal, target, bound);
     if (faults.none()) return;
     if (!faults.may_be_mended()) refuse(mesh, faults, against(mesh, faults, deck.refine));
     if (deck.surface == SurfaceKind::keep)
         refuse(mesh, faults, "\ntry surface = auto, with which nodes slide along the surface there");
     target.released = released_nodes(mesh, target, faults);
-    const TargetFaults left = find_faults(mesh, ideal, target);
+    const TargetFaults left = find_faults(mesh, ideal, target, bound);
     if (!left.none()) refuse(mesh, left, against(mesh, left, deck.refine));
-    notes.push_back(concat("no valid mesh keeps the target at ", counted(faults.faces.faults.size(), "face"), " and ",
+    notes.push_back(concat("the target folds, or nearly so, ", counted(faults.faces.faults.size(), "face"), " and ",
                            counted(faults.elements.size(), "element"), "; ",
                            counted(std::count(target.released.begin(), target.released.end(), 1), "node"),
                            " around slide along the surface:", describe(mesh, faults)));

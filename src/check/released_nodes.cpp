@@ -10,9 +10,6 @@
 namespace almesh {
 namespace {
 
-// Scaled Jacobian at or below which a target leaves no element of any use.
-constexpr double useless = 0.01;
-
 std::vector<char> open_faces(const Mesh& mesh, const BoundaryTarget& target) {
     std::vector<char> open(mesh.face_count());
     for (int f = 0; f < mesh.face_count(); ++f) {
@@ -39,12 +36,14 @@ bool TargetFaults::may_be_mended() const {
            std::all_of(elements.begin(), elements.end(), [](const auto& fault) { return fault.by_curvature; });
 }
 
-TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target) {
+TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
+                         double bound) {
+    constexpr double surely = -0.01;  // of boundaries that end only as near to their places as elements resolve them
     const std::vector<double> place = at_target(mesh, target, ideal);
     TargetFaults faults;
     faults.faces = check_target(mesh, target.node, open_faces(mesh, target));
-    // Boundaries that are not in the trace space end as near to these places as the elements resolve them.
-    const double bound = mesh.degree == 1 ? 0 : target.in_trace_space ? useless : -useless;
+    if (mesh.degree == 1) bound = std::min(bound, 0.0);
+    else if (!target.in_trace_space) bound = std::min(bound, surely);
     faults.elements = determined_elements(mesh, place, prescribed_nodes(mesh, target), bound);
     return faults;
 }
