@@ -66,10 +66,18 @@ TEST_CASE("a boundary is cut into its smooth parts: the sides of a cube into fou
     CHECK(of_ring->surface(0).name() == "circle of radius 4");
     CHECK(length(of_ring->foot(0, {9, 1, 0}).position - Vec<3>{7, 1, 0}) < 1e-12);
 
-    Mesh oval = ring;  // no conic: its own faces, smooth or, with a small feature angle, each for itself
-    for (int i = 0; i < oval.nodes(); ++i) oval.x[2 * i] *= 1.2 + 0.02 * oval.x[2 * i + 1];
-    CHECK(surfaces_of(oval, target_of(oval, {{"outer", "slide"}}), 45)->parts() == 1);
-    CHECK(surfaces_of(oval, target_of(oval, {{"outer", "slide"}}), 10)->parts() == 12);
+    Mesh oval = ring;
+    for (int i = 0; i < oval.nodes(); ++i) oval.x[2 * i] *= 1.2;
+    const auto of_oval = surfaces_of(oval, target_of(oval, {{"outer", "slide"}}), 10);
+    CHECK(of_oval->parts() == 1);
+    CHECK(of_oval->surface(0).name() == "conic");
+
+    Mesh egg = ring;  // its own faces, smooth or, with a small feature angle, each for itself
+    for (int i = 0; i < egg.nodes(); ++i) egg.x[2 * i] *= 1.2 + 0.03 * egg.x[2 * i];
+    const auto of_egg = surfaces_of(egg, target_of(egg, {{"outer", "slide"}}), 45);
+    CHECK(of_egg->parts() == 1);
+    CHECK(of_egg->surface(0).name() == "the mesh's own faces");
+    CHECK(surfaces_of(egg, target_of(egg, {{"outer", "slide"}}), 10)->parts() == 12);
 }
 
 TEST_CASE("nodes are free within their faces, along edges, and not at corners") {
@@ -162,4 +170,84 @@ TEST_CASE("off_target and targets: on the circle, whatever the place along it") 
     int count = 0;
     for (const char off : ring.constraint->off_target(x)) count += off;
     CHECK(count == 1);
+}
+
+namespace {
+
+// A wavy displacement of all nodes.
+std::vector<double> some_direction(const std::vector<double>& x) {
+    std::vector<double> d(x.size());
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] = std::sin(3.0 * static_cast<double>(i));
+    return d;
+}
+
+std::vector<double> moved(std::vector<double> x, double t, const std::vector<double>& d) {
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] += t * d[i];
+    return x;
+}
+
+// The same constraint, whose steps are straight.
+class Unbent : public Dirichlet {
+public:
+    using Dirichlet::Dirichlet;
+    bool bends_steps() const override { return false; }
+};
+
+AlResult solve(const Mesh& mesh, const std::vector<double>& ideal, Dirichlet& constraint, std::vector<double>& x) {
+    const auto energy = make_energy(mesh, ideal, {.objective = Objective::deviation});
+    Newton newton(energy->hessian_pattern(), {});
+    x = ideal;
+    return minimise(*energy, constraint, newton, {}, x, {}, {});
+}
+
+}  // namespace
+
+TEST_CASE("a bent step ends at the distances that the straight one has to first order, and is off it by O(t^2)") {
+    const Case ring(ring_mesh(16, 2, 3), {{"outer", "slide"}});
+    const Dirichlet& C = *ring.constraint;
+    CHECK(C.bends_steps());
+    const std::vector<double> x = wavy(ring.mesh.x, 2, 0.05), d = some_direction(x);
+    double largest[2] = {};
+    for (int k = 0; k < 2; ++k) {
+        const double t = 0.1 / (1 << k);
+        const std::vector<double> straight = moved(x, t, d);
+        std::vector<double> bent = straight;
+        C.bend(x, d, t, bent);
+        for (int i = 0; i < ring.mesh.nodes(); ++i) {
+            const auto at = [i](const std::vector<double>& v) { return Vec<3>{v[2 * i], v[2 * i + 1], 0}; };
+            const double move = length(at(bent) - at(straight));
+            if (std::hypot(ring.mesh.x[2 * i], ring.mesh.x[2 * i + 1]) < 2.9) {  // not on the outer circle
+                CHECK(move == 0);
+                continue;
+            }
+            largest[k] = std::max(largest[k], move);
+            const double r = length(at(x));
+            const double predicted = r - 3 + t * dot(at(x), at(d)) / r;
+            CHECK(length(at(bent)) - 3 == doctest::Approx(predicted).epsilon(1e-12).scale(1));
+        }
+    }
+    CHECK(largest[1] > 1e-5);
+    CHECK(std::log2(largest[0] / largest[1]) == doctest::Approx(2).epsilon(0.1));
+}
+
+TEST_CASE("a rotor in a casing takes few steps, because they are bent") {
+    const Mesh mesh = ring_mesh(24, 5, 5);
+    const std::vector<double> ideal = straight_sided(mesh);
+    const BoundaryTarget target = target_of(mesh, {{"inner", "rotate 40; translate 1 0"}, {"outer", "slide"}});
+    const auto sliding = surfaces_of(mesh, target);
+    Dirichlet bent(mesh, ideal, target, TargetKind::nodal, sliding);
+    Unbent straight(mesh, ideal, target, TargetKind::nodal, sliding);
+    std::vector<double> x;
+    const AlResult result = solve(mesh, ideal, bent, x);
+    CHECK(std::string(to_string(result.status)) == "converged");
+    CHECK(bent.relative_error(x) < 1e-3);
+    CHECK(result.newton_iterations <= 20);
+    CHECK(solve(mesh, ideal, straight, x).newton_iterations > 3 * result.newton_iterations);
+}
+
+TEST_CASE("a target that prescribes all places bends nothing, surfaces or not") {
+    const Mesh mesh = ring_mesh(16, 2, 3);
+    const BoundaryTarget slides = target_of(mesh, {{"outer", "slide"}}), prescribed = target_of(mesh, {});
+    const Dirichlet constraint(mesh, mesh.x, prescribed, TargetKind::nodal, surfaces_of(mesh, slides));
+    CHECK(!constraint.bends_steps());
 }
