@@ -9,8 +9,7 @@ namespace almesh {
 
 // The quadric through all points, to `tolerance` times their extent; null where there is none, more than one, too few
 // points to tell, or where the points come near a place at which it has no normal (an apex, a line where two planes
-// meet). The vector from its feet to x is q g / |g|^2, g the gradient of its polynomial q: exact to first order in the
-// distance.
+// meet). Its feet are the closest points of it, but for x beyond its centres of curvature.
 std::unique_ptr<Surface> fit_quadric(int dim, const std::vector<Vec<3>>& points, double tolerance);
 
 }  // namespace almesh

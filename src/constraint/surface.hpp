@@ -1,5 +1,6 @@
 // Surfaces (3D) and curves (2D) along which the nodes of a boundary slide: planes, spheres, cylinders, tori and other
-// quadrics, lines, circles and other conics, exactly; or the faces of a mesh as they are. In 2D the third coordinate is 0 everywhere.
+// quadrics, lines, circles and other conics, exactly; or the faces of a mesh as they are. In 2D the third coordinate is
+// 0 everywhere.
 #pragma once
 #include <memory>
 #include <string>
@@ -10,8 +11,8 @@
 
 namespace almesh {
 
-// The foot p of the perpendicular from x to a surface, with d the signed distance, x = p + d n; of quadrics to first
-// order in d. x is on the surface where p = x.
+// The foot p of the perpendicular from x to a surface, with d the signed distance, x = p + d n. x is on the surface
+// where p = x.
 struct SurfacePoint {
     Vec<3> position, normal;  // p; the unit normal n there, of either side
     Mat<3> slope{};           // derivative of x - p with respect to x: n n' + d S
@@ -27,9 +28,9 @@ public:
     virtual std::string name() const = 0;  // "plane", "circle of radius 2"
 };
 
-// The first of plane, sphere, cylinder, torus, quadric (2D: line, circle, conic) on which all points lie, to `tolerance` times the
-// extent of the points; null where there is none, or where the points are too few to tell. normal: of a plane through
-// them if there is one, any length. Cylinder and torus by the Levenberg-Marquardt method.
+// The first of plane, sphere, cylinder, torus, quadric (2D: line, circle, conic) on which all points lie, to
+// `tolerance` times the extent of the points; null where there is none, or where the points are too few to tell.
+// normal: of a plane through them if there is one, any length. Cylinder and torus by the Levenberg-Marquardt method.
 std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points, const Vec<3>& normal,
                                      double tolerance = 1e-8);
 

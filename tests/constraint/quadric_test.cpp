@@ -15,7 +15,8 @@ using Shape = std::function<Vec<3>(double, double)>;
 
 // A rotation without special directions, then a shift far from the origin compared to the size; in 2D within the plane.
 Vec<3> placed(const Vec<3>& x, int dim) {
-    const double c = std::cos(0.7), s = std::sin(0.7), d = dim == 2 ? 1 : std::cos(1.1), e = dim == 2 ? 0 : std::sin(1.1);
+    const double c = std::cos(0.7), s = std::sin(0.7);
+    const double d = dim == 2 ? 1 : std::cos(1.1), e = dim == 2 ? 0 : std::sin(1.1);
     const Vec<3> y = {c * x[0] - s * x[1], s * x[0] + c * x[1], x[2]};
     return {y[0] + 50, d * y[1] - e * y[2] - 20, e * y[1] + d * y[2] + (dim == 2 ? 0 : 30)};
 }
@@ -60,18 +61,23 @@ const std::vector<Sample> samples = {
      [](double u, double v) -> Vec<3> {
          return {3 * std::cos(u) * std::cos(v), 2 * std::sin(u) * std::cos(v), 1.5 * std::sin(v)};
      }, {0, 4}, {-1, 1}, 0.4},
-    {"cone", 3, [](double u, double v) -> Vec<3> { return {v * std::cos(u), v * std::sin(u), 2 * v}; }, {0, 5}, {1, 3}, 0.4},
+    {"cone", 3, [](double u, double v) -> Vec<3> { return {v * std::cos(u), v * std::sin(u), 2 * v}; },
+     {0, 5}, {1, 3}, 0.4},
     {"elliptic cylinder", 3, [](double u, double v) -> Vec<3> { return {3 * std::cos(u), 2 * std::sin(u), v}; },
      {0, 5}, {-2, 2}, 0.4},
-    {"paraboloid", 3, [](double u, double v) -> Vec<3> { return {u, v, 0.3 * u * u + 0.5 * v * v}; }, {-2, 2}, {-2, 2}, 0.4},
-    {"saddle", 3, [](double u, double v) -> Vec<3> { return {u, v, 0.3 * u * u - 0.2 * v * v}; }, {-2, 2}, {-2, 2}, 0.4},
+    {"paraboloid", 3, [](double u, double v) -> Vec<3> { return {u, v, 0.3 * u * u + 0.5 * v * v}; },
+     {-2, 2}, {-2, 2}, 0.4},
+    {"saddle", 3, [](double u, double v) -> Vec<3> { return {u, v, 0.3 * u * u - 0.2 * v * v}; },
+     {-2, 2}, {-2, 2}, 0.4},
     {"hyperboloid", 3,
      [](double u, double v) -> Vec<3> {
          return {std::cosh(v) * std::cos(u), 1.5 * std::cosh(v) * std::sin(u), std::sinh(v)};
      }, {0, 4}, {-1, 1}, 0.2},
-    {"ellipse", 2, [](double u, double) -> Vec<3> { return {3 * std::cos(u), 2 * std::sin(u), 0}; }, {0, 5}, {0, 0}, 0.4},
+    {"ellipse", 2, [](double u, double) -> Vec<3> { return {3 * std::cos(u), 2 * std::sin(u), 0}; },
+     {0, 5}, {0, 0}, 0.4},
     {"parabola", 2, [](double u, double) -> Vec<3> { return {u, 0.4 * u * u, 0}; }, {-1, 3}, {0, 0}, 0.4},
-    {"hyperbola", 2, [](double u, double) -> Vec<3> { return {std::cosh(u), 2 * std::sinh(u), 0}; }, {-1, 1}, {0, 0}, 0.4},
+    {"hyperbola", 2, [](double u, double) -> Vec<3> { return {std::cosh(u), 2 * std::sinh(u), 0}; },
+     {-1, 1}, {0, 0}, 0.4},
 };
 
 // Points near the middle of the piece, at most `reach` in each direction off it.

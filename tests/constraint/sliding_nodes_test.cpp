@@ -71,7 +71,8 @@ TEST_CASE("distances are told to first order, and the point at them is that far 
             const std::array<double, 3> predicted = distances(*pipe.sliding, parts, x, t * d);
             const std::array<double, 3> are = distances(*pipe.sliding, parts, x + t * d, {});
             error[k] = 0;
-            for (std::size_t i = 0; i < parts.size(); ++i) error[k] = std::max(error[k], std::abs(predicted[i] - are[i]));
+            for (std::size_t i = 0; i < parts.size(); ++i)
+                error[k] = std::max(error[k], std::abs(predicted[i] - are[i]));
             bend[k] = length(at_distances(*pipe.sliding, parts, x + t * d, predicted) - (x + t * d));
         }
         if (parts == std::vector<int>{pipe.end}) {  // a plane
