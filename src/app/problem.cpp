@@ -36,6 +36,13 @@ RawMesh read_mesh_file(const std::string& path, std::string& hash) {
     return raw;
 }
 
+// The motion, with `slide` last where it prescribes places.
+Motion sliding(const Motion& motion) {
+    if (hold_of(motion) != BoundaryHold::prescribed) return motion;
+    const std::string steps = to_string(motion);
+    return parse_motion(steps == "fixed" ? "slide" : steps + "; slide");
+}
+
 // One motion per boundary of the mesh; each must have one in the deck, `all` and `rest` stand for those not named.
 std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
     check_against_mesh(deck, mesh.dim, mesh.boundaries);
@@ -44,8 +51,7 @@ std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
     for (const std::string& name : mesh.boundaries) {
         const DeckBoundary* const boundary = motion_for(deck, name);
         if (!boundary) missing.push_back(name);
-        else if (deck.surface == SurfaceKind::slide && hold_of(boundary->motion) == BoundaryHold::prescribed)
-            motions.push_back(parse_motion(to_string(boundary->motion) + "; slide"));
+        else if (deck.surface == SurfaceKind::slide) motions.push_back(sliding(boundary->motion));
         else motions.push_back(boundary->motion);
     }
     if (missing.empty()) return motions;
