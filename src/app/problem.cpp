@@ -88,18 +88,22 @@ void check_start(const Deck& deck) {
                      ": start = coarse does not go with algorithm = literal; take start = identity");
 }
 
+// "2 faces and 1 element"
+std::string counts_of(const TargetFaults& faults) {
+    const std::size_t faces = faults.faces.faults.size(), elements = faults.elements.size();
+    return (faces ? counted(faces, "face") : "") + (faces && elements ? " and " : "") +
+           (elements ? counted(elements, "element") : "");
+}
+
 void refuse(const Mesh& mesh, const TargetFaults& faults, const std::string& advice) {
-    std::string message = faults.faces.faults.empty() ? "no valid mesh reaches the target: it folds elements"
-                                                      : "the target makes the boundary itself invalid";
-    if (const std::size_t count = faults.faces.faults.size()) message += " at " + counted(count, "face");
-    if (const std::size_t count = faults.elements.size())
-        message += (faults.faces.faults.empty() ? " at " : " and ") + counted(count, "element");
-    throw InputError(message, ":", describe(mesh, faults), advice);
+    const std::string message = faults.faces.faults.empty() ? "no valid mesh reaches the target: it folds "
+                                                            : "the target makes the boundary itself invalid at ";
+    throw InputError(message, counts_of(faults), ":", describe(mesh, faults), advice);
 }
 
 // What helps against elements all of whose vertices are on the boundary. Where two of its faces are, an element is in a
 // corner or along an edge, and so is one of those that it is split into.
-std::string against(const Mesh& mesh, const TargetFaults& faults, int refinements) {
+std::string against(const Mesh& mesh, const TargetFaults& faults, const Deck& deck, int file_degree) {
     if (faults.elements.empty() || !faults.faces.faults.empty()) return "";
     const bool stays = std::any_of(faults.elements.begin(), faults.elements.end(), [&](const DeterminedElement& fault) {
         return std::count(mesh.face_element.begin(), mesh.face_element.end(), fault.element) > 1;
@@ -107,28 +111,27 @@ std::string against(const Mesh& mesh, const TargetFaults& faults, int refinement
     if (stays)
         return "\ntry targets that do not fold them, or a mesh in which they are divided by a node inside (refine leaves "
                "such an element there)";
-    return concat("\ntry refine = ", refinements + 1, ", so that they are divided, or targets that do not fold them");
+    const std::string refined = file_degree == 1 ? concat("refine = ", deck.refine + 1) : "a finer mesh";
+    return "\ntry " + refined + ", so that they are divided, or targets that do not fold them";
 }
 
 // Releases the nodes around faces and elements that the target folds; throws InputError where that cannot help.
-void release_folded(const Deck& deck, const Mesh& mesh, const std::vector<double>& ideal, BoundaryTarget& target,
-                    std::vector<std::string>& notes) {
+void release_folded(const Deck& deck, int file_degree, const Mesh& mesh, const std::vector<double>& ideal,
+                    BoundaryTarget& target, std::vector<std::string>& notes) {
     constexpr double useless = 0.01;  // scaled Jacobian that leaves no element of any use
-    const double bound = deck.distortion.delta > 0             ? -std::numeric_limits<double>::infinity()
-                         : deck.surface == SurfaceKind::keep ? 0
-                                                             : useless;
+    const double passing = deck.surface == SurfaceKind::keep ? 0 : useless;
+    const double bound = deck.distortion.delta > 0 ? -std::numeric_limits<double>::infinity() : passing;
     const TargetFaults faults = find_faults(mesh, ideal, target, bound);
     if (faults.none()) return;
-    if (!faults.may_be_mended()) refuse(mesh, faults, against(mesh, faults, deck.refine));
+    if (!faults.may_be_mended()) refuse(mesh, faults, against(mesh, faults, deck, file_degree));
     if (deck.surface == SurfaceKind::keep)
         refuse(mesh, faults, "\ntry surface = auto, with which nodes slide along the surface there");
     target.released = released_nodes(mesh, target, faults);
     const TargetFaults left = find_faults(mesh, ideal, target, bound);
-    if (!left.none()) refuse(mesh, left, against(mesh, left, deck.refine));
-    notes.push_back(concat("the target folds, or nearly so, ", counted(faults.faces.faults.size(), "face"), " and ",
-                           counted(faults.elements.size(), "element"), "; ",
-                           counted(std::count(target.released.begin(), target.released.end(), 1), "node"),
-                           " around slide along the surface:", describe(mesh, faults)));
+    if (!left.none()) refuse(mesh, left, against(mesh, left, deck, file_degree));
+    const auto released = std::count(target.released.begin(), target.released.end(), 1);
+    notes.push_back(concat("the target folds ", counts_of(faults), ", or leaves next to nothing of them; ",
+                           counted(released, "node"), " around slide along the surface:", describe(mesh, faults)));
 }
 
 // Of the base mesh.
@@ -252,7 +255,7 @@ Problem make_problem(const Deck& deck) {
     problem.level_placed = std::move(placed);
     const Mesh& mesh = problem.mesh();
     check_final_ids(deck, mesh);
-    release_folded(deck, mesh, problem.ideal(), problem.target, problem.notes);
+    release_folded(deck, problem.base.degree, mesh, problem.ideal(), problem.target, problem.notes);
     problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
     problem.node_target = problem.target.node;
     std::shared_ptr<SlidingSurfaces> sliding;

@@ -89,7 +89,7 @@ std::optional<double> value_of_curved(const Table& table, const int* node, const
         }
     }
     element.compute(1);
-    if (!element.has_frame()) return 0;
+    if (!element.has_frame()) return bound >= 0 ? std::optional<double>(0) : std::nullopt;
     const double straight = std::abs(determinant(straight_jacobian<n>(node, x)));
     const double scale = straight > 0 ? element.unit() / straight : 0;
     std::optional<double> least;

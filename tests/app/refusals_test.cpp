@@ -215,7 +215,7 @@ TEST_CASE("a corner that the target folds: code 2, whatever unit, origin, degree
             const Mesh mesh = square_at(size, origin);
             const DentedSquare square(msh_of(mesh), size, origin);
             const Outcome outcome = square.run({setting});
-            check_refused(outcome, 2, {"no valid mesh reaches the target: it folds elements at 1 element:",
+            check_refused(outcome, 2, {"no valid mesh reaches the target: it folds 1 element:",
                                        "refine leaves such an element there"});
             CHECK(!std::filesystem::exists(square.output));
             const FoldedElement folded(outcome.error, "triangle");
@@ -235,7 +235,7 @@ TEST_CASE("a corner that the target folds in a mesh without boundary elements: c
     const Mesh mesh = square_at(1, 0);
     const DentedSquare square(without_faces(mesh), 1, 0);
     const Outcome outcome = square.run();
-    check_refused(outcome, 2, {"it folds elements at 1 element:"});
+    check_refused(outcome, 2, {"it folds 1 element:"});
     CHECK(FoldedElement(outcome.error, "triangle").id == 1000 + 7 * 6);
 }
 
@@ -248,7 +248,7 @@ TEST_CASE("a corner of a cube that is pushed through its element: code 2, naming
         "cube.deck", "mesh = cube.msh\noutput = " + folder.path("out") + "\nboundary all = expression \"x - 0.4" + by +
                          " \"y + 0.35" + by + " \"z + 0.3" + by + "\n");
     const Outcome outcome = almesh_with({deck});
-    check_refused(outcome, 2, {"it folds elements at ", "refine leaves such an element there"});
+    check_refused(outcome, 2, {"it folds ", "refine leaves such an element there"});
     const FoldedElement folded(outcome.error, "tetrahedron");
     CHECK(folded.place.size() == 3);
     const auto e = folded.id - mesh.file.element_id[0];
@@ -259,7 +259,7 @@ TEST_CASE("a corner of a cube that is pushed through its element: code 2, naming
 TEST_CASE("a layer of one element that the target winds too far: code 2, and what is advised succeeds") {
     const RingDeck ring(ring_mesh(16, 1, 3));
     check_refused(ring.run({"boundary inner=rotate 120"}), 2,
-                  {"it folds elements at 16 elements:", "\n  ...\n", "try refine = 1, so that they are divided"});
+                  {"it folds 16 elements:", "\n  ...\n", "try refine = 1, so that they are divided"});
     CHECK(ring.run({"boundary inner=rotate 120", "refine=1"}).code == 0);
 }
 

@@ -40,7 +40,9 @@ struct Curved {
     BoundaryTarget target(const std::map<std::string, std::string>& motions = {}) const {
         return target_of(mesh, motions);
     }
-    TargetFaults faults(const BoundaryTarget& of) const { return find_faults(mesh, straight_sided(mesh), of); }
+    TargetFaults faults(const BoundaryTarget& of, double bound = 0) const {
+        return find_faults(mesh, straight_sided(mesh), of, bound);
+    }
 };
 
 // The middle node of the edge from (1/3, 0) to (1/2, 0), the third of the bottom's, in one of its ends nearly.
@@ -129,14 +131,15 @@ TEST_CASE("an element with two curved edges that meet at more than 180 degrees: 
                       "inside");
 }
 
-// A corner of less than a hundredth of the straight one's Jacobian is of no use, where it is certain to be like that.
-TEST_CASE("targets that leave next to nothing of an element are faults, unless a projection is in the way") {
+TEST_CASE("targets that leave next to nothing of an element are faults by the bound, unless a projection is in the way") {
     const double by = std::sqrt((1 - 0.005) / 16 / 9);
     const Curved square = with_wide_corner(by);
-    CHECK(square.faults(square.target()).elements.size() == 1);
+    CHECK(square.faults(square.target()).none());
+    CHECK(square.faults(square.target(), 0.004).none());
+    CHECK(square.faults(square.target(), 0.006).elements.size() == 1);
     BoundaryTarget projected = square.target();
     projected.in_trace_space = false;
-    CHECK(square.faults(projected).none());
+    CHECK(square.faults(projected, 0.006).none());
     CHECK(with_wide_corner(0.1).faults(with_wide_corner(0.1).target()).elements.size() == 1);
 }
 
