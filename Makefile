@@ -41,7 +41,7 @@ endif
 PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import numpy, matplotlib' 2>/dev/null && echo $(p))) python3)
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests doctest asan bench compare-cholmod cholmod paper gauntlet defaults figures meshes clean FORCE
+.PHONY: all run help test run-tests doctest asan bench compare-cholmod compare-gmsh cholmod paper gauntlet defaults figures meshes clean FORCE
 
 all: almesh ## build the program ./almesh
 
@@ -115,6 +115,9 @@ paper: almesh ## run the paper's decks, compare with its tables: outputs/paper/t
 gauntlet: almesh ## run the decks of large motions, inputs/gauntlet/, and compare: outputs/gauntlet/table.md
 	@for deck in inputs/gauntlet/*.deck; do ./almesh $$deck vtk=none; echo; done
 	$(PYTHON) plot/gauntlet.py
+
+compare-gmsh: almesh ## mend curved CAD meshes, beside gmsh's optimisers (python3-gmsh, numpy): outputs/compare-gmsh/table.md
+	$(PYTHON) plot/compare_gmsh.py
 
 defaults: almesh ## the table behind the defaults of objective and weight: outputs/defaults/table.md
 	$(PYTHON) plot/defaults.py

@@ -109,8 +109,8 @@ std::string against(const Mesh& mesh, const TargetFaults& faults, const Deck& de
         return std::count(mesh.face_element.begin(), mesh.face_element.end(), fault.element) > 1;
     });
     if (stays)
-        return "\ntry targets that do not fold them, or a mesh in which they are divided by a node inside (refine leaves "
-               "such an element there)";
+        return "\ntry targets that do not fold them, or a mesh in which they are divided by a node inside (refine "
+               "leaves such an element there)";
     const std::string refined = file_degree == 1 ? concat("refine = ", deck.refine + 1) : "a finer mesh";
     return "\ntry " + refined + ", so that they are divided, or targets that do not fold them";
 }

@@ -1,10 +1,10 @@
 // Elements that the target alone folds.
 //
 // The derivative of an element's map at a vertex depends on the nodes of the edges there, along an edge of a
-// tetrahedron on those of the two faces that meet in it, and so on: on a face s of any dimension it depends on the nodes
-// of the simplices spanned by s and one more vertex. Where all of these nodes are prescribed the determinant on s is
-// what the target makes it, whatever the mesh inside. Such are elements with two faces on one smooth boundary, between
-// which the angle becomes 180 degrees, and those across a gap that closes.
+// tetrahedron on those of the two faces that meet in it, and so on: on a face s of any dimension it depends on the
+// nodes of the simplices spanned by s and one more vertex. Where all of these nodes are prescribed the determinant on s
+// is what the target makes it, whatever the mesh inside. Such are elements with two faces on one smooth boundary,
+// between which the angle becomes 180 degrees, and those across a gap that closes.
 #pragma once
 #include <vector>
 

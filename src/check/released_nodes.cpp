@@ -31,9 +31,9 @@ std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& targe
 }  // namespace
 
 bool TargetFaults::may_be_mended() const {
-    return !none() &&
-           std::all_of(faces.faults.begin(), faces.faults.end(), [](const auto& fault) { return fault.by_curvature; }) &&
-           std::all_of(elements.begin(), elements.end(), [](const auto& fault) { return fault.by_curvature; });
+    const auto by_curvature = [](const auto& fault) { return fault.by_curvature; };
+    return !none() && std::all_of(faces.faults.begin(), faces.faults.end(), by_curvature) &&
+           std::all_of(elements.begin(), elements.end(), by_curvature);
 }
 
 TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,

@@ -18,9 +18,9 @@ struct TargetFaults {
     bool may_be_mended() const;  // by sliding: all are of faces and elements that are folded by their curvature alone
 };
 
-// ideal: node_count x dim positions. Of elements those whose scaled Jacobian the target makes at most `bound` somewhere:
-// 0 where no valid mesh keeps it, a little more where none of any use does. What the target leaves open, because it slides, is released or free, is passed
-// over.
+// ideal: node_count x dim positions. Of elements those whose scaled Jacobian the target makes at most `bound`
+// somewhere: 0 where no valid mesh keeps it, a little more where none of any use does. What the target leaves open,
+// because it slides, is released or free, is passed over.
 TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
                          double bound = 0);
 

@@ -106,7 +106,9 @@ struct Check {
     std::vector<std::array<int, 2>> farthest_corners(int of_part) const;
     std::vector<double> enclosed(const std::vector<Patch>& patches) const;
     std::string id_of_node(int i) const { return std::to_string(mesh.file.node_id.empty() ? i : mesh.file.node_id[i]); }
-    void add_fault(int f, const std::string& what) { report.faults.push_back({f, face_name(mesh, f) + ": " + what, false}); }
+    void add_fault(int f, const std::string& what) {
+        report.faults.push_back({f, face_name(mesh, f) + ": " + what, false});
+    }
 };
 
 Check::Check(const Mesh& mesh_, const std::vector<double>& target_)

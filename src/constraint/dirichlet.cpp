@@ -96,8 +96,11 @@ void Dirichlet::bend(const std::vector<double>& x, const std::vector<double>& d,
         count(),
         [&](int i) {
             if (parts_[i].empty()) return;
-            const auto of = [&](const std::vector<double>& v) { return in_space(point(v, trace_.nodes[i], dim_), dim_); };
-            const Vec<3> bent = at_distances(*sliding_, parts_[i], of(y), distances(*sliding_, parts_[i], of(x), t * of(d)));
+            const auto of = [&](const std::vector<double>& v) {
+                return in_space(point(v, trace_.nodes[i], dim_), dim_);
+            };
+            const Vec<3> bent =
+                at_distances(*sliding_, parts_[i], of(y), distances(*sliding_, parts_[i], of(x), t * of(d)));
             std::copy_n(bent.begin(), dim_, point(y, trace_.nodes[i], dim_));
         },
         surface_work);

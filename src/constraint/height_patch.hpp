@@ -1,5 +1,5 @@
-// A smooth piece of surface through a point, of which only points around it are known: what a mesh has of a CAD surface.
-// The faces of the mesh meet at angles there; nodes that slide a little must not.
+// A smooth piece of surface through a point, of which only points around it are known: what a mesh has of a CAD
+// surface. The faces of the mesh meet at angles there; nodes that slide a little must not.
 #pragma once
 #include <memory>
 #include <vector>

@@ -1,5 +1,5 @@
-// q(x) = x'Hx / 2 + h.x + c with its coefficients the eigenvector of the smallest eigenvalue of D'D, the rows of D being
-// the monomials at the points (relative to their centre and extent).
+// q(x) = x'Hx / 2 + h.x + c with its coefficients the eigenvector of the smallest eigenvalue of D'D, the rows of D
+// being the monomials at the points (relative to their centre and extent).
 #include "constraint/quadric.hpp"
 
 #include <algorithm>
@@ -70,8 +70,8 @@ struct Quadric final : Surface {
 };
 
 // While I + t A is positive definite the stationary point is a minimum, and q there decreases with t: the closest point
-// is where it vanishes, by Newton's method within the bracket, or bisection. Where it does not vanish, x is farther from
-// the surface than its centres of curvature: as far as it goes then.
+// is where it vanishes, by Newton's method within the bracket, or bisection. Where it does not vanish, x is farther
+// from the surface than its centres of curvature: as far as it goes then.
 Vec<3> Quadric::closest(const Vec<3>& u) const {
     constexpr int steps = 100;
     constexpr double inside = 1 - 1e-9, rounding = 1e-16;

@@ -139,7 +139,8 @@ struct BoundaryFaces {
     // By the elementary entity of the file: the faces of a CAD model.
     std::vector<std::vector<int>> cut_by_entity(const std::vector<int>& faces) const {
         std::map<int, std::vector<int>> groups;
-        for (const int k : faces) groups[mesh.file.face_entity.empty() ? 0 : mesh.file.face_entity[face[k]]].push_back(k);
+        for (const int k : faces)
+            groups[mesh.file.face_entity.empty() ? 0 : mesh.file.face_entity[face[k]]].push_back(k);
         std::vector<std::vector<int>> result;
         for (auto& [entity, group] : groups) result.push_back(std::move(group));
         return result;

@@ -36,13 +36,14 @@ SurfaceDistance distance_to(const SlidingSurfaces& sliding, const std::vector<in
 Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
                          const Vec<3>& force);
 
-// Gives the nodes that the target releases smooth patches where they would slide along the mesh's own faces. The mesh and
-// the target are in units of sliding.unit().
+// Gives the nodes that the target releases smooth patches where they would slide along the mesh's own faces. The mesh
+// and the target are in units of sliding.unit().
 void smooth_released(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding);
 
 // The parts along which each of the nodes (numbers in the mesh) slides; none where its place is prescribed, where it is
-// a corner, and where it is free; those that the target releases slide. faces: face x face node, places in `nodes`. places: of the nodes, n x dim. held: per
-// node, whether it is held to its place. Throws InputError where a prescribed place is off the surface.
+// a corner, and where it is free; those that the target releases slide. faces: face x face node, places in `nodes`.
+// places: of the nodes, n x dim. held: per node, whether it is held to its place. Throws InputError where a prescribed
+// place is off the surface.
 std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarget& target,
                                             const SlidingSurfaces* sliding, const std::vector<int>& nodes,
                                             const std::vector<int>& faces, const std::vector<double>& places,

@@ -132,7 +132,8 @@ void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target) {
 }
 
 bool BoundaryTarget::prescribes_all() const {
-    return released.empty() && std::all_of(hold.begin(), hold.end(), [](BoundaryHold h) { return h == BoundaryHold::prescribed; });
+    return released.empty() &&
+           std::all_of(hold.begin(), hold.end(), [](BoundaryHold h) { return h == BoundaryHold::prescribed; });
 }
 
 }  // namespace almesh

@@ -235,7 +235,8 @@ std::map<std::vector<int>, int> untagged_faces(const MeshBuild& build) {
     return faces;
 }
 
-// The boundary of a mesh without tagged faces: its parts that hang together by vertices, numbered by their lowest nodes.
+// The boundary of a mesh without tagged faces: its parts that hang together by vertices, numbered by their lowest
+// nodes.
 void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides, MeshBuild& build) {
     Mesh& mesh = build.mesh;
     const int dim = mesh.dim;

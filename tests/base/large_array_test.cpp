@@ -28,7 +28,8 @@ TEST_CASE("large arrays may be empty, hold registers, and be made inside a paral
     registers.back() = in_all_lanes(2);
     CHECK(sum_of_lanes(registers.back()) == 2 * lanes);
     std::size_t size[2] = {};
-    parallel_invoke([&] { size[0] = LargeVector<int>(1 << 21).size(); }, [&] { size[1] = LargeVector<int>(1 << 22).size(); });
+    parallel_invoke([&] { size[0] = LargeVector<int>(1 << 21).size(); },
+                    [&] { size[1] = LargeVector<int>(1 << 22).size(); });
     CHECK(size[0] == 1 << 21);
     CHECK(size[1] == 1 << 22);
 }

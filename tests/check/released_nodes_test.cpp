@@ -131,7 +131,8 @@ TEST_CASE("an element with two curved edges that meet at more than 180 degrees: 
                       "inside");
 }
 
-TEST_CASE("targets that leave next to nothing of an element are faults by the bound, unless a projection is in the way") {
+TEST_CASE(
+    "targets that leave next to nothing of an element are faults by the bound, unless a projection is in the way") {
     const double by = std::sqrt((1 - 0.005) / 16 / 9);
     const Curved square = with_wide_corner(by);
     CHECK(square.faults(square.target()).none());
