@@ -15,7 +15,7 @@ constexpr const char* help =
     "\n"
     "  almesh DECK [key=value ...]   run a deck; keys given here replace those of the deck\n"
     "  almesh info FILE              what is in a mesh file, and a deck to start from: almesh info FILE > my.deck\n"
-    "  almesh quality FILE           certify and measure any mesh (Gmsh MSH 2.2 or 4.1 in ASCII, SU2)\n"
+    "  almesh quality FILE           certify and measure any mesh (Gmsh MSH 2.2, 4.0 or 4.1, SU2)\n"
     "  almesh linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] [preconditioner=ilu0|ssor] [threads=N]\n"
     "                 [block=1|2|3] [ordering=nested_dissection|minimum_degree|rcm|natural]\n"
     "                                solve a symmetric system in Matrix Market format and time it\n"
