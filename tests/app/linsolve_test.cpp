@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "base/parallel.hpp"
+#include "base/text.hpp"
 #include "io/matrix_market.hpp"
 #include "support/matrices.hpp"
 #include "support/program.hpp"
@@ -120,8 +121,7 @@ TEST_CASE("linsolve: where ILU(0) breaks down it is of a heavier diagonal, and s
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j <= i; ++j)
                 for (int a = 0; a < d && spring[i][j] != 0; ++a)
-                    entries += std::to_string(i * d + a + 1) + " " + std::to_string(j * d + a + 1) + " " +
-                               std::to_string(spring[i][j]) + "\n";
+                    entries += concat(i * d + a + 1, " ", j * d + a + 1, " ", spring[i][j], "\n");
         const std::string size = std::to_string(4 * d);
         return folder.write("A" + size + ".mtx",
                             header + size + " " + size + " " + std::to_string(8 * d) + "\n" + entries);
