@@ -133,6 +133,8 @@ void add_against_uncertified(const Deck& deck, const Problem& problem, const Sol
         to_try.push_back("delta = 0, with which no step inverts an element");
     else if (solution.certificate.undecided > 0)
         to_try.push_back(concat("certificate_bisections = ", 10 * std::max(1, deck.certificate.max_bisections)));
+    else if (!problem.target.released.empty())
+        to_try.push_back("a finer mesh of the surface there, which its faces fold around");
     else if (!problem.target.prescribes_all())
         to_try.push_back("places for the boundary there, in place of slide or free");
     else

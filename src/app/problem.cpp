@@ -184,12 +184,9 @@ void divide(std::initializer_list<std::vector<double>*> positions, double length
 
 // Boundaries along which nodes slide.
 std::vector<char> slides(const Mesh& mesh, const BoundaryTarget& target) {
-    std::vector<char> result;
-    for (const BoundaryHold hold : target.hold) result.push_back(hold == BoundaryHold::slides);
-    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
-        const int b = mesh.face_boundary[k / mesh.face_nodes()];
-        if (target.hold[b] == BoundaryHold::prescribed && target.is_released(mesh.faces[k])) result[b] = 1;
-    }
+    std::vector<char> result(mesh.boundaries.size(), 0);
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (target.slides(mesh, f)) result[mesh.face_boundary[f]] = 1;
     return result;
 }
 
@@ -304,11 +301,13 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
             part.released = released;
             std::shared_ptr<SlidingSurfaces> sliding;
             if (problem.sliding) {
-                Mesh base = problem.base;
-                const std::vector<double> straight = straight_sided(base);
-                for (std::size_t i = 0; i < straight.size() && !released.empty(); ++i)
-                    base.x[i] = straight[i] + fraction * (base.x[i] - straight[i]);
-                sliding = sliding_surfaces(angle, base, make_target(base, parts, problem.placed),
+                const std::vector<double> straight = straight_sided(problem.base);
+                Mesh base = problem.base;  // its surface as it is: but released nodes go with those that are not
+                if (!released.empty())
+                    for (std::size_t i = 0; i < straight.size(); ++i)
+                        base.x[i] = straight[i] + fraction * (base.x[i] - straight[i]);
+                const PlacedNodes base_placed = at_fraction(problem.placed, straight, 1, fraction);
+                sliding = sliding_surfaces(angle, base, make_target(base, parts, base_placed),
                                            slides(level.mesh, part), length);
                 if (sliding) smooth_released(level.mesh, part, *sliding);
             }

@@ -5,30 +5,17 @@
 #include <cmath>
 
 #include "base/index.hpp"
+#include "constraint/sliding_nodes.hpp"
 
 namespace almesh {
 namespace {
-
-double squared_distance(const double* a, const double* b, int dim) {
-    double squared = 0;
-    for (int k = 0; k < dim; ++k) squared += (a[k] - b[k]) * (a[k] - b[k]);
-    return squared;
-}
-
-double distance(const double* a, const double* b, int dim) { return std::sqrt(squared_distance(a, b, dim)); }
-
-std::array<double, 3> place_of(const std::vector<double>& x, int i, int dim) {
-    std::array<double, 3> place{};
-    std::copy_n(point(x, i, dim), dim, place.begin());
-    return place;
-}
 
 // Of the boundary node that is nearest to the place of the obstacle.
 int nearest_boundary(const LastMesh& last, const std::vector<int>& boundary, const std::array<double, 3>& place) {
     double least = std::numeric_limits<double>::infinity();
     int nearest = -1;
     for (const int i : last.mesh.faces) {
-        const double d = squared_distance(point(last.x, i, last.mesh.dim), place.data(), last.mesh.dim);
+        const double d = length(in_space(point(last.x, i, last.mesh.dim), last.mesh.dim) - place);
         if (d >= least) continue;
         least = d;
         nearest = boundary[i];
@@ -41,7 +28,7 @@ Obstacle at_node(const LastMesh& last, ObstacleKind kind, int node) {
     Obstacle obstacle;
     obstacle.kind = kind;
     obstacle.node = node;
-    obstacle.place = place_of(last.x, node, last.mesh.dim);
+    obstacle.place = in_space(point(last.x, node, last.mesh.dim), last.mesh.dim);
     obstacle.on_boundary = boundary[node] >= 0;
     obstacle.boundary = obstacle.on_boundary ? boundary[node] : nearest_boundary(last, boundary, obstacle.place);
     const int m = last.mesh.element_nodes();
@@ -64,15 +51,6 @@ Obstacle at_element(const LastMesh& last, ObstacleKind kind, int element) {
     obstacle.on_boundary = std::any_of(vertex, vertex + last.mesh.dim + 1, on_boundary);
     obstacle.boundary = nearest_boundary(last, boundary, obstacle.place);
     return obstacle;
-}
-
-// Per node of the mesh: whether a face prescribes its place.
-std::vector<char> prescribed_nodes(const LastMesh& last) {
-    std::vector<char> prescribed(last.mesh.nodes(), 0);
-    for (int f = 0; f < last.mesh.face_count(); ++f)
-        if (last.target.hold_of_face(last.mesh, f) == BoundaryHold::prescribed)
-            for (int i = 0; i < last.mesh.face_nodes(); ++i) prescribed[last.mesh.face(f)[i]] = 1;
-    return prescribed;
 }
 
 }  // namespace
@@ -101,11 +79,11 @@ Obstacle farthest_off_target(const LastMesh& last) {
     const int t = static_cast<int>(largest - errors.begin()), node = last.constraint.nodes()[t];
     Obstacle obstacle = at_node(last, ObstacleKind::off_target, node);
     obstacle.heights = *largest;
-    obstacle.target = place_of(last.constraint.targets(last.x), t, dim);
-    obstacle.distance = distance(obstacle.place.data(), obstacle.target.data(), dim);
-    const double whole = distance(point(last.ideal, node, dim), obstacle.target.data(), dim);
+    obstacle.target = in_space(&last.constraint.targets(last.x)[offset(t, dim)], dim);
+    obstacle.distance = length(obstacle.place - obstacle.target);
+    const double whole = length(in_space(point(last.ideal, node, dim), dim) - obstacle.target);
     const bool stays = whole <= rounding * obstacle.distance;
-    if (prescribed_nodes(last)[node] && !stays) obstacle.way = 1 - obstacle.distance / whole;
+    if (prescribed_nodes(last.mesh, last.target)[node] && !stays) obstacle.way = 1 - obstacle.distance / whole;
     return obstacle;
 }
 

@@ -8,28 +8,6 @@
 #include "geometry/patch.hpp"
 
 namespace almesh {
-namespace {
-
-std::vector<char> open_faces(const Mesh& mesh, const BoundaryTarget& target) {
-    std::vector<char> open(mesh.face_count());
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        const int* const node = mesh.face(f);
-        open[f] = target.hold_of_face(mesh, f) != BoundaryHold::prescribed ||
-                  std::any_of(node, node + mesh.face_nodes(), [&](int i) { return target.is_released(i); });
-    }
-    return open;
-}
-
-std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target) {
-    std::vector<char> prescribed(mesh.nodes(), 0);
-    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
-        if (target.hold_of_face(mesh, k / mesh.face_nodes()) == BoundaryHold::prescribed)
-            prescribed[mesh.faces[k]] = !target.is_released(mesh.faces[k]);
-    return prescribed;
-}
-
-}  // namespace
-
 bool TargetFaults::may_be_mended() const {
     const auto by_curvature = [](const auto& fault) { return fault.by_curvature; };
     return !none() && std::all_of(faces.faults.begin(), faces.faults.end(), by_curvature) &&
@@ -41,7 +19,10 @@ TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, con
     constexpr double surely = -0.01;  // of boundaries that end only as near to their places as elements resolve them
     const std::vector<double> place = at_target(mesh, target, ideal);
     TargetFaults faults;
-    faults.faces = check_target(mesh, target.node, open_faces(mesh, target));
+    std::vector<char> open(mesh.face_count());
+    for (int f = 0; f < mesh.face_count(); ++f)
+        open[f] = target.hold_of_face(mesh, f) == BoundaryHold::free || target.slides(mesh, f);
+    faults.faces = check_target(mesh, target.node, open);
     if (mesh.degree == 1) bound = std::min(bound, 0.0);
     else if (!target.in_trace_space) bound = std::min(bound, surely);
     faults.elements = determined_elements(mesh, place, prescribed_nodes(mesh, target), bound);

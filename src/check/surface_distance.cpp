@@ -34,10 +34,8 @@ double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, co
     std::vector<double> distance(mesh.face_count(), 0.0);
     parallel_for(mesh.face_count(), [&](int f) {
         const int* const node = mesh.face(f);
-        const BoundaryHold hold = target.hold_of_face(mesh, f);
-        const bool released = std::any_of(node, node + m, [&](int i) { return target.is_released(i); });
-        if (hold == BoundaryHold::free || (hold == BoundaryHold::prescribed && !released)) return;
-        const std::vector<int> part = {sliding.part(mesh.face_boundary[f], centroid(mesh, mesh.x, node, dim))};
+        if (!target.slides(mesh, f)) return;
+        const std::vector<int> part = {part_of_face(mesh, sliding, f)};
         const std::vector<Vec<3>> nodes = positions(mesh, x, node, m);
         for (std::size_t q = 0; q < values.size(); q += m) {
             Vec<3> at{};

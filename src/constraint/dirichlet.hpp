@@ -102,7 +102,6 @@ private:
     void measure(const std::vector<double>& x);
     void measure_slopes(const std::vector<double>& x);
     void set_force(const std::vector<double>& lambda, double mu);
-    double relative_to_height(int trace_node, const double* at, const double* target) const;
     void measure_best_approximation();
     double squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face,
                                  int point) const;

@@ -50,14 +50,7 @@ Vec<3> at_distances(const SlidingSurfaces& sliding, const std::vector<int>& part
 }
 
 Vec<3> on_surfaces(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x) {
-    if (parts.size() > 1) return at_distances(sliding, parts, x, {});
-    Vec<3> at = x;
-    for (int step = 0; step < most_steps; ++step) {
-        const Vec<3> foot = sliding.foot(parts[0], at).position;
-        if (length(foot - at) <= rounding * length(at)) return foot;
-        at = foot;
-    }
-    return at;
+    return parts.size() == 1 ? sliding.foot(parts[0], x).position : at_distances(sliding, parts, x, {});
 }
 
 std::array<double, 3> distances(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
@@ -124,12 +117,15 @@ void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& slidin
 
 }  // namespace
 
+int part_of_face(const Mesh& mesh, const SlidingSurfaces& sliding, int f) {
+    return sliding.part(mesh.face_boundary[f], centroid(mesh, mesh.x, mesh.face(f), mesh.dim));
+}
+
 void smooth_released(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding) {
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
         const int f = k / mesh.face_nodes(), node = mesh.faces[k];
         if (!target.is_released(node) || target.hold_of_face(mesh, f) != BoundaryHold::prescribed) continue;
-        const int part = sliding.part(mesh.face_boundary[f], centroid(mesh, mesh.x, mesh.face(f), mesh.dim));
-        sliding.add_patch(node, part, in_space(&target.node[offset(k, mesh.dim)], mesh.dim));
+        sliding.add_patch(node, part_of_face(mesh, sliding, f), in_space(&target.node[offset(k, mesh.dim)], mesh.dim));
     }
 }
 
@@ -144,24 +140,16 @@ std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarg
     for (int f = 0; f < mesh.face_count(); ++f) {
         const BoundaryHold hold = target.hold_of_face(mesh, f);
         const std::vector<Vec<3>> corner = positions(mesh, mesh.x, mesh.face(f), dim);
-        Vec<3> centre{};
         double longest = 0;
-        for (const Vec<3>& x : corner) {
-            centre = centre + 1.0 / dim * x;
-            longest = std::max(longest, length(x - corner[0]));
-        }
-        const int* const node = mesh.face(f);
-        const bool slides = hold == BoundaryHold::slides;
-        const auto is_released = [&](int i) { return target.is_released(i); };
-        const bool has_part =
-            slides || (hold == BoundaryHold::prescribed && std::any_of(node, node + m, is_released));
-        const int part = has_part ? sliding->part(mesh.face_boundary[f], centre) : -1;
+        for (const Vec<3>& x : corner) longest = std::max(longest, length(x - corner[0]));
+        const int part = target.slides(mesh, f) ? part_of_face(mesh, *sliding, f) : -1;
         for (int i = 0; i < m; ++i) {
-            const int t = faces[offset(f, m, i)];
+            const int t = faces[offset(f, m, i)], node = mesh.face(f)[i];
             size[t] = std::max(size[t], longest);
-            if (hold == BoundaryHold::prescribed && !is_released(node[i])) prescribed[t] = 1;
-            if (part < 0 || !(slides || is_released(node[i]))) continue;
-            const int along = sliding->part_or_patch(node[i], part);
+            const bool is_prescribed = hold == BoundaryHold::prescribed && !target.is_released(node);
+            if (is_prescribed) prescribed[t] = 1;
+            if (part < 0 || is_prescribed) continue;
+            const int along = sliding->part_or_patch(node, part);
             if (std::find(parts[t].begin(), parts[t].end(), along) == parts[t].end()) parts[t].push_back(along);
         }
     }

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 
 #include "base/error.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
+#include "base/text.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/lagrange.hpp"
 
@@ -17,24 +17,16 @@ namespace {
 
 constexpr double move_work = 50;  // simple operations that moving a point takes
 
-std::string point_text(const double* x, int dim) {
-    std::ostringstream out;
-    out << '(';
-    for (int a = 0; a < dim; ++a) out << (a ? ", " : "") << x[a];
-    out << ')';
-    return out.str();
-}
-
 void move(const Motion& motion, const Mesh& mesh, int boundary, double* x) {
     std::array<double, 3> before{};
     std::copy_n(x, mesh.dim, before.begin());
     if (!apply(motion, mesh.dim, x))
         throw InputError("boundary ", mesh.boundaries[boundary], ": the closest point to ",
-                         point_text(before.data(), mesh.dim), " is not defined (it is the centre or on the axis)");
+                         place_text(before.data(), mesh.dim), " is not defined (it is the centre or on the axis)");
     for (int a = 0; a < mesh.dim; ++a)
         if (!std::isfinite(x[a]))
             throw InputError("boundary ", mesh.boundaries[boundary], ": the motion takes ",
-                             point_text(before.data(), mesh.dim), " to a place that is not finite");
+                             place_text(before.data(), mesh.dim), " to a place that is not finite");
 }
 
 double extent(const Mesh& mesh) {
@@ -68,8 +60,8 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
         const double tolerance = 1e-6 * std::min(size[seen / m], size[k / m]);
         if (difference <= tolerance + rounding) continue;
         throw InputError("node ", mesh.file.node_id[mesh.faces[k]], " lies on two boundaries whose motions disagree: ",
-                         mesh.boundaries[mesh.face_boundary[seen / m]], " takes it to ", point_text(a, dim), ", ",
-                         mesh.boundaries[mesh.face_boundary[k / m]], " to ", point_text(b, dim),
+                         mesh.boundaries[mesh.face_boundary[seen / m]], " takes it to ", place_text(a, dim), ", ",
+                         mesh.boundaries[mesh.face_boundary[k / m]], " to ", place_text(b, dim),
                          "; if one of them is a wall along which the other moves, let it `slide`");
     }
 }
@@ -129,6 +121,22 @@ void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target) {
             if (pass == 1 && !prescribed && known >= 0)
                 std::copy_n(&target.node[offset(known, dim)], dim, &target.node[offset(k, dim)]);
         }
+}
+
+std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target) {
+    std::vector<char> prescribed(mesh.nodes(), 0);
+    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
+        if (target.hold_of_face(mesh, k / mesh.face_nodes()) == BoundaryHold::prescribed)
+            prescribed[mesh.faces[k]] = !target.is_released(mesh.faces[k]);
+    return prescribed;
+}
+
+bool BoundaryTarget::slides(const Mesh& mesh, int f) const {
+    const int* const first = mesh.face(f);
+    const BoundaryHold of_face = hold_of_face(mesh, f);
+    return of_face == BoundaryHold::slides ||
+           (of_face == BoundaryHold::prescribed &&
+            std::any_of(first, first + mesh.face_nodes(), [&](int i) { return is_released(i); }));
 }
 
 bool BoundaryTarget::prescribes_all() const {

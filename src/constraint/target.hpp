@@ -19,6 +19,7 @@ struct BoundaryTarget {
 
     BoundaryHold hold_of_face(const Mesh& mesh, int f) const { return hold[mesh.face_boundary[f]]; }
     bool is_released(int i) const { return !released.empty() && released[i]; }
+    bool slides(const Mesh& mesh, int f) const;  // all nodes of the face, or those of it that are released
     bool prescribes_all() const;
 };
 
@@ -31,6 +32,9 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, 
 
 // x (node_count x dim) with the boundary nodes at their places in the target: the first face that holds a node decides.
 std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, std::vector<double> x);
+
+// Per node: whether the target prescribes its place.
+std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target);
 
 // Nodes that one face prescribes are there on faces too that slide or are free.
 void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target);

@@ -57,7 +57,6 @@ std::optional<AlResult> follow(const Level& level, Newton& newton, const Augment
         if (succeeded(result)) {
             reached = x;
             done = fraction;
-            result.status = AlStatus::max_newton_iterations;  // if it is the last one
         } else {
             part *= 0.5;
         }
@@ -108,6 +107,7 @@ AlResult minimise_following(const Level& level, Newton& newton, const MethodPara
         follow(level, newton, params.schedule, part, x, observer, observe_part, earlier_steps, failed_part);
     if (!result && failed_part && level.turn > most_at_once) {  // at once it would go the shorter way
         result = std::move(failed_part);
+        result->status = AlStatus::stalled;
         earlier_steps -= result->newton_iterations;
     } else if (!result && at_once_failed) {  // with more steps it would end alike
         x = std::move(x_failed);
