@@ -18,15 +18,21 @@ COMMIT    := $(shell git describe --always --dirty --exclude '*' 2>/dev/null || 
 
 # Without errno a square root is one instruction, for all lanes of a register at once.
 FLAGS     := -std=c++20 -fno-math-errno $(CXXFLAGS) $(OPENMP) $(WARNINGS) $(WERROR) $(NO_OPENMP) -Isrc -Itests
-SOURCES   := $(shell find src -name '*.cpp' | sort)
+SOURCES   := $(shell find src -name '*.cpp' -not -path 'src/lessons/*' | sort)
 OBJECTS   := $(SOURCES:%.cpp=$(BUILD)/%.o)
 LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(OBJECTS))
-TESTS     := $(shell find tests -name '*.cpp' -not -path 'tests/bench/*' | sort)
+TESTS     := $(shell find tests -name '*.cpp' -not -path 'tests/bench/*' -not -path 'tests/lessons/*' | sort)
 TEST_OBJECTS := $(TESTS:%.cpp=$(BUILD)/%.o)
 # The comparison is a program of its own, the only one that needs CHOLMOD.
 COMPARISON := $(BUILD)/tests/bench/compare_cholmod.o
 BENCH     := $(shell find tests/bench -name '*.cpp' -not -name compare_cholmod.cpp | sort)
 BENCH_OBJECTS := $(BENCH:%.cpp=$(BUILD)/%.o)
+# The course: a program for each lesson that is code, and its exercises, checked with the answers of the templates
+# (src/lessons/exercises/, where students write) or with the solutions.
+LESSON_PROGRAMS := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/[0-9]*.cpp))
+CHECKED   := $(sort $(patsubst tests/lessons/%_check.cpp,%,$(wildcard tests/lessons/*_check.cpp)))
+CHECKS    := $(CHECKED:%=$(BUILD)/lessons/check-%) $(CHECKED:%=$(BUILD)/lessons/solved-%)
+LESSON_OBJECTS := $(patsubst %.cpp,$(BUILD)/%.o,$(shell find src/lessons tests/lessons -name '*.cpp'))
 
 # Threads that wait soon sleep: spinning ones are slow on a machine with other work to do (src/main.cpp).
 ifndef OMP_WAIT_POLICY
@@ -41,7 +47,7 @@ endif
 PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import numpy, matplotlib' 2>/dev/null && echo $(p))) python3)
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests doctest asan bench compare-cholmod compare-gmsh cholmod paper gauntlet defaults figures meshes clean FORCE
+.PHONY: all run help test run-tests doctest asan bench compare-cholmod compare-gmsh cholmod paper gauntlet defaults figures meshes lessons check-lessons animation clean FORCE
 
 all: almesh ## build the program ./almesh
 
@@ -70,8 +76,8 @@ $(BUILD)/flags: FORCE
 run: almesh ## move the circle of section 4.1 and print its table
 	./almesh inputs/circle.deck
 
-test: doctest ## run every test, built with warnings as errors, and build the benchmark (installs doctest where it is missing)
-	$(MAKE) BUILD=build-test WERROR=-Werror run-tests build-test/almesh-bench
+test: doctest python ## run every test, built with warnings as errors, and build the benchmark (installs doctest where it is missing)
+	$(MAKE) BUILD=build-test WERROR=-Werror run-tests lessons build-test/almesh-bench
 
 # Without the tests that run the large decks again and again: minutes become hours.
 asan: doctest ## the same tests, but for those of the large decks, under the address and undefined-behaviour sanitizers
@@ -104,6 +110,44 @@ cholmod:
 doctest:
 	@CXX='$(CXX)' .ci/install-doctest
 
+python:
+	@.ci/install-python
+
+# The library in one file, so that the programs of the course are linked quickly.
+$(BUILD)/libalmesh.a: $(LIBRARY)
+	@rm -f $@
+	$(AR) rcs $@ $^
+
+.SECONDARY: $(LESSON_OBJECTS)
+
+$(BUILD)/lessons/check-%: $(BUILD)/src/lessons/exercises/%.o $(BUILD)/tests/lessons/%_check.o $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a
+	@mkdir -p $(@D)
+	$(CXX) $(FLAGS) $^ $(GOMP) -o $@
+
+$(BUILD)/lessons/solved-%: $(BUILD)/src/lessons/solutions/%.o $(BUILD)/tests/lessons/%_check.o $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a
+	@mkdir -p $(@D)
+	$(CXX) $(FLAGS) $^ $(GOMP) -o $@
+
+$(BUILD)/lessons/%: $(BUILD)/src/lessons/%.o $(BUILD)/libalmesh.a
+	@mkdir -p $(@D)
+	$(CXX) $(FLAGS) $^ $(GOMP) -o $@
+
+lesson-%: almesh FORCE ## run the commands of a lesson's handout and draw its picture: make lesson-01
+	$(MAKE) $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(BUILD)/lessons/check-$*
+	tests/lessons/handouts.py --show --build $(BUILD) $*
+	$(PYTHON) $(wildcard plot/lessons/$*_*.py)
+
+check-lesson-%: FORCE ## check your answers to a lesson's exercises: make check-lesson-01 (ANSWERS=solutions: the solutions)
+	@$(MAKE) --no-print-directory $(BUILD)/lessons/$(if $(ANSWERS),solved,check)-$*
+	@$(BUILD)/lessons/$(if $(ANSWERS),solved,check)-$* $(wildcard inputs/lessons/$*-*)/$(or $(ANSWERS),exercises)
+
+check-lessons: $(CHECKS) ## check the answers to all exercises: a table, and outputs/lessons/answers.csv (ANSWERS=solutions)
+	@tests/lessons/answers.py --build $(BUILD) $(or $(ANSWERS),exercises)
+
+lessons: python $(BUILD)/almesh $(LESSON_PROGRAMS) $(CHECKS) ## run all commands of all handouts, compare with the output shown; check the solutions
+	tests/lessons/answers.py --build $(BUILD) --self-test
+	tests/lessons/handouts.py --build $(BUILD)
+
 paper: almesh ## run the paper's decks, compare with its tables: outputs/paper/tables.md
 	@decks=$$($(PYTHON) plot/paper_tables.py --decks) && for deck in $$decks; do \
 	  ./almesh inputs/$$deck.deck; code=$$?; echo; \
@@ -132,6 +176,6 @@ clean: ## remove what was built
 	rm -rf build build-* almesh
 
 help: ## list the targets
-	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 17
+	@grep -hE '^[a-z%-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/%/NN/; s/:.*## /\t/' | expand -t 17
 
--include $(OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d) $(BENCH_OBJECTS:.o=.d) $(COMPARISON:.o=.d)
+-include $(OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d) $(BENCH_OBJECTS:.o=.d) $(COMPARISON:.o=.d) $(LESSON_OBJECTS:.o=.d)

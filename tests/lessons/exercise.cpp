@@ -1,0 +1,117 @@
+#include "lessons/exercise.hpp"
+
+#include <exception>
+#include <filesystem>
+
+#include "support/program.hpp"
+
+namespace almesh::lessons {
+namespace {
+
+struct Entry {
+    std::string number, title;
+    void (*check)();
+};
+
+std::vector<Entry>& exercises() {
+    static std::vector<Entry> all;
+    return all;
+}
+
+std::string& answers() {  // folder of the decks
+    static std::string folder;
+    return folder;
+}
+
+std::string path_of(const std::string& name) { return answers() + "/" + name + ".deck"; }
+
+// "" where it holds.
+std::string verdict(const Entry& exercise) {
+    try {
+        exercise.check();
+        return "";
+    } catch (const std::exception& error) {
+        return error.what();
+    }
+}
+
+std::string quoted(std::string text) {
+    for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, 1, '"');
+    return '"' + text + '"';
+}
+
+}  // namespace
+
+Exercise::Exercise(const char* number, const char* title, void (*check)()) {
+    exercises().push_back({number, title, check});
+}
+
+void expect_close(const std::string& what, double value, double expected, double tolerance, const std::string& hint) {
+    expect(std::abs(value - expected) <= tolerance * std::max(1.0, std::abs(expected)), what, " is ", value,
+           ", expected ", expected, hint.empty() ? "" : ": ", hint);
+}
+
+double order_of(const std::function<double(double)>& error, double h_0, int count) {
+    double h = h_0, n = count, x = 0, y = 0, xx = 0, xy = 0;
+    for (int i = 0; i < count; ++i, h /= 2) {
+        const double log_h = std::log(h), log_error = std::log(error(h));
+        x += log_h;
+        y += log_error;
+        xx += log_h * log_h;
+        xy += log_h * log_error;
+    }
+    return (n * xy - x * y) / (n * xx - x * x);
+}
+
+std::map<std::string, std::string> run_deck(const std::string& name, const std::vector<std::string>& keys) {
+    const std::string folder = "outputs/lessons/answers/" + name;
+    std::vector<std::string> arguments = {path_of(name), "output=" + folder, "vtk=none"};
+    arguments.insert(arguments.end(), keys.begin(), keys.end());
+    std::filesystem::remove_all(folder);
+    const test::Outcome outcome = test::almesh_with(arguments);
+    expect(std::filesystem::exists(folder + "/summary.txt"), "almesh ", path_of(name), " says: ", trim(outcome.error));
+    return test::summary_of(folder);
+}
+
+double number(const std::map<std::string, std::string>& summary, const std::string& quantity) {
+    return test::number(summary, quantity);
+}
+
+std::map<std::string, std::string> keys_of_deck(const std::string& name) {
+    std::map<std::string, std::string> keys;
+    for (std::string line : test::pieces(test::text_of(path_of(name)), '\n')) {
+        line.resize(std::min(line.find('#'), line.size()));
+        if (const auto equals = line.find('='); equals != std::string::npos)
+            keys[std::string(trim(line.substr(0, equals)))] = std::string(trim(line.substr(equals + 1)));
+    }
+    return keys;
+}
+
+}  // namespace almesh::lessons
+
+// check-NN FOLDER [--csv]: checks the exercises of a lesson; FOLDER has the decks among their answers. Exit code 0
+// where all hold. --csv: rows `number,title,holds,message` instead of the table.
+int main(int count, char** argument) {
+    using namespace almesh::lessons;
+    if (count < 2) {
+        std::fprintf(stderr, "usage: %s FOLDER-WITH-DECKS [--csv]\n", argument[0]);
+        return 2;
+    }
+    answers() = argument[1];
+    const bool csv = count > 2 && std::string(argument[2]) == "--csv";
+    std::size_t held = 0;
+    for (const auto& exercise : exercises()) {
+        const std::string message = verdict(exercise);
+        const char* const number = exercise.number.c_str();
+        const char* const title = exercise.title.c_str();
+        held += message.empty();
+        if (csv)
+            std::printf("%s,%s,%s,%s\n", number, quoted(title).c_str(), message.empty() ? "yes" : "no",
+                        quoted(message).c_str());
+        else if (message.empty()) std::printf("  %-5s %-50s holds\n", number, title);
+        else std::printf("  %-5s %-50s does not hold yet\n        %s\n", number, title, message.c_str());
+        std::fflush(stdout);
+    }
+    if (!csv) std::printf("%zu of %zu answers hold\n", held, exercises().size());
+    return held == exercises().size() ? 0 : 1;
+}

@@ -1,0 +1,56 @@
+// The exercises of the course and what checks them: the same checks for a student's answers and for the solutions.
+//
+//     EXERCISE("4.1", "the Armijo condition") {
+//         expect(accepted, "a step of length 1 is refused, although f falls by ", fall);
+//     }
+//
+// A check ends at the first expectation that does not hold; what it says is what the student reads, so it tells what
+// came out, what was expected, and what that hints at.
+#pragma once
+#include <cmath>
+#include <functional>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include "base/text.hpp"
+
+namespace almesh::lessons {
+
+struct Unmet : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+template <class... Parts>
+void expect(bool holds, const Parts&... parts) {
+    if (!holds) throw Unmet(concat(parts...));
+}
+
+// |value - expected| <= tolerance max(1, |expected|); not for nan. hint: what a wrong value shows, or "".
+void expect_close(const std::string& what, double value, double expected, double tolerance,
+                  const std::string& hint = "");
+
+// The least-squares slope of log error over log h for h = h_0, h_0 / 2, ... (count of them): the order of accuracy.
+double order_of(const std::function<double(double)>& error, double h_0, int count);
+
+// Runs inputs/lessons/NN-name/<exercises or solutions>/NAME.deck, with keys as on the command line, into
+// outputs/lessons/answers/NAME. Returns summary.txt; Unmet where the deck is refused.
+std::map<std::string, std::string> run_deck(const std::string& name, const std::vector<std::string>& keys = {});
+double number(const std::map<std::string, std::string>& summary, const std::string& quantity);
+
+// The text of that deck without comments and blanks at the ends of lines: what the student set.
+std::map<std::string, std::string> keys_of_deck(const std::string& name);
+
+struct Exercise {
+    Exercise(const char* number, const char* title, void (*check)());
+};
+
+#define ALMESH_JOIN_(a, b) a##b
+#define ALMESH_JOIN(a, b) ALMESH_JOIN_(a, b)
+#define EXERCISE(number, title)                                                                                \
+    static void ALMESH_JOIN(check_, __LINE__)();                                                               \
+    static const ::almesh::lessons::Exercise ALMESH_JOIN(exercise_, __LINE__)(number, title,                   \
+                                                                              ALMESH_JOIN(check_, __LINE__)); \
+    static void ALMESH_JOIN(check_, __LINE__)()
+
+}  // namespace almesh::lessons
