@@ -166,6 +166,9 @@ compare-gmsh: almesh ## mend curved CAD meshes, beside gmsh's optimisers (python
 defaults: almesh ## the table behind the defaults of objective and weight: outputs/defaults/table.md
 	$(PYTHON) plot/defaults.py
 
+animation: almesh ## moving pictures: Newton's iterates of one run, the circle on a tour: outputs/animation/ (and Pillow)
+	$(PYTHON) plot/animation.py
+
 figures: ## draw the counterparts of the paper's figures from outputs/ (Python with numpy and matplotlib)
 	$(PYTHON) plot/figures.py
 

@@ -63,6 +63,7 @@ struct Deck {
     Forcing forcing = Forcing::automatic;
     CertificateParams certificate;
     int write_system = 0;
+    int iterates = 0;
     VtkOutput vtk = VtkOutput::ascii;
     FinalFormat final_format = FinalFormat::input;
     std::string wall;  // boundary name, "" for none

@@ -184,6 +184,9 @@ const std::vector<DeckKey>& deck_keys() {
         {"write_system", number<&Deck::write_system>({0, 1000000}),
          "Newton step, counted from 1 over all subproblems, whose linear system is written as A.mtx and b.mtx; 0: "
          "none."},
+        {"iterates", number<&Deck::iterates>({0, 1000000}),
+         "Every how many Newton steps on the deck's own mesh it is written as iterate-0000.vtk, ..., with "
+         "iterates.vtk.series, which ParaView plays; 0: never."},
         {"vtk", choice<&Deck::vtk>({"ascii", "binary", "none"}),
          "Format of the VTK files: text, or binary, which is faster to write and read; or none of them."},
         {"final",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "app/commands.hpp"
 #include "app/deck.hpp"
@@ -100,6 +101,11 @@ void write_boundary(const Deck& deck, const Problem& problem, const Solution& so
               format_of(deck));
 }
 
+std::string iterate_name(int number) {
+    const std::string digits = std::to_string(number);
+    return "iterate-" + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits;
+}
+
 // The elements around the obstacle, with the way from each node of the boundary to its target.
 void write_stop(const Deck& deck, const Problem& problem, const Solution& solution,
                 const std::vector<double>& positions) {
@@ -183,6 +189,22 @@ void write_initial(const Deck& deck, const Problem& problem) {
     const std::vector<double> undistorted(problem.mesh().element_count(), 1.0);
     write_volume(deck, problem, "initial", problem.ideal(), scaled(problem.ideal(), problem.length), undistorted,
                  nullptr);
+}
+
+void write_iterate(const Deck& deck, const Problem& problem, int number, const std::vector<double>& x) {
+    write_volume(deck, problem, iterate_name(number).c_str(), x, scaled(x, problem.length),
+                 problem.level->energy->statistics(x).element_max, nullptr);
+    std::string files;
+    for (int k = 0; k <= number; ++k)
+        files += concat(k ? ",\n" : "", "    {\"name\": \"", iterate_name(k), ".vtk\", \"time\": ", k * deck.iterates, "}");
+    write_file(deck.output + "/iterates.vtk.series",
+               concat("{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n", files, "\n  ]\n}\n"));
+}
+
+void remove_iterates(const std::string& folder) {
+    remove_file(folder + "/iterates.vtk.series");
+    for (int k = 0; std::filesystem::exists(folder + "/" + iterate_name(k) + ".vtk"); ++k)
+        remove_file(folder + "/" + iterate_name(k) + ".vtk");
 }
 
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {

@@ -99,6 +99,14 @@ void write_system(const Deck& deck, Newton& newton, const Report& report) {
     });
 }
 
+void write_iterates(const Deck& deck, const Problem& problem, Newton& newton, const std::vector<double>& start) {
+    if (deck.iterates == 0 || deck.vtk == VtkOutput::none) return;
+    write_iterate(deck, problem, 0, start);
+    newton.observe_iterates([&deck, &problem, step = 0](const std::vector<double>& x) mutable {
+        if (++step % deck.iterates == 0) write_iterate(deck, problem, step / deck.iterates, x);
+    });
+}
+
 bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary) {
     bool hold = true;
     for (const Expectation& expectation : deck.expectations) {
@@ -120,6 +128,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const Problem problem = make_problem(deck);
     make_folder(deck.output);
     remove_file(deck.output + "/stop.vtk");  // of an earlier run
+    remove_iterates(deck.output);
     Solution solution;
     solution.predicted_bytes = predicted_bytes(problem.mesh(), deck.linear);
     print_mesh(out, deck, problem, solution.predicted_bytes);
@@ -156,6 +165,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const AlStart start = start_from(coarse, level, solution.x);
     std::optional<Newton> newton(std::in_place, level.energy->hessian_pattern(), deck.linear, deck.forcing);
     write_system(deck, *newton, report);
+    write_iterates(deck, problem, *newton, solution.x);
     solution.time.setup = watch.seconds() - solution.time.coarse - solution.time.write;
     solution.al = minimise_objective(deck, level, *newton, params, solution.x, start, observer,
                                      [&](const Stage& stage) { report.add(stage); });

@@ -48,6 +48,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         if (!found.by_rounding) eliminate_locally(E, before.energy - at.energy, x, at, step);
         at.gradient_norm = gradient(E, x);                                                        // g = grad E(x)
         if (observe) observe(step.reached(at.energy, at.gradient_norm));
+        if (observe_iterate_) observe_iterate_(x);
         const auto distortion = [&] { return E.distortion.energy(x); };
         if (params.reach.found(before.energy, at.energy, found.step_length, distortion))
             return end(NewtonStatus::out_of_reach);

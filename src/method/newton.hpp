@@ -84,6 +84,7 @@ struct NewtonResult {
 
 using NewtonObserver = std::function<void(const NewtonStep&)>;
 using SystemObserver = std::function<void(const BlockCsr& A, const std::vector<double>& b)>;
+using IterateObserver = std::function<void(const std::vector<double>& x)>;
 
 class Newton {
 public:
@@ -92,6 +93,9 @@ public:
 
     // Called with every linear system A d = b, in the order of A's rows, before it is solved.
     void observe_systems(SystemObserver observer) { observe_system_ = std::move(observer); }
+
+    // Called with every iterate that is accepted, of all calls of minimise().
+    void observe_iterates(IterateObserver observer) { observe_iterate_ = std::move(observer); }
 
     const LinearSolver& linear_solver() const { return solver_; }
     Timings time;  // of all calls so far
@@ -109,6 +113,7 @@ private:
     Damping damping_;               // kept from one subproblem to the next,
     LocalElimination elimination_;  // and so is this
     SystemObserver observe_system_;
+    IterateObserver observe_iterate_;
 
     NewtonResult start(const AugmentedFunctional& E, const NewtonParams& params, const std::vector<double>& x);
     bool refine_quadrature(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at);

@@ -53,6 +53,36 @@ TEST_CASE("VTK files in binary, and none") {
     CHECK(std::filesystem::exists(ring.output + "/final.msh"));
 }
 
+TEST_CASE("iterates: every second Newton step in a file of its own, all in a series, and gone with the next run") {
+    const RingDeck ring;
+    const auto iterates = [&ring] {
+        std::vector<std::string> names;
+        for (const auto& entry : std::filesystem::directory_iterator(ring.output))
+            if (has(entry.path().filename(), "iterate")) names.push_back(entry.path().filename());
+        std::sort(names.begin(), names.end());
+        return names;
+    };
+    REQUIRE(ring.run({"iterates=2"}).code == 0);
+    const auto steps = static_cast<int>(number(summary_of(ring.output), "newton_iterations"));
+    REQUIRE(steps >= 2);
+    std::vector<std::string> expected;
+    for (int k = 0; k <= steps / 2; ++k) expected.push_back(concat("iterate-000", k, ".vtk"));
+    expected.push_back("iterates.vtk.series");
+    CHECK(iterates() == expected);
+    const std::string series = text_of(ring.output + "/iterates.vtk.series");
+    CHECK(has(series, "{\"name\": \"iterate-0001.vtk\", \"time\": 2}"));
+    CHECK(has(text_of(ring.output + "/iterate-0001.vtk"), "A ring, iterate-0001"));
+    const auto points = [&ring](const std::string& name) {
+        const std::string text = text_of(ring.output + "/" + name + ".vtk");
+        return text.substr(text.find("POINTS"), text.find("CELLS") - text.find("POINTS"));
+    };
+    CHECK(points("iterate-0000") == points("initial"));
+    CHECK(points("iterate-0001") != points("initial"));
+
+    REQUIRE(ring.run({"iterates=1", "vtk=none"}).code == 0);
+    CHECK(iterates().empty());
+}
+
 TEST_CASE("the summary has every quantity in its order, with values that belong together") {
     const RingDeck ring;
     REQUIRE(ring.run().code == 0);
