@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Moving pictures, outputs/animation/: newton.gif, the Newton iterates of one run (the circle of section 4.1, moved by 8), and
-circle.gif, the circle on a tour of its domain, every frame a run of its own from the same initial mesh; with their frames
-as PNG files.
+"""Moving pictures, outputs/animation/: newton.gif, the Newton iterates of one run (the circle of section 4.1, moved by
+8), and circle.gif, the circle on a tour of its domain, every frame a run of its own from the same initial mesh; with
+their frames as PNG files.
 
   plot/animation.py     runs ./almesh, draws; needs numpy, matplotlib and Pillow
 
@@ -25,7 +25,11 @@ FRAMES = 48  # of the tour
 MILLISECONDS = {"newton": 500, "circle": 80}
 
 
-DECK = "mesh = ../../inputs/meshes/circle.msh\nboundary inner = {motion}\nboundary outer = fixed\niterates = {iterates}\n"
+DECK = """mesh = ../../inputs/meshes/circle.msh
+boundary inner = {motion}
+boundary outer = fixed
+iterates = {iterates}
+"""
 
 
 def almesh(name, motion, iterates=0):

@@ -196,7 +196,8 @@ void write_iterate(const Deck& deck, const Problem& problem, int number, const s
                  problem.level->energy->statistics(x).element_max, nullptr);
     std::string files;
     for (int k = 0; k <= number; ++k)
-        files += concat(k ? ",\n" : "", "    {\"name\": \"", iterate_name(k), ".vtk\", \"time\": ", k * deck.iterates, "}");
+        files += concat(k ? ",\n" : "", "    {\"name\": \"", iterate_name(k), ".vtk\", \"time\": ",
+                        k * deck.iterates, "}");
     write_file(deck.output + "/iterates.vtk.series",
                concat("{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n", files, "\n  ]\n}\n"));
 }
