@@ -33,6 +33,7 @@ const char* headline(AlStatus status) {
             return "not converged: no step decreases the energy and keeps all elements valid";
         case AlStatus::interrupted: return "interrupted";
         case AlStatus::linear_solver_failed: return "not converged: no linear solver gave a descent direction";
+        case AlStatus::overflow: return "not converged: numbers grew beyond the range of double precision";
     }
     return "";
 }
@@ -195,8 +196,9 @@ Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution&
         return least_balanced(last, solution.al.gradient);
     if (status == AlStatus::max_newton_iterations) return least_balanced(last, solution.al.gradient);
     if (status == AlStatus::line_search_failed) return most_distorted(last);
-    const bool out_of_reach = status == AlStatus::infeasible || status == AlStatus::stalled;
-    if (out_of_reach || !constrained(deck, solution.al.iterations.back())) return farthest_off_target(last);
+    const bool of_boundary = status == AlStatus::infeasible || status == AlStatus::stalled ||
+                             status == AlStatus::overflow;
+    if (of_boundary || !constrained(deck, solution.al.iterations.back())) return farthest_off_target(last);
     return least_balanced(last, solution.al.gradient);
 }
 
@@ -210,6 +212,7 @@ std::vector<std::string> remedies(const Deck& deck, const Problem& problem, cons
         case AlStatus::infeasible:
         case AlStatus::stalled:
         case AlStatus::line_search_failed: add_against_distance(deck, problem, solution, to_try); break;
+        case AlStatus::overflow: to_try.push_back("a smaller mu0, such as " + shown(AugmentedLagrangianParams().mu0)); break;
         case AlStatus::rounding_floor:
             to_try.push_back("a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0");
             break;

@@ -16,7 +16,7 @@ struct Solution;
 
 // Of a solution with its certificates; kind none where it converged and is certified, and where there is no such place.
 // By the status:
-//   infeasible, stalled                           off_target
+//   infeasible, stalled, overflow                 off_target
 //   line_search_failed                            distorted
 //   max_iterations, ended_as_printed, interrupted off_target, or unbalanced where the boundary is in place
 //   max_newton_iterations, rounding_floor, linear_solver_failed

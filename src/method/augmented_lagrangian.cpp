@@ -12,6 +12,9 @@ namespace {
 
 double square(double v) { return v * v; }
 
+// The difference of two numbers that overflow is none: it counts as too large as well.
+double or_infinity(double v) { return std::isnan(v) ? std::numeric_limits<double>::infinity() : v; }
+
 // The mesh at x, nothing minimised yet.
 AlIteration measure(const AugmentedFunctional& E, const std::vector<double>& x, DistortionStatistics& statistics) {
     AlIteration row;
@@ -30,8 +33,8 @@ AlIteration measure(const AugmentedFunctional& E, const std::vector<double>& x, 
                     const Schedule& s, const NewtonResult& solved, int k) {
     AlIteration row = measure(E, x, statistics);
     row.iteration = k;
-    row.energy = solved.energy;
-    row.gradient_norm = solved.gradient_norm;
+    row.energy = or_infinity(solved.energy);
+    row.gradient_norm = or_infinity(solved.gradient_norm);
     row.mu = s.mu;
     row.omega = solved.omega;
     row.epsilon = s.epsilon;
@@ -95,6 +98,7 @@ std::optional<AlStatus> failure(const std::vector<AlIteration>& rows, const Augm
         case NewtonStatus::max_iterations: return AlStatus::max_newton_iterations;
         case NewtonStatus::line_search_failed: return AlStatus::line_search_failed;
         case NewtonStatus::linear_solver_failed: return AlStatus::linear_solver_failed;
+        case NewtonStatus::overflow: return AlStatus::overflow;
         case NewtonStatus::interrupted: return AlStatus::interrupted;
         default: break;
     }
@@ -174,6 +178,7 @@ const char* to_string(AlStatus status) {
         case AlStatus::max_newton_iterations: return "max_newton_iterations";
         case AlStatus::line_search_failed: return "line_search_failed";
         case AlStatus::linear_solver_failed: return "linear_solver_failed";
+        case AlStatus::overflow: return "overflow";
         case AlStatus::interrupted: return "interrupted";
     }
     return "";

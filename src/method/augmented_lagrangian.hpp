@@ -22,6 +22,7 @@ enum class AlStatus {
     max_newton_iterations,
     line_search_failed,
     linear_solver_failed,
+    overflow,    // numbers beyond the range of double precision
     interrupted  // by a signal
 };
 const char* to_string(AlStatus status);

@@ -52,7 +52,7 @@ LineSearchResult line_search(const EnergyFunction& E, const StepFunction& valid_
             const double parabola = -slope * t * t / (2 * (found - energy - t * slope));
             t = std::clamp(parabola, 0.1 * t, 0.5 * t);
         }
-        if (t < smallest_step) return result;
+        if (!(t >= smallest_step)) return result;  // nor where the parabola overflows
         found = energy_at(t);
     }
     if (t == 1 && !result.by_rounding && energy - found > worth_lengthening * -slope)

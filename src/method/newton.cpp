@@ -26,6 +26,8 @@ bool is_truncated(SolveStatus status) {
            status == SolveStatus::not_positive_definite;
 }
 
+bool is_finite(const NewtonResult& at) { return std::isfinite(at.energy) && std::isfinite(at.gradient_norm); }
+
 }  // namespace
 
 NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& params, std::vector<double>& x,
@@ -33,6 +35,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
     NewtonResult at = start(E, params, x);  // E(x), g = grad E(x), the tolerance omega
     const auto end = [&at](NewtonStatus status) { return at.status = status, at; };
     while (!(at.gradient_norm <= at.omega)) {
+        if (!is_finite(at)) return end(NewtonStatus::overflow);
         if (at.iterations == params.max_iterations) return end(NewtonStatus::max_iterations);
         if (interrupted()) return end(NewtonStatus::interrupted);
         refine_quadrature(E, x, at);
@@ -49,6 +52,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         at.gradient_norm = gradient(E, x);                                                        // g = grad E(x)
         if (observe) observe(step.reached(at.energy, at.gradient_norm));
         if (observe_iterate_) observe_iterate_(x);
+        if (!is_finite(at)) continue;
         const auto distortion = [&] { return E.distortion.energy(x); };
         if (params.reach.found(before.energy, at.energy, found.step_length, distortion))
             return end(NewtonStatus::out_of_reach);
@@ -164,6 +168,7 @@ const char* to_string(NewtonStatus status) {
         case NewtonStatus::max_iterations: return "max_newton_iterations";
         case NewtonStatus::line_search_failed: return "line_search_failed";
         case NewtonStatus::linear_solver_failed: return "linear_solver_failed";
+        case NewtonStatus::overflow: return "overflow";
         case NewtonStatus::interrupted: return "interrupted";
         case NewtonStatus::out_of_reach: return "out_of_reach";
     }

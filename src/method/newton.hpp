@@ -36,6 +36,7 @@ enum class NewtonStatus {
     max_iterations,
     line_search_failed,
     linear_solver_failed,
+    overflow,  // |grad E| beyond the range of double precision: of a penalty that is
     interrupted,
     out_of_reach  // of the target, without multipliers
 };

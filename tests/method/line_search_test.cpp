@@ -88,3 +88,13 @@ TEST_CASE("a step that passes through an inversion is cut to half of what is val
     CHECK(none.step_length == 0);
     CHECK(x == 0);
 }
+
+TEST_CASE("a slope beyond the range of numbers ends the search, whatever the energy does") {
+    double x;
+    for (const double slope : {-infinity, -1e308 * 10, std::numeric_limits<double>::quiet_NaN()})
+        for (const double end : {0.5, 2.0, 1e308}) {
+            const auto r = search([end](double t) { return t == 0 ? 1 : end; }, slope, x);
+            CHECK(r.step_length == 0);
+            CHECK(x == 0);
+        }
+}
