@@ -212,7 +212,9 @@ std::vector<std::string> remedies(const Deck& deck, const Problem& problem, cons
         case AlStatus::infeasible:
         case AlStatus::stalled:
         case AlStatus::line_search_failed: add_against_distance(deck, problem, solution, to_try); break;
-        case AlStatus::overflow: to_try.push_back("a smaller mu0, such as " + shown(AugmentedLagrangianParams().mu0)); break;
+        case AlStatus::overflow:
+            to_try.push_back("a smaller mu0, such as " + shown(AugmentedLagrangianParams().mu0));
+            break;
         case AlStatus::rounding_floor:
             to_try.push_back("a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0");
             break;
