@@ -53,6 +53,7 @@ struct Deck {
     std::optional<double> weight_exponent;
     std::optional<int> power;
     AugmentedLagrangianParams method;
+    std::optional<int> increments;
     Start start = Start::automatic;
     Follow follow = Follow::automatic;
     Snap snap = Snap::automatic;

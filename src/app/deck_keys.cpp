@@ -126,6 +126,19 @@ const std::vector<DeckKey>& deck_keys() {
         {"assembly", choice<&Deck::distortion, &Distortion::assembly>({"simd", "plain"}),
          "Assembly of the energy and its derivatives: one element per SIMD lane on all threads, or the textbook's, for "
          "study: some hundred times slower."},
+        {"method",
+         choice<&Deck::method, &Method::moving>({"augmented_lagrangian", "penalty", "elasticity", "harmonic",
+                                                 "incremental", "untangle", "fixed_boundary"},
+                                                "augmented_lagrangian | penalty | ... (see --keys)"),
+         "How the mesh is moved. Others than augmented_lagrangian are there to be compared with it. penalty: without "
+         "multipliers; elasticity, harmonic: the displacement of the boundary extended inside as that of a solid, "
+         "stiffer where elements are small, or as a harmonic function; incremental, fixed_boundary: the boundary set "
+         "on its target in parts or at once, and the distortion minimised inside; untangle: at once, with a regularised "
+         "distortion first. All but penalty need the places of all boundaries to be prescribed, and take no account of "
+         "algorithm, start and follow = auto."},
+        {"increments", number<&Deck::increments>({1, 100000}),
+         "Methods elasticity, harmonic and incremental: parts of the motion, each from the mesh as moved so far; auto: "
+         "1, and 10 with incremental, which halves a part that has no valid mesh to start from."},
         {"algorithm", choice<&Deck::method, &Method::algorithm>({"adaptive", "paper", "literal"}),
          "Augmented Lagrangian schedule: multipliers at every step, Algorithm 1 as corrected, or as printed."},
         {"start", choice<&Deck::start>({"auto", "identity", "coarse"}),
@@ -145,8 +158,8 @@ const std::vector<DeckKey>& deck_keys() {
          "Whether nodes keep the places on the boundary that its motion gives them, or slide along the surface there; "
          "auto: they slide only where a valid mesh cannot keep them, because the target folds faces or elements."},
         {"mu0", number<&Deck::method, &Method::mu0>(positive),
-         "Algorithms paper and literal: first penalty mu, in units of |1|^2, the sum of |f|/h over the boundary "
-         "faces."},
+         "Algorithms paper and literal, method penalty: first penalty mu, in units of |1|^2, the sum of |f|/h over the "
+         "boundary faces."},
         {"omega0", number<&Deck::method, &Method::omega0>(positive),
          "Algorithms paper and literal: tolerance of the gradient norm |grad E| in the first subproblem."},
         {"epsilon0", number<&Deck::method, &Method::epsilon0>(positive),

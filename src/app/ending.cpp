@@ -7,6 +7,7 @@
 #include "app/results.hpp"
 #include "base/files.hpp"
 #include "base/text.hpp"
+#include "method/comparators.hpp"
 
 namespace almesh {
 namespace {
@@ -34,6 +35,8 @@ const char* headline(AlStatus status) {
         case AlStatus::interrupted: return "interrupted";
         case AlStatus::linear_solver_failed: return "not converged: no linear solver gave a descent direction";
         case AlStatus::overflow: return "not converged: numbers grew beyond the range of double precision";
+        case AlStatus::inverted: return "inverted: the method leaves elements that are not valid";
+        case AlStatus::invalid_start: return "not converged: with the boundary set, no valid mesh to start from";
     }
     return "";
 }
@@ -128,6 +131,17 @@ void add_against_solver(const Deck& deck, const Solution& solution, std::vector<
         to_try.push_back("a smaller mu0, such as " + shown(1e-3 * deck.method.mu0));
 }
 
+void add_against_inversion(const Deck& deck, const Solution& solution, std::vector<std::string>& to_try) {
+    to_try.push_back("method = augmented_lagrangian, which does not set the boundary before the mesh has followed");
+    const MovingMethod moving = deck.method.moving;
+    if (moving == MovingMethod::fixed_boundary || moving == MovingMethod::untangle)
+        to_try.push_back("method = incremental");
+    else
+        to_try.push_back(concat("increments = ", 10 * increments_of(deck)));
+    if (solution.followed > 0)
+        to_try.push_back("a part of the motion, of which " + shown(solution.followed) + " was reached");
+}
+
 void add_against_uncertified(const Deck& deck, const Problem& problem, const Solution& solution,
                              std::vector<std::string>& to_try) {
     if (deck.distortion.delta > 0)
@@ -182,6 +196,15 @@ void print_boundary(std::FILE* out, const Problem& problem, const Solution& solu
                      solution.surface_distance * problem.length);
 }
 
+// "5 AL and 11 Newton iterations"
+std::string work_of(const Deck& deck, const Solution& solution) {
+    const int steps = solution.al.newton_iterations;
+    const MovingMethod moving = deck.method.moving;
+    if (moving == MovingMethod::elasticity || moving == MovingMethod::harmonic) return counted(steps, "linear solve");
+    if (sets_boundary(moving)) return concat(steps, " linear solves and Newton iterations");
+    return concat(solution.al.iterations.size() - 1, " AL and ", steps, " Newton iterations");
+}
+
 }  // namespace
 
 Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution& solution) {
@@ -190,6 +213,8 @@ Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution&
     if (status == AlStatus::converged && is_certified(solution)) return {};
     const LastMesh last = {level.mesh,        level.ideal,    solution.x,
                            *level.constraint, problem.target, solution.al.distortion.element_max};
+    const bool gave_up = status == AlStatus::inverted || status == AlStatus::invalid_start;
+    if (gave_up && !solution.certificate.valid) return least_valid(last, solution.certificate.lower_bound);
     if (status == AlStatus::converged && solution.certificate.valid) return overlapping(last, solution.injectivity);
     if (status == AlStatus::converged) return least_valid(last, solution.certificate.lower_bound);
     if (status == AlStatus::rounding_floor || status == AlStatus::linear_solver_failed)
@@ -226,6 +251,8 @@ std::vector<std::string> remedies(const Deck& deck, const Problem& problem, cons
             break;
         case AlStatus::interrupted: to_try.push_back("it again: a run starts from the mesh file"); break;
         case AlStatus::linear_solver_failed: add_against_solver(deck, solution, to_try); break;
+        case AlStatus::inverted:
+        case AlStatus::invalid_start: add_against_inversion(deck, solution, to_try); break;
     }
     return to_try;
 }
@@ -236,8 +263,8 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
     if (const int steps = solution.al.followed_newton_iterations)
         others += concat(" (and ", steps, " on earlier ",
                          deck.distortion.objective == Objective::worst ? "powers" : "parts of the motion", ")");
-    std::fprintf(out, "%s: %zu AL and %d Newton iterations%s in %.2f s\n", headline(solution.al.status),
-                 solution.al.iterations.size() - 1, solution.al.newton_iterations, others.c_str(), solution.time.total);
+    std::fprintf(out, "%s: %s%s in %.2f s\n", headline(solution.al.status), work_of(deck, solution).c_str(),
+                 others.c_str(), solution.time.total);
     print_obstacle(out, deck, problem, solution);
     print_boundary(out, problem, solution);
     if (solution.al.iterations.back().newton_status == NewtonStatus::rounding_floor)

@@ -17,6 +17,7 @@
 #include "constraint/dirichlet.hpp"
 #include "io/mesh_format.hpp"
 #include "mesh/build.hpp"
+#include "method/comparators.hpp"
 
 namespace almesh {
 namespace {
@@ -86,6 +87,35 @@ void check_start(const Deck& deck) {
     if (deck.start != Start::coarse || deck.method.algorithm != Algorithm::literal) return;
     throw UsageError(deck.given.at("start"),
                      ": start = coarse does not go with algorithm = literal; take start = identity");
+}
+
+// Keys that mean nothing to the method that moves the mesh.
+void check_method(const Deck& deck) {
+    const MovingMethod moving = deck.method.moving;
+    if (moving == MovingMethod::augmented_lagrangian && !deck.increments) return;
+    const auto refuse = [&](const char* key, const char* value, const char* advice) {
+        const auto place = deck.given.find(key);
+        throw UsageError(place == deck.given.end() ? deck.path : place->second, ": ", key, value,
+                         " does not go with this method: ", advice);
+    };
+    const bool in_parts = moving == MovingMethod::elasticity || moving == MovingMethod::harmonic ||
+                          moving == MovingMethod::incremental;
+    if (deck.increments && !in_parts)
+        refuse("increments", "", "it is for method = elasticity, harmonic or incremental");
+    if (moving == MovingMethod::augmented_lagrangian) return;
+    if (deck.distortion.objective == Objective::worst)
+        refuse("objective", " = worst", "take method = augmented_lagrangian");
+    if (moving == MovingMethod::penalty) return;
+    if (deck.start == Start::coarse) refuse("start", " = coarse", "it starts from the mesh as it is");
+    if (deck.distortion.delta > 0) refuse("delta", " > 0", "untangle chooses its own, the others have none");
+}
+
+// A node that slides or is free has no place where it could be set.
+void check_prescribed(const Deck& deck, const BoundaryTarget& target) {
+    if (!sets_boundary(deck.method.moving) || target.prescribes_all()) return;
+    const char* const which = target.released.empty() ? "boundary slides or is free" : "nodes have to slide";
+    throw UsageError(deck.given.at("method"), ": this method sets boundary nodes on their targets, but some ", which,
+                     ": take method = augmented_lagrangian or penalty");
 }
 
 // "2 faces and 1 element"
@@ -230,6 +260,10 @@ DistortionParams distortion_of(const Deck& deck) {
     return params;
 }
 
+int increments_of(const Deck& deck) {
+    return deck.increments.value_or(deck.method.moving == MovingMethod::incremental ? 10 : 1);
+}
+
 // The schedules of the paper do not follow the motion unless they are told to.
 Follow followed(const Deck& deck) {
     const bool of_paper = deck.follow == Follow::automatic && deck.method.algorithm != Algorithm::adaptive;
@@ -239,6 +273,7 @@ Follow followed(const Deck& deck) {
 Problem make_problem(const Deck& deck) {
     Problem problem;
     check_start(deck);
+    check_method(deck);
     problem.base = build_mesh(read_mesh_file(deck.mesh, problem.mesh_hash), problem.notes);
     check_quadrature(deck, std::max(deck.degree, problem.base.degree));
     const int degree = deck.degree ? deck.degree : problem.base.degree;
@@ -253,6 +288,7 @@ Problem make_problem(const Deck& deck) {
     const Mesh& mesh = problem.mesh();
     check_final_ids(deck, mesh);
     release_folded(deck, problem.base.degree, mesh, problem.ideal(), problem.target, problem.notes);
+    check_prescribed(deck, problem.target);
     problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
     problem.node_target = problem.target.node;
     std::shared_ptr<SlidingSurfaces> sliding;

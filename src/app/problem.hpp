@@ -37,6 +37,7 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
 
 // The deck's settings, with those that are `auto` made definite.
 DistortionParams distortion_of(const Deck& deck);
+int increments_of(const Deck& deck);
 Follow followed(const Deck& deck);  // automatic only with algorithm = adaptive
 
 // A mesh on which the problem is solved first.

@@ -13,6 +13,7 @@
 #include "base/text.hpp"
 #include "check/surface_distance.hpp"
 #include "io/matrix_market.hpp"
+#include "method/comparators.hpp"
 #include "method/continuation.hpp"
 #include "method/snap.hpp"
 #include "method/worst.hpp"
@@ -37,6 +38,7 @@ void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double
 }
 
 bool starts_coarse(const Deck& deck) {
+    if (sets_boundary(deck.method.moving)) return false;
     if (deck.start == Start::automatic) return deck.method.algorithm == Algorithm::adaptive;
     return deck.start == Start::coarse;
 }
@@ -50,12 +52,12 @@ bool snaps(const Deck& deck) {
 void snap(Level& level, Solution& solution) {
     snap_to_targets(*level.energy, *level.constraint, solution.x);
     AlIteration& last = solution.al.iterations.back();
-    solution.al.distortion = level.energy->statistics(solution.x);
-    last.relative_quality = solution.al.distortion.relative_quality;
-    last.max_distortion = solution.al.distortion.max_distortion;
-    last.constraint_norm = level.constraint->norm(solution.x);
-    last.projected_constraint_norm = level.constraint->projected_norm(solution.x);
-    last.relative_boundary_error = level.constraint->relative_error(solution.x);
+    const AlIteration now = measured(*level.energy, *level.constraint, solution.x, solution.al.distortion);
+    last.relative_quality = now.relative_quality;
+    last.max_distortion = now.max_distortion;
+    last.constraint_norm = now.constraint_norm;
+    last.projected_constraint_norm = now.projected_constraint_norm;
+    last.relative_boundary_error = now.relative_boundary_error;
 }
 
 void measure_sliding(const Problem& problem, Solution& solution) {
@@ -83,6 +85,8 @@ AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton
                             std::vector<double>& x, const AlStart& start, const AlObserver& observer,
                             const StageObserver& observe_part) {
     constexpr int last_power = 64;
+    if (sets_boundary(deck.method.moving))
+        return move_with_boundary(level, newton, params, increments_of(deck), x, observer, observe_part);
     if (deck.distortion.objective != Objective::worst)
         return minimise_following(level, newton, params, x, start, observer, observe_part);
     return minimise_worst(level, newton, params, deck.power.value_or(last_power), x, start, observer, observe_part);

@@ -73,6 +73,10 @@ public:
     // Another power in the density from now on.
     void set_power(const PowerParams& power) { params_.power = power; }
     const PowerParams& power() const { return params_.power; }
+    // Another regularisation from now on.
+    void set_delta(double delta) { params_.delta = delta; }
+    double delta() const { return params_.delta; }
+    int dim() const { return dim_; }
     bool is_curved() const { return reference_.degree > 1; }
     int refined_elements() const { return static_cast<int>(refined_.size()); }
 

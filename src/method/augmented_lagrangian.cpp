@@ -15,23 +15,10 @@ double square(double v) { return v * v; }
 // The difference of two numbers that overflow is none: it counts as too large as well.
 double or_infinity(double v) { return std::isnan(v) ? std::numeric_limits<double>::infinity() : v; }
 
-// The mesh at x, nothing minimised yet.
-AlIteration measure(const AugmentedFunctional& E, const std::vector<double>& x, DistortionStatistics& statistics) {
-    AlIteration row;
-    row.gradient_norm = std::numeric_limits<double>::infinity();
-    row.projected_constraint_norm = E.constraint.projected_norm(x);
-    row.constraint_norm = E.constraint.norm(x);
-    row.relative_boundary_error = E.constraint.relative_error(x);
-    statistics = E.distortion.statistics(x);
-    row.relative_quality = statistics.relative_quality;
-    row.max_distortion = statistics.max_distortion;
-    return row;
-}
-
 // The row of iteration k, whose subproblem ended at x.
 AlIteration measure(const AugmentedFunctional& E, const std::vector<double>& x, DistortionStatistics& statistics,
                     const Schedule& s, const NewtonResult& solved, int k) {
-    AlIteration row = measure(E, x, statistics);
+    AlIteration row = measured(E.distortion, E.constraint, x, statistics);
     row.iteration = k;
     row.energy = or_infinity(solved.energy);
     row.gradient_norm = or_infinity(solved.gradient_norm);
@@ -114,6 +101,19 @@ void add_counts(const NewtonResult& solved, AlResult& result) {
 
 }  // namespace
 
+AlIteration measured(DistortionEnergy& distortion, Constraint& constraint, const std::vector<double>& x,
+                     DistortionStatistics& statistics) {
+    AlIteration row;
+    row.gradient_norm = std::numeric_limits<double>::infinity();
+    row.projected_constraint_norm = constraint.projected_norm(x);
+    row.constraint_norm = constraint.norm(x);
+    row.relative_boundary_error = constraint.relative_error(x);
+    statistics = distortion.statistics(x);
+    row.relative_quality = statistics.relative_quality;
+    row.max_distortion = statistics.max_distortion;
+    return row;
+}
+
 AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& newton,
                   const AugmentedLagrangianParams& params, std::vector<double>& x, const AlObserver& observer,
                   const AlStart& start) {
@@ -130,7 +130,7 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
 
     AugmentedFunctional E{distortion, constraint, start.lambda, 0};
     E.lambda.resize(constraint.multipliers());                                            //  3: zero where not given
-    rows.push_back(measure(E, x, result.distortion));
+    rows.push_back(measured(distortion, constraint, x, result.distortion));
     const double one_squared = square(constraint.norm_of_one());
     const auto s = make_schedule(params, start.mu, one_squared, c_squared());             //  4-6
     const auto constrained = [&] {
@@ -180,6 +180,8 @@ const char* to_string(AlStatus status) {
         case AlStatus::linear_solver_failed: return "linear_solver_failed";
         case AlStatus::overflow: return "overflow";
         case AlStatus::interrupted: return "interrupted";
+        case AlStatus::inverted: return "inverted";
+        case AlStatus::invalid_start: return "invalid_start";
     }
     return "";
 }

@@ -22,8 +22,11 @@ enum class AlStatus {
     max_newton_iterations,
     line_search_failed,
     linear_solver_failed,
-    overflow,    // numbers beyond the range of double precision
-    interrupted  // by a signal
+    overflow,      // numbers beyond the range of double precision
+    interrupted,   // by a signal
+    // Of methods that set the boundary on its target (comparators.hpp):
+    inverted,      // the mesh that they came to has inverted elements
+    invalid_start  // so has every mesh from which they could minimise
 };
 const char* to_string(AlStatus status);
 
@@ -62,6 +65,10 @@ struct AlStart {
     std::vector<double> lambda;  // empty: zero
     double mu = 0;               // in units of |1|^2; 0: that of the schedule
 };
+
+// The row of the mesh at x, nothing minimised yet.
+AlIteration measured(DistortionEnergy& distortion, Constraint& constraint, const std::vector<double>& x,
+                     DistortionStatistics& statistics);
 
 // x: node_count x dim, a valid mesh on entry (the identity map or a better guess), the last accepted iterate on return.
 // Adds to newton.time.

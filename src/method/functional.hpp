@@ -12,6 +12,7 @@
 #include "base/parallel.hpp"
 #include "constraint/constraint.hpp"
 #include "energy/distortion_energy.hpp"
+#include "method/held_nodes.hpp"
 
 namespace almesh {
 
@@ -20,6 +21,7 @@ struct AugmentedFunctional {
     Constraint& constraint;
     std::vector<double> lambda;
     double penalty = 0;
+    std::vector<char> held = {};  // per node: whether it stays where it is; empty: none does
 
     // Infinite where an element is inverted at a quadrature point (unless the distortion is regularised).
     double energy(const std::vector<double>& x) const {
@@ -35,6 +37,7 @@ struct AugmentedFunctional {
         std::fill(g.begin(), g.end(), 0.0);
         distortion.add_gradient(x, g);
         constraint.add_gradient(x, lambda, penalty, g);
+        hold(held, distortion.dim(), g);
     }
 
     // damping: of the projected Hessian, see distortion_energy.hpp.
@@ -42,6 +45,7 @@ struct AugmentedFunctional {
         parallel_for(H.n, [&H](int i) { std::fill(H.block(H.row[i]), H.block(H.row[i + 1]), 0.0); });
         distortion.add_hessian(x, kind, H, damping);
         constraint.add_hessian(x, lambda, penalty, kind != HessianKind::full, H);
+        hold(held, H);
     }
 
     // DistortionEnergy::mean_slope() at x. energy: E(x), so that no element need be looked at again.

@@ -20,7 +20,7 @@ LocalFunctional::LocalFunctional(const AugmentedFunctional& E, const std::vector
       distortion_(E.distortion.part(x, moves, node_)),
       constraint_(E.constraint.part(x, E.lambda, E.penalty, node_, distortion_->hessian_pattern())) {
     for (const int i : node_) {
-        moves_.push_back(moves[i]);
+        held_.push_back(!moves[i]);
         start_.insert(start_.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
     }
 }
@@ -31,7 +31,7 @@ BlockCsr LocalFunctional::hessian_pattern() const { return distortion_->hessian_
 
 void LocalFunctional::write(const std::vector<double>& y, std::vector<double>& x) const {
     for (std::size_t i = 0; i < node_.size(); ++i)
-        if (moves_[i]) std::copy_n(&y[i * dim_], dim_, point(x, node_[i], dim_));
+        if (!held_[i]) std::copy_n(&y[i * dim_], dim_, point(x, node_[i], dim_));
 }
 
 double LocalFunctional::energy(const std::vector<double>& y) const {
@@ -50,20 +50,14 @@ void LocalFunctional::gradient(const std::vector<double>& y, std::vector<double>
     std::fill(g.begin(), g.end(), 0.0);
     constraint_->add_gradient(y, g);
     distortion_->add_gradient(y, g);
-    for (std::size_t i = 0; i < moves_.size(); ++i)
-        if (!moves_[i]) std::fill_n(&g[i * dim_], dim_, 0.0);
+    hold(held_, dim_, g);
 }
 
 void LocalFunctional::hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H) const {
     std::fill(H.value.begin(), H.value.end(), 0.0);
     constraint_->add_hessian(y, kind != HessianKind::full, H);
     distortion_->add_hessian(y, kind, H);
-    for (int i = 0; i < H.n; ++i)
-        for (int k = H.row[i]; k < H.row[i + 1]; ++k) {
-            if (moves_[i] && moves_[H.col[k]]) continue;
-            std::fill_n(H.block(k), dim_ * dim_, 0.0);
-            for (int a = 0; a < dim_ && i == H.col[k]; ++a) H.block(k)[a * dim_ + a] = 1;
-        }
+    hold(held_, H);
 }
 
 namespace {
@@ -160,7 +154,8 @@ LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& 
                                                      const std::vector<double>& g, double gained,
                                                      std::vector<double>& x, double& energy) const {
     const double most = E.distortion.is_curved() ? largest_curved_part : largest_part[H.d - 2];
-    const std::vector<char> chosen = choose_nodes(H, g, most);
+    std::vector<char> chosen = choose_nodes(H, g, most);
+    for (std::size_t i = 0; i < E.held.size(); ++i) chosen[i] = chosen[i] && !E.held[i];
     const LocalFunctional local(E, x, chosen);
     std::vector<double> y = local.start();
     Result result;

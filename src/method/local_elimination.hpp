@@ -53,7 +53,7 @@ private:
     std::vector<int> node_;  // here -> mesh
     std::unique_ptr<DistortionEnergy> distortion_;
     std::unique_ptr<ConstraintPart> constraint_;
-    std::vector<char> moves_;
+    std::vector<char> held_;
     std::vector<double> start_;
 };
 

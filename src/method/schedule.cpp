@@ -108,10 +108,11 @@ const char* to_string(AlUpdate update) {
 
 std::unique_ptr<Schedule> make_schedule(const AugmentedLagrangianParams& params, double mu, double one_squared,
                                         double squared_constraint) {
+    const double mu0 = (mu > 0 ? mu : params.mu0) * one_squared;
+    if (params.moving == MovingMethod::penalty) return make_penalty_schedule(params, mu0);
     if (params.algorithm == Algorithm::adaptive)
         return std::make_unique<AdaptiveSchedule>(
             params, (mu > 0 ? mu : AdaptiveSchedule::first_penalty) * one_squared, squared_constraint);
-    const double mu0 = (mu > 0 ? mu : params.mu0) * one_squared;
     if (params.algorithm == Algorithm::literal) return std::make_unique<LiteralSchedule>(params, mu0);
     return std::make_unique<PaperSchedule>(params, mu0);
 }

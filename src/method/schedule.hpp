@@ -22,9 +22,13 @@ namespace almesh {
 enum class Algorithm { adaptive, paper, literal };
 enum class Follow { automatic, never, always };  // of the boundary's motion, see follow.hpp
 
+// How a mesh is moved. All but the first are there to be compared with it (comparators.hpp).
+enum class MovingMethod { augmented_lagrangian, penalty, elasticity, harmonic, incremental, untangle, fixed_boundary };
+
 struct AugmentedLagrangianParams {
+    MovingMethod moving = MovingMethod::augmented_lagrangian;
     Algorithm algorithm = Algorithm::adaptive;
-    double mu0 = 1000;            // paper, literal: first penalty, in units of |1|^2
+    double mu0 = 1000;            // paper, literal, method penalty: first penalty, in units of |1|^2
     double omega0 = 1e-2;         // paper, literal: tolerance of |grad E| in the first subproblem
     double epsilon0 = 1e-3;       // paper, literal: tolerance of |P c_D|^2 that decides between the updates
     double omega_star = 1e-8;     // final tolerance of |grad E|
@@ -56,5 +60,6 @@ public:
 // mu: first penalty, in units of |1|^2; 0: that of the schedule. squared_constraint: |P c_D|^2 at the start.
 std::unique_ptr<Schedule> make_schedule(const AugmentedLagrangianParams& params, double mu, double one_squared,
                                         double squared_constraint);
+std::unique_ptr<Schedule> make_penalty_schedule(const AugmentedLagrangianParams& params, double mu0);  // penalty.cpp
 
 }  // namespace almesh

@@ -114,6 +114,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "surface_distance",
                                            "refined_elements",
                                            "min_scaled_jacobian",
+                                           "invalid_elements",
                                            "certified_valid",
                                            "certified_injective",
                                            "obstacle",

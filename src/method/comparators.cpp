@@ -1,0 +1,216 @@
+// x = ideal mesh; for t = 1/n, 2/n, ..., 1: the boundary to its place at the fraction t of the motion, and the method's
+// own rule for the nodes inside, until a part fails.
+#include "method/comparators.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/interrupt.hpp"
+#include "linalg/vector_ops.hpp"
+#include "method/functional.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double smallest_part = 1.0 / 64;  // of an increment
+constexpr double of_gradient = 0.03;        // tolerance of parts before the last, relative to their motion
+constexpr double rounding = 1e-9;           // of a sum of parts
+
+using Rule = PartResult (*)(BoundaryMove&, const std::vector<double>& targets, std::vector<double>& x);
+
+Rule rule_of(MovingMethod method) {
+    switch (method) {
+        case MovingMethod::harmonic: return extend_harmonically;
+        case MovingMethod::elasticity: return extend_elastically;
+        case MovingMethod::incremental: return minimise_or_stay;
+        case MovingMethod::untangle: return untangle;
+        default: return minimise_inside;
+    }
+}
+
+AlStatus status_of(NewtonStatus status) {
+    switch (status) {
+        case NewtonStatus::max_iterations: return AlStatus::max_newton_iterations;
+        case NewtonStatus::line_search_failed: return AlStatus::line_search_failed;
+        case NewtonStatus::linear_solver_failed: return AlStatus::linear_solver_failed;
+        case NewtonStatus::interrupted: return AlStatus::interrupted;
+        default: return AlStatus::converged;
+    }
+}
+
+// Of the constraint's nodes at a fraction of the motion. Where the motions of boundaries that share nodes do not agree
+// there, on the straight way.
+std::vector<double> targets_at(const Level& level, double fraction) {
+    std::vector<double> targets = level.constraint->targets(level.ideal);
+    if (fraction == 1) return targets;
+    if (const auto part = level.constraint_at ? level.constraint_at(fraction) : nullptr)
+        return part->targets(level.ideal);
+    const int dim = level.mesh.dim;
+    const std::vector<int>& nodes = level.constraint->nodes();
+    for (std::size_t t = 0; t < nodes.size(); ++t)
+        for (int a = 0; a < dim; ++a) {
+            const double from = level.ideal[offset(nodes[t], dim, a)];
+            targets[offset(t, dim, a)] = from + fraction * (targets[offset(t, dim, a)] - from);
+        }
+    return targets;
+}
+
+// Of E over the nodes inside; empty where the mesh is not valid.
+std::vector<double> gradient(const BoundaryMove& move, const std::vector<double>& x) {
+    if (!move.is_valid(x)) return {};
+    std::vector<double> g(x.size());
+    move.functional().gradient(x, g);
+    return g;
+}
+
+// The row of a part that ended at x.
+AlIteration row_of(const BoundaryMove& move, const PartResult& part, const std::vector<double>& x,
+                   DistortionStatistics& statistics) {
+    AlIteration row = measured(*move.level.energy, *move.level.constraint, x, statistics);
+    row.iteration = 1;
+    row.energy = move.level.energy->energy(x);
+    if (const std::vector<double> g = gradient(move, x); !g.empty()) row.gradient_norm = norm_2(g);
+    row.omega = move.omega;
+    row.epsilon = std::numeric_limits<double>::infinity();
+    row.newton_iterations = part.solved.iterations;
+    row.newton_status = part.solved.status;
+    return row;
+}
+
+void count(const PartResult& part, AlResult& result) {
+    result.newton_iterations += part.solved.iterations;
+    result.linear_iterations += part.solved.linear_iterations;
+    result.local_steps += part.solved.local_steps;
+}
+
+}  // namespace
+
+BoundaryMove::BoundaryMove(const Level& level_, Newton& newton_, const MethodParams& params_)
+    : level(level_),
+      newton(newton_),
+      params(params_),
+      extension(level_.mesh, level_.energy->hessian_pattern(), params_.linear),
+      held(level_.mesh.nodes(), 0) {
+    for (const int node : level.constraint->nodes()) held[node] = 1;
+}
+
+void BoundaryMove::prepare(bool last, double part, const AlObserver& observer) {
+    const AugmentedLagrangianParams& schedule = params.schedule;
+    omega = last ? schedule.omega_star : loosened(schedule, level, of_gradient * part).omega_star;
+    observe_step = {};
+    if (last && observer.newton_step) observe_step = [&](const NewtonStep& step) { observer.newton_step(1, step); };
+}
+
+std::vector<double> BoundaryMove::with_boundary(const std::vector<double>& targets, std::vector<double> x) const {
+    const int dim = level.mesh.dim;
+    const std::vector<int>& nodes = level.constraint->nodes();
+    for (std::size_t t = 0; t < nodes.size(); ++t)
+        std::copy_n(&targets[offset(t, dim)], dim, point(x, nodes[t], dim));
+    return x;
+}
+
+std::vector<double> BoundaryMove::extended(StiffnessAt stiffness, const std::vector<double>& targets,
+                                           const std::vector<double>& x, NewtonResult& steps) {
+    std::vector<double> moved = with_boundary(targets, x), u(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) u[i] = moved[i] - x[i];
+    const TimeAdder adder(newton.time.linear);
+    const SolveResult solved = extension.extend(stiffness, x, held, u);
+    ++steps.iterations;
+    steps.linear_iterations += solved.iterations;
+    if (solved.status != SolveStatus::success) {
+        steps.status = NewtonStatus::linear_solver_failed;
+        return moved;
+    }
+    for (std::size_t i = 0; i < x.size(); ++i)
+        if (!held[i / level.mesh.dim]) moved[i] = x[i] + u[i];
+    return moved;
+}
+
+bool BoundaryMove::is_valid(const std::vector<double>& x) const {
+    return std::isfinite(level.energy->energy(x)) && level.energy->certified(x);
+}
+
+int BoundaryMove::inverted(const std::vector<double>& x) const {
+    const std::vector<double> largest = level.energy->statistics(x).element_max;
+    const auto infinite = [](double eta) { return !std::isfinite(eta); };
+    return static_cast<int>(std::count_if(largest.begin(), largest.end(), infinite));
+}
+
+AugmentedFunctional BoundaryMove::functional() const {
+    return {*level.energy, *level.constraint, std::vector<double>(level.constraint->multipliers(), 0.0), 0, held};
+}
+
+void BoundaryMove::minimise(const NewtonParams& wanted, std::vector<double>& x, NewtonResult& sum) {
+    NewtonResult solved = newton.minimise(functional(), wanted, x, observe_step);
+    solved.iterations += sum.iterations;
+    solved.linear_iterations += sum.linear_iterations;
+    solved.local_steps += sum.local_steps;
+    sum = solved;
+}
+
+PartResult extend(BoundaryMove& move, StiffnessAt stiffness, const std::vector<double>& targets,
+                  std::vector<double>& x) {
+    PartResult result;
+    x = move.extended(stiffness, targets, x, result.solved);
+    if (result.solved.status != NewtonStatus::converged) result.status = AlStatus::linear_solver_failed;
+    else if (!move.is_valid(x)) result.status = AlStatus::inverted;
+    return result;
+}
+
+void minimise_held(BoundaryMove& move, std::vector<double>& x, PartResult& result) {
+    NewtonParams wanted;
+    wanted.omega = move.omega;
+    wanted.max_iterations = move.params.schedule.max_newton_iterations;
+    move.minimise(wanted, x, result.solved);
+    result.status = status_of(result.solved.status);
+}
+
+bool sets_boundary(MovingMethod method) {
+    return method != MovingMethod::augmented_lagrangian && method != MovingMethod::penalty;
+}
+
+AlResult move_with_boundary(const Level& level, Newton& newton, const MethodParams& params, int increments,
+                            std::vector<double>& x, const AlObserver& observer, const StageObserver& observe_part) {
+    const Stopwatch watch;
+    const Rule rule = rule_of(params.schedule.moving);
+    const bool may_halve = params.schedule.moving == MovingMethod::incremental;
+    AlResult result;
+    BoundaryMove move(level, newton, params);
+    const auto add_row = [&](const AlIteration& row) {
+        result.iterations.push_back(row);
+        if (observer.iteration) observer.iteration(row);
+    };
+    add_row(measured(*level.energy, *level.constraint, x, result.distortion));
+    for (double part = 1.0 / increments, done = 0; result.iterations.size() == 1;) {
+        const Stopwatch part_watch;
+        const double fraction = done + part < 1 - rounding ? done + part : 1;
+        const bool last = fraction == 1;
+        move.prepare(last, part, observer);
+        const PartResult made = rule(move, targets_at(level, fraction), x);
+        result.status = interrupted() ? AlStatus::interrupted : made.status;
+        count(made, result);
+        if (may_halve && result.status == AlStatus::invalid_start && part * increments > smallest_part) {
+            part *= 0.5;
+            continue;
+        }
+        AlIteration row = row_of(move, made, x, result.distortion);
+        const bool ends = last || result.status != AlStatus::converged;
+        row.seconds = ends ? watch.seconds() : part_watch.seconds();
+        if (ends) {
+            add_row(row);
+            continue;
+        }
+        const int steps = made.solved.iterations;
+        if (observe_part) observe_part({level.mesh.nodes(), result.status, row, steps, fraction});
+        result.followed_newton_iterations += steps;
+        done = fraction;
+    }
+    result.newton_iterations -= result.followed_newton_iterations;
+    if (result.status != AlStatus::converged) result.gradient = gradient(move, x);
+    result.lambda.assign(level.constraint->multipliers(), 0.0);
+    newton.time.total += watch.seconds();
+    return result;
+}
+
+}  // namespace almesh

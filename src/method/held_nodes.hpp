@@ -1,0 +1,27 @@
+// Nodes that stay where they are in a minimisation, as a strong Dirichlet condition has it: their gradient is zero, and
+// their rows and columns of the Hessian are those of the unit matrix, so that they take no part in a step.
+#pragma once
+#include <algorithm>
+#include <vector>
+
+#include "base/index.hpp"
+#include "linalg/block_csr.hpp"
+
+namespace almesh {
+
+// held: per node; empty: none is. g: node_count x dim.
+inline void hold(const std::vector<char>& held, int dim, std::vector<double>& g) {
+    for (std::size_t i = 0; i < held.size(); ++i)
+        if (held[i]) std::fill_n(&g[offset(i, dim)], dim, 0.0);
+}
+
+inline void hold(const std::vector<char>& held, BlockCsr& H) {
+    for (int i = 0; i < H.n && !held.empty(); ++i)
+        for (int k = H.row[i]; k < H.row[i + 1]; ++k) {
+            if (!held[H.node_of(i)] && !held[H.node_of(H.col[k])]) continue;
+            std::fill_n(H.block(k), H.d * H.d, 0.0);
+            for (int a = 0; a < H.d && i == H.col[k]; ++a) H.block(k)[a * H.d + a] = 1;
+        }
+}
+
+}  // namespace almesh

@@ -1,0 +1,82 @@
+// K u = 0 inside, u = u_D at the held nodes:   K u_I = -K u_D with rows and columns of held nodes those of the unit
+// matrix.
+#include "method/linear_extension.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/small_matrix.hpp"
+#include "method/held_nodes.hpp"
+
+namespace almesh {
+
+LinearExtension::LinearExtension(const Mesh& mesh, BlockCsr pattern, const LinearSolverParams& linear)
+    : mesh_(mesh),
+      reference_(reference_element(mesh.degree, element_quadrature(mesh.dim, mesh.degree, 0))),
+      blocks_(schedule_elements(mesh)),
+      K_(std::move(pattern)),
+      solver_(mesh.dim, linear) {}
+
+template <int n>
+void LinearExtension::add_element(StiffnessAt stiffness, const std::vector<double>& x, int e) {
+    const int m = reference_.nodes;
+    const int* const node = mesh_.element(e);
+    std::vector<Vec<n>> g(m);
+    std::vector<Mat<n>> block(offset(m, m));
+    for (int q = 0; q < reference_.points; ++q) {
+        const double* const dN = &reference_.gradients[offset(q, m * n)];
+        Mat<n> J{};  // dx/dxi
+        for (int i = 0; i < m; ++i)
+            for (int r = 0; r < n; ++r)
+                for (int k = 0; k < n; ++k)
+                    J[r][k] += (point(x, node[i], n)[r] - point(x, node[0], n)[r]) * dN[i * n + k];
+        const double jacobian = std::abs(determinant(J)), weight = reference_.weight[q] * jacobian;
+        const Mat<n> inverse_of_J = inverse<n>(J);
+        for (int i = 0; i < m; ++i) {
+            g[i] = {};
+            for (int r = 0; r < n; ++r)
+                for (int k = 0; k < n; ++k) g[i][r] += dN[i * n + k] * inverse_of_J[k][r];
+        }
+        const Stiffness at = stiffness(jacobian);
+        for (int i = 0; i < m; ++i)
+            for (int j = 0; j < m; ++j) {
+                double product = 0;
+                for (int r = 0; r < n; ++r) product += g[i][r] * g[j][r];
+                Mat<n>& B = block[i * m + j];
+                for (int r = 0; r < n; ++r) {
+                    B[r][r] += weight * at.a * product;
+                    for (int s = 0; s < n; ++s)
+                        B[r][s] += weight * (at.b * g[j][r] * g[i][s] + at.c * g[i][r] * g[j][s]);
+                }
+            }
+    }
+    for (int i = 0; i < m; ++i)
+        for (int j = 0; j < m; ++j) {
+            double* const entry = K_.block(K_.find(K_.row_of(node[i]), K_.row_of(node[j])));
+            for (int r = 0; r < n; ++r)
+                for (int s = 0; s < n; ++s) entry[r * n + s] += block[i * m + j][r][s];
+        }
+}
+
+SolveResult LinearExtension::extend(StiffnessAt stiffness, const std::vector<double>& x, const std::vector<char>& held,
+                                    std::vector<double>& u) {
+    std::fill(K_.value.begin(), K_.value.end(), 0.0);
+    with_dimension(mesh_.dim, [&](auto n) {
+        blocks_.in_schedule(true, [&](int block) {
+            const int end = std::min((block + 1) * blocks_.size, mesh_.element_count());
+            for (int k = block * blocks_.size; k < end; ++k) add_element<n()>(stiffness, x, blocks_.order[k]);
+        });
+    });
+    std::vector<double> in_rows, product(u.size()), b, inside;
+    to_rows(K_, u, in_rows);
+    multiply(K_, in_rows.data(), product.data());
+    to_nodes(K_, product, b);
+    for (double& value : b) value = -value;
+    hold(held, mesh_.dim, b);
+    hold(held, K_);
+    const SolveResult result = solver_.solve(K_, b, inside);
+    for (std::size_t i = 0; i < u.size(); ++i) u[i] += inside[i];
+    return result;
+}
+
+}  // namespace almesh
