@@ -1,0 +1,28 @@
+// Answers to the exercises of lesson 2: change the lines marked ANSWER.
+#include "lessons/exercises/02.hpp"
+
+#include <cmath>
+
+namespace almesh::lessons {
+
+double observed_order(const std::function<double(double)>& /*f*/, double /*slope*/, double /*h*/) {
+    return 0;  // ANSWER 2.1
+}
+
+Mat<2> eta_gradient_2d(const Mat<2>& /*F*/) {
+    return {};  // ANSWER 2.2
+}
+
+Mat<3> eta_gradient_3d(const Mat<3>& /*F*/) {
+    return {};  // ANSWER 2.3
+}
+
+Mat<2> eta_second_2d(const Mat<2>& /*F*/, const Mat<2>& /*H*/) {
+    return {};  // ANSWER 2.4
+}
+
+Mat<2> second_of_deviation(double /*eta*/, const Mat<2>& /*eta_F*/, const Mat<2>& /*eta_FF_H*/, const Mat<2>& /*H*/) {
+    return {};  // ANSWER 2.5
+}
+
+}  // namespace almesh::lessons

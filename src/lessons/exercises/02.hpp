@@ -1,0 +1,28 @@
+// Exercises of lesson 2. Answers go into 02.cpp; `make check-lesson-02` says which hold.
+#pragma once
+#include <functional>
+
+#include "base/small_matrix.hpp"
+
+namespace almesh::lessons {
+
+// 2.1 The order at which the error of a first-order Taylor polynomial falls, from its errors at h and at h / 2:
+//
+//     error(h) = |f(h) - f(0) - h slope|
+//
+// It is 2 where slope = f'(0), and 1 where it is not.
+double observed_order(const std::function<double(double)>& f, double slope, double h);
+
+// 2.2 eta_F in 2D, for det F > 0.
+Mat<2> eta_gradient_2d(const Mat<2>& F);
+
+// 2.3 eta_F in 3D. `cofactor` of base/small_matrix.hpp is dD/dF there too.
+Mat<3> eta_gradient_3d(const Mat<3>& F);
+
+// 2.4 eta_FF H in 2D: the derivative of eta_F along H.
+Mat<2> eta_second_2d(const Mat<2>& F, const Mat<2>& H);
+
+// 2.5 The derivative of W_F along H for W = (eta - 1)^2, Eq. 5, from eta, eta_F and eta_FF H.
+Mat<2> second_of_deviation(double eta, const Mat<2>& eta_F, const Mat<2>& eta_FF_H, const Mat<2>& H);
+
+}  // namespace almesh::lessons

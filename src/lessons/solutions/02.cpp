@@ -1,0 +1,51 @@
+// Solutions of the exercises of lesson 2.
+#include <cmath>
+
+#include "lessons/exercises/02.hpp"
+
+namespace almesh::lessons {
+namespace {
+
+template <int n>
+Mat<n> sum(double a, const Mat<n>& A, double b, const Mat<n>& B) {
+    Mat<n> C;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) C[i][j] = a * A[i][j] + b * B[i][j];
+    return C;
+}
+
+double product(const Mat<2>& A, const Mat<2>& B) {
+    return A[0][0] * B[0][0] + A[0][1] * B[0][1] + A[1][0] * B[1][0] + A[1][1] * B[1][1];
+}
+
+}  // namespace
+
+double observed_order(const std::function<double(double)>& f, double slope, double h) {
+    const auto error = [&](double t) { return std::abs(f(t) - f(0) - t * slope); };
+    return std::log2(error(h) / error(h / 2));
+}
+
+Mat<2> eta_gradient_2d(const Mat<2>& F) {
+    const double D = determinant(F), S = frobenius_squared<2>(F);
+    return sum<2>(1 / D, F, -S / (2 * D * D), cofactor(F));
+}
+
+Mat<3> eta_gradient_3d(const Mat<3>& F) {
+    const double D = determinant(F), S = frobenius_squared<3>(F);
+    const double r = 1 / (3 * std::cbrt(D * D)), r1 = -2 * r / (3 * D);
+    return sum<3>(2 * r, F, S * r1, cofactor(F));
+}
+
+Mat<2> eta_second_2d(const Mat<2>& F, const Mat<2>& H) {
+    const Mat<2> C = cofactor(F);
+    const double D = determinant(F), S = frobenius_squared<2>(F), D_H = product(C, H), S_H = 2 * product(F, H);
+    const Mat<2> of_first = sum<2>(1 / D, H, -D_H / (D * D), F);
+    const Mat<2> of_second = sum<2>(-S_H / (2 * D * D) + S * D_H / (D * D * D), C, -S / (2 * D * D), cofactor(H));
+    return sum<2>(1, of_first, 1, of_second);
+}
+
+Mat<2> second_of_deviation(double eta, const Mat<2>& eta_F, const Mat<2>& eta_FF_H, const Mat<2>& H) {
+    return sum<2>(2 * product(eta_F, H), eta_F, 2 * (eta - 1), eta_FF_H);
+}
+
+}  // namespace almesh::lessons
