@@ -7,7 +7,6 @@
 
 #include "app/commands.hpp"
 #include "base/error.hpp"
-#include "base/interrupt.hpp"
 
 namespace {
 
@@ -32,6 +31,5 @@ void end_without_memory() {
 
 int main(int argc, char** argv) {
     std::set_new_handler(end_without_memory);
-    almesh::catch_interrupts();
     return almesh::command_line({argv + 1, argv + argc}, stdout, stderr);
 }

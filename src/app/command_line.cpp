@@ -1,8 +1,11 @@
 #include "app/commands.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <exception>
 #include <new>
+#include <optional>
 
 #include "app/deck.hpp"
 #include "app/linsolve.hpp"
@@ -34,8 +37,8 @@ constexpr const char* help =
     "  3 not converged (the last mesh is written); 4 converged but not certified;\n"
     "  5 an `expect` line of the deck does not hold.\n";
 
-ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
-    if (arguments.empty()) throw UsageError("nothing to do: give a deck, or see almesh --help");
+// Nothing where the first argument is a deck.
+std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, std::FILE* out) {
     const std::string& first = arguments[0];
     const auto print = [out](const std::string& text) {
         std::fputs(text.c_str(), out);
@@ -55,7 +58,16 @@ ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
     }
     if (first == "linsolve") return linsolve({arguments.begin() + 1, arguments.end()}, out);
     if (first.starts_with("-")) throw UsageError("unknown option ", first, "; see almesh --help");
-    return run(read_deck(first, {arguments.begin() + 1, arguments.end()}), out);
+    return std::nullopt;
+}
+
+// The results of a run are its files: whoever reads what it prints may go away. Of the other commands it is all there is.
+ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
+    if (arguments.empty()) throw UsageError("nothing to do: give a deck, or see almesh --help");
+    const auto printed = print_result(arguments, out);
+    if (!printed) return run(read_deck(arguments[0], {arguments.begin() + 1, arguments.end()}), out);
+    if (std::fflush(out) != 0 || std::ferror(out)) throw InputError("cannot write the output: ", std::strerror(errno));
+    return *printed;
 }
 
 }  // namespace

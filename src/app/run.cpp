@@ -8,6 +8,7 @@
 #include "app/report.hpp"
 #include "app/results.hpp"
 #include "base/files.hpp"
+#include "base/interrupt.hpp"
 #include "base/parallel.hpp"
 #include "base/physical_memory.hpp"
 #include "base/text.hpp"
@@ -128,6 +129,7 @@ bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary)
 ExitCode run(const Deck& deck, std::FILE* out) {
     // 1. Mesh, target and everything that can be wrong with them; the folder for the results.
     const Stopwatch watch;
+    const HandleSignal write_without_reader(SIGPIPE, SIG_IGN);
     set_threads(deck.threads);
     const Problem problem = make_problem(deck);
     make_folder(deck.output);
@@ -141,6 +143,8 @@ ExitCode run(const Deck& deck, std::FILE* out) {
         write_deck(deck, problem);
         write_initial(deck, problem);
     }
+
+    const CatchInterrupts catching;
 
     // 2. The solution on coarser meshes, where the deck starts from there.
     Report report(out, {problem.mesh().dim, problem.length});

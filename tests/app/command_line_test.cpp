@@ -1,11 +1,16 @@
 #include "app/commands.hpp"
 
 #include <doctest/doctest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 
 #include "check/certificate.hpp"
 #include "app/deck.hpp"
+#include "support/ring_deck.hpp"
 #include "support/meshes.hpp"
 #include "support/program.hpp"
 
@@ -129,4 +134,52 @@ TEST_CASE("quality of what is no mesh: code 2, naming the file") {
         CHECK(outcome.code == 2);
         CHECK(has(outcome.error, path));
     }
+}
+
+TEST_CASE("a reader of the table that goes away does not end a run") {
+    const RingDeck ring;
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    close(ends[0]);
+    std::FILE *const out = fdopen(ends[1], "w"), *const error = std::tmpfile();
+    std::setvbuf(out, nullptr, _IOLBF, BUFSIZ);
+    CHECK(command_line({ring.deck}, out, error) == 0);
+    CHECK(take_contents(error).empty());
+    CHECK(summary_of(ring.output).at("status") == "converged");
+    const auto before = std::signal(SIGPIPE, SIG_IGN);
+    std::fclose(out);
+    std::signal(SIGPIPE, before);
+}
+
+TEST_CASE("a command whose output cannot be written ends with code 2") {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.write("a.msh", msh_of(square_mesh(2)));
+    const std::vector<std::vector<std::string>> commands = {{"quality", mesh}, {"info", mesh}, {"--keys"}, {"--help"}};
+    for (const auto& command : commands) {
+        std::FILE *const full = std::fopen("/dev/full", "w"), *const error = std::tmpfile();
+        if (!full) return;
+        CHECK(command_line(command, full, error) == 2);
+        CHECK(has(take_contents(error), "almesh: cannot write the output: No space left"));
+        std::fclose(full);
+    }
+}
+
+TEST_CASE("the first signal ends a command that nobody can interrupt otherwise") {
+    const TemporaryFolder folder;
+    const std::string fifo = folder.path("mesh.msh");
+    REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
+    for (const int signal : {SIGTERM, SIGINT, SIGHUP})
+        for (const char* command : {"quality", "info", "linsolve"}) {
+            const pid_t child = fork();
+            if (child == 0) {
+                std::signal(signal, SIG_DFL);  // the test program has its own
+                std::FILE* const nowhere = std::fopen("/dev/null", "w");
+                _exit(command_line({command, fifo}, nowhere, nowhere));
+            }
+            usleep(20000);
+            kill(child, signal);
+            int status = 0;
+            REQUIRE(waitpid(child, &status, 0) == child);
+            CHECK(WIFSIGNALED(status));
+        }
 }

@@ -13,7 +13,7 @@ using namespace almesh::test;
 
 TEST_CASE("a signal ends a run after the Newton step at hand, with a valid mesh") {
     const Minimisation problem(ring_mesh(12, 3, 6), {{"inner", "translate 2 0"}}, Objective::squared);
-    catch_interrupts();
+    const CatchInterrupts catching;
     AlObserver observer;
     int steps = 0;
     observer.newton_step = [&](int, const NewtonStep&) {
@@ -23,11 +23,37 @@ TEST_CASE("a signal ends a run after the Newton step at hand, with a valid mesh"
     const AlResult result = problem.solve({}, x, observer);
     CHECK(interrupted());
     clear_interrupt();
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
     CHECK(result.status == AlStatus::interrupted);
     CHECK(steps == 3);
     CHECK(x != problem.ideal);
     CHECK(certify(problem.mesh, x).valid);
     CHECK(!interrupted());
+}
+
+TEST_CASE("signals are caught while somebody polls the flag, and do what they did before and after") {
+    const auto handler_of = [](int signal) {
+        const auto handler = std::signal(signal, SIG_DFL);
+        std::signal(signal, handler);
+        return handler;
+    };
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        const auto before = handler_of(signal);
+        {
+            const CatchInterrupts catching;
+            CHECK(!interrupted());
+            std::raise(signal);
+            CHECK(interrupted());
+            clear_interrupt();
+            CHECK((handler_of(signal) == SIG_DFL));  // a second one ends the program
+        }
+        CHECK((handler_of(signal) == before));
+    }
+    const auto before = std::signal(SIGHUP, SIG_IGN);  // as nohup has it
+    {
+        const CatchInterrupts catching;
+        std::raise(SIGHUP);
+        CHECK(!interrupted());
+    }
+    CHECK((handler_of(SIGHUP) == SIG_IGN));
+    std::signal(SIGHUP, before);
 }
