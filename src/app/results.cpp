@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "app/commands.hpp"
 #include "app/deck.hpp"
@@ -200,12 +199,6 @@ void write_iterate(const Deck& deck, const Problem& problem, int number, const s
                         k * deck.iterates, "}");
     write_file(deck.output + "/iterates.vtk.series",
                concat("{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n", files, "\n  ]\n}\n"));
-}
-
-void remove_iterates(const std::string& folder) {
-    remove_file(folder + "/iterates.vtk.series");
-    for (int k = 0; std::filesystem::exists(folder + "/" + iterate_name(k) + ".vtk"); ++k)
-        remove_file(folder + "/" + iterate_name(k) + ".vtk");
 }
 
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {

@@ -51,7 +51,6 @@ void write_initial(const Deck& deck, const Problem& problem);  // initial.vtk
 // iterate-0000.vtk, iterate-0001.vtk, ... (number: of the file) and iterates.vtk.series, the list of them, after every
 // one, so that a long run can be watched.
 void write_iterate(const Deck& deck, const Problem& problem, int number, const std::vector<double>& x);
-void remove_iterates(const std::string& folder);  // of an earlier run
 
 // How the final mesh is written: final.msh, final.su2, or both.
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh);

@@ -7,6 +7,7 @@
 #include "app/problem.hpp"
 #include "app/report.hpp"
 #include "app/results.hpp"
+#include "app/results_folder.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/parallel.hpp"
@@ -132,9 +133,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const HandleSignal write_without_reader(SIGPIPE, SIG_IGN);
     set_threads(deck.threads);
     const Problem problem = make_problem(deck);
-    make_folder(deck.output);
-    remove_file(deck.output + "/stop.vtk");  // of an earlier run
-    remove_iterates(deck.output);
+    const ResultsFolder folder(deck);
     Solution solution;
     solution.predicted_bytes = predicted_bytes(problem.mesh(), deck.linear);
     print_mesh(out, deck, problem, solution.predicted_bytes);

@@ -1,0 +1,106 @@
+#include "app/results_folder.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "app/deck.hpp"
+#include "base/error.hpp"
+#include "base/files.hpp"
+
+namespace almesh {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What a run may write, but for deck.txt.
+bool is_result(const std::string& name) {
+    constexpr std::array<std::string_view, 11> results = {
+        "final.msh",   "final.su2",   "initial.vtk",         "final.vtk", "boundary.vtk", "stop.vtk",
+        "history.csv", "summary.txt", "expectations.csv",    "A.mtx",     "b.mtx"};
+    const bool is_iterate = name == "iterates.vtk.series" || (name.starts_with("iterate-") && name.ends_with(".vtk"));
+    return is_iterate || std::find(results.begin(), results.end(), name) != results.end();
+}
+
+// Left by a process that was killed while it wrote a result: "final.msh.part1234".
+bool is_part(const std::string& name) {
+    const auto at = name.rfind(".part");
+    if (at == std::string::npos) return false;
+    const std::string of = name.substr(0, at);
+    return (is_result(of) || of == "deck.txt") &&
+           name.find_first_not_of("0123456789", at + std::string_view(".part").size()) == std::string::npos;
+}
+
+std::vector<std::string> names_in(const std::string& folder) {
+    std::vector<std::string> names;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder, error)) names.push_back(entry.path().filename().string());
+    return names;
+}
+
+void check_is_not_result(const std::string& file, const std::string& where, const Deck& deck) {
+    std::error_code error;
+    const fs::path folder = fs::weakly_canonical(deck.output, error), path = fs::weakly_canonical(file, error);
+    if (path.parent_path() != folder || !is_result(path.filename().string())) return;
+    throw UsageError(where, ": ", file, " is among the results in the folder ", deck.output,
+                     ", which this run would replace: give it another folder, `output = FOLDER`");
+}
+
+std::string host() {
+    char name[256] = {};
+    return gethostname(name, sizeof name - 1) == 0 ? name : "this machine";
+}
+
+}  // namespace
+
+ResultsFolder::ResultsFolder(const Deck& deck) {
+    check_is_not_result(deck.mesh, deck.given.contains("mesh") ? deck.given.at("mesh") : deck.path, deck);
+    for (const DeckBoundary& boundary : deck.boundaries)
+        for (const MotionStep& step : boundary.motion.steps)
+            if (!step.file.empty()) check_is_not_result(step.file, boundary.where, deck);
+    make_folder(deck.output);
+    lock(deck.output);
+    for (const std::string& name : names_in(deck.output))
+        if (is_result(name) || is_part(name)) remove_file(deck.output + "/" + name);
+}
+
+void ResultsFolder::lock(const std::string& folder) {
+    lock_path_ = folder + "/almesh.lock";
+    for (;;) {
+        const int file = open(lock_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+        if (file < 0) throw InputError("cannot write to ", lock_path_, ": ", std::strerror(errno));
+        if (flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+            char owner[300] = {};
+            if (read(file, owner, sizeof owner - 1) <= 0) std::strcpy(owner, "another process");
+            close(file);
+            throw InputError("another run writes to ", folder, " (", owner,
+                             "): wait for its end, or give this one another folder, `output = FOLDER`");
+        }
+        struct stat locked {}, there {};
+        const bool is_there = fstat(file, &locked) == 0 && stat(lock_path_.c_str(), &there) == 0;
+        if (is_there && locked.st_ino == there.st_ino) {  // else its owner has just removed it
+            lock_ = file;
+            break;
+        }
+        close(file);
+    }
+    const std::string owner = concat("process ", getpid(), " on ", host());
+    if (ftruncate(lock_, 0) != 0 || write(lock_, owner.data(), owner.size()) < 0)
+        throw InputError("cannot write to ", lock_path_, ": ", std::strerror(errno));
+}
+
+ResultsFolder::~ResultsFolder() {
+    unlink(lock_path_.c_str());
+    close(lock_);
+}
+
+}  // namespace almesh
