@@ -1,0 +1,32 @@
+// Exercises of lesson 3. Answers go into 03.cpp; `make check-lesson-03` says which hold.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "base/small_matrix.hpp"
+#include "linalg/block_csr.hpp"
+
+namespace almesh::lessons {
+
+using Triangles = std::vector<std::array<int, 3>>;  // node numbers, from 0
+
+// 3.1 The gradients of the three hat functions on the triangle with the vertices y: N_i is 1 at y_i, 0 at the others.
+std::array<Vec<2>, 3> hat_gradients(const std::array<Vec<2>, 3>& y);
+
+// 3.2 The first array of the CSR pattern, `row`: row[i] blocks come before row i, row[nodes] are all. Row i has a block
+// for node i itself and one for every node that is in a triangle with it.
+std::vector<int> row_offsets(int nodes, const Triangles& triangles);
+
+// 3.3 The gradient of the mesh from those of its triangles: local[e][i] is dE_e/dx of vertex i of triangle e. Result:
+// (x_0, y_0, x_1, y_1, ...).
+std::vector<double> assemble(int nodes, const Triangles& triangles, const std::vector<std::array<Vec<2>, 3>>& local);
+
+// 3.4 Adds the Hessian of one triangle to that of the mesh: local[2 i + a][2 j + b] is the derivative of entry a of the
+// gradient at its vertex i with respect to coordinate b of its vertex j. H has all blocks that are needed:
+// H.block(H.find(row, column)) is a block of 2 x 2 numbers, row by row.
+void add_to(BlockCsr& H, const std::array<int, 3>& triangle, const std::array<std::array<double, 6>, 6>& local);
+
+// 3.5 Four vectors that span the kernel of the Hessian of an ideal mesh with the node positions x (x_0, y_0, x_1, ...).
+std::array<std::vector<double>, 4> kernel(const std::vector<double>& x);
+
+}  // namespace almesh::lessons

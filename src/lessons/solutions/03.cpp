@@ -1,0 +1,54 @@
+// Solutions of the exercises of lesson 3.
+#include <set>
+
+#include "lessons/exercises/03.hpp"
+
+namespace almesh::lessons {
+
+std::array<Vec<2>, 3> hat_gradients(const std::array<Vec<2>, 3>& y) {
+    const Mat<2> A = {{{y[1][0] - y[0][0], y[2][0] - y[0][0]}, {y[1][1] - y[0][1], y[2][1] - y[0][1]}}};
+    const Mat<2> B = inverse<2>(A);
+    return {{{-B[0][0] - B[1][0], -B[0][1] - B[1][1]}, B[0], B[1]}};
+}
+
+std::vector<int> row_offsets(int nodes, const Triangles& triangles) {
+    std::vector<std::set<int>> neighbours(nodes);
+    for (int i = 0; i < nodes; ++i) neighbours[i].insert(i);
+    for (const auto& triangle : triangles)
+        for (const int i : triangle) neighbours[i].insert(triangle.begin(), triangle.end());
+    std::vector<int> row = {0};
+    for (const auto& of_node : neighbours) row.push_back(row.back() + static_cast<int>(of_node.size()));
+    return row;
+}
+
+std::vector<double> assemble(int nodes, const Triangles& triangles, const std::vector<std::array<Vec<2>, 3>>& local) {
+    std::vector<double> g(2 * nodes, 0.0);
+    for (std::size_t e = 0; e < triangles.size(); ++e)
+        for (int i = 0; i < 3; ++i)
+            for (int a = 0; a < 2; ++a) g[2 * triangles[e][i] + a] += local[e][i][a];
+    return g;
+}
+
+void add_to(BlockCsr& H, const std::array<int, 3>& triangle, const std::array<std::array<double, 6>, 6>& local) {
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            double* const block = H.block(H.find(triangle[i], triangle[j]));
+            for (int a = 0; a < 2; ++a)
+                for (int b = 0; b < 2; ++b) block[2 * a + b] += local[2 * i + a][2 * j + b];
+        }
+}
+
+std::array<std::vector<double>, 4> kernel(const std::vector<double>& x) {
+    std::array<std::vector<double>, 4> v;  // two translations, rotation, scaling
+    v.fill(std::vector<double>(x.size(), 0.0));
+    for (std::size_t i = 0; i < x.size(); i += 2) {
+        v[0][i] = 1;
+        v[1][i + 1] = 1;
+        v[2][i] = -x[i + 1];
+        v[2][i + 1] = x[i];
+    }
+    v[3] = x;
+    return v;
+}
+
+}  // namespace almesh::lessons
