@@ -47,7 +47,8 @@ endif
 PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import numpy, matplotlib' 2>/dev/null && echo $(p))) python3)
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests doctest asan bench compare-cholmod compare-gmsh cholmod paper gauntlet defaults figures meshes lessons check-lessons animation clean FORCE
+.PHONY: all run help test run-tests doctest python asan bench compare compare-cholmod compare-gmsh cholmod paper gauntlet defaults \
+        figures meshes lessons check-lessons animation clean FORCE
 
 all: almesh ## build the program ./almesh
 
@@ -168,6 +169,9 @@ defaults: almesh ## the table behind the defaults of objective and weight: outpu
 
 animation: almesh ## moving pictures: Newton's iterates of one run, the circle on a tour: outputs/animation/ (and Pillow)
 	$(PYTHON) plot/animation.py
+
+compare: almesh ## other ways to move a mesh beside the augmented Lagrangian method (matplotlib): outputs/compare/tables.md
+	$(PYTHON) plot/compare.py
 
 figures: ## draw the counterparts of the paper's figures from outputs/ (Python with numpy and matplotlib)
 	$(PYTHON) plot/figures.py

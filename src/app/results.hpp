@@ -7,6 +7,7 @@
 #include "check/certificate.hpp"
 #include "check/injectivity.hpp"
 #include "check/obstacle.hpp"
+#include "check/quality.hpp"
 #include "method/augmented_lagrangian.hpp"
 
 namespace almesh {
@@ -33,6 +34,7 @@ struct Solution {
     int nodes_off_target = 0;  // of the boundary, by whatever little
     Certificate certificate;
     Injectivity injectivity;
+    SizeSkew size_skew;
     Obstacle obstacle;         // of an ending other than converged and certified
     double followed = 0;       // the largest part of the motion, less than all of it, that converged
     double refused_bytes = 0;  // of the Cholesky factor, where they ended the run

@@ -76,6 +76,7 @@ void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     Level& level = *problem.level;
     solution.certificate = certify(level.mesh, solution.x, deck.certificate);
     solution.injectivity = certify_injective(level.mesh, solution.x, solution.certificate);
+    solution.size_skew = size_skew(level.mesh, level.ideal, solution.x);
     solution.refined_elements = level.energy->refined_elements();
     solution.max_boundary_error = level.constraint->max_error(solution.x);
     solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);

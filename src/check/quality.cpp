@@ -38,24 +38,45 @@ Mat<n> jacobian(const int* node, int count, const std::vector<double>& x, const 
     return J;
 }
 
-template <int n>
-std::vector<double> element_quality(const Mesh& mesh, const std::vector<double>& x) {
+// Per element: the least value(e, dx/dxi) at its quadrature points, within [0, 1].
+template <int n, class Value>
+std::vector<double> least_at_points(const Mesh& mesh, const std::vector<double>& x, const Value& value) {
     const LagrangeBasis basis(n, mesh.degree);
     const Quadrature quadrature = simplex_quadrature(n, mesh.degree == 1 ? 1 : 2 * mesh.degree);
-    const Mat<n> from_regular = inverse<n>(regular_simplex<n>());
     const int stride = basis.count * n;
     std::vector<double> dN(offset(quadrature.count, stride));
     for (int q = 0; q < quadrature.count; ++q) basis.gradients(&quadrature.xi[q * n], &dN[offset(q, stride)]);
-    std::vector<double> quality(mesh.element_count());
+    std::vector<double> least(mesh.element_count());
     parallel_for(mesh.element_count(), [&](int e) {
-        double least = 1;
-        for (int q = 0; q < quadrature.count; ++q) {
-            const Mat<n> J = jacobian<n>(mesh.element(e), basis.count, x, &dN[offset(q, stride)]);
-            least = std::min(least, 1 / distortion<n>(multiply<n>(J, from_regular), 0));
-        }
-        quality[e] = std::max(least, 0.0);
+        double of_element = 1;
+        for (int q = 0; q < quadrature.count; ++q)
+            of_element =
+                std::min(of_element, value(e, jacobian<n>(mesh.element(e), basis.count, x, &dN[offset(q, stride)])));
+        least[e] = std::max(of_element, 0.0);
     });
-    return quality;
+    return least;
+}
+
+// 1 / eta, zero for an inverted J.
+template <int n>
+double shape(const Mat<n>& J, const Mat<n>& from_regular) {
+    return 1 / distortion<n>(multiply<n>(J, from_regular), 0);
+}
+
+template <int n>
+std::vector<double> element_quality(const Mesh& mesh, const std::vector<double>& x) {
+    const Mat<n> from_regular = inverse<n>(regular_simplex<n>());
+    return least_at_points<n>(mesh, x, [&](int, const Mat<n>& J) { return shape<n>(J, from_regular); });
+}
+
+template <int n>
+std::vector<double> element_size_skew(const Mesh& mesh, const std::vector<double>& ideal,
+                                      const std::vector<double>& x) {
+    const Mat<n> from_regular = inverse<n>(regular_simplex<n>());
+    return least_at_points<n>(mesh, x, [&](int e, const Mat<n>& J) {
+        const double ratio = determinant(J) / determinant(straight_jacobian<n>(mesh.element(e), ideal));
+        return ratio > 0 ? std::sqrt(std::min(ratio, 1 / ratio)) * shape<n>(J, from_regular) : 0;
+    });
 }
 
 void measure_edges(const Mesh& mesh, const std::vector<double>& x, QualityStatistics& statistics) {
@@ -101,6 +122,14 @@ QualityStatistics mesh_quality(const Mesh& mesh, const std::vector<double>& x) {
     measure_edges(mesh, x, statistics);
     list_worst(mesh, x, statistics);
     return statistics;
+}
+
+SizeSkew size_skew(const Mesh& mesh, const std::vector<double>& ideal, const std::vector<double>& x) {
+    std::vector<double> of;
+    with_dimension(mesh.dim, [&](auto n) { of = element_size_skew<n()>(mesh, ideal, x); });
+    const int count = mesh.element_count();
+    if (count == 0) return {1, 1};
+    return {deterministic_sum(count, [&](int e) { return of[e]; }) / count, *std::min_element(of.begin(), of.end())};
 }
 
 std::string histogram_text(const QualityStatistics& statistics) {

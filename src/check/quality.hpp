@@ -29,6 +29,16 @@ struct QualityStatistics {
 // x: node_count x dim positions.
 QualityStatistics mesh_quality(const Mesh& mesh, const std::vector<double>& x);
 
+// Over the elements: the least value in an element of the size-skew metric f = sqrt(min(t, 1/t)) f_skew of de Boer, van
+// der Schoot and Bijl (Computers & Structures 85, 2007) after Knupp (Finite Elem. Anal. Des. 39, 2003); t is det J over
+// that of the ideal element. Simplices have no skew apart from their shape: f_skew is the quality above.
+struct SizeSkew {
+    double mean, min;  // 0 for an inverted element
+};
+
+// ideal, x: node_count x dim positions.
+SizeSkew size_skew(const Mesh& mesh, const std::vector<double>& ideal, const std::vector<double>& x);
+
 // Table of the ten bins: range, number of elements, bar. One line each.
 std::string histogram_text(const QualityStatistics& statistics);
 

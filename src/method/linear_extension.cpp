@@ -9,10 +9,18 @@
 #include "method/held_nodes.hpp"
 
 namespace almesh {
+namespace {
+
+// K times a linear function, on curved elements too: an integral of cofactors of J, of degree n (p - 1).
+int exactness(const Mesh& mesh) {
+    return mesh.degree == 1 ? 0 : std::max(2 * mesh.degree, mesh.dim * (mesh.degree - 1));
+}
+
+}  // namespace
 
 LinearExtension::LinearExtension(const Mesh& mesh, BlockCsr pattern, const LinearSolverParams& linear)
     : mesh_(mesh),
-      reference_(reference_element(mesh.degree, element_quadrature(mesh.dim, mesh.degree, 0))),
+      reference_(reference_element(mesh.degree, simplex_quadrature(mesh.dim, exactness(mesh)))),
       blocks_(schedule_elements(mesh)),
       K_(std::move(pattern)),
       solver_(mesh.dim, linear) {}

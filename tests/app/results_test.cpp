@@ -108,6 +108,8 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "gradient_norm",
                                            "relative_quality",
                                            "max_distortion",
+                                           "size_skew_mean",
+                                           "size_skew_min",
                                            "power",
                                            "released_nodes",
                                            "largest_slide",

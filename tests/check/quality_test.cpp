@@ -38,6 +38,35 @@ TEST_CASE("quality of right simplices is the closed form of Eq. (1)") {
     CHECK(mesh_quality(tetrahedron, tetrahedron.x).min == doctest::Approx(2 * std::cbrt(2.0) / 3));
 }
 
+TEST_CASE("size and skew: the root of the smaller ratio of sizes times the shape, over the elements") {
+    const double height = std::sqrt(0.75);
+    for (int degree : {1, 3}) {
+        const Mesh triangle = with_degree(single(2, {0, 0, 1, 0, 0.5, height}), degree);
+        const Mesh tetrahedron = with_degree(single(3, {1, 1, 1, 1, -1, -1, -1, -1, 1, -1, 1, -1}), degree);
+        for (const Mesh& mesh : {triangle, tetrahedron}) {
+            for (const double size : {0.5, 2.0, 1.0}) {
+                const std::vector<double> x = mapped(mesh, [&](double* p) {
+                    for (int a = 0; a < mesh.dim; ++a) p[a] *= size;
+                });
+                const double expected = std::sqrt(std::pow(std::min(size, 1 / size), mesh.dim));
+                CHECK(size_skew(mesh, mesh.x, x).min == doctest::Approx(expected));
+                CHECK(size_skew(mesh, x, mesh.x).mean == doctest::Approx(expected));
+            }
+            const std::vector<double> stretched = mapped(mesh, [](double* p) { p[0] *= 3; });
+            CHECK(size_skew(mesh, mesh.x, stretched).min ==
+                  doctest::Approx(std::sqrt(1.0 / 3) * mesh_quality(mesh, stretched).min));
+            const std::vector<double> inverted = mapped(mesh, [](double* p) { p[0] *= -1; });
+            CHECK(size_skew(mesh, mesh.x, inverted).min == 0);
+        }
+    }
+    const Mesh two = linear_mesh(2, {0, 0, 1, 0, 0.5, height, 1.5, height}, {0, 1, 2, 1, 3, 2},
+                                 [](const double*) { return "wall"; });
+    std::vector<double> x = two.x;
+    x[6] = 0.5, x[7] = 0;  // folds the second
+    CHECK(size_skew(two, two.x, x).mean == doctest::Approx(0.5));
+    CHECK(size_skew(two, two.x, x).min == 0);
+}
+
 TEST_CASE("quality does not depend on the degree of straight elements, and stretching gives 2 s / (1 + s^2)") {
     const double height = std::sqrt(0.75);
     for (int degree : {1, 3}) {
