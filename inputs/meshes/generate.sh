@@ -72,5 +72,6 @@ airfoil-layers  2  msh22  1 10029  19808
 torus         3  msh22  3   6078   1020
 sphere-layers  3  msh22  1   1146   6344
 piston        3  msh22  1    366   1291
+bump          2  msh41  3     91     16
 half-aircraft  3  msh22  1   3541  16590 aircraft -setnumber half 1 -setnumber h_edge 0.03 -setnumber h_body 0.09
 TABLE

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "app/node_targets.hpp"
+#include "app/other_surfaces.hpp"
 #include "app/results.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -222,9 +223,10 @@ std::vector<char> slides(const Mesh& mesh, const BoundaryTarget& target) {
 
 // Null where no node slides. target: of the base mesh, in units of the file.
 std::shared_ptr<SlidingSurfaces> sliding_surfaces(double feature_angle, const Mesh& base, const BoundaryTarget& target,
-                                                  const std::vector<char>& slides, double length) {
+                                                  const std::vector<char>& slides, double length,
+                                                  const std::vector<OtherSurface>& other = {}) {
     if (std::count(slides.begin(), slides.end(), 1) == 0) return nullptr;
-    return std::make_shared<SlidingSurfaces>(base, target.node, slides, feature_angle, length);
+    return std::make_shared<SlidingSurfaces>(base, target.node, slides, feature_angle, length, other);
 }
 
 // Takes back the release of nodes on boundaries whose surfaces are not known.
@@ -233,7 +235,8 @@ void keep_where_unknown(const Mesh& mesh, const SlidingSurfaces& sliding, Bounda
         if (!sliding.knows(mesh.face_boundary[k / mesh.face_nodes()])) target.released[mesh.faces[k]] = 0;
 }
 
-void note_surfaces(const Mesh& mesh, const SlidingSurfaces& sliding, std::vector<std::string>& notes) {
+void note_surfaces(const Deck& deck, const Mesh& mesh, const SlidingSurfaces& sliding,
+                   std::vector<std::string>& notes) {
     for (int b = 0; b < static_cast<int>(mesh.boundaries.size()); ++b) {
         std::map<std::string, int> count;
         for (int part = 0; part < sliding.parts(); ++part)
@@ -241,7 +244,9 @@ void note_surfaces(const Mesh& mesh, const SlidingSurfaces& sliding, std::vector
         std::string text;
         for (const auto& [name, times] : count)
             text += (text.empty() ? "" : ", ") + (times > 1 ? std::to_string(times) + " of: " : std::string()) + name;
-        if (!text.empty()) notes.push_back("boundary " + mesh.boundaries[b] + " slides along: " + text);
+        const MotionStep* const other = surface_step(motion_for(deck, mesh.boundaries[b])->motion);
+        const std::string along = other ? " along " + other->file + ": " : " along: ";
+        if (!text.empty()) notes.push_back("boundary " + mesh.boundaries[b] + " slides" + along + text);
     }
 }
 
@@ -297,9 +302,10 @@ Problem make_problem(const Deck& deck) {
                         [](BoundaryHold hold) { return hold == BoundaryHold::free; }))
             throw UsageError(deck.path, ": all boundaries are free: give at least one of them a motion");
         const BoundaryTarget of_base = make_target(problem.base, motions_of(deck, problem.base), problem.placed);
+        const std::vector<OtherSurface> other = read_other_surfaces(deck, problem.base, problem.notes);
         sliding = sliding_surfaces(deck.feature_angle, problem.base, of_base, slides(mesh, problem.target),
-                                   problem.length);
-        if (sliding) note_surfaces(mesh, *sliding, problem.notes);
+                                   problem.length, other);
+        if (sliding) note_surfaces(deck, mesh, *sliding, problem.notes);
     }
     change_unit(problem.length, *problem.level, problem.target);
     if (sliding) smooth_released(mesh, problem.target, *sliding);
@@ -344,7 +350,7 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
                         base.x[i] = straight[i] + fraction * (base.x[i] - straight[i]);
                 const PlacedNodes base_placed = at_fraction(problem.placed, straight, 1, fraction);
                 sliding = sliding_surfaces(angle, base, make_target(base, parts, base_placed),
-                                           slides(level.mesh, part), length);
+                                           slides(level.mesh, part), length);  // of its own: another mesh's is the end
                 if (sliding) smooth_released(level.mesh, part, *sliding);
             }
             constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, part, kind, sliding);

@@ -51,12 +51,11 @@ std::string describe(const Mesh& mesh, const TargetFaults& faults) {
 namespace {
 
 // The unit normal of the flat face with the same vertices; 0 where these lie on a line.
-Vec<3> flat_normal(const Mesh& mesh, const BoundaryTarget& target, int f) {
+Vec<3> flat_unit_normal(const Mesh& mesh, const BoundaryTarget& target, int f) {
     std::array<Vec<3>, 3> corner{};
     for (int i = 0; i < mesh.dim; ++i)
         std::copy_n(&target.node[offset(offset(f, mesh.face_nodes(), i), mesh.dim)], mesh.dim, corner[i].begin());
-    const Vec<3> u = corner[1] - corner[0];
-    const Vec<3> n = mesh.dim == 2 ? Vec<3>{u[1], -u[0], 0} : cross(u, corner[2] - corner[0]);
+    const Vec<3> n = flat_normal(corner, mesh.dim - 1);
     return length(n) > 0 ? 1 / length(n) * n : n;
 }
 
@@ -72,11 +71,11 @@ void add_coplanar(const Mesh& mesh, const BoundaryTarget& target, std::vector<ch
     while (!front.empty()) {
         const int f = front.back();
         front.pop_back();
-        const Vec<3> n = flat_normal(mesh, target, f);
+        const Vec<3> n = flat_unit_normal(mesh, target, f);
         for (int i = 0; i < mesh.dim; ++i)
             for (const int g : at_node[mesh.face(f)[i]]) {
                 if (chosen[g] || mesh.face_boundary[g] != mesh.face_boundary[f]) continue;
-                const Vec<3> other = flat_normal(mesh, target, g);
+                const Vec<3> other = flat_unit_normal(mesh, target, g);
                 if (!(dot(n, other) > 0) || length(cross(n, other)) > same_plane) continue;
                 chosen[g] = 1;
                 front.push_back(g);

@@ -158,8 +158,7 @@ const char* Check::fault_of_face(const Patch& patch) const {
 
 // Whether the flat face with the same corners is one.
 bool has_corners_apart(const Patch& patch, int m) {
-    const Vec<3> u = patch[1] - patch[0], normal = m == 1 ? u : cross(u, patch[2] - patch[0]);
-    return length(normal) > degenerate * std::pow(box_of(patch).longest_side(), m);
+    return length(flat_normal(patch, m)) > degenerate * std::pow(box_of(patch).longest_side(), m);
 }
 
 constexpr char not_told[] = "";

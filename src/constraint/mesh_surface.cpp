@@ -29,6 +29,53 @@ Vec<3> value(const Bernstein& basis, const std::vector<Vec<3>>& c, const Barycen
     return sum;
 }
 
+// Cubic faces in place of flat ones, through the same corners and there perpendicular to the mean normals n, so that
+// they meet smoothly, or nearly so: flat ones would hold up nodes at the edges between them (A. Vlachos, J. Peters,
+// C. Boyd, J. L. Mitchell, Curved PN triangles, I3D 2001). The edge to x_j leaves x_i along v - (v . n_i) n_i,
+// v = x_j - x_i.
+struct CubicFaces {
+    std::vector<Patch> patches;
+    std::vector<std::vector<int>> node;
+
+    CubicFaces(const Bernstein& cubic, const std::vector<Patch>& flat, const std::vector<std::vector<int>>& corner) {
+        const int m = cubic.dim;
+        std::map<int, Vec<3>> normal;
+        for (std::size_t f = 0; f < flat.size(); ++f)
+            for (const int i : corner[f]) normal[i] = normal[i] + unit(flat_normal(flat[f], m));
+        std::map<std::array<int, 2>, int> on_edge;  // nodes: near the first of its ends
+        int next = normal.rbegin()->first + 1;
+        for (std::size_t f = 0; f < flat.size(); ++f) {
+            Patch patch(cubic.count, Vec<3>{});
+            std::vector<int> nodes(cubic.count);
+            Vec<3> edges{}, corners{};
+            for (int a = 0; a <= m; ++a) {
+                patch[a] = flat[f][a];
+                nodes[a] = corner[f][a];
+                corners = corners + 1.0 / (m + 1) * patch[a];
+                const Vec<3> n = unit(normal[nodes[a]]);
+                for (int b = 0; b <= m; ++b) {
+                    if (a == b) continue;
+                    MultiIndex index{};
+                    index[a] = 2, index[b] = 1;
+                    const int place = cubic.place(index);
+                    const Vec<3> along = flat[f][b] - flat[f][a];
+                    patch[place] = patch[a] + 1.0 / 3 * (along - dot(along, n) * n);
+                    edges = edges + 1.0 / 6 * patch[place];
+                    const auto [at, is_new] = on_edge.insert({{nodes[a], corner[f][b]}, next});
+                    nodes[place] = at->second;
+                    next += is_new;
+                }
+            }
+            if (m == 2) {
+                patch[cubic.place({1, 1, 1, 0})] = edges + 0.5 * (edges - corners);
+                nodes[cubic.place({1, 1, 1, 0})] = next++;
+            }
+            patches.push_back(std::move(patch));
+            node.push_back(std::move(nodes));
+        }
+    }
+};
+
 class MeshSurface final : public Surface {
 public:
     MeshSurface(const PatchBasis& basis, const std::vector<Patch>& patches, const std::vector<std::vector<int>>& node);
@@ -87,8 +134,7 @@ void MeshSurface::average_normals(const PatchNormal& normal, const std::vector<P
     std::map<int, Vec<3>> mean;
     for (std::size_t f = 0; f < patches.size(); ++f) {
         const std::vector<Vec<3>> n = normal.coefficients(patches[f]);
-        const Vec<3> u = patches[f][1] - patches[f][0];
-        const Vec<3> flat = m_ == 1 ? cross(u, {0, 0, 1}) : cross(u, patches[f][2] - patches[f][0]);
+        const Vec<3> flat = flat_normal(patches[f], m_);
         for (int i = 0; i < lagrange_.count; ++i) {
             Barycentric l{};
             for (int k = 0; k <= m_; ++k) l[k] = static_cast<double>(lagrange_.nodes[i][k]) / lagrange_.degree;
@@ -248,7 +294,10 @@ SurfacePoint MeshSurface::foot(const Vec<3>& x) const {
 
 std::unique_ptr<Surface> surface_of_faces(const PatchBasis& basis, const std::vector<Patch>& patches,
                                           const std::vector<std::vector<int>>& node) {
-    return std::make_unique<MeshSurface>(basis, patches, node);
+    if (basis.bernstein.degree > 1) return std::make_unique<MeshSurface>(basis, patches, node);
+    const PatchBasis cubic(basis.bernstein.dim, 3);
+    const CubicFaces faces(cubic.bernstein, patches, node);
+    return std::make_unique<MeshSurface>(cubic, faces.patches, faces.node);
 }
 
 }  // namespace almesh

@@ -28,6 +28,7 @@ struct MotionForm {
     bool twists = false;               // its first number is a rate, a part of which is a part of the motion
     bool file = false;                 // the name of a file comes first
     bool mesh = false;                 // which is a mesh
+    bool along = false;                // a mesh and one of its boundaries may be named
     bool formulas = false;             // formulas in double quotes, one for each axis, in place of numbers
     bool affine = true;                // false: targets are projected onto the trace space, not interpolated
     int projection_in = 0;             // the dimension a projection acts in; so many leading numbers are its centre
@@ -167,9 +168,10 @@ constexpr std::array<MotionForm, 13> forms = {{
          return project(dot(u, d) * u, step.numbers.back(), d);
      }},
 
-    {.name = "slide", .form = "slide",
-     .meaning = "last step: nodes move freely along the surface to which the steps before it take the boundary",
-     .hold = BoundaryHold::slides},
+    {.name = "slide", .form = "slide [along FILE [boundary NAME]]",
+     .meaning = "last step: nodes move freely along the surface to which the steps before it take the boundary, or "
+                "along that of another mesh: of its boundary NAME, else the one of the same name, else its only one",
+     .along = true, .hold = BoundaryHold::slides},
 
     {.name = "free", .form = "free", .meaning = "without any constraint", .hold = BoundaryHold::free},
 }};
@@ -224,6 +226,13 @@ MotionStep parse_step(std::string_view text) {
             step.displacement = true;
             continue;
         }
+        if (form.along && (written[i] == "along" || (written[i] == "boundary" && !step.file.empty()))) {
+            std::string& name = written[i] == "along" ? step.file : step.boundary;
+            if (!name.empty()) refuse(form, in_backquotes(written[i]), " stands twice");
+            if (i + 1 < written.size()) name = without_quotes(written[++i]).value_or("");
+            if (name.empty()) refuse(form, "a name is missing after ", in_backquotes(written[i]));
+            continue;
+        }
         if (form.formulas && written[i].starts_with('"')) {
             step.formulas.emplace_back(without_quotes(written[i]).value_or(""));
             continue;
@@ -245,7 +254,9 @@ MotionStep parse_step(std::string_view text) {
 
 std::string to_string(Step step) {
     std::string text = step.form->name;
+    if (step.form->along && !step.file.empty()) text += " along";
     if (!step.file.empty()) text += ' ' + quoted_where_needed(step.file, "#=;\" \t");
+    if (!step.boundary.empty()) text += " boundary " + quoted_where_needed(step.boundary, "#=;\" \t");
     if (step.displacement) text += " displacement";
     for (const Expression& formula : step.formulas) text += ' ' + with_quotes(formula.text());
     for (double v : step.numbers) text += ' ' + to_text(v);
@@ -354,6 +365,11 @@ bool is_affine(const Motion& motion) {
 
 const MotionStep* file_step(const Motion& motion) {
     return motion.steps.front().form->file ? &motion.steps.front() : nullptr;
+}
+
+const MotionStep* surface_step(const Motion& motion) {
+    const MotionStep& last = motion.steps.back();
+    return last.form->along && !last.file.empty() ? &last : nullptr;
 }
 
 bool is_of_mesh(const MotionStep& file_step) { return file_step.form->mesh; }

@@ -5,9 +5,9 @@
 //
 // Kinds of steps: fixed, translate, rotate, twist, scale, formulas, places of single nodes from a file, and the
 // projections circle, sphere, cylinder, which take a point to its closest one on a curved surface: the target of mesh
-// curving. `slide` at the end leaves the nodes free to move along the boundary, `free` altogether. Coordinates in a
-// step are those after the steps before it: the centre of a rotation is not moved by them. Which steps fit a mesh is
-// known only with its dimension: check_dimension(). Cost of apply(): O(number of steps) per point.
+// curving. `slide` at the end leaves the nodes free to move along the boundary or another mesh's, `free` altogether.
+// Coordinates in a step are those after the steps before it: the centre of a rotation is not moved by them. Which steps
+// fit a mesh is known only with its dimension: check_dimension(). Cost of apply(): O(number of steps) per point.
 #pragma once
 #include <string>
 #include <string_view>
@@ -31,7 +31,8 @@ struct MotionStep {
     const MotionForm* form = nullptr;
     std::vector<double> numbers;      // after the name, as `form` says
     std::vector<double> axis, about;  // after these words; empty: not written
-    std::string file;                 // of places of single nodes: as written, or where the deck has found it
+    std::string file;                 // of nodes or of a surface: as written, or where the deck has found it
+    std::string boundary;             // of that file, along which nodes slide; empty: not written
     bool displacement = false;        // the file has displacements instead of places
     std::vector<Expression> formulas; // one for each axis
     double fraction = 1;              // of the way that it takes a point; of a turn always 1
@@ -71,6 +72,9 @@ BoundaryHold hold_of(const Motion& motion);
 // passes over it: the points given to it are there already (app/node_targets.hpp).
 const MotionStep* file_step(const Motion& motion);
 bool is_of_mesh(const MotionStep& file_step);  // the file is a mesh
+
+// The step that names another mesh along whose surface the nodes slide; null where they do not, or along their own.
+const MotionStep* surface_step(const Motion& motion);
 
 // Whether it is an affine map, which takes polynomials to polynomials of the same degree: no step is a projection.
 bool is_affine(const Motion& motion);

@@ -44,7 +44,7 @@ struct BoundaryFaces {
             position.push_back(std::move(moved));
             const std::vector<Vec<3>> n = normal.coefficients(patch.back());  // corners first
             std::vector<Vec<3>> at_corner;
-            const Vec<3> flat = flat_normal(position.back());
+            const Vec<3> flat = flat_normal(position.back(), dim - 1);
             for (int k = 0; k < dim; ++k) {
                 const Vec<3>& at = n[n.size() == 1 ? 0 : k];
                 at_corner.push_back(dot(at, flat) > 0 ? at : flat);  // of a face that is folded there
@@ -72,11 +72,6 @@ struct BoundaryFaces {
                 side.push_back({f, g});
                 side_angle.push_back(largest);
             }
-    }
-
-    Vec<3> flat_normal(const std::vector<Vec<3>>& corner) const {
-        const Vec<3> u = corner[1] - corner[0];
-        return mesh.dim == 2 ? Vec<3>{u[1], -u[0], 0} : cross(u, corner[2] - corner[0]);
     }
 
     Vec<3> normal_at(int k, int node) const {
@@ -131,7 +126,7 @@ struct BoundaryFaces {
         return quadric && std::all_of(faces.begin(), faces.end(), [&](int k) {
             Vec<3> n{};
             for (int c = 0; c < mesh.dim; ++c) n = n + quadric->foot(position[k][c]).normal;
-            const Vec<3> flat = flat_normal(position[k]);
+            const Vec<3> flat = flat_normal(position[k], mesh.dim - 1);
             return std::abs(dot(n, flat)) > least_cosine * length(n) * length(flat);
         });
     }
@@ -190,32 +185,67 @@ std::vector<SurfaceOfFaces> surfaces_of(const BoundaryFaces& faces, const PatchB
     return result;
 }
 
+// face x face node x dim, as the file has them.
+std::vector<double> places_of_faces(const Mesh& mesh) {
+    std::vector<double> places;
+    for (const int i : mesh.faces)
+        places.insert(places.end(), point(mesh.x, i, mesh.dim), point(mesh.x, i, mesh.dim) + mesh.dim);
+    return places;
+}
+
 }  // namespace
 
 SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
-                                 double feature_angle, double unit)
-    : dim_(base.dim), unit_(unit), of_boundary_(base.boundaries.size()), part_of_(base.boundaries.size()) {
-    const PatchBasis basis(base.dim - 1, base.degree);
+                                 double feature_angle, double unit, const std::vector<OtherSurface>& other)
+    : dim_(base.dim), unit_(unit), basis_(base.dim - 1, base.degree), faces_(base.boundaries.size()) {
+    const PatchBasis basis(dim_ - 1, base.degree);
     for (int b = 0; b < static_cast<int>(base.boundaries.size()); ++b) {
         if (!slides[b]) continue;
-        const BoundaryFaces faces(base, basis, node, b);
-        part_of_[b].resize(faces.face.size());
-        for (auto& [surface, of, of_mesh] : surfaces_of(faces, basis, feature_angle)) {
-            for (const int k : of) part_of_[b][k] = parts();
-            points_.emplace_back();
-            if (of_mesh) points_.back().position = faces.points(of);
-            for (const Vec<3>& x : points_.back().position) points_.back().normal.push_back(surface->foot(x).normal);
-            surface_.push_back(std::move(surface));
-            boundary_.push_back(b);
-        }
+        const auto add_parts = [&](const BoundaryFaces& faces, const PatchBasis& of_mesh) {
+            faces_[b].part.resize(faces.face.size());
+            for (auto& [surface, of, is_of_mesh] : surfaces_of(faces, of_mesh, feature_angle)) {
+                for (const int k : of) faces_[b].part[k] = parts();
+                points_.emplace_back();
+                if (is_of_mesh) points_.back().position = faces.points(of);
+                for (const Vec<3>& x : points_.back().position)
+                    points_.back().normal.push_back(surface->foot(x).normal);
+                surface_.push_back(std::move(surface));
+                boundary_.push_back(b);
+            }
+        };
+        const BoundaryFaces own(base, basis, node, b);
         std::vector<Patch> before;
-        for (const int f : faces.face) before.push_back(face_patch(basis, base, base.x, f));
-        of_boundary_[b] = std::make_unique<ClosestPoint>(basis, before);
+        for (const int f : own.face) before.push_back(face_patch(basis, base, base.x, f));
+        faces_[b].before = std::make_unique<ClosestPoint>(basis, before);
+        if (other.empty() || !other[b].mesh) {
+            add_parts(own, basis);
+            continue;
+        }
+        const Mesh& mesh = *other[b].mesh;
+        const PatchBasis of_other(dim_ - 1, mesh.degree);
+        const BoundaryFaces others(mesh, of_other, places_of_faces(mesh), other[b].boundary);
+        add_parts(others, of_other);
+        faces_[b].after = own.position;
+        faces_[b].other = std::make_unique<ClosestPoint>(of_other, others.patch);
+        for (const Patch& patch : others.patch) faces_[b].other_normal.push_back(flat_normal(patch, dim_ - 1));
     }
 }
 
 int SlidingSurfaces::part(int boundary, const Vec<3>& x) const {
-    return part_of_[boundary][of_boundary_[boundary]->find(unit_ * x).patch];
+    const Faces& faces = faces_[boundary];
+    const ClosestPoint::Place place = faces.before->find(unit_ * x);
+    if (!faces.other) return faces.part[place.patch];
+    const std::vector<Vec<3>>& node = faces.after[place.patch];
+    std::vector<double> N(basis_.count);
+    basis_.values(&place.at[1], N.data());
+    Vec<3> after{};
+    for (int i = 0; i < basis_.count; ++i) after = after + N[i] * node[i];
+    const Vec<3> normal = flat_normal(node, dim_ - 1);
+    const int nearest = faces.other->find(after, [&](int k) {  // whichever side the other mesh is on
+        const double between = angle(normal, faces.other_normal[k]);
+        return between < surely_sharp || between > 180 - surely_sharp;
+    }).patch;
+    return faces.part[nearest >= 0 ? nearest : faces.other->find(after).patch];
 }
 
 void SlidingSurfaces::add_patch(int node, int part, const Vec<3>& place) {

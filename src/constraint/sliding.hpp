@@ -3,7 +3,8 @@
 // A boundary is cut into smooth parts: first where faces meet at more than 60 degrees, and each part that is a plane,
 // sphere, cylinder or torus (2D: a line or circle) stays one; the others are cut again at the feature angle, and what
 // is then no such surface slides along its own faces. The surfaces are those of the mesh as read, where the motion
-// takes it: a refined mesh slides along the same ones.
+// takes it: a refined mesh slides along the same ones. They may also be those of another mesh, as its file has them:
+// each face of the run's boundary then slides along the part nearest to where the motion takes it.
 #pragma once
 #include <array>
 #include <map>
@@ -13,25 +14,35 @@
 
 #include "constraint/surface.hpp"
 #include "geometry/closest_point.hpp"
+#include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {
 
+// A boundary of another mesh, along which one of the run slides.
+struct OtherSurface {
+    std::shared_ptr<const Mesh> mesh;  // null: its own
+    int boundary = 0;
+};
+
 class SlidingSurfaces {
 public:
-    // node: face x face node x dim, where the motions take the faces of `base`. slides: per boundary. feature_angle in
-    // degrees. unit: of the positions given to foot() and part(), in units of `node`.
+    // node: face x face node x dim, where the motions take the faces of `base`. slides: per boundary, and so is
+    // `other`, or empty. feature_angle in degrees. unit: of the positions given to foot() and part(), in units of
+    // `node`.
     SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
-                    double feature_angle, double unit);
+                    double feature_angle, double unit, const std::vector<OtherSurface>& other = {});
 
     int parts() const { return static_cast<int>(surface_.size()); }
     int boundary(int part) const { return boundary_[part]; }
     const Surface& surface(int part) const { return *surface_[part]; }
 
     double unit() const { return unit_; }
-    bool knows(int boundary) const { return of_boundary_[boundary] != nullptr; }
+    bool knows(int boundary) const { return faces_[boundary].before != nullptr; }
+    bool is_of_other_mesh(int part) const { return faces_[boundary_[part]].other != nullptr; }
 
-    // The part of the boundary whose faces are nearest to x, both before the motion.
+    // The part along which x slides, before the motion: that of the boundary's nearest face, in another mesh the part
+    // of the face that is nearest to where the motion takes x.
     int part(int boundary, const Vec<3>& x) const;
 
     SurfacePoint foot(int part, const Vec<3>& x) const;
@@ -48,14 +59,23 @@ private:
         std::vector<Vec<3>> position, normal;
     };
 
+    // Of a boundary that slides.
+    struct Faces {
+        std::unique_ptr<ClosestPoint> before;    // before the motion
+        std::vector<std::vector<Vec<3>>> after;  // face, node: after it
+        std::unique_ptr<ClosestPoint> other;     // those of another mesh; null where there is none
+        std::vector<Vec<3>> other_normal;
+        std::vector<int> part;                   // of each, of the other mesh where there is one
+    };
+
     int dim_;
     double unit_;
+    LagrangeBasis basis_;                   // of the faces
     std::vector<Points> points_;            // per part: of its nodes, where it is the mesh's own faces
     std::map<std::array<int, 2>, int> patch_;  // node, part -> part
     std::vector<std::unique_ptr<Surface>> surface_;
-    std::vector<int> boundary_;                               // per part
-    std::vector<std::unique_ptr<ClosestPoint>> of_boundary_;  // per boundary; none where it does not slide
-    std::vector<std::vector<int>> part_of_;                   // boundary, its face -> part
+    std::vector<int> boundary_;  // per part
+    std::vector<Faces> faces_;   // per boundary
 };
 
 }  // namespace almesh

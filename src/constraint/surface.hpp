@@ -1,6 +1,6 @@
 // Surfaces (3D) and curves (2D) along which the nodes of a boundary slide: planes, spheres, cylinders, tori and other
-// quadrics, lines, circles and other conics, exactly; or the faces of a mesh as they are. In 2D the third coordinate is
-// 0 everywhere.
+// quadrics, lines, circles and other conics, exactly; or the faces of a mesh, flat ones rounded. In 2D the third
+// coordinate is 0 everywhere.
 #pragma once
 #include <memory>
 #include <string>
@@ -34,9 +34,9 @@ public:
 std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points, const Vec<3>& normal,
                                      double tolerance = 1e-8);
 
-// Faces, with normals interpolated from means at their nodes. These are continuous where faces meet at an angle, and so
-// is the foot of the perpendicular: p in that face at whose p the normal points to x. node: numbers of the nodes of
-// each patch, as in the basis' order.
+// Faces, flat ones as cubics through the same corners, with normals interpolated from means at their nodes. These are
+// continuous where faces meet at an angle, and so is the foot of the perpendicular: p in that face at whose p the normal
+// points to x. node: numbers of the nodes of each patch, as in the basis' order.
 std::unique_ptr<Surface> surface_of_faces(const PatchBasis& basis, const std::vector<Patch>& patches,
                                           const std::vector<std::vector<int>>& node);
 

@@ -161,11 +161,16 @@ double ClosestPoint::squared_distance(const Vec<3>& x) const {
 }
 
 ClosestPoint::Place ClosestPoint::find(const Vec<3>& x) const {
+    return find(x, [](int) { return true; });
+}
+
+ClosestPoint::Place ClosestPoint::find(const Vec<3>& x, const std::function<bool(int patch)>& chosen) const {
     Place place{-1, {}, {}};
     double least = std::numeric_limits<double>::infinity();
     tree_->nearest_squared(x, [&](int k) {
         Vec<3> l;
         const Piece& piece = pieces_[k];
+        if (!chosen(piece.whole)) return std::numeric_limits<double>::infinity();
         const double squared = descend(piece.patch, x, l);
         if (squared < least) {
             least = squared;

@@ -5,6 +5,7 @@
 // Cost: O(log patches) boxes and a few Newton steps per point.
 #pragma once
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -26,6 +27,9 @@ public:
         Vec<3> position;
     };
     Place find(const Vec<3>& x) const;
+
+    // On those patches only for which `chosen` holds; patch -1 where it holds for none.
+    Place find(const Vec<3>& x, const std::function<bool(int patch)>& chosen) const;
 
     double squared_distance(const Vec<3>& x) const;
 

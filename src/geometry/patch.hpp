@@ -3,6 +3,7 @@
 // among them (Farin, Curves and Surfaces for CAGD, 2002, ch. 5 and 17).
 #pragma once
 #include <cmath>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,12 @@ inline double length(const Vec<3>& v) { return std::sqrt(dot(v, v)); }
 // Solid angle of the cone of three directions, positive where they are right-handed: 2 atan(u . (v x w) / (...)) (Van
 // Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983).
 double solid_angle(const Vec<3>& u, const Vec<3>& v, const Vec<3>& w);
+
+// Normal of the flat patch with these corners, turned as that of PatchNormal: as long as the curve, or twice the area.
+inline Vec<3> flat_normal(std::span<const Vec<3>> corner, int m) {
+    const Vec<3> u = corner[1] - corner[0];
+    return m == 1 ? Vec<3>{u[1], -u[0], 0} : cross(u, corner[2] - corner[0]);
+}
 
 double size_of(const Patch& patch, int m);  // longest distance between two corners
 

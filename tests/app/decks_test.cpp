@@ -31,7 +31,7 @@ TEST_CASE("the small decks of the paper hold what they expect") {
 
 TEST_CASE("the decks of inputs/slide hold what they expect") {
     if (!std::filesystem::is_directory("inputs")) return;
-    for (const char* name : {"bump", "rotor", "piston", "half-aircraft"}) {
+    for (const char* name : {"bump", "rotor", "piston", "half-aircraft", "onto-bump", "finer-surface"}) {
         CAPTURE(name);
         const TemporaryFolder folder;
         const Outcome outcome =

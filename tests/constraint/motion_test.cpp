@@ -272,6 +272,25 @@ TEST_CASE("twists and formulas move points, and in part") {
     CHECK(to_string(parse_motion(text)) == text);
 }
 
+TEST_CASE("slide along the surface of another mesh: the file, and one of its boundaries") {
+    const Motion motion = parse_motion("translate 1 0; slide along \"my wall.msh\" boundary hull");
+    CHECK(hold_of(motion) == BoundaryHold::slides);
+    REQUIRE(surface_step(motion));
+    CHECK(surface_step(motion)->file == "my wall.msh");
+    CHECK(surface_step(motion)->boundary == "hull");
+    CHECK(!file_step(motion));
+    CHECK(to_string(motion) == "translate 1 0; slide along \"my wall.msh\" boundary hull");
+    CHECK(surface_step(parse_motion("slide along a.msh"))->boundary.empty());
+    CHECK(to_string(parse_motion("slide along a.msh boundary \"tag 7\"")) == "slide along a.msh boundary \"tag 7\"");
+    CHECK(!surface_step(parse_motion("slide")));
+    CHECK(!surface_step(parse_motion("file a.csv")));
+    CHECK(has(error_of("slide along"), "a name is missing after `along`; expected slide [along FILE [boundary NAME]]"));
+    CHECK(has(error_of("slide along a.msh boundary"), "a name is missing after `boundary`"));
+    CHECK(has(error_of("slide along a.msh along b.msh"), "`along` stands twice"));
+    CHECK(has(error_of("slide boundary hull"), "`boundary` is not a number"));
+    CHECK(has(error_of("slide along a.msh; translate 1 0"), "`slide` must be the last step"));
+}
+
 TEST_CASE("places from a file: the first step, its name with or without quotes") {
     const Motion motion = parse_motion("file \"my nodes.csv\" displacement; rotate 5");
     REQUIRE(file_step(motion));

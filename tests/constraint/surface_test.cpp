@@ -127,6 +127,41 @@ TEST_CASE("along a mesh's own faces: a point on them, with normals that turn con
     }
 }
 
+TEST_CASE("flat faces are rounded: through their corners, and far nearer to the curve or surface that these are from") {
+    const auto height = [](double x, double y) { return 0.3 * x * x + 0.2 * std::sin(2 * x) * std::cos(y); };
+    double error[2][2];
+    for (const int dim : {2, 3})
+        for (const int finer : {0, 1}) {
+            const int k = finer ? 16 : 8;
+            Mesh mesh = dim == 2 ? square_mesh(k) : cube_mesh(k);
+            for (int i = 0; i < mesh.nodes(); ++i) {
+                double* const x = point(mesh.x, i, dim);
+                x[dim - 1] += height(x[0], dim == 3 ? x[1] : 0);
+            }
+            const PatchBasis basis(dim - 1, 1);
+            std::vector<Patch> patches;
+            std::vector<std::vector<int>> nodes;
+            for (int f = 0; f < mesh.face_count(); ++f) {
+                if (mesh.boundaries[mesh.face_boundary[f]] != "bottom") continue;
+                patches.push_back(face_patch(basis, mesh, mesh.x, f));
+                nodes.emplace_back(mesh.face(f), mesh.face(f) + dim);
+            }
+            const auto faces = surface_of_faces(basis, patches, nodes);
+            for (const Patch& patch : patches)
+                for (const Vec<3>& corner : patch) CHECK(length(faces->foot(corner).position - corner) < 1e-14);
+            double& largest = error[dim - 2][finer] = 0;
+            for (int i = 0; i <= 50; ++i) {  // away from the rim
+                const double x = 0.3 + 0.4 * i / 50, y = dim == 3 ? 0.3 + 0.4 * (7 * i % 50) / 50 : 0, z = height(x, y);
+                const Vec<3> at = dim == 3 ? Vec<3>{x, y, z} : Vec<3>{x, z, 0};
+                largest = std::max(largest, length(faces->foot(at).position - at));
+            }
+        }
+    CHECK(error[0][0] < 1e-4);
+    CHECK(error[0][1] < error[0][0] / 7);
+    CHECK(error[1][0] < 5e-4);
+    CHECK(error[1][1] < error[1][0] / 3);
+}
+
 TEST_CASE("the foot on a mesh's own faces: along the normal to x, its slope the derivative, to itself on the surface") {
     std::mt19937 random(3);
     std::uniform_real_distribution<double> number(-1, 1);
