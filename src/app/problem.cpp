@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <map>
 
+#include "app/commands.hpp"
 #include "app/node_targets.hpp"
 #include "app/other_surfaces.hpp"
 #include "app/results.hpp"
@@ -22,14 +21,6 @@
 
 namespace almesh {
 namespace {
-
-std::string hash_of(const std::string& text) {
-    std::uint64_t hash = 14695981039346656037u;  // FNV-1a, 64 bits
-    for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
-    char out[17];
-    std::snprintf(out, sizeof out, "%016llx", static_cast<unsigned long long>(hash));
-    return out;
-}
 
 RawMesh read_mesh_file(const std::string& path, std::string& hash) {
     const std::string text = read_file(path);
@@ -117,6 +108,13 @@ void check_prescribed(const Deck& deck, const BoundaryTarget& target) {
     const char* const which = target.released.empty() ? "boundary slides or is free" : "nodes have to slide";
     throw UsageError(deck.given.at("method"), ": this method sets boundary nodes on their targets, but some ", which,
                      ": take method = augmented_lagrangian or penalty");
+}
+
+// Wherever the results go, and on however many threads.
+std::string run_id(Deck deck, const std::string& mesh_hash) {
+    deck.output = ".";
+    deck.threads = 0;
+    return hash_of(resolved(deck) + mesh_hash);
 }
 
 // "2 faces and 1 element"
@@ -310,6 +308,8 @@ Problem make_problem(const Deck& deck) {
     change_unit(problem.length, *problem.level, problem.target);
     if (sliding) smooth_released(mesh, problem.target, *sliding);
     problem.sliding = std::move(sliding);
+    problem.run_id = run_id(deck, problem.mesh_hash);
+    problem.level->mesh.file.comment = concat(version(), ", run ", problem.run_id);
     return problem;
 }
 

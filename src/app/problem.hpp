@@ -20,6 +20,8 @@ struct Problem {
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
     double length = 1;             // of the mesh file, by which positions were divided
     std::string mesh_hash;         // FNV-1a of the file, to tell which mesh a result came from
+    // In all files of the run: a hash of the settings and of the mesh, so that the same run again has the same.
+    std::string run_id;
     std::vector<std::string> notes;
 
     const Mesh& mesh() const { return level->mesh; }

@@ -15,12 +15,14 @@ namespace {
 struct AlRow {
     const AlIteration& it;
     const Stage* stage;
+    const std::string& run;
 };
 
 // ... or one of kind `newton`.
 struct NewtonRow {
     int al_iteration;
     const NewtonStep& step;
+    const std::string& run;
 };
 
 using Al = const AlRow&;
@@ -119,6 +121,7 @@ constexpr auto columns = std::to_array<Column>({
     {{"power", "power: of eta - 1"}, [](Al r) { return r.stage && r.stage->power ? text(r.stage->power) : ""; }},
     {{"relative_boundary_error", "largest distance of a boundary node from its place, in heights of the cells at it"},
      al<&It::relative_boundary_error>, nullptr, at_start},
+    {{"run", "id of the run, as in all of its files"}, [](Al r) { return r.run; }, [](Nw r) { return r.run; }, at_start},
     {{"seconds", "since the iterations began; of a coarse, part or power row all of it"},
      al<&It::seconds>, nullptr, at_start},
 });
@@ -160,7 +163,8 @@ NewtonStep Units::of(NewtonStep step) const {
     return step;
 }
 
-Report::Report(std::FILE* out, const Units& units) : out_(out), is_terminal_(isatty(fileno(out)) != 0), units_(units) {
+Report::Report(std::FILE* out, const Units& units, const std::string& run)
+    : out_(out), is_terminal_(isatty(fileno(out)) != 0), units_(units), run_(run) {
     std::fprintf(out_, "%3s  %9s  %9s  %8s  %9s  %8s  %-9s  %6s  %8s\n", "AL", "|c_D|", "|grad E|", "q", "max eta",
                  "mu", "update", "Newton", "time");
     csv_ = line([](const Column& column) { return std::string(column.name); });
@@ -169,7 +173,7 @@ Report::Report(std::FILE* out, const Units& units) : out_(out), is_terminal_(isa
 void Report::add(const Stage& stage) {
     AlIteration row = units_.of(stage.last);
     row.newton_iterations = stage.newton_iterations;
-    csv_ += line(AlRow{row, &stage});
+    csv_ += line(AlRow{row, &stage, run_});
     if (stage.status == AlStatus::converged && stage.fraction < 1) followed = std::max(followed, stage.fraction);
     const char* const used = stage.status == AlStatus::converged ? "" : ", not used";
     std::string what = "  ";
@@ -181,7 +185,7 @@ void Report::add(const Stage& stage) {
 
 void Report::add(const AlIteration& it) {
     const AlIteration row = units_.of(it);
-    csv_ += line(AlRow{row, nullptr});
+    csv_ += line(AlRow{row, nullptr, run_});
     print(row, row.iteration > 0 ? to_string(row.update) : nullptr, "");
 }
 
@@ -189,7 +193,7 @@ void Report::add(int al_iteration, const NewtonStep& it) {
     const NewtonStep step = units_.of(it);
     ++newton_steps;
     fallbacks += step.fallback.has_value();
-    csv_ += line([row = NewtonRow{al_iteration, step}](const Column& column) {
+    csv_ += line([row = NewtonRow{al_iteration, step, run_}](const Column& column) {
         return column.of_newton ? column.of_newton(row) : std::string();
     });
     if (!is_terminal_) return;

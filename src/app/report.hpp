@@ -39,8 +39,8 @@ struct Units {
 
 class Report {
 public:
-    // Prints the header of the table.
-    Report(std::FILE* out, const Units& units);
+    // Prints the header of the table. run: its id.
+    Report(std::FILE* out, const Units& units, const std::string& run);
 
     void add(const Stage& stage);
     void add(const AlIteration& row);
@@ -55,6 +55,7 @@ private:
     std::FILE* out_;
     bool is_terminal_;
     Units units_;
+    std::string run_;
     std::string csv_;
     // update: nullptr for the mesh at the start.
     void print(const AlIteration& row, const char* update, const std::string& note);

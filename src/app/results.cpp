@@ -20,7 +20,8 @@ namespace almesh {
 namespace {
 
 std::vector<std::pair<std::string, std::string>> provenance(const Deck& deck, const Problem& problem) {
-    return {{"program", version()}, {"commit", commit()}, {"deck", deck.name}, {"mesh_hash", problem.mesh_hash}};
+    return {{"program", version()}, {"commit", commit()}, {"deck", deck.name}, {"mesh_hash", problem.mesh_hash},
+            {"run", problem.run_id}};
 }
 
 std::string title(const Deck& deck, const char* what) {
@@ -178,7 +179,7 @@ std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
 
 void write_deck(const Deck& deck, const Problem& problem) {
     std::string text = concat("# ", version(), ", commit ", commit(), "\n# compiled by ", compiler(), "\n# threads ",
-                              max_threads(), ", mesh hash ", problem.mesh_hash, "\n");
+                              max_threads(), ", mesh hash ", problem.mesh_hash, ", run ", problem.run_id, "\n");
     for (const std::string& note : problem.notes) text += "# note: " + note + "\n";
     write_file(deck.output + "/deck.txt", text + "\n" + resolved(deck));
 }

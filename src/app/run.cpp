@@ -147,7 +147,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const CatchInterrupts catching;
 
     // 2. The solution on coarser meshes, where the deck starts from there.
-    Report report(out, {problem.mesh().dim, problem.length});
+    Report report(out, {problem.mesh().dim, problem.length}, problem.run_id);
     const auto coarser = starts_coarse(deck) ? coarser_meshes(deck, problem) : std::vector<CoarserMesh>();
     const auto make_level = [&](int k) { return coarser_level(deck, problem, coarser[k]); };
     const auto add_stage = [&](const Stage& stage) {

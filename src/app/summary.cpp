@@ -31,6 +31,7 @@ struct Run {
     double predicted_bytes;
     const Obstacle& at;
     double length;  // of the mesh file, in which `at` is given
+    const std::string& id;
 };
 
 double peak_memory_mb() {
@@ -71,6 +72,8 @@ using enum Kind;
 
 constexpr auto quantities = std::to_array<Quantity>({
     {{"status", "converged, or why the method ended"}, word, [](R r) { return text(to_string(r.al.status)); }},
+    {{"run", "id in all files of the run, the same when it is repeated: of the settings and the mesh file"}, word,
+     [](R r) { return r.id; }},
     {{"dimension", "2 or 3"}, count, [](R r) { return text(r.mesh.dim); }},
     {{"degree", "polynomial degree of the elements"}, count, [](R r) { return text(r.mesh.degree); }},
     {{"nodes", "nodes of the mesh, after refinement and degree raising"}, count,
@@ -208,7 +211,7 @@ Summary summarise(const Problem& problem, const Solution& solution) {
     const Run run = {problem.mesh(), solution, solution.al, solution.time, units.of(solution.al.iterations.back()),
                      units.distance(solution.max_boundary_error), units.distance(solution.largest_slide),
                      units.distance(solution.surface_distance), problem.level->energy->power().p,
-                     solution.predicted_bytes, solution.obstacle, problem.length};
+                     solution.predicted_bytes, solution.obstacle, problem.length, problem.run_id};
     Summary summary;
     for (const Quantity& quantity : quantities) summary.push_back({quantity.name, quantity.value(run)});
     return summary;
@@ -251,11 +254,12 @@ ExpectationResult check(const Expectation& expectation, const Summary& summary) 
 }
 
 std::string expectations_csv(const std::vector<Expectation>& expectations, const Summary& summary) {
-    std::string text = "quantity,expected,got,holds\n";
+    std::string text = "quantity,expected,got,holds,run\n";
+    const auto* const run = find_row(summary, "run");
     for (const Expectation& expectation : expectations) {
         const ExpectationResult result = check(expectation, summary);
         text += expectation.quantity + "," + condition_text(expectation) + "," + result.got + "," +
-                (result.holds ? "yes" : "no") + "\n";
+                (result.holds ? "yes," : "no,") + (run ? run->value : "") + "\n";
     }
     return text;
 }

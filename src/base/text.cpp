@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 
 namespace almesh {
 
@@ -65,6 +66,15 @@ std::optional<int> parse_int(std::string_view text, int lowest, int highest) {
 std::string to_text(double value) {
     char buffer[32];  // the longest double needs 24 characters
     return std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general).ptr);
+}
+
+std::string hash_of(std::string_view text) {
+    std::uint64_t hash = 14695981039346656037u;
+    for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
+    std::string digits(16, '0');
+    for (auto digit = digits.rbegin(); digit != digits.rend(); ++digit, hash /= 16)
+        *digit = "0123456789abcdef"[hash % 16];
+    return digits;
 }
 
 std::string counted(std::size_t count, const char* noun) { return concat(count, " ", noun, count == 1 ? "" : "s"); }

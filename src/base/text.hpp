@@ -40,6 +40,8 @@ std::string concat(const Parts&... parts) {
     return text;
 }
 
+std::string hash_of(std::string_view text);  // FNV-1a, 64 bits, as 16 hexadecimal digits
+
 std::string counted(std::size_t count, const char* noun);  // "1 node", "2 nodes"
 
 // The dim coordinates of a point times `unit`, with six digits: "(1.5, -2e-07)".

@@ -25,6 +25,7 @@ struct MshWriter {
         physical_names();
         if (format.msh_version == 22) body_2_2();
         else body_4();
+        if (!file.comment.empty()) sink("$Comments\n" + file.comment + "\n$EndComments\n");
     }
 
     void header() const {

@@ -183,6 +183,7 @@ void write_su2(const std::string& path, const Mesh& mesh, const std::vector<doub
         }
     };
     write_file(path, [&](const TextSink& sink) {
+        if (!mesh.file.comment.empty()) sink("% " + mesh.file.comment + "\n");
         sink(concat("NDIME= ", dim, "\nNELEM= ", mesh.element_count(), "\n"));
         append_rows(sink, mesh.element_count(), [&](std::string& text, int e) {
             append_element(text, vtk_type[dim], mesh.element(e), dim + 1);

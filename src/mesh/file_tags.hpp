@@ -71,6 +71,7 @@ struct FileTags {
     std::vector<FileEntity> entities;  // ascending by key, of MSH 4
     std::vector<PhysicalGroup> groups;
     FileFormat format;
+    std::string comment;  // one line, that is written as such; of what has been read: empty
 };
 
 }  // namespace almesh

@@ -52,7 +52,7 @@ NewtonStep newton_row() {
 
 // A report whose table nobody reads.
 struct History : Report {
-    History(int dim, double length) : Report(nowhere(), {dim, length}) {}
+    History(int dim, double length) : Report(nowhere(), {dim, length}, "id") {}
     static std::FILE* nowhere() {
         static std::FILE* const file = std::fopen("/dev/null", "w");
         return file;
@@ -194,7 +194,7 @@ TEST_CASE("rows stand in the order they were added, below one header, all of its
     history.add(al_row());
     const auto rows = csv_rows(history.csv());
     REQUIRE(rows.size() == 5);
-    for (const auto& row : rows) CHECK(row.size() == 32);
+    for (const auto& row : rows) CHECK(row.size() == 33);
     CHECK(rows[1][0] == "al");
     CHECK(rows[2][0] == "newton");
     CHECK(rows[3][0] == "newton");
@@ -213,7 +213,7 @@ TEST_CASE("numbers keep all their digits") {
 TEST_CASE("a coarser mesh has a row with its nodes, and says where it was not used") {
     std::FILE* file = std::tmpfile();
     REQUIRE(file);
-    Report report(file, {2, 1});
+    Report report(file, {2, 1}, "id");
     Stage stage{841, AlStatus::converged, row_after(2), 9};
     report.add(stage);
     stage.status = AlStatus::infeasible;
@@ -229,7 +229,7 @@ TEST_CASE("a coarser mesh has a row with its nodes, and says where it was not us
 TEST_CASE("redirected output is plain rows below a header, without live lines or control characters") {
     std::FILE* file = std::tmpfile();
     REQUIRE(file);
-    Report report(file, {2, 1});
+    Report report(file, {2, 1}, "id");
     report.add(initial_row());
     report.add(1, live_step());
     report.add(row_after(1));
@@ -249,7 +249,7 @@ TEST_CASE("redirected output is plain rows below a header, without live lines or
 TEST_CASE("norms are printed in the mesh's units") {
     std::FILE* file = std::tmpfile();
     REQUIRE(file);
-    Report report(file, {3, 10});
+    Report report(file, {3, 10}, "id");
     report.add(row_after(1));
     const std::string text = contents(file);
     std::fclose(file);
@@ -266,7 +266,7 @@ TEST_CASE("on a terminal one line follows the Newton steps and gives way to the 
     }
     std::FILE* file = std::fopen(ptsname(master), "w");
     REQUIRE(file);
-    Report report(file, {2, 1});
+    Report report(file, {2, 1}, "id");
     report.add(3, live_step());
     report.add(row_after(3));
     std::fflush(file);

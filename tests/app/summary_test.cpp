@@ -64,14 +64,14 @@ TEST_CASE("the result says what was expected and what came") {
 }
 
 TEST_CASE("a file of expectations has a row for each, in their order") {
-    CHECK(expectations_csv({}, summary) == "quantity,expected,got,holds\n");
+    CHECK(expectations_csv({}, summary) == "quantity,expected,got,holds,run\n");
     CHECK(expectations_csv({parse_expectation("relative_quality = 0.9365 +- 0.0005"),
                             parse_expectation("nodes <= 100"), parse_expectation("degree = 1")},
                            summary) ==
-          "quantity,expected,got,holds\n"
-          "relative_quality,= 0.9365 +- 0.0005,0.93653,yes\n"
-          "nodes,<= 100,841,no\n"
-          "degree,= 1,nothing,no\n");
+          "quantity,expected,got,holds,run\n"
+          "relative_quality,= 0.9365 +- 0.0005,0.93653,yes,\n"
+          "nodes,<= 100,841,no,\n"
+          "degree,= 1,nothing,no,\n");
 }
 
 TEST_CASE("text of an expectation reads back") {
