@@ -1,6 +1,8 @@
 #include "app/node_targets.hpp"
 
 #include <algorithm>
+#include <map>
+#include <numeric>
 #include <unordered_map>
 
 #include "base/error.hpp"
@@ -8,6 +10,7 @@
 #include "base/index.hpp"
 #include "io/mesh_format.hpp"
 #include "io/text_scanner.hpp"
+#include "mesh/lagrange.hpp"
 
 namespace almesh {
 namespace {
@@ -73,9 +76,8 @@ void read_places(const Mesh& mesh, int boundary, const MotionStep& step, std::ve
     refuse_missing(mesh, boundary, step.file, known, nodes);
 }
 
-void read_places_of_mesh(const Mesh& mesh, int boundary, const MotionStep& step, std::vector<double>& positions) {
+void read_places_of_mesh(const Mesh& mesh, int boundary, const RawMesh& other, std::vector<double>& positions) {
     const auto nodes = nodes_by_id(mesh, boundary);
-    const RawMesh other = read_mesh(step.file);
     std::vector<char> known(mesh.nodes(), 0);
     for (const RawNode& node : other.nodes) {
         const auto found = nodes.find(node.id);
@@ -83,16 +85,118 @@ void read_places_of_mesh(const Mesh& mesh, int boundary, const MotionStep& step,
         known[found->second] = 1;
         std::copy_n(node.x, mesh.dim, point(positions, found->second, mesh.dim));
     }
-    refuse_missing(mesh, boundary, step.file, known, nodes);
+    refuse_missing(mesh, boundary, other.path, known, nodes);
+}
+
+int degree_of(const RawMesh& mesh) {
+    int degree = 1;
+    for (const RawElement& element : mesh.elements) degree = std::max(degree, element.degree);
+    return degree;
+}
+
+using VertexIds = std::vector<long long>;  // ascending
+
+// The faces of another mesh all of whose vertices are among those of a boundary: vertices -> nodes in Gmsh's order.
+std::map<VertexIds, std::vector<int>> faces_of(const RawMesh& other, int dim, int degree,
+                                               const std::unordered_map<long long, int>& of_boundary) {
+    std::map<VertexIds, std::vector<int>> faces;
+    const auto add = [&](const int* node, const std::vector<int>& local) {
+        VertexIds ids;
+        for (int k = 0; k < dim; ++k) ids.push_back(other.nodes[node[local[k]]].id);
+        if (!std::all_of(ids.begin(), ids.end(), [&](long long id) { return of_boundary.contains(id); })) return;
+        std::sort(ids.begin(), ids.end());
+        std::vector<int>& nodes = faces[ids];
+        nodes.clear();
+        for (const int k : local) nodes.push_back(node[k]);
+    };
+    std::vector<int> all(simplex_node_count(dim - 1, degree));
+    std::iota(all.begin(), all.end(), 0);
+    const std::vector<std::vector<int>> of_element = LagrangeBasis(dim, degree).face_nodes();
+    for (const RawElement& element : other.elements) {
+        if (element.degree != degree) continue;
+        const int* const node = &other.element_nodes[element.first];
+        if (element.dim == dim - 1) add(node, all);
+        if (element.dim == dim)
+            for (const std::vector<int>& local : of_element) add(node, local);
+    }
+    return faces;
+}
+
+// The places of the nodes of a face in the other mesh's face with the same vertices: its polynomial there.
+void place_face(const Mesh& mesh, int f, const LagrangeBasis& own, const RawMesh& other,
+                const std::vector<int>& other_face, const LagrangeBasis& of_other, std::vector<double>& positions) {
+    MultiIndex vertex{};  // of the other face, by the vertices of this one
+    for (int k = 0; k < mesh.dim; ++k)
+        while (other.nodes[other_face[vertex[k]]].id != mesh.file.node_id[mesh.face(f)[k]]) ++vertex[k];
+    std::vector<double> N(of_other.count);
+    for (int i = 0; i < own.count; ++i) {
+        double l[3] = {};
+        MultiIndex place{};
+        for (int k = 0; k < mesh.dim; ++k) {
+            place[vertex[k]] = own.nodes[i][k];
+            l[vertex[k]] = static_cast<double>(own.nodes[i][k]) / own.degree;
+        }
+        of_other.values(&l[1], N.data());
+        if (own.degree == of_other.degree) {  // one of its nodes, to the last bit
+            std::fill(N.begin(), N.end(), 0.0);
+            N[of_other.find(place)] = 1;
+        }
+        double* const x = point(positions, mesh.face(f)[i], mesh.dim);
+        std::fill_n(x, mesh.dim, 0.0);
+        for (int j = 0; j < of_other.count; ++j)
+            for (int a = 0; a < mesh.dim; ++a) x[a] += N[j] * other.nodes[other_face[j]].x[a];
+    }
+}
+
+void read_faces_of_mesh(const Mesh& mesh, int boundary, const RawMesh& other, std::vector<double>& positions) {
+    const int degree = degree_of(other);
+    const LagrangeBasis own(mesh.dim - 1, mesh.degree), of_other(mesh.dim - 1, degree);
+    const auto faces = faces_of(other, mesh.dim, degree, nodes_by_id(mesh, boundary));
+    std::size_t missing = 0;
+    std::string first;
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        if (mesh.face_boundary[f] != boundary) continue;
+        VertexIds ids;
+        for (int k = 0; k < mesh.dim; ++k) ids.push_back(mesh.file.node_id[mesh.face(f)[k]]);
+        std::sort(ids.begin(), ids.end());
+        if (const auto found = faces.find(ids); found != faces.end())
+            place_face(mesh, f, own, other, found->second, of_other, positions);
+        else if (missing++ == 0)
+            for (const long long id : ids) first += (first.empty() ? "" : ", ") + std::to_string(id);
+    }
+    if (missing)
+        throw InputError(other.path, ": ", counted(missing, "face"), " of boundary ", mesh.boundaries[boundary],
+                         " missing, the first with the vertices ", first);
 }
 
 }  // namespace
 
-std::vector<double> with_places_of_file(const Mesh& mesh, int boundary, const MotionStep& step,
-                                        std::vector<double> positions) {
-    if (is_of_mesh(step)) read_places_of_mesh(mesh, boundary, step, positions);
-    else read_places(mesh, boundary, step, positions);
-    return positions;
+NodeTargets read_node_targets(const Mesh& mesh, const std::vector<Motion>& motions) {
+    NodeTargets targets;
+    std::map<int, RawMesh> other;  // of boundaries
+    int degree = mesh.degree;
+    for (int b = 0; b < static_cast<int>(motions.size()); ++b) {
+        const MotionStep* const step = file_step(motions[b]);
+        if (!step) continue;
+        targets.placed.resize(motions.size());
+        if (is_of_mesh(*step)) degree = std::max(degree, degree_of(other[b] = read_mesh(step->file)));
+    }
+    if (degree > mesh.degree) targets.raised = raise_degree(mesh, degree);
+    const Mesh& raised = targets.raised ? *targets.raised : mesh;
+    for (int b = 0; b < static_cast<int>(targets.placed.size()); ++b) {
+        const MotionStep* const step = file_step(motions[b]);
+        if (!step) continue;
+        if (other.contains(b) && degree > 1) {
+            targets.placed[b] = raised.x;
+            read_faces_of_mesh(raised, b, other[b], targets.placed[b]);
+            continue;
+        }
+        Mesh moved = mesh;
+        if (other.contains(b)) read_places_of_mesh(mesh, b, other[b], moved.x);
+        else read_places(mesh, b, *step, moved.x);
+        targets.placed[b] = raise_degree(moved, degree).x;
+    }
+    return targets;
 }
 
 }  // namespace almesh

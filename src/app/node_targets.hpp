@@ -1,17 +1,23 @@
 // Places of single nodes from files: the steps `file` and `mesh` of a motion.
 #pragma once
-#include <string>
+#include <optional>
 #include <vector>
 
-#include "constraint/motion.hpp"
+#include "constraint/target.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {
 
-// The positions of the mesh (nodes x dim), with those of the boundary's nodes from the step's file. Throws InputError,
-// with the line where there is one, for ids that are no nodes of the boundary (`file` only), doubled or missing ones,
+// Where files have the nodes of boundaries.
+struct NodeTargets {
+    std::optional<Mesh> raised;  // the mesh, where another one that has the faces of a boundary is of a higher degree
+    PlacedNodes placed;          // of the nodes of that, or of the mesh itself
+};
+
+// motions: per boundary. The nodes of `file`, and of `mesh` where both meshes are linear, are those with the same ids;
+// else the faces of `mesh` are those with the same vertices, as they are curved there. Throws InputError, with the line
+// where there is one, for ids that are no nodes of the boundary (`file` only), doubled ones, missing nodes and faces,
 // and numbers that are none.
-std::vector<double> with_places_of_file(const Mesh& mesh, int boundary, const MotionStep& step,
-                                        std::vector<double> positions);
+NodeTargets read_node_targets(const Mesh& mesh, const std::vector<Motion>& motions);
 
 }  // namespace almesh

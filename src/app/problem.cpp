@@ -163,36 +163,35 @@ void release_folded(const Deck& deck, int file_degree, const Mesh& mesh, const s
                            counted(released, "node"), " around slide along the surface:", describe(mesh, faults)));
 }
 
-// Of the base mesh.
-PlacedNodes places_of_files(const Deck& deck, const Mesh& base) {
-    PlacedNodes placed;
-    const std::vector<Motion> motions = motions_of(deck, base);
-    for (int b = 0; b < static_cast<int>(motions.size()); ++b)
-        if (const MotionStep* const step = file_step(motions[b])) {
-            placed.resize(motions.size());
-            placed[b] = with_places_of_file(base, b, *step, base.x);
-        }
-    return placed;
-}
-
 Mesh discretised(const Mesh& base, int refinements, int degree) {
     const Mesh refined = refine(base, refinements);
     return degree == 1 ? linear_part(refined) : interpolated(refined, degree);
 }
 
+// The places on the level's mesh of those on the mesh `shape`, which has the same elements but for refinements: between
+// its nodes as the elements have it.
+std::vector<double> on_level(const Mesh& shape, std::vector<double> places, const Level& level) {
+    if (level.mesh.element_count() != shape.element_count())
+        return prolong(shape, straight_sided(shape), level.mesh, level.ideal, places);
+    Mesh moved = shape;
+    moved.x = std::move(places);
+    moved = discretised(moved, 0, level.mesh.degree);
+    places.resize(level.mesh.x.size());
+    for (std::size_t k = 0; k < moved.elements.size(); ++k)
+        std::copy_n(point(moved.x, moved.elements[k], moved.dim), moved.dim,
+                    point(places, level.mesh.elements[k], moved.dim));
+    return places;
+}
+
 // The base mesh, refined and of another degree, its ideal mesh and its target, in units of the file. placed: of the
-// base mesh, on return of this one: between the nodes of the file as the elements have it.
-std::unique_ptr<Level> discretise(const Deck& deck, const Mesh& base, int refinements, int degree, PlacedNodes& placed,
-                                  BoundaryTarget& target) {
+// shape, on return of this mesh.
+std::unique_ptr<Level> discretise(const Deck& deck, const Problem& problem, int refinements, int degree,
+                                  PlacedNodes& placed, BoundaryTarget& target) {
     auto level = std::make_unique<Level>();
-    level->mesh = discretised(base, refinements, degree);
+    level->mesh = discretised(problem.base, refinements, degree);
     level->ideal = straight_sided(level->mesh);
-    for (std::vector<double>& of_boundary : placed) {
-        if (of_boundary.empty()) continue;
-        Mesh moved = base;
-        moved.x = std::move(of_boundary);
-        of_boundary = discretised(moved, refinements, degree).x;
-    }
+    for (std::vector<double>& of_boundary : placed)
+        if (!of_boundary.empty()) of_boundary = on_level(problem.shape(), std::move(of_boundary), *level);
     target = make_target(level->mesh, motions_of(deck, level->mesh), placed);
     prescribe_shared_nodes(level->mesh, target);
     return level;
@@ -219,7 +218,7 @@ std::vector<char> slides(const Mesh& mesh, const BoundaryTarget& target) {
     return result;
 }
 
-// Null where no node slides. target: of the base mesh, in units of the file.
+// Null where no node slides. target: of the mesh `base`, in units of the file.
 std::shared_ptr<SlidingSurfaces> sliding_surfaces(double feature_angle, const Mesh& base, const BoundaryTarget& target,
                                                   const std::vector<char>& slides, double length,
                                                   const std::vector<OtherSurface>& other = {}) {
@@ -284,9 +283,11 @@ Problem make_problem(const Deck& deck) {
     if (degree > 1 && problem.base.file.format.kind == FileFormat::Kind::su2)
         problem.notes.push_back("SU2 meshes are linear: the mesh of degree " + std::to_string(degree) +
                                 " is written as final.msh");
-    problem.placed = places_of_files(deck, problem.base);
+    NodeTargets places = read_node_targets(problem.base, motions_of(deck, problem.base));
+    problem.raised = std::move(places.raised);
+    problem.placed = std::move(places.placed);
     PlacedNodes placed = problem.placed;
-    problem.level = discretise(deck, problem.base, deck.refine, degree, placed, problem.target);
+    problem.level = discretise(deck, problem, deck.refine, degree, placed, problem.target);
     problem.level_placed = std::move(placed);
     const Mesh& mesh = problem.mesh();
     check_final_ids(deck, mesh);
@@ -299,9 +300,9 @@ Problem make_problem(const Deck& deck) {
         if (std::all_of(problem.target.hold.begin(), problem.target.hold.end(),
                         [](BoundaryHold hold) { return hold == BoundaryHold::free; }))
             throw UsageError(deck.path, ": all boundaries are free: give at least one of them a motion");
-        const BoundaryTarget of_base = make_target(problem.base, motions_of(deck, problem.base), problem.placed);
+        const BoundaryTarget of_shape = make_target(problem.shape(), motions_of(deck, problem.base), problem.placed);
         const std::vector<OtherSurface> other = read_other_surfaces(deck, problem.base, problem.notes);
-        sliding = sliding_surfaces(deck.feature_angle, problem.base, of_base, slides(mesh, problem.target),
+        sliding = sliding_surfaces(deck.feature_angle, problem.shape(), of_shape, slides(mesh, problem.target),
                                    problem.length, other);
         if (sliding) note_surfaces(deck, mesh, *sliding, problem.notes);
     }
@@ -343,13 +344,13 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
             part.released = released;
             std::shared_ptr<SlidingSurfaces> sliding;
             if (problem.sliding) {
-                const std::vector<double> straight = straight_sided(problem.base);
-                Mesh base = problem.base;  // its surface as it is: but released nodes go with those that are not
+                Mesh shape = problem.shape();  // its surface as it is: but released nodes go with those that are not
+                const std::vector<double> straight = straight_sided(shape);
                 if (!released.empty())
                     for (std::size_t i = 0; i < straight.size(); ++i)
-                        base.x[i] = straight[i] + fraction * (base.x[i] - straight[i]);
-                const PlacedNodes base_placed = at_fraction(problem.placed, straight, 1, fraction);
-                sliding = sliding_surfaces(angle, base, make_target(base, parts, base_placed),
+                        shape.x[i] = straight[i] + fraction * (shape.x[i] - straight[i]);
+                const PlacedNodes shape_placed = at_fraction(problem.placed, straight, 1, fraction);
+                sliding = sliding_surfaces(angle, shape, make_target(shape, parts, shape_placed),
                                            slides(level.mesh, part), length);  // of its own: another mesh's is the end
                 if (sliding) smooth_released(level.mesh, part, *sliding);
             }
@@ -364,7 +365,7 @@ std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem
     std::vector<CoarserMesh> coarser;
     for (int refinements = 0; refinements < deck.refine; ++refinements) coarser.push_back({refinements, 1});
     // The file's own curves are known from its degree on; but where nodes slide, they find their way at lower ones.
-    const int of_file = problem.target.released.empty() ? problem.base.degree : 1;
+    const int of_file = problem.target.released.empty() ? problem.shape().degree : 1;
     for (int degree = 1; degree < problem.mesh().degree; degree = std::max(degree + 1, of_file))
         coarser.push_back({deck.refine, degree});
     return coarser;
@@ -373,12 +374,12 @@ std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem
 std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, const CoarserMesh& coarser) {
     BoundaryTarget target;
     PlacedNodes placed = problem.placed;
-    std::unique_ptr<Level> level = discretise(deck, problem.base, coarser.refinements, coarser.degree, placed, target);
+    std::unique_ptr<Level> level = discretise(deck, problem, coarser.refinements, coarser.degree, placed, target);
     if (level->mesh.degree > 1 && !problem.target.released.empty()) {
         const TargetFaults faults = find_faults(level->mesh, level->ideal, target);
         if (faults.may_be_mended()) target.released = released_nodes(level->mesh, target, faults);
         keep_where_unknown(level->mesh, *problem.sliding, target);
-        level->is_worth_little = level->mesh.degree < problem.base.degree;  // it has not the shape of the file
+        level->is_worth_little = level->mesh.degree < problem.shape().degree;  // it has not the shape of the file
     }
     change_unit(problem.length, *level, target);
     Deck simpler = deck;

@@ -1,6 +1,7 @@
 // From the deck to the problem to be solved: the mesh, its target, and both in the run's unit of length.
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,10 +14,11 @@ namespace almesh {
 
 struct Problem {
     Mesh base;                     // as read and mended
+    std::optional<Mesh> raised;    // and of the degree of the meshes that place its boundaries, where that is higher
     std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in units of `length`
     BoundaryTarget target;         // in units of `length`
     std::vector<double> node_target;  // target.node in units of the file
-    PlacedNodes placed, level_placed;  // by files, of the base mesh and of the level's, in units of the file
+    PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
     double length = 1;             // of the mesh file, by which positions were divided
     std::string mesh_hash;         // FNV-1a of the file, to tell which mesh a result came from
@@ -24,6 +26,7 @@ struct Problem {
     std::string run_id;
     std::vector<std::string> notes;
 
+    const Mesh& shape() const { return raised ? *raised : base; }
     const Mesh& mesh() const { return level->mesh; }
     const std::vector<double>& ideal() const { return level->ideal; }
 };

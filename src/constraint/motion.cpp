@@ -139,7 +139,8 @@ constexpr std::array<MotionForm, 13> forms = {{
      .file = true},
 
     {.name = "mesh", .form = "mesh NAME",
-     .meaning = "first step: where a mesh, such as the final.msh of another run, has the nodes with the same ids",
+     .meaning = "first step: where a mesh, such as the final.msh of another run, has the nodes with the same ids; of "
+                "degree 2 or more, the faces with the same vertices, as they are curved there",
      .file = true, .mesh = true},
 
     {.name = "scale", .form = "scale S [about PX PY [PZ]]",

@@ -35,8 +35,8 @@ std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points,
                                      double tolerance = 1e-8);
 
 // Faces, flat ones as cubics through the same corners, with normals interpolated from means at their nodes. These are
-// continuous where faces meet at an angle, and so is the foot of the perpendicular: p in that face at whose p the normal
-// points to x. node: numbers of the nodes of each patch, as in the basis' order.
+// continuous where faces meet at an angle, and so is the foot of the perpendicular: p in that face at whose p the
+// normal points to x. node: numbers of the nodes of each patch, as in the basis' order.
 std::unique_ptr<Surface> surface_of_faces(const PatchBasis& basis, const std::vector<Patch>& patches,
                                           const std::vector<std::vector<int>>& node);
 

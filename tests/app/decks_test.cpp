@@ -55,6 +55,16 @@ TEST_CASE("the decks of inputs/targets and inputs/cad hold what they expect") {
     }
 }
 
+TEST_CASE("a deck that takes its walls from the final mesh of another one") {
+    if (!std::filesystem::is_directory("inputs")) return;
+    const TemporaryFolder folder;
+    REQUIRE(almesh_with({"inputs/targets/wave.deck", "output=" + folder.path("wave"), "vtk=none"}).code == 0);
+    const Outcome outcome = almesh_with({"inputs/targets/from-wave.deck", "output=" + folder.path("out"), "vtk=none",
+                                         "boundary all=mesh " + folder.path("wave/final.msh")});
+    CAPTURE(outcome.out);
+    CHECK(outcome.code == 0);
+}
+
 TEST_CASE("small decks of large motions hold what their decks expect") {
     if (!std::filesystem::is_directory("inputs")) return;
     for (const char* name : {"circle-turned", "circle-refined-turned", "plate-turned", "plate-degree-2", "block-turned",

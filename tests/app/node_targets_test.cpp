@@ -2,10 +2,13 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <set>
 #include <sstream>
 
 #include "base/index.hpp"
+#include "geometry/closest_point.hpp"
+#include "support/high_order.hpp"
 #include "support/ring_deck.hpp"
 
 using namespace almesh;
@@ -37,7 +40,105 @@ double max_difference_of(const std::string& a, const std::string& b) {
     return largest;
 }
 
+// A ring with 12 faces around whose boundaries are curves of degree p. Only its vertices have the ids of the linear ring.
+Mesh curved_ring(int degree) {
+    Mesh mesh = with_degree(ring_mesh(12, 3, 6), degree);
+    mesh.x = mapped(mesh, [](double* x) {
+        const double r = std::hypot(x[0], x[1]), angle = std::atan2(x[1], x[0]);
+        const double factor = r < 1.5 ? (1 + 0.1 * std::cos(2 * angle)) / r : 1;
+        x[0] *= factor, x[1] *= factor;
+    });
+    for (std::size_t i = ring_mesh(12, 3, 6).file.node_id.size(); i < mesh.file.node_id.size(); ++i)
+        mesh.file.node_id[i] = 9000 - static_cast<long long>(i);
+    return mesh;
+}
+
+// The largest distance of a node of the boundary from the faces of that boundary in another mesh.
+double largest_distance(const Mesh& mesh, const std::string& boundary, const Mesh& other) {
+    const PatchBasis basis(mesh.dim - 1, other.degree);
+    std::vector<Patch> faces;
+    for (int f = 0; f < other.face_count(); ++f)
+        if (other.boundaries[other.face_boundary[f]] == boundary) faces.push_back(face_patch(basis, other, other.x, f));
+    const ClosestPoint closest(basis, faces);
+    double largest = 0;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        for (int i = 0; i < mesh.face_nodes() && mesh.boundaries[mesh.face_boundary[f]] == boundary; ++i) {
+            const Vec<3> x = positions(mesh, mesh.x, &mesh.face(f)[i], 1)[0];
+            largest = std::max(largest, length(closest.find(x).position - x));
+        }
+    return largest;
+}
+
 }  // namespace
+
+TEST_CASE("the curved faces of a mesh of higher degree, by the ids of their vertices: to the last bit in that degree") {
+    const RingDeck ring;
+    const Mesh other = curved_ring(3);
+    const std::string inner = "boundary inner=mesh " + ring.folder.write("other.msh", msh_of(other));
+    const auto final_mesh = [&](const std::vector<std::string>& settings) {
+        const Outcome outcome = ring.run(settings);
+        CAPTURE(outcome.out);
+        CAPTURE(outcome.error);
+        CHECK(outcome.code == 0);
+        return mesh_of(ring.output + "/final.msh");
+    };
+    const Mesh cubic = final_mesh({inner, "degree=3"});
+    REQUIRE(cubic.faces.size() == other.faces.size());
+    CHECK(summary_of(ring.output).at("nodes_off_target") == "0");
+    for (int f = 0; f < cubic.face_count(); ++f)
+        for (int i = 0; i < 2 * 4; ++i) {
+            if (cubic.boundaries[cubic.face_boundary[f]] != "inner") continue;
+            REQUIRE(cubic.file.node_id[cubic.face(f)[0]] == other.file.node_id[other.face(f)[0]]);
+            CHECK(point(cubic.x, cubic.face(f)[i / 2], 2)[i % 2] == point(other.x, other.face(f)[i / 2], 2)[i % 2]);
+        }
+    const std::string slides = inner + "; slide";
+    for (const std::vector<std::string>& settings :
+         {std::vector<std::string>{inner, "degree=1"}, {inner, "degree=4"}, {inner, "refine=1"},
+          {inner, "refine=1", "degree=2"}, {slides, "degree=3"}}) {
+        CAPTURE(settings[0] + settings[1]);
+        CHECK(largest_distance(final_mesh(settings), "inner", other) < 1e-12);
+    }
+    const Mesh degree_2 = final_mesh({inner, "degree=2"});  // at the middles of the cubics
+    CHECK(largest_distance(degree_2, "inner", other) < 1e-12);
+    CHECK(degree_2.degree == 2);
+}
+
+TEST_CASE("faces of any order of their vertices, in space; of a lower degree; and faces that are missing") {
+    const TemporaryFolder folder;
+    folder.write("cube.msh", msh_of(cube_mesh(2)));
+    Mesh other = with_degree(cube_mesh(2), 3);
+    other.x = mapped(other, [](double* x) { x[2] += 0.1 * (1 - x[2]) * std::sin(2 * x[0]) * (1 + x[1]); });
+    for (int f = 0; f < other.face_count(); ++f) {  // from another corner
+        const LagrangeBasis basis(2, 3);
+        const std::vector<int> before(other.face(f), other.face(f) + basis.count);
+        for (int i = 0; i < basis.count; ++i)
+            other.faces[offset(f, basis.count, i)] = before[basis.permuted_node(i, {1, 2, 0, 3})];
+    }
+    folder.write("other.msh", msh_of(other));
+    const std::string head = "mesh = cube.msh\noutput = " + folder.path("out") + "\ndegree = 3\n";
+    const std::string deck = folder.write("a.deck", head + "boundary all = mesh other.msh\n");
+    const Outcome outcome = almesh_with({deck});
+    CAPTURE(outcome.error);
+    REQUIRE(outcome.code == 0);
+    const Mesh mesh = mesh_of(folder.path("out/final.msh"));
+    CHECK(largest_distance(mesh, "bottom", other) < 1e-12);
+    CHECK(largest_distance(mesh, "sides", other) < 1e-12);
+
+    folder.write("quadratic.msh", msh_of(with_degree(cube_mesh(2), 2)));
+    folder.write("linear.msh", msh_of(linear_part(other)));
+    const std::string lower = folder.write("b.deck", "mesh = quadratic.msh\noutput = " + folder.path("out") +
+                                                         "\nboundary all = mesh linear.msh\n");
+    REQUIRE(almesh_with({lower}).code == 0);
+    CHECK(largest_distance(mesh_of(folder.path("out/final.msh")), "bottom", linear_part(other)) < 1e-12);
+
+    Mesh changed = other;
+    for (long long& id : changed.file.node_id) id = id == 1 ? 999 : id;
+    folder.write("other.msh", msh_of(changed));
+    const Outcome missing = almesh_with({deck});
+    CAPTURE(missing.error);
+    CHECK(missing.code == 2);
+    CHECK(has(missing.error, "of boundary bottom missing, the first with the vertices 1, "));
+}
 
 TEST_CASE("places, displacements and another run's mesh lead where the motion itself leads") {
     const RingDeck ring;
