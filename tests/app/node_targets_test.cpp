@@ -40,7 +40,8 @@ double max_difference_of(const std::string& a, const std::string& b) {
     return largest;
 }
 
-// A ring with 12 faces around whose boundaries are curves of degree p. Only its vertices have the ids of the linear ring.
+// A ring with 12 faces around whose inner boundary is curved in degree p. Only its vertices have the ids of the linear
+// ring.
 Mesh curved_ring(int degree) {
     Mesh mesh = with_degree(ring_mesh(12, 3, 6), degree);
     mesh.x = mapped(mesh, [](double* x) {

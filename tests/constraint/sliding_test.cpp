@@ -80,6 +80,30 @@ TEST_CASE("a boundary is cut into its smooth parts: the sides of a cube into fou
     CHECK(surfaces_of(egg, target_of(egg, {{"outer", "slide"}}), 10)->parts() == 12);
 }
 
+TEST_CASE("along another mesh: its parts, those of faces at a fair angle before those that are nearer") {
+    const Mesh base = cube_mesh(8);
+    Mesh wide = cube_mesh(2);  // wider than the run's cube after its motion
+    for (int i = 0; i < wide.nodes(); ++i) wide.x[3 * i] *= 1.2;
+    const auto other = std::make_shared<const Mesh>(raise_degree(wide, 2));
+    const int sides = base.boundary_index("sides");
+    std::vector<OtherSurface> others(base.boundaries.size());
+    others[sides] = {other, other->boundary_index("sides")};
+    const BoundaryTarget target = target_of(base, {{"sides", "scale 0.8 1 1; slide"}});
+    std::vector<char> slides(base.boundaries.size(), 0);
+    slides[sides] = 1;
+    const SlidingSurfaces sliding(base, target.node, slides, 30, 10, others);
+    REQUIRE(sliding.parts() == 4);
+    const auto part_at = [&](double x, double y, double z) { return sliding.part(sides, {x / 10, y / 10, z / 10}); };
+    const int right = part_at(1, 0.5, 0.5);  // 0.8 after the motion, 0.4 from its plane
+    CHECK(sliding.surface(right).name() == "plane");
+    CHECK(sliding.is_of_other_mesh(right));
+    CHECK(length(sliding.foot(right, {0.05, 0.03, 0.02}).position - Vec<3>{0.12, 0.03, 0.02}) < 1e-14);
+    for (const double y : {0.02, 0.3, 0.98}) CHECK(part_at(1, y, 0.9) == right);  // beside another side, too
+    CHECK(part_at(0, 0.98, 0.5) != right);
+    CHECK(part_at(0.98, 1, 0.5) != right);
+    CHECK(part_at(0.98, 1, 0.5) != part_at(0.98, 0, 0.5));
+}
+
 TEST_CASE("nodes are free within their faces, along edges, and not at corners") {
     const Case cube(cube_mesh(3), {{"bottom", "slide"}, {"top", "slide"}, {"sides", "slide"}});
     const std::vector<int>& nodes = cube.constraint->nodes();
