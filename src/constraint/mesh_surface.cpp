@@ -164,9 +164,10 @@ void MeshSurface::find_neighbours() {
 }
 
 MeshSurface::Expansion MeshSurface::expand(int patch, const double* xi) const {
-    std::vector<double> N(lagrange_.count), dN(lagrange_.count * m_);
-    lagrange_.values(xi, N.data());
-    lagrange_.gradients(xi, dN.data());
+    constexpr int most = simplex_node_count(2, max_degree);
+    double N[most], dN[2 * most];
+    lagrange_.values(xi, N);
+    lagrange_.gradients(xi, dN);
     Expansion at;
     for (int i = 0; i < lagrange_.count; ++i) {
         const Vec<3>&X = position_[offset(patch, lagrange_.count, i)], &n = normal_[offset(patch, lagrange_.count, i)];
