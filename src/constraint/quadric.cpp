@@ -8,35 +8,12 @@
 #include <limits>
 
 #include "constraint/implicit_foot.hpp"
+#include "linalg/dense_solve.hpp"
 
 namespace almesh {
 namespace {
 
 constexpr int most = 10;  // monomials of degree up to 2 in space
-
-using Square = std::array<std::array<double, most>, most>;
-
-// Eigenvalues on the diagonal of A, eigenvectors in the columns of V, by Jacobi's rotations.
-void diagonalise(Square& A, Square& V, int n) {
-    constexpr int sweeps = 30;
-    for (int i = 0; i < n; ++i) V[i][i] = 1;
-    for (int sweep = 0; sweep < sweeps; ++sweep)
-        for (int i = 0; i < n; ++i)
-            for (int j = i + 1; j < n; ++j) {
-                if (A[i][j] == 0) continue;
-                const double angle = 0.5 * std::atan2(2 * A[i][j], A[j][j] - A[i][i]);
-                const double cosine = std::cos(angle), sine = std::sin(angle);
-                for (int k = 0; k < n; ++k) {
-                    const double a = A[k][i], b = A[k][j], v = V[k][i], w = V[k][j];
-                    A[k][i] = cosine * a - sine * b, A[k][j] = sine * a + cosine * b;
-                    V[k][i] = cosine * v - sine * w, V[k][j] = sine * v + cosine * w;
-                }
-                for (int k = 0; k < n; ++k) {
-                    const double a = A[i][k], b = A[j][k];
-                    A[i][k] = cosine * a - sine * b, A[j][k] = sine * a + cosine * b;
-                }
-            }
-}
 
 // In its own frame: q(u) = sum over i of (a_i u_i^2 / 2 + h_i u_i) + c.
 struct Quadric final : Surface {
@@ -120,23 +97,24 @@ std::unique_ptr<Surface> fit_quadric(int dim, const std::vector<Vec<3>>& points,
     const Box box = box_of(points);
     const Vec<3> centre = 0.5 * (box.low + box.high);
     const double size = 0.5 * length(box.high - box.low);
-    Square A{}, V{};
+    std::vector<double> A(n * n), V(n * n);
     for (const Vec<3>& x : points) {
         const std::array<double, most> row = monomials(1 / size * (x - centre), dim);
         for (int i = 0; i < n; ++i)
-            for (int j = 0; j < n; ++j) A[i][j] += row[i] * row[j];
+            for (int j = 0; j < n; ++j) A[i * n + j] += row[i] * row[j];
     }
-    diagonalise(A, V, n);
+    diagonalise(n, A.data(), V.data());
+    const auto eigenvalue = [&](int i) { return A[i * n + i]; };
     std::array<int, most> order{};
     for (int i = 0; i < n; ++i) order[i] = i;
-    std::sort(order.begin(), order.begin() + n, [&](int i, int j) { return A[i][i] < A[j][j]; });
-    if (!(A[order[1]][order[1]] > several * A[order[n - 1]][order[n - 1]])) return nullptr;
-    const auto entry = [&](int i) { return V[i][order[0]]; };
-    Square H{}, axes{};
+    std::sort(order.begin(), order.begin() + n, [&](int i, int j) { return eigenvalue(i) < eigenvalue(j); });
+    if (!(eigenvalue(order[1]) > several * eigenvalue(order[n - 1]))) return nullptr;
+    const auto entry = [&](int i) { return V[i * n + order[0]]; };
+    Mat<3> H{}, axes;
     for (int i = 0; i < dim; ++i) H[i][i] = 2 * entry(i) / (size * size);
     for (int i = 0, k = dim; i < dim; ++i)
         for (int j = i + 1; j < dim; ++j, ++k) H[i][j] = H[j][i] = entry(k) / (size * size);
-    diagonalise(H, axes, 3);
+    diagonalise(3, H[0].data(), axes[0].data());
     auto quadric = std::make_unique<Quadric>();
     quadric->dim = dim;
     quadric->centre = centre;

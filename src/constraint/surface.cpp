@@ -171,31 +171,16 @@ struct Fit {
         size = 0.5 * length(box.high - box.low);
     }
 
-    // Of the points' covariance, by Jacobi's rotations: those of a whole cylinder or torus have its axis among them.
+    // Of the points' covariance: those of a whole cylinder or torus have its axis among them.
     std::array<Vec<3>, 3> principal_axes() const {
-        Mat<3> C{}, V{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+        Mat<3> C{}, V;
         const std::vector<Vec<3>> x = scaled();
         Vec<3> mean{};
         for (const Vec<3>& at : x) mean = mean + 1.0 / static_cast<double>(x.size()) * at;
         for (const Vec<3>& at : x)
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j) C[i][j] += (at[i] - mean[i]) * (at[j] - mean[j]);
-        for (int sweep = 0; sweep < 30; ++sweep)
-            for (int i = 0; i < 3; ++i)
-                for (int j = i + 1; j < 3; ++j) {
-                    if (C[i][j] == 0) continue;
-                    const double angle = 0.5 * std::atan2(2 * C[i][j], C[j][j] - C[i][i]);
-                    const double c = std::cos(angle), s = std::sin(angle);
-                    for (int k = 0; k < 3; ++k) {
-                        const double a = C[k][i], b = C[k][j], v = V[k][i], w = V[k][j];
-                        C[k][i] = c * a - s * b, C[k][j] = s * a + c * b;
-                        V[k][i] = c * v - s * w, V[k][j] = s * v + c * w;
-                    }
-                    for (int k = 0; k < 3; ++k) {
-                        const double a = C[i][k], b = C[j][k];
-                        C[i][k] = c * a - s * b, C[j][k] = s * a + c * b;
-                    }
-                }
+        diagonalise(3, C[0].data(), V[0].data());
         const Mat<3> rows = transpose<3>(V);
         return {rows[0], rows[1], rows[2]};
     }

@@ -31,4 +31,26 @@ bool solve_dense(std::vector<double> A, std::vector<double> b, std::vector<doubl
     return true;
 }
 
+void diagonalise(int n, double* A, double* V) {
+    constexpr int sweeps = 30;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) V[i * n + j] = i == j;
+    for (int sweep = 0; sweep < sweeps; ++sweep)
+        for (int i = 0; i < n; ++i)
+            for (int j = i + 1; j < n; ++j) {
+                if (A[i * n + j] == 0) continue;
+                const double angle = 0.5 * std::atan2(2 * A[i * n + j], A[j * n + j] - A[i * n + i]);
+                const double c = std::cos(angle), s = std::sin(angle);
+                for (int k = 0; k < n; ++k) {
+                    const double a = A[k * n + i], b = A[k * n + j], v = V[k * n + i], w = V[k * n + j];
+                    A[k * n + i] = c * a - s * b, A[k * n + j] = s * a + c * b;
+                    V[k * n + i] = c * v - s * w, V[k * n + j] = s * v + c * w;
+                }
+                for (int k = 0; k < n; ++k) {
+                    const double a = A[i * n + k], b = A[j * n + k];
+                    A[i * n + k] = c * a - s * b, A[j * n + k] = s * a + c * b;
+                }
+            }
+}
+
 }  // namespace almesh
