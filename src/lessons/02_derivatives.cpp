@@ -4,6 +4,7 @@
 // Taylor polynomials, differences eta near the barrier, and looks where its second derivative is negative.
 //
 //   02_derivatives [d] [symmetric] [transposed]      transposed: with a wrong gradient
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
