@@ -1,5 +1,7 @@
 // What lessons 3 and 4 work on: the unit square, vectors of its nodes (x_0, y_0, x_1, y_1, ...) and matrices of them.
 #pragma once
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,20 @@ using Vector = std::vector<double>;
 inline Mesh unit_square(int refinements) {
     std::vector<std::string> notes;
     return refine(build_mesh(read_mesh("inputs/meshes/square.msh"), notes), refinements);
+}
+
+// The nodes of it turned about the centre, each by the angle (in degrees) times a bump that is 0 on the boundary; bent:
+// then sheared, more and more upwards, the boundary too.
+inline Vector swirled(const Mesh& square, double angle, bool bent) {
+    Vector x = square.x;
+    for (std::size_t i = 0; i < x.size(); i += 2) {
+        const double X = x[i] - 0.5, Y = x[i + 1] - 0.5, bump = (1 - 4 * X * X) * (1 - 4 * Y * Y);
+        const double turn = angle * std::numbers::pi / 180 * bump * bump;
+        x[i] = 0.5 + std::cos(turn) * X - std::sin(turn) * Y;
+        x[i + 1] = 0.5 + std::sin(turn) * X + std::cos(turn) * Y;
+        if (bent) x[i] += x[i + 1] * x[i + 1];
+    }
+    return x;
 }
 
 // u + s v.

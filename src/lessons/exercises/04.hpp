@@ -1,0 +1,35 @@
+// Exercises of lesson 4. Answers go into 04.cpp; `make check-lesson-04` says which hold.
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "base/small_matrix.hpp"
+#include "linalg/block_csr.hpp"
+
+namespace almesh::lessons {
+
+// 4.1 The order p at which sizes of the gradient in successive steps fall, size[k+1] = constant size[k]^p, from the
+// last three of them.
+double order_of_convergence(const std::vector<double>& size);
+
+// 4.2 Backtracking: the first t of 1, 1/2, 1/4, ... that satisfies Armijo's condition
+//
+//     E(t) <= E(0) + 1e-4 t slope,   E(t) the energy at x + t d (maybe infinite), slope = g.d
+//
+// and 0, without a call of E, where d is no descent direction.
+double backtracked(const std::function<double(double)>& E, double slope);
+
+// 4.3 The positive semidefinite part of a symmetric 2 x 2 matrix: the same eigenvectors, negative eigenvalues set to 0.
+Mat<2> positive_part(const Mat<2>& A);
+
+// 4.4 Holds nodes: changes the system H d = -g so that d is 0 at each node i with held[i] and solves the system of the
+// other nodes for these, and so that H stays symmetric and does not become singular. g: (x_0, y_0, x_1, ...).
+void hold(BlockCsr& H, std::vector<double>& g, const std::vector<char>& held);
+
+// 4.5 Newton's method in one variable with all that is needed: from x, where f is finite, to |f'| <= 1e-7. Where
+// f'' <= 0 take |f''| in its place (if that is 0: 1); use your answer to 4.2. f1 and f2, the derivatives of f, must
+// not be called where f is infinite.
+double minimise(const std::function<double(double)>& f, const std::function<double(double)>& f1,
+                const std::function<double(double)>& f2, double x);
+
+}  // namespace almesh::lessons

@@ -1,0 +1,145 @@
+#include "lessons/exercises/04.hpp"
+
+#include "energy/plain_energy.hpp"
+#include "lessons/dense.hpp"
+#include "lessons/exercise.hpp"
+#include "lessons/square.hpp"
+#include "linalg/dense_solve.hpp"
+
+namespace almesh::lessons {
+namespace {
+
+EXERCISE("4.1", "the order of convergence") {
+    for (const auto& [p, constant] :
+         {std::pair(1.0, 0.3), std::pair(1.5, 2.0), std::pair(2.0, 0.7), std::pair(3.0, 5.0)}) {
+        std::vector<double> size = {7, 0.2};  // the first does not count
+        while (size.size() < 4) size.push_back(constant * std::pow(size.back(), p));
+        expect_close(concat("the order of size[k+1] = ", constant, " size[k]^", p), order_of_convergence(size), p, 1e-9,
+                     "take logarithms of two ratios of successive sizes; the constant drops out");
+    }
+}
+
+EXERCISE("4.2", "backtracking by Armijo's condition") {
+    int calls = 0;
+    const auto counted = [&](auto E) {
+        return [&calls, E](double t) {
+            expect(++calls < 100, "E has been called 100 times: the loop does not end");
+            return E(t);
+        };
+    };
+    const auto quadratic = [](double t) { return 1 - t + 0.5 * t * t; };
+    expect_close("t of 1 - t + t^2 / 2", backtracked(counted(quadratic), -1), 1, 0, "the full step is good");
+    const auto steep = [](double t) { return 1 - t + 3 * t * t; };
+    expect_close("t of 1 - t + 3 t^2", backtracked(counted(steep), -1), 0.25, 0, "E(1) = 3, E(1/2) = 1.25 > E(0)");
+    const auto barrier = [](double t) { return t < 0.3 ? 1 - t : INFINITY; };
+    expect_close("t of 1 - t up to a barrier at 0.3", backtracked(counted(barrier), -1), 0.25, 0,
+                 "infinite energies must be refused");
+    const auto undefined = [](double t) { return t < 0.3 ? 1 - t : NAN; };
+    expect_close("t of 1 - t that is nan from 0.3 on", backtracked(counted(undefined), -1), 0.25, 0,
+                 "nan <= E is false, and so is nan > E: ask for what is wanted, not for its contrary");
+    const auto flat = [](double t) { return t == 1 ? 1 - 5e-5 : 1 - t; };
+    expect_close("t where E(1) = E(0) - 5e-5 and slope = -1", backtracked(counted(flat), -1), 0.5, 0,
+                 "less than the 1e-4 that Armijo asks for: any decrease is not enough");
+    calls = 0;
+    expect_close("t for a slope of +1", backtracked(counted(quadratic), 1), 0, 0, "not a descent direction");
+    expect(calls == 0, "E is called although the slope is positive");
+}
+
+EXERCISE("4.3", "the positive semidefinite part of a matrix") {
+    const Mat<2> flipped = positive_part({{{2, 0}, {0, -1}}});
+    expect_close("entry 2 2 of the part of diag(2, -1)", flipped[1][1], 0, 1e-14,
+                 flipped[1][1] == 1 ? "set negative eigenvalues to 0, not to their absolute value" : "");
+    for (const Mat<2>& A :
+         {Mat<2>{{{2, 0}, {0, -1}}}, Mat<2>{{{1, 2}, {2, 1}}}, Mat<2>{{{3, 1}, {1, 2}}}, Mat<2>{{{-3, 1}, {1, -2}}},
+          Mat<2>{{{-1, -4}, {-4, 6}}}, Mat<2>{{{5, 0}, {0, 5}}}, Mat<2>{{{-5, 0}, {0, -5}}}}) {
+        double expected[4] = {A[0][0], A[0][1], A[1][0], A[1][1]};
+        project(2, expected);
+        const Mat<2> part = positive_part(A);
+        for (int i = 0; i < 2; ++i)
+            for (int j = 0; j < 2; ++j)
+                expect_close(concat("entry ", i + 1, " ", j + 1, " of the part of (", A[0][0], ", ", A[0][1], "; ",
+                                    A[1][0], ", ", A[1][1], ")"),
+                             part[i][j], expected[2 * i + j], 1e-12,
+                             "sum of max(eigenvalue, 0) v v' over eigenvectors v");
+    }
+}
+
+EXERCISE("4.4", "holding the boundary") {
+    const Mesh mesh = unit_square(0);
+    const Vector x = swirled(mesh, 40, false);
+    PlainEnergy energy(mesh, mesh.x, {.objective = Objective::squared});
+    BlockCsr H = energy.hessian_pattern();
+    energy.add_hessian(x, HessianKind::full, H);
+    Vector g(x.size(), 0.0);
+    energy.add_gradient(x, g);
+
+    std::vector<char> held(mesh.nodes(), 0);
+    for (const int i : mesh.faces) held[i] = 1;
+    std::vector<int> all, interior;
+    for (int i = 0; i < 2 * mesh.nodes(); ++i) {
+        all.push_back(i);
+        if (!held[i / 2]) interior.push_back(i);
+    }
+    Vector expected, of_interior, d;
+    for (const int i : interior) of_interior.push_back(-g[i]);
+    solve_dense(dense_part(H, interior), of_interior, expected);
+
+    hold(H, g, held);
+    const Vector A = dense_part(H, all);
+    const int n = static_cast<int>(all.size());
+    double asymmetry = 0;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) asymmetry = std::max(asymmetry, std::abs(A[i * n + j] - A[j * n + i]));
+    expect(asymmetry < 1e-12, "H has become unsymmetric, by ", asymmetry,
+           ": set columns of held nodes to 0, not only rows");
+    for (double& entry : g) entry = -entry;
+    expect(solve_dense(A, g, d, 1e-13),
+           "H is singular: are nodes held, with a number on their diagonal that is not 0?");
+    for (int i = 0; i < n; ++i)
+        expect(!held[i / 2] || std::abs(d[i]) < 1e-12, "d at node ", i / 2, ", which is held, is ", d[i],
+               ", expected 0", g[i] != 0 ? ": its entry of g is not 0" : "");
+    for (std::size_t i = 0; i < interior.size(); ++i)
+        expect_close(concat("d at node ", interior[i] / 2), d[interior[i]], expected[i], 1e-9,
+                     "rows and columns of the other nodes must stay as they are");
+}
+
+// A function of one variable that keeps count and tells where it is called where it must not be.
+double minimum(const std::function<double(double)>& f, const std::function<double(double)>& f1,
+               const std::function<double(double)>& f2, double from) {
+    int calls = 0;
+    const auto finite_only = [&](const std::function<double(double)>& derivative) {
+        return [&](double x) {
+            expect(std::isfinite(f(x)), "a derivative is called at x = ", x, ", where f is infinite");
+            expect(++calls < 1000, "no minimum after 1000 calls of derivatives, start ", from, ", now at x = ", x);
+            return derivative(x);
+        };
+    };
+    const double x = minimise(
+        [&](double y) {
+            expect(++calls < 10000, "no minimum after 10000 calls of f, start ", from);
+            return f(y);
+        },
+        finite_only(f1), finite_only(f2), from);
+    expect(std::abs(f1(x)) <= 1e-7, "from ", from, " it ends at x = ", x, " with f' = ", f1(x));
+    return x;
+}
+
+EXERCISE("4.5", "Newton's method in one variable") {
+    // Barrier at 0, concave beyond e: the full step from 20 leads away, or beyond the barrier.
+    const auto f = [](double x) { return x > 0 ? std::log(x) * std::log(x) : INFINITY; };
+    const auto f1 = [](double x) { return 2 * std::log(x) / x; };
+    const auto f2 = [](double x) { return 2 * (1 - std::log(x)) / (x * x); };
+    for (const double from : {0.05, 0.9, 2.0, 20.0, 1000.0})
+        expect_close(concat("the minimum of log(x)^2 from ", from), minimum(f, f1, f2, from), 1, 1e-6);
+    const auto wells = [](double x) { return x * x * (x * x - 2); };
+    const auto wells1 = [](double x) { return 4 * x * (x * x - 1); };
+    const auto wells2 = [](double x) { return 12 * x * x - 4; };
+    expect_close("the minimum of x^4 - 2 x^2 from 0.1", minimum(wells, wells1, wells2, 0.1), 1, 1e-6,
+                 "at 0 is a maximum: Newton's method goes there where f'' < 0 is not replaced");
+    const double of_sine = minimum([](double x) { return std::sin(x); }, [](double x) { return std::cos(x); },
+                                   [](double x) { return -std::sin(x); }, 0);
+    expect_close("sin at its minimum, from 0, where f'' = 0,", std::sin(of_sine), -1, 1e-12);
+}
+
+}  // namespace
+}  // namespace almesh::lessons
