@@ -90,6 +90,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
     std::vector<std::string> keys;
     for (const auto& line : lines) keys.push_back(line.first);
     CHECK(keys == std::vector<std::string>{"status",
+                                           "run",
                                            "dimension",
                                            "degree",
                                            "nodes",
