@@ -29,8 +29,12 @@ Rule rule_of(MovingMethod method) {
     }
 }
 
-AlStatus status_of(NewtonStatus status) {
-    switch (status) {
+// As Algorithm 1 has it: a rounding floor up to omega0 counts as converged.
+AlStatus status_of(const NewtonResult& solved, double omega0) {
+    switch (solved.status) {
+        case NewtonStatus::rounding_floor:
+            return solved.gradient_norm <= omega0 ? AlStatus::converged : AlStatus::rounding_floor;
+        case NewtonStatus::overflow: return AlStatus::overflow;
         case NewtonStatus::max_iterations: return AlStatus::max_newton_iterations;
         case NewtonStatus::line_search_failed: return AlStatus::line_search_failed;
         case NewtonStatus::linear_solver_failed: return AlStatus::linear_solver_failed;
@@ -163,7 +167,7 @@ void minimise_held(BoundaryMove& move, std::vector<double>& x, PartResult& resul
     wanted.omega = move.omega;
     wanted.max_iterations = move.params.schedule.max_newton_iterations;
     move.minimise(wanted, x, result.solved);
-    result.status = status_of(result.solved.status);
+    result.status = status_of(result.solved, move.params.schedule.omega0);
 }
 
 bool sets_boundary(MovingMethod method) {
