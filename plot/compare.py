@@ -103,7 +103,7 @@ def outcome(row):
     """Of a run in words: valid, how many elements are not, or where it stopped."""
     if row["valid"] == "yes":
         return "valid"
-    if not row["invalid_elements"]:  # not in the time that it had
+    if not row.get("invalid_elements"):  # not in the time that it had
         return row["status"]
     invalid, way = int(row["invalid_elements"]), float(row["reached"])
     after = ""
