@@ -1,0 +1,32 @@
+// Exercises of lesson 7. Answers go into 07.cpp; `make check-lesson-07` says which hold.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "base/small_matrix.hpp"
+
+namespace almesh::lessons {
+
+using Vector = std::vector<double>;
+
+// 7.1 The multipliers after one update, line 10 of Algorithm 1. lambda, c: two numbers for each node of the boundary.
+Vector updated_multipliers(const Vector& lambda, const Vector& c, double mu);
+
+// 7.2 The forces f = M lambda / |1| of a polygonal wall. edges: pairs of nodes; lambda: two numbers for each node. In
+// the scalar product with the weight 1/h an edge of any length adds (2 1; 1 2)/6 to M and 1 to |1|^2.
+Vector wall_forces(const std::vector<std::array<int, 2>>& edges, const Vector& lambda);
+
+// 7.3 The smallest penalty mu > 0 with which an update divides the error of a mode of stiffness kappa by q > 1.
+// kappa < 0 is a mode along which the energy falls.
+double penalty_for(double kappa, double q);
+
+// 7.4 minimise 1/2 x' K x - b' x subject to a' x = g, by the method of multipliers: lambda = 0 at first; each turn
+// minimises 1/2 x' K x - b' x - lambda c + mu/2 c^2, c = a' x - g, over x and updates lambda. Returns the number of
+// updates after which |c| <= 1e-10 for the first time, and lambda.
+struct Multiplier {
+    int updates = 0;
+    double lambda = 0;
+};
+Multiplier method_of_multipliers(const Mat<2>& K, const Vec<2>& b, const Vec<2>& a, double g, double mu);
+
+}  // namespace almesh::lessons

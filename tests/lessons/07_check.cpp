@@ -1,0 +1,100 @@
+#include "lessons/exercises/07.hpp"
+
+#include "lessons/circle.hpp"
+#include "lessons/exercise.hpp"
+
+namespace almesh::lessons {
+namespace {
+
+double largest_difference(const Vector& a, const Vector& b) {
+    double largest = a.size() == b.size() ? 0 : INFINITY;
+    for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+    return largest;
+}
+
+EXERCISE("7.1", "one update of the multipliers") {
+    const Vector lambda = {1, -2, 0.5, 4}, c = {0.25, -0.5, 1, 0};
+    const Vector next = updated_multipliers(lambda, c, 8), expected = {-1, 2, -7.5, 4};
+    const Vector wrong_sign = {3, -6, 8.5, 4}, squared = {-15, 30, -63.5, 4};
+    expect(largest_difference(next, wrong_sign) > 1e-12,
+           "lambda + mu c: the wrong sign doubles the error of stiff penalties with every update");
+    expect(largest_difference(next, squared) > 1e-12, "lambda - mu^2 c belongs to the penalty mu^2 |c|^2 / 2");
+    expect(largest_difference(next, expected) < 1e-12, "of (1, -2, 0.5, 4) with c = (0.25, -0.5, 1, 0) and mu = 8 the ",
+           "first entry becomes ", next.empty() ? NAN : next[0],
+           ", expected -1: the force of the penalty, mu c, has to ", "become part of that of the multipliers");
+}
+
+// The library's, of the ring's boundary.
+EXERCISE("7.2", "the forces of a wall") {
+    const std::vector<std::array<int, 2>> triangle = {{0, 1}, {1, 2}, {2, 0}};
+    const Vector same = wall_forces(triangle, {3, 1, 3, 1, 3, 1});
+    expect(same.size() == 6, "there are ", same.size(), " entries, expected 6");
+    const double one = std::sqrt(3.0);
+    expect_close("sum of the forces in x on a triangle with lambda = (3, 1) everywhere", same[0] + same[2] + same[4],
+                 9 / one, 1e-12, "an edge adds 2/6 + 1/6 + 1/6 + 2/6 = 1 to the sum of M, and f = M lambda / |1|");
+    const Mesh mesh = ring();
+    Dirichlet constraint(mesh, mesh.x, inner_circle_by(mesh, "fixed"), TargetKind::nodal);
+    const std::vector<int>& nodes = constraint.nodes();
+    std::vector<std::array<int, 2>> edges;
+    for (int k = 0; k < mesh.face_count(); ++k) {
+        std::array<int, 2> edge;
+        for (int v = 0; v < 2; ++v)
+            edge[v] = static_cast<int>(std::find(nodes.begin(), nodes.end(), mesh.face(k)[v]) - nodes.begin());
+        edges.push_back(edge);
+    }
+    Vector lambda(constraint.multipliers()), g(mesh.x.size(), 0.0), expected;
+    for (std::size_t i = 0; i < lambda.size(); ++i) lambda[i] = std::sin(1.0 + 3.0 * static_cast<double>(i));
+    constraint.add_gradient(mesh.x, lambda, 0, g);
+    for (const int node : nodes)
+        for (int a = 0; a < 2; ++a) expected.push_back(-g[2 * node + a]);
+    const Vector f = wall_forces(edges, lambda);
+    const double difference = largest_difference(f, expected);
+    expect(difference < 1e-12, "on the ring the largest difference from the program's forces is ", difference,
+           ": where lambda changes from node to node, the neighbours count with 1/6");
+}
+
+EXERCISE("7.3", "how large a penalty") {
+    expect_close("the penalty for kappa = 5 and a tenth of the error", penalty_for(5, 10), 45, 1e-12,
+                 "an update multiplies the error by kappa / (kappa + mu)");
+    expect_close("the penalty for kappa = 5 and a thousandth", penalty_for(5, 1000), 4995, 1e-12);
+    expect_close("the penalty for kappa = -2 and a tenth", penalty_for(-2, 10), 22, 1e-12,
+                 "kappa + mu is positive, or there is no minimum; the factor is then negative");
+}
+
+EXERCISE("7.4", "the method of multipliers") {
+    const Vec<2> b = {1, -2}, a = {1, 3};
+    for (const Mat<2>& K : {Mat<2>{{{4, 1}, {1, 3}}}, Mat<2>{{{2, 0}, {0, -0.1}}}})
+        for (const double mu : {3.0, 30.0}) {
+            // x = K^{-1} (b + lambda a), a' x = g; the stiffness of the constraint is 1 / (a' K^{-1} a).
+            const Mat<2> inverted = inverse<2>(K);
+            double aKa = 0, aKb = 0;
+            for (int i = 0; i < 2; ++i)
+                for (int j = 0; j < 2; ++j) aKa += a[i] * inverted[i][j] * a[j], aKb += a[i] * inverted[i][j] * b[j];
+            const double g = 7, kappa = 1 / aKa, lambda = (g - aKb) * kappa, factor = std::abs(kappa / (kappa + mu));
+            const Multiplier found = method_of_multipliers(K, b, a, g, mu);
+            const std::string where = concat(" with K = diag(", K[0][0], ", ", K[1][1], "), mu = ", mu);
+            expect_close(concat("lambda", where), found.lambda, lambda, 1e-6,
+                         "K x - b = lambda a and a' x = g hold at the end");
+            // |c| after the first subproblem, and then times the factor.
+            const double first = std::abs(lambda / (kappa + mu));
+            const double updates = 1 + std::ceil(std::log(1e-10 / first) / std::log(factor));
+            expect(std::abs(found.updates - updates) <= 1, found.updates, " updates", where, ", expected ", updates,
+                   ": each should multiply |c| by ", factor, "; update once for every subproblem");
+        }
+}
+
+EXERCISE("7.5", "three updates") {
+    const double mu0 = parse_double(keys_of_deck("three")["mu0"]).value_or(NAN);
+    expect(mu0 > 0, "three.deck has no mu0 above 0");
+    const double updates = number(run_deck("three"), "al_iterations");
+    expect(updates <= 3, "with mu0 = ", mu0, " it takes ", updates, " iterations: a stiffer penalty makes each update ",
+           "count for more");
+    const double before = number(run_deck("three", {concat("mu0=", mu0 / 10)}), "al_iterations");
+    expect(before > 3, "mu0 = ", mu0 / 10, " needs ", before, " iterations only: a smaller penalty will do");
+    const double exponent = std::log10(mu0);
+    expect_close("log10 of mu0", exponent, std::round(exponent), 1e-9, "a power of ten is asked for");
+    expect(number(run_deck("three", {"mu0=1000"}), "al_iterations") == 7, "the rest of the deck must stay as it is");
+}
+
+}  // namespace
+}  // namespace almesh::lessons
