@@ -1,0 +1,21 @@
+// Exercises of lesson 6. Answers go into 06.cpp; `make check-lesson-06` says which hold.
+#pragma once
+#include "base/small_matrix.hpp"
+
+namespace almesh::lessons {
+
+// 6.1 The place x at which 1/2 kappa x^2 + mu/2 (x - g)^2 is smallest: a spring of stiffness kappa, which wants to be
+// at 0, and a penalty, which wants it at g.
+double penalised_place(double kappa, double g, double mu);
+
+// 6.2 The smallest mu >= 0 for which that x is no farther than `tolerance` from g.
+double penalty_for(double kappa, double g, double tolerance);
+
+// 6.3 A quantity q that depends on mu like q = q_infinity + a / mu has been computed for two penalties. Returns
+// q_infinity.
+double without_penalty_error(double mu_1, double q_1, double mu_2, double q_2);
+
+// 6.4 The condition number, largest over smallest eigenvalue, of K + mu a a' with K symmetric positive definite.
+double condition_with_penalty(const Mat<2>& K, const Vec<2>& a, double mu);
+
+}  // namespace almesh::lessons

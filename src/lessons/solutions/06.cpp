@@ -1,0 +1,28 @@
+// Solutions of the exercises of lesson 6.
+#include "lessons/exercises/06.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace almesh::lessons {
+
+double penalised_place(double kappa, double g, double mu) { return mu * g / (kappa + mu); }
+
+double penalty_for(double kappa, double g, double tolerance) {
+    return std::max(0.0, kappa * (std::abs(g) / tolerance - 1));  // |x - g| = kappa |g| / (kappa + mu)
+}
+
+double without_penalty_error(double mu_1, double q_1, double mu_2, double q_2) {
+    return (mu_2 * q_2 - mu_1 * q_1) / (mu_2 - mu_1);
+}
+
+double condition_with_penalty(const Mat<2>& K, const Vec<2>& a, double mu) {
+    Mat<2> H = K;
+    for (int i = 0; i < 2; ++i)
+        for (int j = 0; j < 2; ++j) H[i][j] += mu * a[i] * a[j];
+    const double mean = (H[0][0] + H[1][1]) / 2, radius = std::hypot((H[0][0] - H[1][1]) / 2, H[0][1]);
+    const double large = mean + radius;
+    return large * large / determinant(H);  // the small one, det / large, without cancellation
+}
+
+}  // namespace almesh::lessons

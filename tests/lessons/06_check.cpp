@@ -1,0 +1,73 @@
+#include "lessons/exercises/06.hpp"
+
+#include "lessons/exercise.hpp"
+
+namespace almesh::lessons {
+namespace {
+
+EXERCISE("6.1", "a spring and a penalty") {
+    for (const double kappa : {1.0, 7.0})
+        for (const double mu : {0.5, 100.0}) {
+            const double g = 3, x = penalised_place(kappa, g, mu), force = kappa * x + mu * (x - g);
+            expect(std::abs(force) < 1e-9, "with kappa = ", kappa, ", g = 3, mu = ", mu, " x is ", x,
+                   ", where the derivative is ", force, ", not 0", x == g ? ": a penalty never gets there" : "");
+        }
+}
+
+EXERCISE("6.2", "how large a penalty") {
+    for (const double tolerance : {0.1, 1e-3, 1e-6}) {
+        const double kappa = 4, g = -2, mu = penalty_for(kappa, g, tolerance),
+                     error = kappa * std::abs(g) / (kappa + mu);
+        expect(error <= 1.0001 * tolerance, "with mu = ", mu, " x is off by ", error, ", which is more than ",
+               tolerance, mu < 0 ? ": g is negative here" : "");
+        expect(error >= 0.9999 * tolerance, "mu = ", mu, " is larger than it need be: x is off by ", error, ", and ",
+               tolerance, " is allowed");
+    }
+    expect(penalty_for(1, 0.5, 1) == 0, "where x = 0 is near enough the penalty is ", penalty_for(1, 0.5, 1),
+           ", expected 0");
+}
+
+EXERCISE("6.3", "the limit from two penalties") {
+    const auto q = [](double mu) { return 12 - 5 / mu; };
+    expect_close("the limit of 12 - 5/mu from mu = 2 and 6", without_penalty_error(2, q(2), 6, q(6)), 12, 1e-9,
+                 "two equations q = q_infinity + a / mu, two unknowns");
+    // The distance of the spring of 6.1 from its wall falls like 1/mu, its extrapolated one like 1/mu^2.
+    const double order = order_of(
+        [](double h) {
+            const double mu = 1 / h, kappa = 1;
+            return std::abs(without_penalty_error(mu, mu / (kappa + mu), 2 * mu, 2 * mu / (kappa + 2 * mu)) - 1);
+        },
+        0.02, 6);
+    expect(std::abs(order - 2) < 0.1, "the error of the spring's place falls with order ", order,
+           " in 1/mu, expected 2: the part a / mu has to cancel");
+}
+
+EXERCISE("6.4", "the condition number") {
+    const Mat<2> K = {{{3, 1}, {1, 2}}};
+    const double root = std::sqrt(5.0);
+    expect_close("without a penalty that of (3 1; 1 2)", condition_with_penalty(K, {1, 0}, 0), (5 + root) / (5 - root),
+                 1e-9, "the eigenvalues are (5 + sqrt 5)/2 and (5 - sqrt 5)/2");
+    // For large mu: mu |a|^2 over b' K b, b across a and of length one.
+    for (const double mu : {1e6, 1e9, 1e12})
+        expect_close(
+            concat("with mu = ", mu, ", a = (1, 2), divided by mu, "), condition_with_penalty(K, {1, 2}, mu) / mu,
+            5 / (10.0 / 5), 1e-4,
+            "it grows like mu |a|^2 over the smallest eigenvalue, which must not be lost in a difference of large "
+            "numbers: it is det / largest");
+}
+
+EXERCISE("6.5", "one penalty") {
+    const double mu0 = parse_double(keys_of_deck("once")["mu0"]).value_or(NAN);
+    expect(mu0 > 0, "once.deck has no mu0 above 0");
+    const auto summary = run_deck("once");
+    expect(number(summary, "al_iterations") == 1, "with mu0 = ", mu0, " it takes ", number(summary, "al_iterations"),
+           " iterations: how large must mu be so that |c| is 1e-4? The lesson's table has mu |c|");
+    expect(number(run_deck("once", {concat("mu0=", mu0 / 10)}), "al_iterations") > 1, "mu0 = ", mu0 / 10,
+           " needs one iteration too: that is more stiffness than was asked for");
+    const double exponent = std::log10(mu0);
+    expect_close("log10 of mu0", exponent, std::round(exponent), 1e-9, "a power of ten is asked for");
+    expect(number(run_deck("once", {"mu0=10"}), "al_iterations") == 5, "the rest of the deck must stay as it is");
+}
+
+}  // namespace
+}  // namespace almesh::lessons
