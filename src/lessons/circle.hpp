@@ -17,10 +17,12 @@ inline Mesh ring() {
     return build_mesh(read_mesh("inputs/meshes/circle.msh"), notes);
 }
 
-// Where the nodes of the boundary should be. motion: of the inner circle, as decks have it: "translate 8 0".
-inline BoundaryTarget inner_circle_by(const Mesh& mesh, const std::string& motion) {
+// Where the nodes of the boundary should be after a part of a motion. motion: of the inner circle, as decks have it:
+// "translate 8 0".
+inline BoundaryTarget inner_circle_by(const Mesh& mesh, const std::string& motion, double part = 1) {
+    const Motion inner = at_fraction(parse_motion(motion), part), outer = parse_motion("fixed");
     std::vector<Motion> motions;
-    for (const std::string& name : mesh.boundaries) motions.push_back(parse_motion(name == "inner" ? motion : "fixed"));
+    for (const std::string& name : mesh.boundaries) motions.push_back(name == "inner" ? inner : outer);
     return make_target(mesh, motions);
 }
 

@@ -1,0 +1,24 @@
+// Exercises of lesson 5. Answers go into 05.cpp; `make check-lesson-05` says which hold.
+#pragma once
+#include <array>
+
+#include "base/small_matrix.hpp"
+
+namespace almesh::lessons {
+
+// 5.1 The stiffness matrix of the Laplacian on one triangle, K_ij = |e| grad N_i . grad N_j, N_i the hat functions.
+Mat<3> laplacian_of_triangle(const std::array<Vec<2>, 3>& vertex);
+
+// 5.2 How far the circle of radius r in the middle of one of radius R can be translated before the harmonic extension
+// inverts something.
+double reach_of_translation(double r, double R);
+
+// 5.3 det F at the inner circle, of radius 1, after it has been turned by the angle theta (in radians) in one of radius
+// R and the displacement extended harmonically.
+double determinant_at_circle(double theta, double R);
+
+// 5.4 The same for the extension u = (Q - I) x s(|x|) of a rotation Q with any profile s, s(1) = 1, given its slope
+// s'(1).
+double determinant_of_profile(double theta, double slope);
+
+}  // namespace almesh::lessons
