@@ -162,7 +162,7 @@ EXERCISE("10.5", "how many steps are enough") {
             const int k = sufficient_steps(kappa, factor);
             const double root = std::sqrt(kappa);
             const auto bound = [root](int steps) { return 2 * std::pow((root - 1) / (root + 1), steps); };
-            expect(k > 0, "kappa = ", kappa, ": ", k, " steps");
+            expect(k > 0, "kappa = ", kappa, ": ", k, " steps reduce nothing");
             expect(bound(k) <= factor * (1 + 1e-9), "kappa = ", kappa, ": after ", k, " steps the bound is ", bound(k),
                    ", more than ", factor);
             expect(bound(k - 1) > factor * (1 - 1e-9), "kappa = ", kappa, ": ", k - 1, " steps are enough for ", factor,
