@@ -1,0 +1,24 @@
+// Answers to the exercises of lesson 11: change the lines marked ANSWER.
+#include "lessons/exercises/11.hpp"
+
+#include <numeric>
+
+namespace almesh::lessons {
+
+double growth_exponent(double /*n_1*/, double /*t_1*/, double /*n_2*/, double /*t_2*/) {
+    return 0;  // ANSWER 11.1
+}
+
+double predicted_entries(int /*dim*/, double n_0, double entries_0, double n) {
+    return entries_0 * n / n_0;  // ANSWER 11.2
+}
+
+double sum_in_pieces(const std::vector<double>& v, int /*block*/) {
+    return std::accumulate(v.begin(), v.end(), 0.0);  // ANSWER 11.3
+}
+
+double crossover(double /*a*/, double /*b*/) {
+    return 0;  // ANSWER 11.4
+}
+
+}  // namespace almesh::lessons
