@@ -5,8 +5,8 @@
 //     delta = 0.3, 0.1, 0.03, ...,   from where fixed_boundary.cpp starts,
 //
 // until the mesh is valid; then without regularisation. det F has no unit, and is 1 in an element that keeps its size.
-// Where the mesh is not valid with the least delta, it stays inverted. From 1 on an aircraft that has pitched takes many
-// times the steps, from 0.1 on a plate that has turned by 180 degrees stays inverted.
+// Where the mesh is not valid with the least delta, it stays inverted. From 1 on an aircraft that has pitched takes
+// many times as long, from 0.1 on a plate that has turned by 180 degrees stays inverted.
 #include "base/interrupt.hpp"
 #include "method/comparators.hpp"
 

@@ -81,14 +81,16 @@ TEST_CASE("every comparator in three dimensions, and curved onto circles") {
     folder.write("cube.msh", msh_of(cube_mesh(3)));
     const std::string cube = folder.write("cube.deck", "mesh = cube.msh\nboundary top = translate 0.1 0 0.1\n"
                                                        "boundary bottom = fixed\nboundary sides = expression "
-                                                       "\"x + 0.1*z\" \"y\" \"z + 0.1*z\"\noutput = " + folder.path("o"));
+                                                       "\"x + 0.1*z\" \"y\" \"z + 0.1*z\"\noutput = " +
+                                                           folder.path("o"));
     const RingDeck ring(ring_mesh(12, 3, 6));
     for (const std::string& name : comparators)
         for (const char* degree : {"degree=1", "degree=2"}) {
             CAPTURE(name);
             CHECK(almesh_with({cube, method(name), degree}).code == 0);
             CHECK(summary_of(folder.path("o")).at("certified_injective") == "yes");
-            const Run curved(ring, {"boundary inner=circle 0 0 1", "boundary outer=circle 0 0 6", method(name), degree});
+            const Run curved(ring,
+                             {"boundary inner=circle 0 0 1", "boundary outer=circle 0 0 6", method(name), degree});
             CHECK(curved.code == 0);
             CHECK(curved.number("projected_constraint_norm") < 1e-8);
         }
