@@ -135,14 +135,14 @@ void write_boundary(const std::string& path, Problem& p) {
 int main(int count, char** argument) {
     Problem p(8);
     const double one_squared = std::pow(p.constraint.norm_of_one(), 2);
-    const double mu = (count > 1 ? std::atof(argument[1]) : 24) * one_squared;
+    const std::string in_ones = count > 1 ? argument[1] : "24";
+    const double mu = std::stod(in_ones) * one_squared;
     const double factor = count > 2 ? std::atof(argument[2]) : 1;
     std::printf("|1|^2 = %g, mu = %g\n", one_squared, mu);
     minimise(p, mu, factor, count > 3 ? std::atoi(argument[3]) : 8, true);
     std::filesystem::create_directories("outputs/lessons/07-multipliers");
-    write_boundary(concat("outputs/lessons/07-multipliers/boundary-", count > 1 ? argument[1] : "24", ".csv"), p);
+    if (factor == 1) write_boundary("outputs/lessons/07-multipliers/boundary-" + in_ones + ".csv", p);
     if (count > 1) return 0;
-
     print_balance(p, p.forces());
     const double h = 0.1, slope = (smallest_energy(8 + h) - smallest_energy(8 - h)) / (2 * h);
     std::printf("\nd |M phi|^2 / d distance, from runs with 8 + %g and 8 - %g: %.3f\n", h, h, slope);
