@@ -12,8 +12,7 @@ for ax, name, centre in zip(axes, ["translate 4 0 in 1", "rotate 55 about 0 0 in
     side = np.roll(triangles, -1, axis=1) - triangles
     inverted = side[:, 0, 0] * side[:, 1, 1] - side[:, 0, 1] * side[:, 1, 0] <= 0
     for chosen, face, edge in [(~inverted, "white", picture.PAPER), (inverted, picture.ACCENT, picture.ACCENT)]:
-        ax.add_collection(PolyCollection(triangles[chosen], facecolors=face, edgecolors=edge, linewidths=0.5,
-                                         antialiased=False))
+        ax.add_collection(PolyCollection(triangles[chosen], facecolors=face, edgecolors=edge, linewidths=0.4))
     ax.set(xlim=(centre - 1.4, centre + 1.6), ylim=(-1.5, 1.5), aspect="equal", xticks=[], yticks=[],
            title=f"{name.removesuffix(' in 1')}: {inverted.sum()} inverted")
 

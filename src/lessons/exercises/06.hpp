@@ -15,7 +15,8 @@ double penalty_for(double kappa, double g, double tolerance);
 // q_infinity.
 double without_penalty_error(double mu_1, double q_1, double mu_2, double q_2);
 
-// 6.4 The condition number, largest over smallest eigenvalue, of K + mu a a' with K symmetric positive definite.
+// 6.4 The condition number, largest over smallest eigenvalue, of K + mu a a' with K symmetric positive definite;
+// to six digits for mu = 1e15, too.
 double condition_with_penalty(const Mat<2>& K, const Vec<2>& a, double mu);
 
 }  // namespace almesh::lessons

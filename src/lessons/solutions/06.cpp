@@ -22,7 +22,10 @@ double condition_with_penalty(const Mat<2>& K, const Vec<2>& a, double mu) {
         for (int j = 0; j < 2; ++j) H[i][j] += mu * a[i] * a[j];
     const double mean = (H[0][0] + H[1][1]) / 2, radius = std::hypot((H[0][0] - H[1][1]) / 2, H[0][1]);
     const double large = mean + radius;
-    return large * large / determinant(H);  // the small one, det / large, without cancellation
+    // det H = det K + mu a' adj(K) a and large times small: no difference of large numbers.
+    const double det =
+        determinant(K) + mu * (K[1][1] * a[0] * a[0] - 2 * K[0][1] * a[0] * a[1] + K[0][0] * a[1] * a[1]);
+    return large * large / det;
 }
 
 }  // namespace almesh::lessons
