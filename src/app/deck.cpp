@@ -57,7 +57,7 @@ void read_key(Deck& deck, std::string_view name, std::string_view value, const s
 // Reads and removes `NAME =` at the beginning of `text`.
 std::string take_boundary_name(std::string_view& text) {
     const bool in_quotes = !text.empty() && text[0] == '"';
-    const auto close = in_quotes ? text.find('"', 1) : std::string_view::npos;
+    const auto close = in_quotes ? closing_quote(text) : std::string_view::npos;
     const auto equals = text.find('=', in_quotes ? std::min(close, text.size()) : 0);
     const std::string_view written = trim(text.substr(0, equals));
     const auto name = without_quotes(written);

@@ -32,7 +32,7 @@ DeckValue text(const char* what) {
         deck.*member = *value;
         return std::nullopt;
     };
-    return {what, set, [](const Deck& deck) { return quoted_where_needed(deck.*member, "#"); }};
+    return {what, set, [](const Deck& deck) { return quoted_where_needed(deck.*member, "#\""); }};
 }
 
 // An enum; enumerator i is written names[i].

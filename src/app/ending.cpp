@@ -50,7 +50,7 @@ bool constrained(const Deck& deck, const AlIteration& row) {
 
 std::string quality_of_element(const Solution& solution, int element) {
     return "eta " + shown(solution.al.distortion.element_max[element]) +
-           ", scaled Jacobian >= " + shown(solution.certificate.lower_bound[element]);
+           ", scaled Jacobian >= " + rounded_down(solution.certificate.lower_bound[element], 4);
 }
 
 std::string name_of_node(const Mesh& mesh, const Obstacle& obstacle) {
@@ -172,7 +172,7 @@ void print_obstacle(std::FILE* out, const Deck& deck, const Problem& problem, co
 
 std::string judgement(const Problem& problem, const Solution& solution) {
     if (is_certified(solution)) return "certified valid and injective";
-    if (!solution.certificate.valid) return "NOT certified valid";
+    if (!solution.certificate.valid) return "NOT certified valid (" + counts_of(solution.certificate) + ")";
     const bool told = solution.obstacle.kind == ObstacleKind::overlap;
     return "all elements valid, but NOT certified injective" +
            (told ? "" : ": " + overlap_text(problem.mesh(), solution.injectivity, problem.length));
@@ -277,8 +277,8 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
         std::fprintf(out, "the Cholesky factor takes %.3g GB, more than this machine's memory\n",
                      solution.refused_bytes / 1e9);
     const bool shows = solution.obstacle.kind != ObstacleKind::none && deck.vtk != VtkOutput::none;
-    std::fprintf(out, "%s: scaled Jacobian >= %.4g everywhere; results in %s%s\n", judgement(problem, solution).c_str(),
-                 solution.certificate.min_scaled_jacobian, deck.output.c_str(),
+    std::fprintf(out, "%s: scaled Jacobian >= %s everywhere; results in %s%s\n", judgement(problem, solution).c_str(),
+                 rounded_down(solution.certificate.min_scaled_jacobian, 4).c_str(), deck.output.c_str(),
                  shows ? ", the elements around the obstacle in stop.vtk" : "");
 }
 

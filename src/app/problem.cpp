@@ -22,10 +22,19 @@
 namespace almesh {
 namespace {
 
-RawMesh read_mesh_file(const std::string& path, std::string& hash) {
-    const std::string text = read_file(path);
+// The contents of a file that the deck names at `where`.
+std::string read_named_file(const std::string& where, const std::string& path) {
+    try {
+        return read_file(path);
+    } catch (const InputError& error) {
+        throw InputError(where, ": ", error.what());
+    }
+}
+
+RawMesh read_mesh_file(const Deck& deck, std::string& hash) {
+    const std::string text = read_named_file(deck.given.at("mesh"), deck.mesh);
     RawMesh raw;
-    parallel_invoke([&] { raw = parse_mesh(text, path); }, [&] { hash = hash_of(text); });
+    parallel_invoke([&] { raw = parse_mesh(text, deck.mesh); }, [&] { hash = hash_of(text); });
     return raw;
 }
 
@@ -276,7 +285,7 @@ Problem make_problem(const Deck& deck) {
     Problem problem;
     check_start(deck);
     check_method(deck);
-    problem.base = build_mesh(read_mesh_file(deck.mesh, problem.mesh_hash), problem.notes);
+    problem.base = build_mesh(read_mesh_file(deck, problem.mesh_hash), problem.notes);
     check_quadrature(deck, std::max(deck.degree, problem.base.degree));
     const int degree = deck.degree ? deck.degree : problem.base.degree;
     check_final_degree(deck, degree);

@@ -14,7 +14,7 @@ namespace {
 void print_element(std::FILE* out, const Mesh& mesh, int element, const std::array<double, 3>& centre, double value) {
     std::fprintf(out, "  %lld  (", mesh.file.element_id[element]);
     for (int a = 0; a < mesh.dim; ++a) std::fprintf(out, "%s%.6g", a ? ", " : "", centre[a]);
-    std::fprintf(out, ")  %.4g\n", value);
+    std::fprintf(out, ")  %s\n", rounded_down(value, 4).c_str());
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ ExitCode quality(const std::string& mesh_path, std::FILE* out) {
     for (const WorstElement& worst : shape.worst) print_element(out, mesh, worst.element, worst.centre, worst.quality);
 
     const Certificate certificate = certify(mesh, mesh.x);
-    std::fprintf(out, "\nscaled Jacobian >= %.6g everywhere", certificate.min_scaled_jacobian);
+    std::fprintf(out, "\nscaled Jacobian >= %s everywhere", rounded_down(certificate.min_scaled_jacobian, 6).c_str());
     std::fprintf(out, certificate.valid ? ": all elements certified valid\n" : "\n");
     print_uncertified(out, mesh, mesh.x, 1, certificate);
     const Injectivity injectivity = certify_injective(mesh, mesh.x, certificate);
@@ -48,7 +48,8 @@ void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<doubl
     constexpr std::size_t shown = 10;
     const std::vector<int>& bad = certificate.uncertified;
     if (bad.empty()) return;
-    std::fprintf(out, "%zu elements NOT certified valid; the worst (id, centre, scaled Jacobian >=):\n", bad.size());
+    std::fprintf(out, "NOT certified valid: %s; the worst (id, centre, scaled Jacobian >=):\n",
+                 counts_of(certificate).c_str());
     for (std::size_t k = 0; k < bad.size() && k < shown; ++k) {
         std::array<double, 3> centre = centroid(mesh, x, mesh.element(bad[k]), mesh.dim + 1);
         for (double& coordinate : centre) coordinate *= length;

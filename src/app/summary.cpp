@@ -125,7 +125,7 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"refined_elements", "curved elements that came near folding and were given a finer quadrature"}, count,
      [](R r) { return text(r.solution.refined_elements); }},
     {{"min_scaled_jacobian", "lower bound of the scaled Jacobian over all elements, everywhere in them"}, decimal,
-     [](R r) { return text(r.solution.certificate.min_scaled_jacobian, 6); }},
+     [](R r) { return rounded_down(r.solution.certificate.min_scaled_jacobian, 6); }},
     {{"invalid_elements", "elements that are not certified valid everywhere, inverted ones among them"}, count,
      [](R r) { return text(static_cast<long long>(r.solution.certificate.uncertified.size())); }},
     {{"certified_valid", "yes where det J > 0 is proved in every element, else no"}, word,

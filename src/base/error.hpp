@@ -35,6 +35,6 @@ struct InputError : Error {
 };
 
 // Printed where an allocation fails; the exit code is `input`.
-inline constexpr const char* out_of_memory = "almesh: out of memory; a coarser mesh takes less, and so may solver=cg\n";
+inline constexpr const char* out_of_memory = "almesh: out of memory; a coarser mesh takes less\n";
 
 }  // namespace almesh

@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 
 namespace almesh {
 
@@ -75,6 +77,18 @@ std::string hash_of(std::string_view text) {
     for (auto digit = digits.rbegin(); digit != digits.rend(); ++digit, hash /= 16)
         *digit = "0123456789abcdef"[hash % 16];
     return digits;
+}
+
+std::string rounded_down(double value, int digits) {
+    const auto shown = [digits](double number) {
+        char text[64];
+        std::snprintf(text, sizeof text, "%.*g", digits, number);
+        return std::string(text);
+    };
+    std::string text = shown(value);
+    if (!std::isfinite(value) || std::strtod(text.c_str(), nullptr) <= value) return text;
+    const double last_digit = std::pow(10, std::floor(std::log10(std::abs(value))) - digits + 1);
+    return shown(value - last_digit);
 }
 
 std::string counted(std::size_t count, const char* noun) { return concat(count, " ", noun, count == 1 ? "" : "s"); }
@@ -152,13 +166,28 @@ std::string with_quotes(std::string_view text) { return std::string("\"").append
 
 std::string quoted_where_needed(const std::string& text, const char* special) {
     const bool bare = !text.empty() && trim(text) == text && text.find_first_of(special) == std::string::npos;
-    return bare ? text : with_quotes(text);
+    if (bare) return text;
+    std::string doubled;
+    for (const char c : text) doubled.append(c == '"' ? 2 : 1, c);
+    return with_quotes(doubled);
+}
+
+std::size_t closing_quote(std::string_view text) {
+    auto close = text.find('"', 1);
+    while (close != std::string_view::npos && close + 1 < text.size() && text[close + 1] == '"')
+        close = text.find('"', close + 2);
+    return close;
 }
 
 std::optional<std::string> without_quotes(std::string_view text) {
-    if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
-    if (text.find('"') != std::string_view::npos) return std::nullopt;
-    return std::string(text);
+    const bool in_quotes = text.size() >= 2 && text.front() == '"' && text.back() == '"';
+    if (in_quotes) text = text.substr(1, text.size() - 2);
+    std::string inside;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (text[i] == '"' && (!in_quotes || i + 1 == text.size() || text[++i] != '"')) return std::nullopt;
+        inside += text[i];
+    }
+    return inside;
 }
 
 }  // namespace almesh

@@ -40,6 +40,8 @@ std::string concat(const Parts&... parts) {
     return text;
 }
 
+std::string rounded_down(double value, int digits);  // as %.<digits>g, but never more than the value: for bounds
+
 std::string hash_of(std::string_view text);  // FNV-1a, 64 bits, as 16 hexadecimal digits
 
 std::string counted(std::size_t count, const char* noun);  // "1 node", "2 nodes"
@@ -67,10 +69,15 @@ std::string table_row(const std::vector<std::string>& cells, const std::vector<s
 std::string in_backquotes(std::string_view text);  // a word of the user, as messages show it
 std::string with_quotes(std::string_view text);    // in double quotes; the text itself must not hold one
 
-// The text, in double quotes where it is empty, has blanks at an end or holds one of the special characters.
+// The text, in double quotes where it is empty, has blanks at an end or holds one of the special characters (a double
+// quote must be one of them); quotes in it are doubled.
 std::string quoted_where_needed(const std::string& text, const char* special);
 
-// What stands inside the quotes, or the text itself where it is not quoted; nothing where a quote stands inside.
+// Where the double quote that a text begins with is closed, past doubled ones; npos where it is not.
+std::size_t closing_quote(std::string_view text);
+
+// What stands inside the quotes, doubled ones as one, or the text itself where it is not quoted; nothing where another
+// quote stands inside.
 std::optional<std::string> without_quotes(std::string_view text);
 
 // A row of the list of keys: what is written and what it means.

@@ -9,6 +9,7 @@
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
+#include "base/text.hpp"
 #include "geometry/element_jacobian.hpp"
 
 namespace almesh {
@@ -70,6 +71,13 @@ Certificate certify(const Mesh& mesh, const std::vector<double>& x, const Certif
     certificate.valid = uncertified.empty();
     std::stable_sort(uncertified.begin(), uncertified.end(), [&](int a, int b) { return lower[a] < lower[b]; });
     return certificate;
+}
+
+std::string counts_of(const Certificate& certificate) {
+    const std::size_t undecided = certificate.undecided, invalid = certificate.uncertified.size() - undecided;
+    if (undecided == 0) return counted(invalid, "element") + " proved invalid";
+    if (invalid == 0) return counted(undecided, "element") + " undecided";
+    return concat(counted(invalid, "element"), " proved invalid, ", undecided, " undecided");
 }
 
 }  // namespace almesh

@@ -7,6 +7,7 @@
 // Cost: per element, one product with a matrix of nodes x nodes, and a cross and a dot product of polynomials with
 // vectors as coefficients; few elements of a mesh of good quality need bisection.
 #pragma once
+#include <string>
 #include <vector>
 
 #include "mesh/mesh.hpp"
@@ -25,6 +26,9 @@ struct Certificate {
     std::vector<int> uncertified;     // elements that are invalid or undecided, lowest bound first
     std::vector<double> lower_bound;  // per element; 0 where its vertices span no volume or x is not finite
 };
+
+// "3 elements proved invalid, 1 undecided"
+std::string counts_of(const Certificate& certificate);
 
 // x: node_count x dim positions. The bounds account for rounding. Same bits for any number of threads.
 Certificate certify(const Mesh& mesh, const std::vector<double>& x, const CertificateParams& params = {});

@@ -56,6 +56,14 @@ int overlapped_vertex(const Mesh& mesh, const std::vector<double>& x) {
     return found == sum.end() ? -1 : static_cast<int>(found - sum.begin());
 }
 
+std::string fold_text(const Mesh& mesh, const std::vector<double>& x) {
+    const auto [a, b] = mesh.folded[0];
+    const auto id = [&mesh](int e) { return mesh.file.element_id.empty() ? e : mesh.file.element_id[e]; };
+    const std::array<double, 3> place = centroid(mesh, x, mesh.element(a), mesh.dim + 1);
+    return concat("elements ", id(a), " and ", id(b), " lie on the same side of their common face at ",
+                  place_text(place.data(), mesh.dim), ", the first of ", counted(mesh.folded.size(), "such pair"));
+}
+
 }  // namespace
 
 std::string overlap_text(const Mesh& mesh, const Injectivity& found, double unit) {
@@ -65,6 +73,7 @@ std::string overlap_text(const Mesh& mesh, const Injectivity& found, double unit
 
 Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate) {
     if (!certificate.valid) return {.obstacle = "elements are not certified valid"};
+    if (!mesh.folded.empty()) return {.obstacle = fold_text(mesh, x)};
     if (const int i = overlapped_vertex(mesh, x); i >= 0)
         return {.obstacle = concat("the elements around node ", mesh.file.node_id.empty() ? i : mesh.file.node_id[i],
                                    " overlap"),

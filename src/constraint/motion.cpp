@@ -199,7 +199,7 @@ void check(const MotionForm& form, Step step) {
 std::vector<std::string_view> quoted_words(std::string_view text) {
     std::vector<std::string_view> result;
     for (text = trim(text); !text.empty(); text = trim(text)) {
-        const std::size_t close = text[0] == '"' ? text.find('"', 1) : std::string_view::npos;
+        const std::size_t close = text[0] == '"' ? closing_quote(text) : std::string_view::npos;
         const std::size_t end = std::min(close == std::string_view::npos ? text.find_first_of(" \t") : close + 1,
                                          text.size());
         result.push_back(text.substr(0, end));

@@ -165,12 +165,13 @@ Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds
     fill_elements(build);
     const std::vector<int> negative = negative_elements(build);
     reverse(mesh, negative);
-    const std::vector<std::array<int, 2>> folded = fill_boundary(build);
-    if (!folded.empty() && folds == Folds::refuse)
-        build.refuse(build.element(folded[0][1]), "lies on the same side of their common face as ",
-                     name_of(build.element(folded[0][0])), ", the first of ", counted(folded.size(), "such pair"),
-                     ": the mesh folds over itself; `almesh quality` lists its inverted elements");
-    if (!folded.empty()) reverse(mesh, minority(mesh, negative));
+    mesh.folded = fill_boundary(build);
+    if (!mesh.folded.empty() && folds == Folds::refuse)
+        build.refuse(build.element(mesh.folded[0][1]), "lies on the same side of their common face as ",
+                     name_of(build.element(mesh.folded[0][0])), ", the first of ",
+                     counted(mesh.folded.size(), "such pair"),
+                     ": the mesh folds over itself; `almesh quality` tells where");
+    if (!mesh.folded.empty()) reverse(mesh, minority(mesh, negative));
     else if (!negative.empty())
         notes.push_back(concat(counted(negative.size(), "element"),
                                " with negative orientation turned, the first is element ",

@@ -24,6 +24,7 @@ struct Mesh {
     std::vector<int> face_element;     // element each face belongs to
     std::vector<int> face_boundary;    // index into boundaries
     std::vector<std::string> boundaries;  // physical names (or "tag 7" where the file names none)
+    std::vector<std::array<int, 2>> folded;  // neighbours on the same side of their common face: only of Folds::keep
     std::array<KeptCells, 3> kept{};      // by dimension, below that of the mesh
     FileTags file;
 

@@ -121,9 +121,22 @@ TEST_CASE("quality of a mesh with inverted elements: code 4, and the first ten b
         const Outcome outcome = almesh_with({"quality", folder.write("bad.msh", msh_of(mesh))});
         CAPTURE(outcome.out);
         CHECK(outcome.code == 4);
-        CHECK(has(outcome.out, std::to_string(bad) + " elements NOT certified valid"));
+        CHECK(has(outcome.out, "NOT certified valid: " + std::to_string(bad) + " element"));
         CHECK(count_lines_after(outcome.out, "NOT certified") == static_cast<int>(std::min<std::size_t>(bad, 10)));
     }
+}
+
+TEST_CASE("quality does not certify two elements on the same side of their common face, both positive in the file") {
+    const TemporaryFolder folder;
+    const std::string path = folder.write("fold.msh",
+                                          "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n"
+                                          "3 0.5 1 0\n4 0.5 0.5 0\n$EndNodes\n$Elements\n6\n1 1 2 1 1 1 3\n"
+                                          "2 1 2 1 1 2 3\n3 1 2 1 1 1 4\n4 1 2 1 1 2 4\n5 2 2 2 1 1 2 3\n"
+                                          "6 2 2 2 1 1 2 4\n$EndElements\n");
+    const Outcome outcome = almesh_with({"quality", path});
+    CHECK(outcome.code == 4);
+    CHECK(has(outcome.out, "NOT certified injective: elements 5 and 6 lie on the same side of their common face at (0.5, "));
+    CHECK(!has(outcome.out, "no two elements overlap"));
 }
 
 TEST_CASE("quality of what is no mesh: code 2, naming the file") {

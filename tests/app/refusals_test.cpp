@@ -150,6 +150,13 @@ TEST_CASE("mesh files that cannot be read: code 2, naming the file") {
     check_refused(run_on("solid cube\nfacet normal 0 0 1\n"), 2, {"ring.msh:1", "not a Gmsh mesh file"});
 }
 
+TEST_CASE("a mesh file that is not there: where it is named") {
+    const RingDeck ring;
+    check_refused(ring.run({"mesh=missing.msh"}), 2, {"command line: cannot read missing.msh: No such file"});
+    std::filesystem::remove(ring.folder.path("ring.msh"));
+    check_refused(ring.run(), 2, {"ring.deck:2: cannot read ", "ring.msh: No such file"});
+}
+
 TEST_CASE("mesh files whose contents cannot be meant: code 2 with file and line") {
     for (int version : {22, 41}) {
         Mesh mesh = ring_mesh(8, 1, 2);

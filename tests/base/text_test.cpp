@@ -114,4 +114,25 @@ TEST_CASE("quotes") {
     CHECK(!without_quotes("\""));
     CHECK(!without_quotes("a\"b"));
     CHECK(!without_quotes("\"a\"b\""));
+    for (const char* text : {"a\"b", "\"", "\"\"", "\"a\" \"", "a # \"b"})
+        CHECK(without_quotes(quoted_where_needed(text, "#\"")) == text);
+    CHECK(closing_quote("\"a\"\"b\" = c\"") == 5);
+    CHECK(closing_quote("\"a\"\"") == std::string_view::npos);
+}
+
+TEST_CASE("bounds are printed down") {
+    CHECK(rounded_down(0.123456, 4) == "0.1234");
+    CHECK(rounded_down(0.99999, 4) == "0.9999");
+    CHECK(rounded_down(-0.123456, 4) == "-0.1235");
+    CHECK(rounded_down(1, 4) == "1");
+    CHECK(rounded_down(0, 4) == "0");
+    CHECK(rounded_down(9.9996e-7, 4) == "9.999e-07");
+    CHECK(rounded_down(-std::numeric_limits<double>::infinity(), 4) == "-inf");
+    for (double value = -3; value < 3; value += 0.000731) CHECK(parse_double(rounded_down(value, 3)) <= value);
+}
+
+TEST_CASE("a hash of a text") {
+    CHECK(hash_of("") == "cbf29ce484222325");
+    CHECK(hash_of("a") == "af63dc4c8601ec8c");  // the published test vectors of FNV-1a
+    CHECK(hash_of("foobar") == "85944171f73967e8");
 }
