@@ -10,6 +10,7 @@ namespace almesh {
 
 struct Certificate;
 struct Deck;
+struct Frame;
 struct Mesh;
 
 // arguments: without the program's name. Prints errors to `error`; returns the exit code.
@@ -27,9 +28,9 @@ ExitCode quality(const std::string& mesh_path, std::FILE* out);
 // that is no mesh.
 ExitCode info(const std::string& mesh_path, std::FILE* out);
 
-// How many elements the certificate could not prove valid, and the worst ten: id, centre (in units of the mesh file:
-// that of x times length), lower bound of the scaled Jacobian. Prints nothing where all are certified.
-void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, double length,
+// How many elements the certificate could not prove valid, and the worst ten: id, centre in the file, lower bound of the
+// scaled Jacobian. Prints nothing where all are certified.
+void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Frame& frame,
                        const Certificate& certificate);
 
 // What was built, for --version and for every file that a run writes.

@@ -73,13 +73,13 @@ std::string text_of_way(double way) {
 std::string description(const Problem& problem, const Solution& solution) {
     const Mesh& mesh = problem.mesh();
     const Obstacle& at = solution.obstacle;
-    const double unit = problem.length;
-    const std::string place = " at " + place_text(at.place.data(), mesh.dim, unit);
+    const double unit = problem.frame.length;
+    const std::string place = " at " + place_text(problem.frame.to_file(at.place).data(), mesh.dim);
     switch (at.kind) {
         case ObstacleKind::none: return "";
         case ObstacleKind::off_target:
             return name_of_node(mesh, at) + place + " is " + shown(at.distance * unit) + " from its target " +
-                   place_text(at.target.data(), mesh.dim, unit) + ", " + shown(at.heights, 2) +
+                   place_text(problem.frame.to_file(at.target).data(), mesh.dim) + ", " + shown(at.heights, 2) +
                    " of its cells' height" + text_of_way(at.way);
         case ObstacleKind::unbalanced:
             return name_of_node(mesh, at) + place + " has " + shown(100 * at.share, 2) + " % of |grad E|, the most";
@@ -89,7 +89,7 @@ std::string description(const Problem& problem, const Solution& solution) {
         case ObstacleKind::invalid:
             return name_of_element(mesh, at) + place + " is the worst: " + quality_of_element(solution, at.element);
         case ObstacleKind::overlap:
-            return overlap_text(problem.mesh(), solution.injectivity, problem.length) + ": " +
+            return overlap_text(problem.mesh(), solution.injectivity, problem.frame) + ": " +
                    (at.node >= 0 ? name_of_node(mesh, at) : name_of_element(mesh, at));
     }
     return "";
@@ -119,7 +119,7 @@ void add_against_iterations(const Deck& deck, const Problem& problem, const Solu
     const double before = rows[rows.size() - 2].projected_constraint_norm, last = rows.back().projected_constraint_norm;
     if (last > 0.5 * before) return add_against_distance(deck, problem, solution, to_try);
     to_try.push_back(concat("max_al_iterations = ", 2 * deck.method.max_iterations, ": |P c_D| fell from ") +
-                     shown(before * problem.length, 3) + " to " + shown(last * problem.length, 3) + " in the last one");
+                     shown(before * problem.frame.length, 3) + " to " + shown(last * problem.frame.length, 3) + " in the last one");
 }
 
 void add_against_solver(const Deck& deck, const Solution& solution, std::vector<std::string>& to_try) {
@@ -175,7 +175,7 @@ std::string judgement(const Problem& problem, const Solution& solution) {
     if (!solution.certificate.valid) return "NOT certified valid (" + counts_of(solution.certificate) + ")";
     const bool told = solution.obstacle.kind == ObstacleKind::overlap;
     return "all elements valid, but NOT certified injective" +
-           (told ? "" : ": " + overlap_text(problem.mesh(), solution.injectivity, problem.length));
+           (told ? "" : ": " + overlap_text(problem.mesh(), solution.injectivity, problem.frame));
 }
 
 void print_boundary(std::FILE* out, const Problem& problem, const Solution& solution) {
@@ -183,17 +183,17 @@ void print_boundary(std::FILE* out, const Problem& problem, const Solution& solu
     if (solution.nodes_off_target == 0)
         std::fprintf(out, "every boundary node is at its target%s, the boundary between them to %.3g\n",
                      problem.sliding ? " or on the surface along which it slides" : " to the last bit",
-                     solution.max_boundary_error * problem.length);
+                     solution.max_boundary_error * problem.frame.length);
     else
         std::fprintf(out,
                      "|c_D| = %.3g; %d boundary nodes off their targets, by at most %.2g of a cell's height; "
                      "largest boundary error %.3g\n",
-                     last.constraint_norm * problem.length, solution.nodes_off_target, last.relative_boundary_error,
-                     solution.max_boundary_error * problem.length);
+                     last.constraint_norm * problem.frame.length, solution.nodes_off_target, last.relative_boundary_error,
+                     solution.max_boundary_error * problem.frame.length);
     if (solution.released_nodes)
         std::fprintf(out, "%d nodes slid along the surface, by at most %.3g; the faces are within %.3g of it\n",
-                     solution.released_nodes, solution.largest_slide * problem.length,
-                     solution.surface_distance * problem.length);
+                     solution.released_nodes, solution.largest_slide * problem.frame.length,
+                     solution.surface_distance * problem.frame.length);
 }
 
 // "5 AL and 11 Newton iterations"

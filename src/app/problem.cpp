@@ -207,16 +207,25 @@ std::unique_ptr<Level> discretise(const Deck& deck, const Problem& problem, int 
 }
 
 // Where the nodes are at a fraction of the way there from the ideal mesh.
-PlacedNodes at_fraction(PlacedNodes placed, const std::vector<double>& ideal, double length, double fraction) {
+PlacedNodes at_fraction(PlacedNodes placed, const std::vector<double>& ideal, double fraction) {
     for (std::vector<double>& of_boundary : placed)
         for (std::size_t i = 0; i < of_boundary.size(); ++i)
-            of_boundary[i] = length * ideal[i] + fraction * (of_boundary[i] - length * ideal[i]);
+            of_boundary[i] = ideal[i] + fraction * (of_boundary[i] - ideal[i]);
     return placed;
 }
 
-void divide(std::initializer_list<std::vector<double>*> positions, double length) {
-    for (std::vector<double>* x : positions)
-        for (double& value : *x) value /= length;
+// A mesh that is many times its size away from the origin of its file gets one of its own, in its middle.
+Vec<3> local_origin(const Mesh& mesh) {
+    constexpr double far = 16;
+    Vec<3> low{}, high{}, middle{};
+    for (int a = 0; a < mesh.dim; ++a) low[a] = high[a] = mesh.x[a];
+    for (std::size_t k = 0; k < mesh.x.size(); ++k) {
+        const auto a = static_cast<int>(k % mesh.dim);
+        low[a] = std::min(low[a], mesh.x[k]);
+        high[a] = std::max(high[a], mesh.x[k]);
+    }
+    for (int a = 0; a < mesh.dim; ++a) middle[a] = low[a] + 0.5 * (high[a] - low[a]);
+    return length(middle) > far * length(high - low) ? middle : Vec<3>{};
 }
 
 // Boundaries along which nodes slide.
@@ -229,10 +238,10 @@ std::vector<char> slides(const Mesh& mesh, const BoundaryTarget& target) {
 
 // Null where no node slides. target: of the mesh `base`, in units of the file.
 std::shared_ptr<SlidingSurfaces> sliding_surfaces(double feature_angle, const Mesh& base, const BoundaryTarget& target,
-                                                  const std::vector<char>& slides, double length,
+                                                  const std::vector<char>& slides, const Frame& frame,
                                                   const std::vector<OtherSurface>& other = {}) {
     if (std::count(slides.begin(), slides.end(), 1) == 0) return nullptr;
-    return std::make_shared<SlidingSurfaces>(base, target.node, slides, feature_angle, length, other);
+    return std::make_shared<SlidingSurfaces>(base, target.node, slides, feature_angle, frame, other);
 }
 
 // Takes back the release of nodes on boundaries whose surfaces are not known.
@@ -256,8 +265,12 @@ void note_surfaces(const Deck& deck, const Mesh& mesh, const SlidingSurfaces& sl
     }
 }
 
-void change_unit(double length, Level& level, BoundaryTarget& target) {
-    divide({&level.mesh.x, &level.ideal, &target.node, &target.sample}, length);
+void take_to_run(const Frame& frame, int dim, std::initializer_list<std::vector<double>*> positions) {
+    for (std::vector<double>* const x : positions) frame.take_to_run(*x, dim);
+}
+
+void take_to_run(const Frame& frame, Level& level, BoundaryTarget& target) {
+    take_to_run(frame, level.mesh.dim, {&level.mesh.x, &level.ideal, &target.node, &target.sample});
 }
 
 }  // namespace
@@ -302,7 +315,8 @@ Problem make_problem(const Deck& deck) {
     check_final_ids(deck, mesh);
     release_folded(deck, problem.base.degree, mesh, problem.ideal(), problem.target, problem.notes);
     check_prescribed(deck, problem.target);
-    problem.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
+    problem.frame.origin = local_origin(problem.base);
+    problem.frame.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
     problem.node_target = problem.target.node;
     std::shared_ptr<SlidingSurfaces> sliding;
     if (!problem.target.prescribes_all()) {
@@ -312,10 +326,10 @@ Problem make_problem(const Deck& deck) {
         const BoundaryTarget of_shape = make_target(problem.shape(), motions_of(deck, problem.base), problem.placed);
         const std::vector<OtherSurface> other = read_other_surfaces(deck, problem.base, problem.notes);
         sliding = sliding_surfaces(deck.feature_angle, problem.shape(), of_shape, slides(mesh, problem.target),
-                                   problem.length, other);
+                                   problem.frame, other);
         if (sliding) note_surfaces(deck, mesh, *sliding, problem.notes);
     }
-    change_unit(problem.length, *problem.level, problem.target);
+    take_to_run(problem.frame, *problem.level, problem.target);
     if (sliding) smooth_released(mesh, problem.target, *sliding);
     problem.sliding = std::move(sliding);
     problem.run_id = run_id(deck, problem.mesh_hash);
@@ -338,18 +352,19 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
     const double angle = deck.feature_angle;
     level.constraint_at = [&problem, &level, motions, placed, kind, angle,
                            released = target.released](double fraction) {
-        const double length = problem.length;
+        const Frame& frame = problem.frame;
+        const int dim = level.mesh.dim;
         std::vector<Motion> parts;
         for (const Motion& motion : motions) parts.push_back(at_fraction(motion, fraction));
-        Mesh in_file_units = level.mesh;  // curved by the same fraction, where the file is
+        Mesh in_file = level.mesh;  // curved by the same fraction, where the file is
         for (std::size_t i = 0; i < level.ideal.size(); ++i)
-            in_file_units.x[i] = length * (level.ideal[i] + fraction * (level.mesh.x[i] - level.ideal[i]));
+            in_file.x[i] = frame.to_file(level.ideal[i] + fraction * (level.mesh.x[i] - level.ideal[i]), i, dim);
         std::unique_ptr<Constraint> constraint;
         try {
             BoundaryTarget part =
-                make_target(in_file_units, parts, at_fraction(placed, level.ideal, length, fraction));
-            prescribe_shared_nodes(in_file_units, part);
-            divide({&part.node, &part.sample}, length);
+                make_target(in_file, parts, at_fraction(placed, frame.to_file(level.ideal, dim), fraction));
+            prescribe_shared_nodes(in_file, part);
+            take_to_run(frame, dim, {&part.node, &part.sample});
             part.released = released;
             std::shared_ptr<SlidingSurfaces> sliding;
             if (problem.sliding) {
@@ -358,9 +373,9 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
                 if (!released.empty())
                     for (std::size_t i = 0; i < straight.size(); ++i)
                         shape.x[i] = straight[i] + fraction * (shape.x[i] - straight[i]);
-                const PlacedNodes shape_placed = at_fraction(problem.placed, straight, 1, fraction);
+                const PlacedNodes shape_placed = at_fraction(problem.placed, straight, fraction);
                 sliding = sliding_surfaces(angle, shape, make_target(shape, parts, shape_placed),
-                                           slides(level.mesh, part), length);  // of its own: another mesh's is the end
+                                           slides(level.mesh, part), frame);  // of its own: another mesh's is the end
                 if (sliding) smooth_released(level.mesh, part, *sliding);
             }
             constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, part, kind, sliding);
@@ -390,7 +405,7 @@ std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, c
         keep_where_unknown(level->mesh, *problem.sliding, target);
         level->is_worth_little = level->mesh.degree < problem.shape().degree;  // it has not the shape of the file
     }
-    change_unit(problem.length, *level, target);
+    take_to_run(problem.frame, *level, target);
     Deck simpler = deck;
     if (level->mesh.degree < problem.mesh().degree) simpler.target = TargetKind::nodal;
     set_functional(simpler, problem, target, placed, *level);

@@ -1,4 +1,4 @@
-// From the deck to the problem to be solved: the mesh, its target, and both in the run's unit of length.
+// From the deck to the problem to be solved: the mesh, its target, and both in the run's frame.
 #pragma once
 #include <memory>
 #include <optional>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/deck.hpp"
+#include "base/frame.hpp"
 #include "constraint/sliding.hpp"
 #include "constraint/target.hpp"
 #include "method/follow.hpp"
@@ -15,12 +16,12 @@ namespace almesh {
 struct Problem {
     Mesh base;                     // as read and mended
     std::optional<Mesh> raised;    // and of the degree of the meshes that place its boundaries, where that is higher
-    std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in units of `length`
-    BoundaryTarget target;         // in units of `length`
+    std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in the run's frame
+    BoundaryTarget target;         // in the run's frame
     std::vector<double> node_target;  // target.node in units of the file
     PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
-    double length = 1;             // of the mesh file, by which positions were divided
+    Frame frame;                   // of the run, by the mesh file
     std::string mesh_hash;         // FNV-1a of the file, to tell which mesh a result came from
     // In all files of the run: a hash of the settings and of the mesh, so that the same run again has the same.
     std::string run_id;
@@ -35,7 +36,7 @@ struct Problem {
 // themselves included. The level has no energy and no constraint yet.
 Problem make_problem(const Deck& deck);
 
-// Gives the level its energy and its constraint: the functional of Eq. 6. target: in units of problem.length, placed:
+// Gives the level its energy and its constraint: the functional of Eq. 6. target: in the run's frame, placed:
 // in those of the file. The problem must outlive the level.
 void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
                     Level& level);
@@ -53,7 +54,7 @@ struct CoarserMesh {
 // From coarse to fine: linear meshes refined 0, 1, ... times, then as fine as the deck's own of degree 1, 2, ...
 std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem);
 
-// The problem on it, in the same unit of length; the target is not checked again. With a lower degree than the deck's,
+// The problem on it, in the same frame; the target is not checked again. With a lower degree than the deck's,
 // nodes are moved to where the motion takes them: what is curved between them is left to the finer mesh.
 std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, const CoarserMesh& coarser);
 

@@ -35,7 +35,7 @@ ExitCode quality(const std::string& mesh_path, std::FILE* out) {
     const Certificate certificate = certify(mesh, mesh.x);
     std::fprintf(out, "\nscaled Jacobian >= %s everywhere", rounded_down(certificate.min_scaled_jacobian, 6).c_str());
     std::fprintf(out, certificate.valid ? ": all elements certified valid\n" : "\n");
-    print_uncertified(out, mesh, mesh.x, 1, certificate);
+    print_uncertified(out, mesh, mesh.x, {}, certificate);
     const Injectivity injectivity = certify_injective(mesh, mesh.x, certificate);
     if (injectivity.certified) std::fprintf(out, "certified injective: no two elements overlap\n");
     else if (certificate.valid)
@@ -43,7 +43,7 @@ ExitCode quality(const std::string& mesh_path, std::FILE* out) {
     return injectivity.certified ? ExitCode::success : ExitCode::not_certified;
 }
 
-void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, double length,
+void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Frame& frame,
                        const Certificate& certificate) {
     constexpr std::size_t shown = 10;
     const std::vector<int>& bad = certificate.uncertified;
@@ -51,8 +51,7 @@ void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<doubl
     std::fprintf(out, "NOT certified valid: %s; the worst (id, centre, scaled Jacobian >=):\n",
                  counts_of(certificate).c_str());
     for (std::size_t k = 0; k < bad.size() && k < shown; ++k) {
-        std::array<double, 3> centre = centroid(mesh, x, mesh.element(bad[k]), mesh.dim + 1);
-        for (double& coordinate : centre) coordinate *= length;
+        const std::array<double, 3> centre = frame.to_file(centroid(mesh, x, mesh.element(bad[k]), mesh.dim + 1));
         print_element(out, mesh, bad[k], centre, certificate.lower_bound[bad[k]]);
     }
 }

@@ -20,7 +20,7 @@ struct AlIteration;
 struct Stage;
 struct NewtonStep;
 
-// From the run's unit of length (Problem::length) to that of the mesh file. The distortion eta has no unit, so that an
+// From the run's unit of length (Problem::frame) to that of the mesh file. The distortion eta has no unit, so that an
 // energy is a volume; the product (1, 1) = |1|^2 of constraint/dirichlet.hpp has the unit length^(dim - 2).
 struct Units {
     int dim;

@@ -33,21 +33,9 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
     return values;
 }
 
-// Of the nodes of the solution, in units of the file; those at their targets have the target's bits.
-std::vector<double> final_positions(const Problem& problem, const std::vector<double>& solution) {
-    const Mesh& mesh = problem.mesh();
-    const int dim = mesh.dim;
-    std::vector<double> x = scaled(solution, problem.length);
-    for (std::size_t k = mesh.faces.size(); k-- > 0;)  // the first face that holds a node decides
-        if (const int i = mesh.faces[k]; std::equal(point(solution, i, dim), point(solution, i, dim) + dim,
-                                                    &problem.target.node[k * dim]))
-            std::copy_n(&problem.node_target[k * dim], dim, point(x, i, dim));
-    return x;
-}
-
 VtkFormat format_of(const Deck& deck) { return deck.vtk == VtkOutput::binary ? VtkFormat::binary : VtkFormat::ascii; }
 
-// x, in the run's unit, and positions, in the file's, are the same places.
+// x, in the run's frame, and positions, in the file's, are the same places.
 void write_volume(const Deck& deck, const Problem& problem, const char* what, const std::vector<double>& x,
                   std::vector<double> positions, const std::vector<double>& distortion,
                   const std::vector<double>* scaled_jacobian) {
@@ -55,7 +43,7 @@ void write_volume(const Deck& deck, const Problem& problem, const char* what, co
     std::vector<VtkArray> point_data, cell_data = {{"distortion", 1, distortion}};
     if (!deck.wall.empty())
         point_data.push_back({"wall_distance", 1,
-                              scaled(wall_distance(mesh, x, mesh.boundary_index(deck.wall)), problem.length)});
+                              scaled(wall_distance(mesh, x, mesh.boundary_index(deck.wall)), problem.frame.length)});
     std::vector<double> quality(distortion.size()), id(distortion.size());
     for (std::size_t e = 0; e < distortion.size(); ++e) {
         quality[e] = 1 / distortion[e];
@@ -90,7 +78,7 @@ void write_boundary(const Deck& deck, const Problem& problem, const Solution& so
     }
     for (int node : mesh.faces) cells.push_back(trace[node]);
     for (int b : mesh.face_boundary) boundary.push_back(b);
-    const Units units = {dim, problem.length};
+    const Units units = {dim, problem.frame.length};
     std::vector<VtkArray> point_data = {
         {"multipliers", dim, scaled(multipliers, units.multiplier(1))},
         {"multiplier_magnitude", 1, scaled(magnitude, units.multiplier(1))},
@@ -126,7 +114,7 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
         const auto t = static_cast<int>(trace - constraint.nodes().begin());
         for (int a = 0; a < dim; ++a)
             to_target.push_back(
-                has_target ? problem.length * (targets[offset(t, dim, a)] - point(solution.x, i, dim)[a]) : 0.0);
+                has_target ? problem.frame.length * (targets[offset(t, dim, a)] - point(solution.x, i, dim)[a]) : 0.0);
     }
     std::vector<double> element_id, distortion, scaled_jacobian, at_element;
     for (const int e : around.place) {
@@ -155,6 +143,17 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
 }
 
 }  // namespace
+
+std::vector<double> final_positions(const Problem& problem, const std::vector<double>& solution) {
+    const Mesh& mesh = problem.mesh();
+    const int dim = mesh.dim;
+    std::vector<double> x = problem.frame.to_file(solution, dim);
+    for (std::size_t k = mesh.faces.size(); k-- > 0;)  // the first face that holds a node decides
+        if (const int i = mesh.faces[k]; std::equal(point(solution, i, dim), point(solution, i, dim) + dim,
+                                                    &problem.target.node[k * dim]))
+            std::copy_n(&problem.node_target[k * dim], dim, point(x, i, dim));
+    return x;
+}
 
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
     const FileFormat input = mesh.file.format, su2 = {FileFormat::Kind::su2};
@@ -187,12 +186,12 @@ void write_deck(const Deck& deck, const Problem& problem) {
 void write_initial(const Deck& deck, const Problem& problem) {
     if (deck.vtk == VtkOutput::none) return;
     const std::vector<double> undistorted(problem.mesh().element_count(), 1.0);
-    write_volume(deck, problem, "initial", problem.ideal(), scaled(problem.ideal(), problem.length), undistorted,
+    write_volume(deck, problem, "initial", problem.ideal(), problem.frame.to_file(problem.ideal(), problem.mesh().dim), undistorted,
                  nullptr);
 }
 
 void write_iterate(const Deck& deck, const Problem& problem, int number, const std::vector<double>& x) {
-    write_volume(deck, problem, iterate_name(number).c_str(), x, scaled(x, problem.length),
+    write_volume(deck, problem, iterate_name(number).c_str(), x, problem.frame.to_file(x, problem.mesh().dim),
                  problem.level->energy->statistics(x).element_max, nullptr);
     std::string files;
     for (int k = 0; k <= number; ++k)

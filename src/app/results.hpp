@@ -26,7 +26,7 @@ struct RunTimes : Timings {
     double run = 0;      // the whole
 };
 
-// What a run has found, in the run's unit of length (Problem::length).
+// What a run has found, in the run's frame (Problem::frame).
 struct Solution {
     std::vector<double> x;  // nodes x dim
     AlResult al;
@@ -46,6 +46,9 @@ struct Solution {
     double largest_slide = 0;          // and the largest distance of one from its target
     double surface_distance = 0;       // of faces whose nodes slide, from their surface
 };
+
+// Of the nodes of the solution, in the file's frame; those at their targets have the target's bits.
+std::vector<double> final_positions(const Problem& problem, const std::vector<double>& solution);
 
 void write_deck(const Deck& deck, const Problem& problem);     // deck.txt
 void write_initial(const Deck& deck, const Problem& problem);  // initial.vtk

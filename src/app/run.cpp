@@ -62,6 +62,13 @@ void snap(Level& level, Solution& solution) {
     last.relative_boundary_error = now.relative_boundary_error;
 }
 
+// What is certified is what will be read: far from the file's origin its numbers have fewer digits than those of the run.
+void round_as_file(const Problem& problem, std::vector<double>& x) {
+    if (problem.frame.origin == Vec<3>{}) return;
+    x = final_positions(problem, x);
+    problem.frame.take_to_run(x, problem.mesh().dim);
+}
+
 void measure_sliding(const Problem& problem, Solution& solution) {
     if (!problem.sliding) return;
     const Mesh& mesh = problem.mesh();
@@ -147,7 +154,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const CatchInterrupts catching;
 
     // 2. The solution on coarser meshes, where the deck starts from there.
-    Report report(out, {problem.mesh().dim, problem.length}, problem.run_id);
+    Report report(out, {problem.mesh().dim, problem.frame.length}, problem.run_id);
     const auto coarser = starts_coarse(deck) ? coarser_meshes(deck, problem) : std::vector<CoarserMesh>();
     const auto make_level = [&](int k) { return coarser_level(deck, problem, coarser[k]); };
     const auto add_stage = [&](const Stage& stage) {
@@ -185,6 +192,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
 
     // 5. What was reached: the boundary set exactly, certificates, files.
     if (snaps(deck) && solution.al.status == AlStatus::converged) snap(level, solution);
+    round_as_file(problem, solution.x);
     examine(deck, problem, solution);
     {
         const TimeAdder adder(solution.time.write);
@@ -193,7 +201,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     solution.time.run = watch.seconds();
     const Summary summary = summarise(problem, solution);
     write_summary(deck, summary);
-    print_uncertified(out, problem.mesh(), solution.x, problem.length, solution.certificate);
+    print_uncertified(out, problem.mesh(), solution.x, problem.frame, solution.certificate);
     print_ending(out, deck, problem, solution, report.fallbacks);
 
     const bool expected = expectations_hold(out, deck, summary);

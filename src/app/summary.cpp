@@ -30,7 +30,7 @@ struct Run {
     int power;
     double predicted_bytes;
     const Obstacle& at;
-    double length;  // of the mesh file, in which `at` is given
+    const Frame& frame;
     const std::string& id;
 };
 
@@ -60,7 +60,7 @@ constexpr const char* none = "none";
 
 template <int axis>
 std::string coordinate(const Run& run) {
-    return run.at.kind == ObstacleKind::none ? none : text(run.at.place[axis] * run.length, 6);
+    return run.at.kind == ObstacleKind::none ? none : text(run.frame.to_file(run.at.place)[axis], 6);
 }
 
 struct Quantity : Named {
@@ -207,11 +207,11 @@ std::string condition_text(const Expectation& expectation) {
 }  // namespace
 
 Summary summarise(const Problem& problem, const Solution& solution) {
-    const Units units = {problem.mesh().dim, problem.length};
+    const Units units = {problem.mesh().dim, problem.frame.length};
     const Run run = {problem.mesh(), solution, solution.al, solution.time, units.of(solution.al.iterations.back()),
                      units.distance(solution.max_boundary_error), units.distance(solution.largest_slide),
                      units.distance(solution.surface_distance), problem.level->energy->power().p,
-                     solution.predicted_bytes, solution.obstacle, problem.length, problem.run_id};
+                     solution.predicted_bytes, solution.obstacle, problem.frame, problem.run_id};
     Summary summary;
     for (const Quantity& quantity : quantities) summary.push_back({quantity.name, quantity.value(run)});
     return summary;

@@ -93,11 +93,11 @@ std::string rounded_down(double value, int digits) {
 
 std::string counted(std::size_t count, const char* noun) { return concat(count, " ", noun, count == 1 ? "" : "s"); }
 
-std::string place_text(const double* x, int dim, double unit) {
+std::string place_text(const double* x, int dim) {
     std::string text;
     for (int a = 0; a < dim; ++a) {
         char digits[32];
-        const auto end = std::to_chars(digits, digits + sizeof digits, unit * x[a], std::chars_format::general, 6).ptr;
+        const auto end = std::to_chars(digits, digits + sizeof digits, x[a], std::chars_format::general, 6).ptr;
         text.append(a ? ", " : "(").append(digits, end);
     }
     return text + ")";

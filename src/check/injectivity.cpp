@@ -66,9 +66,9 @@ std::string fold_text(const Mesh& mesh, const std::vector<double>& x) {
 
 }  // namespace
 
-std::string overlap_text(const Mesh& mesh, const Injectivity& found, double unit) {
+std::string overlap_text(const Mesh& mesh, const Injectivity& found, const Frame& frame) {
     if (found.node < 0 && found.face < 0) return found.obstacle;
-    return found.obstacle + " at " + place_text(found.place.data(), mesh.dim, unit);
+    return found.obstacle + " at " + place_text(frame.to_file(found.place).data(), mesh.dim);
 }
 
 Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate) {

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "base/frame.hpp"
 #include "check/certificate.hpp"
 #include "mesh/mesh.hpp"
 
@@ -26,8 +27,8 @@ struct Injectivity {
     std::array<double, 3> place{};  // of the node or the face's centre, at x; in 2D the third coordinate is 0
 };
 
-// The obstacle with its place, times `unit`: "the elements around node 3 overlap at (0.5, 1)".
-std::string overlap_text(const Mesh& mesh, const Injectivity& found, double unit = 1);
+// The obstacle with its place in the file: "the elements around node 3 overlap at (0.5, 1)".
+std::string overlap_text(const Mesh& mesh, const Injectivity& found, const Frame& frame = {});
 
 // x: node_count x dim positions; certificate: of these. An initial mesh that overlaps itself is not certified.
 // Cost: O(elements), and that of check_target().

@@ -196,8 +196,8 @@ std::vector<double> places_of_faces(const Mesh& mesh) {
 }  // namespace
 
 SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
-                                 double feature_angle, double unit, const std::vector<OtherSurface>& other)
-    : dim_(base.dim), unit_(unit), basis_(base.dim - 1, base.degree), faces_(base.boundaries.size()) {
+                                 double feature_angle, const Frame& frame, const std::vector<OtherSurface>& other)
+    : dim_(base.dim), frame_(frame), basis_(base.dim - 1, base.degree), faces_(base.boundaries.size()) {
     const PatchBasis basis(dim_ - 1, base.degree);
     for (int b = 0; b < static_cast<int>(base.boundaries.size()); ++b) {
         if (!slides[b]) continue;
@@ -233,7 +233,7 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
 
 int SlidingSurfaces::part(int boundary, const Vec<3>& x) const {
     const Faces& faces = faces_[boundary];
-    const ClosestPoint::Place place = faces.before->find(unit_ * x);
+    const ClosestPoint::Place place = faces.before->find(frame_.to_file(x));
     if (!faces.other) return faces.part[place.patch];
     const std::vector<Vec<3>>& node = faces.after[place.patch];
     std::vector<double> N(basis_.count);
@@ -253,7 +253,7 @@ void SlidingSurfaces::add_patch(int node, int part, const Vec<3>& place) {
     constexpr double same_side = 0.3;  // cosine of the angle between normals
     const Points& all = points_[part];
     if (all.position.empty() || patch_.contains({node, part})) return;
-    const SurfacePoint centre = surface_[part]->foot(unit_ * place);
+    const SurfacePoint centre = surface_[part]->foot(frame_.to_file(place));
     std::vector<std::pair<double, int>> near;
     for (int i = 0; i < static_cast<int>(all.position.size()); ++i)
         if (dot(all.normal[i], centre.normal) > same_side)
@@ -276,10 +276,10 @@ int SlidingSurfaces::part_or_patch(int node, int part) const {
 }
 
 SurfacePoint SlidingSurfaces::foot(int part, const Vec<3>& x) const {
-    SurfacePoint place = surface_[part]->foot(unit_ * x);
-    place.position = 1 / unit_ * place.position;
+    SurfacePoint place = surface_[part]->foot(frame_.to_file(x));
+    place.position = frame_.to_run(place.position);
     for (auto& row : place.curvature)
-        for (double& entry : row) entry *= unit_;
+        for (double& entry : row) entry *= frame_.length;
     return place;
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "base/frame.hpp"
 #include "constraint/surface.hpp"
 #include "geometry/closest_point.hpp"
 #include "mesh/lagrange.hpp"
@@ -28,16 +29,16 @@ struct OtherSurface {
 class SlidingSurfaces {
 public:
     // node: face x face node x dim, where the motions take the faces of `base`. slides: per boundary, and so is
-    // `other`, or empty. feature_angle in degrees. unit: of the positions given to foot() and part(), in units of
-    // `node`.
+    // `other`, or empty. feature_angle in degrees. frame: of the positions given to foot() and part(), by those
+    // of `node`.
     SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
-                    double feature_angle, double unit, const std::vector<OtherSurface>& other = {});
+                    double feature_angle, const Frame& frame, const std::vector<OtherSurface>& other = {});
 
     int parts() const { return static_cast<int>(surface_.size()); }
     int boundary(int part) const { return boundary_[part]; }
     const Surface& surface(int part) const { return *surface_[part]; }
 
-    double unit() const { return unit_; }
+    const Frame& frame() const { return frame_; }
     bool knows(int boundary) const { return faces_[boundary].before != nullptr; }
     bool is_of_other_mesh(int part) const { return faces_[boundary_[part]].other != nullptr; }
 
@@ -69,7 +70,7 @@ private:
     };
 
     int dim_;
-    double unit_;
+    Frame frame_;
     LagrangeBasis basis_;                   // of the faces
     std::vector<Points> points_;            // per part: of its nodes, where it is the mesh's own faces
     std::map<std::array<int, 2>, int> patch_;  // node, part -> part

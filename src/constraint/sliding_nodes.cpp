@@ -111,7 +111,7 @@ void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& slidin
     const std::string& name = mesh.boundaries[sliding.boundary(part)];
     throw InputError("node ", mesh.file.node_id[node], " lies on the boundary ", name,
                      ", which slides, and on another one, whose motion takes it off that surface (",
-                     sliding.surface(part).name(), ") by ", distance * sliding.unit(),
+                     sliding.surface(part).name(), ") by ", distance * sliding.frame().length,
                      ": let that motion stay on the surface, or prescribe one for ", name, " too");
 }
 

@@ -36,11 +36,11 @@ SurfaceDistance distance_to(const SlidingSurfaces& sliding, const std::vector<in
 Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
                          const Vec<3>& force);
 
-// The part that the face f is on; mesh.x in units of sliding.unit().
+// The part that the face f is on; mesh.x in sliding.frame().
 int part_of_face(const Mesh& mesh, const SlidingSurfaces& sliding, int f);
 
 // Gives the nodes that the target releases smooth patches where they would slide along the mesh's own faces. The mesh
-// and the target are in units of sliding.unit().
+// and the target are in sliding.frame().
 void smooth_released(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding);
 
 // The parts along which each of the nodes (numbers in the mesh) slides; none where its place is prescribed, where it is

@@ -262,3 +262,43 @@ TEST_CASE("too few iterations: code 3 with the reason, and a valid mesh is writt
         CHECK(certify(mesh, mesh.x).valid);
     }
 }
+
+TEST_CASE("a mesh far from the origin takes the same steps as one at it, to the last bit of its targets") {
+    Mesh mesh = ring_mesh(24, 6, 3);
+    std::string steps;
+    for (const double far : {0.0, 1e4, 1e6, 1e8}) {
+        CAPTURE(far);
+        Mesh moved = mesh;
+        for (std::size_t k = 0; k < moved.x.size(); ++k) moved.x[k] += k % 2 ? -far : far;
+        const std::string about = concat(" about ", far, " ", -far);
+        for (const char* more : {"", "degree = 3\n"}) {
+            const RingDeck ring(moved, std::string("threads = 1\n") + more);
+            const Outcome outcome = ring.run({concat("boundary inner=rotate 40", about, "; translate 0.5 0")});
+            CHECK(outcome.code == 0);
+            const auto summary = summary_of(ring.output);
+            CHECK(summary.at("nodes_off_target") == "0");
+            CHECK(number(summary, "max_distortion") < 2);
+        }
+        const RingDeck slid(moved);  // along the circle that it is on
+        CHECK(slid.run({concat("boundary inner=rotate 40", about, "; slide")}).code == 0);
+        const RingDeck far_off(moved);  // places are those of the file
+        const Outcome stopped = far_off.run({"max_al_iterations=1", "boundary inner=translate 1 0", "follow=never"});
+        CHECK(stopped.code == 3);
+        if (far > 0) CHECK(std::abs(number(summary_of(far_off.output), "obstacle_x") - far) <= 1e-5 * far + 4);
+    }
+}
+
+TEST_CASE("what is certified far from the origin is the mesh that is written, not one with more digits") {
+    Mesh mesh = ring_mesh(24, 6, 3);
+    for (double& x : mesh.x) x = 1e-6 * x + 1;  // a ring of 1e-6 at (1, 1): ten digits are left
+    const RingDeck ring(mesh);
+    const auto summary_at = [&](const char* motion) {
+        ring.run({concat("boundary inner=", motion)});
+        return summary_of(ring.output);
+    };
+    const auto summary = summary_at("rotate 40 about 1 1; translate 1e-6 0");
+    CHECK(summary.at("certified_injective") == "yes");
+    CHECK(summary.at("nodes_off_target") == "0");
+    const Mesh written = mesh_of(ring.output + "/final.msh");
+    CHECK(number(summary, "min_scaled_jacobian") <= certify(written, written.x).min_scaled_jacobian + 1e-6);
+}

@@ -28,8 +28,8 @@ Mesh round_ring(int degree) {
     return mesh;
 }
 
-SlidingSurfaces surfaces_of(const Mesh& mesh, const BoundaryTarget& target, double unit = 1) {
-    return {mesh, target.node, std::vector<char>(mesh.boundaries.size(), 1), 30, unit};
+SlidingSurfaces surfaces_of(const Mesh& mesh, const BoundaryTarget& target, const Frame& frame = {}) {
+    return {mesh, target.node, std::vector<char>(mesh.boundaries.size(), 1), 30, frame};
 }
 
 }  // namespace
@@ -39,7 +39,7 @@ TEST_CASE("the distance of a polygon from its circle is the sagitta, in any unit
     const double sagitta = radius * (1 - std::cos(std::numbers::pi / around));
     BoundaryTarget target = target_of(mesh, {{"inner", "slide"}, {"outer", "slide"}});
     CHECK(distance_from_surfaces(mesh, target, surfaces_of(mesh, target), mesh.x) == doctest::Approx(sagitta));
-    const SlidingSurfaces in_units = surfaces_of(mesh, target, 10);
+    const SlidingSurfaces in_units = surfaces_of(mesh, target, {.origin = {}, .length = 10});
     for (double& v : mesh.x) v /= 10;
     CHECK(distance_from_surfaces(mesh, target, in_units, mesh.x) == doctest::Approx(sagitta / 10));
 }

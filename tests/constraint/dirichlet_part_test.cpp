@@ -29,7 +29,7 @@ struct Part {
         std::vector<char> slides;
         for (const BoundaryHold hold : target.hold) slides.push_back(hold == BoundaryHold::slides);
         const bool some = std::count(slides.begin(), slides.end(), 1) > 0;
-        const auto sliding = some ? std::make_shared<SlidingSurfaces>(mesh, target.node, slides, 30, 1) : nullptr;
+        const auto sliding = some ? std::make_shared<SlidingSurfaces>(mesh, target.node, slides, 30, Frame()) : nullptr;
         constraint = std::make_unique<Dirichlet>(mesh, straight_sided(mesh), target, TargetKind::nodal, sliding);
         x = wavy(mesh.x, mesh.dim, off);
         lambda.resize(constraint->multipliers());

@@ -17,7 +17,7 @@ namespace {
 std::unique_ptr<SlidingSurfaces> surfaces_of(const Mesh& mesh, const std::vector<std::string>& names) {
     std::vector<char> slides(mesh.boundaries.size(), 0);
     for (const std::string& name : names) slides[mesh.boundary_index(name)] = 1;
-    return std::make_unique<SlidingSurfaces>(mesh, target_of(mesh, {}).node, slides, 30, 1);
+    return std::make_unique<SlidingSurfaces>(mesh, target_of(mesh, {}).node, slides, 30, Frame());
 }
 
 // A piece of a pipe along y: cylinders of radius 2 and 3, planes around.
@@ -119,7 +119,7 @@ TEST_CASE("nodes that a target releases slide along its surface, and meet there;
     for (int i = 0; i < 3; ++i) target.released[mesh.face(inner_face)[i]] = 1;
     std::vector<char> slides(mesh.boundaries.size(), 0), held;
     slides[mesh.boundary_index("inner")] = 1;
-    const SlidingSurfaces sliding(mesh, target.node, slides, 30, 1);
+    const SlidingSurfaces sliding(mesh, target.node, slides, 30, {});
     REQUIRE(sliding.parts() == 1);
     std::vector<int> nodes = mesh.faces, places(mesh.faces.size());
     std::sort(nodes.begin(), nodes.end());

@@ -20,7 +20,7 @@ namespace {
 std::shared_ptr<const SlidingSurfaces> surfaces_of(const Mesh& mesh, const BoundaryTarget& target, double angle = 30) {
     std::vector<char> slides;
     for (const BoundaryHold hold : target.hold) slides.push_back(hold == BoundaryHold::slides);
-    return std::make_shared<SlidingSurfaces>(mesh, target.node, slides, angle, 1);
+    return std::make_shared<SlidingSurfaces>(mesh, target.node, slides, angle, Frame());
 }
 
 // Keeps what the constraint refers to.
@@ -91,7 +91,7 @@ TEST_CASE("along another mesh: its parts, those of faces at a fair angle before 
     const BoundaryTarget target = target_of(base, {{"sides", "scale 0.8 1 1; slide"}});
     std::vector<char> slides(base.boundaries.size(), 0);
     slides[sides] = 1;
-    const SlidingSurfaces sliding(base, target.node, slides, 30, 10, others);
+    const SlidingSurfaces sliding(base, target.node, slides, 30, {.origin = {}, .length = 10}, others);
     REQUIRE(sliding.parts() == 4);
     const auto part_at = [&](double x, double y, double z) { return sliding.part(sides, {x / 10, y / 10, z / 10}); };
     const int right = part_at(1, 0.5, 0.5);  // 0.8 after the motion, 0.4 from its plane
