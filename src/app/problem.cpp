@@ -214,6 +214,15 @@ PlacedNodes at_fraction(PlacedNodes placed, const std::vector<double>& ideal, do
     return placed;
 }
 
+// Of the run, in units of the file: what the deck says, or so that the mesh has the volume 1.
+double unit_of_length(const Deck& deck, double volume, int dim) {
+    constexpr double most = 1e50;  // a mesh of that size has volumes, and products of them, within the range of numbers
+    const double size = std::pow(volume, 1.0 / dim), unit = deck.length_scale.value_or(size);
+    if (size / unit >= 1 / most && size / unit <= most) return unit;
+    throw UsageError(deck.given.at("length_scale"), ": in units of length_scale = ", unit, " the mesh is ",
+                     size / unit, " long, beyond what can be computed with: leave it out");
+}
+
 // A mesh that is many times its size away from the origin of its file gets one of its own, in its middle.
 Vec<3> local_origin(const Mesh& mesh) {
     constexpr double far = 16;
@@ -316,7 +325,7 @@ Problem make_problem(const Deck& deck) {
     release_folded(deck, problem.base.degree, mesh, problem.ideal(), problem.target, problem.notes);
     check_prescribed(deck, problem.target);
     problem.frame.origin = local_origin(problem.base);
-    problem.frame.length = deck.length_scale.value_or(std::pow(volume(mesh, problem.ideal()), 1.0 / mesh.dim));
+    problem.frame.length = unit_of_length(deck, volume(mesh, problem.ideal()), mesh.dim);
     problem.node_target = problem.target.node;
     std::shared_ptr<SlidingSurfaces> sliding;
     if (!problem.target.prescribes_all()) {
