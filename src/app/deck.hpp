@@ -65,6 +65,7 @@ struct Deck {
     CertificateParams certificate;
     int write_system = 0;
     int iterates = 0;
+    double max_seconds = 0;
     VtkOutput vtk = VtkOutput::ascii;
     FinalFormat final_format = FinalFormat::input;
     std::string wall;  // boundary name, "" for none

@@ -211,6 +211,9 @@ const std::vector<DeckKey>& deck_keys() {
          "final.su2 (linear meshes); both: these two; msh22, msh41-binary, ...: final.msh in that version."},
         {"wall", text<&Deck::wall>("boundary name"),
          "Boundary whose distance is written with the results; \"\": none."},
+        {"max_seconds", number<&Deck::max_seconds>({0, 1e9}),
+         "Seconds after which the run ends as `interrupted`, after the Newton step at hand, with its results written; 0: "
+         "never."},
         {"threads", number<&Deck::threads>({0, 1024}), "Threads; 0: all, or what OMP_NUM_THREADS says."},
     };
     return table;

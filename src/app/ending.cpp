@@ -6,6 +6,7 @@
 #include "app/problem.hpp"
 #include "app/results.hpp"
 #include "base/files.hpp"
+#include "base/interrupt.hpp"
 #include "base/text.hpp"
 #include "method/comparators.hpp"
 
@@ -32,7 +33,7 @@ const char* headline(AlStatus status) {
         case AlStatus::max_newton_iterations: return "not converged: max_newton_iterations reached in a subproblem";
         case AlStatus::line_search_failed:
             return "not converged: no step decreases the energy and keeps all elements valid";
-        case AlStatus::interrupted: return "interrupted";
+        case AlStatus::interrupted: return out_of_time() ? "interrupted: max_seconds have passed" : "interrupted";
         case AlStatus::linear_solver_failed: return "not converged: no linear solver gave a descent direction";
         case AlStatus::overflow: return "not converged: numbers grew beyond the range of double precision";
         case AlStatus::inverted: return "inverted: the method leaves elements that are not valid";
@@ -249,7 +250,10 @@ std::vector<std::string> remedies(const Deck& deck, const Problem& problem, cons
             to_try.push_back(concat("max_newton_iterations = ", 2 * deck.method.max_newton_iterations));
             add_against_distance(deck, problem, solution, to_try);
             break;
-        case AlStatus::interrupted: to_try.push_back("it again: a run starts from the mesh file"); break;
+        case AlStatus::interrupted:
+            to_try.push_back(out_of_time() ? concat("max_seconds = ", 4 * deck.max_seconds)
+                                           : "it again: a run starts from the mesh file");
+            break;
         case AlStatus::linear_solver_failed: add_against_solver(deck, solution, to_try); break;
         case AlStatus::inverted:
         case AlStatus::invalid_start: add_against_inversion(deck, solution, to_try); break;

@@ -139,6 +139,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     // 1. Mesh, target and everything that can be wrong with them; the folder for the results.
     const Stopwatch watch;
     const HandleSignal write_without_reader(SIGPIPE, SIG_IGN);
+    const TimeLimit limit(deck.max_seconds);
     set_threads(deck.threads);
     const Problem problem = make_problem(deck);
     const ResultsFolder folder(deck);

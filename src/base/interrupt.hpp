@@ -1,14 +1,31 @@
-// Signals that ask a run to end (Ctrl-C, SIGTERM, a terminal that closes) set a flag that long computations poll, so that
-// it ends with its results written.
+// What asks a run to end in good order, with its results written: signals (Ctrl-C, SIGTERM, a terminal that closes) and the
+// time that it was given. Long computations poll interrupted().
 #pragma once
+#include <chrono>
 #include <csignal>
 
 namespace almesh {
 
 inline volatile std::sig_atomic_t interrupt_flag = 0;
 
-inline bool interrupted() { return interrupt_flag != 0; }
+using Clock = std::chrono::steady_clock;
+inline Clock::time_point deadline = Clock::time_point::max();
+
+inline bool out_of_time() { return Clock::now() >= deadline; }
+inline bool interrupted() { return interrupt_flag != 0 || out_of_time(); }
 inline void clear_interrupt() { interrupt_flag = 0; }
+
+// While it lives, the time ends `seconds` after it was made; 0: never.
+class TimeLimit {
+public:
+    explicit TimeLimit(double seconds) {
+        const auto limit = std::chrono::duration<double>(seconds);
+        if (seconds > 0) deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(limit);
+    }
+    ~TimeLimit() { deadline = Clock::time_point::max(); }
+    TimeLimit(const TimeLimit&) = delete;
+    TimeLimit& operator=(const TimeLimit&) = delete;
+};
 
 // While it lives, the signal does something else; not where it is ignored, as under nohup.
 class HandleSignal {

@@ -49,7 +49,8 @@ TEST_CASE("legal ranges end where they should") {
           Ends{"gmres_max_iterations", "1", "100000", "0", "100001"}, Ends{"quadrature", "0", "40", "-1", "41"},
           Ends{"certificate_bisections", "0", "1000000", "-1", "1000001"},
           Ends{"write_system", "0", "1000000", "-1", "1000001"}, Ends{"iterates", "0", "1000000", "-1", "1000001"},
-          Ends{"threads", "0", "1024", "-1", "1025"}}) {
+          Ends{"threads", "0", "1024", "-1", "1025"},
+          Ends{"max_seconds", "0", "1e+09", "-1", "1.1e9"}}) {
         CHECK(result_of(e.key, e.lowest) == e.lowest);
         CHECK(result_of(e.key, e.highest) == e.highest);
         CHECK(has(result_of(e.key, e.below), ": expected "));

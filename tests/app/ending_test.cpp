@@ -190,6 +190,14 @@ TEST_CASE("a rounding floor, a loop that ends as printed, an overflow and an int
     CHECK(Stop(ring.output, outcome).summary.at("status") == "interrupted");
     CHECK(Stop(ring.output, outcome).boundary() == "inner");
     CHECK(has(outcome.out, "after 0 % of its way"));
+
+    outcome = ring.run({"max_seconds=1e-9"});
+    CHECK(outcome.code == 3);
+    CHECK(Stop(ring.output, outcome).summary.at("status") == "interrupted");
+    CHECK(summary_of(ring.output).at("certified_valid") == "yes");
+    CHECK(has(outcome.out, "interrupted: max_seconds have passed: "));
+    CHECK(has(outcome.out, "try max_seconds = 4e-09"));
+    CHECK(ring.run({"max_seconds=1e9"}).code == 0);
 }
 
 TEST_CASE("converged but not certified: the worst element, beside its boundary") {

@@ -57,3 +57,22 @@ TEST_CASE("signals are caught while somebody polls the flag, and do what they di
     CHECK((handler_of(SIGHUP) == SIG_IGN));
     std::signal(SIGHUP, before);
 }
+
+TEST_CASE("a time limit ends while it lives") {
+    CHECK(!interrupted());
+    {
+        const TimeLimit none(0);
+        CHECK(!interrupted());
+    }
+    {
+        const TimeLimit short_one(1e-9);
+        while (Clock::now() < deadline) {}
+        CHECK(out_of_time());
+        CHECK(interrupted());
+    }
+    {
+        const TimeLimit long_one(1e9);
+        CHECK(!interrupted());
+    }
+    CHECK(!interrupted());
+}
