@@ -47,7 +47,7 @@ endif
 PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import numpy, matplotlib' 2>/dev/null && echo $(p))) python3)
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests doctest python asan bench compare compare-cholmod compare-gmsh cholmod paper gauntlet defaults \
+.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan bench compare compare-cholmod compare-gmsh cholmod paper gauntlet defaults \
         figures meshes lessons check-lessons animation clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -83,10 +83,15 @@ test: doctest python ## run every test, built with warnings as errors, and build
 # Without the tests that run the large decks again and again: minutes become hours.
 asan: doctest ## the same tests, but for those of the large decks, under the address and undefined-behaviour sanitizers
 	$(MAKE) BUILD=build-asan WERROR=-Werror CXXFLAGS='-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all' \
-	  TEST_OPTIONS="-tce='every deck*,algorithm = adaptive takes*,conjugate gradients take at most*'" run-tests
+	  EXCLUDED_TESTS='every deck*,algorithm = adaptive takes*,conjugate gradients take at most*' run-tests
 
-run-tests: $(BUILD)/almesh-tests
-	$(BUILD)/almesh-tests $(TEST_OPTIONS)
+# In two parts at a time: the first is one long test.
+LONG_TEST := every deck gives the same bits*
+run-tests: run-long-test run-other-tests
+run-long-test: $(BUILD)/almesh-tests
+	$(BUILD)/almesh-tests -tc='$(LONG_TEST)' -tce='$(EXCLUDED_TESTS)'
+run-other-tests: $(BUILD)/almesh-tests
+	$(BUILD)/almesh-tests -tce='$(LONG_TEST),$(EXCLUDED_TESTS)'
 
 $(BUILD)/almesh-tests: $(TEST_OBJECTS) $(LIBRARY)
 	$(CXX) $(FLAGS) $^ -o $@
