@@ -61,7 +61,8 @@ std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, 
     return std::nullopt;
 }
 
-// The results of a run are its files: whoever reads what it prints may go away. Of the other commands it is all there is.
+// The results of a run are its files: whoever reads what it prints may go away. Of the other commands it is all there
+// is.
 ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
     if (arguments.empty()) throw UsageError("nothing to do: give a deck, or see almesh --help");
     const auto printed = print_result(arguments, out);

@@ -28,8 +28,8 @@ ExitCode quality(const std::string& mesh_path, std::FILE* out);
 // that is no mesh.
 ExitCode info(const std::string& mesh_path, std::FILE* out);
 
-// How many elements the certificate could not prove valid, and the worst ten: id, centre in the file, lower bound of the
-// scaled Jacobian. Prints nothing where all are certified.
+// How many elements the certificate could not prove valid, and the worst ten: id, centre in the file, lower bound of
+// the scaled Jacobian. Prints nothing where all are certified.
 void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Frame& frame,
                        const Certificate& certificate);
 

@@ -133,8 +133,8 @@ const std::vector<DeckKey>& deck_keys() {
          "How the mesh is moved. Others than augmented_lagrangian are there to be compared with it. penalty: without "
          "multipliers; elasticity, harmonic: the displacement of the boundary extended inside as that of a solid, "
          "stiffer where elements are small, or as a harmonic function; incremental, fixed_boundary: the boundary set "
-         "on its target in parts or at once, and the distortion minimised inside; untangle: at once, with a regularised "
-         "distortion first. All but penalty need the places of all boundaries to be prescribed, and take no account of "
+         "on its target in parts or at once, and the distortion minimised inside; untangle: at once, with a "
+         "regularised distortion first. All but penalty need the places of all boundaries to be prescribed, and take no account of "
          "algorithm, start and follow = auto."},
         {"increments", number<&Deck::increments>({1, 100000}),
          "Methods elasticity, harmonic and incremental: parts of the motion, each from the mesh as moved so far; auto: "
@@ -212,8 +212,8 @@ const std::vector<DeckKey>& deck_keys() {
         {"wall", text<&Deck::wall>("boundary name"),
          "Boundary whose distance is written with the results; \"\": none."},
         {"max_seconds", number<&Deck::max_seconds>({0, 1e9}),
-         "Seconds after which the run ends as `interrupted`, after the Newton step at hand, with its results written; 0: "
-         "never."},
+         "Seconds after which the run ends as `interrupted`, after the Newton step at hand, with its results written; "
+         "0: never."},
         {"threads", number<&Deck::threads>({0, 1024}), "Threads; 0: all, or what OMP_NUM_THREADS says."},
     };
     return table;

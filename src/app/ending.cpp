@@ -120,7 +120,8 @@ void add_against_iterations(const Deck& deck, const Problem& problem, const Solu
     const double before = rows[rows.size() - 2].projected_constraint_norm, last = rows.back().projected_constraint_norm;
     if (last > 0.5 * before) return add_against_distance(deck, problem, solution, to_try);
     to_try.push_back(concat("max_al_iterations = ", 2 * deck.method.max_iterations, ": |P c_D| fell from ") +
-                     shown(before * problem.frame.length, 3) + " to " + shown(last * problem.frame.length, 3) + " in the last one");
+                     shown(before * problem.frame.length, 3) + " to " + shown(last * problem.frame.length, 3) +
+                     " in the last one");
 }
 
 void add_against_solver(const Deck& deck, const Solution& solution, std::vector<std::string>& to_try) {
@@ -189,8 +190,8 @@ void print_boundary(std::FILE* out, const Problem& problem, const Solution& solu
         std::fprintf(out,
                      "|c_D| = %.3g; %d boundary nodes off their targets, by at most %.2g of a cell's height; "
                      "largest boundary error %.3g\n",
-                     last.constraint_norm * problem.frame.length, solution.nodes_off_target, last.relative_boundary_error,
-                     solution.max_boundary_error * problem.frame.length);
+                     last.constraint_norm * problem.frame.length, solution.nodes_off_target,
+                     last.relative_boundary_error, solution.max_boundary_error * problem.frame.length);
     if (solution.released_nodes)
         std::fprintf(out, "%d nodes slid along the surface, by at most %.3g; the faces are within %.3g of it\n",
                      solution.released_nodes, solution.largest_slide * problem.frame.length,

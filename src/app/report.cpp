@@ -121,7 +121,8 @@ constexpr auto columns = std::to_array<Column>({
     {{"power", "power: of eta - 1"}, [](Al r) { return r.stage && r.stage->power ? text(r.stage->power) : ""; }},
     {{"relative_boundary_error", "largest distance of a boundary node from its place, in heights of the cells at it"},
      al<&It::relative_boundary_error>, nullptr, at_start},
-    {{"run", "id of the run, as in all of its files"}, [](Al r) { return r.run; }, [](Nw r) { return r.run; }, at_start},
+    {{"run", "id of the run, as in all of its files"},
+     [](Al r) { return r.run; }, [](Nw r) { return r.run; }, at_start},
     {{"seconds", "since the iterations began; of a coarse, part or power row all of it"},
      al<&It::seconds>, nullptr, at_start},
 });

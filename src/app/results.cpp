@@ -186,8 +186,8 @@ void write_deck(const Deck& deck, const Problem& problem) {
 void write_initial(const Deck& deck, const Problem& problem) {
     if (deck.vtk == VtkOutput::none) return;
     const std::vector<double> undistorted(problem.mesh().element_count(), 1.0);
-    write_volume(deck, problem, "initial", problem.ideal(), problem.frame.to_file(problem.ideal(), problem.mesh().dim), undistorted,
-                 nullptr);
+    write_volume(deck, problem, "initial", problem.ideal(), problem.frame.to_file(problem.ideal(), problem.mesh().dim),
+                 undistorted, nullptr);
 }
 
 void write_iterate(const Deck& deck, const Problem& problem, int number, const std::vector<double>& x) {

@@ -62,7 +62,8 @@ void snap(Level& level, Solution& solution) {
     last.relative_boundary_error = now.relative_boundary_error;
 }
 
-// What is certified is what will be read: far from the file's origin its numbers have fewer digits than those of the run.
+// What is certified is what will be read: far from the file's origin its numbers have fewer digits than those of the
+// run.
 void round_as_file(const Problem& problem, std::vector<double>& x) {
     if (problem.frame.origin == Vec<3>{}) return;
     x = final_positions(problem, x);

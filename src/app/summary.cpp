@@ -109,8 +109,9 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.last.relative_quality, 7); }},
     {{"max_distortion", "largest eta over all quadrature points"}, decimal,
      [](R r) { return text(r.last.max_distortion, 7); }},
-    {{"size_skew_mean", "mean over the elements of the size-skew metric of de Boer and others (2007); 1: regular, of its "
-                        "ideal size"}, decimal,
+    {{"size_skew_mean",
+      "mean over the elements of the size-skew metric of de Boer and others (2007); 1: regular, of its ideal size"},
+     decimal,
      [](R r) { return text(r.solution.size_skew.mean, 6); }},
     {{"size_skew_min", "its least value; 0: an inverted element"}, decimal,
      [](R r) { return text(r.solution.size_skew.min, 6); }},

@@ -1,5 +1,5 @@
-// What asks a run to end in good order, with its results written: signals (Ctrl-C, SIGTERM, a terminal that closes) and the
-// time that it was given. Long computations poll interrupted().
+// What asks a run to end in good order, with its results written: signals (Ctrl-C, SIGTERM, a terminal that closes) and
+// the time that it was given. Long computations poll interrupted().
 #pragma once
 #include <chrono>
 #include <csignal>

@@ -135,7 +135,8 @@ TEST_CASE("quality does not certify two elements on the same side of their commo
                                           "6 2 2 2 1 1 2 4\n$EndElements\n");
     const Outcome outcome = almesh_with({"quality", path});
     CHECK(outcome.code == 4);
-    CHECK(has(outcome.out, "NOT certified injective: elements 5 and 6 lie on the same side of their common face at (0.5, "));
+    CHECK(has(outcome.out,
+              "NOT certified injective: elements 5 and 6 lie on the same side of their common face at (0.5, "));
     CHECK(!has(outcome.out, "no two elements overlap"));
 }
 

@@ -259,7 +259,8 @@ TEST_CASE("a line search that fails is told at the most distorted element, an ov
     text = print();
     CHECK(solution.obstacle.kind == ObstacleKind::overlap);
     CHECK(solution.obstacle.node == 5);
-    CHECK(has(text, "the elements around node 6 overlap at " + place_text(problem.frame.to_file(solution.injectivity.place).data(), 2) +
+    CHECK(has(text, "the elements around node 6 overlap at " +
+                        place_text(problem.frame.to_file(solution.injectivity.place).data(), 2) +
                         ": node 6 of boundary inner\n"));
     CHECK(has(text, "all elements valid, but NOT certified injective: scaled Jacobian"));
 

@@ -153,7 +153,8 @@ TEST_CASE("mesh files that cannot be read: code 2, naming the file") {
 TEST_CASE("a unit of length in which the mesh has no volume that is a number") {
     for (const char* unit : {"1e-300", "1e300", "1e-60"}) {
         const RingDeck ring;
-        check_refused(ring.run({concat("length_scale=", unit)}), 1, {"command line: in units of length_scale = ", "leave"});
+        check_refused(ring.run({concat("length_scale=", unit)}), 1,
+                      {"command line: in units of length_scale = ", "leave"});
     }
     const RingDeck ring;
     CHECK(ring.run({"length_scale=0.1"}).code == 0);

@@ -58,7 +58,8 @@ TEST_CASE("two runs do not share a folder; the lock of one that was killed is no
         const ResultsFolder mine(deck);
         const Outcome other = ring.run();
         CHECK(other.code == 2);
-        CHECK(has(other.error, "another run writes to " + ring.output + " (process " + std::to_string(getpid()) + " on "));
+        CHECK(has(other.error,
+                  "another run writes to " + ring.output + " (process " + std::to_string(getpid()) + " on "));
         CHECK(has(other.error, "output = FOLDER"));
         CHECK(ring.run({"output=" + ring.folder.path("other")}).code == 0);
     }

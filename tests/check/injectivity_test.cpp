@@ -100,7 +100,8 @@ TEST_CASE("a node that its elements go around twice is found though all of them 
     CHECK(!found.certified);
     CHECK(mentions(found, "the elements around node 1 overlap"));
     CHECK(found.node == 0);
-    CHECK(overlap_text(flat, found, {.origin = {5, 6, 0}, .length = 3}) == "the elements around node 1 overlap at (5, 6)");
+    CHECK(overlap_text(flat, found, {.origin = {5, 6, 0}, .length = 3}) ==
+          "the elements around node 1 overlap at (5, 6)");
     const Mesh curved = raise_degree(flat, 2);
     CHECK(mentions(judge(curved, straight_sided([&] {
                              Mesh moved = curved;
