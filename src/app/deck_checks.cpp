@@ -1,0 +1,65 @@
+#include "app/deck_checks.hpp"
+
+#include "app/results.hpp"
+#include "base/error.hpp"
+#include "io/msh.hpp"
+#include "method/comparators.hpp"
+
+namespace almesh {
+
+// With fewer points than |F|^2 needs, the energy does not see some motions of the nodes inside an element.
+void check_quadrature(const Deck& deck, int degree) {
+    const int least = 2 * (degree - 1), exactness = deck.distortion.exactness;
+    if (exactness == 0 || exactness >= least) return;
+    throw UsageError(deck.given.at("quadrature"), ": quadrature = ", exactness, " is too low for elements of degree ",
+                     degree, ": at least ", least, ", or 0");
+}
+
+void check_final_degree(const Deck& deck, int degree) {
+    if (degree == 1 || (deck.final_format != FinalFormat::su2 && deck.final_format != FinalFormat::both)) return;
+    throw UsageError(deck.given.at("final"), ": SU2 meshes are linear, these elements have degree ", degree,
+                     ": take final = msh");
+}
+
+// Before a run rather than after it.
+void check_final_ids(const Deck& deck, const Mesh& mesh) {
+    for (const FileFormat& format : final_formats(deck.final_format, mesh)) check_ids_fit(mesh, format);
+}
+
+// Algorithm 1 as printed weighs the penalty mu^2: the mu of a coarser mesh would mean something else.
+void check_start(const Deck& deck) {
+    if (deck.start != Start::coarse || deck.method.algorithm != Algorithm::literal) return;
+    throw UsageError(deck.given.at("start"),
+                     ": start = coarse does not go with algorithm = literal; take start = identity");
+}
+
+// Keys that mean nothing to the method that moves the mesh.
+void check_method(const Deck& deck) {
+    const MovingMethod moving = deck.method.moving;
+    if (moving == MovingMethod::augmented_lagrangian && !deck.increments) return;
+    const auto refuse = [&](const char* key, const char* value, const char* advice) {
+        const auto place = deck.given.find(key);
+        throw UsageError(place == deck.given.end() ? deck.path : place->second, ": ", key, value,
+                         " does not go with this method: ", advice);
+    };
+    const bool in_parts = moving == MovingMethod::elasticity || moving == MovingMethod::harmonic ||
+                          moving == MovingMethod::incremental;
+    if (deck.increments && !in_parts)
+        refuse("increments", "", "it is for method = elasticity, harmonic or incremental");
+    if (moving == MovingMethod::augmented_lagrangian) return;
+    if (deck.distortion.objective == Objective::worst)
+        refuse("objective", " = worst", "take method = augmented_lagrangian");
+    if (moving == MovingMethod::penalty) return;
+    if (deck.start == Start::coarse) refuse("start", " = coarse", "it starts from the mesh as it is");
+    if (deck.distortion.delta > 0) refuse("delta", " > 0", "untangle chooses its own, the others have none");
+}
+
+// A node that slides or is free has no place where it could be set.
+void check_prescribed(const Deck& deck, const BoundaryTarget& target) {
+    if (!sets_boundary(deck.method.moving) || target.prescribes_all()) return;
+    const char* const which = target.released.empty() ? "boundary slides or is free" : "nodes have to slide";
+    throw UsageError(deck.given.at("method"), ": this method sets boundary nodes on their targets, but some ", which,
+                     ": take method = augmented_lagrangian or penalty");
+}
+
+}  // namespace almesh

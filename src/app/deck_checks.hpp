@@ -1,0 +1,17 @@
+// What a deck asks for that does not go together, or not with its mesh: refused before anything is solved. All throw
+// UsageError with the line of the deck.
+#pragma once
+#include "app/deck.hpp"
+#include "constraint/target.hpp"
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+void check_start(const Deck& deck);
+void check_method(const Deck& deck);
+void check_quadrature(const Deck& deck, int degree);
+void check_final_degree(const Deck& deck, int degree);
+void check_final_ids(const Deck& deck, const Mesh& mesh);  // throws InputError
+void check_prescribed(const Deck& deck, const BoundaryTarget& target);
+
+}  // namespace almesh
