@@ -129,7 +129,7 @@ const std::vector<DeckKey>& deck_keys() {
         {"method",
          choice<&Deck::method, &Method::moving>({"augmented_lagrangian", "penalty", "elasticity", "harmonic",
                                                  "incremental", "untangle", "fixed_boundary"},
-                                                "augmented_lagrangian | penalty | ... (see --keys)"),
+                                                "augmented_lagrangian | penalty | ..."),
          "How the mesh is moved. Others than augmented_lagrangian are there to be compared with it. penalty: without "
          "multipliers; elasticity, harmonic: the displacement of the boundary extended inside as that of a solid, "
          "stiffer where elements are small, or as a harmonic function; incremental, fixed_boundary: the boundary set "
