@@ -66,6 +66,8 @@ struct Deck {
     int write_system = 0;
     int iterates = 0;
     double max_seconds = 0;
+    double checkpoint = 10;
+    int resume = 0;
     VtkOutput vtk = VtkOutput::ascii;
     FinalFormat final_format = FinalFormat::input;
     std::string wall;  // boundary name, "" for none

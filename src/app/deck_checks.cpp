@@ -33,6 +33,12 @@ void check_start(const Deck& deck) {
                      ": start = coarse does not go with algorithm = literal; take start = identity");
 }
 
+void check_resume(const Deck& deck) {
+    if (!deck.resume || deck.checkpoint > 0) return;
+    throw UsageError(deck.given.at("checkpoint"), ": checkpoint = 0 does not go with resume = 1, which needs the state "
+                     "that it saves");
+}
+
 // Keys that mean nothing to the method that moves the mesh.
 void check_method(const Deck& deck) {
     const MovingMethod moving = deck.method.moving;

@@ -134,8 +134,8 @@ const std::vector<DeckKey>& deck_keys() {
          "multipliers; elasticity, harmonic: the displacement of the boundary extended inside as that of a solid, "
          "stiffer where elements are small, or as a harmonic function; incremental, fixed_boundary: the boundary set "
          "on its target in parts or at once, and the distortion minimised inside; untangle: at once, with a "
-         "regularised distortion first. All but penalty need the places of all boundaries to be prescribed, and take no account of "
-         "algorithm, start and follow = auto."},
+         "regularised distortion first. All but penalty need the places of all boundaries to be prescribed, and take no "
+         "account of algorithm, start and follow = auto."},
         {"increments", number<&Deck::increments>({1, 100000}),
          "Methods elasticity, harmonic and incremental: parts of the motion, each from the mesh as moved so far; auto: "
          "1, and 10 with incremental, which halves a part that has no valid mesh to start from."},
@@ -214,6 +214,12 @@ const std::vector<DeckKey>& deck_keys() {
         {"max_seconds", number<&Deck::max_seconds>({0, 1e9}),
          "Seconds after which the run ends as `interrupted`, after the Newton step at hand, with its results written; "
          "0: never."},
+        {"checkpoint", number<&Deck::checkpoint>({0, 1e9}),
+         "Seconds between two savings of the run's state, in the folder checkpoint of its results, which goes when the "
+         "run has come to its end; 0: none."},
+        {"resume", number<&Deck::resume>({0, 1}),
+         "1: the run goes on from its saved state, where it was interrupted or killed, and ends with the same bits as "
+         "if it had not been."},
         {"threads", number<&Deck::threads>({0, 1024}), "Threads; 0: all, or what OMP_NUM_THREADS says."},
     };
     return table;

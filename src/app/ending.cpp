@@ -19,6 +19,11 @@ std::string shown(double value, int digits = 4) {
     return text;
 }
 
+bool has_stepped(const Solution& solution) {
+    return solution.al.newton_iterations + solution.al.followed_newton_iterations + solution.coarse_newton_iterations >
+           0;
+}
+
 bool is_certified(const Solution& solution) { return solution.injectivity.certified; }
 
 const char* headline(AlStatus status) {
@@ -252,8 +257,9 @@ std::vector<std::string> remedies(const Deck& deck, const Problem& problem, cons
             add_against_distance(deck, problem, solution, to_try);
             break;
         case AlStatus::interrupted:
-            to_try.push_back(out_of_time() ? concat("max_seconds = ", 4 * deck.max_seconds)
-                                           : "it again: a run starts from the mesh file");
+            to_try.push_back(deck.checkpoint > 0 && has_stepped(solution) ? "resume=1, which goes on from here"
+                             : out_of_time() ? concat("max_seconds = ", 4 * deck.max_seconds)
+                                             : "it again: a run starts from the mesh file");
             break;
         case AlStatus::linear_solver_failed: add_against_solver(deck, solution, to_try); break;
         case AlStatus::inverted:

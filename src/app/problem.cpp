@@ -63,10 +63,14 @@ std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
                      " missing; add `boundary rest = fixed`, or each of these with its motion:", lines);
 }
 
-// Wherever the results go, and on however many threads.
+// Wherever the results go, on however many threads, and in however many pieces.
 std::string run_id(Deck deck, const std::string& mesh_hash) {
+    const Deck defaults;
     deck.output = ".";
-    deck.threads = 0;
+    deck.threads = defaults.threads;
+    deck.max_seconds = defaults.max_seconds;
+    deck.checkpoint = defaults.checkpoint;
+    deck.resume = defaults.resume;
     return hash_of(resolved(deck) + mesh_hash);
 }
 
@@ -250,6 +254,7 @@ Follow followed(const Deck& deck) {
 Problem make_problem(const Deck& deck) {
     Problem problem;
     check_start(deck);
+    check_resume(deck);
     check_method(deck);
     problem.base = build_mesh(read_mesh_file(deck, problem.mesh_hash), problem.notes);
     check_quadrature(deck, std::max(deck.degree, problem.base.degree));

@@ -16,19 +16,25 @@
 #include "app/deck.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "method/checkpoint.hpp"
 
 namespace almesh {
 namespace {
 
 namespace fs = std::filesystem;
 
-// What a run may write, but for deck.txt.
+// Of a Newton step: who resumes a run does not take it again.
+bool is_of_step(const std::string& name) {
+    return name == "iterates.vtk.series" || (name.starts_with("iterate-") && name.ends_with(".vtk")) ||
+           name == "A.mtx" || name == "b.mtx";
+}
+
+// What a run may write, but for deck.txt and the checkpoint.
 bool is_result(const std::string& name) {
-    constexpr std::array<std::string_view, 11> results = {
-        "final.msh",   "final.su2",   "initial.vtk",         "final.vtk", "boundary.vtk", "stop.vtk",
-        "history.csv", "summary.txt", "expectations.csv",    "A.mtx",     "b.mtx"};
-    const bool is_iterate = name == "iterates.vtk.series" || (name.starts_with("iterate-") && name.ends_with(".vtk"));
-    return is_iterate || std::find(results.begin(), results.end(), name) != results.end();
+    constexpr std::array<std::string_view, 9> results = {"final.msh",    "final.su2", "initial.vtk",
+                                                         "final.vtk",    "boundary.vtk", "stop.vtk",
+                                                         "history.csv",  "summary.txt",  "expectations.csv"};
+    return is_of_step(name) || std::find(results.begin(), results.end(), name) != results.end();
 }
 
 // Left by a process that was killed while it wrote a result: "final.msh.part1234".
@@ -62,6 +68,8 @@ std::string host() {
 
 }  // namespace
 
+std::string checkpoint_folder(const Deck& deck) { return deck.output + "/checkpoint"; }
+
 ResultsFolder::ResultsFolder(const Deck& deck) {
     check_is_not_result(deck.mesh, deck.given.contains("mesh") ? deck.given.at("mesh") : deck.path, deck);
     for (const DeckBoundary& boundary : deck.boundaries)
@@ -69,8 +77,10 @@ ResultsFolder::ResultsFolder(const Deck& deck) {
             if (!step.file.empty()) check_is_not_result(step.file, boundary.where, deck);
     make_folder(deck.output);
     lock(deck.output);
+    if (!deck.resume) Checkpoint::remove(checkpoint_folder(deck));
     for (const std::string& name : names_in(deck.output))
-        if (is_result(name) || is_part(name)) remove_file(deck.output + "/" + name);
+        if (is_part(name) || (is_result(name) && !(deck.resume && is_of_step(name))))
+            remove_file(deck.output + "/" + name);
 }
 
 void ResultsFolder::lock(const std::string& folder) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <memory>
 #include <optional>
 
 #include "app/commands.hpp"
@@ -8,6 +9,7 @@
 #include "app/report.hpp"
 #include "app/results.hpp"
 #include "app/results_folder.hpp"
+#include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/parallel.hpp"
@@ -15,6 +17,7 @@
 #include "base/text.hpp"
 #include "check/surface_distance.hpp"
 #include "io/matrix_market.hpp"
+#include "method/checkpoint.hpp"
 #include "method/comparators.hpp"
 #include "method/continuation.hpp"
 #include "method/snap.hpp"
@@ -117,9 +120,36 @@ void write_system(const Deck& deck, Newton& newton, const Report& report) {
 void write_iterates(const Deck& deck, const Problem& problem, Newton& newton, const std::vector<double>& start) {
     if (deck.iterates == 0 || deck.vtk == VtkOutput::none) return;
     write_iterate(deck, problem, 0, start);
-    newton.observe_iterates([&deck, &problem, step = 0](const std::vector<double>& x) mutable {
-        if (++step % deck.iterates == 0) write_iterate(deck, problem, step / deck.iterates, x);
+    newton.observe_iterates([&deck, &problem](int step, const std::vector<double>& x) {
+        if (step % deck.iterates == 0) write_iterate(deck, problem, step / deck.iterates, x);
     });
+}
+
+std::string history_of(const Deck& deck) { return deck.output + "/history.csv"; }
+
+// Long runs can be followed, and leave a trace; one that cannot write it now goes on.
+void write_history(const Deck& deck, const Report& report, std::FILE* out) try {
+    write_file(history_of(deck), report.csv());
+} catch (const InputError& failed) {
+    std::fprintf(out, "note: %s\n", failed.what());
+}
+
+// Null where the deck wants none.
+std::unique_ptr<Checkpoint> make_checkpoint(const Deck& deck, const Problem& problem, std::FILE* out) {
+    if (deck.checkpoint == 0) return nullptr;
+    return std::make_unique<Checkpoint>(
+        checkpoint_folder(deck), concat(version(), " ", commit(), ", run ", problem.run_id), deck.checkpoint,
+        deck.resume, [out](const std::string& note) { std::fprintf(out, "note: %s\n", note.c_str()); });
+}
+
+void print_resumed(std::FILE* out, const Deck& deck, const Checkpoint& checkpoint) {
+    if (!deck.resume) return;
+    const int saved = checkpoint.minimisations();
+    const std::string folder = checkpoint_folder(deck);
+    if (saved > 0)
+        std::fprintf(out, "resumes from %s in %s\n", counted(saved, "minimisation").c_str(), folder.c_str());
+    else
+        std::fprintf(out, "note: no saved state in %s: the run starts from the beginning\n", folder.c_str());
 }
 
 bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary) {
@@ -143,10 +173,12 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const TimeLimit limit(deck.max_seconds);
     set_threads(deck.threads);
     const Problem problem = make_problem(deck);
+    const std::unique_ptr<Checkpoint> checkpoint = make_checkpoint(deck, problem, out);
     const ResultsFolder folder(deck);
     Solution solution;
     solution.predicted_bytes = predicted_bytes(problem.mesh(), deck.linear);
     print_mesh(out, deck, problem, solution.predicted_bytes);
+    if (checkpoint) print_resumed(out, deck, *checkpoint);
     {
         const TimeAdder adder(solution.time.write);
         write_deck(deck, problem);
@@ -163,7 +195,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
         report.add(stage);
         solution.coarse_newton_iterations += stage.newton_iterations;
     };
-    const MethodParams params = {deck.method, deck.linear, deck.forcing, followed(deck)};
+    const MethodParams params = {deck.method, deck.linear, deck.forcing, followed(deck), checkpoint.get()};
     const CoarseSolution coarse =
         solve_coarser(static_cast<int>(coarser.size()), make_level, params, solution.time, add_stage);
     solution.time.coarse = solution.time.total;
@@ -176,11 +208,12 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     AlObserver observer;
     observer.iteration = [&](const AlIteration& row) {
         report.add(row);
-        write_file(deck.output + "/history.csv", report.csv());  // long runs can be followed, and leave a trace
+        write_history(deck, report, out);
     };
     observer.newton_step = [&](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
     const AlStart start = start_from(coarse, level, solution.x);
     std::optional<Newton> newton(std::in_place, level.energy->hessian_pattern(), deck.linear, deck.forcing);
+    newton->save_in(checkpoint.get());
     write_system(deck, *newton, report);
     write_iterates(deck, problem, *newton, solution.x);
     solution.time.setup = watch.seconds() - solution.time.coarse - solution.time.write;
@@ -199,10 +232,12 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     {
         const TimeAdder adder(solution.time.write);
         write_results(deck, problem, solution);
+        write_file(history_of(deck), report.csv());
     }
     solution.time.run = watch.seconds();
     const Summary summary = summarise(problem, solution);
     write_summary(deck, summary);
+    if (solution.al.status != AlStatus::interrupted) Checkpoint::remove(checkpoint_folder(deck));
     print_uncertified(out, problem.mesh(), solution.x, problem.frame, solution.certificate);
     print_ending(out, deck, problem, solution, report.fallbacks);
 

@@ -79,6 +79,11 @@ bool DistortionEnergy::take_over_refinements(const DistortionEnergy& part) {
     return changed;
 }
 
+void DistortionEnergy::set_quadrature(const QuadratureState& state) {
+    for (std::size_t k = refinements_.size(); k < state.refinements.size(); ++k) refine(state.refinements[k]);
+    folds_ = state.folds;
+}
+
 double DistortionEnergy::uniform(double eta) const {
     return volume_ * with_density(params_, [eta](auto density) { return density.f(eta); });
 }

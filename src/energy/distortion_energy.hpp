@@ -41,6 +41,11 @@ struct DistortionStatistics {
     std::vector<double> element_max;  // per element
 };
 
+// Where elements have folded: what their quadrature has been refined for so far, and what it will be for next.
+struct QuadratureState {
+    std::vector<Fold> refinements, folds;
+};
+
 class DistortionEnergy {
 public:
     virtual ~DistortionEnergy() = default;
@@ -70,6 +75,9 @@ public:
     bool refine_quadrature();
     // The refinements of a part of this energy since it was made. Whether E has changed.
     bool take_over_refinements(const DistortionEnergy& part);
+    // Which quadratures have been refined, and are to be; set_quadrature() for one that has none or the first of them.
+    QuadratureState quadrature() const { return {refinements_, folds_}; }
+    void set_quadrature(const QuadratureState& state);
     // Another power in the density from now on.
     void set_power(const PowerParams& power) { params_.power = power; }
     const PowerParams& power() const { return params_.power; }

@@ -60,6 +60,13 @@ struct SolveResult {
     double factor_seconds = 0, solve_seconds = 0;  // of who made x, refinement left out; 0 if that was not reached
 };
 
+// What a solver has come to know in the systems so far, beyond what the next one's matrix tells.
+struct LinearSolverState {
+    int failures = 0;              // of iterative solvers in a row, solved by Cholesky
+    double failed_iterations = 0;  // since the last success
+    bool iterative = false, direct = false;  // which of them have been set up
+};
+
 // Whether a system of this size goes to an iterative solver first.
 bool iterates(int unknowns, int dimension, const LinearSolverParams& params);
 
@@ -87,6 +94,10 @@ public:
     // What the first solve does with the pattern of A before it looks at the values.
     void analyse(const BlockCsr& A);
 
+    // As another solver had it: the next solve gives the bits that it would have given there.
+    LinearSolverState state() const;
+    void set_state(const LinearSolverState& state) { known_ = state; }
+
     // Scalar entries of the Cholesky factor, operations to compute it, bytes of the factorisation with the number of
     // threads now in force; 0 until it has been analysed.
     double factor_entries() const;
@@ -107,11 +118,11 @@ private:
     double predicted_flops(const BlockCsr& A) const;
     double flops_of_iteration(const BlockCsr& A) const;
     bool direct_is_worth(const BlockCsr& A, int iterations);
+    void set_up_as_known(const BlockCsr& A);
 
     int dimension_;
     LinearSolverParams params_;
-    int failures_ = 0;  // of iterative solvers in a row, solved by Cholesky
-    double failed_iterations_ = 0;  // since the last success
+    LinearSolverState known_;
     std::vector<double> b_, x_;  // in the order of A's rows
     std::unique_ptr<Iterative> iterative_;
     std::unique_ptr<Direct> direct_;

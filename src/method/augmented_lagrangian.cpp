@@ -77,16 +77,15 @@ std::optional<AlStatus> failure(const std::vector<AlIteration>& rows, const Augm
     const AlIteration& row = rows.back();
     const bool at_floor = row.newton_status == NewtonStatus::rounding_floor;
     const bool solved = at_floor || row.newton_status == NewtonStatus::converged;
-    const bool interrupted = row.newton_status == NewtonStatus::interrupted;
     if (at_floor && constrained) return AlStatus::rounding_floor;
     if (row.newton_status == NewtonStatus::out_of_reach) return AlStatus::infeasible;
-    if (constraint_stalls(rows, solved || interrupted ? 3 : 1, one_squared)) return AlStatus::stalled;
+    if (row.newton_status == NewtonStatus::interrupted) return AlStatus::interrupted;
+    if (constraint_stalls(rows, solved ? 3 : 1, one_squared)) return AlStatus::stalled;
     switch (row.newton_status) {
         case NewtonStatus::max_iterations: return AlStatus::max_newton_iterations;
         case NewtonStatus::line_search_failed: return AlStatus::line_search_failed;
         case NewtonStatus::linear_solver_failed: return AlStatus::linear_solver_failed;
         case NewtonStatus::overflow: return AlStatus::overflow;
-        case NewtonStatus::interrupted: return AlStatus::interrupted;
         default: break;
     }
     if (row.iteration == params.max_iterations) return AlStatus::max_iterations;

@@ -66,6 +66,9 @@ public:
 
     void reset() { active_ = false; }  // before a problem that knows nothing of earlier ones
 
+    bool is_active() const { return active_; }
+    void set_active(bool active) { active_ = active; }
+
     // Whether step `iteration` (1, 2, ...) of a subproblem is followed by one.
     bool after_step(int iteration) {
         active_ = active_ || iteration > steps_without;

@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "base/interrupt.hpp"
+#include "base/text.hpp"
 #include "linalg/vector_ops.hpp"
+#include "method/checkpoint.hpp"
 #include "method/functional.hpp"
 #include "method/rounding_floor.hpp"
 
@@ -26,6 +28,10 @@ bool is_truncated(SolveStatus status) {
            status == SolveStatus::not_positive_definite;
 }
 
+std::string hash_of_numbers(const std::vector<double>& numbers) {
+    return hash_of({reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)});
+}
+
 bool is_finite(const NewtonResult& at) { return std::isfinite(at.energy) && std::isfinite(at.gradient_norm); }
 
 }  // namespace
@@ -33,11 +39,17 @@ bool is_finite(const NewtonResult& at) { return std::isfinite(at.energy) && std:
 NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& params, std::vector<double>& x,
                               const NewtonObserver& observe) {
     NewtonResult at = start(E, params, x);  // E(x), g = grad E(x), the tolerance omega
-    const auto end = [&at](NewtonStatus status) { return at.status = status, at; };
+    if (resume(E, x, at, observe)) return at;
+    const auto end = [&](NewtonStatus status) {
+        at.status = status;
+        save(E, x, at, status != NewtonStatus::interrupted);
+        return at;
+    };
     while (!(at.gradient_norm <= at.omega)) {
         if (!is_finite(at)) return end(NewtonStatus::overflow);
         if (at.iterations == params.max_iterations) return end(NewtonStatus::max_iterations);
         if (interrupted()) return end(NewtonStatus::interrupted);
+        if (checkpoint_ && checkpoint_->is_due()) save(E, x, at, false);
         refine_quadrature(E, x, at);
         const NewtonResult before = at;
         NewtonStep step(++at.iterations, hessian_);
@@ -50,8 +62,8 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         if (found.step_length == 0) return end(NewtonStatus::line_search_failed);
         if (!found.by_rounding) eliminate_locally(E, before.energy - at.energy, x, at, step);
         at.gradient_norm = gradient(E, x);                                                        // g = grad E(x)
-        if (observe) observe(step.reached(at.energy, at.gradient_norm));
-        if (observe_iterate_) observe_iterate_(x);
+        accept(step.reached(at.energy, at.gradient_norm), observe);
+        if (observe_iterate_) observe_iterate_(accepted_steps_, x);
         if (!is_finite(at)) continue;
         const auto distortion = [&] { return E.distortion.energy(x); };
         if (params.reach.found(before.energy, at.energy, found.step_length, distortion))
@@ -77,6 +89,39 @@ NewtonResult Newton::start(const AugmentedFunctional& E, const NewtonParams& par
     const double reduced = params.reduction < 1 ? params.reduction * at.gradient_norm : params.omega;
     at.omega = std::max(std::min(params.omega, reduced), params.omega_star);
     return at;
+}
+
+// Takes over what was saved of this minimisation. Whether that was its end.
+bool Newton::resume(const AugmentedFunctional& E, std::vector<double>& x, NewtonResult& at,
+                    const NewtonObserver& observe) {
+    if (!checkpoint_) return false;
+    start_ = concat(hash_of_numbers(x), " ", at.energy, " ", at.gradient_norm, " ", at.omega);
+    steps_.clear();
+    const std::optional<NewtonState> saved = checkpoint_->next(start_);
+    if (!saved) return false;
+    x = saved->x;
+    at = saved->at;
+    hessian_ = saved->hessian;
+    forcing_.value = saved->forcing;
+    damping_.factor = saved->damping;
+    elimination_.set_active(saved->eliminates);
+    solver_.set_state(saved->solver);
+    E.distortion.set_quadrature(saved->quadrature);
+    for (const NewtonStep& step : saved->steps) accept(step, observe);
+    if (!saved->has_ended) gradient(E, x);
+    return saved->has_ended;
+}
+
+void Newton::save(const AugmentedFunctional& E, const std::vector<double>& x, const NewtonResult& at, bool has_ended) {
+    if (!checkpoint_) return;
+    checkpoint_->save({start_, has_ended, at, hessian_, forcing_.value, damping_.factor, elimination_.is_active(),
+                       solver_.state(), E.distortion.quadrature(), x, steps_});
+}
+
+void Newton::accept(const NewtonStep& step, const NewtonObserver& observe) {
+    ++accepted_steps_;
+    if (checkpoint_) steps_.push_back(step);
+    if (observe) observe(step);
 }
 
 // Where the step before folded elements unseen: another E from now on, at the same x.

@@ -14,6 +14,7 @@
 #pragma once
 #include <functional>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -29,6 +30,7 @@
 namespace almesh {
 
 struct AugmentedFunctional;
+class Checkpoint;
 
 enum class NewtonStatus {
     converged,
@@ -85,7 +87,8 @@ struct NewtonResult {
 
 using NewtonObserver = std::function<void(const NewtonStep&)>;
 using SystemObserver = std::function<void(const BlockCsr& A, const std::vector<double>& b)>;
-using IterateObserver = std::function<void(const std::vector<double>& x)>;
+// step: 1, 2, ... over all calls of minimise().
+using IterateObserver = std::function<void(int step, const std::vector<double>& x)>;
 
 class Newton {
 public:
@@ -97,6 +100,9 @@ public:
 
     // Called with every iterate that is accepted, of all calls of minimise().
     void observe_iterates(IterateObserver observer) { observe_iterate_ = std::move(observer); }
+
+    // Saves the state of all minimisations from here on, and goes on from what was saved of them. Null: no more.
+    void save_in(Checkpoint* checkpoint) { checkpoint_ = checkpoint; }
 
     const LinearSolver& linear_solver() const { return solver_; }
     Timings time;  // of all calls so far
@@ -115,8 +121,15 @@ private:
     LocalElimination elimination_;  // and so is this
     SystemObserver observe_system_;
     IterateObserver observe_iterate_;
+    int accepted_steps_ = 0;  // of all calls
+    Checkpoint* checkpoint_ = nullptr;
+    std::string start_;              // of the minimisation at hand, for the checkpoint,
+    std::vector<NewtonStep> steps_;  // and its steps
 
     NewtonResult start(const AugmentedFunctional& E, const NewtonParams& params, const std::vector<double>& x);
+    bool resume(const AugmentedFunctional& E, std::vector<double>& x, NewtonResult& at, const NewtonObserver& observe);
+    void save(const AugmentedFunctional& E, const std::vector<double>& x, const NewtonResult& at, bool has_ended);
+    void accept(const NewtonStep& step, const NewtonObserver& observe);
     bool refine_quadrature(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at);
     double gradient(const AugmentedFunctional& E, const std::vector<double>& x);
     bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step);
