@@ -11,8 +11,8 @@ std::string checkpoint_folder(const Deck& deck);  // in that of the results
 // From here on the folder belongs to this run, until the end of the object: it is made where it is missing and locked,
 // and what an earlier run has left in it is removed, so that whatever lies there after a run was killed is that run's.
 // deck.txt, of which the run writes a new one at once, stays until then, and with `resume` what earlier steps of the
-// run have left. The lock is that of the operating system on
-// the file almesh.lock, which a killed process loses; the file says whose it is.
+// run have left. The lock is that of the operating system on the file almesh.lock, which a killed process loses; the
+// file says whose it is.
 //
 // Throws InputError where the folder cannot be made or written to, where another run has it, and UsageError where the
 // mesh or a file of targets is among the results that would be removed: nothing has been touched then.

@@ -16,6 +16,7 @@
 
 #include "base/error.hpp"
 #include "energy/densities.hpp"
+#include "linalg/dense_solve.hpp"
 
 namespace almesh {
 namespace {
@@ -232,33 +233,8 @@ std::unique_ptr<DistortionEnergy> PlainEnergy::part(const std::vector<double>&, 
 }
 
 void project(int size, double* A) {
-    std::vector<double> Q(offset(size, size), 0.0);
-    for (int i = 0; i < size; ++i) Q[i * size + i] = 1;
-    const auto rotate = [size](double* row_p, double* row_q, int stride, double c, double s) {
-        for (int k = 0; k < size; ++k) {
-            const double p = row_p[k * stride], q = row_q[k * stride];
-            row_p[k * stride] = c * p - s * q;
-            row_q[k * stride] = s * p + c * q;
-        }
-    };
-    constexpr int most_sweeps = 50;
-    constexpr double negligible = 1e-33;  // squared sum off the diagonal over that on it
-    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
-        double off = 0, on = 0;
-        for (int i = 0; i < size; ++i)
-            for (int j = 0; j < size; ++j) (i == j ? on : off) += A[i * size + j] * A[i * size + j];
-        if (off <= negligible * on) break;
-        for (int p = 0; p < size; ++p)
-            for (int q = p + 1; q < size; ++q) {
-                if (A[p * size + q] == 0) continue;
-                const double tau = (A[q * size + q] - A[p * size + p]) / (2 * A[p * size + q]);
-                const double t = (tau >= 0 ? 1 : -1) / (std::abs(tau) + std::hypot(1, tau));
-                const double c = 1 / std::hypot(1, t), s = c * t;
-                rotate(A + p, A + q, size, c, s);
-                rotate(A + p * size, A + q * size, 1, c, s);
-                rotate(&Q[p], &Q[q], size, c, s);
-            }
-    }
+    std::vector<double> Q(offset(size, size));
+    diagonalise(size, A, Q.data());
     std::vector<double> eigenvalue(size);
     for (int i = 0; i < size; ++i) eigenvalue[i] = std::max(A[i * size + i], 0.0);
     for (int i = 0; i < size; ++i)

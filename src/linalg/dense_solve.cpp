@@ -32,10 +32,15 @@ bool solve_dense(std::vector<double> A, std::vector<double> b, std::vector<doubl
 }
 
 void diagonalise(int n, double* A, double* V) {
-    constexpr int sweeps = 30;
+    constexpr int most_sweeps = 30;
+    constexpr double negligible = 1e-30;  // squared sum off the diagonal over that on it
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) V[i * n + j] = i == j;
-    for (int sweep = 0; sweep < sweeps; ++sweep)
+    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+        double off = 0, on = 0;
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) (i == j ? on : off) += A[i * n + j] * A[i * n + j];
+        if (off <= negligible * on) return;
         for (int i = 0; i < n; ++i)
             for (int j = i + 1; j < n; ++j) {
                 if (A[i * n + j] == 0) continue;
@@ -51,6 +56,7 @@ void diagonalise(int n, double* A, double* V) {
                     A[i * n + k] = c * a - s * b, A[j * n + k] = s * a + c * b;
                 }
             }
+    }
 }
 
 }  // namespace almesh
