@@ -122,7 +122,7 @@ struct MshReader {
             PhysicalGroup group;
             group.dim = in.small_integer("the dimension of the physical group", 0, 3);
             group.tag = std::abs(in.small_integer("the tag of the physical group"));
-            std::string_view name = in.rest_of_line();
+            std::string_view name = in.rest_as_name();
             if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
             group.name = name;
             if (name.empty()) in.fail("physical group ", group.tag, " has an empty name");

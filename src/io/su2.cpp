@@ -116,7 +116,7 @@ struct Su2Reader {
             begin_record("markers", k, count);
             if (const std::string keyword = take_keyword(); keyword != "MARKER_TAG")
                 in.fail("expected MARKER_TAG= NAME, got ", keyword);
-            const std::string name(in.rest_of_line());
+            const std::string name(in.rest_as_name());
             if (name.empty()) in.fail("a marker without a name");
             begin_record("markers", k, count);
             if (const std::string keyword = take_keyword(); keyword != "MARKER_ELEMS")

@@ -55,6 +55,14 @@ struct TextScanner {
         return trim(std::string_view(begin, static_cast<std::size_t>(at - begin)));
     }
 
+    // The rest of the line as a name, which decks and terminals must be able to show: without control characters.
+    std::string_view rest_as_name() {
+        const std::string_view name = rest_of_line();
+        const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t'; };
+        if (std::any_of(name.begin(), name.end(), is_control)) fail("a name with control characters");
+        return name;
+    }
+
     // The word here, for messages.
     std::string word() const {
         if (at == end || *at == '\n') return "the end of the line";

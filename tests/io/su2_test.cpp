@@ -93,6 +93,7 @@ TEST_CASE("errors of SU2 meshes name the line and what is wrong") {
     has_error("1 1\n", "1 nan\n", "a.su2:10:");
     has_error("3 3 0\n", "", "the file is cut off: 1 elements announced, only 0 are there");
     has_error("MARKER_TAG= inlet", "inlet", "expected `KEYWORD= VALUE`, got `inlet`");
+    has_error("MARKER_TAG= inlet", "MARKER_TAG= in\033let", "a name with control characters");
     has_error("NDIME= 2\n", "", "NDIME has to come first");
     has_error("NDIME= 2\n", "NZONE= 2\nNDIME= 2\n", "several zones");
     has_error("MARKER_ELEMS= 3", "MARKER_ELEMS= -3", "out of range");
