@@ -21,7 +21,8 @@ FLAGS     := -std=c++20 -fno-math-errno $(CXXFLAGS) $(OPENMP) $(WARNINGS) $(WERR
 SOURCES   := $(shell find src -name '*.cpp' -not -path 'src/lessons/*' | sort)
 OBJECTS   := $(SOURCES:%.cpp=$(BUILD)/%.o)
 LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(OBJECTS))
-TESTS     := $(shell find tests -name '*.cpp' -not -path 'tests/bench/*' -not -path 'tests/lessons/*' | sort)
+TESTS     := $(shell find tests -name '*.cpp' -not -path 'tests/bench/*' -not -path 'tests/lessons/*' \
+               -not -name libfuzzer.cpp | sort)
 TEST_OBJECTS := $(TESTS:%.cpp=$(BUILD)/%.o)
 # The comparison is a program of its own, the only one that needs CHOLMOD.
 COMPARISON := $(BUILD)/tests/bench/compare_cholmod.o
@@ -32,6 +33,9 @@ BENCH_OBJECTS := $(BENCH:%.cpp=$(BUILD)/%.o)
 LESSON_PROGRAMS := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/[0-9]*.cpp))
 CHECKED   := $(sort $(patsubst tests/lessons/%_check.cpp,%,$(wildcard tests/lessons/*_check.cpp)))
 CHECKS    := $(CHECKED:%=$(BUILD)/lessons/check-%) $(CHECKED:%=$(BUILD)/lessons/solved-%)
+# Only `make fuzz` has libFuzzer's entry; the harnesses are in the tests too.
+FUZZ      := $(filter-out tests/fuzz/%_test.cpp,$(wildcard tests/fuzz/*.cpp)) tests/support/meshes.cpp
+FUZZ_OBJECTS := $(FUZZ:%.cpp=$(BUILD)/%.o)
 LESSON_OBJECTS := $(patsubst %.cpp,$(BUILD)/%.o,$(shell find src/lessons tests/lessons -name '*.cpp'))
 
 # Threads that wait soon sleep: spinning ones are slow on a machine with other work to do (src/main.cpp).
@@ -47,7 +51,7 @@ endif
 PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import numpy, matplotlib' 2>/dev/null && echo $(p))) python3)
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan bench compare compare-cholmod compare-gmsh cholmod paper gauntlet defaults \
+.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cholmod paper gauntlet defaults \
         figures meshes lessons check-lessons animation clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -84,6 +88,17 @@ test: doctest python ## run every test, built with warnings as errors, and build
 asan: doctest ## the same tests, but for those of the large decks, under the address and undefined-behaviour sanitizers
 	$(MAKE) BUILD=build-asan WERROR=-Werror CXXFLAGS='-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all' \
 	  EXCLUDED_TESTS='every deck*,algorithm = adaptive takes*,conjugate gradients take at most*' run-tests
+
+# Without OpenMP: what one thread does can be repeated to the last bit.
+FUZZ_FLAGS := -O1 -g -march=native -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize-recover=all
+MINUTES   ?= 1
+FUZZ_CXX  ?= clang++
+fuzz: ## fuzz decks, mesh files, matrices, quality and whole runs, a minute each (MINUTES=12, HARNESSES="msh run"; clang++)
+	$(MAKE) BUILD=build-fuzz CXX='$(FUZZ_CXX)' OPENMP= WERROR=-Werror CXXFLAGS='$(FUZZ_FLAGS)' build-fuzz/almesh-fuzz
+	tests/fuzz/fuzz.sh build-fuzz/almesh-fuzz $(MINUTES) $(HARNESSES)
+
+$(BUILD)/almesh-fuzz: $(FUZZ_OBJECTS) $(LIBRARY)
+	$(CXX) $(FLAGS) -fsanitize=fuzzer $^ -o $@
 
 # In two parts at a time: the first is one long test.
 LONG_TEST := every deck gives the same bits*
@@ -190,4 +205,4 @@ clean: ## remove what was built
 help: ## list the targets
 	@grep -hE '^[a-z%-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/%/NN/; s/:.*## /\t/' | expand -t 17
 
--include $(OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d) $(BENCH_OBJECTS:.o=.d) $(COMPARISON:.o=.d) $(LESSON_OBJECTS:.o=.d)
+-include $(OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d) $(BENCH_OBJECTS:.o=.d) $(COMPARISON:.o=.d) $(LESSON_OBJECTS:.o=.d) $(FUZZ_OBJECTS:.o=.d)

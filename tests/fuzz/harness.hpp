@@ -1,0 +1,55 @@
+// Fuzzing in process: a harness feeds any bytes to a part of the program and throws a Violation where what comes out
+// breaks a promise. Crashes, sanitizers' reports and hangs are for whoever calls it: libFuzzer (libfuzzer.cpp, `make
+// fuzz`), or the replay of the seeds in `make test` (replay_test.cpp).
+#pragma once
+#include <stdexcept>
+#include <string_view>
+
+#include "support/program.hpp"
+
+namespace almesh::fuzz {
+
+// Any text is a deck, with settings of the command line after zero bytes, or refused; a deck as resolved is the same.
+void fuzz_deck(std::string_view bytes);
+
+// Any file is a mesh or refused; written in each version of MSH it reads back the same, and `info` prints a deck.
+void fuzz_msh(std::string_view bytes);
+void fuzz_su2(std::string_view bytes);
+
+// The first byte has the options of `linsolve`, the rest is a Matrix Market file: it reads back the same.
+void fuzz_matrix_market(std::string_view bytes);
+
+// A small mesh with nodes moved and its file damaged: `quality` certifies only what is valid and does not overlap.
+void fuzz_quality(std::string_view bytes);
+
+// The same moved by a deck of legal keys: exit code 0 only with a final mesh that is valid and in place.
+void fuzz_run(std::string_view bytes);
+
+struct Harness {
+    std::string_view name;
+    void (*run)(std::string_view bytes);
+};
+
+inline constexpr Harness harnesses[] = {{"deck", fuzz_deck},
+                                        {"msh", fuzz_msh},
+                                        {"su2", fuzz_su2},
+                                        {"matrix-market", fuzz_matrix_market},
+                                        {"quality", fuzz_quality},
+                                        {"run", fuzz_run}};
+
+struct Violation : std::logic_error {
+    using std::logic_error::logic_error;
+};
+
+template <class... Parts>
+void demand(bool holds, const Parts&... parts) {
+    if (!holds) throw Violation(concat(parts...));
+}
+
+// The command's outcome. One of the documented exit codes, with a message that the program has chosen itself.
+test::Outcome outcome_of(const std::vector<std::string>& arguments);
+
+// One for the process; it stays where that crashes, with the files at hand.
+const test::TemporaryFolder& work_folder();
+
+}  // namespace almesh::fuzz

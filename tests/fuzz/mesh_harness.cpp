@@ -1,0 +1,114 @@
+#include <set>
+
+#include "app/deck.hpp"
+#include "fuzz/harness.hpp"
+#include "io/su2.hpp"
+
+namespace almesh::fuzz {
+namespace {
+
+// The mesh, or nothing where the program refuses it.
+template <class Make>
+std::optional<Mesh> mesh_or_refusal(const Make& make) {
+    try {
+        std::vector<std::string> notes;
+        return build_mesh(make(), notes, Folds::keep);
+    } catch (const InputError& error) {
+        demand(error.what()[0] != '\0', "a mesh is refused without a word");
+        return std::nullopt;
+    }
+}
+
+bool fits(const Mesh& mesh, const FileFormat& format) {
+    try {
+        check_ids_fit(mesh, format);
+        return true;
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
+// What is the same in any order of nodes, elements and faces, which MSH 4 sorts by their entities.
+struct Contents {
+    std::map<long long, std::vector<double>> position;      // by node id
+    std::map<long long, std::vector<long long>> element;    // by its id: node ids
+    std::multimap<std::vector<long long>, std::string> face;  // by node ids: boundary
+    std::array<std::multiset<std::vector<long long>>, 3> kept;
+
+    explicit Contents(const Mesh& mesh) {
+        const auto ids = [&mesh](const int* node, int count) {
+            std::vector<long long> list;
+            for (int k = 0; k < count; ++k)
+                list.push_back(node[k] < 0 ? mesh.file.loose[-1 - node[k]].id : mesh.file.node_id[node[k]]);
+            return list;
+        };
+        for (int i = 0; i < mesh.nodes(); ++i)
+            position[mesh.file.node_id[i]] = {point(mesh.x, i, mesh.dim), point(mesh.x, i, mesh.dim) + mesh.dim};
+        for (int e = 0; e < mesh.element_count(); ++e)
+            element[mesh.file.element_id[e]] = ids(mesh.element(e), mesh.element_nodes());
+        for (int f = 0; f < mesh.face_count(); ++f)
+            face.emplace(ids(mesh.face(f), mesh.face_nodes()), mesh.boundaries[mesh.face_boundary[f]]);
+        for (int dim = 0; dim < mesh.dim; ++dim) {
+            const int count = simplex_node_count(dim, mesh.degree);
+            for (int k = 0; k < mesh.kept[dim].count(); ++k)
+                kept[dim].insert(ids(mesh.kept[dim].nodes.data() + offset(k, count), count));
+        }
+    }
+};
+
+void check_same(const Mesh& mesh, const Mesh& again, const std::string& name) {
+    demand(again.dim == mesh.dim && again.degree == mesh.degree, name, ": another kind of mesh");
+    const Contents a(mesh), b(again);
+    demand(a.position == b.position, name, ": other positions");
+    demand(a.element == b.element, name, ": other elements");
+    demand(a.face == b.face, name, ": other boundaries");
+    demand(a.kept == b.kept, name, ": other cells inside");
+}
+
+void check_read_back(const Mesh& mesh, const FileFormat& format) {
+    const std::string text = msh_text(mesh, mesh.x, format), name = to_string(format);
+    const auto again = mesh_or_refusal([&] { return parse_msh(text, "again.msh"); });
+    demand(again.has_value(), "written as ", name, " it is refused");
+    check_same(mesh, *again, name);
+}
+
+void check_mesh(const Mesh& mesh) {
+    demand(mesh.element_count() > 0 && mesh.nodes() > 0, "a mesh of nothing");
+    for (int version : {22, 40, 41})
+        for (bool binary : {false, true})
+            if (const FileFormat format = {FileFormat::Kind::msh, version, binary}; fits(mesh, format))
+                check_read_back(mesh, format);
+}
+
+void check_info(std::string_view bytes, const std::string& name) {
+    const std::string path = work_folder().write(name, std::string(bytes));
+    const test::Outcome outcome = outcome_of({"info", path});
+    if (outcome.code != 0) return;
+    try {
+        parse_deck(outcome.out, "a.deck");
+    } catch (const UsageError& error) {
+        throw Violation(concat("info prints no deck: ", error.what(), "\n", outcome.out));
+    }
+}
+
+}  // namespace
+
+void fuzz_msh(std::string_view bytes) {
+    const auto mesh = mesh_or_refusal([&] { return parse_msh(bytes, "fuzz.msh"); });
+    if (!mesh) return;
+    check_mesh(*mesh);
+    check_info(bytes, "fuzz.msh");
+}
+
+void fuzz_su2(std::string_view bytes) {
+    const auto mesh = mesh_or_refusal([&] { return parse_su2(bytes, "fuzz.su2"); });
+    if (!mesh) return;
+    check_mesh(*mesh);
+    const std::string path = work_folder().path("again.su2");
+    write_su2(path, *mesh, mesh->x);
+    const auto again = mesh_or_refusal([&] { return parse_su2(test::text_of(path), path); });
+    demand(again && again->x == mesh->x && again->elements == mesh->elements, "written as SU2 it is another mesh");
+    check_info(bytes, "fuzz.su2");
+}
+
+}  // namespace almesh::fuzz

@@ -1,0 +1,79 @@
+#include "fuzz/small_mesh.hpp"
+
+#include "fuzz/harness.hpp"
+#include "io/su2.hpp"
+#include "support/meshes.hpp"
+
+namespace almesh::fuzz {
+namespace {
+
+Mesh straight_mesh(int kind) {
+    switch (kind) {
+        case 0: return test::ring_mesh(6, 2, 3);
+        case 1: return test::square_mesh(1);
+        case 2: return test::square_mesh(3);
+        case 3: return test::ring_mesh(8, 1, 1.25);
+        case 4: return test::cube_mesh(1);
+        case 5: return test::cube_mesh(2);
+        default: return test::square_mesh(2);
+    }
+}
+
+void move_nodes(Mesh& mesh, Choices& choose) {
+    for (int moves = choose.below(4); moves > 0; --moves) {
+        double* const x = &mesh.x[offset(choose.below(mesh.nodes()), mesh.dim)];
+        for (int a = 0; a < mesh.dim; ++a) x[a] += 0.5 * choose.fraction();
+    }
+}
+
+// The line after the place, removed or repeated.
+void change_line(std::string& text, int place, bool repeat) {
+    const auto from = text.find('\n', place);
+    if (from == text.npos) return;
+    const std::string line = text.substr(from, text.find('\n', from + 1) - from);
+    if (repeat) text.insert(from, line);
+    else text.erase(from, line.size());
+}
+
+}  // namespace
+
+Mesh small_mesh(Choices& choose) {
+    Mesh mesh = straight_mesh(choose.below(7));
+    const int degree = 1 + choose.below(3);
+    if (degree > 1) mesh = raise_degree(mesh, degree);
+    const int amplitude = choose.below(4);
+    if (amplitude > 0) mesh.x = test::wavy(mesh.x, mesh.dim, 0.03 * amplitude);
+    move_nodes(mesh, choose);
+    constexpr double sizes[] = {1, 1e-3, 1e4, 1e-12, 1e12}, origins[] = {0, 1, -3, 1e3, 1e6};
+    const double size = choose.of(sizes), origin = size * choose.of(origins);
+    for (double& x : mesh.x) x = size * x + origin;
+    constexpr FileFormat formats[] = {{FileFormat::Kind::msh, 22, false}, {FileFormat::Kind::msh, 41, false},
+                                      {FileFormat::Kind::msh, 40, false}, {FileFormat::Kind::msh, 22, true},
+                                      {FileFormat::Kind::msh, 40, true},  {FileFormat::Kind::msh, 41, true},
+                                      {FileFormat::Kind::su2, 0, false}};
+    mesh.file.format = choose.of(formats);
+    if (mesh.degree > 1 && mesh.file.format.kind == FileFormat::Kind::su2) mesh.file.format = formats[0];
+    return mesh;
+}
+
+std::string text_of_mesh(const Mesh& mesh) {
+    if (mesh.file.format.kind == FileFormat::Kind::msh) return msh_text(mesh, mesh.x);
+    const std::string path = work_folder().path("undamaged.su2");
+    write_su2(path, mesh, mesh.x);
+    return test::text_of(path);
+}
+
+std::string damaged(std::string text, Choices& choose) {
+    for (int faults = choose.below(4); faults > 0 && !text.empty(); --faults) {
+        const int kind = choose.below(4), place = choose.below(static_cast<int>(text.size()));
+        switch (kind) {
+            case 0: text[place] = static_cast<char>(choose.byte()); break;
+            case 1: text[place] = static_cast<char>('0' + choose.below(10)); break;
+            case 2: change_line(text, place, choose.yes()); break;
+            default: text.resize(place);
+        }
+    }
+    return text;
+}
+
+}  // namespace almesh::fuzz
