@@ -27,10 +27,12 @@ struct Su2Reader {
     TextScanner in;
     RawMesh mesh{};
     int dim = 0;
+    std::vector<std::string> sections{};  // those that were there
 
     RawMesh read() {
         while (next_line()) {
             const std::string keyword = take_keyword();
+            check_repeat(keyword);
             if (keyword == "NDIME") dim = in.small_integer("2 or 3", 2, 3);
             else if (keyword == "NZONE" && in.small_integer("the number of zones") != 1)
                 in.fail("several zones: give them in a file each");
@@ -61,6 +63,12 @@ struct Su2Reader {
         if (in.at == in.end || *in.at != '=') in.fail("expected `KEYWORD= VALUE`, got `", keyword.substr(0, 40), "`");
         ++in.at;
         return keyword;
+    }
+
+    void check_repeat(const std::string& keyword) {
+        if (keyword != "NDIME" && keyword != "NELEM" && keyword != "NPOIN" && keyword != "NMARK") return;
+        if (std::find(sections.begin(), sections.end(), keyword) != sections.end()) in.fail(keyword, " is there twice");
+        sections.push_back(keyword);
     }
 
     int need_dimension() const {

@@ -92,6 +92,8 @@ TEST_CASE("errors of SU2 meshes name the line and what is wrong") {
     has_error("0 1 3\n", "0 1 2\n", "points have to be numbered");
     has_error("1 1\n", "1 nan\n", "a.su2:10:");
     has_error("3 3 0\n", "", "the file is cut off: 1 elements announced, only 0 are there");
+    has_error("NMARK= 2\n", "NPOIN= 4\n", "a.su2:12: NPOIN is there twice");
+    has_error("NPOIN= 4 4\n", "NDIME= 3\n", "a.su2:6: NDIME is there twice");
     has_error("MARKER_TAG= inlet", "inlet", "expected `KEYWORD= VALUE`, got `inlet`");
     has_error("MARKER_TAG= inlet", "MARKER_TAG= in\033let", "a name with control characters");
     has_error("NDIME= 2\n", "", "NDIME has to come first");
