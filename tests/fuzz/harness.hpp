@@ -22,7 +22,8 @@ void fuzz_matrix_market(std::string_view bytes);
 // A small mesh with nodes moved and its file damaged: `quality` certifies only what is valid and does not overlap.
 void fuzz_quality(std::string_view bytes);
 
-// The same moved by a deck of legal keys: exit code 0 only with a final mesh that is valid and in place.
+// The same moved by a deck of legal keys: exit code 0 only with a final mesh that is valid and in place. A run that
+// leaves its state behind goes on from it, damaged or not.
 void fuzz_run(std::string_view bytes);
 
 struct Harness {

@@ -1,4 +1,7 @@
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
 
 #include "fuzz/harness.hpp"
 #include "fuzz/independent_check.hpp"
@@ -109,6 +112,15 @@ void check_result(const std::string& mesh_path, const std::string& folder, const
     if (run.old_elements.degree == 1) check_faces(run);
 }
 
+void damage_files(const std::string& folder, Choices& choose) {
+    std::set<std::string> paths;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) paths.insert(entry.path().string());
+    for (const std::string& path : paths) {
+        const std::string text = damaged(test::text_of(path), choose);
+        std::ofstream(path, std::ios::binary) << text;
+    }
+}
+
 }  // namespace
 
 void fuzz_run(std::string_view bytes) {
@@ -122,8 +134,14 @@ void fuzz_run(std::string_view bytes) {
     std::string deck = concat("mesh = run.mesh\noutput = ", output, "\nthreads = 1\nmax_seconds = 1\n");
     for (const auto& [boundary, motion] : motions) deck += concat("boundary ", boundary, " = ", motion.text, "\n");
     for (const auto& [key, value] : settings) deck += concat(key, " = ", value, "\n");
+    std::filesystem::remove_all(output);
+    const std::string deck_path = folder.write("run.deck", deck);
     try {
-        const test::Outcome outcome = outcome_of({folder.write("run.deck", deck)});
+        test::Outcome outcome = outcome_of({deck_path});
+        if (const std::string state = output + "/checkpoint"; std::filesystem::exists(state)) {
+            damage_files(state, choose);
+            outcome = outcome_of({deck_path, "resume=1"});
+        }
         if (outcome.code == 0) check_result(mesh_path, output, motions, settings);
     } catch (const Violation& violation) {
         throw Violation(concat(violation.what(), "\n", deck));
