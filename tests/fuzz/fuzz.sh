@@ -18,7 +18,8 @@ for harness in "$@"; do
     work=$(mktemp -d "$memory/almesh-fuzz.XXXXXX")
     log=outputs/fuzz/$harness.log
     echo "$harness: $minutes min"
-    HARNESS=$harness TMPDIR=$work "$program" -max_total_time=$((minutes * 60)) -max_len=$longest -len_control=0 -timeout=120 \
+    HARNESS=$harness TMPDIR=$work "$program" -max_total_time=$((minutes * 60)) -max_len=$longest \
+        -len_control=0 -timeout=120 \
         -rss_limit_mb=3000 -print_final_stats=1 -artifact_prefix="outputs/fuzz/$harness-" \
         "$corpus" "tests/fuzz/seeds/$harness" >"$log" 2>&1
     code=$?

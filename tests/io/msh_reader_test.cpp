@@ -161,7 +161,8 @@ TEST_CASE("garbage, missing and too many numbers are refused where they stand") 
     check_refused(replaced(in_2_2, "3 1 4 4 11 1 7 2 5", "3 1 99 4 11 1 7 2 5"),
                   "a.msh:19: expected a tag, got the end of the line");
     check_refused(replaced(in_2_2, "1 4 \"the wall\"", "1 4"), "a.msh:6: physical group 4 has an empty name");
-    check_refused(replaced(in_2_2, "1 4 \"the wall\"", "1 4 \"the\033wall\""), "a.msh:6: a name with control characters");
+    check_refused(replaced(in_2_2, "1 4 \"the wall\"", "1 4 \"the\033wall\""),
+                  "a.msh:6: a name with control characters");
     check_refused(replaced(in_4_1, "1 11 1 2\n2", "2 11 1 2\n2"), "element type 1 in an entity of dimension 2");
 }
 
