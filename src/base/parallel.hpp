@@ -85,6 +85,12 @@ void parallel_invoke(const First& first, const Second& second) {
     parallel_for_throwing(2, [&](int i) { i == 0 ? first() : second(); }, parallel_work * 10.0);
 }
 
+// An int in an array that several threads read and change at a time, by the builtins of g++ and clang++: libc++ had no
+// std::atomic_ref for long.
+inline int atomic_value(const int& shared) { return __atomic_load_n(&shared, __ATOMIC_SEQ_CST); }
+inline void set_atomic(int& shared, int value) { __atomic_store_n(&shared, value, __ATOMIC_SEQ_CST); }
+inline int take_one_off(int& shared) { return __atomic_sub_fetch(&shared, 1, __ATOMIC_SEQ_CST); }  // what is left
+
 // For short waits: polls, and yields the core to other threads if it takes long.
 template <class Test>
 void spin_wait(const Test& test) {

@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "base/decimal.hpp"
+
 namespace almesh {
 
 std::string_view trim(std::string_view text) {
@@ -38,12 +40,19 @@ std::vector<std::string_view> words(std::string_view text) {
 
 namespace {
 
+std::from_chars_result read_number(const char* begin, const char* end, double& value) {
+    return read_double(begin, end, value);
+}
+std::from_chars_result read_number(const char* begin, const char* end, int& value) {
+    return std::from_chars(begin, end, value);
+}
+
 template <class Number>
 std::optional<Number> parse_number(std::string_view text) {
     if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
     Number value{};
     const char* const end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    const auto [stop, error] = read_number(text.data(), end, value);
     if (error != std::errc() || stop != end) return std::nullopt;
     return value;
 }

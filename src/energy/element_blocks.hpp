@@ -5,7 +5,6 @@
 // stays in the cache of its thread. Where the mesh's own order is a poor one, blocks are cut along a space-filling
 // curve.
 #pragma once
-#include <atomic>
 #include <vector>
 
 #include "base/parallel.hpp"
@@ -31,9 +30,9 @@ struct ElementBlocks {
 #pragma omp parallel for schedule(monotonic : dynamic, 1) if (parallel)
         for (int t = 0; t < count(); ++t) {
             for (int k = wait_start[t]; k < wait_start[t + 1]; ++k)
-                spin_wait([&] { return std::atomic_ref(done_[wait_for[k]]).load() == rounds_; });
+                spin_wait([&] { return atomic_value(done_[wait_for[k]]) == rounds_; });
             body(schedule[t]);
-            std::atomic_ref(done_[t]).store(rounds_);
+            set_atomic(done_[t], rounds_);
         }
     }
 

@@ -141,7 +141,8 @@ struct MshReader {
                 begin_record("entities of this dimension", i, count[dim]);
                 mesh.entities.push_back(entity(dim));
             }
-        std::ranges::stable_sort(mesh.entities, {}, &FileEntity::key);
+        std::stable_sort(mesh.entities.begin(), mesh.entities.end(),
+                         [](const FileEntity& a, const FileEntity& b) { return a.key < b.key; });
     }
 
     // A point has a box from version 4.1 on no more.

@@ -40,7 +40,7 @@ MshType msh_type(int number) {
 }
 
 void ForeignMshElements::add(int type, int line, long long count) {
-    const auto same = std::ranges::find(kinds, type, &Kind::type);
+    const auto same = std::find_if(kinds.begin(), kinds.end(), [type](const Kind& kind) { return kind.type == type; });
     if (same == kinds.end()) kinds.push_back({type, line, count});
     else same->count += count;
 }

@@ -79,7 +79,8 @@ struct MshWriter {
     void entities(const std::vector<FileEntity>& all) const {
         std::string text = "$Entities\n";
         for (int dim = 0; dim <= 3; ++dim)
-            numbers.size(text, std::ranges::count(all, dim, [](const FileEntity& entity) { return entity.key.dim; }));
+            numbers.size(text, std::count_if(all.begin(), all.end(),
+                                             [dim](const FileEntity& entity) { return entity.key.dim == dim; }));
         numbers.end_record(text);
         for (const FileEntity& entity : all) {
             numbers.integer(text, entity.key.tag);
@@ -132,9 +133,9 @@ struct MshWriter {
     void begin_items(std::string text, std::size_t blocks, const std::vector<long long>& id) const {
         numbers.size(text, static_cast<long long>(blocks));
         numbers.size(text, static_cast<long long>(id.size()));
-        const auto [least, largest] = std::ranges::minmax(id);
-        if (is_4_1) numbers.size(text, least);
-        if (is_4_1) numbers.size(text, largest);
+        const auto [least, largest] = std::minmax_element(id.begin(), id.end());
+        if (is_4_1) numbers.size(text, *least);
+        if (is_4_1) numbers.size(text, *largest);
         numbers.end_record(text);
         sink(text);
     }

@@ -157,7 +157,8 @@ std::vector<Marker> markers_of(const Mesh& mesh) {
     for (int c = 0; c < kept.count(); ++c) {
         if (!kept.physical[c]) continue;
         const std::string name = group_name(mesh.file.groups, mesh.dim - 1, kept.physical[c]);
-        auto marker = std::ranges::find(markers, name, &Marker::name);
+        auto marker =
+            std::find_if(markers.begin(), markers.end(), [&](const Marker& other) { return other.name == name; });
         if (marker == markers.end()) marker = markers.insert(markers.end(), {name, {}});
         marker->faces.push_back(&kept.nodes[offset(c, mesh.dim)]);
     }

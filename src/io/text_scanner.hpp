@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/decimal.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 
@@ -98,9 +99,9 @@ struct TextScanner {
         skip_blanks();
         const char* const begin = at != end && *at == '+' ? at + 1 : at;
         double value = 0;
-        const auto [stop, error] = std::from_chars(begin, end, value);
+        const auto [stop, error] = read_double(begin, end, value);
         check_number(what, stop, error);
-        // from_chars() does not distinguish underflow (1e-400, read as 0) from overflow (1e400).
+        // read_double() does not distinguish underflow (1e-400, read as 0) from overflow (1e400).
         if (error == std::errc::result_out_of_range) value = std::strtod(std::string(begin, stop).c_str(), nullptr);
         if (!std::isfinite(value)) fail(what, " ", word(), " is not a finite number");
         at = stop;

@@ -229,7 +229,7 @@ std::map<std::vector<int>, int> untagged_faces(const MeshBuild& build) {
         std::vector<int> nodes;
         for (int k = 0; k < build.mesh.face_nodes(); ++k)
             nodes.push_back(build.node[build.raw.element_nodes[face.first + k]]);
-        std::ranges::sort(nodes);
+        std::sort(nodes.begin(), nodes.end());
         faces.emplace(std::move(nodes), i);
     }
     return faces;
@@ -290,7 +290,8 @@ std::string MeshBuild::node_ids(const int* nodes, int count) const {
 }
 
 EntityKey MeshBuild::entity_of(std::size_t raw_node) const {
-    const auto next = std::ranges::upper_bound(raw.node_blocks, raw_node, {}, &RawNodeBlock::first);
+    const auto next = std::upper_bound(raw.node_blocks.begin(), raw.node_blocks.end(), raw_node,
+                                       [](std::size_t place, const RawNodeBlock& block) { return place < block.first; });
     return next == raw.node_blocks.begin() ? EntityKey{} : std::prev(next)->entity;
 }
 

@@ -56,7 +56,7 @@ void fill_kept(MeshBuild& build) {
     Mesh& mesh = build.mesh;
     const RawMesh& raw = build.raw;
     if (build.kept.empty()) return;
-    std::ranges::sort(build.kept);  // file order
+    std::sort(build.kept.begin(), build.kept.end());  // file order
     const ElementsAround around(mesh);
     const Subcells subcells(mesh);
     const RawElement* first_dropped = nullptr;
@@ -70,7 +70,7 @@ void fill_kept(MeshBuild& build) {
             append(mesh.kept[0], cell, {nodes[0] < 0 ? nodes[0] + 1 : nodes[0]}, -1);
             continue;
         }
-        const bool in_mesh = cell.degree == mesh.degree && std::ranges::min(nodes) >= 0;
+        const bool in_mesh = cell.degree == mesh.degree && *std::min_element(nodes.begin(), nodes.end()) >= 0;
         const int element = in_mesh ? element_of(subcells, around, nodes, cell.dim) : -1;
         if (element >= 0) append(mesh.kept[cell.dim], cell, nodes, element);
         else if (++dropped == 1) first_dropped = &cell;

@@ -23,7 +23,8 @@ std::vector<int> Subcells::nodes(int e, const int* vertex, int dim) const {
     for (const MultiIndex& b : order_[dim]) {
         MultiIndex a{};
         for (int k = 0; k <= dim; ++k) a[local(e, vertex[k])] = b[k];
-        nodes.push_back(mesh_.element(e)[std::ranges::find(of_element, a) - of_element.begin()]);
+        const auto place = std::find(of_element.begin(), of_element.end(), a);
+        nodes.push_back(mesh_.element(e)[place - of_element.begin()]);
     }
     return nodes;
 }

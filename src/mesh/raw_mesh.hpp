@@ -44,7 +44,9 @@ struct RawMesh {
 
 // Entity (dim, tag), or nullptr where the file lists none. entities: ascending by key. Cost: O(log entities).
 inline const FileEntity* find_entity(const std::vector<FileEntity>& entities, int dim, int tag) {
-    const auto found = std::ranges::lower_bound(entities, EntityKey{dim, tag}, {}, &FileEntity::key);
+    const auto found =
+        std::lower_bound(entities.begin(), entities.end(), EntityKey{dim, tag},
+                         [](const FileEntity& entity, const EntityKey& key) { return entity.key < key; });
     return found != entities.end() && found->key == EntityKey{dim, tag} ? &*found : nullptr;
 }
 

@@ -118,7 +118,7 @@ void append_children(const CellType& cell, const int* v, Midpoints& midpoint, co
     std::array<int, 10> node;  // vertices, then midpoints
     auto end = std::copy_n(v, cell.dim + 1, node.begin());
     for (const auto& [a, b] : cell.bisected) *end++ = midpoint(v[a], v[b]);
-    const auto append = [&](std::initializer_list<int> local) {
+    const auto append = [&](const std::array<int, 4>& local) {
         for (int i : std::span(local).first(cell.dim + 1)) out.push_back(node[i]);
     };
     for (const CellChild& c : cell.children) append({c[0], c[1], c[2], c[3]});

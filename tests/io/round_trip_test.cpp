@@ -131,7 +131,8 @@ TEST_CASE("a run moves the points and curves of its input with the mesh, in ever
         REQUIRE(almesh_with({deck, "degree=3"}).code == 0);
         const RawMesh raised = read_mesh(folder.path("out/final.msh"));
         CHECK(raised.elements.size() == before.elements.size());
-        CHECK(std::ranges::count(raised.elements, 3, &RawElement::degree) == 7);
+        CHECK(std::count_if(raised.elements.begin(), raised.elements.end(),
+                            [](const RawElement& element) { return element.degree == 3; }) == 7);
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -98,7 +99,8 @@ TEST_CASE("points, curves and faces inside survive refinement and higher degrees
 
 TEST_CASE("a mesh of higher degree keeps the order in which the file has the nodes of a cell") {
     RawMesh raw = SampleMesh(3, 3, 1).raw;
-    const auto element = std::ranges::find(raw.elements, 3, &RawElement::dim);
+    const auto element = std::find_if(raw.elements.begin(), raw.elements.end(),
+                                      [](const RawElement& any) { return any.dim == 3; });
     const auto node = [&](int k) { return raw.element_nodes[element->first + k]; };
     append_element(raw, 1, 5, {node(1), node(0), node(5), node(4)});  // edge 0 backwards
     raw.elements.back().degree = 3;
@@ -120,8 +122,9 @@ TEST_CASE("a point without an element stays where it is") {
     CHECK(mesh.file.loose[0].x == std::array<double, 3>{7, 8, 0});
     CHECK(mesh.kept[0].nodes.back() == -1);
     CHECK(mesh.kept[0].physical == std::vector<int>{4, 3});
-    CHECK(std::ranges::count(mesh.file.node_id, 500) == 0);
-    CHECK(std::ranges::max(mesh.file.node_id) == 500 + mesh.nodes() - 9);
+    const std::vector<long long>& id = mesh.file.node_id;
+    CHECK(std::count(id.begin(), id.end(), 500) == 0);
+    CHECK(*std::max_element(id.begin(), id.end()) == 500 + mesh.nodes() - 9);
 }
 
 TEST_CASE("curves and untagged faces that are not in the mesh are dropped with a note") {

@@ -180,7 +180,7 @@ FactorResult Cholesky::factor(const BlockCsr& A) {
         factor_fronts(A, plan_.subtrees[s], false, first_bad);
         // The thread that finishes the last child of a single front goes on with the front.
         for (int f = plan_.subtrees[s].end - 1; (f = plan_.tree.parent[f]) >= 0;) {
-            if (std::atomic_ref(unfinished_[f]).fetch_sub(1) != 1) break;
+            if (take_one_off(unfinished_[f]) != 0) break;
             factor_fronts(A, {f, f + 1}, false, first_bad);
         }
     }
