@@ -51,11 +51,31 @@ inline bool any(LaneBits condition) {
     return bits != 0;
 }
 
-inline double sum_of_lanes(Lanes v) {
-    double sum = 0;
+inline double sum_of_lanes(Lanes v, double sum = 0) {
     for (int l = 0; l < lanes; ++l) sum += v[l];
     return sum;
 }
+
+// Sums are taken as if there were this many lanes, so that their bits do not depend on the machine compiled for.
+inline constexpr int most_lanes = 8, batches_per_row = most_lanes / lanes;
+
+// The sum of numbers of which `lanes` come at a time, from a multiple of most_lanes on.
+class SumOfBatches {
+public:
+    void add(Lanes batch) {
+        sum_[next_] += batch;
+        next_ = (next_ + 1) % batches_per_row;
+    }
+    double total() const {
+        double sum = 0;
+        for (const Lanes& part : sum_) sum = sum_of_lanes(part, sum);
+        return sum;
+    }
+
+private:
+    Lanes sum_[batches_per_row] = {};
+    int next_ = 0;
+};
 
 // Exchanges off-diagonal blocks of `step` lanes: a_i keeps its place where bit `step` of i is 0, and b_i where it is 1.
 template <int step, int... l>

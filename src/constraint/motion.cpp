@@ -81,9 +81,9 @@ void rotate(const Vec<3>& u, double degrees, Vec<3>& d) {
 // Gives the part of d other than `axial` the length `radius`.
 bool project(const Vec<3>& axial, double radius, Vec<3>& d) {
     const Vec<3> radial = d - axial;
-    const double length = std::hypot(radial[0], radial[1], radial[2]);
+    const double length = std::sqrt(dot(radial, radial));
     // Nearer than this, the direction is a rounding error of the point.
-    if (!(length > 1e-12 * std::max(radius, std::hypot(d[0], d[1], d[2])))) return false;
+    if (!(length > 1e-12 * std::max(radius, std::sqrt(dot(d, d))))) return false;
     for (int i = 0; i < 3; ++i) d[i] = axial[i] + radius * (radial[i] / length);
     return true;
 }

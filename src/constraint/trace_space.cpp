@@ -22,7 +22,7 @@ double face_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
     const double n0 = edge(1, 1) * edge(2, 2) - edge(1, 2) * edge(2, 1),
                  n1 = edge(1, 2) * edge(2, 0) - edge(1, 0) * edge(2, 2),
                  n2 = edge(1, 0) * edge(2, 1) - edge(1, 1) * edge(2, 0);
-    return 0.5 * std::hypot(n0, n1, n2);
+    return 0.5 * std::sqrt(n0 * n0 + n1 * n1 + n2 * n2);
 }
 
 }  // namespace

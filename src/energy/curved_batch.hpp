@@ -57,14 +57,21 @@ public:
 
     Lanes distortion_at(int q) const { return distortion<n>(multiply<n>(jacobian(q), *ideal_inverse_), 0); }
 
-    // Per unit of det A; infinite or nan for an inverted element. With points in lanes the sum over these is the
-    // element's.
+    // Per unit of det A; infinite or nan for an inverted element.
     template <class Density>
-    Lanes energy(Density density, double delta) const {
+    Lanes energy(Density density, double delta, int part = 0) const {
         Lanes sum{};
-        for (int q = 0; q < of_.points; ++q)
+        for (int q = part * part_points(); q < (part + 1) * part_points(); ++q)
             sum += of_.weight[q] * density.f(distortion<n>(multiply<n>(jacobian(q), *ideal_inverse_), delta,
                                                            typename Density::Measure()));
+        return sum;
+    }
+
+    // The same of the one element whose points are in the lanes.
+    template <class Density>
+    double energy_of_element(Density density, double delta) const {
+        double sum = 0;
+        for (int part = 0; part < parts; ++part) sum = sum_of_lanes(energy(density, delta, part), sum);
         return sum;
     }
 
@@ -72,20 +79,20 @@ public:
     template <class Density>
     const double* gradient(const Density& density, double delta, Lanes factor) {
         const Mat<n, Lanes> ideal_inverse_transposed = transpose<n>(*ideal_inverse_);
-        std::fill_n(gradient_, size_, Lanes{});
-        for (int q = 0; q < of_.points; ++q) {
-            const Mat<n, Lanes> F = multiply<n>(jacobian(q), *ideal_inverse_);
-            const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F, delta, density), ideal_inverse_transposed);
-            const Lanes weight = factor * of_.weight[q];
-            const Number* const dN = gradients(q);
-            for (int i = 0; i < m_; ++i)
-                for (int a = 0; a < n; ++a) {
-                    Lanes sum = P[a][0] * dN[i * n];
-                    for (int k = 1; k < n; ++k) sum += P[a][k] * dN[i * n + k];
-                    gradient_[i * n + a] += weight * sum;
-                }
-        }
-        if constexpr (points_in_lanes) sum_over_points(gradient_, size_);
+        sum_of_points(gradient_, size_, [&](int begin, int end) {
+            for (int q = begin; q < end; ++q) {
+                const Mat<n, Lanes> F = multiply<n>(jacobian(q), *ideal_inverse_);
+                const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F, delta, density), ideal_inverse_transposed);
+                const Lanes weight = factor * of_.weight[q];
+                const Number* const dN = gradients(q);
+                for (int i = 0; i < m_; ++i)
+                    for (int a = 0; a < n; ++a) {
+                        Lanes sum = P[a][0] * dN[i * n];
+                        for (int k = 1; k < n; ++k) sum += P[a][k] * dN[i * n + k];
+                        gradient_[i * n + a] += weight * sum;
+                    }
+            }
+        });
         return separate_lanes(gradient_, size_, separate_);
     }
 
@@ -102,22 +109,23 @@ public:
     // by row, both triangles.
     template <class Density>
     const double* hessian(const Density& density, double delta, bool projected, Lanes factor) {
-        std::fill_n(hessian_, size_ * size_, Lanes{});
-        for (int q = 0; q < of_.points; q += point_block) {
-            const int count = std::min(point_block, of_.points - q);
-            for (int k = 0; k < count; ++k) tensor(k) = second_derivatives(q + k, density, delta, projected, factor);
-            for (int j = 0; j < m_; ++j) {
-                apply_to_node(j, q, count);
-                int i = j;
-                for (; i + tile_rows <= m_; i += tile_rows) add_blocks<tile_rows>(i, j, q, count);
-                for (; i < m_; ++i) add_blocks<1>(i, j, q, count);
+        sum_of_points(hessian_, size_ * size_, [&](int begin, int end) {
+            for (int q = begin; q < end; q += point_block) {
+                const int count = std::min(point_block, end - q);
+                for (int k = 0; k < count; ++k)
+                    tensor(k) = second_derivatives(q + k, density, delta, projected, factor);
+                for (int j = 0; j < m_; ++j) {
+                    apply_to_node(j, q, count);
+                    int i = j;
+                    for (; i + tile_rows <= m_; i += tile_rows) add_blocks<tile_rows>(i, j, q, count);
+                    for (; i < m_; ++i) add_blocks<1>(i, j, q, count);
+                }
             }
-        }
+        });
         for (int i = 0; i < m_; ++i)
             for (int j = 0; j < i; ++j)
                 for (int a = 0; a < n; ++a)
                     for (int b = 0; b < n; ++b) block(j, i)[b * n + a] = block(i, j)[a * n + b];
-        if constexpr (points_in_lanes) sum_over_points(hessian_, size_ * size_);
         return separate_lanes(hessian_, size_ * size_, separate_);
     }
 
@@ -148,8 +156,25 @@ private:
         return values.data();
     }
 
-    static void sum_over_points(Lanes* values, int count) {
-        for (int i = 0; i < count; ++i) values[i] = in_all_lanes(sum_of_lanes(values[i]));
+    static constexpr int parts = points_in_lanes ? PointLanes::parts : 1;
+    int part_points() const { return of_.points / parts; }
+
+    // add(begin, end) adds the points [begin, end) to values. With points in lanes all lanes get the sum over these.
+    template <class Add>
+    void sum_of_points(Lanes* values, int count, const Add& add) {
+        if constexpr (points_in_lanes) {
+            thread_local std::vector<double> total;  // kept between calls
+            total.assign(count, 0);
+            for (int part = 0; part < parts; ++part) {
+                std::fill_n(values, count, Lanes{});
+                add(part * part_points(), (part + 1) * part_points());
+                for (int i = 0; i < count; ++i) total[i] = sum_of_lanes(values[i], total[i]);
+            }
+            for (int i = 0; i < count; ++i) values[i] = in_all_lanes(total[i]);
+        } else {
+            std::fill_n(values, count, Lanes{});
+            add(0, of_.points);
+        }
     }
 
     const Number* gradients(int q) const { return &of_.gradients[offset(q, size_)]; }

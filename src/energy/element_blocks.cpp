@@ -26,7 +26,7 @@ constexpr double well_ordered = 1.5;  // blocks per node
 
 int block_size(int elements) {
     const int size = std::clamp(elements / wanted_blocks, 1, largest_block);
-    return (size + lanes - 1) / lanes * lanes;
+    return (size + most_lanes - 1) / most_lanes * most_lanes;
 }
 
 // Place of each element's centre on Morton's curve: the bits of its coordinates, cut to 2^21 cells per direction of the

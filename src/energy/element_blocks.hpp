@@ -13,7 +13,7 @@
 namespace almesh {
 
 struct ElementBlocks {
-    int size = 0;                 // elements of a block, a multiple of the lanes; the last block may have fewer
+    int size = 0;                 // elements of a block, a multiple of most_lanes; the last block may have fewer
     std::vector<int> order;       // element at each place; block b: places b size, b size + 1, ...
     std::vector<int> schedule;    // block of each slot
     std::vector<int> wait_start;  // slots + 1 offsets into wait_for

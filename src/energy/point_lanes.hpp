@@ -1,6 +1,7 @@
 // The rule of one element with its points in lanes, for elements with rules of their own (refined_rule.hpp).
 #pragma once
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "base/index.hpp"
@@ -9,22 +10,33 @@
 
 namespace almesh {
 
-// The last lanes are filled up with copies of the last point that weigh nothing.
+// In rows of most_lanes points, the last one filled up with copies of the last point that weigh nothing. Where there
+// are fewer lanes, the first points of all rows come first, then the next ones: each is a part of the rule, and the
+// sums over the lanes of one part after the other are those of most_lanes.
 struct PointLanes {
-    int nodes, points;             // points: per lane
+    static constexpr int parts = batches_per_row;
+    int nodes, rows, points;       // points: per lane, those of all parts
     std::vector<Lanes> weight;     // points
     std::vector<Lanes> gradients;  // points x nodes x dim
 
-    explicit PointLanes(const ReferenceElement& of) : nodes(of.nodes), points((of.points + lanes - 1) / lanes) {
+    explicit PointLanes(const ReferenceElement& of)
+        : nodes(of.nodes), rows((of.points + most_lanes - 1) / most_lanes), points(parts * rows) {
         const int stride = static_cast<int>(of.gradients.size()) / of.points;
         weight.resize(points);
         gradients.resize(offset(points, stride));
-        for (int k = 0; k < points * lanes; ++k) {
+        for (int k = 0; k < rows * most_lanes; ++k) {
             const int q = std::min(k, of.points - 1);
-            weight[k / lanes][k % lanes] = k < of.points ? of.weight[q] : 0;
+            const auto [pack, lane] = place_of(k);
+            weight[pack][lane] = k < of.points ? of.weight[q] : 0;
             for (int i = 0; i < stride; ++i)
-                gradients[offset(k / lanes, stride, i)][k % lanes] = of.gradients[offset(q, stride, i)];
+                gradients[offset(pack, stride, i)][lane] = of.gradients[offset(q, stride, i)];
         }
+    }
+
+    // Where point q is: number of its lanes, and the lane.
+    std::pair<int, int> place_of(int q) const {
+        const int of_row = q % most_lanes;
+        return {of_row / lanes * rows + q / most_lanes, of_row % lanes};
     }
 };
 

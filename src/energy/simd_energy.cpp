@@ -152,8 +152,8 @@ void SimdEnergy::fill(const Mesh& mesh, const GeometryOf& geometry_of) {
 
 // Of a function that is constant on each element, times det A: per batch.
 double SimdEnergy::integral(const std::vector<Lanes>& values) const {
-    const auto of_batch = [&](int k) { return sum_of_lanes(values[k]); };
-    return simplex(dim_).volume() * deterministic_sum(static_cast<int>(values.size()), of_batch);
+    const auto of_element = [&](int k) { return values[k / lanes][k % lanes]; };
+    return simplex(dim_).volume() * deterministic_sum(element_count_, of_element);
 }
 
 std::unique_ptr<DistortionEnergy> SimdEnergy::part(const std::vector<double>& x, const std::vector<char>& moves,
@@ -238,15 +238,15 @@ double SimdEnergy::energy(const std::vector<double>& x) {
 #pragma omp parallel for schedule(dynamic, 1) if (is_large_)
         for (int block = 0; block < blocks_.count(); ++block) {
             if (inverted.load(std::memory_order_relaxed)) continue;
-            Lanes sum{};
+            SumOfBatches sum;
             every_batch<Batch>(block, x, [&](const Batch& elements, int batch) {
-                sum += weight_[batch] * elements.energy(density, params_.delta);
+                sum.add(weight_[batch] * elements.energy(density, params_.delta));
             });
-            block_value_[block] = sum_of_lanes(sum);
+            block_value_[block] = sum.total();
             if (!std::isfinite(block_value_[block])) inverted.store(true, std::memory_order_relaxed);
         }
         const auto energy_of = [&](const auto& element, int r) {
-            return singles_[r].weight * sum_of_lanes(element.energy(density, params_.delta));
+            return singles_[r].weight * element.energy_of_element(density, params_.delta);
         };
         every_refined(x, energy_of, [&](int, double energy) { refined += energy; });
     });
@@ -314,7 +314,7 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
     dispatch([&](auto type, auto) {
         using Batch = typename decltype(type)::type;
         parallel_for(blocks_.count(), [&](int block) {
-            Lanes sum{};
+            SumOfBatches sum;
             every_batch<Batch>(block, x, [&](const Batch& elements, int batch) {
                 Lanes largest{}, squared{};
                 for (int q = 0; q < reference_.points; ++q) {
@@ -322,17 +322,19 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
                     squared += reference_.weight[q] * eta * eta;
                     largest = max(largest, eta);
                 }
-                sum += select(ideal_jacobian_[batch] > 0, ideal_jacobian_[batch] * squared, Lanes{});  // not 0 infinity
+                // not 0 infinity
+                sum.add(select(ideal_jacobian_[batch] > 0, ideal_jacobian_[batch] * squared, Lanes{}));
                 const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
                 for (int l = 0; l < count; ++l) result.element_max[blocks_.order[first + l]] = largest[l];
             });
-            block_value_[block] = sum_of_lanes(sum);
+            block_value_[block] = sum.total();
         }, is_large_ ? parallel_work : 0);
     });
     const auto measure = [&](const auto& element, int r) {
         double squared = 0, largest = 0;
         for (int q = 0; q < refined_[r].reference.points; ++q) {
-            const double eta = element.distortion_at(q / lanes)[q % lanes];
+            const auto [pack, lane] = singles_[r].rule.place_of(q);
+            const double eta = element.distortion_at(pack)[lane];
             squared += refined_[r].volume[q] * eta * eta;
             largest = std::max(largest, eta);
         }

@@ -1,5 +1,6 @@
 // Singular values of 2x2 and 3x3 matrices, and positive semidefinite parts of symmetric ones, one matrix per lane.
-// Closed forms in 2D, without angles; Jacobi's rotations in 3D, all lanes in step until none needs one more.
+// Closed forms in 2D, without angles; Jacobi's rotations in 3D, all lanes in step until none needs one more;
+// one that needs none stays as it is, so that its bits do not depend on its neighbours.
 #pragma once
 #include "base/lanes.hpp"
 #include "base/small_matrix.hpp"
@@ -17,6 +18,8 @@ inline constexpr double tiny = 1e-300;  // keeps 0 / 0 at 0
 
 struct Rotation {
     Lanes c, s;  // cosine and sine: p' = c p - s q, q' = s p + c q
+
+    Rotation where(LaneBits turns) const { return {select(turns, c, in_all_lanes(1)), select(turns, s, Lanes{})}; }
 };
 
 // Makes the 2x2 matrix (app apq; apq aqq) diagonal by an angle of at most 45 degrees (Golub & Van Loan, Matrix
@@ -101,16 +104,18 @@ inline SingularValues<3> singular_values(const Mat<3, Lanes>& F) {
     constexpr double orthogonal = 1e-30;  // squared cosine
     const Lanes one = in_all_lanes(1), zero = {};
     Mat<3, Lanes> B = F, V = {{{one, zero, zero}, {zero, one, zero}, {zero, zero, one}}};
+    LaneBits at_work = zero == zero;
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
         LaneBits rotated = {};
         for (const auto& [p, q] : pairs) {
             const Lanes a = column_product<3>(B, p, p), b = column_product<3>(B, q, q), c = column_product<3>(B, p, q);
             rotated |= c * c > orthogonal * a * b;
-            const Rotation rotation = jacobi_rotation(a, c, b);
+            const Rotation rotation = jacobi_rotation(a, c, b).where(at_work);
             rotate_columns<3>(rotation, p, q, B);
             rotate_columns<3>(rotation, p, q, V);
         }
-        if (!any(rotated)) break;
+        at_work &= rotated;
+        if (!any(at_work)) break;
     }
     Vec<3, Lanes> squared;
     for (int j = 0; j < 3; ++j) squared[j] = column_product<3>(B, j, j);
@@ -142,8 +147,10 @@ inline Mat<2, Lanes> positive_part(const Mat<2, Lanes>& A) {
 
 inline Mat<3, Lanes> positive_part(Mat<3, Lanes> A) {
     const Lanes minor = A[0][0] * A[1][1] - A[0][1] * A[0][1];
-    // Most often there is nothing to do: all leading minors are positive in every lane.
-    if (!any(!((A[0][0] > 0) & (minor > 0) & (determinant(A) > 0)))) return A;
+    // Most often there is nothing to do: all leading minors are positive.
+    const LaneBits is_positive = (A[0][0] > 0) & (minor > 0) & (determinant(A) > 0);
+    if (!any(!is_positive)) return A;
+    const Mat<3, Lanes> given = A;
 
     constexpr int pairs[3][2] = {{0, 1}, {0, 2}, {1, 2}}, most_sweeps = 30;
     constexpr double diagonal = 1e-32;  // squared sum off the diagonal over that on it
@@ -152,10 +159,11 @@ inline Mat<3, Lanes> positive_part(Mat<3, Lanes> A) {
     for (int sweep = 0; sweep < most_sweeps; ++sweep) {
         const Lanes on = A[0][0] * A[0][0] + A[1][1] * A[1][1] + A[2][2] * A[2][2];
         const Lanes off = A[0][1] * A[0][1] + A[0][2] * A[0][2] + A[1][2] * A[1][2];
-        if (!any(off > diagonal * on)) break;
+        const LaneBits at_work = off > diagonal * on;
+        if (!any(at_work)) break;
         for (const auto& [p, q] : pairs) {
             const int r = 3 - p - q;
-            const Rotation rotation = jacobi_rotation(A[p][p], A[p][q], A[q][q]);
+            const Rotation rotation = jacobi_rotation(A[p][p], A[p][q], A[q][q]).where(at_work);
             rotate_columns<3>(rotation, p, q, A);
             const Lanes app = rotation.c * A[p][p] - rotation.s * A[q][p];
             A[q][q] = rotation.s * A[p][q] + rotation.c * A[q][q];
@@ -170,6 +178,8 @@ inline Mat<3, Lanes> positive_part(Mat<3, Lanes> A) {
     for (int k = 0; k < 3; ++k)
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) positive[i][j] += max(A[k][k], zero) * Q[i][k] * Q[j][k];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) positive[i][j] = select(is_positive, given[i][j], positive[i][j]);
     return positive;
 }
 

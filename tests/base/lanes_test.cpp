@@ -28,6 +28,20 @@ TEST_CASE("every lane is worked on by itself") {
     CHECK(sum_of_lanes(v) == lanes * (lanes - 1) / 2 - lanes);
 }
 
+TEST_CASE("numbers that come in batches are summed as if there were the most lanes") {
+    double apart[most_lanes] = {}, expected = 0;
+    SumOfBatches sum;
+    for (int k = 0; k < 40; k += lanes) {
+        Lanes batch;
+        for (int l = 0; l < lanes; ++l) batch[l] = std::exp(0.7 * (k + l));
+        sum.add(batch);
+    }
+    for (int k = 0; k < 40; ++k) apart[k % most_lanes] += std::exp(0.7 * k);
+    for (const double part : apart) expected += part;
+    CHECK(sum.total() == expected);
+    CHECK(sum_of_lanes(counting(), 0.5) == sum_of_lanes(counting()) + 0.5);
+}
+
 TEST_CASE("rows of lanes are transposed") {
     Lanes rows[lanes];
     for (int i = 0; i < lanes; ++i)

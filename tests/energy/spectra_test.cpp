@@ -117,8 +117,36 @@ void check_positive_part() {
     });
 }
 
+// The matrix of lane l in every lane.
+template <int n>
+Mat<n, Lanes> alone(const Mat<n, Lanes>& batch, int l) {
+    Mat<n, Lanes> same;
+    for (int k = 0; k < lanes; ++k) set_lane<n>(same, k, lane_of<n>(batch, l));
+    return same;
+}
+
+template <int n>
+void check_lanes_alone() {
+    std::mt19937 random(8);
+    in_every_lane<n>(matrices<n>(random), [](const Mat<n, Lanes>& F) {
+        const SingularValues<n> svd = singular_values(F);
+        for (int l = 0; l < lanes; ++l) {
+            const SingularValues<n> single = singular_values(alone<n>(F, l));
+            CHECK(lane_of<n>(svd.U, l) == lane_of<n>(single.U, l));
+            CHECK(lane_of<n>(svd.V, l) == lane_of<n>(single.V, l));
+            for (int k = 0; k < n; ++k) CHECK(double(svd.s[k][l]) == double(single.s[k][l]));
+        }
+    });
+    in_every_lane<n>(symmetric_matrices<n>(random), [](const Mat<n, Lanes>& A) {
+        const Mat<n, Lanes> P = positive_part(A);
+        for (int l = 0; l < lanes; ++l) CHECK(lane_of<n>(P, l) == lane_of<n>(positive_part(alone<n>(A, l)), l));
+    });
+}
+
 }  // namespace
 
+TEST_CASE("a matrix gets the same bits whatever is in the lanes beside it: 2D") { check_lanes_alone<2>(); }
+TEST_CASE("a matrix gets the same bits whatever is in the lanes beside it: 3D") { check_lanes_alone<3>(); }
 TEST_CASE("singular values rebuild the matrix from rotations: 2D") { check_singular_values<2>(); }
 TEST_CASE("singular values rebuild the matrix from rotations: 3D") { check_singular_values<3>(); }
 TEST_CASE("the positive part is that of the plain eigensolver: 2D") { check_positive_part<2>(); }

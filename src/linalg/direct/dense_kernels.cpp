@@ -236,17 +236,19 @@ void subtract_columns(const double* panel, std::size_t ld, int j0, int j1, int b
 template <int count>
 void subtract_products(const double* panel, std::size_t ld, int j, int begin, int m, double* w) {
     const double* const columns = panel + j * ld;
-    Lanes sum[count] = {};
+    Lanes sum[batches_per_row][count] = {};
     int i = begin;
-    for (; i + lanes <= m; i += lanes) {
-        const Lanes y = load(w + i);
+    for (; i + most_lanes <= m; i += most_lanes)
 #pragma GCC unroll 4
-        for (int c = 0; c < count; ++c) sum[c] += load(columns + c * ld + i) * y;
-    }
+        for (int part = 0; part < batches_per_row; ++part) {
+            const Lanes y = load(w + i + part * lanes);
+#pragma GCC unroll 4
+            for (int c = 0; c < count; ++c) sum[part][c] += load(columns + c * ld + i + part * lanes) * y;
+        }
     for (int c = 0; c < count; ++c) {
         double total = 0;
         for (int r = i; r < m; ++r) total += columns[c * ld + r] * w[r];
-        for (int l = 0; l < lanes; ++l) total += sum[c][l];
+        for (int part = 0; part < batches_per_row; ++part) total = sum_of_lanes(sum[part][c], total);
         w[j + c] -= total;
     }
 }
