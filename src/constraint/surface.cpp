@@ -229,7 +229,7 @@ std::unique_ptr<Surface> fit_round(const Fit& fit, const Vec<3>& a, bool torus) 
     const Residual residual = [&](const std::vector<double>& s, const Vec<3>& at) {
         const Vec<3> d = at - centre(s), u = dot(d, axis(s)) * axis(s);
         const double out = length(d - u) - s[4];
-        return torus ? std::hypot(out, length(u)) - s[6] : out;
+        return torus ? std::sqrt(out * out + dot(u, u)) - s[6] : out;
     };
     double farthest = 0, nearest = std::numeric_limits<double>::infinity();
     for (const Vec<3>& at : x) {
