@@ -52,7 +52,7 @@ endif
 PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import numpy, matplotlib' 2>/dev/null && echo $(p))) python3)
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cholmod paper gauntlet defaults \
+.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cholmod paper gauntlet defaults run-fast-tests matrix reproduce \
         figures meshes lessons check-lessons animation clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -86,9 +86,10 @@ test: doctest python ## run every test, built with warnings as errors, and build
 	$(MAKE) BUILD=build-test WERROR=-Werror run-tests lessons build-test/almesh-bench
 
 # Without the tests that run the large decks again and again: minutes become hours.
+SLOW_TESTS := every deck*,algorithm = adaptive takes*,conjugate gradients take at most*
 asan: doctest ## the same tests, but for those of the large decks, under the address and undefined-behaviour sanitizers
 	$(MAKE) BUILD=build-asan WERROR=-Werror CXXFLAGS='-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all' \
-	  EXCLUDED_TESTS='every deck*,algorithm = adaptive takes*,conjugate gradients take at most*' run-tests
+	  run-fast-tests
 
 # Without OpenMP: what one thread does can be repeated to the last bit.
 FUZZ_FLAGS := -O1 -g -march=native -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize-recover=all
@@ -101,13 +102,22 @@ fuzz: ## fuzz decks, mesh files, matrices, quality and whole runs, a minute each
 $(BUILD)/almesh-fuzz: $(FUZZ_OBJECTS) $(LIBRARY)
 	$(CXX) $(FLAGS) -fsanitize=fuzzer $^ -o $@
 
-# In two parts at a time: the first is one long test.
+# Tests, and decks against their reference, with all compilers; reproduce: all decks with the program as built here.
+matrix: doctest python ## build and test with g++, clang++, libc++, sanitizers, for aarch64, ...: a table (QUICK=1, ONLY=libc++)
+	tests/matrix.py $(if $(QUICK),--quick) $(ONLY)
+
+reproduce: almesh python ## run every deck and compare with tests/reference: a table (QUICK=1: those of seconds; THREADS=1,2,3)
+	tests/reproduce.py $(if $(QUICK),--quick) $(if $(THREADS),--threads $(THREADS))
+
+# In two parts at a time: the first is one long test. UNDER: what runs the program, where that is an emulator.
 LONG_TEST := every deck gives the same bits*
 run-tests: run-long-test run-other-tests
 run-long-test: $(BUILD)/almesh-tests
-	$(BUILD)/almesh-tests -tc='$(LONG_TEST)' -tce='$(EXCLUDED_TESTS)'
+	$(UNDER) $(BUILD)/almesh-tests -tc='$(LONG_TEST)'
 run-other-tests: $(BUILD)/almesh-tests
-	$(BUILD)/almesh-tests -tce='$(LONG_TEST),$(EXCLUDED_TESTS)'
+	$(UNDER) $(BUILD)/almesh-tests -tce='$(LONG_TEST)'
+run-fast-tests: $(BUILD)/almesh-tests
+	$(UNDER) $(BUILD)/almesh-tests -tce='$(SLOW_TESTS)'
 
 $(BUILD)/almesh-tests: $(TEST_OBJECTS) $(LIBRARY)
 	$(CXX) $(FLAGS) $^ -o $@
