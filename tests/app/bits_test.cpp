@@ -34,7 +34,7 @@ Result run(const std::string& deck, int threads) {
                                           "threads=" + std::to_string(threads)};
     for (const Limit& limit : limits)
         if (limit.deck == deck) arguments.push_back(limit.setting);
-    const Outcome outcome = almesh_with(arguments);
+    const Outcome outcome = almesh_bounded(arguments);
     CAPTURE(outcome.error);
     CHECK(outcome.error.empty());
     return {outcome.code, text_of(out + "/final.msh"), history_without_times(out)};

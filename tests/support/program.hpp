@@ -1,5 +1,6 @@
 // The program as its users meet it: command lines run in the test's own process, with what they print.
 #pragma once
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <string>
@@ -35,6 +36,16 @@ inline Outcome almesh_with(const std::vector<std::string>& arguments) {
     outcome.out = take_contents(out);
     outcome.error = take_contents(error);
     return outcome;
+}
+
+// The same in steps that no deck needs, where the arguments name no others: a program that does not converge fails
+// instead of going on for hours.
+inline Outcome almesh_bounded(std::vector<std::string> arguments) {
+    for (const std::string key : {"max_al_iterations=", "max_newton_iterations="}) {
+        const auto is_set = [&key](const std::string& argument) { return argument.starts_with(key); };
+        if (std::none_of(arguments.begin(), arguments.end(), is_set)) arguments.push_back(key + "40");
+    }
+    return almesh_with(arguments);
 }
 
 inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
