@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <limits>
 
 using namespace almesh;
@@ -97,4 +98,60 @@ TEST_CASE("a slope beyond the range of numbers ends the search, whatever the ene
             CHECK(r.step_length == 0);
             CHECK(x == 0);
         }
+}
+
+TEST_CASE("a decrease counts from a ten-thousandth of what the slope promises") {
+    double x;
+    const auto ending = [](double gain) { return [gain](double t) { return (1 - gain) * t * t - t; }; };
+    const auto too_little = search(ending(0.5e-4), -1, x);
+    CHECK(too_little.cuts_decrease == 1);
+    CHECK(x == 0.5);
+    const auto enough = search(ending(2e-4), -1, x);
+    CHECK(enough.cuts_decrease == 0);
+    CHECK(x == 1);
+}
+
+TEST_CASE("rounding begins where a step promises a hundredth of a millionth of a millionth of the energy") {
+    double x;
+    for (const double energy : {1.0, -300.0}) {
+        const double size = std::abs(energy);
+        const auto rising_by = [energy](double part) {
+            return [energy, part](double t) { return energy + part * std::abs(energy) * t; };
+        };
+        const auto noisy = search(rising_by(4e-15), -8e-15 * size, x);
+        CHECK(noisy.by_rounding);
+        CHECK(x == 1);
+        const auto uphill = search(rising_by(4e-14), -8e-15 * size, x);  // more than rounding
+        CHECK(uphill.by_rounding);
+        CHECK(x < 1);
+        const auto promising = search(rising_by(4e-15), -4e-14 * size, x);
+        CHECK_FALSE(promising.by_rounding);
+        CHECK(x < 1);
+    }
+}
+
+TEST_CASE("short steps: a millionth before elements invert, or along what is valid, in few trials") {
+    double x;
+    const auto halved = search([](double t) { return t > 1e-6 ? infinity : -t; }, -1, x);
+    CHECK(halved.cuts_inverted == 20);
+    CHECK(x == std::ldexp(1, -20));
+    const auto along = search([](double t) { return -t; }, -1, x, 1e-5);
+    CHECK(along.cuts_inverted == 2);
+    CHECK(x == doctest::Approx(0.5e-5));
+    const auto steep = search([](double t) { return t > 0.5 ? 1e6 : -t; }, -1, x);  // a parabola that is far off
+    CHECK(steep.cuts_decrease == 1);
+    CHECK(x == 0.1);
+}
+
+TEST_CASE("a step is lengthened where it gives more than two thirds of what the slope promises") {
+    double x;
+    int energies = 0;
+    const auto giving = [&energies](double gain) {
+        return [&energies, gain](double t) { return ++energies, (1 - gain) * t * t - t; };
+    };
+    search(giving(0.6), -1, x);
+    CHECK(x == 1);
+    CHECK(energies == 2);  // at 0, by the caller, and at 1
+    search(giving(0.7), -1, x);
+    CHECK(x == 2);
 }

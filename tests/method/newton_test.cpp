@@ -235,17 +235,6 @@ TEST_CASE("iterative solvers and Cholesky lead to the same minimum") {
     }
 }
 
-TEST_CASE("forcing terms against values by hand") {
-    constexpr double order = 1.6180339887498949, largest = 1e-3;
-    CHECK(forcing_term(1, 1e-4, 0, 1e-10) == doctest::Approx(0.9 * std::pow(1e-4, order)).epsilon(1e-14));
-    CHECK(forcing_term(100, 1e-2, 0, 1e-10) == forcing_term(1, 1e-4, 0, 1e-10));  // only the ratio counts
-    CHECK(forcing_term(2, 2, 0, 1e-10) == largest);        // no progress: the largest one
-    CHECK(forcing_term(1, 1e-8, 0, 1e-10) == 1e-10);               // the floor
-    CHECK(forcing_term(1, 1e-8, 1e-12, 1e-10) == doctest::Approx(0.5e-4).epsilon(1e-14));  // omega ends the iteration
-    CHECK(forcing_term(1, 1e-8, 1e-8, 1e-10) == largest);  // already there
-    CHECK(forcing_term(1, 1e-4, 0, 0.3) == 0.3);                   // a deck that asks for less than the largest
-}
-
 TEST_CASE("the same bits for any number of threads") {
     const Minimisation problem = moved_ring(Objective::deviation, 2);
     const auto results = for_threads([&] {
@@ -266,4 +255,29 @@ TEST_CASE("every status and Hessian has a name of its own") {
     CHECK(std::string(to_string(HessianKind::full)) == "full");
     CHECK(std::string(to_string(HessianKind::projected)) == "projected");
     CHECK(std::string(to_string(HessianKind::damping)) == "damping");
+}
+
+TEST_CASE("damping spares Newton's method steps from the identity map") {
+    for (const double mu : {300.0, 1e5}) {
+        const Minimisation problem{raise_degree(ring_mesh(16, 5, 8), 2), {{"inner", "rotate 60; translate 3 1"}},
+                                   Objective::deviation};
+        const Run r = run(problem, problem.functional(mu), {.omega = 1e-8, .reach = {}, .cold_start = true});
+        CHECK(r.result.status == NewtonStatus::converged);
+        CHECK(r.result.iterations <= 8);
+    }
+}
+
+TEST_CASE("the tolerance: omega, or a part of the first gradient, but not less than the final one") {
+    const Minimisation problem = moved_ring(Objective::squared);
+    const AugmentedFunctional E = problem.functional(300);
+    const double first = norm_of_gradient(E, problem.ideal);
+    const auto tolerance = [&](double omega, double reduction, double omega_star) {
+        return run(problem, E, {.omega = omega, .reduction = reduction, .omega_star = omega_star, .max_iterations = 0,
+                                .reach = {}})
+            .result.omega;
+    };
+    CHECK(tolerance(1e-3, 1, 1e-8) == 1e-3);
+    CHECK(tolerance(1e9, 0.1, 1e-8) == 0.1 * first);
+    CHECK(tolerance(1e-3, 0.1, 1e-8) == 1e-3);
+    CHECK(tolerance(1e-3, 1e-9, 1e-4) == 1e-4);
 }
