@@ -244,3 +244,28 @@ TEST_CASE("an interrupt ends a comparator after the part at hand") {
         CHECK(summary_of(ring.output).at("status") == "interrupted");
     }
 }
+
+TEST_CASE("untangling: from the largest regularisation that is needed to the least, in parts, each with its steps") {
+    const RingDeck ring(ring_mesh(24, 6, 10));
+    for (const std::vector<std::string>& settings : std::vector<std::vector<std::string>>{
+             {"boundary inner=translate 8 0", "degree=1", method("untangle")},
+             {"boundary inner=rotate 120", "degree=2", method("untangle")},
+             {"boundary inner=rotate 180", "degree=2", method("untangle")}}) {
+        CAPTURE(settings[0]);
+        const Run run(ring, settings);
+        CHECK(run.code == 0);
+        CHECK(run["status"] == "converged");
+        CHECK(run.number("newton_iterations") <= 80);
+    }
+}
+
+TEST_CASE("increments before the last are minimised to 3 %, in two or three steps each") {
+    const RingDeck ring(ring_mesh(24, 6, 10));
+    const Run run(ring, {"boundary inner=rotate 120", method("incremental"), "increments=5"});
+    CHECK(run.code == 0);
+    auto rows = csv_rows(text_of(ring.output + "/history.csv"));
+    std::erase_if(rows, [](const auto& row) { return row[0] != "part"; });
+    CHECK(rows.size() == 4);
+    CHECK(run.number("followed_newton_iterations") >= 10);
+    CHECK(run.number("followed_newton_iterations") <= 13);
+}

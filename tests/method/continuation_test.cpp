@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "mesh/mesh.hpp"
+#include "support/endless.hpp"
 #include "support/minimisation.hpp"
 #include "support/ring_deck.hpp"
 
@@ -209,4 +210,38 @@ TEST_CASE("a coarse start gives the same files for any number of threads") {
         CHECK(history.back() == history[0]);
     }
     set_threads(before);
+}
+
+TEST_CASE("from a lower degree, a start is taken that is nearer to the target than halfway") {
+    const Mesh mesh = ring_mesh(12, 3, 6);
+    const Minimisation coarse(mesh, {}, Objective::squared),
+        fine(raise_degree(mesh, 2), {{"inner", "translate 1 0"}}, Objective::squared);
+    const std::vector<double> lambda(coarse.constraint.multipliers(), 0.0);
+    for (const double way : {0.3, 0.45, 0.55, 0.7}) {
+        std::vector<double> x, reached = coarse.ideal;
+        for (int i = 0; i < mesh.nodes(); ++i)
+            if (std::hypot(mesh.x[2 * i], mesh.x[2 * i + 1]) < 1.5) reached[2 * i] += way;
+        const AlStart start = start_from(solution_of(coarse, reached, lambda), fine.level, x);
+        CHECK((x == fine.ideal) == (way < 0.5));
+        CHECK(start.lambda.empty() == (way < 0.5));
+    }
+}
+
+TEST_CASE("a coarser mesh that is worth little is given up after 20 steps, at once") {
+    std::vector<Stage> stages;
+    Timings time;
+    MethodParams params;
+    params.schedule.max_newton_iterations = 50;
+    solve_coarser(
+        2,
+        [](int k) {
+            std::unique_ptr<Level> level = endless_level();
+            level->is_worth_little = k == 0;
+            level->constraint_at = {};
+            return level;
+        },
+        params, time, [&](const Stage& stage) { stages.push_back(stage); });
+    REQUIRE(stages.size() == 2);
+    CHECK(stages[0].newton_iterations == 20);
+    CHECK(stages[1].newton_iterations == 50);
 }

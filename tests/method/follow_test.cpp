@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/interrupt.hpp"
+#include "support/endless.hpp"
 #include "support/minimisation.hpp"
 #include "support/ring_deck.hpp"
 
@@ -159,4 +160,59 @@ TEST_CASE("an interrupted part reports how far the boundary is from the target o
     CHECK(result.followed_newton_iterations > 0);
     CHECK(result.iterations.back().projected_constraint_norm == level.constraint->projected_norm(x));
     CHECK(result.iterations.back().projected_constraint_norm > 0.1);
+}
+
+TEST_CASE("a minimisation that does not end takes 100 steps, and a part of a motion is halved down to 1/32") {
+    const std::unique_ptr<Level> level = endless_level();
+    Newton newton(level->energy->hessian_pattern(), {});
+    MethodParams params;
+    params.schedule.max_newton_iterations = 250;
+    std::vector<double> x = level->ideal, fractions;
+    const AlResult result = minimise_following(*level, newton, params, x, {}, {}, [&](const Stage& part) {
+        fractions.push_back(part.fraction);
+        CHECK(part.status == AlStatus::max_newton_iterations);
+        CHECK(part.newton_iterations == 100);
+    });
+    CHECK(fractions == std::vector<double>{0.5, 0.25, 0.125, 0.0625, 0.03125});
+    CHECK(result.followed_newton_iterations == 600);  // and the motion at once
+    CHECK(result.status == AlStatus::max_newton_iterations);
+    CHECK(result.newton_iterations == 250);  // the last resort
+}
+
+TEST_CASE("parts of a motion are followed for 500 steps") {
+    const std::unique_ptr<Level> level = endless_level();
+    level->turn = 360;  // four parts, tried first
+    Newton newton(level->energy->hessian_pattern(), {});
+    MethodParams params;
+    params.schedule.max_newton_iterations = 70;
+    std::vector<double> x = level->ideal;
+    int steps = 0, parts = 0;
+    minimise_following(*level, newton, params, x, {}, {}, [&](const Stage& part) {
+        steps += part.newton_iterations;
+        ++parts;
+    });
+    CHECK(parts == 4);  // 1/4, 1/8, 1/16, 1/32
+    CHECK(steps == 280);
+}
+
+TEST_CASE("a solution that is only a start is solved to a thousandth of the motion, and its gradient to 3 %") {
+    for (const double unit : {1.0, 100.0}) {
+        Mesh mesh = ring_mesh(around, layers, 6);
+        for (double& v : mesh.x) v *= unit;
+        const std::string motion = "translate " + std::to_string(unit) + " 0";
+        const Minimisation problem(mesh, {{"inner", motion}}, Objective::deviation);
+        const double whole = problem.constraint.projected_norm(problem.ideal);
+        Newton newton(problem.distortion.hessian_pattern(), {});
+        std::vector<double> x = problem.ideal;
+        const AlStart weak = {.lambda = {}, .mu = 0.1};  // each subproblem leaves much of the constraint
+        const AlResult result =
+            minimise(problem.distortion, problem.constraint, newton, loosened({}, problem.level), x, {}, weak);
+        REQUIRE(result.status == AlStatus::converged);
+        const auto& rows = result.iterations;
+        REQUIRE(rows.size() > 3);
+        CHECK(rows.back().projected_constraint_norm <= 1e-3 * whole);
+        CHECK(rows.back().projected_constraint_norm > 1e-5 * whole);
+        CHECK(rows.back().gradient_norm <= 0.03 * whole);
+        CHECK(rows[rows.size() - 2].projected_constraint_norm > 1e-3 * whole);
+    }
 }

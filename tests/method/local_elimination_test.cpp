@@ -2,6 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <utility>
+
 #include "method/newton.hpp"
 #include "support/meshes.hpp"
 #include "support/minimisation.hpp"
@@ -32,6 +35,33 @@ struct Disturbed {
         E.hessian(x, HessianKind::projected, H);
     }
 };
+
+// At the identity map, where nothing is to be gained: which nodes move for a gradient that is made up.
+int nodes_for(const Mesh& mesh, const std::vector<std::pair<int, double>>& gradient_at) {
+    const Minimisation problem(mesh, {}, Objective::squared);
+    const AugmentedFunctional E = problem.functional(100);
+    std::vector<double> x = problem.ideal, g(x.size(), 0.0);
+    for (const auto& [node, size] : gradient_at) g[node * mesh.dim] = size;
+    BlockCsr H = problem.distortion.hessian_pattern();
+    E.hessian(x, HessianKind::projected, H);
+    double energy = E.energy(x);
+    return LocalElimination().eliminate(E, H, g, 0, x, energy).nodes;
+}
+
+// Nodes of a square or cube of k cells, `spacing` cells from each other and from the boundary.
+std::vector<std::pair<int, double>> lattice(const Mesh& mesh, int k, int spacing) {
+    std::vector<std::pair<int, double>> nodes;
+    for (int i = 0; i < mesh.nodes(); ++i) {
+        bool chosen = true;
+        for (int a = 0; a < mesh.dim; ++a) {
+            const double cell = mesh.x[i * mesh.dim + a] * k;
+            const int whole = static_cast<int>(std::lround(cell));
+            chosen = chosen && std::abs(cell - whole) < 1e-9 && whole % spacing == 0 && whole > 0 && whole < k;
+        }
+        if (chosen) nodes.emplace_back(i, 1.0);
+    }
+    return nodes;
+}
 
 }  // namespace
 
@@ -76,4 +106,59 @@ TEST_CASE("local elimination has the same bits for any number of threads") {
     });
     CHECK(results[0] == results[1]);
     CHECK(results[0] == results[2]);
+}
+
+TEST_CASE("nodes move with two layers of neighbours: those with nine tenths of what can be gained, or a hundredth") {
+    const Mesh square = square_mesh(40);  // 1681 nodes
+    std::vector<std::pair<int, double>> at = lattice(square, 40, 8);
+    REQUIRE(at.size() == 16);
+    const int one = nodes_for(square, {at[0]});
+    CHECK(one == 19);  // six neighbours, and twelve around them
+    for (const int third : {1, 8, 12}) {  // the first two have 0.989, 0.92 and 0.885 of all
+        std::vector<std::pair<int, double>> few(at.begin(), at.begin() + 3);
+        few[0].second = std::sqrt(60), few[1].second = std::sqrt(32), few[2].second = std::sqrt(third);
+        CHECK(nodes_for(square, few) == (third < 10 ? 2 : 3) * one);
+    }
+    std::vector<std::pair<int, double>> many = lattice(square, 40, 6);
+    REQUIRE(many.size() == 36);
+    CHECK(nodes_for(square, many) == 16 * one);
+}
+
+TEST_CASE("a local minimisation has at most a tenth of the nodes of a curved mesh, and four tenths of one in 3D") {
+    const Mesh curved = raise_degree(square_mesh(20), 2), cube = cube_mesh(8);
+    for (const auto& [mesh, part, k, spacing] :
+         {std::tuple(&curved, 0.1, 20, 4), std::tuple(&cube, 0.4, 8, 2), std::tuple(&cube, 0.4, 8, 3)}) {
+        const int nodes = nodes_for(*mesh, lattice(*mesh, k, spacing));
+        CHECK(nodes <= part * mesh->nodes());
+        CHECK(nodes > 0.25 * part * mesh->nodes());
+    }
+}
+
+// From 8000 unknowns on conjugate gradients solve the local systems.
+TEST_CASE("large local systems are solved so well that three steps are enough") {
+    constexpr int k = 18;
+    const Minimisation problem(cube_mesh(k), {}, Objective::squared);
+    const AugmentedFunctional E = problem.functional(100);
+    std::vector<double> x = problem.ideal, g(x.size());
+    std::vector<std::pair<int, double>> pushed = lattice(problem.mesh, k, 4);
+    pushed.resize(34);
+    for (const auto& [node, size] : pushed) x[3 * node] += 0.25 * size / k;
+    const double least = E.energy(problem.ideal), before = E.energy(x);
+    E.gradient(x, g);
+    BlockCsr H = problem.distortion.hessian_pattern();
+    E.hessian(x, HessianKind::projected, H);
+    double energy = before;
+    const LocalElimination::Result relaxed = LocalElimination().eliminate(E, H, g, 0, x, energy);
+    CHECK(relaxed.steps <= 3);
+    CHECK(energy - least < 1e-8 * (before - least));
+}
+
+TEST_CASE("local minimisations begin after the eleventh step of a subproblem, and go on until they are reset") {
+    LocalElimination elimination;
+    for (int times = 0; times < 2; ++times) {
+        for (int step = 1; step <= 10; ++step) CHECK_FALSE(elimination.after_step(step));
+        CHECK(elimination.after_step(11));
+        CHECK(elimination.after_step(1));  // of the next subproblem
+        elimination.reset();
+    }
 }

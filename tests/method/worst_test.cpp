@@ -100,3 +100,17 @@ TEST_CASE("a subproblem that fails leaves the power before it") {
     else CHECK(outcome.code == 3);
     CHECK(value(ring, "certified_injective") == "yes");
 }
+
+TEST_CASE("power 64 takes most of what the worst element has, in steps of each power") {
+    const RingDeck ring(ring_mesh(around, layers, outer_radius));
+    const auto powers = [&](const std::string& motion) {
+        CHECK(ring.run({"boundary inner=" + motion, "objective=worst"}).code == 0);
+        auto rows = csv_rows(text_of(ring.output + "/history.csv"));
+        std::erase_if(rows, [](const auto& row) { return row[0] != "power"; });
+        return rows;
+    };
+    const auto far = powers("translate 15 0");
+    REQUIRE(far.size() == 5);
+    CHECK(number(ring, "max_distortion") - 1 < 0.45 * (std::stod(far[0][11]) - 1));
+    for (const auto& row : powers("rotate 30")) CHECK(std::stoi(row[12]) > 0);
+}
