@@ -306,3 +306,11 @@ TEST_CASE("places from a file: the first step, its name with or without quotes")
     CHECK(has(error_of("file"), "the name of the file is missing"));
     CHECK(has(error_of("mesh a.msh displacement"), "is not a number"));
 }
+
+TEST_CASE("any turn is two halves of it, one after the other") {
+    for (int angle = -720; angle <= 720; angle += 10) {
+        const std::string half = "rotate " + std::to_string(angle / 2) + " about 1 2";
+        check_near(moved("rotate " + std::to_string(angle) + " about 1 2", 2, {3, 1, 0}),
+                   moved(half + "; " + half, 2, {3, 1, 0}));
+    }
+}

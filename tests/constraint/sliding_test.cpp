@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -274,4 +275,38 @@ TEST_CASE("a target that prescribes all places bends nothing, surfaces or not") 
     const BoundaryTarget slides = target_of(mesh, {{"outer", "slide"}}), prescribed = target_of(mesh, {});
     const Dirichlet constraint(mesh, mesh.x, prescribed, TargetKind::nodal, surfaces_of(mesh, slides));
     CHECK(!constraint.bends_steps());
+}
+
+// A cube with a roof whose two halves slide: at a ridge of few degrees the surfaces do not tell where it is.
+TEST_CASE("nodes of two surfaces slide along the edge that these have, and stay where they all but touch") {
+    for (const double slope : {0.02, 0.07, 0.1, 0.5}) {
+        const Mesh cube = cube_mesh(2);
+        std::vector<double> x = cube.x;
+        for (int i = 0; i < cube.nodes(); ++i) x[3 * i + 2] *= 1 - slope * std::abs(x[3 * i] - 0.5);
+        const Case roof(linear_mesh(3, x, cube.elements,
+                                    [](const double* c) {
+                                        const double from_sides = std::min({c[0], 1 - c[0], c[1], 1 - c[1]});
+                                        if (c[2] < 0.7 || from_sides < 1e-9) return "walls";
+                                        return c[0] < 0.5 ? "left" : "right";
+                                    }),
+                        {{"left", "slide"}, {"right", "slide"}});
+        const std::vector<int>& nodes = roof.constraint->nodes();
+        const auto is_ridge = [&](int i) { return length(in_space(&x[3 * i], 3) - Vec<3>{0.5, 0.5, 1}) < 1e-9; };
+        const auto ridge = std::find_if(nodes.begin(), nodes.end(), is_ridge);
+        REQUIRE(ridge != nodes.end());
+        std::vector<double> along = x;
+        along[3 * *ridge + 1] += 0.1;
+        const double target = roof.constraint->targets(along)[3 * (ridge - nodes.begin()) + 1];
+        CHECK(target == doctest::Approx(2 * std::atan(slope) < 0.171 ? 0.5 : 0.6));
+    }
+}
+
+TEST_CASE("a sliding node is off its circle from a few bits on") {
+    for (const double off : {1e-15, 1e-11, 1e-6}) {
+        Case ring(ring_mesh(16, 2, 3), {{"outer", "slide"}, {"inner", "free"}});
+        std::vector<double> x = ring.mesh.x;
+        for (double& v : x) v *= 1 + off;
+        const std::vector<char> found = ring.constraint->off_target(x);
+        CHECK(std::count(found.begin(), found.end(), 1) == (off < 1e-13 ? 0 : 16));
+    }
 }

@@ -234,3 +234,26 @@ TEST_CASE("energy, gradient, Hessian and statistics have the same bits for any n
     }
     set_threads(before);
 }
+
+// K_ee ~ w'_e |e|, and by scaling a linear element's Hessian of eta^2 goes with |e| / size^2: in 2D as w'_e.
+TEST_CASE("damping makes an element stiff by the power 3/2 of its size, if the weights of the objective leave that") {
+    for (const double alpha : {1.0, 0.3}) {
+        const double ratio = 100;  // of the sizes of two triangles that share no node
+        std::vector<double> x = {0, 0, 1, 0, 0, 1, 5, 5, 5 + ratio, 5, 5, 5 + ratio};
+        const Mesh mesh = linear_mesh(2, x, {0, 1, 2, 3, 4, 5}, [](const double*) { return "wall"; });
+        const auto E = make_energy(mesh, mesh.x, {.objective = Objective::squared, .weight_exponent = alpha});
+        const BlockCsr H = hessian(*E, mesh, mesh.x, HessianKind::damping);
+        const double small = H.block(H.find(0, 0))[0], large = H.block(H.find(3, 3))[0];
+        CHECK(large / small == doctest::Approx(std::pow(ratio, 2 * std::min(0.75, alpha) - 2)).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("the scale of the damping does not depend on the unit of length") {
+    for (const double unit : {1.0, 1e3}) {
+        Case at = deformed(square_mesh(3), 1, 0.05);
+        for (std::vector<double>* v : {&at.mesh.x, &at.ideal, &at.x})
+            for (double& each : *v) each *= unit;
+        const auto E = make_energy(at.mesh, at.ideal, {.objective = Objective::squared});
+        CHECK(E->mean_slope(E->energy(at.x)) == doctest::Approx(std::sqrt(E->energy(at.x) / (unit * unit))));
+    }
+}

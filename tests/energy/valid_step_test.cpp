@@ -155,3 +155,23 @@ TEST_CASE("steps have the same fraction and folds for any number of threads, and
         CHECK(fraction(thin, thin.x, turned) == 1);
     }
 }
+
+// Its determinant is linear, 1 - 4 s at one vertex and 1 + 4 s at another; its mean, that of the straight triangle, 1.
+TEST_CASE("a curved element keeps a fifth of its least determinant in a step, or a fiftieth of its mean") {
+    const Mesh mesh = one_element(2, 2);
+    const auto with_least = [&mesh](double determinant) {
+        std::vector<double> x = mesh.x;
+        x[2 * 3] -= 0.25 * (1 - determinant);  // the middle of the first edge
+        return x;
+    };
+    const auto step = [&](double from, double to) { return fraction(mesh, with_least(from), with_least(to)); };
+    CHECK(step(1, 0.025) == 1);
+    CHECK(step(1, 0.015) < 1);
+    CHECK(step(1, 0.015) > 0.9);
+    CHECK(step(0.01, 0.0025) == 1);
+    CHECK(step(0.01, 0.0015) < 1);
+    // Nearer to a fold than a millionth of the mean no element comes; one that is there may stay.
+    CHECK(step(2e-6, 1.2e-6) == 1);
+    CHECK(step(2e-6, 0.8e-6) < 1);
+    CHECK(step(0.5e-6, 0.5e-6) == 1);
+}

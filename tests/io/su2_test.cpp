@@ -124,3 +124,20 @@ TEST_CASE("a run reads SU2 and writes it; not where elements are curved") {
     CHECK(has(raised.out, "note: SU2 meshes are linear: the mesh of degree 2 is written as final.msh"));
     CHECK(mesh_of(folder.path("out/final.msh")).degree == 2);
 }
+
+TEST_CASE("elements and faces have the numbers that VTK gives their shapes") {
+    const TemporaryFolder folder;
+    for (const auto& [mesh, element, face] :
+         {std::tuple(square_mesh(1), "5 ", "3 "), std::tuple(cube_mesh(1), "10 ", "5 ")}) {
+        write_su2(folder.path("a.su2"), mesh, mesh.x);
+        int elements = 0, faces = 0;
+        std::string section;
+        for (const std::string& line : pieces(text_of(folder.path("a.su2")), '\n')) {
+            if (line.find('=') != std::string::npos) section = line.substr(0, line.find('='));
+            else if (section == "NELEM") elements += line.starts_with(element);
+            else if (section == "MARKER_ELEMS") faces += line.starts_with(face);
+        }
+        CHECK(elements == mesh.element_count());
+        CHECK(faces == mesh.face_count());
+    }
+}

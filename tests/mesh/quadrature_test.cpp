@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "mesh/lagrange.hpp"
 #include "mesh/quadrature_table.hpp"
 
 using namespace almesh;
@@ -121,5 +122,26 @@ TEST_CASE("weights are positive and points inside") {
             for (double weight : rule.weight) CHECK(weight > 0);
             for (const auto& point : points_of(rule))
                 for (int k = 0; k <= dim; ++k) CHECK(point[k] > 0);
+        }
+}
+
+TEST_CASE("of curved elements a thousandth of the weight is at the nodes, whatever else there is") {
+    for (int dim = 2; dim <= 3; ++dim)
+        for (int degree = 2; degree <= 4; ++degree) {
+            const LagrangeBasis basis(dim, degree);
+            const Quadrature plain = simplex_quadrature(dim, 2 * degree);
+            const Quadrature rule = element_quadrature(dim, degree, 2 * degree);
+            REQUIRE(rule.count == plain.count + basis.count);
+            double all = 0, at_nodes = 0;
+            for (const double weight : rule.weight) all += weight;
+            for (int q = 0; q < rule.count; ++q) {
+                std::vector<double> values(basis.count);
+                basis.values(&rule.xi[q * dim], values.data());
+                if (std::any_of(values.begin(), values.end(), [](double v) { return std::abs(v - 1) < 1e-12; }))
+                    at_nodes += rule.weight[q];
+                CHECK(rule.weight[q] > 0);
+            }
+            CHECK(all == doctest::Approx(1 / factorial(dim)).epsilon(1e-13));
+            CHECK(at_nodes == doctest::Approx(0.001 / factorial(dim)).epsilon(1e-9));
         }
 }

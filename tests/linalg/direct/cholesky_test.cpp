@@ -234,3 +234,12 @@ TEST_CASE("an empty matrix") {
     cholesky.solve(nullptr, nullptr);
     CHECK(cholesky.factor_entries() == 0);
 }
+
+TEST_CASE("a pivot of which rounding leaves less than two digits is none") {
+    for (const double left : {1e-12, 2e-14, 5e-15, 1e-15}) {
+        BlockCsr A = random_spd(2, 1, path(2));
+        A.value = {1, 1, 1, 1 + left};
+        const SolveStatus status = Cholesky(A).factor(A).status;
+        CHECK((status == SolveStatus::success) == (left > 1e-14));
+    }
+}
