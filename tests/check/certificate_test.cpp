@@ -151,6 +151,8 @@ TEST_CASE("inverted, flat and infinite elements are invalid") {
     CHECK(certify(linear, {0, 0, 1, 1, 2, 2}).min_scaled_jacobian == 0);
     CHECK(certify(linear, {0, 0, 0.1, 0.1, 0.3, 0.3}).uncertified == std::vector<int>{0});
     CHECK(certify(linear, {0, 0, 0, 0, 0, 0}).uncertified == std::vector<int>{0});
+    for (const double height : {1e-14, 1e-16, 1e-18})  // below a few units in the last place nothing tells it from zero
+        CHECK(certify(linear, {0, 0, 1, 0, 0.5, height}).valid == (height > 1e-15));
     std::vector<double> mirrored = mapped(curved, [](double* p) { p[0] = -p[0]; });
     const Certificate c = certify(curved, mirrored);
     CHECK_FALSE(c.valid);

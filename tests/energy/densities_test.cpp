@@ -208,3 +208,12 @@ TEST_CASE("each objective has the density of its formula") {
     CHECK(eta(Objective::deviation) == 1);
     CHECK(eta(Objective::size_shape) == 2.125);  // (4 + 1/4) / 2
 }
+
+TEST_CASE("the regularised determinant of Eq. 3, for inverted elements in another form") {
+    for (const double delta : {1e-3, 0.3, 10.0})
+        for (const double D : {-2.0, -0.1, -1e-3, 0.0, 1e-3, 0.1, 2.0}) {
+            const double w = std::sqrt(D * D + 4 * delta * delta), sigma = regularised_determinant(D, w, delta);
+            CHECK(sigma == doctest::Approx(0.5 * (D + w)).epsilon(1e-9));
+            CHECK(sigma * (sigma - D) == doctest::Approx(delta * delta).epsilon(1e-9));
+        }
+}
