@@ -52,7 +52,7 @@ endif
 PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import numpy, matplotlib' 2>/dev/null && echo $(p))) python3)
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cholmod paper gauntlet defaults run-fast-tests matrix reproduce \
+.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cholmod paper gauntlet defaults run-fast-tests matrix reproduce mutants \
         figures meshes lessons check-lessons animation clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -83,7 +83,11 @@ run: almesh ## move the circle of section 4.1 and print its table
 	./almesh inputs/circle.deck
 
 test: doctest python ## run every test, built with warnings as errors, and build the benchmark (installs doctest where it is missing)
+	tests/mutants/mutants.py --check
 	$(MAKE) BUILD=build-test WERROR=-Werror run-tests lessons build-test/almesh-bench
+
+mutants: doctest python ## plant changes in the source, one at a time, and list those that no test notices (ONLY='words')
+	CXX='$(CXX)' tests/mutants/mutants.py $(ONLY)
 
 # Without the tests that run the large decks again and again: minutes become hours.
 SLOW_TESTS := every deck*,algorithm = adaptive takes*,conjugate gradients take at most*
