@@ -36,6 +36,7 @@ struct DeckBoundary {
 
 enum class Start { automatic, identity, coarse };
 enum class Snap { automatic, no, yes };
+enum class Region { all, folded };
 enum class SurfaceKind { automatic, keep, slide };
 enum class VtkOutput { ascii, binary, none };
 // As written in the deck; those of one version of MSH stand from msh22 on.
@@ -57,6 +58,7 @@ struct Deck {
     Start start = Start::automatic;
     Follow follow = Follow::automatic;
     Snap snap = Snap::automatic;
+    Region region = Region::all;
     double feature_angle = 30;  // degrees
     SurfaceKind surface = SurfaceKind::automatic;
     std::optional<double> length_scale;

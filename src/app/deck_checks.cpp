@@ -7,6 +7,20 @@
 
 namespace almesh {
 
+// The rest of the mesh stays as it is in the file.
+void check_region(const Deck& deck) {
+    if (deck.region == Region::all) return;
+    const auto refuse = [&](const std::string& where, const char* what) {
+        throw UsageError(where, ": ", what, " does not go with region = folded, which leaves the mesh as it is in the ",
+                         "file but for folded elements and those around them");
+    };
+    for (const DeckBoundary& boundary : deck.boundaries)
+        if (boundary.motion != parse_motion("fixed")) refuse(boundary.where, "a boundary that is not fixed");
+    for (const char* key : {"refine", "degree"})
+        if (deck.given.contains(key)) refuse(deck.given.at(key), key);
+    if (sets_boundary(deck.method.moving)) refuse(deck.given.at("method"), "this method");
+}
+
 // With fewer points than |F|^2 needs, the energy does not see some motions of the nodes inside an element.
 void check_quadrature(const Deck& deck, int degree) {
     const int least = 2 * (degree - 1), exactness = deck.distortion.exactness;

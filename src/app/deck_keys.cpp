@@ -151,6 +151,9 @@ const std::vector<DeckKey>& deck_keys() {
         {"snap", choice<&Deck::snap>({"auto", "0", "1"}),
          "1: in the end the nodes of the boundary are set to their targets, to the last bit, where elements stay "
          "valid; auto: 1 with algorithm = adaptive, else 0."},
+        {"region", choice<&Deck::region>({"all", "folded"}),
+         "Which nodes move: all, or, where all boundaries are fixed, those of elements that are folded in the mesh file "
+         "and of elements around them, as few as are needed for a valid mesh: the others stay where the file has them."},
         {"feature_angle", number<&Deck::feature_angle>({1, 180}),
          "Angle in degrees between neighbouring faces of a sliding boundary from which they belong to different "
          "surfaces: nodes slide along such an edge, and corners stay."},

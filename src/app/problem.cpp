@@ -252,11 +252,21 @@ Follow followed(const Deck& deck) {
 }
 
 Problem make_problem(const Deck& deck) {
-    Problem problem;
     check_start(deck);
     check_resume(deck);
     check_method(deck);
-    problem.base = build_mesh(read_mesh_file(deck, problem.mesh_hash), problem.notes);
+    check_region(deck);
+    std::string mesh_hash;
+    std::vector<std::string> notes;
+    Mesh base = build_mesh(read_mesh_file(deck, mesh_hash), notes);
+    return make_problem(deck, std::move(base), mesh_hash, std::move(notes));
+}
+
+Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes) {
+    Problem problem;
+    problem.base = std::move(base);
+    problem.mesh_hash = mesh_hash;
+    problem.notes = std::move(notes);
     check_quadrature(deck, std::max(deck.degree, problem.base.degree));
     const int degree = deck.degree ? deck.degree : problem.base.degree;
     check_final_degree(deck, degree);
@@ -287,6 +297,7 @@ Problem make_problem(const Deck& deck) {
                                    problem.frame, other);
         if (sliding) note_surfaces(deck, mesh, *sliding, problem.notes);
     }
+    if (deck.region == Region::folded) problem.file_x = mesh.x;
     take_to_run(problem.frame, *problem.level, problem.target);
     if (sliding) smooth_released(mesh, problem.target, *sliding);
     problem.sliding = std::move(sliding);

@@ -19,6 +19,7 @@ struct Problem {
     std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in the run's frame
     BoundaryTarget target;         // in the run's frame
     std::vector<double> node_target;  // target.node in units of the file
+    std::vector<double> file_x;       // region = folded: mesh().x in units of the file, nodes x dim
     PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
     Frame frame;                   // of the run, by the mesh file
@@ -35,6 +36,9 @@ struct Problem {
 // Throws UsageError or InputError for everything that can be wrong before solving, target faces that are invalid
 // themselves included. The level has no energy and no constraint yet.
 Problem make_problem(const Deck& deck);
+
+// The same on a mesh in memory. mesh_hash: of the file that it comes from.
+Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes = {});
 
 // Gives the level its energy and its constraint: the functional of Eq. 6. target: in the run's frame, placed:
 // in those of the file. The problem must outlive the level.

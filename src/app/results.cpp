@@ -152,6 +152,8 @@ std::vector<double> final_positions(const Problem& problem, const std::vector<do
         if (const int i = mesh.faces[k]; std::equal(point(solution, i, dim), point(solution, i, dim) + dim,
                                                     &problem.target.node[k * dim]))
             std::copy_n(&problem.node_target[k * dim], dim, point(x, i, dim));
+    for (std::size_t i = 0; i < problem.file_x.size(); ++i)
+        if (solution[i] == mesh.x[i]) x[i] = problem.file_x[i];
     return x;
 }
 

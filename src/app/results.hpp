@@ -47,7 +47,8 @@ struct Solution {
     double surface_distance = 0;       // of faces whose nodes slide, from their surface
 };
 
-// Of the nodes of the solution, in the file's frame; those at their targets have the target's bits.
+// Of the nodes of the solution, in the file's frame; those at their targets have the target's bits, and with region =
+// folded those that are where the file has them the file's.
 std::vector<double> final_positions(const Problem& problem, const std::vector<double>& solution);
 
 void write_deck(const Deck& deck, const Problem& problem);     // deck.txt

@@ -5,6 +5,7 @@
 #include "app/commands.hpp"
 #include "app/ending.hpp"
 #include "app/memory.hpp"
+#include "app/mending.hpp"
 #include "app/problem.hpp"
 #include "app/report.hpp"
 #include "app/results.hpp"
@@ -164,6 +165,46 @@ bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary)
     return hold;
 }
 
+// The solution on coarser meshes, where the deck starts from there, the functional, and Algorithm 1.
+Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint, Report& report, std::FILE* out) {
+    const Stopwatch watch;
+    Solution solution;
+    const auto coarser = starts_coarse(deck) ? coarser_meshes(deck, problem) : std::vector<CoarserMesh>();
+    const auto make_level = [&](int k) { return coarser_level(deck, problem, coarser[k]); };
+    const auto add_stage = [&](const Stage& stage) {
+        report.add(stage);
+        solution.coarse_newton_iterations += stage.newton_iterations;
+    };
+    const MethodParams params = {deck.method, deck.linear, deck.forcing, followed(deck), checkpoint};
+    const CoarseSolution coarse =
+        solve_coarser(static_cast<int>(coarser.size()), make_level, params, solution.time, add_stage);
+    solution.time.coarse = solution.time.total;
+
+    Level& level = *problem.level;
+    set_functional(deck, problem, problem.target, problem.level_placed, level);  // Eq. 6
+
+    AlObserver observer;
+    observer.iteration = [&](const AlIteration& row) {
+        report.add(row);
+        write_history(deck, report, out);
+    };
+    observer.newton_step = [&](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
+    const AlStart start = start_from(coarse, level, solution.x);  // the coarse solution or the identity map
+    Newton newton(level.energy->hessian_pattern(), deck.linear, deck.forcing);
+    newton.save_in(checkpoint);
+    write_system(deck, newton, report);
+    write_iterates(deck, problem, newton, solution.x);
+    solution.time.setup = watch.seconds() - solution.time.coarse;
+    solution.al = minimise_objective(deck, level, newton, params, solution.x, start, observer,
+                                     [&](const Stage& stage) { report.add(stage); });
+    solution.time += newton.time;
+    if (solution.al.status == AlStatus::linear_solver_failed)
+        solution.refused_bytes = newton.linear_solver().refused_bytes();
+    solution.followed = report.followed;
+    if (snaps(deck) && solution.al.status == AlStatus::converged) snap(level, solution);
+    return solution;
+}
+
 }  // namespace
 
 ExitCode run(const Deck& deck, std::FILE* out) {
@@ -175,58 +216,27 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const Problem problem = make_problem(deck);
     const std::unique_ptr<Checkpoint> checkpoint = make_checkpoint(deck, problem, out);
     const ResultsFolder folder(deck);
-    Solution solution;
-    solution.predicted_bytes = predicted_bytes(problem.mesh(), deck.linear);
-    print_mesh(out, deck, problem, solution.predicted_bytes);
+    const double bytes = predicted_bytes(problem.mesh(), deck.linear);
+    print_mesh(out, deck, problem, bytes);
     if (checkpoint) print_resumed(out, deck, *checkpoint);
-    {
-        const TimeAdder adder(solution.time.write);
-        write_deck(deck, problem);
-        write_initial(deck, problem);
-    }
+    const double setup_seconds = watch.seconds();
+    write_deck(deck, problem);
+    write_initial(deck, problem);
+    const double write_seconds = watch.seconds() - setup_seconds;
 
+    // 2. The solution.
     const CatchInterrupts catching;
-
-    // 2. The solution on coarser meshes, where the deck starts from there.
     Report report(out, {problem.mesh().dim, problem.frame.length}, problem.run_id);
-    const auto coarser = starts_coarse(deck) ? coarser_meshes(deck, problem) : std::vector<CoarserMesh>();
-    const auto make_level = [&](int k) { return coarser_level(deck, problem, coarser[k]); };
-    const auto add_stage = [&](const Stage& stage) {
-        report.add(stage);
-        solution.coarse_newton_iterations += stage.newton_iterations;
+    const Solve solve_problem = [&](const Deck& settings, const Problem& of) {
+        return solve(settings, of, checkpoint.get(), report, out);
     };
-    const MethodParams params = {deck.method, deck.linear, deck.forcing, followed(deck), checkpoint.get()};
-    const CoarseSolution coarse =
-        solve_coarser(static_cast<int>(coarser.size()), make_level, params, solution.time, add_stage);
-    solution.time.coarse = solution.time.total;
+    Solution solution = deck.region == Region::folded ? mend(deck, problem, solve_problem, out)
+                                                      : solve_problem(deck, problem);
+    solution.predicted_bytes = bytes;
+    solution.time.setup += setup_seconds;
+    solution.time.write += write_seconds;
 
-    // 3. The functional, Eq. 6.
-    Level& level = *problem.level;
-    set_functional(deck, problem, problem.target, problem.level_placed, level);
-
-    // 4. Algorithm 1, from the coarse solution or the identity map.
-    AlObserver observer;
-    observer.iteration = [&](const AlIteration& row) {
-        report.add(row);
-        write_history(deck, report, out);
-    };
-    observer.newton_step = [&](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
-    const AlStart start = start_from(coarse, level, solution.x);
-    std::optional<Newton> newton(std::in_place, level.energy->hessian_pattern(), deck.linear, deck.forcing);
-    newton->save_in(checkpoint.get());
-    write_system(deck, *newton, report);
-    write_iterates(deck, problem, *newton, solution.x);
-    solution.time.setup = watch.seconds() - solution.time.coarse - solution.time.write;
-    solution.al = minimise_objective(deck, level, *newton, params, solution.x, start, observer,
-                                     [&](const Stage& stage) { report.add(stage); });
-    solution.time += newton->time;
-    if (solution.al.status == AlStatus::linear_solver_failed)
-        solution.refused_bytes = newton->linear_solver().refused_bytes();
-    solution.followed = report.followed;
-    newton.reset();  // the factor is the largest thing in memory
-
-    // 5. What was reached: the boundary set exactly, certificates, files.
-    if (snaps(deck) && solution.al.status == AlStatus::converged) snap(level, solution);
+    // 3. What was reached: certificates, files.
     round_as_file(problem, solution.x);
     examine(deck, problem, solution);
     {

@@ -1,0 +1,95 @@
+#include "mesh/part.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "mesh/lagrange.hpp"
+
+namespace almesh {
+namespace {
+
+using FaceKey = std::array<int, 3>;  // vertices, ascending; -1 where there are but two
+
+FaceKey key_of(const int* face, int vertices) {
+    FaceKey key = {-1, -1, -1};
+    std::copy_n(face, vertices, key.begin());
+    std::sort(key.begin(), key.end());
+    return key;
+}
+
+}  // namespace
+
+Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::string& cut) {
+    Mesh part;
+    part.dim = mesh.dim;
+    part.degree = mesh.degree;
+    part.boundaries = mesh.boundaries;
+    part.boundaries.push_back(cut);
+    part.file.groups = mesh.file.groups;
+    part.file.format = mesh.file.format;
+
+    std::vector<int> number(mesh.nodes(), -1), element(mesh.element_count(), -1);  // of nodes and elements in the part
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        if (!chosen[e]) continue;
+        element[e] = part.element_count();
+        for (int k = 0; k < mesh.element_nodes(); ++k) {
+            int& node = number[mesh.element(e)[k]];
+            if (node < 0) {
+                node = part.nodes();
+                const double* const x = point(mesh.x, mesh.element(e)[k], mesh.dim);
+                part.x.insert(part.x.end(), x, x + mesh.dim);
+                part.file.node_id.push_back(mesh.file.node_id[mesh.element(e)[k]]);
+            }
+            part.elements.push_back(node);
+        }
+        part.file.element_id.push_back(mesh.file.element_id[e]);
+        part.file.element_physical.push_back(mesh.file.element_physical[e]);
+        part.file.element_entity.push_back(mesh.file.element_entity[e]);
+    }
+
+    const auto add_face = [&](const int* face, int of_element, int boundary, long long id, int physical, int entity) {
+        for (int k = 0; k < mesh.face_nodes(); ++k) part.faces.push_back(number[face[k]]);
+        part.face_element.push_back(of_element);
+        part.face_boundary.push_back(boundary);
+        part.file.face_id.push_back(id);
+        part.file.face_physical.push_back(physical);
+        part.file.face_entity.push_back(entity);
+    };
+    std::map<FaceKey, int> sides;  // face -> chosen elements that have it, or two where it is a boundary face
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const int e = mesh.face_element[f];
+        if (!chosen[e]) continue;
+        sides[key_of(mesh.face(f), mesh.dim)] = 1;
+        add_face(mesh.face(f), element[e], mesh.face_boundary[f], mesh.file.face_id[f], mesh.file.face_physical[f],
+                 mesh.file.face_entity[f]);
+    }
+    const std::vector<std::vector<int>> local = LagrangeBasis(mesh.dim, mesh.degree).face_nodes();
+    std::vector<int> face(mesh.face_nodes());
+    const auto for_faces = [&](const auto& body) {
+        for (int e = 0; e < mesh.element_count(); ++e) {
+            if (!chosen[e]) continue;
+            for (const std::vector<int>& nodes : local) {
+                for (int k = 0; k < mesh.face_nodes(); ++k) face[k] = mesh.element(e)[nodes[k]];
+                body(e, key_of(face.data(), mesh.dim));
+            }
+        }
+    };
+    for_faces([&](int, const FaceKey& key) { ++sides[key]; });
+    const int cut_boundary = static_cast<int>(mesh.boundaries.size());
+    for_faces([&](int e, const FaceKey& key) {
+        if (sides[key] == 1) add_face(face.data(), element[e], cut_boundary, 0, 0, 0);
+    });
+    return part;
+}
+
+void add_layer(const Mesh& mesh, std::vector<char>& chosen) {
+    std::vector<char> touched(mesh.nodes(), 0);
+    const int vertices = mesh.dim + 1;
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int k = 0; chosen[e] && k < vertices; ++k) touched[mesh.element(e)[k]] = 1;
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int k = 0; k < vertices; ++k) chosen[e] |= touched[mesh.element(e)[k]];
+}
+
+}  // namespace almesh

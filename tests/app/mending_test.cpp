@@ -1,0 +1,124 @@
+#include "app/mending.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "support/high_order.hpp"
+#include "support/ring_deck.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+// A mesh of degree 3 of which a bump of one boundary folds the elements there; those far away are curved too, but valid.
+Mesh with_bump(const Mesh& linear, double height) {
+    Mesh mesh = with_degree(linear, 3);
+    const int last = mesh.dim - 1;
+    std::vector<char> on_bottom(mesh.nodes(), 0);
+    for (std::size_t k = 0; k < mesh.faces.size(); ++k)
+        on_bottom[mesh.faces[k]] |= mesh.boundaries[mesh.face_boundary[k / mesh.face_nodes()]] == "bottom";
+    for (int i = 0; i < mesh.nodes(); ++i) {
+        double* const x = point(mesh.x, i, mesh.dim);
+        if (on_bottom[i]) x[last] += height * std::exp(-80 * std::pow(x[0] - 0.25, 2));
+        else if (x[0] > 0.6 && x[0] < 0.99 && x[last] > 0.1 && x[last] < 0.9) x[0] += 0.01 * std::sin(9 * x[last]);
+    }
+    return mesh;
+}
+
+std::string deck_of(const TemporaryFolder& folder, const Mesh& mesh, const std::string& more = "") {
+    folder.write("bump.msh", msh_of(mesh));
+    return folder.write("bump.deck", "mesh = bump.msh\nthreads = 1\nregion = folded\noutput = " +
+                                         folder.path("results") + "\nboundary all = fixed\n" + more);
+}
+
+std::map<long long, std::array<double, 3>> places_of(const Mesh& mesh) {
+    std::map<long long, std::array<double, 3>> places;
+    for (int i = 0; i < mesh.nodes(); ++i)
+        std::copy_n(point(mesh.x, i, mesh.dim), mesh.dim, places[mesh.file.node_id[i]].begin());
+    return places;
+}
+
+}  // namespace
+
+TEST_CASE("elements that are folded in the file are mended, and nodes away from them keep its bits") {
+    for (const double far : {0.0, 1e5}) {
+        const TemporaryFolder folder;
+        Mesh mesh = with_bump(square_mesh(8), 0.12);
+        REQUIRE(!certify(mesh, mesh.x).valid);
+        for (double& x : mesh.x) x += far;
+        CAPTURE(far);
+        const Outcome outcome = almesh_with({deck_of(folder, mesh)});
+        CHECK(outcome.code == 0);
+        CHECK(has(outcome.out, " folded in the file, of "));
+        const auto summary = summary_of(folder.path("results"));
+        CHECK(summary.at("status") == "converged");
+        CHECK(summary.at("certified_injective") == "yes");
+        CHECK(summary.at("nodes_off_target") == "0");
+        CHECK(std::stod(summary.at("elements")) == mesh.element_count());
+        CHECK(almesh_with({"quality", folder.path("results/final.msh")}).code == 0);
+        const auto before = places_of(mesh_of(folder.path("bump.msh"))),
+                   after = places_of(mesh_of(folder.path("results/final.msh")));
+        int moved = 0;
+        for (const auto& [id, place] : before) {
+            moved += after.at(id) != place;
+            if (place[0] - far > 0.9 || place[1] - far == 0) CHECK(after.at(id) == place);
+        }
+        CHECK(moved > 0);
+        CHECK(moved < mesh.nodes() / 2);
+    }
+}
+
+TEST_CASE("a folded CAD surface is mended where it is folded: nodes around slide along it, the others stay") {
+    const TemporaryFolder folder;
+    const Outcome outcome = almesh_with({"inputs/cad/torus.deck", "region=folded", "output=" + folder.path("torus")});
+    CHECK(outcome.code == 0);
+    const auto before = places_of(mesh_of("inputs/cad/torus.msh")),
+               after = places_of(mesh_of(folder.path("torus/final.msh")));
+    int stayed = 0;
+    for (const auto& [id, place] : before) stayed += after.at(id) == place;
+    CHECK(stayed > 0);
+    CHECK(stayed < static_cast<int>(before.size()));
+}
+
+TEST_CASE("where no element is folded in the file nothing moves") {
+    const TemporaryFolder folder;
+    const Mesh mesh = with_bump(square_mesh(8), 0.01);
+    const Outcome outcome = almesh_with({deck_of(folder, mesh)});
+    CHECK(outcome.code == 0);
+    CHECK(has(outcome.out, "no element is folded in the file: nothing moves"));
+    CHECK(places_of(mesh_of(folder.path("results/final.msh"))) == places_of(mesh_of(folder.path("bump.msh"))));
+    CHECK(summary_of(folder.path("results")).at("newton_iterations") == "0");
+}
+
+TEST_CASE("a region that cannot be mended alone grows, to the whole mesh at last") {
+    const TemporaryFolder folder;
+    const Mesh mesh = with_bump(square_mesh(3), 0.3);
+    const Outcome outcome = almesh_with({deck_of(folder, mesh)});
+    CHECK(outcome.code == 0);
+    CHECK(almesh_with({"quality", folder.path("results/final.msh")}).code == 0);
+}
+
+TEST_CASE("region = folded is refused where the mesh is to change") {
+    const TemporaryFolder folder;
+    const std::string deck = deck_of(folder, with_bump(square_mesh(8), 0.12));
+    for (const char* setting : {"boundary all=translate 1 0", "boundary all=slide", "refine=1", "degree=4",
+                                "method=elasticity"}) {
+        const Outcome outcome = almesh_with({deck, setting});
+        CHECK(outcome.code == 1);
+        CHECK(has(outcome.error, "does not go with region = folded"));
+    }
+    CHECK(almesh_with({deck, "region=all"}).code == 0);
+}
+
+TEST_CASE("mending is interrupted and resumed, and has the same bits for any number of threads") {
+    const TemporaryFolder folder;
+    const std::string deck = deck_of(folder, with_bump(square_mesh(8), 0.12));
+    REQUIRE(almesh_with({deck}).code == 0);
+    const std::string whole = text_of(folder.path("results/final.msh"));
+    REQUIRE(almesh_with({deck, "max_seconds=1e-9"}).code == 3);
+    CHECK(summary_of(folder.path("results")).at("certified_valid") == "yes");
+    REQUIRE(almesh_with({deck, "threads=3", "resume=1"}).code == 0);
+    CHECK(text_of(folder.path("results/final.msh")) == whole);
+}
