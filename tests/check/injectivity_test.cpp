@@ -134,3 +134,38 @@ TEST_CASE("a boundary that overlaps itself is found though elements and angles a
     REQUIRE(found.face >= 0);
     CHECK(found.place == centroid(strip, closed, strip.face(found.face), 2));
 }
+
+namespace {
+
+// Both meshes, the second moved and scaled, as parts of one.
+Mesh two_parts(const Mesh& mesh, double scale, std::array<double, 3> shift) {
+    Mesh both = mesh;
+    for (int i = 0; i < mesh.nodes(); ++i)
+        for (int a = 0; a < mesh.dim; ++a) both.x.push_back(scale * mesh.x[offset(i, mesh.dim, a)] + shift[a]);
+    for (const int i : mesh.elements) both.elements.push_back(i + mesh.nodes());
+    for (const int i : mesh.faces) both.faces.push_back(i + mesh.nodes());
+    for (const int e : mesh.face_element) both.face_element.push_back(e + mesh.element_count());
+    for (const int b : mesh.face_boundary) both.face_boundary.push_back(b);
+    both.file = {};
+    return both;
+}
+
+}  // namespace
+
+TEST_CASE("parts that are not connected and lie over each other are not certified, others are") {
+    for (const int degree : {1, 3})
+        for (const Mesh& linear : {square_mesh(2), cube_mesh(2)}) {
+            const Mesh mesh = raise_degree(linear, degree);
+            CAPTURE(degree);
+            CAPTURE(mesh.dim);
+            const auto certified = [&](double scale, double dx, double dy, double dz) {
+                const Mesh both = two_parts(mesh, scale, {dx, dy, dz});
+                return certify_injective(both, both.x, certify(both, both.x)).certified;
+            };
+            CHECK(!certified(1, 0.5, 0, 0));         // their boundaries lie on each other, but do not cross
+            CHECK(!certified(0.5, 0.2, 0.2, 0.2));   // inside
+            CHECK(!certified(1, 0, 0, 0));           // the same twice
+            CHECK(certified(1, 3, 0, 0));
+            if (degree == 1) CHECK(certified(1, 1, 0, 0));  // in contact
+        }
+}
