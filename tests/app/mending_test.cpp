@@ -12,7 +12,7 @@ using namespace almesh::test;
 
 namespace {
 
-// A mesh of degree 3 of which a bump of one boundary folds the elements there; those far away are curved too, but valid.
+// A mesh of degree 3 of which a bump of one boundary folds the elements there; others are curved too, but valid.
 Mesh with_bump(const Mesh& linear, double height) {
     Mesh mesh = with_degree(linear, 3);
     const int last = mesh.dim - 1;
