@@ -5,6 +5,8 @@
 #include <limits>
 #include <map>
 
+#include "mesh/unused_ids.hpp"
+
 namespace almesh {
 namespace {
 
@@ -50,15 +52,17 @@ struct BlockBuilder {
                 part.resize(all.size());
                 part[k].push_back(c);
             }
-        int unused = of_entity.empty() ? 0 : of_entity.rbegin()->first;
+        std::vector<int> taken;
+        for (const auto& [tag, parts] : of_entity) taken.push_back(tag);
         for (const auto& [key, entity] : entities)
-            if (key.dim == dim) unused = std::max(unused, key.tag);
+            if (key.dim == dim) taken.push_back(key.tag);
+        UnusedIds<int> unused(std::move(taken));
         for (auto& [tag, parts] : of_entity) {
             FileEntity& own = entities[{dim, tag}];
             const bool keeps = !own.physical.empty() && parts.contains(own.physical[0]);
             const int first = keeps ? own.physical[0] : parts.begin()->first;
             for (auto& [physical, part] : parts) {
-                const EntityKey key{dim, physical == first ? tag : ++unused};
+                const EntityKey key{dim, physical == first ? tag : unused.next()};
                 FileEntity& entity = entities[key];
                 entity.key = key;
                 if (physical != first || !keeps) entity.physical.assign(physical != 0, physical);

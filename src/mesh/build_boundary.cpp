@@ -14,6 +14,7 @@
 #include "base/parallel.hpp"
 #include "linalg/ordering/graph.hpp"
 #include "mesh/lagrange.hpp"
+#include "mesh/unused_ids.hpp"
 
 namespace almesh {
 namespace {
@@ -128,16 +129,49 @@ struct BoundaryMatcher {
                      ": take it out of its physical group");
     }
 
+    // Of sides without a tagged face: tells that some lie on each other, as where parts of a mesh were never joined;
+    // else "".
+    std::string doubled_text(const std::vector<int>& untagged) const {
+        const auto is_before = [&](int i, int j) {
+            const double *const a = point(mesh.x, i, dim), *const b = point(mesh.x, j, dim);
+            return std::lexicographical_compare(a, a + dim, b, b + dim);
+        };
+        using Vertices = std::array<int, 3>;  // in the order of their places, then of their numbers
+        const auto lies_before = [&](const Vertices& f, const Vertices& g) {
+            return std::lexicographical_compare(f.begin(), f.begin() + dim, g.begin(), g.begin() + dim, is_before);
+        };
+        std::vector<Vertices> faces;
+        for (const int side : untagged) {
+            Vertices& v = faces.emplace_back();
+            for (int k = 0; k < dim; ++k) v[k] = node_of(side, k);
+            std::sort(v.begin(), v.begin() + dim, is_before);
+        }
+        std::stable_sort(faces.begin(), faces.end(), lies_before);
+        std::size_t pairs = 0;
+        std::array<int, 2> nodes{};  // of the first pair, in one place
+        for (std::size_t f = 1; f < faces.size(); ++f) {
+            const Vertices &a = faces[f - 1], &b = faces[f];
+            if (lies_before(a, b) || ++pairs > 1) continue;
+            const auto [i, j] = std::mismatch(a.begin(), a.begin() + dim, b.begin());
+            if (i != a.begin() + dim) nodes = {*i, *j};
+        }
+        if (pairs == 0) return "";
+        return concat(counted(pairs, "pair"), pairs == 1 ? " lies" : " lie", " on each other, as nodes ",
+                      build.node_ids(nodes.data(), 2), " are in one place: unless the mesh is to be cut there, "
+                      "join such nodes (in gmsh: Coherence Mesh)");
+    }
+
     void refuse_untagged(const std::vector<int>& untagged) const {
         int vertex[3];
         for (int k = 0; k < dim; ++k) vertex[k] = node_of(*std::min_element(untagged.begin(), untagged.end()), k);
         const std::array<double, 3> mean = centroid(mesh, mesh.x, vertex, dim);
         std::string centre;
         for (int a = 0; a < dim; ++a) append(centre += a ? ", " : "", mean[a], 6);
-        const std::string what = entity_kind(dim - 1);
+        const std::string what = entity_kind(dim - 1), doubled = doubled_text(untagged);
         build.refuse("an untagged boundary: ", counted(untagged.size(), "boundary face"), " without a physical ", what,
                      ", the first has the nodes ", build.node_ids(vertex, dim), " and the centre (", centre,
-                     "); put every boundary ", what, " into a Physical ", (dim == 2 ? "Curve" : "Surface"),
+                     "); ", doubled.empty() ? "" : doubled + "; else ", "put every boundary ", what,
+                     " into a Physical ", (dim == 2 ? "Curve" : "Surface"),
                      " of the .geo file and mesh again, without -save_all");
     }
 
@@ -253,17 +287,20 @@ void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides
         }
     std::map<int, std::vector<int>> parts;  // by lowest node
     for (const int side : sides) parts[root(matcher.node_of(side, 0))].push_back(side);
-    long long id = 0;
-    for (const RawElement& element : build.raw.elements) id = std::max(id, element.id);
+    std::vector<long long> ids;
+    for (const RawElement& element : build.raw.elements) ids.push_back(element.id);
+    UnusedIds<long long> unused_id(std::move(ids));
     const std::map<std::vector<int>, int> of_file = untagged_faces(build);
     std::set<int> taken;
-    int tag = 0;
-    for (const PhysicalGroup& group : mesh.file.groups) tag = std::max(tag, group.tag);
+    std::vector<int> tags;
+    for (const PhysicalGroup& group : mesh.file.groups) tags.push_back(group.tag);
+    UnusedIds<int> unused_tag(std::move(tags));
     std::string note;
     for (const auto& [lowest, of_part] : parts) {
         const int boundary = static_cast<int>(mesh.boundaries.size());
         mesh.boundaries.push_back(parts.size() == 1 ? "boundary" : concat("boundary-", boundary + 1));
-        mesh.file.groups.push_back({dim - 1, ++tag, mesh.boundaries.back()});
+        const int tag = unused_tag.next();
+        mesh.file.groups.push_back({dim - 1, tag, mesh.boundaries.back()});
         note += concat(note.empty() ? "" : ", ", mesh.boundaries.back(), " (", counted(of_part.size(), "face"), ")");
         for (const int side : of_part) {
             for (int k = 0; k < mesh.face_nodes(); ++k) mesh.faces.push_back(matcher.node_of(side, k));
@@ -271,7 +308,7 @@ void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides
             mesh.face_boundary.push_back(boundary);
             const auto found = of_file.find(matcher.nodes_of(side));
             const RawElement* const own = found == of_file.end() ? nullptr : &build.raw.elements[found->second];
-            mesh.file.face_id.push_back(own ? own->id : ++id);
+            mesh.file.face_id.push_back(own ? own->id : unused_id.next());
             mesh.file.face_physical.push_back(tag);
             mesh.file.face_entity.push_back(own ? own->entity : tag);
             if (own) taken.insert(found->second);
@@ -279,6 +316,8 @@ void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides
     }
     std::erase_if(build.kept, [&](int i) { return taken.contains(i); });
     build.notes.push_back("no tagged boundary faces: the boundary is that of the elements, in parts: " + note);
+    if (const std::string doubled = matcher.doubled_text(sides); !doubled.empty())
+        build.notes.push_back("of the boundary's faces, " + doubled);
 }
 
 }  // namespace
@@ -291,7 +330,7 @@ std::string MeshBuild::node_ids(const int* nodes, int count) const {
 
 EntityKey MeshBuild::entity_of(std::size_t raw_node) const {
     const auto next = std::upper_bound(raw.node_blocks.begin(), raw.node_blocks.end(), raw_node,
-                                       [](std::size_t place, const RawNodeBlock& block) { return place < block.first; });
+                                       [](std::size_t at, const RawNodeBlock& block) { return at < block.first; });
     return next == raw.node_blocks.begin() ? EntityKey{} : std::prev(next)->entity;
 }
 

@@ -14,7 +14,10 @@ int Subcells::local(int e, int node) const {
 }
 
 bool Subcells::has(int e, const int* vertex, int dim) const {
-    return std::all_of(vertex, vertex + dim + 1, [&](int node) { return local(e, node) <= mesh_.dim; });
+    const int* const end = vertex + dim + 1;
+    return std::all_of(vertex, end, [&](const int& node) {
+        return local(e, node) <= mesh_.dim && std::find(&node + 1, end, node) == end;
+    });
 }
 
 std::vector<int> Subcells::nodes(int e, const int* vertex, int dim) const {

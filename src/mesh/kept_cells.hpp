@@ -10,7 +10,7 @@ class Subcells {
 public:
     explicit Subcells(const Mesh& mesh);  // which must outlive this
 
-    // Whether element e has the vertices: dim + 1 of them.
+    // Whether element e has the vertices: dim + 1 of them, all distinct.
     bool has(int e, const int* vertex, int dim) const;
 
     // All nodes of the face or edge of element e, in Gmsh's order from these vertices on, which the element has.

@@ -17,6 +17,7 @@
 #include "mesh/kept_cells.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/unused_ids.hpp"
 
 namespace almesh {
 namespace {
@@ -66,12 +67,12 @@ int face_number(const Mesh& mesh, int e, const int* vertex) {
     return opposite;
 }
 
-// New nodes get the ids after the largest one of the mesh they come from.
+// New nodes get ids that the mesh they come from does not have.
 void append_node_ids(const Mesh& from, Mesh& mesh) {
-    long long next = 0;
-    for (const long long id : from.file.node_id) next = std::max(next, id);
-    for (const LooseNode& node : from.file.loose) next = std::max(next, node.id);
-    while (static_cast<int>(mesh.file.node_id.size()) < mesh.nodes()) mesh.file.node_id.push_back(++next);
+    std::vector<long long> taken = from.file.node_id;
+    for (const LooseNode& node : from.file.loose) taken.push_back(node.id);
+    UnusedIds<long long> unused(std::move(taken));
+    while (static_cast<int>(mesh.file.node_id.size()) < mesh.nodes()) mesh.file.node_id.push_back(unused.next());
 }
 
 bool is_straight(const Mesh& mesh) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 
 #include "base/error.hpp"
@@ -139,6 +140,18 @@ TEST_CASE("in MSH 4.1 each entity has one physical tag, and each node is listed 
     const Mesh back = read_back(msh_text(mesh, mesh.x));
     CHECK(tags_by_id(back.file.face_id, back.file.face_physical, back.file.face_physical) ==
           tags_by_id(mesh.file.face_id, mesh.file.face_physical, mesh.file.face_physical));
+}
+
+TEST_CASE("where ids and tags are as large as numbers get, free ones are found for what is new") {
+    Mesh mesh = sample(2, 1, 41);
+    constexpr int last = std::numeric_limits<int>::max();
+    std::fill(mesh.file.face_entity.begin(), mesh.file.face_entity.end(), last);
+    mesh.file.node_id.back() = std::numeric_limits<long long>::max();
+    const Mesh raised = raise_degree(mesh, 2), back = read_back(msh_text(raised, raised.x));
+    CHECK(back.nodes() == raised.nodes());
+    CHECK(*std::min_element(back.file.node_id.begin(), back.file.node_id.end()) == 1);
+    CHECK(*std::min_element(back.file.face_entity.begin(), back.file.face_entity.end()) == 1);
+    CHECK(*std::max_element(back.file.face_entity.begin(), back.file.face_entity.end()) == last);
 }
 
 TEST_CASE("elements without a physical group stay without one") {

@@ -136,11 +136,12 @@ TEST_CASE("curves and untagged faces that are not in the mesh are dropped with a
     append_element(raw, 1, 5, {0, 1});
     raw.elements.back().degree = 2;
     raw.element_nodes.push_back(2);
+    append_element(raw, 1, 5, {0, 0});
     Strings notes;
     const Mesh mesh = build_mesh(raw, notes);
     CHECK(mesh.kept[2].physical == std::vector<int>{6, 0});
     CHECK(mesh.kept[1].count() == 2);
-    CHECK(notes == Strings{concat("2 elements of the file that are no edge or face of the mesh dropped, the first is "
+    CHECK(notes == Strings{concat("3 elements of the file that are no edge or face of the mesh dropped, the first is "
                                   "element ",
                                   last + 2, " (line ", 1000 + last + 1, ")")});
 }
