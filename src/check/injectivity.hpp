@@ -9,9 +9,8 @@
 // that fill their surroundings twice; as a check of its own, the angles at every node must add up to 2 pi in 2D, the
 // solid angles to 4 pi in 3D, at nodes of the boundary to no more.
 //
-// Parts that share no vertex could lie over each other, of which the initial mesh tells nothing. As their boundaries do
-// not cross, a face of one is then inside the other, or they are the same set: so no place on a boundary face of a part
-// nor the middle of the element behind it, may be inside an element of another; of curved elements, in its box.
+// An initial mesh that covers points twice already tells nothing of that: parts of it that lie over each other, a strip
+// that goes around twice, whose boundaries lie on each other and do not cross. Those are found by overlap.hpp.
 #pragma once
 #include <array>
 #include <string>

@@ -55,8 +55,7 @@ Vec<3> flat_unit_normal(const Mesh& mesh, const BoundaryTarget& target, int f) {
     std::array<Vec<3>, 3> corner{};
     for (int i = 0; i < mesh.dim; ++i)
         std::copy_n(&target.node[offset(offset(f, mesh.face_nodes(), i), mesh.dim)], mesh.dim, corner[i].begin());
-    const Vec<3> n = flat_normal(corner, mesh.dim - 1);
-    return length(n) > 0 ? 1 / length(n) * n : n;
+    return unit(flat_normal(corner, mesh.dim - 1));
 }
 
 // Adds to the chosen faces those of the same boundary that lie in one plane with them.

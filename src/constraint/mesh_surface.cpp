@@ -17,8 +17,6 @@
 namespace almesh {
 namespace {
 
-Vec<3> unit(const Vec<3>& v) { return length(v) > 0 ? 1 / length(v) * v : v; }
-
 Vec<3> value(const Bernstein& basis, const std::vector<Vec<3>>& c, const Barycentric& l) {
     Vec<3> sum{};
     for (int a = 0; a < basis.count; ++a) {

@@ -16,13 +16,8 @@
 #include "constraint/quadric.hpp"
 #include "linalg/dense_solve.hpp"
 
-
 namespace almesh {
 namespace {
-
-constexpr double tiny = std::numeric_limits<double>::min();
-
-Vec<3> unit(const Vec<3>& v) { return 1 / std::max(length(v), tiny) * v; }
 
 Vec<3> any_perpendicular(const Vec<3>& a) {
     const Vec<3> axis = std::abs(a[0]) < 0.6 ? Vec<3>{1, 0, 0} : Vec<3>{0, 1, 0};

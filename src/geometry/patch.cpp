@@ -62,6 +62,49 @@ std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a
     return halves;
 }
 
+namespace {
+
+// In the simplex with these corners: where none of them, moved to the point, turns it inside out.
+bool flat_holds(const Patch& corner, int m, const Vec<3>& point) {
+    constexpr double rounding = 1e-9;
+    const auto measure = [m](std::array<Vec<3>, 4> c) {
+        for (int k = m; k > 0; --k) c[k] = c[k] - c[0];
+        return m == 2 ? cross(c[1], c[2])[2] : dot(cross(c[1], c[2]), c[3]);
+    };
+    std::array<Vec<3>, 4> c{};
+    std::copy_n(corner.begin(), m + 1, c.begin());
+    const double whole = measure(c);
+    for (int k = 0; k <= m; ++k) {
+        std::array<Vec<3>, 4> moved = c;
+        moved[k] = point;
+        if (measure(moved) / whole < -rounding) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+bool holds(const Bernstein& basis, const Patch& patch, const Vec<3>& point) {
+    constexpr double resolution = 1e-9;
+    constexpr int most_pieces = 200000;  // in layers 1:1000 and more a point takes some ten thousand
+    if (basis.degree == 1) return flat_holds(patch, basis.dim, point);
+    const double smallest = resolution * size_of(patch, basis.dim);
+    std::vector<Patch> pieces(1, patch);
+    for (Vec<3>& b : pieces[0]) b = b - point;  // so that halves of pieces are half as large, wherever the patch is
+    for (int tested = 0; !pieces.empty(); ++tested) {
+        if (tested == most_pieces) return true;
+        const Patch piece = std::move(pieces.back());
+        pieces.pop_back();
+        if (squared_distance(box_of(piece), {}) > 0) continue;
+        const auto [a, b] = longest_edge(piece, basis.dim);
+        if (length(piece[b] - piece[a]) <= smallest) return true;
+        auto [near, far] = bisect(basis, piece, a, b);
+        pieces.push_back(std::move(near));
+        pieces.push_back(std::move(far));
+    }
+    return false;
+}
+
 double deviation(const Bernstein& basis, const Patch& patch) {
     double largest = 0;
     for (int i = basis.dim + 1; i < basis.count; ++i) {

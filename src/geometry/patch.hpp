@@ -34,6 +34,7 @@ Patch face_patch(const PatchBasis& basis, const Mesh& mesh, const std::vector<do
 BoxTree tree_of_boxes(const std::vector<Patch>& patches);
 
 inline double length(const Vec<3>& v) { return std::sqrt(dot(v, v)); }
+inline Vec<3> unit(const Vec<3>& v) { return length(v) > 0 ? 1 / length(v) * v : v; }
 
 // Solid angle of the cone of three directions, positive where they are right-handed: 2 atan(u . (v x w) / (...)) (Van
 // Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983).
@@ -52,6 +53,10 @@ Vec<3> edge_tangent(const Bernstein& basis, const Patch& patch, int i, int j);
 
 // The halves beside corner a (midpoint in place of corner b) and beside corner b.
 std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a, int b);
+
+// Whether the point is in a patch of as many parameters as the space has coordinates, up to rounding; of a curved one
+// up to 1e-9 of its size, and where it is so nearly flat that some thousand bisections do not tell, yes.
+bool holds(const Bernstein& basis, const Patch& patch, const Vec<3>& point);
 
 // Largest distance of a Bezier point from its place on the flat patch with the same corners: no point of the patch is
 // farther than this from the flat one.

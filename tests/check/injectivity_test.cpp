@@ -135,37 +135,54 @@ TEST_CASE("a boundary that overlaps itself is found though elements and angles a
     CHECK(found.place == centroid(strip, closed, strip.face(found.face), 2));
 }
 
-namespace {
-
-// Both meshes, the second moved and scaled, as parts of one.
-Mesh two_parts(const Mesh& mesh, double scale, std::array<double, 3> shift) {
-    Mesh both = mesh;
-    for (int i = 0; i < mesh.nodes(); ++i)
-        for (int a = 0; a < mesh.dim; ++a) both.x.push_back(scale * mesh.x[offset(i, mesh.dim, a)] + shift[a]);
-    for (const int i : mesh.elements) both.elements.push_back(i + mesh.nodes());
-    for (const int i : mesh.faces) both.faces.push_back(i + mesh.nodes());
-    for (const int e : mesh.face_element) both.face_element.push_back(e + mesh.element_count());
-    for (const int b : mesh.face_boundary) both.face_boundary.push_back(b);
-    both.file = {};
-    return both;
-}
-
-}  // namespace
-
 TEST_CASE("parts that are not connected and lie over each other are not certified, others are") {
     for (const int degree : {1, 3})
         for (const Mesh& linear : {square_mesh(2), cube_mesh(2)}) {
-            const Mesh mesh = raise_degree(linear, degree);
             CAPTURE(degree);
-            CAPTURE(mesh.dim);
+            CAPTURE(linear.dim);
             const auto certified = [&](double scale, double dx, double dy, double dz) {
-                const Mesh both = two_parts(mesh, scale, {dx, dy, dz});
+                const Mesh both = raise_degree(two_parts(linear, scale, {dx, dy, dz}), degree);
                 return certify_injective(both, both.x, certify(both, both.x)).certified;
             };
             CHECK(!certified(1, 0.5, 0, 0));         // their boundaries lie on each other, but do not cross
             CHECK(!certified(0.5, 0.2, 0.2, 0.2));   // inside
             CHECK(!certified(1, 0, 0, 0));           // the same twice
             CHECK(certified(1, 3, 0, 0));
-            if (degree == 1) CHECK(certified(1, 1, 0, 0));  // in contact
+            CHECK(certified(1, 1, 0, 0));  // in contact
+            CHECK(!certified(1, 0.999, 0, 0));
         }
+}
+
+TEST_CASE("parts that share one vertex and lie over each other along common lines are not certified") {
+    const auto is_certified = [](double shear) {
+        // The unit square, and another one from its corner (1, 0) on, over its right half or beside it.
+        const Mesh mesh = linear_mesh(2, {0, 0, 1, 0, 1, 1, 0, 1, 1 + shear, 1, shear, 1, shear, 0},
+                                      {0, 1, 2, 0, 2, 3, 6, 1, 5, 1, 4, 5}, [](const double*) { return "rim"; });
+        return certify_injective(mesh, mesh.x, certify(mesh, mesh.x)).certified;
+    };
+    CHECK(!is_certified(0.5));
+    CHECK(!is_certified(0.1));
+}
+
+// A ramp whose turns lie on each other, so that no edges cross, and all angles are in order.
+TEST_CASE("a strip that goes around twice is not certified, in any degree") {
+    for (const int degree : {1, 2, 4}) {
+        const auto ramp = [degree](int quarters) {
+            std::vector<double> x;
+            for (int k = 0; k <= quarters; ++k) {
+                const double angle = k * std::numbers::pi / 2, c = std::cos(angle), s = std::sin(angle);
+                x.insert(x.end(), {c, s, 2 * c, 2 * s});
+            }
+            std::vector<int> elements;
+            for (int k = 0; k < quarters; ++k)
+                elements.insert(elements.end(), {2 * k, 2 * k + 1, 2 * k + 3, 2 * k, 2 * k + 3, 2 * k + 2});
+            return raise_degree(linear_mesh(2, x, elements, [](const double*) { return "rim"; }), degree);
+        };
+        CHECK(judge(ramp(3), ramp(3).x).certified);
+        CHECK(judge(ramp(4), ramp(4).x).certified);  // its ends in contact
+        const Mesh twice = ramp(8);
+        const Injectivity found = judge(twice, twice.x);
+        CHECK(!found.certified);
+        CHECK(mentions(found, "lie over each other"));
+    }
 }

@@ -19,6 +19,13 @@ Mesh straight_mesh(int kind) {
     }
 }
 
+// Once more, as large or smaller, beside, over, inside or in contact with itself.
+Mesh doubled(const Mesh& mesh, Choices& choose) {
+    constexpr double scales[] = {1, 0.5, 0.125}, shifts[] = {0, 0.5, 1, 0.25, 0.875, 3};
+    const double scale = choose.of(scales), dx = choose.of(shifts), dy = choose.of(shifts), dz = choose.of(shifts);
+    return test::two_parts(mesh, scale, {dx, dy, dz});
+}
+
 void move_nodes(Mesh& mesh, Choices& choose) {
     for (int moves = choose.below(4); moves > 0; --moves) {
         double* const x = &mesh.x[offset(choose.below(mesh.nodes()), mesh.dim)];
@@ -38,7 +45,9 @@ void change_line(std::string& text, int place, bool repeat) {
 }  // namespace
 
 Mesh small_mesh(Choices& choose) {
-    Mesh mesh = straight_mesh(choose.below(7));
+    const int kind = choose.byte();
+    Mesh mesh = straight_mesh(kind % 7);
+    if (kind >= 224) mesh = doubled(mesh, choose);
     const int degree = 1 + choose.below(3);
     if (degree > 1) mesh = raise_degree(mesh, degree);
     const int amplitude = choose.below(4);

@@ -5,8 +5,8 @@
 
 namespace almesh::fuzz {
 
-// A square, ring or cube of at most 48 elements of degree 1 to 3, straight or curved, somewhere in space, and
-// sometimes with a few nodes moved; to be written in any format that has it.
+// A square, ring or cube of at most 48 elements of degree 1 to 3, straight or curved, somewhere in space,
+// sometimes with a few nodes moved or as two parts; to be written in any format that has it.
 Mesh small_mesh(Choices& choose);
 
 // Its file.

@@ -36,3 +36,61 @@ TEST_CASE("normals point right of a curve and out of a counter-clockwise triangl
     // A sector of the unit disc, up to the interpolation error of degree 3.
     CHECK(normal_2.cone(arc(line, 1, 0, 0.5), {0, 0, 0}) == doctest::Approx(0.25).epsilon(1e-4));
 }
+
+TEST_CASE("a straight patch holds what its corners enclose") {
+    const PatchBasis basis(2, 1);
+    const Patch patch = {{1e6, 1e6, 0}, {1e6 + 1, 1e6, 0}, {1e6, 1e6 + 1e-3, 0}};
+    const auto is_held = [&](double s, double t) {
+        return holds(basis.bernstein, patch, {1e6 + s, 1e6 + 1e-3 * t, 0});
+    };
+    CHECK(is_held(0.3, 0.3));
+    CHECK(is_held(0.5, 0.499));
+    CHECK(!is_held(0.5, 0.501));
+    CHECK(!is_held(-1e-3, 0.5));
+    CHECK(!is_held(0.5, -1e-3));
+    const PatchBasis space(3, 1);
+    const Patch tetrahedron = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    CHECK(holds(space.bernstein, tetrahedron, {0.3, 0.3, 0.3}));
+    CHECK(holds(space.bernstein, tetrahedron, {0, 0, 0}));
+    CHECK(!holds(space.bernstein, tetrahedron, {0.34, 0.34, 0.34}));
+}
+
+// The unit square's lower half, its lower side lifted or lowered to a parabola of this height in the middle.
+TEST_CASE("a curved patch holds what is behind its curved side, near and far from it") {
+    for (const int degree : {2, 3}) {
+        const PatchBasis basis(2, degree);
+        for (const double height : {0.2, -0.2, 1e-3}) {
+            const Patch patch = interpolated(basis, [&](double s, double t) {
+                return Vec<3>{s, t + height * 4 * s * (1 - s - t), 0};
+            });
+            for (const double near : {0.1, 1e-3, 1e-6}) {
+                CAPTURE(degree);
+                CAPTURE(height);
+                CAPTURE(near);
+                CHECK(holds(basis.bernstein, patch, {0.5, height + near, 0}));
+                CHECK(!holds(basis.bernstein, patch, {0.5, height - near, 0}));
+                CHECK(holds(basis.bernstein, patch, {near / 2, 0.5, 0}));
+                CHECK(!holds(basis.bernstein, patch, {-near, 0.5, 0}));
+                CHECK(holds(basis.bernstein, patch, {0.25 - near, 0.75, 0}));
+                CHECK(!holds(basis.bernstein, patch, {0.25 + near, 0.75, 0}));
+            }
+        }
+    }
+}
+
+TEST_CASE("a curved patch so far away that its halves have no more digits, or of no size, is decided all the same") {
+    const PatchBasis basis(2, 2);
+    const Patch far = interpolated(basis, [](double s, double t) { return Vec<3>{1e6 + 1e-6 * s, 1e6 + 1e-6 * t, 0}; });
+    CHECK(holds(basis.bernstein, far, {1e6 + 3e-7, 1e6 + 3e-7, 0}));
+    CHECK(!holds(basis.bernstein, far, {1e6 + 2e-6, 1e6 + 3e-7, 0}));
+    CHECK(holds(basis.bernstein, Patch(6, {1, 1, 0}), {1, 1, 0}));
+}
+
+// A tetrahedron with one edge bent until det J vanishes at its end: far too many pieces are near the points around.
+TEST_CASE("what is next to a patch that is nearly flat counts as in it where pieces do not tell in time") {
+    const PatchBasis basis(3, 2);
+    const Patch bent = {{0, 0, 0},   {0, 1, 0},     {0, 1, 1},       {1, 1, 1},                         {0, 0.5, 0},
+                        {0, 1, 0.5}, {0, 0.5, 0.5}, {0.5, 0.5, 0.5}, {2.1640625, 2.6640625, 2.6640625}, {0.5, 1, 0.5}};
+    CHECK(holds(basis.bernstein, bent, {0.7030981773144, 1.0364231773146, 1.3697481773145}));
+    CHECK(!holds(basis.bernstein, bent, {0.5, 0.2, 0.7}));
+}

@@ -114,6 +114,15 @@ Mesh ring_mesh(int around, int layers, double outer) {
     });
 }
 
+Mesh two_parts(const Mesh& mesh, double scale, const std::array<double, 3>& shift) {
+    std::vector<double> x = mesh.x;
+    for (int i = 0; i < mesh.nodes(); ++i)
+        for (int a = 0; a < mesh.dim; ++a) x.push_back(scale * mesh.x[offset(i, mesh.dim, a)] + shift[a]);
+    std::vector<int> elements = mesh.elements;
+    for (const int i : mesh.elements) elements.push_back(i + mesh.nodes());
+    return linear_mesh(mesh.dim, x, elements, [](const double*) { return "rim"; });
+}
+
 std::vector<double> wavy(const std::vector<double>& x, int dim, double amplitude) {
     std::vector<double> y = x;
     for (std::size_t i = 0; i < x.size(); i += dim)

@@ -1,5 +1,6 @@
 // Meshes built in code for the tests.
 #pragma once
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -22,6 +23,9 @@ Mesh cube_mesh(int k);
 
 // Ring 1 <= r <= outer with `around` cells around and `layers` layers of geometric growth; boundaries inner, outer.
 Mesh ring_mesh(int around, int layers, double outer);
+
+// The linear mesh, and once more, scaled and moved, as a part of its own; one boundary, "rim".
+Mesh two_parts(const Mesh& mesh, double scale, const std::array<double, 3>& shift);
 
 // Positions moved by a smooth map that keeps the elements valid: x + amplitude sin(...) in each component.
 std::vector<double> wavy(const std::vector<double>& x, int dim, double amplitude);

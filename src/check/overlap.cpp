@@ -1,0 +1,65 @@
+#include "check/overlap.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/index.hpp"
+#include "base/parallel.hpp"
+#include "geometry/patch.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double depth = 1e-4;        // of a place beside a face, over the distance of the face from the centre
+constexpr double element_work = 200;  // simple operations for an element, at least
+
+// A place for each boundary face: depth of the way from the centre of the face to that of the element.
+std::vector<Vec<3>> places_behind_faces(const Mesh& mesh, const std::vector<double>& x) {
+    const int n = mesh.dim, m = mesh.element_nodes();
+    const LagrangeBasis basis(n, mesh.degree);
+    std::vector<std::vector<double>> values(n + 1, std::vector<double>(m));  // behind the face opposite vertex k
+    for (int k = 0; k <= n; ++k) {
+        std::vector<double> lambda(n + 1, (1 - depth / (n + 1)) / n);
+        lambda[k] = depth / (n + 1);
+        basis.values(&lambda[1], values[k].data());
+    }
+    std::vector<Vec<3>> places(mesh.face_count(), Vec<3>{});
+    parallel_for(
+        mesh.face_count(),
+        [&](int f) {
+            const int* const element = mesh.element(mesh.face_element[f]);
+            int k = 0;
+            while (std::find(mesh.face(f), mesh.face(f) + n, element[k]) != mesh.face(f) + n) ++k;
+            for (int i = 0; i < m; ++i)
+                for (int a = 0; a < n; ++a) places[f][a] += values[k][i] * point(x, element[i], n)[a];
+        },
+        element_work);
+    return places;
+}
+
+}  // namespace
+
+std::array<int, 2> overlapping_elements(const Mesh& mesh, const std::vector<double>& x) {
+    const int m = mesh.element_nodes();
+    const std::vector<Vec<3>> places = places_behind_faces(mesh, x);
+    std::vector<Box> boxes;
+    boxes.reserve(places.size());
+    for (const Vec<3>& place : places) boxes.push_back({place, place});
+    const BoxTree tree(std::move(boxes));
+    const PatchBasis basis(mesh.dim, mesh.degree);
+    std::vector<int> other(mesh.element_count(), -1);
+    parallel_for_uneven(
+        mesh.element_count(),
+        [&](int e) {
+            const Patch patch = make_patch(basis, positions(mesh, x, mesh.element(e), m));
+            tree.visit_overlapping(box_of(patch), [&](int f) {
+                const int behind = mesh.face_element[f];
+                if (behind != e && other[e] < 0 && holds(basis.bernstein, patch, places[f])) other[e] = behind;
+            });
+        },
+        element_work);
+    const auto found = std::find_if(other.begin(), other.end(), [](int e) { return e >= 0; });
+    return found == other.end() ? std::array{-1, -1} : std::array{*found, static_cast<int>(found - other.begin())};
+}
+
+}  // namespace almesh
