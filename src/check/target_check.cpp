@@ -102,7 +102,8 @@ struct Check {
 
     const char* fault_of_face(const Patch& patch) const;
     const char* fault_of_pair(int f, int g) const;
-    double winding(const std::vector<Patch>& patches, int around, const Vec<3>& point) const;
+    std::vector<double> windings(const std::vector<Patch>& patches, int around,
+                                 const std::vector<Vec<3>>& points) const;
     std::vector<std::array<int, 2>> farthest_corners(int of_part) const;
     std::vector<double> enclosed(const std::vector<Patch>& patches) const;
     std::string id_of_node(int i) const { return std::to_string(mesh.file.node_id.empty() ? i : mesh.file.node_id[i]); }
@@ -246,24 +247,45 @@ void Check::check_pairs() {
     crossing = std::move(named);
 }
 
-// How often the closed part goes around the point, from flat pieces of its faces.
-double Check::winding(const std::vector<Patch>& patches, int around, const Vec<3>& p) const {
+// How often the closed part goes around each point: 0 for points outside its box. The flat faces with the same corners
+// tell it of points outside the box of every face, as no such point is between these and the curved ones; of others,
+// flat pieces of the faces.
+std::vector<double> Check::windings(const std::vector<Patch>& patches, int around,
+                                    const std::vector<Vec<3>>& points) const {
     const int m = mesh.dim - 1, depth = mesh.degree == 1 ? 0 : 3 * m;
-    double sum = 0;
-    const auto add = [&](const auto& self, const Patch& patch, int bisections) -> void {
+    const int count = static_cast<int>(points.size());
+    std::vector<int> near, far;  // the points, by number
+    Box whole = box_of(patches[parts[around].first_face]);
+    std::vector<char> is_near(count, 0);
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        if (part[f] != around) continue;
+        const Box box = box_of(patches[f]);
+        whole.include(box);
+        for (int i = 0; i < count; ++i) is_near[i] |= squared_distance(box, points[i]) == 0;
+    }
+    for (int i = 0; i < count; ++i)
+        if (squared_distance(whole, points[i]) == 0) (is_near[i] ? near : far).push_back(i);
+    std::vector<double> sum(count, 0.0);
+    const auto add = [&](const auto& self, const Patch& patch, const std::vector<int>& seen, int bisections) -> void {
         if (bisections > 0) {
             const auto [a, b] = longest_edge(patch, m);
             const auto [first, second] = bisect(basis.bernstein, patch, a, b);
-            self(self, first, bisections - 1);
-            self(self, second, bisections - 1);
+            self(self, first, seen, bisections - 1);
+            self(self, second, seen, bisections - 1);
             return;
         }
-        const Vec<3> u = patch[0] - p, v = patch[1] - p;
-        sum += m == 1 ? std::atan2(cross(u, v)[2], dot(u, v)) : 0.5 * solid_angle(u, v, patch[2] - p);
+        for (const int i : seen) {
+            const Vec<3> u = patch[0] - points[i], v = patch[1] - points[i];
+            sum[i] += m == 1 ? std::atan2(cross(u, v)[2], dot(u, v)) : 0.5 * solid_angle(u, v, patch[2] - points[i]);
+        }
     };
-    for (int f = 0; f < mesh.face_count(); ++f)
-        if (part[f] == around) add(add, patches[f], depth);
-    return sum / (2 * std::numbers::pi);
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        if (part[f] != around) continue;
+        add(add, patches[f], far, 0);
+        if (!near.empty()) add(add, patches[f], near, depth);
+    }
+    for (double& turns : sum) turns /= 2 * std::numbers::pi;
+    return sum;
 }
 
 // Corners of its faces in which the closed part reaches farthest in the target, in each direction of each axis: (face,
@@ -287,20 +309,34 @@ void Check::check_nesting() {
     const int count = static_cast<int>(parts.size());
     const auto is_inside = [](double turns) { return std::abs(turns) > 0.5; };
     const auto is_clear = [](double turns) { return std::abs(turns - std::round(turns)) < 0.25; };
-    std::vector<char> moved(count * count, 0);
-    parallel_for_uneven(count * count, [&](int pair) {
-        const int k = pair / count, l = pair % count;
-        if (k == l || open_part[k] || open_part[l] || crossing.contains(std::minmax(k, l))) return;
-        for (const auto [f, i] : farthest_corners(k)) {
-            const double was = winding(before, l, before[f][i]), becomes = winding(after, l, after[f][i]);
-            if (is_clear(was) && is_clear(becomes) && is_inside(was) != is_inside(becomes)) moved[pair] = 1;
-        }
+    struct Probe {
+        int of_part, face, corner;
+    };
+    // Around each part: corners of others, in the initial mesh and in the target.
+    std::vector<std::vector<Probe>> probes(count);
+    for (int k = 0; k < count; ++k)
+        for (const auto [f, i] : farthest_corners(k))
+            for (int l = 0; l < count; ++l)
+                if (k != l && !open_part[k] && !open_part[l] && !crossing.contains(std::minmax(k, l)))
+                    probes[l].push_back({k, f, i});
+    std::vector<std::vector<double>> turns(2 * count);
+    parallel_for_uneven(2 * count, [&](int task) {
+        const std::vector<Patch>& patches = task % 2 == 0 ? before : after;
+        std::vector<Vec<3>> points;
+        for (const Probe& probe : probes[task / 2]) points.push_back(patches[probe.face][probe.corner]);
+        turns[task] = windings(patches, task / 2, points);
     }, face_work * mesh.face_count());
-    for (int pair = 0; pair < count * count; ++pair)
-        if (moved[pair])
-            add_fault(parts[pair / count].first_face,
-                      concat("the target takes the closed boundary made of ", parts[pair / count].boundaries,
-                             " through the one made of ", parts[pair % count].boundaries));
+    std::set<std::pair<int, int>> moved;
+    for (int l = 0; l < count; ++l)
+        for (std::size_t i = 0; i < probes[l].size(); ++i) {
+            const double was = turns[2 * l][i], becomes = turns[2 * l + 1][i];
+            if (is_clear(was) && is_clear(becomes) && is_inside(was) != is_inside(becomes))
+                moved.insert({probes[l][i].of_part, l});
+        }
+    for (const auto& [k, l] : moved)
+        add_fault(parts[k].first_face,
+                  concat("the target takes the closed boundary made of ", parts[k].boundaries,
+                         " through the one made of ", parts[l].boundaries));
 }
 
 // Distinct nodes that the target puts in one place.

@@ -114,13 +114,14 @@ double squares(const Residual& residual, const std::vector<double>& s, const std
     return sum;
 }
 
-// Levenberg-Marquardt from s; returns the largest residual.
+// Levenberg-Marquardt from s, until steps are of the size of rounding or no longer lead anywhere; returns the largest
+// residual. points: of size 1.
 double least_squares(const Residual& residual, const std::vector<Vec<3>>& points, std::vector<double>& s) {
-    constexpr int steps = 60;
-    constexpr double difference = 1e-6;
+    constexpr int steps = 60, most_idle = 3;
+    constexpr double difference = 1e-6, rounding = 1e-13, idle = 0.99;
     const int k = static_cast<int>(s.size());
     double damping = 1e-3, sum = squares(residual, s, points);
-    for (int step = 0; step < steps && sum > 0; ++step) {
+    for (int step = 0, idle_steps = 0; step < steps && idle_steps < most_idle && sum > 0; ++step) {
         std::vector<double> A(k * k, 0.0), b(k, 0.0), d, derivative(k), trial;
         for (const Vec<3>& x : points) {
             const double r = residual(s, x);
@@ -141,7 +142,9 @@ double least_squares(const Residual& residual, const std::vector<Vec<3>>& points
         trial = s;
         for (int i = 0; i < k; ++i) trial[i] += d[i];
         const double next = squares(residual, trial, points);
+        const bool is_tiny = std::all_of(d.begin(), d.end(), [](double di) { return std::abs(di) <= rounding; });
         if (next < sum) {
+            idle_steps = next > idle * sum ? idle_steps + 1 : 0;
             s = trial;
             sum = next;
             damping *= 0.05;
@@ -149,6 +152,7 @@ double least_squares(const Residual& residual, const std::vector<Vec<3>>& points
             damping = std::max(20 * damping, 1e-9);
             if (damping > 1e12) break;
         }
+        if (is_tiny) break;
     }
     double largest = 0;
     for (const Vec<3>& x : points) largest = std::max(largest, std::abs(residual(s, x)));
@@ -180,10 +184,10 @@ struct Fit {
         return {rows[0], rows[1], rows[2]};
     }
 
-    // Relative to centre and size.
-    std::vector<Vec<3>> scaled() const {
+    // Relative to centre and size; every so-many-th.
+    std::vector<Vec<3>> scaled(int every = 1) const {
         std::vector<Vec<3>> result;
-        for (const Vec<3>& x : points) result.push_back(1 / size * (x - centre));
+        for (std::size_t i = 0; i < points.size(); i += every) result.push_back(1 / size * (points[i] - centre));
         return result;
     }
 
@@ -215,9 +219,12 @@ std::unique_ptr<Surface> fit_sphere(int dim, const Fit& fit) {
 }
 
 // s: centre (2 or 3 numbers), axis (2), radii. The axis is a + s_k e_1 + s_{k+1} e_2 with e_1, e_2 perpendicular to the
-// guess a; the centre of a cylinder is where its axis meets the plane of e_1 and e_2.
+// guess a; the centre of a cylinder is where its axis meets the plane of e_1 and e_2. Some of the points tell whether
+// there is such a surface.
 std::unique_ptr<Surface> fit_round(const Fit& fit, const Vec<3>& a, bool torus) {
-    const std::vector<Vec<3>> x = fit.scaled();
+    constexpr int enough = 100;
+    constexpr double largest_residual = 1e-6;
+    const std::vector<Vec<3>> x = fit.scaled(), some = fit.scaled(std::max(1, static_cast<int>(x.size()) / enough));
     const Vec<3> e1 = any_perpendicular(a), e2 = cross(a, e1);
     const auto axis = [&](const std::vector<double>& s) { return unit(a + s[0] * e1 + s[1] * e2); };
     const auto centre = [&](const std::vector<double>& s) { return s[2] * e1 + s[3] * e2 + (torus ? s[5] : 0) * a; };
@@ -234,7 +241,8 @@ std::unique_ptr<Surface> fit_round(const Fit& fit, const Vec<3>& a, bool torus) 
     }
     std::vector<double> s = {0, 0, 0, 0, torus ? 0.5 * (nearest + farthest) : farthest};
     if (torus) s.insert(s.end(), {0, 0.5 * (farthest - nearest) + 0.05});
-    if (!(least_squares(residual, x, s) <= 1e-6)) return nullptr;
+    for (const auto* at : {&some, &x})
+        if (!(least_squares(residual, *at, s) <= largest_residual)) return nullptr;
     const Vec<3> c = fit.centre + fit.size * centre(s);
     if (torus) return std::make_unique<Torus>(c, axis(s), fit.size * s[4], fit.size * std::abs(s[6]));
     return std::make_unique<Cylinder>(c, axis(s), fit.size * std::abs(s[4]));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "support/high_order.hpp"
 #include "mesh/lagrange.hpp"
@@ -199,6 +200,27 @@ TEST_CASE("a body moved through the outer boundary, or past it, is found; one th
     CHECK(moved_by(0.3).faults.empty());
     CHECK(mentions(moved_by(0.4), "through the one made of outside"));  // along edges of the faces: no crossing there
     CHECK(mentions(moved_by(2), "through the one made of outside"));
+}
+
+// A square's corners turned until they are outside the outer square, but inside the circle that this becomes.
+TEST_CASE("a corner between the faces of a curved boundary and their chords is inside or outside the curved ones") {
+    const Mesh ring = with_degree(ring_mesh(4, 1, 1.25), 4);
+    const auto curved_to = [&](double radius, double turn) {
+        std::vector<double> x = ring.x;
+        for (std::size_t k = 0; k < ring.faces.size(); ++k) {
+            const double* const from = &ring.x[2 * ring.faces[k]];
+            double* const to = &x[2 * ring.faces[k]];
+            const double* const vertex = &ring.x[2 * ring.face(static_cast<int>(k) / ring.face_nodes())[0]];
+            const bool is_outer = std::hypot(vertex[0], vertex[1]) > 1.1;
+            const double angle = std::atan2(from[1], from[0]) + (is_outer ? 0 : turn);
+            const double r = is_outer ? radius : std::hypot(from[0], from[1]);
+            to[0] = r * std::cos(angle);
+            to[1] = r * std::sin(angle);
+        }
+        return x;
+    };
+    CHECK(check(ring, curved_to(1.25, 0)).faults.empty());
+    CHECK(check(ring, curved_to(1.25, std::numbers::pi / 4)).faults.empty());
 }
 
 TEST_CASE("the report is the same for any number of threads") {
