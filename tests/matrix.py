@@ -47,7 +47,7 @@ CONFIGURATIONS = [
     Configuration("g++", "g++", "-O3 -march=native", "g++"),
     Configuration("g++-O2", "g++", "-O2", "g++", quick=""),
     Configuration("clang++", "clang++", "-O3 -march=native", "clang libomp-dev"),
-    Configuration("clang++-O2", "clang++", "-O2", "clang libomp-dev", quick=""),
+    Configuration("clang++-O2", "clang++", "-O2", "clang libomp-dev"),
     Configuration("libc++", "clang++", "-O2 -stdlib=libc++", "clang libomp-dev libc++-dev libc++abi-dev",
                   quick="run-fast-tests"),
     Configuration("no-openmp", "g++", "-O3 -march=native", "g++", openmp=False, threads=(1,)),

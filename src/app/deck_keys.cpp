@@ -125,7 +125,7 @@ const std::vector<DeckKey>& deck_keys() {
          "algorithm = adaptive, which keeps small elements in shape, else 1; 0 with objective = worst."},
         {"assembly", choice<&Deck::distortion, &Distortion::assembly>({"simd", "plain"}),
          "Assembly of the energy and its derivatives: one element per SIMD lane on all threads, or the textbook's, for "
-         "study: some hundred times slower."},
+         "study: ten to fifty times slower."},
         {"method",
          choice<&Deck::method, &Method::moving>({"augmented_lagrangian", "penalty", "elasticity", "harmonic",
                                                  "incremental", "untangle", "fixed_boundary"},
@@ -134,8 +134,8 @@ const std::vector<DeckKey>& deck_keys() {
          "multipliers; elasticity, harmonic: the displacement of the boundary extended inside as that of a solid, "
          "stiffer where elements are small, or as a harmonic function; incremental, fixed_boundary: the boundary set "
          "on its target in parts or at once, and the distortion minimised inside; untangle: at once, with a "
-         "regularised distortion first. All but penalty need the places of all boundaries to be prescribed, and take no "
-         "account of algorithm, start and follow = auto."},
+         "regularised distortion first. All but penalty need the places of all boundaries to be prescribed, and take "
+         "no account of algorithm, start and follow = auto."},
         {"increments", number<&Deck::increments>({1, 100000}),
          "Methods elasticity, harmonic and incremental: parts of the motion, each from the mesh as moved so far; auto: "
          "1, and 10 with incremental, which halves a part that has no valid mesh to start from."},
@@ -152,8 +152,8 @@ const std::vector<DeckKey>& deck_keys() {
          "1: in the end the nodes of the boundary are set to their targets, to the last bit, where elements stay "
          "valid; auto: 1 with algorithm = adaptive, else 0."},
         {"region", choice<&Deck::region>({"all", "folded"}),
-         "Which nodes move: all, or, where all boundaries are fixed, those of elements that are folded in the mesh file "
-         "and of elements around them, as few as are needed for a valid mesh: the others stay where the file has them."},
+         "Which nodes move: all, or, where all boundaries are fixed, those of elements that are folded in the mesh "
+         "file and of elements around them, as few as are needed for a valid mesh: all others stay."},
         {"feature_angle", number<&Deck::feature_angle>({1, 180}),
          "Angle in degrees between neighbouring faces of a sliding boundary from which they belong to different "
          "surfaces: nodes slide along such an edge, and corners stay."},

@@ -1,7 +1,7 @@
 // The distortion energy, its gradient and its Hessian as a textbook would assemble them: one element after the other,
 // one quadrature point after the other, dense loops, the second derivative of eta written down from that of the
 // determinant, a general eigensolver for its projection, every block found in its row by bisection. Made to be read,
-// and the reference that simd_energy.hpp is tested against; some hundred times slower. One thread.
+// and the reference that simd_energy.hpp is tested against; ten to fifty times slower. One thread.
 #pragma once
 #include "base/index.hpp"
 #include "energy/distortion_energy.hpp"
