@@ -35,7 +35,7 @@ double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, co
     parallel_for(mesh.face_count(), [&](int f) {
         const int* const node = mesh.face(f);
         if (!target.slides(mesh, f)) return;
-        const std::vector<int> part = {part_of_face(mesh, sliding, f)};
+        const std::vector<int> part = {sliding.part(mesh, f)};
         const std::vector<Vec<3>> nodes = positions(mesh, x, node, m);
         for (std::size_t q = 0; q < values.size(); q += m) {
             Vec<3> at{};

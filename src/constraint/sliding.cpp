@@ -197,7 +197,8 @@ std::vector<double> places_of_faces(const Mesh& mesh) {
 
 SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
                                  double feature_angle, const Frame& frame, const std::vector<OtherSurface>& other)
-    : dim_(base.dim), frame_(frame), basis_(base.dim - 1, base.degree), faces_(base.boundaries.size()) {
+    : dim_(base.dim), place_(base.face_count(), -1), frame_(frame), basis_(base.dim - 1, base.degree),
+      faces_(base.boundaries.size()) {
     const PatchBasis basis(dim_ - 1, base.degree);
     for (int b = 0; b < static_cast<int>(base.boundaries.size()); ++b) {
         if (!slides[b]) continue;
@@ -214,13 +215,14 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
             }
         };
         const BoundaryFaces own(base, basis, node, b);
-        std::vector<Patch> before;
-        for (const int f : own.face) before.push_back(face_patch(basis, base, base.x, f));
-        faces_[b].before = std::make_unique<ClosestPoint>(basis, before);
+        for (std::size_t k = 0; k < own.face.size(); ++k) place_[own.face[k]] = static_cast<int>(k);
         if (other.empty() || !other[b].mesh) {
             add_parts(own, basis);
             continue;
         }
+        std::vector<Patch> before;
+        for (const int f : own.face) before.push_back(face_patch(basis, base, base.x, f));
+        faces_[b].before = std::make_unique<ClosestPoint>(basis, before);
         const Mesh& mesh = *other[b].mesh;
         const PatchBasis of_other(dim_ - 1, mesh.degree);
         const BoundaryFaces others(mesh, of_other, places_of_faces(mesh), other[b].boundary);
@@ -231,11 +233,13 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
     }
 }
 
-int SlidingSurfaces::part(int boundary, const Vec<3>& x) const {
-    const Faces& faces = faces_[boundary];
-    const ClosestPoint::Place place = faces.before->find(frame_.to_file(x));
-    if (!faces.other) return faces.part[place.patch];
-    const std::vector<Vec<3>>& node = faces.after[place.patch];
+int SlidingSurfaces::part(const Mesh& mesh, int f) const {
+    const Faces& faces = faces_[mesh.face_boundary[f]];
+    const int of_base = place_[f / (mesh.face_count() / static_cast<int>(place_.size()))];
+    if (!faces.other) return faces.part[of_base];
+    const Vec<3> centre = frame_.to_file(centroid(mesh, mesh.x, mesh.face(f), dim_));
+    const ClosestPoint::Place place = faces.before->find(centre, [=](int k) { return k == of_base; });
+    const std::vector<Vec<3>>& node = faces.after[of_base];
     std::vector<double> N(basis_.count);
     basis_.values(&place.at[1], N.data());
     Vec<3> after{};

@@ -29,8 +29,8 @@ struct OtherSurface {
 class SlidingSurfaces {
 public:
     // node: face x face node x dim, where the motions take the faces of `base`. slides: per boundary, and so is
-    // `other`, or empty. feature_angle in degrees. frame: of the positions given to foot() and part(), by those
-    // of `node`.
+    // `other`, or empty. feature_angle in degrees. frame: of the positions given to foot() and of the meshes given to
+    // part(), by those of `node`.
     SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
                     double feature_angle, const Frame& frame, const std::vector<OtherSurface>& other = {});
 
@@ -39,12 +39,13 @@ public:
     const Surface& surface(int part) const { return *surface_[part]; }
 
     const Frame& frame() const { return frame_; }
-    bool knows(int boundary) const { return faces_[boundary].before != nullptr; }
+    bool knows(int boundary) const { return !faces_[boundary].part.empty(); }
     bool is_of_other_mesh(int part) const { return faces_[boundary_[part]].other != nullptr; }
 
-    // The part along which x slides, before the motion: that of the boundary's nearest face, in another mesh the part
-    // of the face that is nearest to where the motion takes x.
-    int part(int boundary, const Vec<3>& x) const;
+    // The part along which face f of the mesh slides: `base`, of any degree and refined any number of times, so that
+    // each of its faces is as many of the mesh's, one after the other. In another mesh the part of the face that is
+    // nearest to where the motion takes f.
+    int part(const Mesh& mesh, int f) const;
 
     SurfacePoint foot(int part, const Vec<3>& x) const;
 
@@ -62,7 +63,7 @@ private:
 
     // Of a boundary that slides.
     struct Faces {
-        std::unique_ptr<ClosestPoint> before;    // before the motion
+        std::unique_ptr<ClosestPoint> before;    // before the motion; null where there is no other mesh
         std::vector<std::vector<Vec<3>>> after;  // face, node: after it
         std::unique_ptr<ClosestPoint> other;     // those of another mesh; null where there is none
         std::vector<Vec<3>> other_normal;
@@ -70,6 +71,7 @@ private:
     };
 
     int dim_;
+    std::vector<int> place_;  // per face of the base: which of its boundary's it is
     Frame frame_;
     LagrangeBasis basis_;                   // of the faces
     std::vector<Points> points_;            // per part: of its nodes, where it is the mesh's own faces

@@ -117,15 +117,11 @@ void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& slidin
 
 }  // namespace
 
-int part_of_face(const Mesh& mesh, const SlidingSurfaces& sliding, int f) {
-    return sliding.part(mesh.face_boundary[f], centroid(mesh, mesh.x, mesh.face(f), mesh.dim));
-}
-
 void smooth_released(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding) {
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
         const int f = k / mesh.face_nodes(), node = mesh.faces[k];
         if (!target.is_released(node) || target.hold_of_face(mesh, f) != BoundaryHold::prescribed) continue;
-        sliding.add_patch(node, part_of_face(mesh, sliding, f), in_space(&target.node[offset(k, mesh.dim)], mesh.dim));
+        sliding.add_patch(node, sliding.part(mesh, f), in_space(&target.node[offset(k, mesh.dim)], mesh.dim));
     }
 }
 
@@ -142,7 +138,7 @@ std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarg
         const std::vector<Vec<3>> corner = positions(mesh, mesh.x, mesh.face(f), dim);
         double longest = 0;
         for (const Vec<3>& x : corner) longest = std::max(longest, length(x - corner[0]));
-        const int part = target.slides(mesh, f) ? part_of_face(mesh, *sliding, f) : -1;
+        const int part = target.slides(mesh, f) ? sliding->part(mesh, f) : -1;
         for (int i = 0; i < m; ++i) {
             const int t = faces[offset(f, m, i)], node = mesh.face(f)[i];
             size[t] = std::max(size[t], longest);

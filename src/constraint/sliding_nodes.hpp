@@ -36,9 +36,6 @@ SurfaceDistance distance_to(const SlidingSurfaces& sliding, const std::vector<in
 Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
                          const Vec<3>& force);
 
-// The part that the face f is on; mesh.x in sliding.frame().
-int part_of_face(const Mesh& mesh, const SlidingSurfaces& sliding, int f);
-
 // Gives the nodes that the target releases smooth patches where they would slide along the mesh's own faces. The mesh
 // and the target are in sliding.frame().
 void smooth_released(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding);

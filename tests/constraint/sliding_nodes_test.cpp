@@ -34,11 +34,15 @@ Mesh pipe_mesh() {
 struct Pipe {
     Mesh mesh = pipe_mesh();
     std::unique_ptr<SlidingSurfaces> sliding = surfaces_of(mesh, {"bottom", "sides"});
-    int cylinder = sliding->part(mesh.boundary_index("bottom"), {2 * std::sin(0.5), 0.5, 2 * std::cos(0.5)});
-    int end = sliding->part(mesh.boundary_index("sides"), {2.5 * std::sin(0.5), 0, 2.5 * std::cos(0.5)});
-    int side = sliding->part(mesh.boundary_index("sides"), {0, 0.5, 2.5});
+    int cylinder = part("bottom", {2 * std::sin(0.5), 0.5, 2 * std::cos(0.5)});
+    int end = part("sides", {2.5 * std::sin(0.5), 0, 2.5 * std::cos(0.5)});
+    int side = part("sides", {0, 0.5, 2.5});
     std::vector<std::vector<int>> combinations = {{cylinder}, {end}, {cylinder, end}, {end, cylinder},
                                                   {cylinder, end, side}};
+
+    int part(const char* boundary, const Vec<3>& x) const {
+        return sliding->part(mesh, face_near(mesh, mesh.boundary_index(boundary), x));
+    }
 };
 
 }  // namespace

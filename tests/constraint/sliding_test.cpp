@@ -56,8 +56,9 @@ TEST_CASE("a boundary is cut into its smooth parts: the sides of a cube into fou
     const int sides = cube.boundary_index("sides");
     std::set<int> parts;
     for (const Vec<3>& x : {Vec<3>{0, 0.4, 0.5}, Vec<3>{1, 0.4, 0.5}, Vec<3>{0.4, 0, 0.5}, Vec<3>{0.4, 1, 0.5}}) {
-        parts.insert(of_cube->part(sides, x));
-        CHECK(length(of_cube->foot(of_cube->part(sides, x), x).position - x) < 1e-14);
+        const int part = of_cube->part(cube, face_near(cube, sides, x));
+        parts.insert(part);
+        CHECK(length(of_cube->foot(part, x).position - x) < 1e-14);
     }
     CHECK(parts.size() == 4);
 
@@ -94,15 +95,39 @@ TEST_CASE("along another mesh: its parts, those of faces at a fair angle before 
     slides[sides] = 1;
     const SlidingSurfaces sliding(base, target.node, slides, 30, {.origin = {}, .length = 10}, others);
     REQUIRE(sliding.parts() == 4);
-    const auto part_at = [&](double x, double y, double z) { return sliding.part(sides, {x / 10, y / 10, z / 10}); };
-    const int right = part_at(1, 0.5, 0.5);  // 0.8 after the motion, 0.4 from its plane
+    Mesh of_run = base;
+    for (double& x : of_run.x) x /= 10;
+    const auto part_of = [&](double x, double y, double z) {
+        return sliding.part(of_run, face_near(of_run, sides, {x / 10, y / 10, z / 10}));
+    };
+    const int right = part_of(1, 0.5, 0.5);  // 0.8 after the motion, 0.4 from its plane
     CHECK(sliding.surface(right).name() == "plane");
     CHECK(sliding.is_of_other_mesh(right));
     CHECK(length(sliding.foot(right, {0.05, 0.03, 0.02}).position - Vec<3>{0.12, 0.03, 0.02}) < 1e-14);
-    for (const double y : {0.02, 0.3, 0.98}) CHECK(part_at(1, y, 0.9) == right);  // beside another side, too
-    CHECK(part_at(0, 0.98, 0.5) != right);
-    CHECK(part_at(0.98, 1, 0.5) != right);
-    CHECK(part_at(0.98, 1, 0.5) != part_at(0.98, 0, 0.5));
+    for (const double y : {0.05, 0.3, 0.95}) CHECK(part_of(1, y, 0.9) == right);  // beside another side, too
+    CHECK(part_of(0, 0.98, 0.5) != right);
+    CHECK(part_of(0.98, 1, 0.5) != right);
+    CHECK(part_of(0.98, 1, 0.5) != part_of(0.98, 0, 0.5));
+}
+
+// The chords of the upper edges run below the lower one.
+TEST_CASE("a coarse face slides along its own part, however near another one is to its corners, refined too") {
+    Mesh crescent = raise_degree(linear_mesh(2, {-1, 0, 1, 0, 0, 2}, {0, 1, 2}, [](const double*) { return "rim"; }), 2);
+    for (int f = 0; f < 3; ++f) {
+        const int* const node = crescent.face(f);
+        if (node[0] + node[1] == 1) crescent.x[2 * node[2] + 1] = 1.6;
+        else crescent.x[2 * node[2]] *= 2;
+    }
+    const auto sliding = surfaces_of(crescent, target_of(crescent, {{"rim", "slide"}}), 20);
+    REQUIRE(sliding->parts() == 3);
+    Mesh straight = crescent;
+    straight.x = straight_sided(crescent);
+    for (const Mesh& mesh : {crescent, straight, refine(straight, 2)})
+        for (int f = 0; f < mesh.face_count(); ++f) {
+            const int own = f / (mesh.face_count() / 3), middle = crescent.face(own)[2];
+            const Vec<3> x = in_space(point(crescent.x, middle, 2), 2);
+            CHECK(length(sliding->foot(sliding->part(mesh, f), x).position - x) < 1e-9);
+        }
 }
 
 TEST_CASE("nodes are free within their faces, along edges, and not at corners") {

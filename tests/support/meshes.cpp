@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
@@ -121,6 +122,19 @@ Mesh two_parts(const Mesh& mesh, double scale, const std::array<double, 3>& shif
     std::vector<int> elements = mesh.elements;
     for (const int i : mesh.elements) elements.push_back(i + mesh.nodes());
     return linear_mesh(mesh.dim, x, elements, [](const double*) { return "rim"; });
+}
+
+int face_near(const Mesh& mesh, int boundary, const std::array<double, 3>& x) {
+    int nearest = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const std::array<double, 3> centre = centroid(mesh, mesh.x, mesh.face(f), mesh.dim);
+        const double distance = std::hypot(centre[0] - x[0], centre[1] - x[1], centre[2] - x[2]);
+        if (mesh.face_boundary[f] != boundary || distance >= least) continue;
+        nearest = f;
+        least = distance;
+    }
+    return nearest;
 }
 
 std::vector<double> wavy(const std::vector<double>& x, int dim, double amplitude) {

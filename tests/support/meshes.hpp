@@ -27,6 +27,9 @@ Mesh ring_mesh(int around, int layers, double outer);
 // The linear mesh, and once more, scaled and moved, as a part of its own; one boundary, "rim".
 Mesh two_parts(const Mesh& mesh, double scale, const std::array<double, 3>& shift);
 
+// The face of the boundary whose centre is nearest to x.
+int face_near(const Mesh& mesh, int boundary, const std::array<double, 3>& x);
+
 // Positions moved by a smooth map that keeps the elements valid: x + amplitude sin(...) in each component.
 std::vector<double> wavy(const std::vector<double>& x, int dim, double amplitude);
 
