@@ -1,15 +1,18 @@
 #include "app/mending.hpp"
 
 #include <algorithm>
+#include <optional>
 
+#include "base/error.hpp"
 #include "base/text.hpp"
 #include "mesh/part.hpp"
 
 namespace almesh {
 namespace {
 
+constexpr double first_reach = 0.5;  // around a folded element, in units of its longest edge
+constexpr int most_newton_steps = 30;  // of a subproblem: a region that needs more is too small
 constexpr double worthwhile = 0.7;  // part of the mesh, beyond which it may as well move as a whole
-constexpr const char* cut = "the rest of the mesh";  // name of the region's boundary to it
 
 // The region's run: the settings are the deck's, and so is the unit of length.
 Deck deck_of_region(Deck deck, double unit) {
@@ -22,6 +25,7 @@ Deck deck_of_region(Deck deck, double unit) {
     deck.wall.clear();
     deck.length_scale = unit;
     deck.region = Region::all;
+    deck.method.max_newton_iterations = std::min(deck.method.max_newton_iterations, most_newton_steps);
     return deck;
 }
 
@@ -40,7 +44,7 @@ std::vector<double> with_region(const Mesh& mesh, const std::vector<char>& chose
     const int dim = mesh.dim;
     std::vector<char> is_shared(region.nodes(), 0);
     for (std::size_t k = 0; k < region.faces.size(); ++k)
-        is_shared[region.faces[k]] |= region.boundaries[region.face_boundary[k / region.face_nodes()]] == cut;
+        is_shared[region.faces[k]] |= region.face_boundary[k / region.face_nodes()] == region.cut;
     std::vector<double> x = mesh.x;
     for (int e = 0, r = 0; e < mesh.element_count(); ++e) {
         if (!chosen[e]) continue;
@@ -55,6 +59,23 @@ std::vector<double> with_region(const Mesh& mesh, const std::vector<char>& chose
     return x;
 }
 
+std::vector<int> boundary_faces(const Mesh& mesh, const std::vector<char>& chosen) {
+    std::vector<int> faces;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (chosen[mesh.face_element[f]]) faces.push_back(f);
+    return faces;
+}
+
+// Nodes that are not where the mesh has them.
+std::vector<char> moved_nodes(const Mesh& mesh, const std::vector<double>& x) {
+    std::vector<char> moved(mesh.nodes());
+    for (int i = 0; i < mesh.nodes(); ++i) {
+        const double* const to = point(x, i, mesh.dim);
+        moved[i] = !std::equal(to, to + mesh.dim, point(mesh.x, i, mesh.dim));
+    }
+    return moved;
+}
+
 bool is_valid(const Mesh& mesh, const std::vector<double>& x, const CertificateParams& params) {
     const Certificate certificate = certify(mesh, x, params);
     return certificate.valid && certify_injective(mesh, x, certificate).certified;
@@ -62,34 +83,48 @@ bool is_valid(const Mesh& mesh, const std::vector<double>& x, const CertificateP
 
 }  // namespace
 
-Solution mend(const Deck& deck, const Problem& problem, const Solve& solve, std::FILE* out) {
+Solution mend(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
     Mesh mesh = problem.mesh();
     mesh.x = problem.file_x;
-    std::vector<char> chosen = folded_elements(mesh, deck.certificate);
-    const auto count = [&chosen] { return static_cast<int>(std::count(chosen.begin(), chosen.end(), 1)); };
-    const int folded = count();
+    const std::vector<char> is_folded = folded_elements(mesh, deck.certificate);
+    const auto count = [](const std::vector<char>& some) {
+        return static_cast<int>(std::count(some.begin(), some.end(), 1));
+    };
+    const int folded = count(is_folded);
+    const std::vector<char> is_prescribed = prescribed_nodes(mesh, problem.target);
     Solution solution;
     solution.x = problem.mesh().x;
     bool is_mended = folded == 0;
-    for (int layers = 2; !is_mended; ++layers) {
-        for (int k = 0; k < layers; ++k) add_layer(mesh, chosen);
-        if (count() > worthwhile * mesh.element_count()) return solve(deck, problem);
+    for (double reach = first_reach; !is_mended; reach *= 2) {
+        const std::vector<char> chosen = surroundings(mesh, is_folded, reach);
+        if (count(chosen) > worthwhile * mesh.element_count()) return solve(deck, problem);
         std::fprintf(out, "%s folded in the file, of %d: %d around move\n", counted(folded, "element").c_str(),
-                     mesh.element_count(), count());
+                     mesh.element_count(), count(chosen));
         const Deck of_region = deck_of_region(deck, problem.frame.length);
-        Problem region = make_problem(of_region, part_of(mesh, chosen, cut), problem.mesh_hash);
-        region.run_id = problem.run_id;
-        solution = solve(of_region, region);
+        std::optional<Problem> region;
+        try {
+            region = make_problem(of_region, part_of(mesh, chosen, "the rest of the mesh"), problem.mesh_hash, {},
+                                  {problem.sliding.get(), boundary_faces(mesh, chosen)});
+        } catch (const InputError&) {  // what stays of its boundary folds elements, or surfaces are not known there
+            continue;
+        }
+        region->run_id = problem.run_id;
+        solution = solve(of_region, *region);
         const std::vector<double> X =
-            with_region(mesh, chosen, region.mesh(), final_positions(region, solution.x));
+            with_region(mesh, chosen, region->mesh(), final_positions(*region, solution.x));
         solution.x = problem.ideal();
         if (solution.al.status == AlStatus::interrupted) break;
         if (solution.al.status != AlStatus::converged || X.empty()) continue;
         std::vector<double> x = problem.mesh().x;
         for (std::size_t i = 0; i < x.size(); ++i)
             if (X[i] != mesh.x[i]) x[i] = problem.frame.to_run(X[i], i, mesh.dim);
-        is_mended = is_valid(problem.mesh(), x, deck.certificate);
-        if (is_mended) solution.x = std::move(x);
+        const std::vector<char> moved = moved_nodes(mesh, X);
+        bool keeps_boundary = true;  // but for what the target releases
+        for (int i = 0; i < mesh.nodes(); ++i) keeps_boundary = keeps_boundary && !(moved[i] && is_prescribed[i]);
+        is_mended = keeps_boundary && is_valid(problem.mesh(), x, deck.certificate);
+        if (!is_mended) continue;
+        solution.x = std::move(x);
+        for (std::size_t i = 0; i < problem.target.released.size(); ++i) problem.target.released[i] &= moved[i];
     }
     set_functional(deck, problem, problem.target, problem.level_placed, *problem.level);
     solution.al.lambda.assign(problem.level->constraint->multipliers(), 0.0);  // the region has others

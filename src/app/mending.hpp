@@ -11,10 +11,11 @@ namespace almesh {
 
 using Solve = std::function<Solution(const Deck& deck, const Problem& problem)>;
 
-// The region, a mesh of its own whose boundary is fixed, is two layers of elements around the folded ones; it grows
-// until the whole mesh is valid, and from 70 % on is the whole mesh. Returns the solution on the whole mesh, whose
-// iterations are those of the last region. problem: with region = folded. Where the run is interrupted the nodes are on
-// the ideal mesh.
-Solution mend(const Deck& deck, const Problem& problem, const Solve& solve, std::FILE* out);
+// The region, a mesh of its own that keeps its places where it meets the rest, are the elements within half the size of
+// a folded one: about a layer, and through thin layers. Its reach doubles until the whole mesh is valid, and from 70 %
+// of the elements on it is the whole mesh. Returns the solution on the whole mesh, whose
+// iterations are those of the last region. problem: with region = folded; of the nodes that its target releases, those
+// that stay where the file has them are prescribed again. Where the run is interrupted the nodes are on the ideal mesh.
+Solution mend(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out);
 
 }  // namespace almesh

@@ -262,7 +262,8 @@ Problem make_problem(const Deck& deck) {
     return make_problem(deck, std::move(base), mesh_hash, std::move(notes));
 }
 
-Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes) {
+Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes,
+                     const SurfacesOfWhole& whole) {
     Problem problem;
     problem.base = std::move(base);
     problem.mesh_hash = mesh_hash;
@@ -291,15 +292,21 @@ Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, 
         if (std::all_of(problem.target.hold.begin(), problem.target.hold.end(),
                         [](BoundaryHold hold) { return hold == BoundaryHold::free; }))
             throw UsageError(deck.path, ": all boundaries are free: give at least one of them a motion");
-        const BoundaryTarget of_shape = make_target(problem.shape(), motions_of(deck, problem.base), problem.placed);
-        const std::vector<OtherSurface> other = read_other_surfaces(deck, problem.base, problem.notes);
-        sliding = sliding_surfaces(deck.feature_angle, problem.shape(), of_shape, slides(mesh, problem.target),
-                                   problem.frame, other);
+        if (whole.surfaces) {
+            sliding = std::make_shared<SlidingSurfaces>(*whole.surfaces, whole.face, problem.base, problem.frame);
+            keep_where_unknown(mesh, *sliding, problem.target);
+        } else {
+            const BoundaryTarget of_shape =
+                make_target(problem.shape(), motions_of(deck, problem.base), problem.placed);
+            const std::vector<OtherSurface> other = read_other_surfaces(deck, problem.base, problem.notes);
+            sliding = sliding_surfaces(deck.feature_angle, problem.shape(), of_shape, slides(mesh, problem.target),
+                                       problem.frame, other);
+        }
         if (sliding) note_surfaces(deck, mesh, *sliding, problem.notes);
     }
     if (deck.region == Region::folded) problem.file_x = mesh.x;
-    take_to_run(problem.frame, *problem.level, problem.target);
     if (sliding) smooth_released(mesh, problem.target, *sliding);
+    take_to_run(problem.frame, *problem.level, problem.target);
     problem.sliding = std::move(sliding);
     problem.run_id = run_id(deck, problem.mesh_hash);
     problem.level->mesh.file.comment = concat(version(), ", run ", problem.run_id);
@@ -333,7 +340,6 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
             BoundaryTarget part =
                 make_target(in_file, parts, at_fraction(placed, frame.to_file(level.ideal, dim), fraction));
             prescribe_shared_nodes(in_file, part);
-            take_to_run(frame, dim, {&part.node, &part.sample});
             part.released = released;
             std::shared_ptr<SlidingSurfaces> sliding;
             if (problem.sliding) {
@@ -347,6 +353,7 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
                                            slides(level.mesh, part), frame);  // of its own: another mesh's is the end
                 if (sliding) smooth_released(level.mesh, part, *sliding);
             }
+            take_to_run(frame, dim, {&part.node, &part.sample});
             constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, part, kind, sliding);
         } catch (const InputError&) {  // the motions of two boundaries agree at their ends only
         }

@@ -37,8 +37,16 @@ struct Problem {
 // themselves included. The level has no energy and no constraint yet.
 Problem make_problem(const Deck& deck);
 
-// The same on a mesh in memory. mesh_hash: of the file that it comes from.
-Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes = {});
+// Surfaces of the mesh that a base was cut out of.
+struct SurfacesOfWhole {
+    const SlidingSurfaces* surfaces = nullptr;
+    std::vector<int> face;  // of the base, but for those at the cut -> of the whole
+};
+
+// The same on a mesh in memory. mesh_hash: of the file that it comes from. whole: released nodes slide along these
+// surfaces, where there are any.
+Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes = {},
+                     const SurfacesOfWhole& whole = {});
 
 // Gives the level its energy and its constraint: the functional of Eq. 6. target: in the run's frame, placed:
 // in those of the file. The problem must outlive the level.

@@ -213,7 +213,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const HandleSignal write_without_reader(SIGPIPE, SIG_IGN);
     const TimeLimit limit(deck.max_seconds);
     set_threads(deck.threads);
-    const Problem problem = make_problem(deck);
+    Problem problem = make_problem(deck);
     const std::unique_ptr<Checkpoint> checkpoint = make_checkpoint(deck, problem, out);
     const ResultsFolder folder(deck);
     const double bytes = predicted_bytes(problem.mesh(), deck.linear);

@@ -97,6 +97,8 @@ std::vector<char> released_nodes(const Mesh& mesh, const BoundaryTarget& target,
     for (int f = 0; f < mesh.face_count(); ++f)
         for (int i = 0; i < m && chosen[f]; ++i)
             released[mesh.face(f)[i]] = target.hold_of_face(mesh, f) == BoundaryHold::prescribed;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        for (int i = 0; i < m && mesh.face_boundary[f] == mesh.cut; ++i) released[mesh.face(f)[i]] = 0;
     return released;
 }
 

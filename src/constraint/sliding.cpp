@@ -233,6 +233,14 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
     }
 }
 
+SlidingSurfaces::SlidingSurfaces(const SlidingSurfaces& whole, const std::vector<int>& face, const Mesh& part,
+                                 const Frame& frame)
+    : dim_(whole.dim_), place_(part.face_count(), -1), frame_(frame), basis_(whole.basis_), points_(whole.points_),
+      surface_(whole.surface_), boundary_(whole.boundary_), faces_(part.boundaries.size()) {
+    for (std::size_t f = 0; f < face.size(); ++f) place_[f] = whole.place_[face[f]];
+    for (std::size_t b = 0; b < whole.faces_.size(); ++b) faces_[b].part = whole.faces_[b].part;
+}
+
 int SlidingSurfaces::part(const Mesh& mesh, int f) const {
     const Faces& faces = faces_[mesh.face_boundary[f]];
     const int of_base = place_[f / (mesh.face_count() / static_cast<int>(place_.size()))];
@@ -257,7 +265,7 @@ void SlidingSurfaces::add_patch(int node, int part, const Vec<3>& place) {
     constexpr double same_side = 0.3;  // cosine of the angle between normals
     const Points& all = points_[part];
     if (all.position.empty() || patch_.contains({node, part})) return;
-    const SurfacePoint centre = surface_[part]->foot(frame_.to_file(place));
+    const SurfacePoint centre = surface_[part]->foot(place);
     std::vector<std::pair<double, int>> near;
     for (int i = 0; i < static_cast<int>(all.position.size()); ++i)
         if (dot(all.normal[i], centre.normal) > same_side)

@@ -34,6 +34,10 @@ public:
     SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
                     double feature_angle, const Frame& frame, const std::vector<OtherSurface>& other = {});
 
+    // Those of `whole` for a mesh that was cut out of its own: face[f] is the whole's face that is face f of the part;
+    // faces at the cut, behind these, slide along nothing. No boundary of the whole slides along another mesh.
+    SlidingSurfaces(const SlidingSurfaces& whole, const std::vector<int>& face, const Mesh& part, const Frame& frame);
+
     int parts() const { return static_cast<int>(surface_.size()); }
     int boundary(int part) const { return boundary_[part]; }
     const Surface& surface(int part) const { return *surface_[part]; }
@@ -49,8 +53,8 @@ public:
 
     SurfacePoint foot(int part, const Vec<3>& x) const;
 
-    // Where the part is the mesh's own faces: a smooth patch around a node's place after the motion, along which it
-    // slides instead, as a part of its own.
+    // Where the part is the mesh's own faces: a smooth patch around a node's place after the motion, as the file's
+    // numbers, along which it slides instead, as a part of its own.
     void add_patch(int node, int part, const Vec<3>& place);
 
     // The patch of the node, or the part itself.
@@ -76,7 +80,7 @@ private:
     LagrangeBasis basis_;                   // of the faces
     std::vector<Points> points_;            // per part: of its nodes, where it is the mesh's own faces
     std::map<std::array<int, 2>, int> patch_;  // node, part -> part
-    std::vector<std::unique_ptr<Surface>> surface_;
+    std::vector<std::shared_ptr<const Surface>> surface_;
     std::vector<int> boundary_;  // per part
     std::vector<Faces> faces_;   // per boundary
 };

@@ -36,8 +36,8 @@ SurfaceDistance distance_to(const SlidingSurfaces& sliding, const std::vector<in
 Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
                          const Vec<3>& force);
 
-// Gives the nodes that the target releases smooth patches where they would slide along the mesh's own faces. The mesh
-// and the target are in sliding.frame().
+// Gives the nodes that the target releases smooth patches where they would slide along the mesh's own faces. The target
+// has the file's numbers.
 void smooth_released(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding);
 
 // The parts along which each of the nodes (numbers in the mesh) slides; none where its place is prescribed, where it is

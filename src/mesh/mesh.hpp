@@ -24,6 +24,7 @@ struct Mesh {
     std::vector<int> face_element;     // element each face belongs to
     std::vector<int> face_boundary;    // index into boundaries
     std::vector<std::string> boundaries;  // physical names (or "tag 7" where the file names none)
+    int cut = -1;  // boundary along which it was cut out of another mesh, where its nodes stay (part.hpp); -1: none
     std::vector<std::array<int, 2>> folded;  // neighbours on the same side of their common face: only of Folds::keep
     std::array<KeptCells, 3> kept{};      // by dimension, below that of the mesh
     FileTags file;

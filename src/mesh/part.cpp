@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <functional>
 #include <map>
+#include <queue>
 
 #include "mesh/lagrange.hpp"
 
@@ -26,6 +29,7 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
     part.degree = mesh.degree;
     part.boundaries = mesh.boundaries;
     part.boundaries.push_back(cut);
+    part.cut = static_cast<int>(mesh.boundaries.size());
     part.file.groups = mesh.file.groups;
     part.file.format = mesh.file.format;
 
@@ -76,20 +80,57 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
         }
     };
     for_faces([&](int, const FaceKey& key) { ++sides[key]; });
-    const int cut_boundary = static_cast<int>(mesh.boundaries.size());
     for_faces([&](int e, const FaceKey& key) {
-        if (sides[key] == 1) add_face(face.data(), element[e], cut_boundary, 0, 0, 0);
+        if (sides[key] == 1) add_face(face.data(), element[e], part.cut, 0, 0, 0);
     });
     return part;
 }
 
-void add_layer(const Mesh& mesh, std::vector<char>& chosen) {
-    std::vector<char> touched(mesh.nodes(), 0);
+std::vector<char> surroundings(const Mesh& mesh, const std::vector<char>& chosen, double reach) {
     const int vertices = mesh.dim + 1;
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int k = 0; chosen[e] && k < vertices; ++k) touched[mesh.element(e)[k]] = 1;
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int k = 0; k < vertices; ++k) chosen[e] |= touched[mesh.element(e)[k]];
+    const auto edge_length = [&](int i, int j) {
+        double sum = 0;
+        for (int a = 0; a < mesh.dim; ++a) {
+            const double d = point(mesh.x, j, mesh.dim)[a] - point(mesh.x, i, mesh.dim)[a];
+            sum += d * d;
+        }
+        return std::sqrt(sum);
+    };
+    struct Way {
+        double length;  // over that of the edge it started with
+        int vertex;
+        double unit;
+        bool operator>(const Way& other) const {
+            return length != other.length ? length > other.length : vertex > other.vertex;
+        }
+    };
+    std::priority_queue<Way, std::vector<Way>, std::greater<>> front;
+    std::vector<std::vector<int>> elements_at(mesh.nodes());
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        const int* const node = mesh.element(e);
+        double longest = 0;
+        for (int k = 0; k < vertices; ++k) {
+            elements_at[node[k]].push_back(e);
+            for (int j = 0; j < k; ++j) longest = std::max(longest, edge_length(node[j], node[k]));
+        }
+        for (int k = 0; k < vertices && chosen[e]; ++k) front.push({0, node[k], longest});
+    }
+    std::vector<char> is_reached(mesh.nodes(), 0), result(mesh.element_count(), 0);
+    while (!front.empty()) {
+        const Way way = front.top();
+        front.pop();
+        if (is_reached[way.vertex]) continue;
+        is_reached[way.vertex] = 1;
+        for (const int e : elements_at[way.vertex]) {
+            result[e] = 1;
+            for (int k = 0; k < vertices; ++k) {
+                const int next = mesh.element(e)[k];
+                const double length = way.length + edge_length(way.vertex, next) / way.unit;
+                if (!is_reached[next] && length <= reach) front.push({length, next, way.unit});
+            }
+        }
+    }
+    return result;
 }
 
 }  // namespace almesh

@@ -82,6 +82,16 @@ TEST_CASE("a folded CAD surface is mended where it is folded: nodes around slide
     CHECK(stayed < static_cast<int>(before.size()));
 }
 
+TEST_CASE("in thin layers the first region goes through all of them, and is enough") {
+    const TemporaryFolder folder;
+    const Outcome outcome = almesh_with({"inputs/cad/layers.deck", "region=folded", "output=" + folder.path("layers")});
+    CHECK(outcome.code == 0);
+    const std::size_t first = outcome.out.find("around move");
+    REQUIRE(first != std::string::npos);
+    CHECK(outcome.out.find("around move", first + 1) == std::string::npos);
+    CHECK(std::stod(summary_of(folder.path("layers")).at("max_distortion")) < 2);
+}
+
 TEST_CASE("where no element is folded in the file nothing moves") {
     const TemporaryFolder folder;
     const Mesh mesh = with_bump(square_mesh(8), 0.01);

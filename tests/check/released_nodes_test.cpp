@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mesh/part.hpp"
 #include "support/high_order.hpp"
 #include "support/meshes.hpp"
 #include "support/targets.hpp"
@@ -82,6 +83,22 @@ TEST_CASE("a face folded by its middle node: its whole straight side is released
     CHECK(target.released == nodes_of(square.mesh, {"bottom"}));
     CHECK(square.faults(target).none());
     CHECK(!square.faults(target).may_be_mended());
+}
+
+TEST_CASE("in a mesh cut out of another, nodes at the cut stay, also where they end a side that is released") {
+    const Curved square = with_folded_edge();
+    std::vector<char> folded(square.mesh.element_count(), 0);
+    folded[square.mesh.face_element[square.faults(square.target()).faces.faults[0].face]] = 1;
+    const Mesh part = part_of(square.mesh, surroundings(square.mesh, folded, 0), "cut");
+    const BoundaryTarget target = target_of(part, {});
+    const std::vector<char> released = released_nodes(part, target, find_faults(part, straight_sided(part), target)),
+                            at_cut = nodes_of(part, {"cut"}), at_bottom = nodes_of(part, {"bottom"});
+    int ends = 0;
+    for (int i = 0; i < part.nodes(); ++i) {
+        CHECK(bool(released[i]) == (at_bottom[i] && !at_cut[i]));
+        ends += at_bottom[i] && at_cut[i];
+    }
+    CHECK(ends == 2);
 }
 
 TEST_CASE("a folded face on a curved side: it and its neighbours are released") {

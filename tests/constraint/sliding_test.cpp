@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "constraint/dirichlet.hpp"
 #include "linalg/vector_ops.hpp"
+#include "mesh/part.hpp"
 #include "method/augmented_lagrangian.hpp"
 #include "support/meshes.hpp"
 #include "support/targets.hpp"
@@ -128,6 +129,30 @@ TEST_CASE("a coarse face slides along its own part, however near another one is 
             const Vec<3> x = in_space(point(crescent.x, middle, 2), 2);
             CHECK(length(sliding->foot(sliding->part(mesh, f), x).position - x) < 1e-9);
         }
+}
+
+TEST_CASE("a mesh that is cut out of another slides along the surfaces of the whole, to the last bit") {
+    const Mesh ring = ring_mesh(12, 3, 4);
+    const auto whole = surfaces_of(ring, target_of(ring, {{"outer", "slide"}}));
+    std::vector<char> chosen(ring.element_count(), 0);
+    std::vector<int> faces;
+    for (int f = 0; f < ring.face_count(); ++f)
+        if (ring.face_boundary[f] == ring.boundary_index("outer") && faces.size() < 2) {
+            chosen[ring.face_element[f]] = 1;
+            faces.push_back(f);
+        }
+    const Mesh part = part_of(ring, chosen, "cut");
+    const Frame frame = {.origin = {1, 0, 0}, .length = 2};
+    const SlidingSurfaces of_part(*whole, faces, part, frame);
+    CHECK(of_part.knows(part.boundary_index("outer")));
+    CHECK(!of_part.knows(part.boundary_index("inner")));
+    CHECK(!of_part.knows(part.cut));
+    for (int f = 0; f < static_cast<int>(faces.size()); ++f) {
+        CHECK(of_part.part(part, f) == whole->part(ring, faces[f]));
+        const Vec<3> x = {2.5, 3, 0};
+        const Vec<3> foot = frame.to_file(of_part.foot(of_part.part(part, f), frame.to_run(x)).position);
+        CHECK(length(foot - whole->foot(0, x).position) < 1e-15);
+    }
 }
 
 TEST_CASE("nodes are free within their faces, along edges, and not at corners") {

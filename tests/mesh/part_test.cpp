@@ -25,8 +25,7 @@ TEST_CASE("a part has its elements in their order, with the positions and ids of
     for (const Mesh& linear : {ring_mesh(8, 3, 4), cube_mesh(2)})
         for (const int degree : {1, 3}) {
             const Mesh mesh = raise_degree(linear, degree);
-            std::vector<char> chosen = first_elements(mesh, 1);
-            add_layer(mesh, chosen);
+            const std::vector<char> chosen = surroundings(mesh, first_elements(mesh, 1), 0);
             const Mesh part = part_of(mesh, chosen, "cut");
             REQUIRE(part.element_count() == std::count(chosen.begin(), chosen.end(), 1));
             CHECK(part.degree == degree);
@@ -75,18 +74,37 @@ TEST_CASE("the boundary of a part is closed and oriented outward: its own faces,
         }
 }
 
-TEST_CASE("all elements are the mesh itself, and layers reach all of them") {
+TEST_CASE("all elements are the mesh itself, and surroundings reach all of them") {
     const Mesh mesh = cube_mesh(3);
     const Mesh part = part_of(mesh, first_elements(mesh, mesh.element_count()), "cut");
     CHECK(part.face_count() == mesh.face_count());
     CHECK(part.nodes() == mesh.nodes());
-    std::vector<char> chosen = first_elements(mesh, 1);
     int before = 1;
-    for (int layer = 0; layer < 3; ++layer) {
-        add_layer(mesh, chosen);
+    for (const double reach : {0.0, 0.6, 1.2, 2.4}) {
+        const std::vector<char> chosen = surroundings(mesh, first_elements(mesh, 1), reach);
         const int now = static_cast<int>(std::count(chosen.begin(), chosen.end(), 1));
         CHECK(now > before);
         before = now;
     }
     CHECK(before == mesh.element_count());
+}
+
+TEST_CASE("surroundings without reach are the elements at the vertices; a reach goes through thin layers at once") {
+    const int n = 8;
+    Mesh mesh = square_mesh(n);
+    const std::vector<char> first = first_elements(mesh, 1);
+    const std::vector<char> touching = surroundings(mesh, first, 0);
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        bool touches = false;
+        for (int k = 0; k < 3; ++k)
+            for (int j = 0; j < 3; ++j) touches = touches || mesh.element(e)[k] == mesh.element(0)[j];
+        CHECK(touching[e] == touches);
+    }
+    for (int i = 0; i < mesh.nodes(); ++i) mesh.x[2 * i + 1] *= 0.01;
+    const std::vector<char> near = surroundings(mesh, first, 0.5);
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        const double x = centroid(mesh, mesh.x, mesh.element(e), 3)[0];
+        if (x < 1.0 / n) CHECK(near[e]);
+        if (x > 2.0 / n) CHECK(!near[e]);
+    }
 }
