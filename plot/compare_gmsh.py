@@ -16,7 +16,7 @@ curving. Per mesh and method:
   seconds    of the optimiser alone; of almesh its iterations, and in brackets the whole run: reading, checking the
              target, iterations, certificates, writing
 
-almesh moves the whole mesh, or with `region = folded` what is folded and a few layers around it. Where gmsh's own mesh
+almesh moves the whole mesh, or with `region = folded` what is folded and about a layer around it. Where gmsh's own mesh
 has invalid elements, the fastest method that leaves none is marked. Every run has a process of its own, one thread, and
 ends after LIMIT seconds.
 """

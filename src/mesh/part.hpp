@@ -8,8 +8,8 @@
 namespace almesh {
 
 // chosen: per element of the mesh, not all zero. The elements keep their order and their nodes' positions and ids;
-// faces that the part shares with the rest are its boundary Mesh::cut, of that name, behind its other ones. What the file keeps besides
-// (Mesh::kept, entities) is left out.
+// faces that the part shares with the rest are its boundary Mesh::cut, of that name, behind its other ones. What the
+// file keeps besides (Mesh::kept, entities) is left out.
 Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::string& cut);
 
 // The elements with a vertex within `reach` of a chosen one, along edges, in units of the longest edge of that one:

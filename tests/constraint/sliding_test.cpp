@@ -113,7 +113,8 @@ TEST_CASE("along another mesh: its parts, those of faces at a fair angle before 
 
 // The chords of the upper edges run below the lower one.
 TEST_CASE("a coarse face slides along its own part, however near another one is to its corners, refined too") {
-    Mesh crescent = raise_degree(linear_mesh(2, {-1, 0, 1, 0, 0, 2}, {0, 1, 2}, [](const double*) { return "rim"; }), 2);
+    const Mesh triangle = linear_mesh(2, {-1, 0, 1, 0, 0, 2}, {0, 1, 2}, [](const double*) { return "rim"; });
+    Mesh crescent = raise_degree(triangle, 2);
     for (int f = 0; f < 3; ++f) {
         const int* const node = crescent.face(f);
         if (node[0] + node[1] == 1) crescent.x[2 * node[2] + 1] = 1.6;
