@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/text.hpp"
 #include "mesh/build_boundary.hpp"
@@ -142,18 +143,13 @@ void reverse(Mesh& mesh, const std::vector<int>& elements) {
     }
 }
 
-// The given elements (ascending) or all others, whichever are fewer.
-std::vector<int> minority(const Mesh& mesh, const std::vector<int>& elements) {
-    if (2 * static_cast<int>(elements.size()) <= mesh.element_count()) return elements;
-    std::vector<int> others;
-    for (int e = 0; e < mesh.element_count(); ++e)
-        if (!std::binary_search(elements.begin(), elements.end(), e)) others.push_back(e);
-    return others;
-}
+enum class Orientation {
+    of_vertices,  // every element so that its straight-sided form has a positive volume
+    of_file       // as the file has them, all reversed where most of these have a negative one
+};
 
-}  // namespace
-
-Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds) {
+// The mesh, or where elements are folded and oriented by their vertices, no more than its elements and their folds.
+Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds, Orientation orientation) {
     MeshBuild build{raw, notes, {}, {}, {}, {}, {}};
     Mesh& mesh = build.mesh;
     mesh.file.groups = raw.groups;
@@ -163,21 +159,37 @@ Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds
     number_nodes(build);
     if (mesh.dim == 2) check_flat(build);
     fill_elements(build);
-    const std::vector<int> negative = negative_elements(build);
-    reverse(mesh, negative);
+    std::vector<int> turned = negative_elements(build);
+    if (orientation == Orientation::of_file) {
+        const bool are_most = 2 * static_cast<int>(turned.size()) > mesh.element_count();
+        turned.resize(are_most ? mesh.element_count() : 0);
+        std::iota(turned.begin(), turned.end(), 0);
+    }
+    reverse(mesh, turned);
     mesh.folded = fill_boundary(build);
     if (!mesh.folded.empty() && folds == Folds::refuse)
         build.refuse(build.element(mesh.folded[0][1]), "lies on the same side of their common face as ",
                      name_of(build.element(mesh.folded[0][0])), ", the first of ",
                      counted(mesh.folded.size(), "such pair"),
                      ": the mesh folds over itself; `almesh quality` tells where");
-    if (!mesh.folded.empty()) reverse(mesh, minority(mesh, negative));
-    else if (!negative.empty())
-        notes.push_back(concat(counted(negative.size(), "element"),
+    if (!mesh.folded.empty() && orientation == Orientation::of_vertices) return std::move(build.mesh);
+    if (!turned.empty())
+        notes.push_back(concat(counted(turned.size(), "element"),
                                " with negative orientation turned, the first is element ",
-                               mesh.file.element_id[negative[0]]));
+                               mesh.file.element_id[turned[0]]));
     fill_kept(build);
     return std::move(build.mesh);
+}
+
+}  // namespace
+
+// Elements that are folded by their vertices may be curved so that they are not: what the file says is taken then.
+Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds) {
+    const std::size_t told = notes.size();
+    Mesh mesh = oriented_mesh(raw, notes, folds, Orientation::of_vertices);
+    if (mesh.folded.empty()) return mesh;
+    notes.resize(told);
+    return oriented_mesh(raw, notes, folds, Orientation::of_file);
 }
 
 }  // namespace almesh

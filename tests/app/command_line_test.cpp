@@ -10,6 +10,7 @@
 
 #include "check/certificate.hpp"
 #include "app/deck.hpp"
+#include "support/high_order.hpp"
 #include "support/ring_deck.hpp"
 #include "support/meshes.hpp"
 #include "support/program.hpp"
@@ -124,6 +125,25 @@ TEST_CASE("quality of a mesh with inverted elements: code 4, and the first ten b
         CHECK(has(outcome.out, "NOT certified valid: " + std::to_string(bad) + " element"));
         CHECK(count_lines_after(outcome.out, "NOT certified") == static_cast<int>(std::min<std::size_t>(bad, 10)));
     }
+}
+
+// The shear x + t^2 (2, -1), t = x + 2 y, keeps areas, but not those of triangles with straight edges.
+TEST_CASE("quality takes curved elements as they are where their vertices alone would be folded") {
+    const TemporaryFolder folder;
+    Mesh mesh = with_degree(square_mesh(4), 2);
+    for (int i = 0; i < mesh.nodes(); ++i) {
+        double* const x = point(mesh.x, i, 2);
+        const double t = x[0] + 2 * x[1];
+        x[0] += 8 * t * t;
+        x[1] -= 4 * t * t;
+    }
+    Mesh straight = mesh;
+    straight.x = straight_sided(mesh);
+    REQUIRE(!certify(straight, straight.x).valid);
+    folder.write("sheared.msh", msh_of(mesh));
+    const Outcome outcome = almesh_with({"quality", folder.path("sheared.msh")});
+    CHECK(has(outcome.out, "all elements certified valid"));
+    CHECK(!has(outcome.out, "same side"));
 }
 
 TEST_CASE("quality does not certify two elements on the same side of their common face, both positive in the file") {
