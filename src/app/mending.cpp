@@ -1,6 +1,7 @@
 #include "app/mending.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "base/error.hpp"
@@ -12,7 +13,7 @@ namespace {
 
 constexpr double first_reach = 0.5;  // around a folded element, in units of its longest edge
 constexpr int most_newton_steps = 30;  // of a subproblem: a region that needs more is too small
-constexpr double worthwhile = 0.7;  // part of the mesh, beyond which it may as well move as a whole
+constexpr double worthwhile = 0.7;  // part of the connected elements, beyond which the mesh may as well move as a whole
 
 // The region's run: the settings are the deck's, and so is the unit of length.
 Deck deck_of_region(Deck deck, double unit) {
@@ -95,9 +96,10 @@ Solution mend(const Deck& deck, Problem& problem, const Solve& solve, std::FILE*
     Solution solution;
     solution.x = problem.mesh().x;
     bool is_mended = folded == 0;
+    const double most = worthwhile * count(surroundings(mesh, is_folded, std::numeric_limits<double>::infinity()));
     for (double reach = first_reach; !is_mended; reach *= 2) {
         const std::vector<char> chosen = surroundings(mesh, is_folded, reach);
-        if (count(chosen) > worthwhile * mesh.element_count()) return solve(deck, problem);
+        if (count(chosen) > most) return solve(deck, problem);
         std::fprintf(out, "%s folded in the file, of %d: %d around move\n", counted(folded, "element").c_str(),
                      mesh.element_count(), count(chosen));
         const Deck of_region = deck_of_region(deck, problem.frame.length);

@@ -13,7 +13,7 @@ using Solve = std::function<Solution(const Deck& deck, const Problem& problem)>;
 
 // The region, a mesh of its own that keeps its places where it meets the rest, are the elements within half the size of
 // a folded one: about a layer, and through thin layers. Its reach doubles until the whole mesh is valid, and from 70 %
-// of the elements on it is the whole mesh. Returns the solution on the whole mesh, whose
+// of the connected elements on it is the whole mesh. Returns the solution on the whole mesh, whose
 // iterations are those of the last region. problem: with region = folded; of the nodes that its target releases, those
 // that stay where the file has them are prescribed again. Where the run is interrupted the nodes are on the ideal mesh.
 Solution mend(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out);

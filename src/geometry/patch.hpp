@@ -55,7 +55,7 @@ Vec<3> edge_tangent(const Bernstein& basis, const Patch& patch, int i, int j);
 std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a, int b);
 
 // Whether the point is in a patch of as many parameters as the space has coordinates, up to rounding; of a curved one
-// up to 1e-9 of its size, and where it is so nearly flat that some thousand bisections do not tell, yes.
+// up to 1e-9 of its size, and where it is so nearly flat that 100000 bisections do not tell, yes.
 bool holds(const Bernstein& basis, const Patch& patch, const Vec<3>& point);
 
 // Largest distance of a Bezier point from its place on the flat patch with the same corners: no point of the patch is

@@ -21,22 +21,11 @@ FaceKey key_of(const int* face, int vertices) {
     return key;
 }
 
-}  // namespace
-
-Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::string& cut) {
-    Mesh part;
-    part.dim = mesh.dim;
-    part.degree = mesh.degree;
-    part.boundaries = mesh.boundaries;
-    part.boundaries.push_back(cut);
-    part.cut = static_cast<int>(mesh.boundaries.size());
-    part.file.groups = mesh.file.groups;
-    part.file.format = mesh.file.format;
-
-    std::vector<int> number(mesh.nodes(), -1), element(mesh.element_count(), -1);  // of nodes and elements in the part
+// The chosen elements and their nodes; number: per node of the mesh, its number in the part or -1.
+void add_elements(const Mesh& mesh, const std::vector<char>& chosen, Mesh& part, std::vector<int>& number) {
+    number.assign(mesh.nodes(), -1);
     for (int e = 0; e < mesh.element_count(); ++e) {
         if (!chosen[e]) continue;
-        element[e] = part.element_count();
         for (int k = 0; k < mesh.element_nodes(); ++k) {
             int& node = number[mesh.element(e)[k]];
             if (node < 0) {
@@ -51,6 +40,24 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
         part.file.element_physical.push_back(mesh.file.element_physical[e]);
         part.file.element_entity.push_back(mesh.file.element_entity[e]);
     }
+}
+
+}  // namespace
+
+Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::string& cut) {
+    Mesh part;
+    part.dim = mesh.dim;
+    part.degree = mesh.degree;
+    part.boundaries = mesh.boundaries;
+    part.boundaries.push_back(cut);
+    part.cut = static_cast<int>(mesh.boundaries.size());
+    part.file.groups = mesh.file.groups;
+    part.file.format = mesh.file.format;
+
+    std::vector<int> number, element(mesh.element_count(), -1);  // of nodes and elements in the part
+    add_elements(mesh, chosen, part, number);
+    for (int e = 0, next = 0; e < mesh.element_count(); ++e)
+        if (chosen[e]) element[e] = next++;
 
     const auto add_face = [&](const int* face, int of_element, int boundary, long long id, int physical, int entity) {
         for (int k = 0; k < mesh.face_nodes(); ++k) part.faces.push_back(number[face[k]]);
@@ -101,7 +108,8 @@ std::vector<char> surroundings(const Mesh& mesh, const std::vector<char>& chosen
         int vertex;
         double unit;
         bool operator>(const Way& other) const {
-            return length != other.length ? length > other.length : vertex > other.vertex;
+            if (length != other.length) return length > other.length;
+            return vertex != other.vertex ? vertex > other.vertex : unit < other.unit;
         }
     };
     std::priority_queue<Way, std::vector<Way>, std::greater<>> front;

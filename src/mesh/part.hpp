@@ -13,7 +13,8 @@ namespace almesh {
 Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::string& cut);
 
 // The elements with a vertex within `reach` of a chosen one, along edges, in units of the longest edge of that one:
-// with reach = 0 those that have a vertex in common with it. Lengths are straight, between the vertices in mesh.x.
+// with reach = 0 those that have a vertex in common with it, with infinity those connected with one. Of several the
+// nearest one counts. Lengths are straight, between the vertices in mesh.x.
 std::vector<char> surroundings(const Mesh& mesh, const std::vector<char>& chosen, double reach);
 
 }  // namespace almesh
