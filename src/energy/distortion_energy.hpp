@@ -63,7 +63,8 @@ public:
     virtual DistortionStatistics statistics(const std::vector<double>& x) = 0;
 
     // The elements that have a node with moves[i], with the same weights, as an energy of its own of their nodes;
-    // node: their numbers in this mesh. x: node_count x dim, positions by which elements are ordered.
+    // node: their numbers in this mesh, those that move first. x: node_count x dim, positions by which elements are
+    // ordered.
     virtual std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
                                                    std::vector<int>& node) const = 0;
 
@@ -138,7 +139,7 @@ double damping_exponent(int dim, double weight_exponent);
 // Some elements of a mesh with their nodes numbered anew.
 struct SubMesh {
     std::vector<int> place;     // of each element among those given
-    std::vector<int> node;      // node here -> node of the mesh
+    std::vector<int> node;      // node here -> node of the mesh; those that move come first
     std::vector<int> elements;  // element x element nodes, numbers of here
 };
 

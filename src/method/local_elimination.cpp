@@ -18,46 +18,71 @@ LocalFunctional::LocalFunctional(const AugmentedFunctional& E, const std::vector
                                  const std::vector<char>& moves)
     : dim_(static_cast<int>(x.size() / moves.size())),
       distortion_(E.distortion.part(x, moves, node_)),
-      constraint_(E.constraint.part(x, E.lambda, E.penalty, node_, distortion_->hessian_pattern())) {
+      H_(distortion_->hessian_pattern()) {
+    constraint_ = E.constraint.part(x, E.lambda, E.penalty, node_, H_);
     for (const int i : node_) {
-        held_.push_back(!moves[i]);
+        moving_ += moves[i];
         start_.insert(start_.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
     }
+    at_ = to_ = start_;
+    g_.resize(start_.size());
 }
 
 LocalFunctional::~LocalFunctional() = default;
 
-BlockCsr LocalFunctional::hessian_pattern() const { return distortion_->hessian_pattern(); }
-
-void LocalFunctional::write(const std::vector<double>& y, std::vector<double>& x) const {
-    for (std::size_t i = 0; i < node_.size(); ++i)
-        if (!held_[i]) std::copy_n(&y[i * dim_], dim_, point(x, node_[i], dim_));
+std::vector<double> LocalFunctional::start() const {
+    return {start_.begin(), start_.begin() + static_cast<std::ptrdiff_t>(moving_) * dim_};
 }
 
-double LocalFunctional::energy(const std::vector<double>& y) const {
-    double value = distortion_->energy(y);
-    if (std::isfinite(value)) constraint_->add_value(y, value);
+void LocalFunctional::write(const std::vector<double>& y, std::vector<double>& x) const {
+    for (int i = 0; i < moving_; ++i) std::copy_n(point(y, i, dim_), dim_, point(x, node_[i], dim_));
+}
+
+const std::vector<double>& LocalFunctional::with_held(const std::vector<double>& y, std::vector<double>& all) const {
+    std::copy(y.begin(), y.end(), all.begin());
+    return all;
+}
+
+double LocalFunctional::energy(const std::vector<double>& y) {
+    double value = distortion_->energy(with_held(y, at_));
+    if (std::isfinite(value)) constraint_->add_value(at_, value);
     return value;
 }
 
-double LocalFunctional::valid_fraction(const std::vector<double>& y, const std::vector<double>& to) const {
-    return distortion_->valid_fraction(y, to);
+double LocalFunctional::valid_fraction(const std::vector<double>& y, const std::vector<double>& to) {
+    return distortion_->valid_fraction(with_held(y, at_), with_held(to, to_));
 }
 
 bool LocalFunctional::refine_quadrature() const { return distortion_->refine_quadrature(); }
 
-void LocalFunctional::gradient(const std::vector<double>& y, std::vector<double>& g) const {
-    std::fill(g.begin(), g.end(), 0.0);
-    constraint_->add_gradient(y, g);
-    distortion_->add_gradient(y, g);
-    hold(held_, dim_, g);
+void LocalFunctional::gradient(const std::vector<double>& y, std::vector<double>& g) {
+    std::fill(g_.begin(), g_.end(), 0.0);
+    constraint_->add_gradient(with_held(y, at_), g_);
+    distortion_->add_gradient(at_, g_);
+    std::copy_n(g_.begin(), g.size(), g.begin());
 }
 
-void LocalFunctional::hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H) const {
-    std::fill(H.value.begin(), H.value.end(), 0.0);
-    constraint_->add_hessian(y, kind != HessianKind::full, H);
-    distortion_->add_hessian(y, kind, H);
-    hold(held_, H);
+// The rows and columns of H_ of nodes that move: the first, in each row as well.
+BlockCsr LocalFunctional::hessian_pattern() const {
+    BlockCsr H;
+    H.n = moving_;
+    H.d = dim_;
+    H.row.assign(1, 0);
+    for (int i = 0; i < moving_; ++i) {
+        const auto begin = H_.col.begin() + H_.row[i], end = H_.col.begin() + H_.row[i + 1];
+        H.col.insert(H.col.end(), begin, std::lower_bound(begin, end, moving_));
+        H.row.push_back(H.blocks());
+    }
+    H.value.assign(H.col.size() * dim_ * dim_, 0.0);
+    return H;
+}
+
+void LocalFunctional::hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H) {
+    std::fill(H_.value.begin(), H_.value.end(), 0.0);
+    constraint_->add_hessian(with_held(y, at_), kind != HessianKind::full, H_);
+    distortion_->add_hessian(at_, kind, H_);
+    for (int i = 0; i < moving_; ++i)
+        std::copy_n(H_.block(H_.row[i]), H.block(H.row[i + 1]) - H.block(H.row[i]), H.block(H.row[i]));
 }
 
 namespace {
@@ -116,7 +141,7 @@ std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g, 
 // Newton's method on the part: the full Hessian after a full step, else the projected one. No damping: a step that is
 // cut costs little here. least_gain: a step that decreases E by less is the last. Returns the number of steps; y:
 // start, then the last iterate.
-int minimise_locally(const LocalFunctional& E, double least_gain, std::vector<double>& y) {
+int minimise_locally(LocalFunctional& E, double least_gain, std::vector<double>& y) {
     BlockCsr H = E.hessian_pattern();
     LinearSolver solver(H.d, {.tolerance = local_tolerance});
     const auto energy_of = [&E](const std::vector<double>& at) { return E.energy(at); };
@@ -156,7 +181,7 @@ LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& 
     const double most = E.distortion.is_curved() ? largest_curved_part : largest_part[H.d - 2];
     std::vector<char> chosen = choose_nodes(H, g, most);
     for (std::size_t i = 0; i < E.held.size(); ++i) chosen[i] = chosen[i] && !E.held[i];
-    const LocalFunctional local(E, x, chosen);
+    LocalFunctional local(E, x, chosen);
     std::vector<double> y = local.start();
     Result result;
     result.nodes = static_cast<int>(std::count(chosen.begin(), chosen.end(), 1));

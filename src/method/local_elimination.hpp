@@ -17,44 +17,44 @@
 #include <vector>
 
 #include "energy/options.hpp"
+#include "linalg/block_csr.hpp"
 
 namespace almesh {
 
 struct AugmentedFunctional;
-struct BlockCsr;
 class ConstraintPart;
 class DistortionEnergy;
 
 // The augmented Lagrangian functional (functional.hpp) as a function of the positions of some nodes, all others held
 // where they are: what remains of it are the elements around these nodes, so that energy, derivatives and linear
-// systems cost as much as on a mesh of that size.
-//
-// Nodes are numbered anew: those of all elements that have a moving node. Positions of held ones among them take part
-// in the vectors here, with a zero in the gradient and a unit block in the Hessian.
+// systems cost as much as on a mesh of that size. Vectors and matrices here have the nodes that move, and no others, in
+// an order of their own.
 class LocalFunctional {
 public:
     // x: node_count x dim, a valid mesh. moves: per node, not all zero.
     LocalFunctional(const AugmentedFunctional& E, const std::vector<double>& x, const std::vector<char>& moves);
     ~LocalFunctional();
 
-    const std::vector<double>& start() const { return start_; }  // positions in x: nodes here x dim
-    void write(const std::vector<double>& y, std::vector<double>& x) const;  // moved positions into those of the mesh
+    std::vector<double> start() const;  // positions in x: moving nodes x dim
+    void write(const std::vector<double>& y, std::vector<double>& x) const;  // into the positions of the mesh
 
-    double energy(const std::vector<double>& y) const;  // E up to a constant; infinite for inverted elements
-    double valid_fraction(const std::vector<double>& y, const std::vector<double>& to) const;
+    double energy(const std::vector<double>& y);  // E up to a constant; infinite for inverted elements
+    double valid_fraction(const std::vector<double>& y, const std::vector<double>& to);
     bool refine_quadrature() const;
     const DistortionEnergy& distortion() const { return *distortion_; }
-    void gradient(const std::vector<double>& y, std::vector<double>& g) const;
+    void gradient(const std::vector<double>& y, std::vector<double>& g);
     BlockCsr hessian_pattern() const;
-    void hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H) const;
+    void hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H);
 
 private:
-    int dim_;
-    std::vector<int> node_;  // here -> mesh
+    int dim_, moving_ = 0;   // moving_: nodes, the first of node_
+    std::vector<int> node_;  // of all elements around them: here -> mesh
     std::unique_ptr<DistortionEnergy> distortion_;
     std::unique_ptr<ConstraintPart> constraint_;
-    std::vector<char> held_;
-    std::vector<double> start_;
+    std::vector<double> start_, at_, to_, g_;  // of all of node_
+    BlockCsr H_;
+
+    const std::vector<double>& with_held(const std::vector<double>& y, std::vector<double>& all) const;
 };
 
 class LocalElimination {

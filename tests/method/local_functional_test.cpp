@@ -45,7 +45,7 @@ TEST_CASE("a local functional's energy, gradient and Hessian are those of the fu
         const std::vector<double> lambda(problem.constraint.multipliers(), 0.3);
         const AugmentedFunctional E{weighted, problem.constraint, lambda, 50};
         const std::vector<char> moves = some_nodes(problem.mesh.nodes());
-        const LocalFunctional local(E, problem.ideal, moves);
+        LocalFunctional local(E, problem.ideal, moves);
 
         // At the start and away from it, in the numbers of the local functional.
         const std::vector<double> x = moved(problem.ideal, moves);
@@ -63,13 +63,13 @@ TEST_CASE("a local functional's energy, gradient and Hessian are those of the fu
         std::vector<double> g(y.size()), whole(x.size());
         local.gradient(y, g);
         E.gradient(x, whole);
-        long nonzero = 0;
+        std::size_t moving = 0;
         for (std::size_t i = 0; i < x.size(); ++i) {
-            if (of_mesh[i] >= 0)
-                CHECK(g[static_cast<std::size_t>(of_mesh[i])] == doctest::Approx(whole[i]).epsilon(1e-10).scale(1));
+            if (of_mesh[i] < 0) continue;
+            ++moving;
+            CHECK(g[static_cast<std::size_t>(of_mesh[i])] == doctest::Approx(whole[i]).epsilon(1e-10).scale(1));
         }
-        for (const double value : g) nonzero += value != 0;
-        CHECK(nonzero <= std::count_if(of_mesh.begin(), of_mesh.end(), [](double place) { return place >= 0; }));
+        CHECK(y.size() == moving);
 
         // The columns of the Hessian of nodes that move, from those of the functional.
         BlockCsr H = local.hessian_pattern(), full = weighted.hessian_pattern();
@@ -86,25 +86,22 @@ TEST_CASE("a local functional's energy, gradient and Hessian are those of the fu
     }
 }
 
-TEST_CASE("a local functional's Hessian leaves held nodes alone, and inverted elements have infinite energy") {
+TEST_CASE("a local functional knows no nodes but those that move, and inverted elements have infinite energy") {
     const Minimisation problem(ring_mesh(8, 2, 3), {}, Objective::squared);
     const AugmentedFunctional E = problem.functional(10);
     std::vector<char> moves(problem.mesh.nodes(), 0);
     moves[0] = 1;
-    const LocalFunctional local(E, problem.ideal, moves);
-    CHECK(local.start().size() < problem.ideal.size());
+    LocalFunctional local(E, problem.ideal, moves);
+    CHECK(local.start() == std::vector<double>{problem.ideal[0], problem.ideal[1]});
     BlockCsr H = local.hessian_pattern();
-    local.hessian(local.start(), HessianKind::projected, H);
-    int unit = 0;
-    for (int i = 0; i < H.n; ++i) unit += H.block(H.find(i, i))[0] == 1 && H.block(H.find(i, i))[1] == 0;
-    CHECK(unit == H.n - 1);
+    CHECK(H.n == 1);
+    CHECK(H.col == std::vector<int>{0});
     std::vector<double> x = problem.ideal, y = local.start();
     for (double& value : y) value = -3 * value;
     local.write(y, x);
     CHECK(x[0] == -3 * problem.ideal[0]);
     CHECK(x[2] == problem.ideal[2]);
     y = local.start();
-    for (std::size_t i = 0; i < y.size(); ++i)
-        if (y[i] == problem.ideal[0]) y[i] += 100;  // the node far outside its elements
+    y[0] += 100;  // the node far outside its elements
     CHECK(std::isinf(local.energy(y)));
 }
