@@ -32,6 +32,10 @@ std::string hash_of_numbers(const std::vector<double>& numbers) {
     return hash_of({reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)});
 }
 
+// A step that leads nowhere: nodes hang where the surface along which they slide has a kink, or elements are jammed.
+constexpr double short_step = 1e-8, unchanged = 1e-14;  // unchanged: relative difference of two energies
+constexpr int most_futile_steps = 3;                    // in a row
+
 bool is_finite(const NewtonResult& at) { return std::isfinite(at.energy) && std::isfinite(at.gradient_norm); }
 
 }  // namespace
@@ -64,6 +68,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         at.gradient_norm = gradient(E, x);                                                        // g = grad E(x)
         accept(step.reached(at.energy, at.gradient_norm), observe);
         if (observe_iterate_) observe_iterate_(accepted_steps_, x);
+        if (futile_steps_ == most_futile_steps) return end(NewtonStatus::line_search_failed);
         if (!is_finite(at)) continue;
         const auto distortion = [&] { return E.distortion.energy(x); };
         if (params.reach.found(before.energy, at.energy, found.step_length, distortion))
@@ -84,7 +89,8 @@ NewtonResult Newton::start(const AugmentedFunctional& E, const NewtonParams& par
     hessian_ = params.cold_start ? HessianKind::damping : params.first;
     forcing_.start();
     NewtonResult at;
-    at.energy = E.energy(x);
+    at.energy = last_energy_ = E.energy(x);
+    futile_steps_ = 0;
     at.gradient_norm = gradient(E, x);
     const double reduced = params.reduction < 1 ? params.reduction * at.gradient_norm : params.omega;
     at.omega = std::max(std::min(params.omega, reduced), params.omega_star);
@@ -120,6 +126,9 @@ void Newton::save(const AugmentedFunctional& E, const std::vector<double>& x, co
 
 void Newton::accept(const NewtonStep& step, const NewtonObserver& observe) {
     ++accepted_steps_;
+    const bool moves = step.step_length > short_step || last_energy_ - step.energy > unchanged * std::abs(step.energy);
+    futile_steps_ = moves ? 0 : futile_steps_ + 1;
+    last_energy_ = step.energy;
     if (checkpoint_) steps_.push_back(step);
     if (observe) observe(step);
 }

@@ -122,6 +122,8 @@ private:
     SystemObserver observe_system_;
     IterateObserver observe_iterate_;
     int accepted_steps_ = 0;  // of all calls
+    double last_energy_ = 0;  // of the minimisation at hand,
+    int futile_steps_ = 0;    // and how many of its last steps have led nowhere
     Checkpoint* checkpoint_ = nullptr;
     std::string start_;              // of the minimisation at hand, for the checkpoint,
     std::vector<NewtonStep> steps_;  // and its steps

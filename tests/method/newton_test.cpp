@@ -44,6 +44,29 @@ double norm_of_gradient(const AugmentedFunctional& E, const std::vector<double>&
     return norm_2(g);
 }
 
+// The constraint and a valley with a kink: |x_0 - place| for the first coordinate of a node. And an energy beside
+// which what a short step gains is lost in rounding.
+class Kinked : public Dirichlet {
+public:
+    Kinked(const Minimisation& problem, int node, double by)
+        : Dirichlet(problem.mesh, problem.ideal, target_of(problem.mesh, {}), TargetKind::exact),
+          at_(2 * node),
+          place_(problem.ideal[at_] + by) {}
+
+    double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) override {
+        return Dirichlet::value(x, lambda, mu) + 1e-3 * std::abs(x[at_] - place_) + 100;
+    }
+    void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
+                      std::vector<double>& g) override {
+        Dirichlet::add_gradient(x, lambda, mu, g);
+        g[at_] += x[at_] < place_ ? -1e-3 : 1e-3;
+    }
+
+private:
+    std::size_t at_;
+    double place_;
+};
+
 }  // namespace
 
 TEST_CASE("Newton converges to a stationary point, and reports what it did") {
@@ -280,4 +303,15 @@ TEST_CASE("the tolerance: omega, or a part of the first gradient, but not less t
     CHECK(tolerance(1e9, 0.1, 1e-8) == 0.1 * first);
     CHECK(tolerance(1e-3, 0.1, 1e-8) == 1e-3);
     CHECK(tolerance(1e-3, 1e-9, 1e-4) == 1e-4);
+}
+
+TEST_CASE("where nodes hang at a kink the iteration ends, instead of taking steps that lead nowhere") {
+    const Minimisation problem(square_mesh(4), {}, Objective::squared);
+    Kinked constraint(problem, 12, 1e-4);  // the node in the middle
+    const std::vector<double> lambda(constraint.multipliers(), 0.0);
+    const AugmentedFunctional E{problem.distortion, constraint, lambda, 1e4};
+    const Run r = run(problem, E, {.omega = 1e-8, .max_iterations = 400, .reach = {}});
+    CHECK(r.result.status == NewtonStatus::line_search_failed);
+    CHECK(r.result.iterations < 100);
+    CHECK(std::abs(r.x[24] - problem.ideal[24] - 1e-4) < 1e-5);
 }
