@@ -37,7 +37,7 @@ struct DeckBoundary {
 enum class Start { automatic, identity, coarse };
 enum class Snap { automatic, no, yes };
 enum class Region { all, folded };
-enum class SurfaceKind { automatic, keep, slide };
+enum class SurfaceKind { automatic, keep, slide, straighten };
 enum class VtkOutput { ascii, binary, none };
 // As written in the deck; those of one version of MSH stand from msh22 on.
 enum class FinalFormat { input, msh, su2, both, msh22, msh22_binary, msh40, msh40_binary, msh41, msh41_binary };

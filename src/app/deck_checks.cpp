@@ -19,6 +19,7 @@ void check_region(const Deck& deck) {
     for (const char* key : {"refine", "degree"})
         if (deck.given.contains(key)) refuse(deck.given.at(key), key);
     if (sets_boundary(deck.method.moving)) refuse(deck.given.at("method"), "this method");
+    if (deck.surface == SurfaceKind::straighten) refuse(deck.given.at("surface"), "surface = straighten");
 }
 
 // With fewer points than |F|^2 needs, the energy does not see some motions of the nodes inside an element.

@@ -157,9 +157,10 @@ const std::vector<DeckKey>& deck_keys() {
         {"feature_angle", number<&Deck::feature_angle>({1, 180}),
          "Angle in degrees between neighbouring faces of a sliding boundary from which they belong to different "
          "surfaces: nodes slide along such an edge, and corners stay."},
-        {"surface", choice<&Deck::surface>({"auto", "keep", "slide"}),
+        {"surface", choice<&Deck::surface>({"auto", "keep", "slide", "straighten"}),
          "Whether nodes keep the places on the boundary that its motion gives them, or slide along the surface there; "
-         "auto: they slide only where a valid mesh cannot keep them, because the target folds faces or elements."},
+         "auto: they slide only where a valid mesh cannot keep them, because the target folds faces or elements; "
+         "straighten: faces are made flat there instead, as many as it takes for a valid mesh."},
         {"mu0", number<&Deck::method, &Method::mu0>(positive),
          "Algorithms paper and literal, method penalty: first penalty mu, in units of |1|^2, the sum of |f|/h over the "
          "boundary faces."},

@@ -111,6 +111,8 @@ void add_against_distance(const Deck& deck, const Problem& problem, const Soluti
     if (fixed)
         to_try.push_back(concat("boundary ", problem.mesh().boundaries[at.boundary],
                                 " = slide or free, if its nodes need not stay in their places"));
+    if (!problem.target.released.empty())
+        to_try.push_back("surface = straighten, with which faces are flat where nodes now slide");
     if (alpha > 0) to_try.push_back(alpha > 0.5 ? "weight_exponent = 0.5 or 0" : "weight_exponent = 0");
     if (followed(deck) == Follow::never) to_try.push_back("follow = always");
     if (solution.followed > 0)
@@ -156,7 +158,9 @@ void add_against_uncertified(const Deck& deck, const Problem& problem, const Sol
     else if (solution.certificate.undecided > 0)
         to_try.push_back(concat("certificate_bisections = ", 10 * std::max(1, deck.certificate.max_bisections)));
     else if (!problem.target.released.empty())
-        to_try.push_back("a finer mesh of the surface there, which its faces fold around");
+        to_try.push_back(
+            "a finer mesh of the surface there, which its faces fold around, or surface = straighten, with "
+            "which they are flat there");
     else if (!problem.target.prescribes_all())
         to_try.push_back("places for the boundary there, in place of slide or free");
     else
@@ -201,6 +205,10 @@ void print_boundary(std::FILE* out, const Problem& problem, const Solution& solu
         std::fprintf(out, "%d nodes slid along the surface, by at most %.3g; the faces are within %.3g of it\n",
                      solution.released_nodes, solution.largest_slide * problem.frame.length,
                      solution.surface_distance * problem.frame.length);
+    if (solution.straight_faces)
+        std::fprintf(out, "%s of %d made flat, nodes by at most %.3g from the curved target\n",
+                     counted(solution.straight_faces, "face").c_str(), problem.mesh().face_count(),
+                     solution.straightening_distance);
 }
 
 // "5 AL and 11 Newton iterations"

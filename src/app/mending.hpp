@@ -2,14 +2,11 @@
 // nodes stay where the file has them (key `region`).
 #pragma once
 #include <cstdio>
-#include <functional>
 
 #include "app/problem.hpp"
 #include "app/results.hpp"
 
 namespace almesh {
-
-using Solve = std::function<Solution(const Deck& deck, const Problem& problem)>;
 
 // The region, a mesh of its own that keeps its places where it meets the rest, are the elements within half the size of
 // a folded one: about a layer, and through thin layers. Its reach doubles until the whole mesh is valid, and from 70 %

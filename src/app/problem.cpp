@@ -101,17 +101,60 @@ std::string against(const Mesh& mesh, const TargetFaults& faults, const Deck& de
     return "\ntry " + refined + ", so that they are divided, or targets that do not fold them";
 }
 
+// Scaled Jacobian of elements that the target alone determines up to which they are faults.
+double bound_of_faults(const Deck& deck) {
+    constexpr double useless = 0.01;  // leaves no element of any use
+    if (deck.distortion.delta > 0) return -std::numeric_limits<double>::infinity();
+    return deck.surface == SurfaceKind::keep ? 0 : useless;
+}
+
+// Faces to be made flat against the faults, but for those that are: those at fault and those of elements at fault;
+// where all of these are, those beside them.
+std::vector<char> faces_at_fault(const Mesh& mesh, const TargetFaults& faults, const std::vector<char>& straight) {
+    std::vector<char> chosen(mesh.face_count(), 0), vertex(mesh.nodes(), 0);
+    for (const TargetReport::Fault& fault : faults.faces.faults) chosen[fault.face] = 1;
+    for (const auto& [f, g] : faults.faces.crossing) chosen[f] = chosen[g] = 1;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        for (const DeterminedElement& fault : faults.elements)
+            if (mesh.face_element[f] == fault.element) chosen[f] = 1;
+    for (const DeterminedElement& fault : faults.elements)
+        for (int i = 0; i <= mesh.dim; ++i) vertex[mesh.element(fault.element)[i]] = 1;
+    const auto leave_out_straight = [&] {
+        for (std::size_t f = 0; f < straight.size(); ++f) chosen[f] = chosen[f] && !straight[f];
+        return std::count(chosen.begin(), chosen.end(), 1) > 0;
+    };
+    for (int f = 0; f < mesh.face_count(); ++f)
+        for (int i = 0; i < mesh.dim && chosen[f]; ++i) vertex[mesh.face(f)[i]] = 1;
+    if (leave_out_straight()) return chosen;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        chosen[f] = std::any_of(mesh.face(f), mesh.face(f) + mesh.dim, [&](int i) { return vertex[i]; });
+    leave_out_straight();
+    return chosen;
+}
+
+// Makes faces flat that the target folds.
+void straighten_folded(const Deck& deck, Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    const TargetFaults faults = find_faults(mesh, problem.ideal(), problem.target, bound_of_faults(deck));
+    straighten_target(deck, std::vector<char>(mesh.face_count(), 0), problem);
+    if (faults.none()) return;
+    const auto flat = std::count(problem.target.straight.begin(), problem.target.straight.end(), 1);
+    problem.notes.push_back(concat("the target folds ", counts_of(faults), ", or leaves next to nothing of them; ",
+                                   counted(flat, "face"), flat == 1 ? " there is" : " there are",
+                                   " made flat:", describe(mesh, faults)));
+}
+
 // Releases the nodes around faces and elements that the target folds; throws InputError where that cannot help.
 void release_folded(const Deck& deck, int file_degree, const Mesh& mesh, const std::vector<double>& ideal,
                     BoundaryTarget& target, std::vector<std::string>& notes) {
-    constexpr double useless = 0.01;  // scaled Jacobian that leaves no element of any use
-    const double passing = deck.surface == SurfaceKind::keep ? 0 : useless;
-    const double bound = deck.distortion.delta > 0 ? -std::numeric_limits<double>::infinity() : passing;
+    const double bound = bound_of_faults(deck);
     const TargetFaults faults = find_faults(mesh, ideal, target, bound);
     if (faults.none()) return;
     if (!faults.may_be_mended()) refuse(mesh, faults, against(mesh, faults, deck, file_degree));
     if (deck.surface == SurfaceKind::keep)
-        refuse(mesh, faults, "\ntry surface = auto, with which nodes slide along the surface there");
+        refuse(mesh, faults,
+               "\ntry surface = auto, with which nodes slide along the surface there, or surface = "
+               "straighten, with which faces are flat there");
     target.released = released_nodes(mesh, target, faults);
     const TargetFaults left = find_faults(mesh, ideal, target, bound);
     if (!left.none()) refuse(mesh, left, against(mesh, left, deck, file_degree));
@@ -282,11 +325,12 @@ Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, 
     problem.level_placed = std::move(placed);
     const Mesh& mesh = problem.mesh();
     check_final_ids(deck, mesh);
-    release_folded(deck, problem.base.degree, mesh, problem.ideal(), problem.target, problem.notes);
+    problem.node_target = problem.target.node;
+    if (deck.surface == SurfaceKind::straighten) straighten_folded(deck, problem);
+    else release_folded(deck, problem.base.degree, mesh, problem.ideal(), problem.target, problem.notes);
     check_prescribed(deck, problem.target);
     problem.frame.origin = local_origin(problem.base);
     problem.frame.length = unit_of_length(deck, volume(mesh, problem.ideal()), mesh.dim);
-    problem.node_target = problem.target.node;
     std::shared_ptr<SlidingSurfaces> sliding;
     if (!problem.target.prescribes_all()) {
         if (std::all_of(problem.target.hold.begin(), problem.target.hold.end(),
@@ -313,6 +357,30 @@ Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, 
     return problem;
 }
 
+void straighten_target(const Deck& deck, std::vector<char> chosen, Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    BoundaryTarget& target = problem.target;
+    const auto make_chosen_straight = [&] {
+        if (problem.curved_target.empty()) problem.curved_target = problem.node_target;
+        BoundaryTarget of_file = target;
+        of_file.node.swap(problem.node_target);
+        make_straight(mesh, chosen, of_file);
+        of_file.node.swap(problem.node_target);
+        make_straight(mesh, chosen, target);
+    };
+    const auto are_chosen = [&] { return std::count(chosen.begin(), chosen.end(), 1) > 0; };
+    for (;;) {
+        if (are_chosen()) make_chosen_straight();
+        const TargetFaults faults = find_faults(mesh, problem.ideal(), target, bound_of_faults(deck));
+        if (faults.none()) return;
+        chosen = faces_at_fault(mesh, faults, target.straight);
+        if (!are_chosen())
+            refuse(mesh, faults,
+                   target.straight.empty() ? against(mesh, faults, deck, problem.base.degree)
+                                           : "\ntry a finer mesh there: its faces cannot be flat");
+    }
+}
+
 void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
                     Level& level) {
     level.energy = make_energy(level.mesh, level.ideal, distortion_of(deck));
@@ -326,8 +394,8 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
         level.turn = std::max(level.turn, turn(motion));
     }
     const double angle = deck.feature_angle;
-    level.constraint_at = [&problem, &level, motions, placed, kind, angle,
-                           released = target.released](double fraction) {
+    level.constraint_at = [&problem, &level, motions, placed, kind, angle, released = target.released,
+                           flat = target.straight](double fraction) {
         const Frame& frame = problem.frame;
         const int dim = level.mesh.dim;
         std::vector<Motion> parts;
@@ -341,6 +409,7 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
                 make_target(in_file, parts, at_fraction(placed, frame.to_file(level.ideal, dim), fraction));
             prescribe_shared_nodes(in_file, part);
             part.released = released;
+            if (!flat.empty()) make_straight(in_file, flat, part);
             std::shared_ptr<SlidingSurfaces> sliding;
             if (problem.sliding) {
                 Mesh shape = problem.shape();  // its surface as it is: but released nodes go with those that are not
@@ -381,6 +450,8 @@ std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, c
         keep_where_unknown(level->mesh, *problem.sliding, target);
         level->is_worth_little = level->mesh.degree < problem.shape().degree;  // it has not the shape of the file
     }
+    const bool has_faces = problem.target.straight.size() == static_cast<std::size_t>(level->mesh.face_count());
+    if (level->mesh.degree > 1 && has_faces) make_straight(level->mesh, problem.target.straight, target);
     take_to_run(problem.frame, *level, target);
     Deck simpler = deck;
     if (level->mesh.degree < problem.mesh().degree) simpler.target = TargetKind::nodal;

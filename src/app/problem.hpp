@@ -18,7 +18,8 @@ struct Problem {
     std::optional<Mesh> raised;    // and of the degree of the meshes that place its boundaries, where that is higher
     std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in the run's frame
     BoundaryTarget target;         // in the run's frame
-    std::vector<double> node_target;  // target.node in units of the file
+    std::vector<double> node_target;    // target.node in units of the file,
+    std::vector<double> curved_target;  // and before faces were made straight; empty where none was
     std::vector<double> file_x;       // region = folded: mesh().x in units of the file, nodes x dim
     PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
@@ -47,6 +48,10 @@ struct SurfacesOfWhole {
 // surfaces, where there are any.
 Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes = {},
                      const SurfacesOfWhole& whole = {});
+
+// Makes the chosen faces of the target flat, and more until it folds nothing (key `surface`). chosen: per face. Throws
+// InputError where that does not help.
+void straighten_target(const Deck& deck, std::vector<char> chosen, Problem& problem);
 
 // Gives the level its energy and its constraint: the functional of Eq. 6. target: in the run's frame, placed:
 // in those of the file. The problem must outlive the level.

@@ -1,6 +1,7 @@
 // The files of a run, in the units of the mesh file; what they hold stands in the README under "Results". All functions
 // throw InputError where a file cannot be written.
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "app/summary.hpp"
@@ -45,7 +46,13 @@ struct Solution {
     int released_nodes = 0;            // that slide where the target folds the mesh,
     double largest_slide = 0;          // and the largest distance of one from its target
     double surface_distance = 0;       // of faces whose nodes slide, from their surface
+    int straight_faces = 0;            // of the target, with surface = straighten,
+    double straightening_distance = 0;  // and the largest distance of a node of the target from where it was, in units
+                                        // of the file
 };
+
+// How a problem is solved.
+using Solve = std::function<Solution(const Deck& deck, const Problem& problem)>;
 
 // Of the nodes of the solution, in the file's frame; those at their targets have the target's bits, and with region =
 // folded those that are where the file has them the file's.

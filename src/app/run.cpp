@@ -10,6 +10,7 @@
 #include "app/report.hpp"
 #include "app/results.hpp"
 #include "app/results_folder.hpp"
+#include "app/straightening.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
@@ -93,6 +94,9 @@ void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     solution.max_boundary_error = level.constraint->max_error(solution.x);
     solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);
     measure_sliding(problem, solution);
+    const std::vector<char>& straight = problem.target.straight;
+    solution.straight_faces = static_cast<int>(std::count(straight.begin(), straight.end(), 1));
+    solution.straightening_distance = straightening_distance(problem);
     solution.obstacle = find_obstacle(deck, problem, solution);
 }
 
@@ -231,7 +235,9 @@ ExitCode run(const Deck& deck, std::FILE* out) {
         return solve(settings, of, checkpoint.get(), report, out);
     };
     Solution solution = deck.region == Region::folded ? mend(deck, problem, solve_problem, out)
-                                                      : solve_problem(deck, problem);
+                        : deck.surface == SurfaceKind::straighten
+                            ? solve_straightening(deck, problem, solve_problem, out)
+                            : solve_problem(deck, problem);
     solution.predicted_bytes = bytes;
     solution.time.setup += setup_seconds;
     solution.time.write += write_seconds;

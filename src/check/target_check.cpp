@@ -237,6 +237,7 @@ void Check::check_pairs() {
     std::set<std::pair<int, int>> named;
     for (std::size_t k = 0; k < close.size(); ++k) {
         const auto [f, g] = close[k];
+        if (fault[k] && fault[k] != crossed_before) report.crossing.push_back({f, g});
         if (fault[k] == crossed_before) report.crossed_before = true;
         else if (fault[k] && part[f] == part[g]) add_fault(f, fault[k] + face_name(mesh, g));
         else if (fault[k] && named.insert(std::minmax(part[f], part[g])).second)

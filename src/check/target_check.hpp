@@ -13,6 +13,7 @@
 //
 // Cost: O(faces log faces), plus the bisections of faces that come close to each other, plus O(faces parts).
 #pragma once
+#include <array>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct TargetReport {
         bool by_curvature = false;  // it is folded although the flat face with the same corners is not
     };
     std::vector<Fault> faults;
+    std::vector<std::array<int, 2>> crossing;  // pairs of faces; of closed parts that cross only one is a fault
     bool crossed_before = false;  // faces of the initial mesh cross, and do so in the target
 };
 

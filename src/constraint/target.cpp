@@ -42,6 +42,28 @@ double face_size(const Mesh& mesh, int f) {
     return longest;
 }
 
+// Of a face's node, given by its multi-index: the mean of the vertices by its barycentric coordinates.
+double on_flat_face(const double* vertices, const MultiIndex& node, int degree, int dim, int a) {
+    double position = 0;
+    for (int v = 0; v < dim; ++v) position += node[v] * vertices[v * dim + a];
+    return position / degree;
+}
+
+// Number of vertices of the edge or face that the node is inside of.
+int vertices_of(const MultiIndex& node, int dim) {
+    return static_cast<int>(std::count_if(node.begin(), node.begin() + dim, [](int k) { return k > 0; }));
+}
+
+// Of a shift of an edge's node k in that of node i inside the face: 4 l_a l_b of the middle of the edge between the
+// vertices a and b, which a parabola through it has 3 p / (2 (p + 1)) times as high as its p - 1 nodes on average.
+double share_of_edge(const MultiIndex& i, const MultiIndex& k, int p, int dim) {
+    if (vertices_of(k, dim) != 2) return 0;
+    double share = 6.0 * p / (p * p - 1);
+    for (int v = 0; v < dim; ++v)
+        if (k[v] > 0) share *= static_cast<double>(i[v]) / p;
+    return share;
+}
+
 // A node on two boundaries must have one target, to a small part of the faces around it.
 void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
     const int dim = mesh.dim, m = mesh.face_nodes();
@@ -108,6 +130,50 @@ std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, st
     for (std::size_t k = mesh.faces.size(); k-- > 0;)
         std::copy_n(&target.node[k * mesh.dim], mesh.dim, point(x, mesh.faces[k], mesh.dim));
     return x;
+}
+
+void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTarget& target) {
+    const int dim = mesh.dim, m = mesh.face_nodes(), p = mesh.degree;
+    const LagrangeBasis basis(dim - 1, p);
+    target.straight.resize(mesh.face_count(), 0);
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (chosen[f] && target.hold_of_face(mesh, f) == BoundaryHold::prescribed) target.straight[f] = 1;
+    std::vector<double> place(mesh.x.size()), shift(mesh.x.size(), 0.0);  // of the nodes of straight faces
+    std::vector<char> moves(mesh.nodes(), 0);
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        if (!target.straight[f]) continue;
+        const double* const of_face = &target.node[offset(f, m * dim)];
+        for (int i = dim; i < m; ++i) {
+            const int node = mesh.face(f)[i];
+            for (int a = 0; a < dim && !moves[node]; ++a) {
+                point(place, node, dim)[a] = on_flat_face(of_face, basis.nodes[i], p, dim, a);
+                point(shift, node, dim)[a] = point(place, node, dim)[a] - of_face[i * dim + a];
+            }
+            moves[node] = 1;
+        }
+    }
+    const int points = target.quadrature.count;
+    std::vector<double> N(offset(points, m));
+    for (int q = 0; q < points; ++q) basis.values(&target.quadrature.xi[q * (dim - 1)], &N[offset(q, m)]);
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const int* const node = mesh.face(f);
+        if (std::none_of(node + dim, node + m, [&](int i) { return moves[i]; })) continue;
+        double* const of_face = &target.node[offset(f, m * dim)];
+        for (int i = dim; i < m; ++i) {
+            if (moves[node[i]]) std::copy_n(point(place, node[i], dim), dim, &of_face[i * dim]);
+            else if (vertices_of(basis.nodes[i], dim) == dim)
+                for (int k = dim; k < m; ++k)
+                    for (int a = 0; a < dim && moves[node[k]]; ++a)
+                        of_face[i * dim + a] +=
+                            share_of_edge(basis.nodes[i], basis.nodes[k], p, dim) * point(shift, node[k], dim)[a];
+        }
+        for (int q = 0; q < points; ++q)
+            for (int a = 0; a < dim; ++a) {
+                double& x = target.sample[offset(offset(f, points, q), dim, a)];
+                x = 0;
+                for (int i = 0; i < m; ++i) x += N[offset(q, m, i)] * of_face[i * dim + a];
+            }
+    }
 }
 
 void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target) {

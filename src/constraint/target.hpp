@@ -13,6 +13,7 @@ struct BoundaryTarget {
     bool in_trace_space = false;  // all motions are affine: g_D is of the mesh's degree on every face
     std::vector<BoundaryHold> hold;  // per boundary
     std::vector<char> released;      // per node: whether it slides although its boundary is prescribed; empty: none
+    std::vector<char> straight;      // per face: whether it has been made flat, see make_straight(); empty: none
     Quadrature quadrature;        // on the reference face
     std::vector<double> node;     // face x face node x dim: g_D at the nodes of the face
     std::vector<double> sample;   // face x quadrature point x dim: g_D at the quadrature points
@@ -35,6 +36,11 @@ std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, st
 
 // Per node: whether the target prescribes its place.
 std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target);
+
+// Makes the chosen faces flat, those that are already included: their nodes go to where they are on the edge or face
+// with the same vertices. Faces beside them keep their other edges, and in their middle follow by what their edges do.
+// chosen: per face; only faces whose places are prescribed count.
+void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTarget& target);
 
 // Nodes that one face prescribes are there on faces too that slide or are free.
 void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target);

@@ -18,12 +18,18 @@ namespace {
 constexpr int around = 12;
 
 // A ring of degree 2 whose boundaries are circles. `crowd`: how far the node within one edge of the inner one is from
-// its middle, over half the edge: where that is more than a half the edge is folded.
-Mesh round_ring(double crowd) {
-    Mesh mesh = raise_degree(ring_mesh(around, 3, 6), 2);
+// its middle, over half the edge: where that is more than a half the edge is folded. What the linear mesh has within
+// the inner circle stays straight.
+Mesh round_ring(double crowd, const Mesh& linear = ring_mesh(around, 3, 6)) {
+    Mesh mesh = raise_degree(linear, 2);
+    const auto radius = [&](int f) {
+        const double* const vertex = point(mesh.x, mesh.face(f)[0], 2);
+        return std::hypot(vertex[0], vertex[1]);
+    };
     int crowded = 0;
-    while (mesh.boundaries[mesh.face_boundary[crowded]] != "inner") ++crowded;
+    while (std::abs(radius(crowded) - 1) > 1e-9) ++crowded;
     for (int f = 0; f < mesh.face_count(); ++f) {
+        if (radius(f) < 1 - 1e-9) continue;
         double* const middle = point(mesh.x, mesh.face(f)[2], 2);
         const double *const a = point(mesh.x, mesh.face(f)[0], 2), *const b = point(mesh.x, mesh.face(f)[1], 2);
         const double r = std::hypot(a[0], a[1]), along = f == crowded ? crowd * std::numbers::pi / around : 0;
@@ -57,7 +63,8 @@ TEST_CASE("a boundary that its nodes fold: refused with surface = keep, else the
     CHECK(kept.code == 2);
     CHECK(has(kept.error, "the target makes the boundary itself invalid at 1 face:"));
     CHECK(has(kept.error, "folds the face back on itself"));
-    CHECK(has(kept.error, "try surface = auto, with which nodes slide along the surface there"));
+    CHECK(
+        has(kept.error, "try surface = auto, with which nodes slide along the surface there, or surface = straighten"));
     CHECK(!std::filesystem::exists(ring.output));
 
     for (const std::string setting : {"surface=auto", "start=identity", "algorithm=paper"}) {
@@ -116,4 +123,67 @@ TEST_CASE("surface = slide lets all prescribed boundaries slide, folded or not; 
         for (const char* const quantity : {"released_nodes", "largest_slide", "surface_distance"})
             CHECK(summary_of(fair.output).at(quantity) == "0");
     }
+}
+
+TEST_CASE("surface = straighten makes the folded face flat; all others keep their curve to the last bit") {
+    for (const std::string setting : {"fixed", "translate 0.25 0", "rotate 150 about 0 0"}) {
+        CAPTURE(setting);
+        const Mesh before = round_ring(0.8);
+        const RingDeck ring(before);
+        const Outcome outcome = ring.run({"boundary inner=" + setting, "surface=straighten"});
+        CAPTURE(outcome.error);
+        REQUIRE(outcome.code == 0);
+        CHECK(has(outcome.out, "1 face there is made flat:"));
+        CHECK(has(outcome.out, "1 face of 24 made flat, nodes by at most "));
+        const auto summary = summary_of(ring.output);
+        CHECK(summary.at("certified_injective") == "yes");
+        CHECK(summary.at("nodes_off_target") == "0");
+        CHECK(summary.at("straight_faces") == "1");
+        CHECK(summary.at("released_nodes") == "0");
+        const Mesh after = mesh_of(ring.output + "/final.msh");
+        int flat = 0;
+        double moved = 0;
+        for (int f = 0; f < after.face_count(); ++f) {
+            if (after.boundaries[after.face_boundary[f]] != "inner") continue;
+            const auto [a, b, middle] =
+                std::tuple(point(after.x, after.face(f)[0], 2), point(after.x, after.face(f)[1], 2),
+                           point(after.x, after.face(f)[2], 2));
+            if (std::hypot(middle[0] - 0.5 * (a[0] + b[0]), middle[1] - 0.5 * (a[1] + b[1])) < 1e-14) {
+                ++flat;
+                const int i = after.face(f)[2];
+                if (setting == "fixed")
+                    moved = std::hypot(middle[0] - point(before.x, i, 2)[0], middle[1] - point(before.x, i, 2)[1]);
+            }
+            for (int k = 0; k < 2 && setting == "fixed"; ++k)
+                CHECK(point(after.x, after.face(f)[k], 2)[0] == point(before.x, before.face(f)[k], 2)[0]);
+        }
+        CHECK(flat == 1);
+        if (setting == "fixed")
+            CHECK(number(summary, "straightening_distance") == doctest::Approx(moved).epsilon(1e-5));
+    }
+}
+
+TEST_CASE("surface = straighten does nothing to a target that folds nothing, and is refused where flat faces fail") {
+    const RingDeck fair(round_ring(0));
+    REQUIRE(fair.run({"boundary inner=translate 0.25 0", "surface=straighten"}).code == 0);
+    CHECK(summary_of(fair.output).at("straight_faces") == "0");
+    CHECK(summary_of(fair.output).at("straightening_distance") == "0");
+    // A small part of the mesh between the folded edge's circle and its chord.
+    const Mesh ring = ring_mesh(around, 3, 6);
+    int folded = 0;
+    while (ring.boundaries[ring.face_boundary[folded]] != "inner") ++folded;
+    const double *const a = point(ring.x, ring.face(folded)[0], 2), *const b = point(ring.x, ring.face(folded)[1], 2);
+    const double angle = std::atan2(a[1] + b[1], a[0] + b[0]);
+    const Mesh both = round_ring(0.8, two_parts(ring, 0.001, {0.98 * std::cos(angle), 0.98 * std::sin(angle), 0}));
+    const TemporaryFolder folder;
+    folder.write("both.msh", msh_of(both));
+    const std::string deck =
+        folder.write("both.deck", "mesh = both.msh\nboundary all = fixed\noutput = " + folder.path("results") + "\n");
+    const Outcome refused = almesh_with({deck, "surface=straighten"});
+    CHECK(refused.code == 2);
+    CAPTURE(refused.out);
+    CHECK(has(refused.error, "try a finer mesh there: its faces cannot be flat"));
+    const Outcome in_region = fair.run({"boundary inner=fixed", "surface=straighten", "region=folded"});
+    CHECK(in_region.code == 1);
+    CHECK(has(in_region.error, "surface = straighten does not go with region = folded"));
 }

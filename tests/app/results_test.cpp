@@ -115,6 +115,8 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "released_nodes",
                                            "largest_slide",
                                            "surface_distance",
+                                           "straight_faces",
+                                           "straightening_distance",
                                            "refined_elements",
                                            "min_scaled_jacobian",
                                            "invalid_elements",

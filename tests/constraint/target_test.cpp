@@ -154,3 +154,69 @@ TEST_CASE("motions of the wrong dimension are refused") {
     CHECK(has(error_of(ring_mesh(8, 2, 3), {{"inner", "translate 8 0 0"}}), "usage: "));
     CHECK(has(error_of(cube_mesh(1), {{"top", "circle 0 0 1"}}), "usage: "));
 }
+
+TEST_CASE("flat faces: their nodes between the vertices, faces beside them follow, all others keep their bits") {
+    for (const int degree : {2, 3, 4})
+        for (const Mesh& linear : {square_mesh(4), cube_mesh(2)}) {
+            Mesh mesh = raise_degree(linear, degree);
+            const int dim = mesh.dim, m = mesh.face_nodes();
+            // By a quadratic map, whose faces are all parabolic: in its middle each follows its edges exactly.
+            const std::vector<double> straight = mesh.x;
+            for (int i = 0; i < mesh.nodes(); ++i) {
+                double* const x = point(mesh.x, i, dim);
+                x[dim - 1] += 0.1 * x[0] * x[0] + 0.05 * x[dim - 2] * (1 - x[0]);
+            }
+            const BoundaryTarget curved = target_of(mesh, {});
+            BoundaryTarget target = curved;
+            std::vector<char> chosen(mesh.face_count(), 0);
+            for (int f = 0; f < mesh.face_count(); f += 3) chosen[f] = 1;
+            make_straight(mesh, chosen, target);
+            CHECK(target.straight == chosen);
+            std::vector<char> flat(mesh.nodes(), 0);
+            for (int f = 0; f < mesh.face_count(); ++f)
+                for (int i = 0; i < m && chosen[f]; ++i) flat[mesh.face(f)[i]] = 1;
+            const LagrangeBasis basis(dim - 1, degree);
+            for (int f = 0; f < mesh.face_count(); ++f) {
+                bool touched = false;
+                for (int i = 0; i < m; ++i) {
+                    const double *const now = &target.node[(f * m + i) * dim], *const was =
+                                                                                   &curved.node[(f * m + i) * dim];
+                    touched = touched || (i >= dim && flat[mesh.face(f)[i]]);
+                    for (int a = 0; a < dim && flat[mesh.face(f)[i]]; ++a) {
+                        double mean = 0;
+                        for (int v = 0; v < dim; ++v)
+                            mean += basis.nodes[i][v] * curved.node[(f * m + v) * dim + a] / degree;
+                        CHECK(now[a] == doctest::Approx(mean).epsilon(1e-14).scale(1));
+                    }
+                    for (int a = 0; a < dim && i < dim; ++a) CHECK(now[a] == was[a]);
+                }
+                const int points = target.quadrature.count;
+                std::vector<double> N(m);
+                for (int q = 0; q < points; ++q) {
+                    basis.values(&target.quadrature.xi[q * (dim - 1)], N.data());
+                    for (int a = 0; a < dim; ++a) {
+                        double x = 0;
+                        for (int i = 0; i < m; ++i) x += N[i] * target.node[(f * m + i) * dim + a];
+                        CHECK(target.sample[(f * points + q) * dim + a] == doctest::Approx(x).epsilon(1e-13).scale(1));
+                        if (!touched)
+                            CHECK(target.sample[(f * points + q) * dim + a] ==
+                                  curved.sample[(f * points + q) * dim + a]);
+                    }
+                }
+            }
+            // All others too, one after the other: what follows its three flat edges is flat.
+            BoundaryTarget around = curved;
+            std::vector<char> all_but_one(mesh.face_count(), 1);
+            all_but_one[0] = 0;
+            make_straight(mesh, all_but_one, around);
+            for (int i = 0; i < m && dim == 3; ++i)
+                for (int a = 0; a < dim; ++a) {
+                    double mean = 0;
+                    for (int v = 0; v < dim; ++v) mean += basis.nodes[i][v] * curved.node[v * dim + a] / degree;
+                    CHECK(around.node[i * dim + a] == doctest::Approx(mean).epsilon(1e-13).scale(1));
+                }
+            const std::vector<double> once = around.node;
+            make_straight(mesh, std::vector<char>(mesh.face_count(), 0), around);
+            CHECK(around.node == once);
+        }
+}

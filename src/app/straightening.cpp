@@ -1,0 +1,100 @@
+#include "app/straightening.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr int most_al_iterations = 3, most_newton_steps = 20;  // where more are needed faces hold it up
+constexpr double of_largest_error = 0.1;  // a node that is so far from its target holds up the others
+constexpr double jammed = 20;             // eta of an element that does
+
+// Vertices of the boundary where the run has not come to an end.
+std::vector<char> held_up(const Problem& problem, const Solution& solution, const Certificate& certificate,
+                          const Injectivity& injectivity) {
+    const Mesh& mesh = problem.mesh();
+    const Constraint& constraint = *problem.level->constraint;
+    std::vector<char> at(mesh.nodes(), 0);
+    const auto choose_element = [&](int e) {
+        for (int i = 0; i < mesh.element_nodes(); ++i) at[mesh.element(e)[i]] = 1;
+    };
+    for (const int e : certificate.uncertified) choose_element(e);
+    if (injectivity.node >= 0) at[injectivity.node] = 1;
+    if (injectivity.face >= 0) choose_element(mesh.face_element[injectivity.face]);
+    if (solution.al.status == AlStatus::converged) return at;
+    const std::vector<double>& eta = solution.al.distortion.element_max;
+    for (int e = 0; e < mesh.element_count(); ++e)
+        if (!(eta[e] < jammed)) choose_element(e);
+    const std::vector<double> error = constraint.relative_errors(solution.x);
+    const double largest = error.empty() ? 0 : *std::max_element(error.begin(), error.end());
+    for (std::size_t k = 0; k < error.size(); ++k)
+        if (largest > 0 && error[k] >= of_largest_error * largest) at[constraint.nodes()[k]] = 1;
+    return at;
+}
+
+// Faces with a node that is chosen and is not flat yet, those beside the flat ones where there is none, else all.
+std::vector<char> more_faces(const Mesh& mesh, const BoundaryTarget& target, std::vector<char> node) {
+    std::vector<char> flat = target.straight;
+    flat.resize(mesh.face_count(), 0);
+    const auto faces = [&] {
+        std::vector<char> chosen(mesh.face_count(), 0);
+        for (int f = 0; f < mesh.face_count(); ++f)
+            chosen[f] = !flat[f] && target.hold_of_face(mesh, f) == BoundaryHold::prescribed &&
+                        std::any_of(mesh.face(f), mesh.face(f) + mesh.face_nodes(), [&](int i) { return node[i]; });
+        return chosen;
+    };
+    const auto are_some = [](const std::vector<char>& chosen) {
+        return std::count(chosen.begin(), chosen.end(), 1) > 0;
+    };
+    std::vector<char> chosen = faces();
+    if (are_some(chosen)) return chosen;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        for (int i = 0; i < mesh.dim && flat[f]; ++i) node[mesh.face(f)[i]] = 1;
+    chosen = faces();
+    if (are_some(chosen)) return chosen;
+    node.assign(mesh.nodes(), 1);
+    return faces();
+}
+
+}  // namespace
+
+Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
+    const Mesh& mesh = problem.mesh();
+    Deck impatient = deck;
+    impatient.method.max_iterations = std::min(deck.method.max_iterations, most_al_iterations);
+    impatient.method.max_newton_iterations = std::min(deck.method.max_newton_iterations, most_newton_steps);
+    if (deck.follow == Follow::automatic) impatient.follow = Follow::never;
+    for (;;) {
+        const auto flat = std::count(problem.target.straight.begin(), problem.target.straight.end(), 1);
+        const bool all = mesh.degree == 1 || flat == mesh.face_count();
+        Solution solution = solve(all ? deck : impatient, problem);
+        if (all || solution.al.status == AlStatus::interrupted) return solution;
+        const Certificate certificate = certify(mesh, solution.x, deck.certificate);
+        const Injectivity injectivity = certify_injective(mesh, solution.x, certificate);
+        if (solution.al.status == AlStatus::converged && injectivity.certified) return solution;
+        const std::vector<char> chosen =
+            more_faces(mesh, problem.target, held_up(problem, solution, certificate, injectivity));
+        const auto more = std::count(chosen.begin(), chosen.end(), 1);
+        if (more == 0) return solution;
+        std::fprintf(out, "%s made flat, beside %d that are: %s\n", counted(more, "face").c_str(),
+                     static_cast<int>(flat),
+                     injectivity.certified ? to_string(solution.al.status) : "no valid mesh yet");
+        straighten_target(deck, chosen, problem);
+    }
+}
+
+double straightening_distance(const Problem& problem) {
+    const int dim = problem.mesh().dim;
+    double largest = 0;
+    for (std::size_t k = 0; k < problem.curved_target.size(); k += dim) {
+        double squared = 0;
+        for (int a = 0; a < dim; ++a) squared += std::pow(problem.node_target[k + a] - problem.curved_target[k + a], 2);
+        largest = std::max(largest, std::sqrt(squared));
+    }
+    return largest;
+}
+
+}  // namespace almesh
