@@ -52,7 +52,7 @@ endif
 PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import numpy, matplotlib' 2>/dev/null && echo $(p))) python3)
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cholmod paper gauntlet defaults run-fast-tests matrix reproduce mutants \
+.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-examples cholmod paper gauntlet defaults run-fast-tests matrix reproduce mutants \
         figures meshes lessons check-lessons animation clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -198,6 +198,9 @@ gauntlet: almesh ## run the decks of large motions, inputs/gauntlet/, and compar
 
 compare-gmsh: almesh ## mend curved CAD meshes, beside gmsh's optimisers (python3-gmsh, numpy): outputs/compare-gmsh/table.md
 	$(PYTHON) plot/compare_gmsh.py
+
+cad-examples: almesh ## mend coarse meshes of the solids that OpenCASCADE and gmsh ship (python3-gmsh, occt-misc): outputs/cad-examples/table.md
+	$(PYTHON) plot/cad_examples.py
 
 defaults: almesh ## the table behind the defaults of objective and weight: outputs/defaults/table.md
 	$(PYTHON) plot/defaults.py

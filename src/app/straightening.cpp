@@ -74,7 +74,11 @@ Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& so
         if (all || solution.al.status == AlStatus::interrupted) return solution;
         const Certificate certificate = certify(mesh, solution.x, deck.certificate);
         const Injectivity injectivity = certify_injective(mesh, solution.x, certificate);
-        if (solution.al.status == AlStatus::converged && injectivity.certified) return solution;
+        const bool converged = solution.al.status == AlStatus::converged;
+        if (converged && injectivity.certified) return solution;
+        // With the boundary in its place and the mesh certified it was a limit that ended the run, no face.
+        const bool in_place = problem.level->constraint->relative_error(solution.x) <= deck.method.wall_tolerance;
+        if (in_place && injectivity.certified) return solve(deck, problem);
         const std::vector<char> chosen =
             more_faces(mesh, problem.target, held_up(problem, solution, certificate, injectivity));
         const auto more = std::count(chosen.begin(), chosen.end(), 1);

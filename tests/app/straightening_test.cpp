@@ -2,24 +2,51 @@
 
 #include <doctest/doctest.h>
 
+#include <map>
+#include <string>
+#include <vector>
+
 #include "support/program.hpp"
 
 using namespace almesh;
 using namespace almesh::test;
 
-TEST_CASE("faces that hold up the run are made flat too, until a mesh is certified") {
+namespace {
+
+std::map<std::string, std::string> straightened(const std::string& deck, const std::vector<std::string>& settings,
+                                                std::string& out) {
     const TemporaryFolder folder;
-    const Outcome outcome =
-        almesh_with({"inputs/cad/torus.deck", "surface=straighten", "vtk=none", "output=" + folder.path("torus")});
-    CHECK(outcome.code == 0);
-    CHECK(has(outcome.out, "8 faces there are made flat:"));
-    CHECK(has(outcome.out, " faces made flat, beside 8 that are: "));
-    const auto summary = summary_of(folder.path("torus"));
+    std::vector<std::string> arguments = {deck, "surface=straighten", "vtk=none", "output=" + folder.path("results")};
+    arguments.insert(arguments.end(), settings.begin(), settings.end());
+    const Outcome outcome = almesh_with(arguments);
+    CAPTURE(outcome.error);
+    CHECK((outcome.code == 0 || outcome.code == 5));  // 5: the deck expects the worst eta of sliding nodes
+    CHECK(almesh_with({"quality", folder.path("results/final.msh")}).code == 0);
+    out = outcome.out;
+    return summary_of(folder.path("results"));
+}
+
+}  // namespace
+
+TEST_CASE("a folded CAD surface with flat faces where it is folded, and no others where a run is only cut short") {
+    std::string out;
+    const auto summary = straightened("inputs/cad/torus.deck", {}, out);
+    CHECK(has(out, "8 faces there are made flat:"));
+    CHECK(has(out, "8 faces of 314 made flat, nodes by at most 0.0"));
+    CHECK(summary.at("status") == "converged");
     CHECK(summary.at("certified_injective") == "yes");
-    CHECK(std::stoi(summary.at("straight_faces")) > 8);
-    CHECK(std::stoi(summary.at("straight_faces")) < 314 / 2);
+    CHECK(summary.at("straight_faces") == "8");
     CHECK(summary.at("nodes_off_target") == "0");
     CHECK(std::stod(summary.at("straightening_distance")) > 0);
-    CHECK(std::stod(summary.at("straightening_distance")) < 0.1);
-    CHECK(almesh_with({"quality", folder.path("torus/final.msh")}).code == 0);
+    CHECK(std::stod(summary.at("straightening_distance")) < 0.06);
+}
+
+TEST_CASE("faces that hold up the run are made flat too, until a mesh is certified") {
+    std::string out;
+    const auto summary = straightened("inputs/cad/torus.deck", {"max_newton_iterations=1"}, out);
+    CHECK(has(out, " faces made flat, beside 8 that are: "));
+    CHECK(summary.at("status") == "converged");
+    CHECK(summary.at("certified_injective") == "yes");
+    CHECK(std::stoi(summary.at("straight_faces")) > 8);
+    CHECK(summary.at("nodes_off_target") == "0");
 }
