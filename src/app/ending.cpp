@@ -101,6 +101,13 @@ std::string description(const Problem& problem, const Solution& solution) {
     return "";
 }
 
+// Against a folded surface along which nodes do not find their way.
+void add_against_sliding(const Deck& deck, const Problem& problem, std::vector<std::string>& to_try) {
+    if (problem.target.released.empty()) return;
+    to_try.push_back(concat("surface = straighten", deck.region == Region::folded ? " without region = folded" : "",
+                            ", with which faces are flat where nodes now slide"));
+}
+
 // Against a target that is too far: what the run has not done yet.
 void add_against_distance(const Deck& deck, const Problem& problem, const Solution& solution,
                           std::vector<std::string>& to_try) {
@@ -111,8 +118,7 @@ void add_against_distance(const Deck& deck, const Problem& problem, const Soluti
     if (fixed)
         to_try.push_back(concat("boundary ", problem.mesh().boundaries[at.boundary],
                                 " = slide or free, if its nodes need not stay in their places"));
-    if (!problem.target.released.empty())
-        to_try.push_back("surface = straighten, with which faces are flat where nodes now slide");
+    add_against_sliding(deck, problem, to_try);
     if (alpha > 0) to_try.push_back(alpha > 0.5 ? "weight_exponent = 0.5 or 0" : "weight_exponent = 0");
     if (followed(deck) == Follow::never) to_try.push_back("follow = always");
     if (solution.followed > 0)
@@ -158,13 +164,12 @@ void add_against_uncertified(const Deck& deck, const Problem& problem, const Sol
     else if (solution.certificate.undecided > 0)
         to_try.push_back(concat("certificate_bisections = ", 10 * std::max(1, deck.certificate.max_bisections)));
     else if (!problem.target.released.empty())
-        to_try.push_back(
-            "a finer mesh of the surface there, which its faces fold around, or surface = straighten, with "
-            "which they are flat there");
+        to_try.push_back("a finer mesh of the surface there, which its faces fold around");
     else if (!problem.target.prescribes_all())
         to_try.push_back("places for the boundary there, in place of slide or free");
     else
         to_try.push_back("another mesh file: the boundary of this one crosses itself");
+    add_against_sliding(deck, problem, to_try);
 }
 
 void print_obstacle(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
@@ -268,6 +273,7 @@ std::vector<std::string> remedies(const Deck& deck, const Problem& problem, cons
             to_try.push_back(deck.checkpoint > 0 && has_stepped(solution) ? "resume=1, which goes on from here"
                              : out_of_time() ? concat("max_seconds = ", 4 * deck.max_seconds)
                                              : "it again: a run starts from the mesh file");
+            add_against_sliding(deck, problem, to_try);
             break;
         case AlStatus::linear_solver_failed: add_against_solver(deck, solution, to_try); break;
         case AlStatus::inverted:

@@ -111,14 +111,14 @@ double bound_of_faults(const Deck& deck) {
 // Faces to be made flat against the faults, but for those that are: those at fault and those of elements at fault;
 // where all of these are, those beside them.
 std::vector<char> faces_at_fault(const Mesh& mesh, const TargetFaults& faults, const std::vector<char>& straight) {
-    std::vector<char> chosen(mesh.face_count(), 0), vertex(mesh.nodes(), 0);
+    std::vector<char> chosen(mesh.face_count(), 0), vertex(mesh.nodes(), 0), at_fault(mesh.element_count(), 0);
     for (const TargetReport::Fault& fault : faults.faces.faults) chosen[fault.face] = 1;
     for (const auto& [f, g] : faults.faces.crossing) chosen[f] = chosen[g] = 1;
-    for (int f = 0; f < mesh.face_count(); ++f)
-        for (const DeterminedElement& fault : faults.elements)
-            if (mesh.face_element[f] == fault.element) chosen[f] = 1;
-    for (const DeterminedElement& fault : faults.elements)
+    for (const DeterminedElement& fault : faults.elements) {
+        at_fault[fault.element] = 1;
         for (int i = 0; i <= mesh.dim; ++i) vertex[mesh.element(fault.element)[i]] = 1;
+    }
+    for (int f = 0; f < mesh.face_count(); ++f) chosen[f] = chosen[f] || at_fault[mesh.face_element[f]];
     const auto leave_out_straight = [&] {
         for (std::size_t f = 0; f < straight.size(); ++f) chosen[f] = chosen[f] && !straight[f];
         return std::count(chosen.begin(), chosen.end(), 1) > 0;

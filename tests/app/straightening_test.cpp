@@ -50,3 +50,15 @@ TEST_CASE("faces that hold up the run are made flat too, until a mesh is certifi
     CHECK(std::stoi(summary.at("straight_faces")) > 8);
     CHECK(summary.at("nodes_off_target") == "0");
 }
+
+TEST_CASE("a run whose sliding nodes do not find their way names the way out") {
+    const TemporaryFolder folder;
+    for (const std::string region : {"all", "folded"}) {
+        const Outcome outcome =
+            almesh_with({"inputs/cad/torus.deck", "max_newton_iterations=1", "follow=never", "vtk=none",
+                         "region=" + region, "output=" + folder.path("results")});
+        CHECK(outcome.code == 3);
+        CHECK(has(outcome.out, region == "all" ? "surface = straighten, with which faces are flat where nodes now slide"
+                                               : "surface = straighten without region = folded, with which "));
+    }
+}
