@@ -24,7 +24,7 @@ ROOT = runs.OUTPUTS.parent
 FOLDER = runs.OUTPUTS / "cad-examples"
 OPENCASCADE = Path("/usr/share/opencascade/data")
 GMSH = Path("/usr/share/doc/gmsh-doc/doc/gmsh/demos")
-LIMIT = 60
+LIMIT = 30
 MESHING = 100  # seconds
 EDGES = 12     # along the diagonal of the bounding box
 SETTINGS = {"region = folded": ["region=folded"], "surface = straighten": ["surface=straighten"]}

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
 #include "base/text.hpp"
 
 namespace almesh {
 namespace {
 
-constexpr int most_al_iterations = 3, most_newton_steps = 20;  // where more are needed faces hold it up
+constexpr int most_al_iterations = 6, most_newton_steps = 20;  // where more are needed faces hold it up
 constexpr double of_largest_error = 0.1;  // a node that is so far from its target holds up the others
 constexpr double jammed = 20;             // eta of an element that does
 
@@ -83,10 +84,20 @@ Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& so
             more_faces(mesh, problem.target, held_up(problem, solution, certificate, injectivity));
         const auto more = std::count(chosen.begin(), chosen.end(), 1);
         if (more == 0) return solution;
-        std::fprintf(out, "%s made flat, beside %d that are: %s\n", counted(more, "face").c_str(),
+        std::fprintf(out, "%s to be made flat, beside %d that are: %s\n", counted(more, "face").c_str(),
                      static_cast<int>(flat),
                      injectivity.certified ? to_string(solution.al.status) : "no valid mesh yet");
-        straighten_target(deck, chosen, problem);
+        const BoundaryTarget target = problem.target;
+        const std::vector<double> node_target = problem.node_target, curved_target = problem.curved_target;
+        try {
+            straighten_target(deck, chosen, problem);
+        } catch (const InputError& error) {  // flat they would cross: with the target as it was until the deck's limits
+            std::fprintf(out, "they stay as they are: %s\n", error.what());
+            problem.target = target;
+            problem.node_target = node_target;
+            problem.curved_target = curved_target;
+            return solve(deck, problem);
+        }
     }
 }
 
