@@ -20,9 +20,9 @@ struct CertificateParams {
 };
 
 struct Certificate {
-    double min_scaled_jacobian;       // certified lower bound over all elements
-    bool valid;                       // every element is certified valid: det J > 0 everywhere
-    int undecided;                    // elements proved neither valid nor invalid
+    double min_scaled_jacobian = 0;   // certified lower bound over all elements
+    bool valid = false;               // every element is certified valid: det J > 0 everywhere
+    int undecided = 0;                // elements proved neither valid nor invalid
     std::vector<int> uncertified;     // elements that are invalid or undecided, lowest bound first
     std::vector<double> lower_bound;  // per element; 0 where its vertices span no volume or x is not finite
 };
