@@ -8,8 +8,8 @@
 namespace almesh {
 
 // Solves the problem, whose target folds nothing by itself; while that does not end in a certified mesh, with the faces
-// flat that hold it up and those beside them, from the ideal mesh again. At the latest with all faces flat the mesh is
-// as valid as the ideal mesh, moved. Returns the last solution.
+// flat that hold it up and those beside them, from the ideal mesh again: at most all faces. Where those cannot be flat
+// the target stays as it is, and the deck's own limits end the run. Returns the last solution.
 Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out);
 
 // The largest distance of a node of the target from where it was before faces were made flat, in units of the file.

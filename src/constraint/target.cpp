@@ -42,6 +42,13 @@ double face_size(const Mesh& mesh, int f) {
     return longest;
 }
 
+// Of the basis functions at the points of the rule: points x nodes.
+std::vector<double> values_at(const LagrangeBasis& basis, const Quadrature& rule) {
+    std::vector<double> N(offset(rule.count, basis.count));
+    for (int q = 0; q < rule.count; ++q) basis.values(&rule.xi[q * basis.dim], &N[offset(q, basis.count)]);
+    return N;
+}
+
 // Of a face's node, given by its multi-index: the mean of the vertices by its barycentric coordinates.
 double on_flat_face(const double* vertices, const MultiIndex& node, int degree, int dim, int a) {
     double position = 0;
@@ -100,8 +107,7 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, 
     // Exact for N_i N_j. A g_D beyond the trace space needs far more to be integrated to rounding on a fair mesh.
     target.quadrature = simplex_quadrature(dim - 1, 2 * mesh.degree + (target.in_trace_space ? 0 : 10));
     const int points = target.quadrature.count;
-    std::vector<double> N(offset(points, m));
-    for (int q = 0; q < points; ++q) basis.values(&target.quadrature.xi[q * (dim - 1)], &N[offset(q, m)]);
+    const std::vector<double> N = values_at(basis, target.quadrature);
 
     target.node.resize(mesh.faces.size() * dim);
     target.sample.resize(offset(mesh.face_count(), points * dim));
@@ -153,8 +159,7 @@ void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTa
         }
     }
     const int points = target.quadrature.count;
-    std::vector<double> N(offset(points, m));
-    for (int q = 0; q < points; ++q) basis.values(&target.quadrature.xi[q * (dim - 1)], &N[offset(q, m)]);
+    const std::vector<double> N = values_at(basis, target.quadrature);
     for (int f = 0; f < mesh.face_count(); ++f) {
         const int* const node = mesh.face(f);
         if (std::none_of(node + dim, node + m, [&](int i) { return moves[i]; })) continue;
