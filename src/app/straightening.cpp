@@ -67,7 +67,9 @@ Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& so
     Deck impatient = deck;
     impatient.method.max_iterations = std::min(deck.method.max_iterations, most_al_iterations);
     impatient.method.max_newton_iterations = std::min(deck.method.max_newton_iterations, most_newton_steps);
-    if (deck.follow == Follow::automatic) impatient.follow = Follow::never;
+    const auto turns_far = [](const DeckBoundary& boundary) { return turn(boundary.motion) > 90; };
+    const bool turns = std::any_of(deck.boundaries.begin(), deck.boundaries.end(), turns_far);
+    if (deck.follow == Follow::automatic && !turns) impatient.follow = Follow::never;
     for (;;) {
         const auto flat = std::count(problem.target.straight.begin(), problem.target.straight.end(), 1);
         const bool all = mesh.degree == 1 || flat == mesh.face_count();
@@ -83,7 +85,7 @@ Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& so
         const std::vector<char> chosen =
             more_faces(mesh, problem.target, held_up(problem, solution, certificate, injectivity));
         const auto more = std::count(chosen.begin(), chosen.end(), 1);
-        if (more == 0) return solution;
+        if (more == 0) return solve(deck, problem);
         std::fprintf(out, "%s to be made flat, beside %d that are: %s\n", counted(more, "face").c_str(),
                      static_cast<int>(flat),
                      injectivity.certified ? to_string(solution.al.status) : "no valid mesh yet");

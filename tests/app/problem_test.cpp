@@ -163,6 +163,12 @@ TEST_CASE("surface = straighten makes the folded face flat; all others keep thei
     }
 }
 
+TEST_CASE("surface = straighten with a large turn: no face is blamed for it") {
+    const RingDeck ring(round_ring(0.8));
+    CHECK(ring.run({"boundary inner=rotate 180 about 0 0", "surface=straighten"}).code == 0);
+    CHECK(summary_of(ring.output).at("straight_faces") == "1");
+}
+
 TEST_CASE("surface = straighten does nothing to a target that folds nothing, and is refused where flat faces fail") {
     const RingDeck fair(round_ring(0));
     REQUIRE(fair.run({"boundary inner=translate 0.25 0", "surface=straighten"}).code == 0);
