@@ -31,7 +31,7 @@ AlIteration measure(const AugmentedFunctional& E, const std::vector<double>& x, 
 }
 
 // cold: without multipliers, from the ideal mesh.
-NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule& s, bool cold,
+NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule& s, bool cold, bool from_coarser,
                         const DistortionEnergy& distortion) {
     constexpr double useless_distortion = 20;  // meshes with that everywhere are of no use to anyone
     NewtonParams newton;
@@ -41,6 +41,7 @@ NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule&
     newton.max_iterations = params.max_newton_iterations;
     newton.first = HessianKind::full;
     newton.cold_start = cold;
+    newton.from_coarser = from_coarser;
     if (cold && s.tests_reach) newton.reach.largest_energy = distortion.uniform(useless_distortion);
     return newton;
 }
@@ -138,7 +139,8 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
     observe();
     // The gradient of E is known from the first subproblem on only: row 0 does not end the loop.
     while (rows.size() == 1 || !s->ends(constrained(), stationary())) {                   //  7
-        const NewtonParams wanted = subproblem(params, *s, rows.size() == 1 && start.lambda.empty(), distortion);
+        const bool cold = rows.size() == 1 && start.lambda.empty();
+        const NewtonParams wanted = subproblem(params, *s, cold, start.from_coarser, distortion);
         E.penalty = s->penalty();
         const NewtonResult solved = newton.minimise(E, wanted, x, observe_step);          //  8
         add_counts(solved, result);

@@ -64,6 +64,7 @@ struct AlObserver {
 struct AlStart {
     std::vector<double> lambda;  // empty: zero
     double mu = 0;               // in units of |1|^2; 0: that of the schedule
+    bool from_coarser = false;   // whether x is the solution of a coarser mesh or a lower degree, interpolated
 };
 
 // The row of the mesh at x, nothing minimised yet.

@@ -16,7 +16,7 @@ double square(double v) { return v * v; }
 constexpr double penalty_growth = 100, largest_start_penalty = 1e7;  // from mesh to mesh; in units of |1|^2
 constexpr double nearer = 0.5;  // than the ideal mesh to the target: else what is left is to curve the boundary
 constexpr int few_steps = 20;  // on a level that is worth little
-constexpr double of_gradient = 0.003;  // tolerance on coarser meshes: a step there is cheaper than one more here
+constexpr double of_gradient = 0.0001;  // tolerance on coarser meshes: a step there is cheaper than one more here
 
 // A field on the nodes of the constraint, zero at all others.
 std::vector<double> extended(const std::vector<double>& of_constraint, const Level& level) {
@@ -91,6 +91,7 @@ AlStart start_from(const CoarseSolution& coarse, const Level& level, std::vector
         return {};
     }
     AlStart start;
+    start.from_coarser = true;
     start.mu = std::max(coarse.mu, std::min(penalty_growth * coarse.mu, largest_start_penalty));
     const std::vector<double> multipliers = carried(coarse.multipliers);
     const double scale = coarse.level->constraint->norm_of_one() / level.constraint->norm_of_one();

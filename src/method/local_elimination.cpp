@@ -96,6 +96,7 @@ constexpr int most_steps = 30;
 constexpr double local_tolerance = 1e-4;  // relative residual of iterative solvers
 constexpr double worthwhile = 0.01;       // decrease of a local step, in units of that of the Newton step before
 constexpr double part_of_gain = 1e-3;     // and of all local steps so far: less is not worth another
+constexpr double much_alone = 0.1;        // of what a Newton step gained, that nodes could reach alone
 
 // Decrease of E that each node could reach alone.
 std::vector<double> reachable_decrease(const BlockCsr& H, const std::vector<double>& g) {
@@ -174,6 +175,11 @@ int minimise_locally(LocalFunctional& E, double least_gain, std::vector<double>&
 }
 
 }  // namespace
+
+bool LocalElimination::holds_up(const BlockCsr& H, const std::vector<double>& g, double gained) {
+    const std::vector<double> decrease = reachable_decrease(H, g);
+    return std::accumulate(decrease.begin(), decrease.end(), 0.0) > much_alone * gained;
+}
 
 LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& E, const BlockCsr& H,
                                                      const std::vector<double>& g, double gained,

@@ -11,7 +11,9 @@
 // the Hessian, |g_i|^2 / (2 h_i), h_i = trace of H_ii / dim, until they make up nine tenths of the sum over all nodes
 // or a hundredth of the nodes; with two layers of neighbours, so that they have room to move.
 //
-// When: from the eleventh step of a subproblem on, and in all subproblems after it.
+// When: after the eleventh step of a subproblem and all steps from there on, in later subproblems too. A minimisation
+// that starts from the solution of a coarser mesh or of a lower degree has little but such places left to solve: there
+// also after every earlier step that gained less than ten times what all nodes could reach alone.
 #pragma once
 #include <memory>
 #include <vector>
@@ -69,11 +71,13 @@ public:
     bool is_active() const { return active_; }
     void set_active(bool active) { active_ = active; }
 
-    // Whether step `iteration` (1, 2, ...) of a subproblem is followed by one.
+    // Whether step `iteration` (1, 2, ...) of a subproblem is followed by one wherever it started.
     bool after_step(int iteration) {
         active_ = active_ || iteration > steps_without;
         return active_;
     }
+    // Whether a step of a minimisation that started from a coarser mesh is; arguments as for eliminate().
+    static bool holds_up(const BlockCsr& H, const std::vector<double>& g, double gained);
 
     // x, energy: a valid mesh and E(x), on return not greater. g: grad E(x). H: a Hessian of E near x; only its
     // diagonal and its pattern count. gained: decrease of E by the Newton step before.

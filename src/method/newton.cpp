@@ -64,7 +64,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         } while (found.step_length == 0 && weaken(step.hessian));
         if (found.step_length == 0 && refine_quadrature(E, x, at)) continue;
         if (found.step_length == 0) return end(NewtonStatus::line_search_failed);
-        if (!found.by_rounding) eliminate_locally(E, before.energy - at.energy, x, at, step);
+        if (!found.by_rounding) eliminate_locally(E, params.from_coarser, before.energy - at.energy, x, at, step);
         at.gradient_norm = gradient(E, x);                                                        // g = grad E(x)
         accept(step.reached(at.energy, at.gradient_norm), observe);
         if (observe_iterate_) observe_iterate_(accepted_steps_, x);
@@ -197,11 +197,13 @@ LineSearchResult Newton::search(const AugmentedFunctional& E, std::vector<double
     return found;
 }
 
-void Newton::eliminate_locally(const AugmentedFunctional& E, double gained, std::vector<double>& x, NewtonResult& at,
-                               NewtonStep& step) {
-    if (!elimination_.after_step(step.iteration)) return;
+void Newton::eliminate_locally(const AugmentedFunctional& E, bool from_coarser, double gained, std::vector<double>& x,
+                               NewtonResult& at, NewtonStep& step) {
+    const bool always = elimination_.after_step(step.iteration);
+    if (!always && !from_coarser) return;
     const TimeAdder adder(time.elimination);
     E.gradient(x, g_);
+    if (!always && !elimination_.holds_up(H_, g_, gained)) return;
     step.local = elimination_.eliminate(E, H_, g_, gained, x, at.energy);
     at.local_steps += step.local.steps;
 }

@@ -53,6 +53,7 @@ struct NewtonParams {
     OutOfReach reach;  // only for E without multipliers
     HessianKind first = HessianKind::projected;  // of the first step
     bool cold_start = false;  // nothing is known: damping and local elimination begin anew, the first step is damping's
+    bool from_coarser = false;  // x was interpolated from the solution of a coarser mesh or of a lower degree
 };
 
 // One row of the history: the step that led from one iterate to the next.
@@ -136,8 +137,8 @@ private:
     double gradient(const AugmentedFunctional& E, const std::vector<double>& x);
     bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step);
     LineSearchResult search(const AugmentedFunctional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step);
-    void eliminate_locally(const AugmentedFunctional& E, double gained, std::vector<double>& x, NewtonResult& at,
-                           NewtonStep& step);
+    void eliminate_locally(const AugmentedFunctional& E, bool from_coarser, double gained, std::vector<double>& x,
+                           NewtonResult& at, NewtonStep& step);
 };
 
 }  // namespace almesh

@@ -86,9 +86,12 @@ TEST_CASE("without a coarse solution, or with one that inverts an element, the s
         CHECK(x == fine.ideal);
         CHECK(start.lambda.empty());
         CHECK(start.mu == 0);
+        CHECK_FALSE(start.from_coarser);
     }
     std::vector<double> x;
-    CHECK(!start_from(solution_of(coarse, coarse.ideal, lambda), fine.level, x).lambda.empty());
+    const AlStart start = start_from(solution_of(coarse, coarse.ideal, lambda), fine.level, x);
+    CHECK(!start.lambda.empty());
+    CHECK(start.from_coarser);
 }
 
 TEST_CASE("the penalty carried over has a limit, but never falls") {

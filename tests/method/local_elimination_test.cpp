@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -161,4 +162,35 @@ TEST_CASE("local minimisations begin after the eleventh step of a subproblem, an
         CHECK(elimination.after_step(1));  // of the next subproblem
         elimination.reset();
     }
+}
+
+// Disturbed so that what is left to gain is around one node.
+TEST_CASE("from a coarser mesh nodes are relaxed from the first step on, as long as a step gains less than ten times as much") {
+    Disturbed at(cube_mesh(6), 0.12);
+    const auto steps_from = [&](bool from_coarser, double push) {
+        std::vector<double> x = at.minimum;
+        x[at.node * 3] += push;
+        std::vector<int> nodes;
+        Newton newton(at.problem.distortion.hessian_pattern(), {});
+        const NewtonParams params{.omega = 1e-9, .reach = {}, .first = HessianKind::full, .from_coarser = from_coarser};
+        newton.minimise(at.E, params, x, [&](const NewtonStep& step) { nodes.push_back(step.local.nodes); });
+        return nodes;
+    };
+    for (const int nodes : steps_from(false, 0.12)) CHECK(nodes == 0);
+    const std::vector<int> relaxed = steps_from(true, 0.12);
+    CHECK(*std::max_element(relaxed.begin(), relaxed.end()) > 0);
+    CHECK(relaxed.size() < steps_from(false, 0.12).size());
+    for (const int nodes : steps_from(true, 1e-6)) CHECK(nodes == 0);  // quadratic convergence
+}
+
+TEST_CASE("nodes hold up a step that gained less than ten times what they could reach alone") {
+    const Disturbed at;
+    double alone = 0;  // sum over nodes of |g_i|^2 / (2 h_i)
+    for (int i = 0; i < at.H.n; ++i) {
+        const double* const block = at.H.block(at.H.find(i, i));
+        const double h = (block[0] + block[4] + block[8]) / 3;
+        for (int a = 0; a < 3; ++a) alone += at.g[3 * i + a] * at.g[3 * i + a] / (2 * h);
+    }
+    CHECK(LocalElimination::holds_up(at.H, at.g, 9.9 * alone));
+    CHECK_FALSE(LocalElimination::holds_up(at.H, at.g, 10.1 * alone));
 }
