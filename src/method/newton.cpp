@@ -64,8 +64,10 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         } while (found.step_length == 0 && weaken(step.hessian));
         if (found.step_length == 0 && refine_quadrature(E, x, at)) continue;
         if (found.step_length == 0) return end(NewtonStatus::line_search_failed);
-        if (!found.by_rounding) eliminate_locally(E, params.from_coarser, before.energy - at.energy, x, at, step);
         at.gradient_norm = gradient(E, x);                                                        // g = grad E(x)
+        const double gained = before.energy - at.energy;
+        if (!found.by_rounding && eliminate_locally(E, params.from_coarser, gained, x, at, step))
+            at.gradient_norm = gradient(E, x);
         accept(step.reached(at.energy, at.gradient_norm), observe);
         if (observe_iterate_) observe_iterate_(accepted_steps_, x);
         if (futile_steps_ == most_futile_steps) return end(NewtonStatus::line_search_failed);
@@ -197,15 +199,15 @@ LineSearchResult Newton::search(const AugmentedFunctional& E, std::vector<double
     return found;
 }
 
-void Newton::eliminate_locally(const AugmentedFunctional& E, bool from_coarser, double gained, std::vector<double>& x,
+// Whether x is another. g_: grad E(x).
+bool Newton::eliminate_locally(const AugmentedFunctional& E, bool from_coarser, double gained, std::vector<double>& x,
                                NewtonResult& at, NewtonStep& step) {
-    const bool always = elimination_.after_step(step.iteration);
-    if (!always && !from_coarser) return;
     const TimeAdder adder(time.elimination);
-    E.gradient(x, g_);
-    if (!always && !elimination_.holds_up(H_, g_, gained)) return;
+    const bool always = elimination_.after_step(step.iteration);
+    if (!always && !(from_coarser && elimination_.holds_up(H_, g_, gained))) return false;
     step.local = elimination_.eliminate(E, H_, g_, gained, x, at.energy);
     at.local_steps += step.local.steps;
+    return step.local.steps > 0;
 }
 
 Newton::Newton(BlockCsr pattern, const LinearSolverParams& linear, Forcing forcing)

@@ -22,7 +22,7 @@ rules = {
     (2, 2): (0, 1, 0), (2, 4): (0, 2, 0), (2, 5): (1, 2, 0), (2, 6): (0, 2, 1), (2, 7): (0, 3, 1), (2, 8): (1, 3, 1),
     (2, 9): (1, 4, 1), (2, 10): (1, 2, 3), (2, 12): (0, 5, 3), (2, 13): (1, 6, 3),
     (3, 2): (0, 1, 0, 0, 0), (3, 3): (0, 2, 0, 0, 0), (3, 5): (0, 2, 1, 0, 0), (3, 6): (0, 3, 0, 1, 0),
-    (3, 7): (1, 1, 1, 2, 0), (3, 8): (0, 4, 1, 2, 0),
+    (3, 7): (1, 1, 1, 2, 0), (3, 8): (0, 4, 1, 2, 0), (3, 9): (1, 4, 1, 3, 0), (3, 10): (1, 2, 0, 6, 0),
 }
 patterns = {2: ("aaa", "aab", "abc"), 3: ("aaaa", "aaab", "aabb", "aabc", "abcd")}
 points_of = {"aaa": 1, "aab": 3, "abc": 6, "aaaa": 1, "aaab": 4, "aabb": 6, "aabc": 12, "abcd": 24}
@@ -140,8 +140,8 @@ class System:
                 unknowns, r, damping = trial, r_trial, damping * 0.2
                 if r @ r < 1e-26:
                     break
-            elif (damping := damping * 4) > 1e6:
-                return None
+            elif (damping := damping * 4) > 1e6:  # a local minimum, or as good as rounding lets it be
+                break
             if not -0.2 < self.points(unknowns).min():
                 return None
         if r @ r > 1e-22 or not self.good(unknowns):
