@@ -171,7 +171,11 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
         build.refuse(build.element(mesh.folded[0][1]), "lies on the same side of their common face as ",
                      name_of(build.element(mesh.folded[0][0])), ", the first of ",
                      counted(mesh.folded.size(), "such pair"),
-                     ": the mesh folds over itself; `almesh quality` tells where");
+                     mesh.degree == 1
+                         ? ": the mesh folds over itself; `almesh quality` tells where"
+                         : " without their curves: a run starts from the straight form of its mesh, which folds over "
+                           "itself here; `almesh quality` tells whether the curved one does. Where another run has "
+                           "made it, move the mesh that it started from");
     if (!mesh.folded.empty() && orientation == Orientation::of_vertices) return std::move(build.mesh);
     if (!turned.empty())
         notes.push_back(concat(counted(turned.size(), "element"),

@@ -144,6 +144,10 @@ TEST_CASE("quality takes curved elements as they are where their vertices alone 
     const Outcome outcome = almesh_with({"quality", folder.path("sheared.msh")});
     CHECK(has(outcome.out, "all elements certified valid"));
     CHECK(!has(outcome.out, "same side"));
+    const std::string deck = "mesh = sheared.msh\nboundary rest = fixed\noutput = " + folder.path("out") + "\n";
+    const Outcome run = almesh_with({folder.write("sheared.deck", deck)});
+    CHECK(run.code == 2);  // its ideal mesh would be the straight one
+    CHECK(has(run.error, "without their curves: a run starts from the straight form of its mesh, which folds"));
 }
 
 TEST_CASE("quality does not certify two elements on the same side of their common face, both positive in the file") {
