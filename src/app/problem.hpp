@@ -49,10 +49,6 @@ struct SurfacesOfWhole {
 Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes = {},
                      const SurfacesOfWhole& whole = {});
 
-// Makes the chosen faces of the target flat, and more until it folds nothing (key `surface`). chosen: per face. Throws
-// InputError where that does not help.
-void straighten_target(const Deck& deck, std::vector<char> chosen, Problem& problem);
-
 // Gives the level its energy and its constraint: the functional of Eq. 6. target: in the run's frame, placed:
 // in those of the file. The problem must outlive the level.
 void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,

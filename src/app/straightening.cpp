@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/folded_target.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 

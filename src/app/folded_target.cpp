@@ -1,0 +1,131 @@
+#include "app/folded_target.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+
+#include "app/problem.hpp"
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "check/released_nodes.hpp"
+
+namespace almesh {
+namespace {
+
+// "2 faces and 1 element"
+std::string counts_of(const TargetFaults& faults) {
+    const std::size_t faces = faults.faces.faults.size(), elements = faults.elements.size();
+    return (faces ? counted(faces, "face") : "") + (faces && elements ? " and " : "") +
+           (elements ? counted(elements, "element") : "");
+}
+
+void refuse(const Mesh& mesh, const TargetFaults& faults, const std::string& advice) {
+    const std::string message = faults.faces.faults.empty() ? "no valid mesh reaches the target: it folds "
+                                                            : "the target makes the boundary itself invalid at ";
+    throw InputError(message, counts_of(faults), ":", describe(mesh, faults), advice);
+}
+
+// What helps against elements all of whose vertices are on the boundary. Where two of its faces are, an element is in a
+// corner or along an edge, and so is one of those that it is split into.
+std::string against(const Mesh& mesh, const TargetFaults& faults, const Deck& deck, int file_degree) {
+    if (faults.elements.empty() || !faults.faces.faults.empty()) return "";
+    const bool stays = std::any_of(faults.elements.begin(), faults.elements.end(), [&](const DeterminedElement& fault) {
+        return std::count(mesh.face_element.begin(), mesh.face_element.end(), fault.element) > 1;
+    });
+    if (stays)
+        return "\ntry targets that do not fold them, or a mesh in which they are divided by a node inside (refine "
+               "leaves such an element there)";
+    const std::string refined = file_degree == 1 ? concat("refine = ", deck.refine + 1) : "a finer mesh";
+    return "\ntry " + refined + ", so that they are divided, or targets that do not fold them";
+}
+
+// Scaled Jacobian of elements that the target alone determines up to which they are faults.
+double bound_of_faults(const Deck& deck) {
+    constexpr double useless = 0.01;  // leaves no element of any use
+    if (deck.distortion.delta > 0) return -std::numeric_limits<double>::infinity();
+    return deck.surface == SurfaceKind::keep ? 0 : useless;
+}
+
+// Faces to be made flat against the faults, but for those that are: those at fault and those of elements at fault;
+// where all of these are, those beside them.
+std::vector<char> faces_at_fault(const Mesh& mesh, const TargetFaults& faults, const std::vector<char>& straight) {
+    std::vector<char> chosen(mesh.face_count(), 0), vertex(mesh.nodes(), 0), at_fault(mesh.element_count(), 0);
+    for (const TargetReport::Fault& fault : faults.faces.faults) chosen[fault.face] = 1;
+    for (const auto& [f, g] : faults.faces.crossing) chosen[f] = chosen[g] = 1;
+    for (const DeterminedElement& fault : faults.elements) {
+        at_fault[fault.element] = 1;
+        for (int i = 0; i <= mesh.dim; ++i) vertex[mesh.element(fault.element)[i]] = 1;
+    }
+    for (int f = 0; f < mesh.face_count(); ++f) chosen[f] = chosen[f] || at_fault[mesh.face_element[f]];
+    const auto leave_out_straight = [&] {
+        for (std::size_t f = 0; f < straight.size(); ++f) chosen[f] = chosen[f] && !straight[f];
+        return std::count(chosen.begin(), chosen.end(), 1) > 0;
+    };
+    for (int f = 0; f < mesh.face_count(); ++f)
+        for (int i = 0; i < mesh.dim && chosen[f]; ++i) vertex[mesh.face(f)[i]] = 1;
+    if (leave_out_straight()) return chosen;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        chosen[f] = std::any_of(mesh.face(f), mesh.face(f) + mesh.dim, [&](int i) { return vertex[i]; });
+    leave_out_straight();
+    return chosen;
+}
+
+}  // namespace
+
+void straighten_target(const Deck& deck, std::vector<char> chosen, Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    BoundaryTarget& target = problem.target;
+    const auto make_chosen_straight = [&] {
+        if (problem.curved_target.empty()) problem.curved_target = problem.node_target;
+        BoundaryTarget of_file = target;
+        of_file.node.swap(problem.node_target);
+        make_straight(mesh, chosen, of_file);
+        of_file.node.swap(problem.node_target);
+        make_straight(mesh, chosen, target);
+    };
+    const auto are_chosen = [&] { return std::count(chosen.begin(), chosen.end(), 1) > 0; };
+    for (;;) {
+        if (are_chosen()) make_chosen_straight();
+        const TargetFaults faults = find_faults(mesh, problem.ideal(), target, bound_of_faults(deck));
+        if (faults.none()) return;
+        chosen = faces_at_fault(mesh, faults, target.straight);
+        if (!are_chosen())
+            refuse(mesh, faults,
+                   target.straight.empty() ? against(mesh, faults, deck, problem.base.degree)
+                                           : "\ntry a finer mesh there: its faces cannot be flat");
+    }
+}
+
+void straighten_folded(const Deck& deck, Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    const TargetFaults faults = find_faults(mesh, problem.ideal(), problem.target, bound_of_faults(deck));
+    straighten_target(deck, std::vector<char>(mesh.face_count(), 0), problem);
+    if (faults.none()) return;
+    const auto flat = std::count(problem.target.straight.begin(), problem.target.straight.end(), 1);
+    problem.notes.push_back(concat("the target folds ", counts_of(faults), ", or leaves next to nothing of them; ",
+                                   counted(flat, "face"), flat == 1 ? " there is" : " there are",
+                                   " made flat:", describe(mesh, faults)));
+}
+
+void release_folded(const Deck& deck, Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    BoundaryTarget& target = problem.target;
+    const int file_degree = problem.base.degree;
+    const double bound = bound_of_faults(deck);
+    const TargetFaults faults = find_faults(mesh, problem.ideal(), target, bound);
+    if (faults.none()) return;
+    if (!faults.may_be_mended()) refuse(mesh, faults, against(mesh, faults, deck, file_degree));
+    if (deck.surface == SurfaceKind::keep)
+        refuse(mesh, faults,
+               "\ntry surface = auto, with which nodes slide along the surface there, or surface = "
+               "straighten, with which faces are flat there");
+    target.released = released_nodes(mesh, target, faults);
+    const TargetFaults left = find_faults(mesh, problem.ideal(), target, bound);
+    if (!left.none()) refuse(mesh, left, against(mesh, left, deck, file_degree));
+    const auto released = std::count(target.released.begin(), target.released.end(), 1);
+    problem.notes.push_back(concat("the target folds ", counts_of(faults), ", or leaves next to nothing of them; ",
+                                   counted(released, "node"), " around slide along the surface:",
+                                   describe(mesh, faults)));
+}
+
+}  // namespace almesh
