@@ -88,9 +88,10 @@ void LocalFunctional::hessian(const std::vector<double>& y, HessianKind kind, Bl
 namespace {
 
 constexpr double part_of_nodes = 0.01, part_of_decrease = 0.9;
-// Of the nodes with their neighbours at most: curved elements are dear; in 3D more than this is nearly the whole mesh.
-// With a fifth in 3D, plates turned against each other take three times the steps.
-constexpr double largest_curved_part = 0.1, largest_part[] = {1, 0.4};
+// Of the nodes with their neighbours at most: in 3D more than this is nearly the whole mesh. With a fifth, plates
+// turned against each other take three times the steps. From a coarser mesh less is left to do, and curved elements are
+// dear.
+constexpr double largest_part[] = {1, 0.4}, largest_dear_part[] = {0.1, 0.05};
 constexpr int layers = 2;
 constexpr int most_steps = 30;
 constexpr double local_tolerance = 1e-4;  // relative residual of iterative solvers
@@ -184,7 +185,8 @@ bool LocalElimination::holds_up(const BlockCsr& H, const std::vector<double>& g,
 LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& E, const BlockCsr& H,
                                                      const std::vector<double>& g, double gained,
                                                      std::vector<double>& x, double& energy) const {
-    const double most = E.distortion.is_curved() ? largest_curved_part : largest_part[H.d - 2];
+    const bool is_dear = E.distortion.is_curved() || (from_coarser_ && H.d == 3);
+    const double most = (is_dear ? largest_dear_part : largest_part)[H.d - 2];
     std::vector<char> chosen = choose_nodes(H, g, most);
     for (std::size_t i = 0; i < E.held.size(); ++i) chosen[i] = chosen[i] && !E.held[i];
     LocalFunctional local(E, x, chosen);

@@ -71,12 +71,14 @@ public:
     bool is_active() const { return active_; }
     void set_active(bool active) { active_ = active; }
 
-    // Whether step `iteration` (1, 2, ...) of a subproblem is followed by one wherever it started.
-    bool after_step(int iteration) {
+    // Whether x was interpolated from the solution of a coarser mesh or of a lower degree.
+    void set_from_coarser(bool from_coarser) { from_coarser_ = from_coarser; }
+
+    // Whether step `iteration` (1, 2, ...) of a subproblem is followed by one; H, g, gained: as for eliminate().
+    bool is_due(int iteration, const BlockCsr& H, const std::vector<double>& g, double gained) {
         active_ = active_ || iteration > steps_without;
-        return active_;
+        return active_ || (from_coarser_ && holds_up(H, g, gained));
     }
-    // Whether a step of a minimisation that started from a coarser mesh is; arguments as for eliminate().
     static bool holds_up(const BlockCsr& H, const std::vector<double>& g, double gained);
 
     // x, energy: a valid mesh and E(x), on return not greater. g: grad E(x). H: a Hessian of E near x; only its
@@ -86,7 +88,7 @@ public:
 
 private:
     static constexpr int steps_without = 10;
-    bool active_ = false;
+    bool active_ = false, from_coarser_ = false;
 };
 
 }  // namespace almesh

@@ -66,7 +66,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         if (found.step_length == 0) return end(NewtonStatus::line_search_failed);
         at.gradient_norm = gradient(E, x);                                                        // g = grad E(x)
         const double gained = before.energy - at.energy;
-        if (!found.by_rounding && eliminate_locally(E, params.from_coarser, gained, x, at, step))
+        if (!found.by_rounding && eliminate_locally(E, gained, x, at, step))
             at.gradient_norm = gradient(E, x);
         accept(step.reached(at.energy, at.gradient_norm), observe);
         if (observe_iterate_) observe_iterate_(accepted_steps_, x);
@@ -88,6 +88,7 @@ NewtonResult Newton::start(const AugmentedFunctional& E, const NewtonParams& par
         damping_.reset();
         elimination_.reset();
     }
+    elimination_.set_from_coarser(params.from_coarser);
     hessian_ = params.cold_start ? HessianKind::damping : params.first;
     forcing_.start();
     NewtonResult at;
@@ -200,11 +201,10 @@ LineSearchResult Newton::search(const AugmentedFunctional& E, std::vector<double
 }
 
 // Whether x is another. g_: grad E(x).
-bool Newton::eliminate_locally(const AugmentedFunctional& E, bool from_coarser, double gained, std::vector<double>& x,
-                               NewtonResult& at, NewtonStep& step) {
+bool Newton::eliminate_locally(const AugmentedFunctional& E, double gained, std::vector<double>& x, NewtonResult& at,
+                               NewtonStep& step) {
     const TimeAdder adder(time.elimination);
-    const bool always = elimination_.after_step(step.iteration);
-    if (!always && !(from_coarser && elimination_.holds_up(H_, g_, gained))) return false;
+    if (!elimination_.is_due(step.iteration, H_, g_, gained)) return false;
     step.local = elimination_.eliminate(E, H_, g_, gained, x, at.energy);
     at.local_steps += step.local.steps;
     return step.local.steps > 0;

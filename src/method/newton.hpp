@@ -137,8 +137,8 @@ private:
     double gradient(const AugmentedFunctional& E, const std::vector<double>& x);
     bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step);
     LineSearchResult search(const AugmentedFunctional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step);
-    bool eliminate_locally(const AugmentedFunctional& E, bool from_coarser, double gained, std::vector<double>& x,
-                           NewtonResult& at, NewtonStep& step);
+    bool eliminate_locally(const AugmentedFunctional& E, double gained, std::vector<double>& x, NewtonResult& at,
+                           NewtonStep& step);
 };
 
 }  // namespace almesh
