@@ -79,6 +79,7 @@ public:
         active_ = active_ || iteration > steps_without;
         return active_ || (from_coarser_ && holds_up(H, g, gained));
     }
+    // Whether nodes could alone reach more than a tenth of what the step gained.
     static bool holds_up(const BlockCsr& H, const std::vector<double>& g, double gained);
 
     // x, energy: a valid mesh and E(x), on return not greater. g: grad E(x). H: a Hessian of E near x; only its

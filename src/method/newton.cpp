@@ -200,14 +200,14 @@ LineSearchResult Newton::search(const AugmentedFunctional& E, std::vector<double
     return found;
 }
 
-// Whether x is another. g_: grad E(x).
+// Whether x may be another, or E by a finer quadrature. g_: grad E(x).
 bool Newton::eliminate_locally(const AugmentedFunctional& E, double gained, std::vector<double>& x, NewtonResult& at,
                                NewtonStep& step) {
     const TimeAdder adder(time.elimination);
     if (!elimination_.is_due(step.iteration, H_, g_, gained)) return false;
     step.local = elimination_.eliminate(E, H_, g_, gained, x, at.energy);
     at.local_steps += step.local.steps;
-    return step.local.steps > 0;
+    return true;
 }
 
 Newton::Newton(BlockCsr pattern, const LinearSolverParams& linear, Forcing forcing)
