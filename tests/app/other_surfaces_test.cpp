@@ -164,3 +164,19 @@ TEST_CASE("which boundary of the other mesh: the one named, of the same name, or
     refused("cube.msh", "a mesh in 3 dimensions, the one that moves has 2");
     refused("fine.msh boundary hull", "no boundary \"hull\" there, only \"inner\", \"outer\"; say which one");
 }
+
+TEST_CASE("along a curved mesh whose straight form folds, but not along one that folds itself") {
+    const RingDeck ring(ring_mesh(12, 2, 6));
+    REQUIRE(ring.run({"degree=2", "boundary inner=rotate 180 about 0 0"}).code == 0);
+    const std::string turned = ring.folder.write("turned.msh", text_of(ring.output + "/final.msh"));
+    REQUIRE(has(ring.run({"mesh=" + turned}).error, "without their curves"));
+    CHECK(ring.run({"boundary inner=fixed", "boundary outer=slide along " + turned}).code == 0);
+    Mesh folded = ring_mesh(12, 2, 6);
+    for (int i = 0; i < folded.nodes(); ++i)
+        if (std::abs(std::hypot(folded.x[2 * i], folded.x[2 * i + 1]) - 3.5) < 2 && folded.x[2 * i] > 2)
+            folded.x[2 * i] += 20;
+    const std::string path = ring.folder.write("folded.msh", msh_of(folded));
+    const Outcome refused = ring.run({"boundary inner=fixed", "boundary outer=slide along " + path});
+    CHECK(refused.code == 2);
+    CHECK(has(refused.error, ": the mesh folds over itself; `almesh quality` tells where"));
+}
