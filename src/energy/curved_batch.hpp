@@ -113,7 +113,8 @@ public:
             for (int q = begin; q < end; q += point_block) {
                 const int count = std::min(point_block, end - q);
                 for (int k = 0; k < count; ++k)
-                    tensor(k) = second_derivatives(q + k, density, delta, projected, factor);
+                    tensor(k) = density_hessian<n>(jacobian(q + k), *ideal_inverse_, factor * of_.weight[q + k],
+                                                   density, delta, projected);
                 for (int j = 0; j < m_; ++j) {
                     apply_to_node(j, q, count);
                     int i = j;
@@ -187,13 +188,6 @@ private:
             for (int a = 0; a < n; ++a)
                 for (int k = 0; k < n; ++k) J[a][k] += position_[i * n + a] * dN[i * n + k];
         return J;
-    }
-
-    template <class Density>
-    Tensor<n> second_derivatives(int q, const Density& density, double delta, bool projected, Lanes factor) const {
-        const Mat<n, Lanes> F = multiply<n>(jacobian(q), *ideal_inverse_);
-        return in_element_coordinates<n>(frame_hessian<n>(F, density, delta, projected), *ideal_inverse_,
-                                      factor * of_.weight[q]);
     }
 
     // T_jk for the points q, q + 1, ..., q + count - 1.

@@ -28,12 +28,11 @@ public:
     void start(const int* node, const std::vector<double>& x, const Mat<n, Lanes>& ideal_inverse) {
         node_ = node;
         ideal_inverse_ = &ideal_inverse;
-        Mat<n, Lanes> J;
         for (int a = 0; a < n; ++a) {
             const Lanes origin = gathered(x.data() + a, node, all_lanes());
-            for (int k = 0; k < n; ++k) J[a][k] = gathered(x.data() + a, node + k + 1, all_lanes()) - origin;
+            for (int k = 0; k < n; ++k) J_[a][k] = gathered(x.data() + a, node + k + 1, all_lanes()) - origin;
         }
-        F_ = multiply<n>(J, ideal_inverse);
+        F_ = multiply<n>(J_, ideal_inverse);
     }
 
     Lanes distortion_at(int) const { return distortion<n>(F_, 0); }
@@ -75,8 +74,8 @@ public:
     // by row, both triangles.
     template <class Density>
     const double* hessian(const Density& density, double delta, bool projected, Lanes factor) {
-        const Tensor<n> C = in_element_coordinates<n>(frame_hessian<n>(F_, density, delta, projected), *ideal_inverse_,
-                                                      factor * volume_);
+        const Tensor<n> C =
+            density_hessian<n>(J_, *ideal_inverse_, factor * volume_, density, delta, projected);
         for (int a = 0; a < n; ++a)
             for (int b = 0; b < n; ++b) {
                 Lanes corner{};
@@ -110,7 +109,7 @@ private:
     const double volume_;  // of the reference element
     const int* node_ = nullptr;
     const Mat<n, Lanes>* ideal_inverse_ = nullptr;
-    Mat<n, Lanes> F_;
+    Mat<n, Lanes> J_, F_;
     Lanes hessian_[whole_registers(entries)] = {}, separate_[whole_registers(entries)];  // pads are zero
 };
 

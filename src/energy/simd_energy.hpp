@@ -1,7 +1,7 @@
 // The distortion energy as runs compute it: elements are worked on in batches, one in each lane of the vector
 // registers (linear_batch.hpp, curved_batch.hpp), and in scheduled blocks (element_blocks.hpp), so that the bits are
-// the same for any number of threads. The eigensystem of the density is known in closed form (density_hessian.hpp), so
-// projecting the Hessian costs next to nothing.
+// the same for any number of threads. The second derivatives of the density are known in closed form, and so is their
+// eigensystem for the projected Hessian (density_hessian.hpp).
 //
 // Cost per quadrature point and element with m nodes: O(m n^2) for the energy, O(m^2 n^3) for the Hessian. Memory per
 // element: 4 m (m + 1) + 8 n^2 + 28 bytes.

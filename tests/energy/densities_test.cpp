@@ -45,8 +45,8 @@ Mat<n> gradient(const Mat<n>& F, double delta, Density density) {
 // Its Hessian applied to dF.
 template <int n, class Density>
 Mat<n> hessian_times(const Mat<n>& F, double delta, Density density, const Mat<n>& dF) {
-    const Tensor<n> C = in_element_coordinates<n>(frame_hessian<n>(in_all<n>(F), density, delta, false), identity<n>(),
-                                                  in_all_lanes(1));
+    const Tensor<n> C =
+        density_hessian<n>(in_all<n>(F), identity<n>(), in_all_lanes(1), density, delta, false);
     Mat<n> result{};
     for (int k = 0; k < n; ++k)
         for (int l = 0; l < n; ++l)
@@ -165,8 +165,8 @@ TEST_CASE("of a density that is no quadratic too the projected Hessian has no ne
         const Mat<3> F = random_gradient<3>(random, 0.1), dF = random_matrix<3>(random);
         double form[2];
         for (int projected = 0; projected < 2; ++projected) {
-            const Tensor<3> C = in_element_coordinates<3>(
-                frame_hessian<3>(in_all<3>(F), Quartic<Shape>(), 0, projected == 1), identity<3>(), in_all_lanes(1));
+            const Tensor<3> C =
+                density_hessian<3>(in_all<3>(F), identity<3>(), in_all_lanes(1), Quartic<Shape>(), 0, projected == 1);
             form[projected] = 0;
             for (int k = 0; k < 3; ++k)
                 for (int l = 0; l < 3; ++l)

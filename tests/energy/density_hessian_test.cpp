@@ -32,8 +32,7 @@ Mat<n> apply(const Tensor<n>& C, const Mat<n>& dF, int lane) {
 template <int n>
 Tensor<n> hessian(const Mat<n, Lanes>& F, double delta, Objective objective, bool projected) {
     return with_density({.objective = objective}, [&](auto density) {
-        return in_element_coordinates<n>(frame_hessian<n>(F, density, delta, projected), identity<n>(),
-                                         in_all_lanes(1));
+        return density_hessian<n>(F, identity<n>(), in_all_lanes(1), density, delta, projected);
     });
 }
 
@@ -135,20 +134,35 @@ TEST_CASE("at the identity the Hessian of Eq. 5 is zero and that of eta^2 has th
     }
 }
 
-TEST_CASE("in the coordinates of an element the second derivative is that along dJ A^{-1}") {
+TEST_CASE_TEMPLATE("in the coordinates of an element the second derivative is that along dJ A^{-1}", Dimension,
+                   std::integral_constant<int, 2>, std::integral_constant<int, 3>) {
+    constexpr int n = Dimension::value;
     std::mt19937 random(13);
-    Mat<3, Lanes> F, inverse_of_A;
+    Mat<n, Lanes> J, F, inverse_of_A;
     for (int l = 0; l < lanes; ++l) {
-        set_lane<3>(F, l, random_gradient<3>(random, 0.5));
-        set_lane<3>(inverse_of_A, l, random_gradient<3>(random, 1));
+        const Mat<n> of_F = random_gradient<n>(random, 0.5), A = random_gradient<n>(random, 1);
+        set_lane<n>(F, l, of_F);
+        set_lane<n>(J, l, multiply<n>(of_F, A));
+        set_lane<n>(inverse_of_A, l, inverse<n>(A));
     }
-    const Tensor<3> in_F = hessian<3>(F, 0, Objective::squared, false);
     const Quadratic<Shape> squared{false};
-    const Tensor<3> in_J =
-        in_element_coordinates<3>(frame_hessian<3>(F, squared, 0, false), inverse_of_A, in_all_lanes(3));
-    for (int l = 0; l < lanes; ++l) {
-        const Mat<3> dJ = random_matrix<3>(random), dF = multiply<3>(dJ, lane_of<3>(inverse_of_A, l));
-        CHECK(inner<3>(dJ, apply<3>(in_J, dJ, l)) ==
-              doctest::Approx(3 * inner<3>(dF, apply<3>(in_F, dF, l))).epsilon(1e-12));
+    for (const bool projected : {false, true}) {
+        const Tensor<n> in_F = density_hessian<n>(F, identity<n>(), in_all_lanes(1), squared, 0, projected);
+        const Tensor<n> in_J = density_hessian<n>(J, inverse_of_A, in_all_lanes(3), squared, 0, projected);
+        for (int l = 0; l < lanes; ++l) {
+            const Mat<n> dJ = random_matrix<n>(random), dF = multiply<n>(dJ, lane_of<n>(inverse_of_A, l));
+            CHECK(inner<n>(dJ, apply<n>(in_J, dJ, l)) ==
+                  doctest::Approx(3 * inner<n>(dF, apply<n>(in_F, dF, l))).epsilon(1e-11));
+        }
     }
+}
+
+TEST_CASE("the full Hessian has the same bits above and below its diagonal") {
+    std::mt19937 random(29);
+    Mat<3, Lanes> F;
+    for (int l = 0; l < lanes; ++l) set_lane<3>(F, l, random_gradient<3>(random, 0.1));
+    const Tensor<3> C = hessian<3>(F, 0, Objective::deviation, false);
+    for (int l = 0; l < lanes; ++l)
+        for (int k = 0; k < 9; ++k)
+            for (int i = 0; i < 9; ++i) CHECK(C[k / 3][i / 3][k % 3][i % 3][l] == C[i / 3][k / 3][i % 3][k % 3][l]);
 }
