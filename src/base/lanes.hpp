@@ -36,7 +36,7 @@ inline void load(const float* from, Four& to) {
     typedef float FourFloats __attribute__((vector_size(4 * sizeof(float))));
     FourFloats value;
     std::memcpy(&value, from, sizeof value);
-    to = __builtin_convertvector(value, Four);
+    to = Four{value[0], value[1], value[2], value[3]};  // one instruction; __builtin_convertvector() g++ makes five of
 }
 inline void store(Lanes value, double* to) { std::memcpy(to, &value, sizeof value); }
 

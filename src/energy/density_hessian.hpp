@@ -4,9 +4,10 @@
 //
 //     f'' eta_J eta_J^T + f' (r S_JJ + r' (S_J D_J^T + D_J S_J^T) + S r'' D_J D_J^T + S r' D_JJ),
 //
-// with S_JJ = 2 A^{-1} A^{-T} for each row of J, and the entries of J with signs in D_JJ. Its projection to the positive semidefinite part needs a frame: with
-// F = U diag(s) V^T the Hessian by F is nearly diagonal in the basis u_i v_j^T (Smith, de Goes, Kim, "Analytic
-// eigensystems for isotropic distortion energies", ACM TOG 38, 2019, written without divisions by s_i - s_j):
+// with S_JJ = 2 A^{-1} A^{-T} for each row of J, and the entries of J with signs in D_JJ. Its positive semidefinite
+// part needs a frame: with F = U diag(s) V^T the Hessian by F is nearly diagonal in the basis u_i v_j^T
+// (Smith, de Goes, Kim, "Analytic eigensystems for isotropic distortion energies", ACM TOG 38, 2019, written without
+// divisions by s_i - s_j):
 //     flip modes   (u_i v_j^T + u_j v_i^T)/sqrt 2:  f' (2 r - S r' K_ij)     K_ij = product of s_k, k not i or j
 //     twist modes  (u_i v_j^T - u_j v_i^T)/sqrt 2:  f' (2 r + S r' K_ij)
 //     scaling modes u_i v_i^T: the n x n matrix  f'' eta_i eta_j + f' eta_ij

@@ -71,12 +71,13 @@ void multiply(const BlockCsr& A, const double* x, double* y);
 // Block rows begin .. end-1 of it, by the calling thread alone.
 void multiply_rows(const BlockCsr& A, int begin, int end, const double* x, double* y);
 
-// The sum over k of B_k x_k, B_k d x d row-major, for d = 1, 2, 3. One partial sum per column of the blocks, so that no
-// addition waits for the one before it.
+// The sum over k of B_k x_k, B_k d x d row-major, of doubles or floats, for d = 1, 2, 3. One partial sum per column of
+// the blocks, so that no addition waits for the one before it.
 template <int d>
 class SumOfProducts {
 public:
-    void add(const double* B, const double* x) {
+    template <class Number>
+    void add(const Number* B, const double* x) {
         for (int r = 0; r < d; ++r)
             for (int c = 0; c < d; ++c) sum_[r][c] += B[r * d + c] * x[c];
     }
@@ -95,7 +96,8 @@ private:
 template <>
 class SumOfProducts<3> {
 public:
-    void add(const double* B, const double* x) {
+    template <class Number>
+    void add(const Number* B, const double* x) {
         const Four first = {x[0], x[1], x[2], 0}, last = {0, x[0], x[1], x[2]};
         Four row[3];
         load(B, row[0]);

@@ -63,7 +63,8 @@ std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, con
     const auto set_up_ilu = [&] { ilu = std::make_unique<Ilu0>(pattern, start, shifts, sweeps); };
     if (params.kind == SolverKind::gmres) return set_up_ilu(), std::move(ilu);
     std::unique_ptr<CoarseSpace> coarse;
-    parallel_invoke(set_up_ilu, [&] { coarse = std::make_unique<CoarseSpace>(pattern); });
+    const bool in_single = sweeps == Sweeps::ssor;
+    parallel_invoke(set_up_ilu, [&] { coarse = std::make_unique<CoarseSpace>(pattern, in_single); });
     return std::make_unique<Deflated>(std::move(ilu), std::move(coarse));
 }
 

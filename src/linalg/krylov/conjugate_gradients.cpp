@@ -1,5 +1,5 @@
 // With q = A p, z = M^{-1} r:
-//     alpha = r'z / p'q,  x += alpha p,  r -= alpha q,  beta = new r'z / old r'z,  p = z + beta p  (q = A z + beta q).
+//     p = z + beta p,  q = A z + beta q,  alpha = r'z / p'q,  x += alpha p,  r -= alpha q,  beta = new r'z / old r'z.
 // The recurrence for r drifts from b - A x, which is therefore computed at the end; where it misses the tolerance, the
 // iteration starts again from there.
 #include "linalg/krylov/krylov.hpp"
@@ -26,8 +26,9 @@ ConjugateGradients::ConjugateGradients(int size, const KrylovParams& params)
       p_(size),
       q_(size),
       Az_(size),
-      pq_(size),
-      true_pq_(size),
+      zq_(size),
+      zAz_(size),
+      pAp_(size),
       rr_(size),
       true_rr_(size) {}
 
@@ -40,51 +41,77 @@ double ConjugateGradients::residual(const BlockCsr& A, const double* b, const do
     }));
 }
 
-// p = z + beta p with z = M^{-1} r, beta = r'z / rz_before, and p = z where rz_before is 0; q likewise with A z.
-// Returns r'z.
-double ConjugateGradients::next_direction(const BlockCsr& A, Preconditioner& M, double rz_before) {
-    const double rz = M.apply_and_multiply(A, r_.data(), z_.data(), Az_.data());
-    const double beta = rz_before != 0 ? rz / rz_before : 0;
-#pragma omp for schedule(static)
-    for (int i = 0; i < size_; ++i) {
-        p_[i] = beta != 0 ? z_[i] + beta * p_[i] : z_[i];  // at first p is undefined
-        q_[i] = beta != 0 ? Az_[i] + beta * q_[i] : Az_[i];
-    }
-    return rz;
+// z = M^{-1} r, for the r at hand. Without r'r.
+Products ConjugateGradients::start(const BlockCsr& A, Preconditioner& M) {
+    if (M.puts_off_products()) return M.apply_and_put_off(r_.data(), z_.data(), Az_.data());
+    Products now;
+    now.rz = M.apply_and_multiply(A, r_.data(), z_.data(), Az_.data());
+    now.zAz = zAz_([&](int i, int count) { return dot_of_piece(count, z_.data() + i, Az_.data() + i); });
+    return now;
 }
 
-// q = A p; returns p'q.
-double ConjugateGradients::multiply_direction(const BlockCsr& A) {
-    return true_pq_([&](int i, int count) {
-        multiply_rows(A, i / A.d, (i + count) / A.d, p_.data(), q_.data());
-        return dot_of_piece(count, p_.data() + i, q_.data() + i);
+// q = A z + beta q, r -= alpha q, z = M^{-1} r.
+Products ConjugateGradients::advance(const BlockCsr& A, Preconditioner& M, double alpha, double beta) {
+    if (M.puts_off_products()) return M.advance(alpha, beta, q_.data(), r_.data(), z_.data(), Az_.data());
+    const double rr = rr_([&](int i, int count) {
+        for (int k = i; k < i + count; ++k) {
+            q_[k] = Az_[k] + beta * q_[k];
+            r_[k] -= alpha * q_[k];
+        }
+        return dot_of_piece(count, r_.data() + i, r_.data() + i);
+    });
+    Products now = start(A, M);
+    now.rr = rr;
+    return now;
+}
+
+// x += alpha p with the direction before, p = z + beta p; returns z'q with the A p before.
+double ConjugateGradients::next_direction(double alpha, double beta, double* x) {
+    return zq_([&](int i, int count) {
+        for (int k = i; k < i + count; ++k) {
+            x[k] += alpha * p_[k];
+            p_[k] = z_[k] + beta * p_[k];
+        }
+        return dot_of_piece(count, z_.data() + i, q_.data() + i);
     });
 }
 
-// Iterates from the current x, r and p, r'z = rz, until the recurrence for r is down to the targets of |r| and of
-// r'M^{-1}r.
-SolveStatus ConjugateGradients::cycle(const BlockCsr& A, Preconditioner& M, double r_norm, double rz,
-                                      double r_target, double rz_target, int& iterations, double* x) {
-    StagnationTest progress{r_norm};
+// p'A p by a product with A, which is left in Ap.
+double ConjugateGradients::curvature(const BlockCsr& A, double* Ap) {
+    return pAp_([&](int i, int count) {
+        multiply_rows(A, i / A.d, (i + count) / A.d, p_.data(), Ap);
+        return dot_of_piece(count, p_.data() + i, Ap + i);
+    });
+}
+
+// Iterates from the current x, r and z until the recurrence for r is down to the targets of |r| and of r'M^{-1}r.
+SolveStatus ConjugateGradients::cycle(const BlockCsr& A, Preconditioner& M, Products now, double r_target,
+                                      double rz_target, int& iterations, double* x) {
+    const int first = iterations;
+    StagnationTest progress{std::sqrt(now.rr)};
+    double alpha = 0, beta = 0, pAp = 0;
+#pragma omp for schedule(static)
+    for (int i = 0; i < size_; ++i) p_[i] = q_[i] = 0;
     for (;;) {
-        if (!std::isfinite(rz)) return SolveStatus::breakdown;
-        if (r_norm <= r_target && rz <= rz_target) return SolveStatus::success;
+        const double zq = next_direction(alpha, beta, x), r_norm = std::sqrt(now.rr);
+        if (!std::isfinite(now.rz)) return SolveStatus::breakdown;
+        if (r_norm <= r_target && now.rz <= rz_target) return SolveStatus::success;
+        if (iterations > first && progress.stagnates(r_norm) && iterations >= params_.patience)
+            return SolveStatus::stagnated;
         if (iterations == params_.max_iterations) return SolveStatus::max_iterations;
-        double pq = pq_([&](int i, int count) { return dot_of_piece(count, p_.data() + i, q_.data() + i); });
-        if (!(pq > 0)) pq = multiply_direction(A);
         ++iterations;
-        if (!std::isfinite(pq)) return SolveStatus::breakdown;
-        if (pq <= 0) return SolveStatus::not_positive_definite;
-        const double alpha = rz / pq;
-        r_norm = std::sqrt(rr_([&](int i, int count) {
-            for (int k = i; k < i + count; ++k) {
-                x[k] += alpha * p_[k];
-                r_[k] -= alpha * q_[k];
-            }
-            return dot_of_piece(count, r_.data() + i, r_.data() + i);
-        }));
-        if (progress.stagnates(r_norm) && iterations >= params_.patience) return SolveStatus::stagnated;
-        rz = next_direction(A, M, rz);
+        pAp = now.zAz + 2 * beta * zq + beta * beta * pAp;
+        if (!(pAp > 0)) {  // z has done its part where products are put off; elsewhere A p takes the place of A z
+            const bool puts_off = M.puts_off_products();
+            pAp = curvature(A, puts_off ? z_.data() : Az_.data());
+            if (!puts_off) beta = 0;
+        }
+        if (!std::isfinite(pAp)) return SolveStatus::breakdown;
+        if (pAp <= 0) return SolveStatus::not_positive_definite;
+        alpha = now.rz / pAp;
+        const double rz_before = now.rz;
+        now = advance(A, M, alpha, beta);
+        beta = now.rz / rz_before;
     }
 }
 
@@ -101,9 +128,10 @@ KrylovResult ConjugateGradients::solve_in_team(const BlockCsr& A, Preconditioner
     for (int iterations = 0;;) {
         const double corrected = M.correct_start(r_.data(), x);  // r'y with y what x has changed by
         if (corrected != 0) r_norm = residual(A, b, x);
-        const double rz = next_direction(A, M, 0);
-        if (rz_target < 0) rz_target = params_.tolerance * params_.tolerance * (rz + corrected);
-        const SolveStatus end = cycle(A, M, r_norm, rz, r_target, rz_target, iterations, x);
+        Products now = start(A, M);
+        now.rr = r_norm * r_norm;
+        if (rz_target < 0) rz_target = params_.tolerance * params_.tolerance * (now.rz + corrected);
+        const SolveStatus end = cycle(A, M, now, r_target, rz_target, iterations, x);
         const double before = r_norm;
         r_norm = residual(A, b, x);
         if (!std::isfinite(r_norm)) {

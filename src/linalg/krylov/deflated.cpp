@@ -1,5 +1,5 @@
-// z = M^{-1} r and A z, then z += Z c and A z += (A Z) c with E c = Z'(r - A z). A Z has a row for each node and a
-// block for each group next to it; E is factored by sparse Cholesky.
+// z = M^{-1} r and A z or Z'A z, then z += Z c and A z += (A Z) c with E c = Z'(r - A z). A Z has a row for each node
+// and a block for each group next to it; E is factored by sparse Cholesky.
 #include "linalg/krylov/deflated.hpp"
 
 #include <algorithm>
@@ -36,12 +36,15 @@ BlockCsr coarse_pattern(const BlockCsr& A, const std::vector<int>& group) {
 
 }  // namespace
 
-CoarseSpace::CoarseSpace(const BlockCsr& pattern)
+CoarseSpace::CoarseSpace(const BlockCsr& pattern, bool in_single)
     : group_(grouped(graph_of(pattern))),
       E_(coarse_pattern(pattern, group_)),
       members_(sorted_by_group(group_, groups())),
+      in_single_(in_single),
       factor_(E_),
+      part_sum_(offset(parts, groups())),
       r_(E_.size()),
+      Az_(E_.size()),
       c_(E_.size()) {
     AZ_.n = pattern.n;
     AZ_.d = pattern.d;
@@ -61,79 +64,154 @@ CoarseSpace::CoarseSpace(const BlockCsr& pattern)
         }
         AZ_.row.push_back(static_cast<int>(AZ_.col.size()));
     }
-    AZ_.value.resize(AZ_.col.size() * pattern.d * pattern.d);
+    const std::size_t entries = AZ_.col.size() * pattern.d * pattern.d;
+    if (in_single) single_.resize(entries);
+    else AZ_.value.resize(entries);
+}
+
+// body(values of A Z).
+template <class Body>
+void CoarseSpace::with_values(const Body& body) const {
+    if (in_single_) body(single_.data());
+    else body(AZ_.value.data());
 }
 
 // A Z and E = Z'(A Z), row by row.
-template <int d>
-void CoarseSpace::add_up(const BlockCsr& A) {
+template <int d, class Number>
+void CoarseSpace::add_up(const BlockCsr& A, Number* AZ) {
     constexpr int block = d * d;
     const auto add = [](const double* from, double* to) {
         for (int e = 0; e < block; ++e) to[e] += from[e];
     };
     const auto make_row = [&](int g) {
+        thread_local std::vector<double> row;  // kept between calls
         std::fill_n(E_.block(E_.row[g]), offset(E_.row[g + 1] - E_.row[g], block), 0.0);
         for (const int i : members_.of(g)) {
-            std::fill_n(AZ_.block(AZ_.row[i]), offset(AZ_.row[i + 1] - AZ_.row[i], block), 0.0);
-            for (int k = A.row[i]; k < A.row[i + 1]; ++k) add(A.block(k), AZ_.block(place_[k]));
-            for (int k = AZ_.row[i]; k < AZ_.row[i + 1]; ++k) add(AZ_.block(k), E_.block(coarse_place_[k]));
+            const int first = AZ_.row[i], count = AZ_.row[i + 1] - first;
+            row.assign(offset(count, block), 0.0);
+            for (int k = A.row[i]; k < A.row[i + 1]; ++k)
+                add(A.block(k), row.data() + offset(place_[k] - first, block));
+            for (int k = 0; k < count; ++k)
+                add(row.data() + offset(k, block), E_.block(coarse_place_[first + k]));
+            std::copy(row.begin(), row.end(), AZ + offset(first, block));
         }
     };
     parallel_for(groups(), make_row, static_cast<double>(A.value.size()) / std::max(1, groups()));
 }
 
 FactorResult CoarseSpace::factor(const BlockCsr& A) {
-    with_block_size(A.d, [&](auto d) { add_up<d>(A); });
+    with_block_size(A.d, [&](auto d) {
+        if (in_single_) add_up<d>(A, single_.data());
+        else add_up<d>(A, AZ_.value.data());
+    });
     return {factor_.factor(E_).status};
 }
 
-// c_ = E^{-1} Z'(r - A z); returns r'Z c.
-double CoarseSpace::solve(const double* r, const double* Az) {
+// Az_ = Z'A z.
+void CoarseSpace::sum_up_groups(const double* Az) {
     const int d = E_.d;
 #pragma omp for schedule(static)
     for (int g = 0; g < groups(); ++g)
         for (int a = 0; a < d; ++a) {
-            double of_r = 0, of_Az = 0;
-            for (const int i : members_.of(g)) {
-                of_r += r[offset(i, d, a)];
-                if (Az) of_Az += Az[offset(i, d, a)];
-            }
-            r_[offset(g, d, a)] = of_r;
-            c_[offset(g, d, a)] = of_r - of_Az;
+            double sum = 0;
+            for (const int i : members_.of(g)) sum += Az[offset(i, d, a)];
+            Az_[offset(g, d, a)] = sum;
+        }
+}
+
+// part_sum_ = (A Z)' z over each part of the nodes.
+template <int d, class Number>
+void CoarseSpace::add_transposed(const Number* AZ, const double* z) {
+#pragma omp for schedule(dynamic, 1)
+    for (int part = 0; part < parts; ++part) {
+        Four* const sum = part_sum_.data() + offset(part, groups());
+        std::fill_n(sum, groups(), Four{});
+        const auto begin_of = [&](int p) { return static_cast<int>(static_cast<long long>(AZ_.n) * p / parts); };
+        for (int i = begin_of(part); i < begin_of(part + 1); ++i)
+            for (int k = AZ_.row[i]; k < AZ_.row[i + 1]; ++k)
+                for (int a = 0; a < d; ++a)
+                    for (int b = 0; b < d; ++b)
+                        sum[AZ_.col[k]][b] += AZ[offset(k, d * d, a * d + b)] * z[offset(i, d, a)];
+    }
+}
+
+// Az_ = Z'A z from the parts.
+void CoarseSpace::sum_up_parts() {
+    const int d = E_.d;
+#pragma omp for schedule(static)
+    for (int g = 0; g < groups(); ++g) {
+        Four sum{};
+        for (int part = 0; part < parts; ++part) sum += part_sum_[offset(part, groups(), g)];
+        for (int a = 0; a < d; ++a) Az_[offset(g, d, a)] = sum[a];
+    }
+}
+
+// c_ = E^{-1} (Z'r - Az_).
+void CoarseSpace::solve(const double* r) {
+    const int d = E_.d;
+#pragma omp for schedule(static)
+    for (int g = 0; g < groups(); ++g)
+        for (int a = 0; a < d; ++a) {
+            double sum = 0;
+            for (const int i : members_.of(g)) sum += r[offset(i, d, a)];
+            r_[offset(g, d, a)] = sum;
+            c_[offset(g, d, a)] = sum - Az_[offset(g, d, a)];
         }
 #pragma omp single
     {
         factor_.solve(c_.data(), c_.data());
-        rZc_ = std::inner_product(r_.begin(), r_.end(), c_.begin(), 0.0);
+        rZc_ = std::inner_product(r_.begin(), r_.end(), c_.begin(), 0.0);  // not written again before the next barrier
+        AzZc_ = std::inner_product(Az_.begin(), Az_.end(), c_.begin(), 0.0);
     }
-    return rZc_;  // not written again before the next barrier
+}
+
+// z += Z c, Az += (A Z) c.
+void CoarseSpace::add_to(double* z, double* Az) const {
+    with_block_size(E_.d, [&](auto size) {
+        constexpr int d = size;
+        with_values([&](const auto* AZ) {
+#pragma omp for schedule(static)
+            for (int node = 0; node < static_cast<int>(group_.size()); ++node) {
+                SumOfProducts<d> product;
+                for (int k = AZ_.row[node]; k < AZ_.row[node + 1]; ++k)
+                    product.add(AZ + offset(k, d * d), &c_[offset(AZ_.col[k], d)]);
+                for (int a = 0; a < d; ++a) {
+                    z[offset(node, d, a)] += c_[offset(group_[node], d, a)];
+                    Az[offset(node, d, a)] += product.entry(a);
+                }
+            }
+        });
+    });
 }
 
 double CoarseSpace::correct_start(const double* r, double* x) {
     const int d = E_.d;
-    const double rZc = solve(r, nullptr);
+#pragma omp for schedule(static)
+    for (int i = 0; i < E_.size(); ++i) Az_[i] = 0;
+    solve(r);
 #pragma omp for schedule(static)
     for (int node = 0; node < static_cast<int>(group_.size()); ++node)
         for (int a = 0; a < d; ++a) x[offset(node, d, a)] += c_[offset(group_[node], d, a)];
-    return rZc;
+    return rZc_;
 }
 
 double CoarseSpace::correct(const double* r, double* z, double* Az) {
-    const double rZc = solve(r, Az);
-    with_block_size(E_.d, [&](auto size) {
-        constexpr int d = size;
-#pragma omp for schedule(static)
-        for (int node = 0; node < static_cast<int>(group_.size()); ++node) {
-            SumOfProducts<d> product;
-            for (int k = AZ_.row[node]; k < AZ_.row[node + 1]; ++k)
-                product.add(AZ_.block(k), &c_[offset(AZ_.col[k], d)]);
-            for (int a = 0; a < d; ++a) {
-                z[offset(node, d, a)] += c_[offset(group_[node], d, a)];
-                Az[offset(node, d, a)] += product.entry(a);
-            }
-        }
+    sum_up_groups(Az);
+    solve(r);
+    add_to(z, Az);
+    return rZc_;
+}
+
+// With the correction Z c: (z + Z c)'A (z + Z c) = z'A z + 2 c'Z'A z + c'E c, and E c = Z'(r - A z).
+void CoarseSpace::correct_put_off(const double* r, double* z, double* Az, Products& of_z) {
+    with_block_size(E_.d, [&](auto d) {
+        with_values([&](const auto* AZ) { add_transposed<d>(AZ, z); });
     });
-    return rZc;
+    sum_up_parts();
+    solve(r);
+    of_z.rz += rZc_;
+    of_z.zAz += rZc_ + AzZc_;
+    add_to(z, Az);
 }
 
 Deflated::Deflated(std::unique_ptr<Preconditioner> M, std::unique_ptr<CoarseSpace> coarse)
@@ -150,6 +228,18 @@ FactorResult Deflated::factor(const BlockCsr& A) {
 double Deflated::apply_and_multiply(const BlockCsr& A, const double* r, double* z, double* Az) {
     const double rz = M_->apply_and_multiply(A, r, z, Az);
     return rz + coarse_->correct(r, z, Az);
+}
+
+Products Deflated::apply_and_put_off(const double* r, double* z, double* Az) {
+    Products of_z = M_->apply_and_put_off(r, z, Az);
+    coarse_->correct_put_off(r, z, Az, of_z);
+    return of_z;
+}
+
+Products Deflated::advance(double alpha, double beta, double* q, double* r, double* z, double* Az) {
+    Products of_z = M_->advance(alpha, beta, q, r, z, Az);
+    coarse_->correct_put_off(r, z, Az, of_z);
+    return of_z;
 }
 
 double Deflated::correct_start(const double* r, double* x) { return coarse_->correct_start(r, x); }

@@ -55,8 +55,11 @@ public:
           diagonal_shifts_(std::move(diagonal_shifts)),
           sweeps_(sweeps),
           C_inverse_(offset(pattern.n, block)),
+          C_diagonal_(offset(pattern.n, d)),
           y_(pattern.n),
-          squares_(start_.size()),
+          w_(y_.data()),
+          forward_(start_.size()),
+          backward_(domains()),
           bad_(domains()) {
         find_pattern(pattern);
         find_links();
@@ -69,8 +72,7 @@ public:
             result.ssor = ssor;
             result.bad_row = factor_shifted(A, diagonal_shift, ssor);
             if (result.bad_row < 0) result.status = SolveStatus::success;
-            keeps_forward_ = ssor && result.bad_row < 0;
-            if (keeps_forward_) forward_.resize(rows());
+            keep_forward(ssor && result.bad_row < 0);
             return result.bad_row < 0;
         };
         if (sweeps_ != Sweeps::ssor)
@@ -80,29 +82,15 @@ public:
         return result;
     }
 
-    // SSOR has A = C (I + L + L') C', and with w = C'z, (I + L') w = y, A z = C (L w + y).
-    double apply_and_multiply(const BlockCsr& A, const double* r, double* z, double* Az) override {
-        if (!keeps_forward_) return Preconditioner::apply_and_multiply(A, r, z, Az);
-        const double rz = apply(r, z);
-#pragma omp for schedule(static)
-        for (int i = 0; i < rows(); ++i) {
-            Four sum;
-            multiply_row(row_[i], row_[i + 1], sum);
-            sum += forward_[i];
-            multiply_by_C(i, sum, Az);
-        }
-        return rz;
-    }
+    double apply(const double* r, double* z) override { return sweep(Given{r}, z, nullptr).rz; }
 
-    double apply(const double* r, double* z) override {
-#pragma omp for schedule(dynamic, 1)
-        for (int k = 0; k < domains(); ++k) squares_[k] = sweep_forward(k, r);
-#pragma omp single
-        squares_.back() = sweep_separators(r, z);
-        const double rz = std::accumulate(squares_.begin(), squares_.end(), 0.0);
-#pragma omp for schedule(dynamic, 1)
-        for (int k = 0; k < domains(); ++k) sweep_backward(k, z);
-        return rz;
+    // SSOR has A = C (I + L + L') C', and with w = C'z, (I + L') w = y: z'A z = 2 w'y - w'w, A z = C (L w + y).
+    bool puts_off_products() const override { return keeps_forward_; }
+
+    Products apply_and_put_off(const double* r, double* z, double* Az) override { return sweep(Given{r}, z, Az); }
+
+    Products advance(double alpha, double beta, double* q, double* r, double* z, double* Az) override {
+        return sweep(Advanced{*this, alpha, beta, q, r, Az}, z, Az);
     }
 
 private:
@@ -143,7 +131,7 @@ private:
                 while (k < row_[i + 1] && col_[k] < start_[domain + 1]) ++k;
                 if (k == begin) continue;
                 links_of_domain_[domain].push_back(static_cast<int>(link_.size()));
-                link_.push_back(Link{i, begin, k, Four{}});
+                link_.push_back(Link{i, begin, k, {}});
             }
             separator_row_.back().begin = k;
         }
@@ -182,6 +170,7 @@ private:
             for (int k = 0; k < count && !ssor; ++k) subtract_product_transposed<d>(T + k * block, T + k * block, D);
             double* const inverse = C_inverse_.data() + offset(i, block);
             if (!inverse_of_cholesky<d>(D, inverse)) return i;
+            for (int a = 0; a < d; ++a) C_diagonal_[offset(i, d, a)] = 1 / inverse[a * d + a];
             for (int k = 0; k < count; ++k) {
                 double Lk[block] = {};
                 for (int r = 0; r < d; ++r)
@@ -193,44 +182,81 @@ private:
         return -1;
     }
 
-    // The four kernels below run for every row and are inlined. Registers go by reference: see lanes.hpp.
+    // The kernels below run for every row and are inlined. Registers go by reference: see lanes.hpp.
+
+    // L y and, where the residual advances, L w of a row.
+    struct RowProduct {
+        Four y, w;
+    };
 
     // product <- the sum of L_ij y_j over the blocks begin .. end-1. Row r of a block is read with what comes after it,
     // which is multiplied by the zero pads of y_j.
-    [[gnu::always_inline]] inline void multiply_row(int begin, int end, Four& product) const {
-        Four products[d] = {};
+    template <bool with_w>
+    [[gnu::always_inline]] inline void multiply_row(int begin, int end, RowProduct& product) const {
+        Four with_y[d] = {}, with[d] = {};
         for (int k = begin; k < end; ++k) {
             const Four y = y_[col_[k]];
+            Four w;
+            if constexpr (with_w) w = w_[col_[k]];
             for (int a = 0; a < d; ++a) {
                 Four row;
                 load(L(k) + a * d, row);
-                products[a] += row * y;
+                with_y[a] += row * y;
+                if constexpr (with_w) with[a] += row * w;
             }
         }
-        product = Four{};
+        product = RowProduct{};
         for (int a = 0; a < d; ++a)
-            for (int b = 0; b < d; ++b) product[a] += products[a][b];
+            for (int b = 0; b < d; ++b) {
+                product.y[a] += with_y[a][b];
+                if constexpr (with_w) product.w[a] += with[a][b];
+            }
     }
 
-    // y_i = C_i^{-1} r_i - sum; returns its squared norm.
-    [[gnu::always_inline]] inline double solve_row(int i, const double* r, const Four& sum) {
-        const double *const inverse = C_inverse(i), *const ri = r + offset(i, d);
+    // The right-hand side of a sweep: r as it is,
+    struct Given {
+        static constexpr bool advances = false;
+        const double* r;
+        const double* of_row(int i, const RowProduct&, Products&) const { return r + offset(i, d); }
+    };
+    // or q = A z + beta q, r -= alpha q first. y_i is still that of z.
+    struct Advanced {
+        static constexpr bool advances = true;
+        const Ilu0OfBlocks& M;
+        double alpha, beta;
+        double *q, *r;
+        const double* Az;
+        [[gnu::always_inline]] inline const double* of_row(int i, const RowProduct& product, Products& sums) const {
+            double Azi[d];
+            M.multiply_by_C(i, product.w + M.y_[i], Azi);
+            double *const qi = q + offset(i, d), *const ri = r + offset(i, d);
+            for (int a = 0; a < d; ++a) {
+                qi[a] = Azi[a] + Az[offset(i, d, a)] + beta * qi[a];
+                ri[a] -= alpha * qi[a];
+                sums.rr += ri[a] * ri[a];
+            }
+            return ri;
+        }
+    };
+
+    // y_i = C_i^{-1} r_i - L y.
+    template <class Residual>
+    [[gnu::always_inline]] inline void solve_row(int i, const Residual& residual, const RowProduct& product,
+                                                 Products& sums) {
+        const double *const inverse = C_inverse(i), *const ri = residual.of_row(i, product, sums);
         Four y{};
-        double square = 0;
         for (int a = 0; a < d; ++a) {
             for (int b = 0; b <= a; ++b) y[a] += inverse[a * d + b] * ri[b];
-            y[a] -= sum[a];
-            square += y[a] * y[a];
+            y[a] -= product.y[a];
+            sums.rz += y[a] * y[a];
         }
         y_[i] = y;
-        if (keeps_forward_) forward_[i] = y;
-        return square;
     }
 
-    // y_j -= L_ij' y over the blocks begin .. end-1. The pads of y_j, entries d and up, lose their zeros.
-    [[gnu::always_inline]] inline void subtract_transposed(int begin, int end, const Four& y) {
+    // w_j -= L_ij' w over the blocks begin .. end-1. The pads of w_j, entries d and up, lose their zeros.
+    [[gnu::always_inline]] inline void subtract_transposed(int begin, int end, const Four& w) {
         Four entry[d];
-        for (int a = 0; a < d; ++a) entry[a] = Four{} + y[a];
+        for (int a = 0; a < d; ++a) entry[a] = Four{} + w[a];
         for (int k = begin; k < end; ++k) {
             __builtin_prefetch(L(k) - prefetched);  // rows go backwards, which the hardware does not foresee
             __builtin_prefetch(col_.data() + k - prefetched / block);
@@ -241,69 +267,112 @@ private:
                 load(L(k) + a * d, row);
                 product += row * entry[a];
             }
-            y_[col_[k]] -= product;
+            w_[col_[k]] -= product;
         }
     }
 
-    // z_i = C_i^{-T} y_i, and zeros in the pads of y_i.
-    [[gnu::always_inline]] inline void finish_row(int i, double* z) {
-        for (int a = d; a < 4; ++a) y_[i][a] = 0;
+    // z_i = C_i^{-T} w_i, and zeros in the pads of w_i and in Az.
+    [[gnu::always_inline]] inline void finish_row(int i, double* z, double* Az, Products& sums) {
+        for (int a = d; a < 4; ++a) w_[i][a] = 0;
         const double* const inverse = C_inverse(i);
         for (int b = 0; b < d; ++b) {
             double sum = 0;
-            for (int a = b; a < d; ++a) sum += inverse[a * d + b] * y_[i][a];
+            for (int a = b; a < d; ++a) sum += inverse[a * d + b] * w_[i][a];
             z[offset(i, d, b)] = sum;
+        }
+        for (int a = 0; Az && a < d; ++a) {
+            sums.zAz += w_[i][a] * (2 * y_[i][a] - w_[i][a]);
+            Az[offset(i, d, a)] = 0;
         }
     }
 
-    // z_i = C_i v, from C_i^{-1} z_i = v.
-    [[gnu::always_inline]] inline void multiply_by_C(int i, const Four& v, double* z) const {
-        const double* const inverse = C_inverse(i);
-        double* const zi = z + offset(i, d);
+    // Cv = C_i v, from C_i^{-1} Cv = v.
+    [[gnu::always_inline]] inline void multiply_by_C(int i, const Four& v, double* Cv) const {
+        const double *const inverse = C_inverse(i), *const diagonal = &C_diagonal_[offset(i, d)];
         for (int a = 0; a < d; ++a) {
             double sum = v[a];
-            for (int b = 0; b < a; ++b) sum -= inverse[a * d + b] * zi[b];
-            zi[a] = sum / inverse[a * d + a];
+            for (int b = 0; b < a; ++b) sum -= inverse[a * d + b] * Cv[b];
+            Cv[a] = sum * diagonal[a];
         }
+    }
+
+    // Az: null where z'A z is not asked for.
+    template <class Residual>
+    Products sweep(const Residual& residual, double* z, double* Az) {
+#pragma omp for schedule(dynamic, 1)
+        for (int k = 0; k < domains(); ++k) forward_[k] = sweep_forward(k, residual);
+#pragma omp single
+        forward_.back() = sweep_separators(residual, z, Az);
+        Products sum;
+        for (const Products& part : forward_) {
+            sum.rr += part.rr;
+            sum.rz += part.rz;
+        }
+        sum.zAz = forward_.back().zAz;
+#pragma omp for schedule(dynamic, 1)
+        for (int k = 0; k < domains(); ++k) backward_[k] = sweep_backward(k, z, Az);
+        for (const Products& part : backward_) sum.zAz += part.zAz;
+        return sum;
     }
 
     // (I + L) y = C^{-1} r: in a domain, and what it adds to the rows of the separators.
-    double sweep_forward(int domain, const double* r) {
-        double squares = 0;
-        Four product;
+    template <class Residual>
+    Products sweep_forward(int domain, const Residual& residual) {
+        Products sums;
+        RowProduct product;
         for (int i = start_[domain]; i < start_[domain + 1]; ++i) {
-            multiply_row(row_[i], row_[i + 1], product);
-            squares += solve_row(i, r, product);
+            multiply_row<Residual::advances>(row_[i], row_[i + 1], product);
+            solve_row(i, residual, product, sums);
         }
-        for (int l : links_of_domain_[domain]) multiply_row(link_[l].begin, link_[l].end, link_[l].product);
-        return squares;
+        for (int l : links_of_domain_[domain])
+            multiply_row<Residual::advances>(link_[l].begin, link_[l].end, link_[l].product);
+        return sums;
     }
 
     // Forward and back through the separators.
-    double sweep_separators(const double* r, double* z) {
-        double squares = 0;
+    template <class Residual>
+    Products sweep_separators(const Residual& residual, double* z, double* Az) {
+        Products sums;
         const int first = start_.back();
-        Four sum;
+        RowProduct product;
         for (int i = first; i < rows(); ++i) {
             const SeparatorRow& own = separator_row_[i - first];
-            multiply_row(own.begin, row_[i + 1], sum);
-            for (int l = own.first_link; l < separator_row_[i - first + 1].first_link; ++l) sum += link_[l].product;
-            squares += solve_row(i, r, sum);
+            multiply_row<Residual::advances>(own.begin, row_[i + 1], product);
+            for (int l = own.first_link; l < separator_row_[i - first + 1].first_link; ++l) {
+                product.y += link_[l].product.y;
+                product.w += link_[l].product.w;
+            }
+            solve_row(i, residual, product, sums);
         }
+        start_backward(first, rows());
         for (int i = rows() - 1; i >= first; --i) {
-            subtract_transposed(separator_row_[i - first].begin, row_[i + 1], y_[i]);
-            finish_row(i, z);
+            subtract_transposed(separator_row_[i - first].begin, row_[i + 1], w_[i]);
+            finish_row(i, z, Az, sums);
         }
-        return squares;
+        return sums;
     }
 
     // (I + L') w = y, z = C^{-T} w: by columns of L', as they become known.
-    void sweep_backward(int domain, double* z) {
-        for (int l : links_of_domain_[domain]) subtract_transposed(link_[l].begin, link_[l].end, y_[link_[l].row]);
+    Products sweep_backward(int domain, double* z, double* Az) {
+        Products sums;
+        start_backward(start_[domain], start_[domain + 1]);
+        for (int l : links_of_domain_[domain]) subtract_transposed(link_[l].begin, link_[l].end, w_[link_[l].row]);
         for (int i = start_[domain + 1] - 1; i >= start_[domain]; --i) {
-            subtract_transposed(row_[i], row_[i + 1], y_[i]);
-            finish_row(i, z);
+            subtract_transposed(row_[i], row_[i + 1], w_[i]);
+            finish_row(i, z, Az, sums);
         }
+        return sums;
+    }
+
+    void start_backward(int begin, int end) {
+        if (keeps_forward_) std::copy(y_.begin() + begin, y_.begin() + end, w_ + begin);
+    }
+
+    // SSOR keeps y beside w; else w takes its place.
+    void keep_forward(bool keeps) {
+        keeps_forward_ = keeps;
+        if (keeps) kept_.resize(rows());
+        w_ = keeps ? kept_.data() : y_.data();
     }
 
     std::vector<int> start_;
@@ -318,7 +387,7 @@ private:
     std::vector<Term> term_;
     struct Link {                             // the blocks begin .. end-1 of a separator's row in a domain's columns
         int row, begin, end;
-        Four product;                         // with y
+        RowProduct product;
     };
     std::vector<Link> link_;                  // by rows, then domains
     std::vector<std::vector<int>> links_of_domain_;
@@ -329,11 +398,14 @@ private:
     std::vector<SeparatorRow> separator_row_; // one more than rows
     LargeVector<float> L_;                    // d*d per block, row-major
     std::vector<double> C_inverse_;           // d*d per row, lower triangular
-    std::vector<Four> y_;                     // n: the vector between the sweeps, d entries each and zeros; then w
-    std::vector<Four> forward_;               // n: SSOR keeps y beside w
+    std::vector<double> C_diagonal_;          // d per row
+    std::vector<Four> y_;                     // n: (I + L) y = C^{-1} r, d entries each and zeros
+    std::vector<Four> kept_;                  // n, or none
+    Four* w_;                                 // n: (I + L') w = y, in kept_ or in the place of y
     bool keeps_forward_ = false;
     std::vector<double> T_;                   // d*d per block of the longest row, for each domain and the separators
-    std::vector<double> squares_;             // |y|^2 over each domain and the separators
+    std::vector<Products> forward_;           // the sums over each domain, and the separators
+    std::vector<Products> backward_;          // over each domain
     std::vector<int> bad_;                    // first bad row of each domain, or -1
     int longest_ = 0;                         // blocks of the longest row
 };

@@ -40,6 +40,11 @@ struct StagnationTest {
     }
 };
 
+// What conjugate gradients need of r before an iteration and of z = M^{-1} r.
+struct Products {
+    double rr = 0, rz = 0, zAz = 0;  // r'r, r'z, z'A z
+};
+
 class Preconditioner {
 public:
     virtual ~Preconditioner() = default;
@@ -53,9 +58,21 @@ public:
     // bits for any number of threads.
     virtual double apply(const double* r, double* z) = 0;
 
-    // apply(), and Az = A z. Preconditioners made of the parts of A have it for less than a product with A (Eisenstat,
-    // SIAM J. Sci. Stat. Comput. 2, 1981), up to the rounding of these parts. A: that of factor().
+    // apply(), and Az = A z. A: that of factor().
     virtual double apply_and_multiply(const BlockCsr& A, const double* r, double* z, double* Az);
+
+    // Preconditioners made of the parts of A know z'A z without A z, and have A z for little in their next sweep. Where
+    // this holds, conjugate gradients call, instead of apply_and_multiply(),
+    // - at first apply_and_put_off(): apply(), with r'z and z'A z (rr is undefined). In Az is what is to be added to
+    //   the A z that is put off, such as what a coarse space changes z by;
+    // - then advance(): q <- A z + beta q, r <- r - alpha q for the z of the call before, and the same for the new r,
+    //   with r'r. z, Az: those that the call before left.
+    virtual bool puts_off_products() const { return false; }
+    virtual Products apply_and_put_off(const double* /*r*/, double* /*z*/, double* /*Az*/) { return {}; }
+    virtual Products advance(double /*alpha*/, double /*beta*/, double* /*q*/, double* /*r*/, double* /*z*/,
+                             double* /*Az*/) {
+        return {};
+    }
 
     // For those that require it of the x from which conjugate gradients start: x += y, given r = b - A x; returns r'y.
     // Called like apply(). By default y = 0, for which 0 is returned.
@@ -99,8 +116,10 @@ struct KrylovParams {
 //
 // The tolerance is on |r|_2 / |b|_2 and on |r|_M / |b|_M, r = b - A x and |r|_M^2 = r'M^{-1}r: the 2-norm hardly sees
 // errors of low energy beside stiff parts of A, such as a penalised boundary.
-// A p comes from A z by the recurrence of p, because some preconditioners have A z for little; where p'Ap <= 0 by the
-// recurrence, the product with A decides.
+// A p comes from A z by the recurrence of p, and p'Ap = z'Az + 2 beta z'q + beta^2 p'q with p, q of the iteration
+// before, because some preconditioners have z'A z before A z, and both for little (Eisenstat, SIAM J. Sci. Stat.
+// Comput. 2, 1981; the order of the sums is that of Chronopoulos & Gear, J. Comput. Appl. Math. 25, 1989). Where
+// p'Ap <= 0 by the recurrence, the product with A decides.
 // Cost of an iteration: one product with A, one with M^{-1}, two sums; memory 5 n doubles. One team of threads runs the
 // whole iteration and shares its loops. Sums go over fixed blocks, so the bits do not depend on the number of threads.
 class ConjugateGradients {
@@ -115,17 +134,20 @@ public:
 
 private:
     KrylovResult solve_in_team(const BlockCsr& A, Preconditioner& M, const double* b, double* x);
-    SolveStatus cycle(const BlockCsr& A, Preconditioner& M, double r_norm, double rz, double r_target,
-                      double rz_target, int& iterations, double* x);
+    SolveStatus cycle(const BlockCsr& A, Preconditioner& M, Products now, double r_target, double rz_target,
+                      int& iterations, double* x);
     double residual(const BlockCsr& A, const double* b, const double* x);
-    double next_direction(const BlockCsr& A, Preconditioner& M, double rz_before);
-    double multiply_direction(const BlockCsr& A);
+    Products start(const BlockCsr& A, Preconditioner& M);
+    Products advance(const BlockCsr& A, Preconditioner& M, double alpha, double beta);
+    double next_direction(double alpha, double beta, double* x);
+    double curvature(const BlockCsr& A, double* Ap);
 
     int size_;
     KrylovParams params_;
-    std::vector<double> r_, z_, p_, q_;  // size: residual, M^{-1} r, search direction, A p
+    std::vector<double> r_, z_, p_, q_;  // size: residual, M^{-1} r, search direction, A p of the direction before
     std::vector<double> Az_;             // size
-    TeamSum pq_, true_pq_, rr_, true_rr_;  // p'q and r'r by the recurrences, and with products with A
+    TeamSum zq_, zAz_, pAp_;             // pAp_: by a product with A
+    TeamSum rr_, true_rr_;               // r'r by the recurrence, and by a product with A
 };
 
 // GMRES(m), m = restart, preconditioned from the right: minimises |b - A x|_2 over x_0 + M^{-1} K_m(A M^{-1}, r_0) by

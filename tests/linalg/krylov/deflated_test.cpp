@@ -86,6 +86,27 @@ TEST_CASE("the groups are a few hundred neighbours each") {
     CHECK(pieces == coarse.groups());
 }
 
+TEST_CASE("where A z is put off the correction is the same, and what it adds to A z and z'A z is told") {
+    for (int d = 1; d <= 3; ++d)
+        for (const bool in_single : {false, true}) {
+            const BlockCsr A = random_spd(1331, d, grid_3d(11), 1e-2);
+            CoarseSpace coarse(A, in_single);
+            REQUIRE(coarse.factor(A).status == SolveStatus::success);
+            const double error = in_single ? 1e-5 : 1e-10;
+            const std::vector<double> r = random_vector(A.size(), 1), z = random_vector(A.size(), 2);
+            const std::vector<double> Az = product(A, z);
+            std::vector<double> corrected = z, added(A.size(), 0.0), expected = z, A_expected = Az;
+            Products of_z{.rz = dot(r, z), .zAz = dot(z, Az)};
+            coarse.correct_put_off(r.data(), corrected.data(), added.data(), of_z);
+            coarse.correct(r.data(), expected.data(), A_expected.data());
+            CHECK(max_difference(corrected, expected) < error * norm_inf(expected));
+            axpy(1, Az, added);
+            CHECK(max_difference(added, product(A, corrected)) < error * norm_inf(A));
+            CHECK(of_z.rz == doctest::Approx(dot(r, corrected)).epsilon(error));
+            CHECK(of_z.zAz == doctest::Approx(dot(corrected, product(A, corrected))).epsilon(error));
+        }
+}
+
 TEST_CASE("the correction solves the system on the coarse space") {
     for (int d = 1; d <= 3; ++d) {
         const BlockCsr A = random_spd(1331, d, grid_3d(11), 1e-2);

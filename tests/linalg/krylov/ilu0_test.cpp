@@ -219,29 +219,63 @@ TEST_CASE("SSOR is (D + T) D^{-1} (D + T') with the blocks of the matrix, in sev
     }
 }
 
-// SSOR has A z from its own parts, which are in single precision; ILU(0) multiplies by A.
-TEST_CASE("apply_and_multiply: z as by apply(), and A z, in several domains and in a team too") {
-    for (const Sweeps sweeps : {Sweeps::ssor, Sweeps::ilu0})
-        for (int d = 1; d <= 3; ++d)
-            for (int m : {6, 18}) {
-                const CutGrid grid(m, d, 1e-2);
-                Ilu0 M(grid.A, grid.start, {0}, sweeps);
-                REQUIRE(M.factor(grid.A).status == SolveStatus::success);
-                const std::vector<double> r = random_vector(grid.A.size());
-                std::vector<double> z(r.size()), Az(r.size()), expected(r.size());
-                double rz = 0;
+TEST_CASE("apply_and_multiply: z as by apply(), and A z") {
+    for (const Sweeps sweeps : {Sweeps::ssor, Sweeps::ilu0}) {
+        const CutGrid grid(6, 3, 1e-2);
+        Ilu0 M(grid.A, grid.start, {0}, sweeps);
+        REQUIRE(M.factor(grid.A).status == SolveStatus::success);
+        const std::vector<double> r = random_vector(grid.A.size());
+        std::vector<double> z(r.size()), Az(r.size()), expected(r.size());
+        const double rz = M.apply_and_multiply(grid.A, r.data(), z.data(), Az.data());
+        CHECK(z == solved(M, r));
+        CHECK(rz == doctest::Approx(dot(r, z)).epsilon(single));
+        multiply(grid.A, z.data(), expected.data());
+        CHECK(Az == expected);
+    }
+}
+
+// SSOR has A z from its own parts, which are in single precision.
+TEST_CASE("SSOR puts products off: z, z'A z, and in the next sweep A z, in several domains and in a team too") {
+    for (int d = 1; d <= 3; ++d)
+        for (int m : {6, 18}) {
+            const CutGrid grid(m, d, 1e-2);
+            const BlockCsr& A = grid.A;
+            Ilu0 M(A, grid.start, {0}, Sweeps::ssor);
+            CHECK(!M.puts_off_products());
+            REQUIRE(M.factor(A).status == SolveStatus::success);
+            REQUIRE(M.puts_off_products());
+            const auto in_team = [m](const auto& body) {
+                Products result;
 #pragma omp parallel if (m > 6)
                 {
-                    const double own = M.apply_and_multiply(grid.A, r.data(), z.data(), Az.data());
+                    const Products own = body();
 #pragma omp single
-                    rz = own;
+                    result = own;
                 }
+                return result;
+            };
+            const std::vector<double> given = random_vector(A.size()), q_before = random_vector(A.size(), 2);
+            std::vector<double> r = given, z(r.size()), Az(r.size(), 7.0), q = q_before, product(r.size());
+            const auto check = [&](const Products& found) {
                 CHECK(z == solved(M, r));
-                CHECK(rz == doctest::Approx(dot(r, z)).epsilon(single));
-                multiply(grid.A, z.data(), expected.data());
-                const double error = sweeps == Sweeps::ssor ? 1e-6 : 0;
-                CHECK(max_difference(Az, expected) <= error * norm_inf(expected));
-            }
+                CHECK(Az == std::vector<double>(r.size(), 0.0));
+                multiply(A, z.data(), product.data());
+                CHECK(found.rz == doctest::Approx(dot(r, z)).epsilon(single));
+                CHECK(found.zAz == doctest::Approx(dot(z, product)).epsilon(single));
+            };
+            check(in_team([&] { return M.apply_and_put_off(r.data(), z.data(), Az.data()); }));
+            Az[3] = 0.5;  // as if a coarse space had changed z
+            std::vector<double> new_q = product, new_r = r;
+            new_q[3] += 0.5;
+            axpy(0.25, q_before, new_q);
+            axpy(-0.1, new_q, new_r);
+            const Products found =
+                in_team([&] { return M.advance(0.1, 0.25, q.data(), r.data(), z.data(), Az.data()); });
+            CHECK(max_difference(q, new_q) <= 1e-6 * norm_inf(new_q));
+            CHECK(max_difference(r, new_r) <= 1e-6 * norm_inf(new_r));
+            CHECK(found.rr == doctest::Approx(dot(r, r)));
+            check(found);
+        }
 }
 
 TEST_CASE("SSOR steps in where ILU(0) has no positive pivots, and needs positive definite diagonal blocks itself") {
