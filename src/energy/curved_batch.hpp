@@ -4,12 +4,9 @@
 //
 // Derivatives of the basis are those on the reference element, the same for all elements: the density is differentiated
 // with respect to J = sum x_i (grad N_i)^T = F A instead of F, which costs nothing (density_hessian.hpp). The Hessian's
-// block of nodes i and j is then a sum over the points q and the directions k, l
-//
-//     K_ij = sum_q sum_k dN_i/dxi_k T_jk,   T_jk = sum_l C_kl dN_j/dxi_l,   C_kl: n x n blocks of second derivatives,
-//
-// n + n/(m-i) multiplications per entry and point. Points are taken in blocks, so that a tile of K stays in registers
-// while it gathers a block's share.
+// block of nodes i and j is a sum over the points of products of two gradients with the density's second derivatives,
+// made from moments of these (gradient_products.hpp). Points are taken in blocks, so that a tile of moments stays in
+// registers while it gathers a block's share.
 #pragma once
 #include <algorithm>
 #include <type_traits>
@@ -17,6 +14,7 @@
 
 #include "base/index.hpp"
 #include "energy/density_hessian.hpp"
+#include "energy/gradient_products.hpp"
 #include "energy/point_lanes.hpp"
 #include "mesh/quadrature.hpp"
 
@@ -30,13 +28,19 @@ public:
     static constexpr bool points_in_lanes = std::is_same_v<Reference, PointLanes>;
     using Number = std::conditional_t<points_in_lanes, Lanes, double>;  // of the rule
 
-    explicit CurvedBatch(const Reference& reference)
-        : of_(reference), m_(reference.nodes), size_(m_ * n), position_(workspace(room())) {
+    CurvedBatch(const Reference& reference, const GradientProducts& products)
+        : of_(reference),
+          products_(products),
+          m_(reference.nodes),
+          size_(m_ * n),
+          position_(workspace(room())) {
         gradient_ = position_ + size_;
         hessian_ = gradient_ + size_;
         separate_ = hessian_ + stride();
         second_ = separate_ + stride();
-        applied_ = second_ + point_block * n * n * n * n;
+        moment_ = second_ + point_block * directions * entries;
+        barycentric_ = moment_ + products_.moments * directions * entries;
+        line_ = barycentric_ + products_.moments * pairs * entries;
     }
 
     int nodes() const { return m_; }
@@ -109,34 +113,42 @@ public:
     // by row, both triangles.
     template <class Density>
     const double* hessian(const Density& density, double delta, bool projected, Lanes factor) {
-        sum_of_points(hessian_, size_ * size_, [&](int begin, int end) {
+        sum_of_points(moment_, products_.moments * directions * entries, [&](int begin, int end) {
             for (int q = begin; q < end; q += point_block) {
                 const int count = std::min(point_block, end - q);
                 for (int k = 0; k < count; ++k)
-                    tensor(k) = density_hessian<n>(jacobian(q + k), *ideal_inverse_, factor * of_.weight[q + k],
-                                                   density, delta, projected);
-                for (int j = 0; j < m_; ++j) {
-                    apply_to_node(j, q, count);
-                    int i = j;
-                    for (; i + tile_rows <= m_; i += tile_rows) add_blocks<tile_rows>(i, j, q, count);
-                    for (; i < m_; ++i) add_blocks<1>(i, j, q, count);
+                    keep_upper(k, density_hessian<n>(jacobian(q + k), *ideal_inverse_, factor * of_.weight[q + k],
+                                                     density, delta, projected));
+                for (int direction = 0; direction < directions; ++direction) {
+                    int c = 0;
+                    for (; c + tile_rows <= products_.moments; c += tile_rows)
+                        add_moments<tile_rows>(c, direction, q, count);
+                    for (; c < products_.moments; ++c) add_moments<1>(c, direction, q, count);
                 }
             }
         });
+        turn_to_barycentric();
+        for (int a = 0, k = 0; a < m_; ++a)
+            for (int b = 0; b <= a; ++b, ++k) {
+                sum_up_terms(k, block(a, b));
+                transpose_block(block(a, b), block(b, a));
+            }
+        turn_to_nodes();
         for (int i = 0; i < m_; ++i)
-            for (int j = 0; j < i; ++j)
-                for (int a = 0; a < n; ++a)
-                    for (int b = 0; b < n; ++b) block(j, i)[b * n + a] = block(i, j)[a * n + b];
+            for (int j = 0; j < i; ++j) transpose_block(block(i, j), block(j, i));
         return separate_lanes(hessian_, size_ * size_, separate_);
     }
 
     std::size_t stride() const { return whole_registers(size_ * size_); }
 
 private:
-    static constexpr int point_block = 8;               // points whose tensors fit the innermost cache
-    static constexpr int tile_rows = n == 2 ? 5 : 3;    // blocks K_ij of one j that fit the registers
+    static constexpr int point_block = 8;             // points whose tensors fit the innermost cache
+    static constexpr int tile_rows = n == 2 ? 5 : 3;  // blocks of moments that fit the registers
+    static constexpr int entries = n * n;             // of a block
+    static constexpr int directions = n * (n + 1) / 2, pairs = (n + 1) * (n + 2) / 2;
 
     const Reference& of_;
+    const GradientProducts& products_;
     const int m_, size_;
     const int* node_ = nullptr;
     const Mat<n, Lanes>* ideal_inverse_ = nullptr;
@@ -144,10 +156,15 @@ private:
     Lanes* gradient_;        // m x n
     Lanes* hessian_;         // m x m blocks of n x n
     Lanes* separate_;        // the gradient or Hessian, element after element
-    Lanes* second_;          // point_block tensors C
-    Lanes* applied_;         // point_block x n x n x n: T_jk for the current j
+    Lanes* second_;          // point_block x directions: C_kl, k <= l
+    Lanes* moment_;          // moments x directions, and the same
+    Lanes* barycentric_;     // moments x pairs: by barycentric coordinates v <= w
+    Lanes* line_;            // m: a row or column of blocks
 
-    std::size_t room() const { return 2 * size_ + 2 * stride() + point_block * (n * n * n * n + n * n * n); }
+    std::size_t room() const {
+        const std::size_t blocks = point_block * directions + products_.moments * (directions + pairs) + m_;
+        return 2 * size_ + 2 * stride() + blocks * entries;
+    }
     Lanes* block(int i, int j) { return hessian_ + (i * m_ + j) * n * n; }
 
     // Kept by each thread between calls: nothing is allocated inside the Newton loop.
@@ -179,7 +196,7 @@ private:
     }
 
     const Number* gradients(int q) const { return &of_.gradients[offset(q, size_)]; }
-    Tensor<n>& tensor(int k) { return reinterpret_cast<Tensor<n>*>(second_)[k]; }
+    const Number* monomials(int q) const { return &of_.monomials[offset(q, products_.moments)]; }
 
     Mat<n, Lanes> jacobian(int q) const {
         Mat<n, Lanes> J = {};
@@ -190,37 +207,92 @@ private:
         return J;
     }
 
-    // T_jk for the points q, q + 1, ..., q + count - 1.
-    void apply_to_node(int j, int q, int count) {
-        for (int point = 0; point < count; ++point) {
-            const Number* const dN = gradients(q + point) + j * n;
-            const Tensor<n>& C = tensor(point);
-            Lanes* T = applied_ + point * n * n * n;
-            for (int k = 0; k < n; ++k)
+    // The blocks C_kl, k <= l, of the point-th point at hand.
+    void keep_upper(int point, const Tensor<n>& C) {
+        Lanes* to = second_ + point * directions * entries;
+        for (int k = 0; k < n; ++k)
+            for (int l = k; l < n; ++l)
                 for (int a = 0; a < n; ++a)
-                    for (int b = 0; b < n; ++b) {
-                        Lanes sum = C[k][0][a][b] * dN[0];
-                        for (int l = 1; l < n; ++l) sum += C[k][l][a][b] * dN[l];
-                        *T++ = sum;
-                    }
+                    for (int b = 0; b < n; ++b) *to++ = C[k][l][a][b];
+    }
+
+    // Adds a block of points to the moments c, ..., c + rows - 1.
+    template <int rows>
+    void add_moments(int c, int direction, int q, int count) {
+        const auto moment = [&](int r) { return moment_ + ((c + r) * directions + direction) * entries; };
+        Lanes sum[rows][entries];
+        for (int r = 0; r < rows; ++r)
+            for (int e = 0; e < entries; ++e) sum[r][e] = moment(r)[e];
+        for (int point = 0; point < count; ++point) {
+            const Lanes* const C = second_ + (point * directions + direction) * entries;
+            const Number* const power = monomials(q + point) + c;
+            for (int e = 0; e < entries; ++e)
+                for (int r = 0; r < rows; ++r) sum[r][e] += C[e] * power[r];
+        }
+        for (int r = 0; r < rows; ++r)
+            for (int e = 0; e < entries; ++e) moment(r)[e] = sum[r][e];
+    }
+
+    // barycentric_ from moment_: grad l_k is the k-th unit vector, grad l_0 minus their sum.
+    void turn_to_barycentric() {
+        for (int c = 0; c < products_.moments; ++c) {
+            const Lanes* const M = moment_ + c * directions * entries;
+            Lanes* const D = barycentric_ + c * pairs * entries;
+            const auto of_pair = [&](int v, int w) { return D + upper_place(n + 1, v, w) * entries; };
+            std::fill_n(D, (n + 1) * entries, Lanes{});
+            for (int k = 0; k < n; ++k)
+                for (int l = k; l < n; ++l) {
+                    const Lanes* const from = M + upper_place(n, k, l) * entries;
+                    std::copy_n(from, entries, of_pair(k + 1, l + 1));
+                    for (int a = 0; a < n; ++a)
+                        for (int b = 0; b < n; ++b) {
+                            of_pair(0, l + 1)[a * n + b] -= from[a * n + b];
+                            if (k < l) of_pair(0, k + 1)[a * n + b] -= from[b * n + a];
+                        }
+                }
+            for (int l = 1; l <= n; ++l)
+                for (int e = 0; e < entries; ++e) D[e] -= of_pair(0, l)[e];
         }
     }
 
-    // Adds a block of points to the blocks (i, j), ..., (i + rows - 1, j).
-    template <int rows>
-    void add_blocks(int i, int j, int q, int count) {
-        Lanes sum[rows][n * n];
-        for (int r = 0; r < rows; ++r)
-            for (int e = 0; e < n * n; ++e) sum[r][e] = block(i + r, j)[e];
-        const Lanes* T = applied_;
-        for (int point = 0; point < count; ++point) {
-            const Number* const dN = gradients(q + point) + i * n;
-            for (int k = 0; k < n; ++k, T += n * n)
-                for (int e = 0; e < n * n; ++e)
-                    for (int r = 0; r < rows; ++r) sum[r][e] += T[e] * dN[r * n + k];
+    // The k-th block of the lower triangle of K'.
+    void sum_up_terms(int k, Lanes* to) const {
+        Lanes sum[entries] = {};
+        for (int t = products_.term_start[k]; t < products_.term_start[k + 1]; ++t) {
+            const GradientProducts::Term& term = products_.term[t];
+            const Lanes* const D = barycentric_ + (term.moment * pairs + term.pair) * entries;
+            if (term.transposed)
+                for (int a = 0; a < n; ++a)
+                    for (int b = 0; b < n; ++b) sum[a * n + b] += term.factor * D[b * n + a];
+            else
+                for (int e = 0; e < entries; ++e) sum[e] += term.factor * D[e];
         }
-        for (int r = 0; r < rows; ++r)
-            for (int e = 0; e < n * n; ++e) block(i + r, j)[e] = sum[r][e];
+        for (int e = 0; e < entries; ++e) to[e] = sum[e];
+    }
+
+    // K = T' K' T in the place of K', of which the lower triangle is made.
+    void turn_to_nodes() {
+        const auto sum_up = [&](int i, auto&& of_row, Lanes* to) {
+            Lanes sum[entries] = {};
+            for (int t = products_.entry_start[i]; t < products_.entry_start[i + 1]; ++t) {
+                const Lanes* const from = of_row(products_.entry[t].row);
+                for (int e = 0; e < entries; ++e) sum[e] += products_.entry[t].value * from[e];
+            }
+            for (int e = 0; e < entries; ++e) to[e] = sum[e];
+        };
+        for (int a = 0; a < m_; ++a) {
+            std::copy_n(block(a, 0), m_ * entries, line_);
+            for (int j = 0; j < m_; ++j) sum_up(j, [&](int b) { return line_ + b * entries; }, block(a, j));
+        }
+        for (int j = 0; j < m_; ++j) {
+            for (int a = 0; a < m_; ++a) std::copy_n(block(a, j), entries, line_ + a * entries);
+            for (int i = j; i < m_; ++i) sum_up(i, [&](int a) { return line_ + a * entries; }, block(i, j));
+        }
+    }
+
+    static void transpose_block(const Lanes* from, Lanes* to) {
+        for (int a = 0; a < n; ++a)
+            for (int b = 0; b < n; ++b) to[b * n + a] = from[a * n + b];
     }
 };
 

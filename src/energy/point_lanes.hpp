@@ -18,18 +18,23 @@ struct PointLanes {
     int nodes, rows, points;       // points: per lane, those of all parts
     std::vector<Lanes> weight;     // points
     std::vector<Lanes> gradients;  // points x nodes x dim
+    std::vector<Lanes> monomials;  // points x those of ReferenceElement
 
     explicit PointLanes(const ReferenceElement& of)
         : nodes(of.nodes), rows((of.points + most_lanes - 1) / most_lanes), points(parts * rows) {
         const int stride = static_cast<int>(of.gradients.size()) / of.points;
+        const int powers = static_cast<int>(of.monomials.size()) / of.points;
         weight.resize(points);
         gradients.resize(offset(points, stride));
+        monomials.resize(offset(points, powers));
         for (int k = 0; k < rows * most_lanes; ++k) {
             const int q = std::min(k, of.points - 1);
             const auto [pack, lane] = place_of(k);
             weight[pack][lane] = k < of.points ? of.weight[q] : 0;
             for (int i = 0; i < stride; ++i)
                 gradients[offset(pack, stride, i)][lane] = of.gradients[offset(q, stride, i)];
+            for (int i = 0; i < powers; ++i)
+                monomials[offset(pack, powers, i)][lane] = of.monomials[offset(q, powers, i)];
         }
     }
 

@@ -58,6 +58,7 @@ struct SimdEnergy::Geometry {
 
 SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
     : DistortionEnergy(params, mesh) {
+    if (mesh.degree > 1) products_ = std::make_shared<GradientProducts>(dim_, mesh.degree);
     set_up(mesh);
     const double exponent = damping_exponent(dim_, params.weight_exponent);
     std::atomic<int> flat = element_count_;  // first element without volume
@@ -82,7 +83,7 @@ SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const
 }
 
 SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vector<int>& place)
-    : DistortionEnergy(whole, part.element_count()) {
+    : DistortionEnergy(whole, part.element_count()), products_(whole.products_) {
     set_up(part);
     for (const int e : blocks_.order) place_in_whole_.push_back(place[e]);
     fill(part, [&](int e) {
@@ -199,11 +200,17 @@ void SimdEnergy::dispatch(const Body& body) {
     });
 }
 
+template <class Batch>
+Batch SimdEnergy::make_batch() const {
+    if constexpr (std::is_constructible_v<Batch, const ReferenceElement&>) return Batch(reference_);
+    else return Batch(reference_, *products_);
+}
+
 // body(batch of elements, its number) for the batches of a block, in order.
 template <class Batch, class Body>
 void SimdEnergy::every_batch(int block, const std::vector<double>& x, const Body& body) {
     constexpr int n = Batch::dimension;
-    Batch elements(reference_);
+    Batch elements = make_batch<Batch>();
     const int end = std::min(element_count_, (block + 1) * blocks_.size);
     for (int k = block * blocks_.size; k < end; k += lanes) {
         const int batch = k / lanes;
@@ -220,7 +227,7 @@ void SimdEnergy::every_refined(const std::vector<double>& x, const Compute& comp
     if (refined_.empty()) return;
     with_dimension(dim_, [&](auto n) {
         const auto compute_single = [&](int r) {
-            CurvedBatch<n(), PointLanes> element(singles_[r].rule);
+            CurvedBatch<n(), PointLanes> element(singles_[r].rule, *products_);
             element.start(singles_[r].nodes.data(), x,
                           reinterpret_cast<const Mat<n(), Lanes>&>(singles_[r].ideal_inverse.front()));
             return compute(element, r);

@@ -3,13 +3,18 @@
 // the same for any number of threads. The second derivatives of the density are known in closed form, and so is their
 // eigensystem for the projected Hessian (density_hessian.hpp).
 //
-// Cost per quadrature point and element with m nodes: O(m n^2) for the energy, O(m^2 n^3) for the Hessian. Memory per
-// element: 4 m (m + 1) + 8 n^2 + 28 bytes.
+// Cost per quadrature point and element with m nodes: O(m n^2) for the energy, O(M n^4) for the Hessian, M: powers of
+// degree 2 p - 2 (gradient_products.hpp), which are made into its m^2 blocks at about the same cost. Memory per element:
+// 4 m (m + 1) + 8 n^2 + 28 bytes.
 #pragma once
+#include <memory>
+#include <vector>
+
 #include "base/lanes.hpp"
 #include "base/large_array.hpp"
 #include "energy/distortion_energy.hpp"
 #include "energy/element_blocks.hpp"
+#include "energy/gradient_products.hpp"
 #include "energy/point_lanes.hpp"
 #include "mesh/quadrature.hpp"
 
@@ -40,6 +45,7 @@ private:
         double jacobian, weight, damping_weight;
     };
 
+    std::shared_ptr<const GradientProducts> products_;  // for p > 1
     ElementBlocks blocks_;
     // By place in blocks_.order, as nodes_, filled up to whole batches with copies of the last element that weigh
     // nothing:
@@ -61,6 +67,8 @@ private:
     double integral(const std::vector<Lanes>& values) const;
     template <class Body>
     void dispatch(const Body& body);
+    template <class Batch>
+    Batch make_batch() const;
     template <class Batch, class Body>
     void every_batch(int block, const std::vector<double>& x, const Body& body);
     template <class Compute, class Add>

@@ -142,10 +142,25 @@ Quadrature element_quadrature(int dim, int degree, int exactness) {
 ReferenceElement reference_element(int degree, const Quadrature& quadrature) {
     const int dim = quadrature.dim;
     const LagrangeBasis basis(dim, degree);
-    ReferenceElement element{degree, basis.count, quadrature.count, quadrature.weight, {}};
+    ReferenceElement element{degree, basis.count, quadrature.count, quadrature.weight, {}, {}};
     const std::size_t stride = offset(basis.count, dim);
     element.gradients.resize(stride * quadrature.count);
-    for (int q = 0; q < quadrature.count; ++q) basis.gradients(&quadrature.xi[q * dim], &element.gradients[stride * q]);
+    const std::vector<MultiIndex> powers = gmsh_node_order(dim, 2 * degree - 2);
+    for (int q = 0; q < quadrature.count; ++q) {
+        const double* const xi = &quadrature.xi[q * dim];
+        basis.gradients(xi, &element.gradients[stride * q]);
+        double l[4] = {1};  // barycentric coordinates
+        for (int k = 0; k < dim; ++k) {
+            l[k + 1] = xi[k];
+            l[0] -= xi[k];
+        }
+        for (const MultiIndex& a : powers) {
+            double product = 1;
+            for (int k = 0; k <= dim; ++k)
+                for (int power = 0; power < a[k]; ++power) product *= l[k];
+            element.monomials.push_back(product);
+        }
+    }
     return element;
 }
 

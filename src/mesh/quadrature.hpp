@@ -26,6 +26,9 @@ struct ReferenceElement {
     int points = 0;
     std::vector<double> weight;     // points
     std::vector<double> gradients;  // points x nodes x dim, dN_i/dxi_k
+    // points x simplex_node_count(dim, 2 p - 2): products of powers l_0^a_0 ... l_dim^a_dim of the barycentric
+    // coordinates, a in gmsh_node_order(dim, 2 p - 2). Products of two gradients are sums of these.
+    std::vector<double> monomials;
 };
 
 // Of elements of degree p. exactness: degree to which it is exact for p > 1; 0: default_exactness(degree). For p > 1 a
