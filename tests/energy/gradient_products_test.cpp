@@ -116,16 +116,18 @@ TEST_CASE("sums of products of gradients by moments are those point by point") {
         }
 }
 
-TEST_CASE("terms with v > w are those whose blocks are transposed") {
-    const GradientProducts products(3, 2);
-    int transposed = 0;
-    for (const GradientProducts::Term& term : products.term) {
-        CHECK(term.moment < products.moments);
-        CHECK(term.pair < products.pairs);
-        transposed += term.transposed;
-    }
-    CHECK(transposed > 0);
-    CHECK(2 * transposed < static_cast<int>(products.term.size()));
+TEST_CASE("of linear elements each block is one moment, transposed below the diagonal") {
+    const GradientProducts products(3, 1);
+    CHECK(products.moments == 1);
+    for (int i = 0, k = 0; i < 4; ++i)
+        for (int j = 0; j <= i; ++j, ++k) {
+            REQUIRE(products.term_start[k + 1] - products.term_start[k] == 1);
+            const GradientProducts::Term& term = products.term[products.term_start[k]];
+            CHECK(term.moment == 0);
+            CHECK(term.pair == upper_place(4, j, i));
+            CHECK(term.transposed == (i > j));
+            CHECK(term.factor == 1);
+        }
 }
 
 TEST_CASE("places in the upper triangle are counted row by row") {
