@@ -107,15 +107,15 @@ FactorResult CoarseSpace::factor(const BlockCsr& A) {
     return {factor_.factor(E_).status};
 }
 
-// Az_ = Z'A z.
-void CoarseSpace::sum_up_groups(const double* Az) {
+// sums = Z'v.
+void CoarseSpace::sum_up_groups(const double* v, std::vector<double>& sums) {
     const int d = E_.d;
 #pragma omp for schedule(static)
     for (int g = 0; g < groups(); ++g)
         for (int a = 0; a < d; ++a) {
             double sum = 0;
-            for (const int i : members_.of(g)) sum += Az[offset(i, d, a)];
-            Az_[offset(g, d, a)] = sum;
+            for (const int i : members_.of(g)) sum += v[offset(i, d, a)];
+            sums[offset(g, d, a)] = sum;
         }
 }
 
@@ -148,17 +148,10 @@ void CoarseSpace::sum_up_parts() {
 
 // c_ = E^{-1} (Z'r - Az_).
 void CoarseSpace::solve(const double* r) {
-    const int d = E_.d;
-#pragma omp for schedule(static)
-    for (int g = 0; g < groups(); ++g)
-        for (int a = 0; a < d; ++a) {
-            double sum = 0;
-            for (const int i : members_.of(g)) sum += r[offset(i, d, a)];
-            r_[offset(g, d, a)] = sum;
-            c_[offset(g, d, a)] = sum - Az_[offset(g, d, a)];
-        }
+    sum_up_groups(r, r_);
 #pragma omp single
     {
+        for (int i = 0; i < E_.size(); ++i) c_[i] = r_[i] - Az_[i];
         factor_.solve(c_.data(), c_.data());
         rZc_ = std::inner_product(r_.begin(), r_.end(), c_.begin(), 0.0);  // not written again before the next barrier
         AzZc_ = std::inner_product(Az_.begin(), Az_.end(), c_.begin(), 0.0);
@@ -196,7 +189,7 @@ double CoarseSpace::correct_start(const double* r, double* x) {
 }
 
 double CoarseSpace::correct(const double* r, double* z, double* Az) {
-    sum_up_groups(Az);
+    sum_up_groups(Az, Az_);
     solve(r);
     add_to(z, Az);
     return rZc_;

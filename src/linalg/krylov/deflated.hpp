@@ -56,7 +56,7 @@ private:
     template <int d, class Number>
     void add_transposed(const Number* AZ, const double* z);
     void sum_up_parts();
-    void sum_up_groups(const double* Az);
+    void sum_up_groups(const double* v, std::vector<double>& sums);
     void solve(const double* r);
     void add_to(double* z, double* Az) const;
     template <class Body>
