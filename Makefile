@@ -90,7 +90,7 @@ mutants: doctest python ## plant changes in the source, one at a time, and list 
 	CXX='$(CXX)' tests/mutants/mutants.py $(ONLY)
 
 # Without the tests that run the large decks again and again: minutes become hours.
-SLOW_TESTS := every deck*,algorithm = adaptive takes*,conjugate gradients take at most*
+SLOW_TESTS := every deck*,algorithm = adaptive takes*,conjugate gradients take few iterations*
 asan: doctest ## the same tests, but for those of the large decks, under the address and undefined-behaviour sanitizers
 	$(MAKE) BUILD=build-asan WERROR=-Werror CXXFLAGS='-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all' \
 	  run-fast-tests

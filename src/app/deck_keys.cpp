@@ -185,7 +185,7 @@ const std::vector<DeckKey>& deck_keys() {
         {"solver", choice<&Deck::linear, &Linear::kind>({"auto", "cg", "gmres", "cholesky"}),
          "Linear solver; auto: Cholesky in 2D and for small meshes in 3D, conjugate gradients for large ones."},
         {"preconditioner", choice<&Deck::linear, &Linear::preconditioner>({"auto", "ilu0", "ssor"}),
-         "Of cg; auto: ilu0, and ssor where that meets bad pivots or rows are long, as with tetrahedra of degree 2."},
+         "Of cg; auto: ssor, but for linear triangles ilu0 unless it meets bad pivots."},
         {"forcing", choice<&Deck::forcing>({"auto", "fixed"}),
          "Residual at which cg and gmres stop; auto: after full steps by the rule of Eisenstat and Walker, fixed: "
          "linear_tolerance."},

@@ -12,8 +12,8 @@
 // positive definite whenever the diagonal blocks are, for every stretched or nearly singular matrix of the projected
 // Hessian; it costs one pass over A to set up, and needs no list of products. As A consists of the same parts,
 // conjugate gradients need no product with it: A z takes part in the next forward sweep (puts_off_products()). With
-// deflation it takes 20 to 40 % more iterations than ILU(0) on tetrahedra of degree 1 and 2, on those of degree 3 a
-// fifth more.
+// deflation it takes up to 40 % more iterations than ILU(0) on tetrahedra, the fewer the larger the mesh, each at half
+// the traffic.
 //
 // C carries the units of A, so the entries of L are of order one and are stored in single precision: the sweeps move
 // half the bytes.

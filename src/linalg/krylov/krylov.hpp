@@ -120,8 +120,9 @@ struct KrylovParams {
 // before, because some preconditioners have z'A z before A z, and both for little (Eisenstat, SIAM J. Sci. Stat.
 // Comput. 2, 1981; the order of the sums is that of Chronopoulos & Gear, J. Comput. Appl. Math. 25, 1989). Where
 // p'Ap <= 0 by the recurrence, the product with A decides.
-// Cost of an iteration: one product with A, one with M^{-1}, two sums; memory 5 n doubles. One team of threads runs the
-// whole iteration and shares its loops. Sums go over fixed blocks, so the bits do not depend on the number of threads.
+// Cost of an iteration: one product with A, one with M^{-1}, three sums; memory 5 n doubles. One team of threads runs
+// the whole iteration and shares its loops. Sums go over fixed blocks, so the bits do not depend on the number of
+// threads.
 class ConjugateGradients {
 public:
     ConjugateGradients(int size, const KrylovParams& params);
