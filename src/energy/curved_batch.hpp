@@ -110,15 +110,15 @@ public:
     }
 
     // The Hessian of each element after the other, times `factor`: lanes x stride(), blocks (i, j) of n x n numbers row
-    // by row, both triangles.
+    // by row, both triangles. negative_part: see density_hessian().
     template <class Density>
-    const double* hessian(const Density& density, double delta, bool projected, Lanes factor) {
+    const double* hessian(const Density& density, double delta, double negative_part, Lanes factor) {
         sum_of_points(moment_, products_.moments * directions * entries, [&](int begin, int end) {
             for (int q = begin; q < end; q += point_block) {
                 const int count = std::min(point_block, end - q);
                 for (int k = 0; k < count; ++k)
                     keep_upper(k, density_hessian<n>(jacobian(q + k), *ideal_inverse_, factor * of_.weight[q + k],
-                                                     density, delta, projected));
+                                                     density, delta, negative_part));
                 for (int direction = 0; direction < directions; ++direction) {
                     int c = 0;
                     for (; c + tile_rows <= products_.moments; c += tile_rows)
@@ -157,7 +157,7 @@ private:
     Lanes* hessian_;         // m x m blocks of n x n
     Lanes* separate_;        // the gradient or Hessian, element after element
     Lanes* second_;          // point_block x directions: C_kl, k <= l
-    Lanes* moment_;          // moments x directions, and the same
+    Lanes* moment_;          // moments x directions: sums over the points of C_kl times a monomial
     Lanes* barycentric_;     // moments x pairs: by barycentric coordinates v <= w
     Lanes* line_;            // m: a row or column of blocks
 
@@ -165,7 +165,7 @@ private:
         const std::size_t blocks = point_block * directions + products_.moments * (directions + pairs) + m_;
         return 2 * size_ + 2 * stride() + blocks * entries;
     }
-    Lanes* block(int i, int j) { return hessian_ + (i * m_ + j) * n * n; }
+    Lanes* block(int i, int j) { return hessian_ + (i * m_ + j) * entries; }
 
     // Kept by each thread between calls: nothing is allocated inside the Newton loop.
     static Lanes* workspace(std::size_t size) {

@@ -4,10 +4,10 @@
 //
 //     f'' eta_J eta_J^T + f' (r S_JJ + r' (S_J D_J^T + D_J S_J^T) + S r'' D_J D_J^T + S r' D_JJ),
 //
-// with S_JJ = 2 A^{-1} A^{-T} for each row of J, and the entries of J with signs in D_JJ. Its positive semidefinite
-// part needs a frame: with F = U diag(s) V^T the Hessian by F is nearly diagonal in the basis u_i v_j^T
-// (Smith, de Goes, Kim, "Analytic eigensystems for isotropic distortion energies", ACM TOG 38, 2019, written without
-// divisions by s_i - s_j):
+// with S_JJ = 2 A^{-1} A^{-T} for each row of J, and the entries of J with signs in D_JJ. Its eigenvalues, of which
+// negative ones are made smaller or zero, need a frame: with F = U diag(s) V^T the Hessian by F is nearly diagonal in
+// the basis u_i v_j^T (Smith, de Goes, Kim, "Analytic eigensystems for isotropic distortion energies", ACM TOG 38,
+// 2019, written without divisions by s_i - s_j):
 //     flip modes   (u_i v_j^T + u_j v_i^T)/sqrt 2:  f' (2 r - S r' K_ij)     K_ij = product of s_k, k not i or j
 //     twist modes  (u_i v_j^T - u_j v_i^T)/sqrt 2:  f' (2 r + S r' K_ij)
 //     scaling modes u_i v_i^T: the n x n matrix  f'' eta_i eta_j + f' eta_ij
@@ -65,9 +65,10 @@ struct FrameHessian {
     Mat<n, Lanes> U, V, scaling, mixed, crossed;
 };
 
-// Without the part that is not positive semidefinite. F must have finite distortion.
+// With its negative eigenvalues times negative_part. F must have finite distortion.
 template <int n, class Density>
-FrameHessian<n> projected_in_frame(const Mat<n, Lanes>& F, const Density& density, double delta) {
+FrameHessian<n> projected_in_frame(const Mat<n, Lanes>& F, const Density& density, double delta,
+                                   double negative_part) {
     FrameHessian<n> H;
     const SingularValues<n> svd = singular_values(F);
     H.U = svd.U;
@@ -89,11 +90,12 @@ FrameHessian<n> projected_in_frame(const Mat<n, Lanes>& F, const Density& densit
             eta_ij += i == j ? 2 * r : Sr1 * product_without(i, j);
             H.scaling[i][j] = H.scaling[j][i] = f2 * eta_i[i] * eta_i[j] + f1 * eta_ij;
         }
-    H.scaling = positive_part(H.scaling);
+    H.scaling = with_negative_part(H.scaling, negative_part);
     for (int i = 0; i < n; ++i)
         for (int j = i + 1; j < n; ++j) {
             const Lanes K = Sr1 * product_without(i, j);
-            const Lanes flip = max(f1 * (2 * r - K), Lanes{}), twist = max(f1 * (2 * r + K), Lanes{});
+            const Lanes flip = with_negative_part(f1 * (2 * r - K), negative_part);
+            const Lanes twist = with_negative_part(f1 * (2 * r + K), negative_part);
             H.mixed[i][j] = H.mixed[j][i] = 0.5 * (flip + twist);
             H.crossed[i][j] = H.crossed[j][i] = 0.5 * (flip - twist);
         }
@@ -124,13 +126,14 @@ Tensor<n> in_element_coordinates(const FrameHessian<n>& H, const Mat<n, Lanes>& 
     return C;
 }
 
-// The full Hessian, or its positive semidefinite part, with respect to J = F A, times `weight`.
+// The Hessian with respect to J = F A, times `weight`. negative_part: by which its negative eigenvalues with respect to
+// F are multiplied: 1 for the full Hessian, 0 for its positive semidefinite part.
 template <int n, class Density>
 Tensor<n> density_hessian(const Mat<n, Lanes>& J, const Mat<n, Lanes>& ideal_inverse, Lanes weight,
-                          const Density& density, double delta, bool projected) {
-    if (!projected) return full_hessian<n>(J, ideal_inverse, weight, density, delta);
+                          const Density& density, double delta, double negative_part) {
+    if (negative_part == 1) return full_hessian<n>(J, ideal_inverse, weight, density, delta);
     const Mat<n, Lanes> F = multiply<n>(J, ideal_inverse);
-    return in_element_coordinates<n>(projected_in_frame<n>(F, density, delta), ideal_inverse, weight);
+    return in_element_coordinates<n>(projected_in_frame<n>(F, density, delta, negative_part), ideal_inverse, weight);
 }
 
 }  // namespace almesh

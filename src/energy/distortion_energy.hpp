@@ -58,8 +58,9 @@ public:
     // From now on with the rows of the Hessian in the order that `choose` makes of its pattern; none: as they are.
     using ChooseOrder = std::function<std::shared_ptr<const RowOrder>(const BlockCsr& pattern)>;
     virtual void order_hessian(const ChooseOrder& choose) = 0;
-    // Adds to H, which has the pattern above. damping: t, for HessianKind::projected.
-    virtual void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping = 0) = 0;
+    // Adds to H, which has the pattern above. projection: for HessianKind::projected alone.
+    virtual void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
+                             const Projection& projection = {}) = 0;
     virtual DistortionStatistics statistics(const std::vector<double>& x) = 0;
 
     // The elements that have a node with moves[i], with the same weights, as an energy of its own of their nodes;

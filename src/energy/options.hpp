@@ -33,4 +33,9 @@ enum class HessianKind {
     damping     // the damping alone: the Hessian of Eq. 5 vanishes at the identity
 };
 
+struct Projection {
+    double damping = 0;        // t, see distortion_energy.hpp
+    double negative_part = 0;  // by which negative eigenvalues are multiplied: with 1 the Hessian would be the full one
+};
+
 }  // namespace almesh

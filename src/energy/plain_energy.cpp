@@ -152,7 +152,10 @@ void PlainEnergy::add_gradient(const std::vector<double>& x, std::vector<double>
     });
 }
 
-void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping) {
+void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
+                              const Projection& projection) {
+    const bool projected = kind == HessianKind::projected;
+    const double t = projected ? projection.damping : kind == HessianKind::damping ? 1 : 0;
     const int m = reference_.nodes;
     with_density(params_, [&](auto density) {
         with_dimension(dim_, [&](auto dimension) {
@@ -160,13 +163,12 @@ void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Bl
             for (int e = 0; e < element_count_; ++e)
                 every_point<n>(e, x, [&](const ElementPoint<n>& at) {
                     double A[n * n * n * n] = {};  // of w f + t w' eta^2
-                    const double t = kind == HessianKind::projected ? damping : kind == HessianKind::damping ? 1 : 0;
                     if (kind != HessianKind::damping)
                         add_second_derivative<n>(at.F, density, params_.delta, weight_[e] * at.weight, A);
                     if (t > 0)
                         add_second_derivative<n>(at.F, square_like(density), params_.delta,
                                                  t * damping_weight_[e] * at.weight, A);
-                    if (kind != HessianKind::full) project(n * n, A);
+                    if (kind != HessianKind::full) project(n * n, A, projected ? projection.negative_part : 0);
                     for (int i = 0; i < m; ++i)
                         for (int j = 0; j < m; ++j) {
                             double* const block = H.block(H.find(H.row_of(element(e)[i]), H.row_of(element(e)[j])));
@@ -232,11 +234,11 @@ std::unique_ptr<DistortionEnergy> PlainEnergy::part(const std::vector<double>&, 
     return std::unique_ptr<PlainEnergy>(new PlainEnergy(*this, std::move(chosen)));
 }
 
-void project(int size, double* A) {
+void project(int size, double* A, double negative_part) {
     std::vector<double> Q(offset(size, size));
     diagonalise(size, A, Q.data());
     std::vector<double> eigenvalue(size);
-    for (int i = 0; i < size; ++i) eigenvalue[i] = std::max(A[i * size + i], 0.0);
+    for (int i = 0; i < size; ++i) eigenvalue[i] = std::max(A[i * size + i], negative_part * A[i * size + i]);
     for (int i = 0; i < size; ++i)
         for (int j = 0; j < size; ++j) {
             A[i * size + j] = 0;

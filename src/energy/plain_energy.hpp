@@ -17,7 +17,8 @@ public:
     void add_gradient(const std::vector<double>& x, std::vector<double>& g) override;
     BlockCsr hessian_pattern() const override { return pattern_; }
     void order_hessian(const ChooseOrder& choose) override;
-    void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping = 0) override;
+    void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
+                     const Projection& projection = {}) override;
     DistortionStatistics statistics(const std::vector<double>& x) override;
     std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
                                            std::vector<int>& node) const override;
@@ -36,8 +37,8 @@ private:
     void every_point(int e, const std::vector<double>& x, const Body& body) const;
 };
 
-// The positive semidefinite part of a symmetric size x size matrix, row-major, in its place: cyclic Jacobi rotations
-// (Golub & Van Loan, Matrix Computations, sec. 8.5), negative eigenvalues set to zero.
-void project(int size, double* A);
+// Multiplies the negative eigenvalues of a symmetric size x size matrix, row-major, by negative_part; with 0 what is
+// left is its positive semidefinite part. Cyclic Jacobi rotations (Golub & Van Loan, Matrix Computations, sec. 8.5).
+void project(int size, double* A, double negative_part = 0);
 
 }  // namespace almesh

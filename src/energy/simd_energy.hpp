@@ -4,8 +4,8 @@
 // eigensystem for the projected Hessian (density_hessian.hpp).
 //
 // Cost per quadrature point and element with m nodes: O(m n^2) for the energy, O(M n^4) for the Hessian, M: powers of
-// degree 2 p - 2 (gradient_products.hpp), which are made into its m^2 blocks at about the same cost. Memory per element:
-// 4 m (m + 1) + 8 n^2 + 28 bytes.
+// degree 2 p - 2 (gradient_products.hpp), which are made into its m^2 blocks at about the same cost. Memory per
+// element: 4 m (m + 1) + 8 n^2 + 28 bytes.
 #pragma once
 #include <memory>
 #include <vector>
@@ -28,7 +28,8 @@ public:
     void add_gradient(const std::vector<double>& x, std::vector<double>& g) override;
     BlockCsr hessian_pattern() const override;
     void order_hessian(const ChooseOrder& choose) override;
-    void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping = 0) override;
+    void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
+                     const Projection& projection = {}) override;
     DistortionStatistics statistics(const std::vector<double>& x) override;
     std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
                                            std::vector<int>& node) const override;

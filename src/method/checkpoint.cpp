@@ -101,9 +101,9 @@ void visit(Archive& archive, std::vector<Item>& list) {
 template <class Archive>
 void visit(Archive& archive, NewtonState& s) {
     archive.words(s.start);
-    visit_all(archive, s.has_ended, s.at, s.hessian, s.forcing, s.damping, s.eliminates, s.solver.failures,
-              s.solver.failed_iterations, s.solver.iterative, s.solver.direct, s.quadrature.refinements,
-              s.quadrature.folds, s.x, s.steps);
+    visit_all(archive, s.has_ended, s.at, s.hessian, s.forcing, s.damping, s.negative_part, s.eliminates,
+              s.solver.failures, s.solver.failed_iterations, s.solver.iterative, s.solver.direct,
+              s.quadrature.refinements, s.quadrature.folds, s.x, s.steps);
 }
 
 template <class Archive, class Field>
@@ -112,7 +112,7 @@ void visit(Archive& archive, Field& field) {
     archive.number(field);
 }
 
-std::string header(const std::string& run) { return "almesh checkpoint 1\n" + run + "\n"; }
+std::string header(const std::string& run) { return "almesh checkpoint 2\n" + run + "\n"; }
 
 }  // namespace
 

@@ -30,7 +30,7 @@ struct NewtonState {
     bool has_ended = false;
     NewtonResult at;
     HessianKind hessian = HessianKind::projected;  // of the next step
-    double forcing = 0, damping = 0;
+    double forcing = 0, damping = 0, negative_part = 0;
     bool eliminates = false;  // local nonlinear elimination
     LinearSolverState solver;
     QuadratureState quadrature;

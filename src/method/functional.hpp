@@ -7,6 +7,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "base/parallel.hpp"
@@ -40,12 +41,22 @@ struct AugmentedFunctional {
         hold(held, distortion.dim(), g);
     }
 
-    // damping: of the projected Hessian, see distortion_energy.hpp.
-    void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H, double damping = 0) const {
+    void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
+                 const Projection& projection = {}) const {
         parallel_for(H.n, [&H](int i) { std::fill(H.block(H.row[i]), H.block(H.row[i + 1]), 0.0); });
-        distortion.add_hessian(x, kind, H, damping);
+        distortion.add_hessian(x, kind, H, projection);
         constraint.add_hessian(x, lambda, penalty, kind != HessianKind::full, H);
         hold(held, H);
+    }
+
+    // By how much rounding the positions at which the constraint is evaluated changes E: small c with large multipliers
+    // and penalties are differences of positions times large forces. force: work space, the size of x.
+    double rounding_error(const std::vector<double>& x, std::vector<double>& force) const {
+        std::fill(force.begin(), force.end(), 0.0);
+        constraint.add_gradient(x, lambda, penalty, force);
+        double sum = 0;
+        for (std::size_t i = 0; i < x.size(); ++i) sum += std::abs(force[i] * x[i]);
+        return std::numeric_limits<double>::epsilon() * sum;
     }
 
     // DistortionEnergy::mean_slope() at x. energy: E(x), so that no element need be looked at again.

@@ -20,7 +20,7 @@ constexpr double worth_lengthening = 2.0 / 3;  // of what the slope promises
 
 LineSearchResult line_search(const EnergyFunction& E, const StepFunction& valid_fraction, double energy, double slope,
                              const std::vector<double>& d, std::vector<double>& x, std::vector<double>& trial,
-                             const BendFunction& bend) {
+                             const BendFunction& bend, double rounding_error) {
     const auto place = [&](double t) {
         for (std::size_t i = 0; i < x.size(); ++i) trial[i] = x[i] + t * d[i];
         if (bend) bend(t, trial);
@@ -30,7 +30,7 @@ LineSearchResult line_search(const EnergyFunction& E, const StepFunction& valid_
         return E(trial);
     };
     LineSearchResult result;
-    const double noise = energy_rounding * std::abs(energy);
+    const double noise = std::max(energy_rounding * std::abs(energy), rounding_error);
     result.by_rounding = -slope <= noise;
     double t = 1, found = energy_at(t);
     const auto decreases = [&] {

@@ -13,7 +13,8 @@
 // nothing is tried.
 //
 // Rounding. When the decrease that the full step promises is below the rounding error of E, energies can no longer be
-// compared: the full step is taken if E stays the same to rounding.
+// compared: the full step is taken if E stays the same to rounding. That error is 1e-14 |E|, or what the caller knows
+// of the terms of E if they are larger than their sum.
 #pragma once
 #include <functional>
 #include <vector>
@@ -37,10 +38,10 @@ using StepFunction = std::function<double(const std::vector<double>& from, const
 // Bends the way: moves x + t d, given as `y`, by what is of second order in t.
 using BendFunction = std::function<void(double t, std::vector<double>& y)>;
 
-// energy: E(x), finite. slope: grad E . d < 0. Where there is a step length x becomes x + t d, bent if there is a
-// function that does so, else it stays. trial: work space, the size of x.
+// energy: E(x), finite. slope: grad E . d < 0. rounding_error: of E(x), absolute. Where there is a step length x
+// becomes x + t d, bent if there is a function that does so, else it stays. trial: work space, the size of x.
 LineSearchResult line_search(const EnergyFunction& E, const StepFunction& valid_fraction, double energy, double slope,
                              const std::vector<double>& d, std::vector<double>& x, std::vector<double>& trial,
-                             const BendFunction& bend = {});
+                             const BendFunction& bend = {}, double rounding_error = 0);
 
 }  // namespace almesh

@@ -1,4 +1,4 @@
-// max over i of |g_i|^2 / (2 h_i) chooses the nodes, Newton's method without damping minimises over them.
+// |g_i|^2 / (2 h_i) chooses the nodes, Newton's method minimises over them.
 #include "method/local_elimination.hpp"
 
 #include <algorithm>
@@ -11,80 +11,10 @@
 #include "linalg/vector_ops.hpp"
 #include "method/functional.hpp"
 #include "method/line_search.hpp"
+#include "method/local_functional.hpp"
+#include "method/negative_part.hpp"
 
 namespace almesh {
-
-LocalFunctional::LocalFunctional(const AugmentedFunctional& E, const std::vector<double>& x,
-                                 const std::vector<char>& moves)
-    : dim_(static_cast<int>(x.size() / moves.size())),
-      distortion_(E.distortion.part(x, moves, node_)),
-      H_(distortion_->hessian_pattern()) {
-    constraint_ = E.constraint.part(x, E.lambda, E.penalty, node_, H_);
-    for (const int i : node_) {
-        moving_ += moves[i];
-        start_.insert(start_.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
-    }
-    at_ = to_ = start_;
-    g_.resize(start_.size());
-}
-
-LocalFunctional::~LocalFunctional() = default;
-
-std::vector<double> LocalFunctional::start() const {
-    return {start_.begin(), start_.begin() + static_cast<std::ptrdiff_t>(moving_) * dim_};
-}
-
-void LocalFunctional::write(const std::vector<double>& y, std::vector<double>& x) const {
-    for (int i = 0; i < moving_; ++i) std::copy_n(point(y, i, dim_), dim_, point(x, node_[i], dim_));
-}
-
-const std::vector<double>& LocalFunctional::with_held(const std::vector<double>& y, std::vector<double>& all) const {
-    std::copy(y.begin(), y.end(), all.begin());
-    return all;
-}
-
-double LocalFunctional::energy(const std::vector<double>& y) {
-    double value = distortion_->energy(with_held(y, at_));
-    if (std::isfinite(value)) constraint_->add_value(at_, value);
-    return value;
-}
-
-double LocalFunctional::valid_fraction(const std::vector<double>& y, const std::vector<double>& to) {
-    return distortion_->valid_fraction(with_held(y, at_), with_held(to, to_));
-}
-
-bool LocalFunctional::refine_quadrature() const { return distortion_->refine_quadrature(); }
-
-void LocalFunctional::gradient(const std::vector<double>& y, std::vector<double>& g) {
-    std::fill(g_.begin(), g_.end(), 0.0);
-    constraint_->add_gradient(with_held(y, at_), g_);
-    distortion_->add_gradient(at_, g_);
-    std::copy_n(g_.begin(), g.size(), g.begin());
-}
-
-// The rows and columns of H_ of nodes that move: the first, in each row as well.
-BlockCsr LocalFunctional::hessian_pattern() const {
-    BlockCsr H;
-    H.n = moving_;
-    H.d = dim_;
-    H.row.assign(1, 0);
-    for (int i = 0; i < moving_; ++i) {
-        const auto begin = H_.col.begin() + H_.row[i], end = H_.col.begin() + H_.row[i + 1];
-        H.col.insert(H.col.end(), begin, std::lower_bound(begin, end, moving_));
-        H.row.push_back(H.blocks());
-    }
-    H.value.assign(H.col.size() * dim_ * dim_, 0.0);
-    return H;
-}
-
-void LocalFunctional::hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H) {
-    std::fill(H_.value.begin(), H_.value.end(), 0.0);
-    constraint_->add_hessian(with_held(y, at_), kind != HessianKind::full, H_);
-    distortion_->add_hessian(at_, kind, H_);
-    for (int i = 0; i < moving_; ++i)
-        std::copy_n(H_.block(H_.row[i]), H.block(H.row[i + 1]) - H.block(H.row[i]), H.block(H.row[i]));
-}
-
 namespace {
 
 constexpr double part_of_nodes = 0.01, part_of_decrease = 0.9;
@@ -92,9 +22,10 @@ constexpr double part_of_nodes = 0.01, part_of_decrease = 0.9;
 // turned against each other take three times the steps. From a coarser mesh less is left to do, and curved elements are
 // dear.
 constexpr double largest_part[] = {1, 0.4}, largest_dear_part[] = {0.1, 0.05};
+constexpr double inner_part = 0.1;  // of a local minimisation's nodes, over which it is minimised in turn
 constexpr int layers = 2;
 constexpr int most_steps = 30;
-constexpr double local_tolerance = 1e-4;  // relative residual of iterative solvers
+constexpr double local_tolerance = 1e-2;  // relative residual of iterative solvers
 constexpr double worthwhile = 0.01;       // decrease of a local step, in units of that of the Newton step before
 constexpr double part_of_gain = 1e-3;     // and of all local steps so far: less is not worth another
 constexpr double much_alone = 0.1;        // of what a Newton step gained, that nodes could reach alone
@@ -140,40 +71,88 @@ std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g, 
     }
 }
 
-// Newton's method on the part: the full Hessian after a full step, else the projected one. No damping: a step that is
-// cut costs little here. least_gain: a step that decreases E by less is the last. Returns the number of steps; y:
-// start, then the last iterate.
-int minimise_locally(LocalFunctional& E, double least_gain, std::vector<double>& y) {
-    BlockCsr H = E.hessian_pattern();
-    LinearSolver solver(H.d, {.tolerance = local_tolerance});
-    const auto energy_of = [&E](const std::vector<double>& at) { return E.energy(at); };
-    const auto valid_fraction = [&E](const std::vector<double>& from, const std::vector<double>& to) {
-        return E.valid_fraction(from, to);
-    };
-    std::vector<double> g(y.size()), minus_g(y.size()), d, trial(y.size());
-    const auto step_with = [&](HessianKind kind, double energy) -> LineSearchResult {
-        E.hessian(y, kind, H);
-        if (solver.solve(H, minus_g, d).status != SolveStatus::success) return {};
-        const double slope = dot(g, d);
-        return slope < 0 ? line_search(energy_of, valid_fraction, energy, slope, d, y, trial) : LineSearchResult{};
-    };
-    double first = E.energy(y), energy = first;
-    bool try_full = true;
-    for (int step = 0; step < most_steps; ++step) {
-        if (E.refine_quadrature()) first = energy = E.energy(y);
-        E.gradient(y, g);
-        for (std::size_t i = 0; i < g.size(); ++i) minus_g[i] = -g[i];
-        LineSearchResult found;
-        if (try_full) found = step_with(HessianKind::full, energy);
-        if (found.step_length == 0) found = step_with(HessianKind::projected, energy);
-        if (found.step_length == 0) return step;
-        const double gained = energy - found.energy;
-        energy = found.energy;
-        if (gained <= least_gain || gained <= part_of_gain * (first - energy)) return step + 1;
-        try_full = found.step_length >= 1;
+// Newton's method for E over the nodes of `local`, with as much of the negative eigenvalues as the Hessian bears. No
+// damping: a step that is cut costs little here.
+class LocalMinimisation {
+public:
+    // least_gain: a step that decreases E by less is the last. inner: whether before a step there can be a minimisation
+    // over the few nodes that hold it up.
+    LocalMinimisation(const AugmentedFunctional& E, LocalFunctional& local, double least_gain, bool inner)
+        : E_(E), local_(local), least_gain_(least_gain), inner_(inner) {}
+
+    // x: of the mesh, in place. Returns the number of steps.
+    int run(std::vector<double>& x) {
+        y_ = local_.read(x);
+        const int steps = minimise(x);
+        local_.write(y_, x);
+        return steps;
     }
-    return most_steps;
-}
+
+private:
+    const AugmentedFunctional& E_;
+    LocalFunctional& local_;
+    double least_gain_;
+    bool inner_;
+    BlockCsr H_ = local_.hessian_pattern();
+    LinearSolver solver_{H_.d, {.tolerance = local_tolerance}};
+    NegativePart negative_part_;
+    std::vector<double> y_, g_, minus_g_, d_, trial_;  // of the nodes that move
+    double energy_ = 0;
+
+    int minimise(std::vector<double>& x) {
+        g_.resize(y_.size());
+        minus_g_.resize(y_.size());
+        trial_.resize(y_.size());
+        energy_ = local_.energy(y_);
+        double first = energy_, gained = 0;
+        for (int step = 0; step < most_steps; ++step) {
+            if (local_.refine_quadrature()) first = energy_ = local_.energy(y_);
+            local_.gradient(y_, g_);
+            if (inner_ && step > 0 && LocalElimination::holds_up(H_, g_, gained)) relax_inside(gained, x);
+            for (std::size_t i = 0; i < g_.size(); ++i) minus_g_[i] = -g_[i];
+            LineSearchResult found = search();
+            while (found.step_length == 0 && negative_part_.value > 0) {
+                negative_part_.weaken();
+                found = search();
+            }
+            if (found.step_length == 0) return step;
+            gained = energy_ - found.energy;
+            energy_ = found.energy;
+            if (gained <= least_gain_ || gained <= part_of_gain * (first - energy_)) return step + 1;
+            negative_part_.after_step(found.step_length);
+        }
+        return most_steps;
+    }
+
+    LineSearchResult search() {
+        const double part = negative_part_.value;
+        local_.hessian(y_, part == 1 ? HessianKind::full : HessianKind::projected, H_, {.negative_part = part});
+        if (solver_.solve(H_, minus_g_, d_, part > 0).status != SolveStatus::success) return {};
+        const double slope = dot(g_, d_);
+        if (!(slope < 0)) return {};
+        const auto energy_of = [&](const std::vector<double>& at) { return local_.energy(at); };
+        const auto valid_fraction = [&](const std::vector<double>& from, const std::vector<double>& to) {
+            return local_.valid_fraction(from, to);
+        };
+        return line_search(energy_of, valid_fraction, energy_, slope, d_, y_, trial_);
+    }
+
+    // gained: by the step before.
+    void relax_inside(double gained, std::vector<double>& x) {
+        const std::vector<char> chosen = choose_nodes(H_, g_, inner_part);
+        std::vector<char> moves(x.size() / H_.d, 0);
+        for (int i = 0; i < H_.n; ++i) moves[local_.node(i)] = chosen[i];
+        local_.write(y_, x);
+        LocalFunctional inside(E_, x, moves);
+        LocalMinimisation(E_, inside, worthwhile * gained, false).run(x);
+        trial_ = local_.read(x);
+        const double found = local_.energy(trial_);
+        if (!(found <= energy_)) return;
+        energy_ = found;
+        y_.swap(trial_);
+        local_.gradient(y_, g_);
+    }
+};
 
 }  // namespace
 
@@ -190,17 +169,18 @@ LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& 
     std::vector<char> chosen = choose_nodes(H, g, most);
     for (std::size_t i = 0; i < E.held.size(); ++i) chosen[i] = chosen[i] && !E.held[i];
     LocalFunctional local(E, x, chosen);
-    std::vector<double> y = local.start();
+    const std::vector<double> start = local.read(x);
     Result result;
     result.nodes = static_cast<int>(std::count(chosen.begin(), chosen.end(), 1));
-    result.steps = minimise_locally(local, worthwhile * gained, y);
+    std::vector<double> moved = x;
+    result.steps = LocalMinimisation(E, local, worthwhile * gained, !is_dear).run(moved);
     if (E.distortion.take_over_refinements(local.distortion())) energy = E.energy(x);
     if (result.steps == 0) return result;
-    local.write(y, x);
+    local.write(local.read(moved), x);
     const double found = E.energy(x);
     if (found <= energy) energy = found;
     else  // a gain below rounding
-        local.write(local.start(), x);
+        local.write(start, x);
     return result;
 }
 

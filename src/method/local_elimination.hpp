@@ -14,56 +14,25 @@
 // When: after the eleventh step of a subproblem and all steps from there on, in later subproblems too. A minimisation
 // that starts from the solution of a coarser mesh or of a lower degree has little but such places left to solve: there
 // also after every earlier step that gained less than ten times what all nodes could reach alone.
+//
+// How: Newton's method with a Hessian that keeps as much of its negative eigenvalues as it bears (negative_part.hpp).
+// What holds up the mesh is in turn held up by few of its nodes: where a local step gained less than ten times what its
+// nodes could reach alone, the next one follows a minimisation over at most a tenth of them, chosen in the same way.
+// That is a sixth of the local steps' time, and halves their number. Not where the nodes are few from the beginning.
 #pragma once
-#include <memory>
 #include <vector>
 
-#include "energy/options.hpp"
 #include "linalg/block_csr.hpp"
 
 namespace almesh {
 
 struct AugmentedFunctional;
-class ConstraintPart;
-class DistortionEnergy;
-
-// The augmented Lagrangian functional (functional.hpp) as a function of the positions of some nodes, all others held
-// where they are: what remains of it are the elements around these nodes, so that energy, derivatives and linear
-// systems cost as much as on a mesh of that size. Vectors and matrices here have the nodes that move, and no others, in
-// an order of their own.
-class LocalFunctional {
-public:
-    // x: node_count x dim, a valid mesh. moves: per node, not all zero.
-    LocalFunctional(const AugmentedFunctional& E, const std::vector<double>& x, const std::vector<char>& moves);
-    ~LocalFunctional();
-
-    std::vector<double> start() const;  // positions in x: moving nodes x dim
-    void write(const std::vector<double>& y, std::vector<double>& x) const;  // into the positions of the mesh
-
-    double energy(const std::vector<double>& y);  // E up to a constant; infinite for inverted elements
-    double valid_fraction(const std::vector<double>& y, const std::vector<double>& to);
-    bool refine_quadrature() const;
-    const DistortionEnergy& distortion() const { return *distortion_; }
-    void gradient(const std::vector<double>& y, std::vector<double>& g);
-    BlockCsr hessian_pattern() const;
-    void hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H);
-
-private:
-    int dim_, moving_ = 0;   // moving_: nodes, the first of node_
-    std::vector<int> node_;  // of all elements around them: here -> mesh
-    std::unique_ptr<DistortionEnergy> distortion_;
-    std::unique_ptr<ConstraintPart> constraint_;
-    std::vector<double> start_, at_, to_, g_;  // of all of node_
-    BlockCsr H_;
-
-    const std::vector<double>& with_held(const std::vector<double>& y, std::vector<double>& all) const;
-};
 
 class LocalElimination {
 public:
     struct Result {
         int nodes = 0;  // that were free to move
-        int steps = 0;  // of the local minimisation
+        int steps = 0;  // of the local minimisation, not of those inside it
     };
 
     void reset() { active_ = false; }  // before a problem that knows nothing of earlier ones

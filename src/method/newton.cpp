@@ -14,15 +14,8 @@
 namespace almesh {
 namespace {
 
-// The next Hessian to try where `kind` gave no step; false where there is none.
-bool weaken(HessianKind& kind) {
-    if (kind == HessianKind::damping) return false;
-    kind = kind == HessianKind::full ? HessianKind::projected : HessianKind::damping;
-    return true;
-}
-
 // Every iterate of conjugate gradients with a positive definite preconditioner is a descent direction (truncated
-// Newton: Nocedal & Wright, sec. 7.1). Of the full Hessian it is better to take the projected one.
+// Newton: Nocedal & Wright, sec. 7.1). Of an indefinite Hessian it is better to take another one.
 bool is_truncated(SolveStatus status) {
     return status == SolveStatus::stagnated || status == SolveStatus::max_iterations ||
            status == SolveStatus::not_positive_definite;
@@ -78,6 +71,8 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         if (at_rounding_floor(found.by_rounding, before.gradient_norm, at.gradient_norm, at.omega))
             return end(NewtonStatus::rounding_floor);
         forcing_.after_step(found.step_length, before.gradient_norm, at.gradient_norm, at.omega);
+        if (step.solver != SolverKind::cholesky) negative_part_ = {};
+        else if (step.hessian == HessianKind::projected) negative_part_.after_step(found.step_length);
         hessian_ = damping_.after_step(found.step_length);
     }
     return end(NewtonStatus::converged);
@@ -86,6 +81,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
 NewtonResult Newton::start(const AugmentedFunctional& E, const NewtonParams& params, const std::vector<double>& x) {
     if (params.cold_start) {
         damping_.reset();
+        negative_part_ = {};
         elimination_.reset();
     }
     elimination_.set_from_coarser(params.from_coarser);
@@ -113,6 +109,7 @@ bool Newton::resume(const AugmentedFunctional& E, std::vector<double>& x, Newton
     hessian_ = saved->hessian;
     forcing_.value = saved->forcing;
     damping_.factor = saved->damping;
+    negative_part_.value = saved->negative_part;
     elimination_.set_active(saved->eliminates);
     solver_.set_state(saved->solver);
     E.distortion.set_quadrature(saved->quadrature);
@@ -123,8 +120,8 @@ bool Newton::resume(const AugmentedFunctional& E, std::vector<double>& x, Newton
 
 void Newton::save(const AugmentedFunctional& E, const std::vector<double>& x, const NewtonResult& at, bool has_ended) {
     if (!checkpoint_) return;
-    checkpoint_->save({start_, has_ended, at, hessian_, forcing_.value, damping_.factor, elimination_.is_active(),
-                       solver_.state(), E.distortion.quadrature(), x, steps_});
+    checkpoint_->save({start_, has_ended, at, hessian_, forcing_.value, damping_.factor, negative_part_.value,
+                       elimination_.is_active(), solver_.state(), E.distortion.quadrature(), x, steps_});
 }
 
 void Newton::accept(const NewtonStep& step, const NewtonObserver& observe) {
@@ -150,16 +147,28 @@ double Newton::gradient(const AugmentedFunctional& E, const std::vector<double>&
     return norm_2(g_);
 }
 
+// The next Hessian to try where `kind` gave no step; false where there is none.
+bool Newton::weaken(HessianKind& kind) {
+    if (kind == HessianKind::damping) return false;
+    if (kind == HessianKind::full) kind = HessianKind::projected;
+    else if (negative_part_.value > 0) negative_part_.weaken();
+    else kind = HessianKind::damping;
+    return true;
+}
+
 // Solves H d = -g, weakening the Hessian until d is a descent direction. Names what it used in `step`.
 bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at,
                             NewtonStep& step) {
     for (std::size_t i = 0; i < g_.size(); ++i) minus_g_[i] = -g_[i];
     solver_.set_tolerance(forcing_.value);
     do {
+        const bool projected = step.hessian == HessianKind::projected;
+        const bool may_be_indefinite = projected ? negative_part_.value > 0 : step.hessian == HessianKind::full;
         {
             const TimeAdder adder(time.assembly);
-            const bool damped = step.hessian == HessianKind::projected;
-            E.hessian(x, step.hessian, H_, damped ? damping_.factor * E.mean_slope(x, at.energy) : 0);
+            Projection projection;
+            if (projected) projection = {damping_.factor * E.mean_slope(x, at.energy), negative_part_.value};
+            E.hessian(x, step.hessian, H_, projection);
         }
         if (observe_system_) {
             std::vector<double> b;
@@ -167,7 +176,7 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
             observe_system_(H_, b);
         }
         const TimeAdder adder(time.linear);
-        const SolveResult solve = solver_.solve(H_, minus_g_, d_, step.hessian == HessianKind::full);
+        const SolveResult solve = solver_.solve(H_, minus_g_, d_, may_be_indefinite);
         at.linear_iterations += solve.iterations;
         step.linear_iterations += solve.iterations;
         step.solver = solve.used;
@@ -176,7 +185,7 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
                               : solve.ssor                       ? PreconditionerKind::ssor
                                                                  : PreconditionerKind::ilu0;
         step.fallback = solve.failed_first;
-        const bool truncated = step.hessian != HessianKind::full && is_truncated(solve.status);
+        const bool truncated = !may_be_indefinite && is_truncated(solve.status);
         if ((solve.status == SolveStatus::success || truncated) && dot(g_, d_) < 0) return true;
     } while (weaken(step.hessian));
     return false;
@@ -192,7 +201,8 @@ LineSearchResult Newton::search(const AugmentedFunctional& E, std::vector<double
     };
     BendFunction bend;
     if (E.constraint.bends_steps()) bend = [&](double t, std::vector<double>& y) { E.constraint.bend(x, d_, t, y); };
-    const LineSearchResult found = line_search(energy_of, valid_fraction, at.energy, dot(g_, d_), d_, x, trial_, bend);
+    const LineSearchResult found = line_search(energy_of, valid_fraction, at.energy, dot(g_, d_), d_, x, trial_,
+                                               bend, E.rounding_error(x, trial_));
     if (found.step_length > 0) at.energy = found.energy;
     step.cuts_inverted += found.cuts_inverted;
     step.cuts_decrease += found.cuts_decrease;

@@ -9,8 +9,9 @@
 // the damping alone in the very first step, because the Hessian of (eta - 1)^2 vanishes at the identity.
 //
 // Around these lines, each in a file of its own with its formula and source: line_search.hpp, damping.hpp (of the
-// projected Hessian), forcing.hpp (tolerance of iterative linear solvers), local_elimination.hpp (of nodes that hold
-// up the others), out_of_reach.hpp and rounding_floor.hpp (two ways to end).
+// projected Hessian), negative_part.hpp (how much of it is projected), forcing.hpp (tolerance of iterative linear
+// solvers), local_elimination.hpp (of nodes that hold up the others), out_of_reach.hpp and rounding_floor.hpp (two ways
+// to end).
 #pragma once
 #include <functional>
 #include <optional>
@@ -25,6 +26,7 @@
 #include "method/forcing.hpp"
 #include "method/line_search.hpp"
 #include "method/local_elimination.hpp"
+#include "method/negative_part.hpp"
 #include "method/out_of_reach.hpp"
 
 namespace almesh {
@@ -118,8 +120,9 @@ private:
     std::vector<double> g_, minus_g_, d_, trial_;
     HessianKind hessian_ = HessianKind::projected;  // of the next step
     ForcingTerm forcing_;
-    Damping damping_;               // kept from one subproblem to the next,
-    LocalElimination elimination_;  // and so is this
+    Damping damping_;                   // kept from one subproblem to the next,
+    NegativePartOfMesh negative_part_;  // and so is this
+    LocalElimination elimination_;      // and this
     SystemObserver observe_system_;
     IterateObserver observe_iterate_;
     int accepted_steps_ = 0;  // of all calls
@@ -135,6 +138,7 @@ private:
     void accept(const NewtonStep& step, const NewtonObserver& observe);
     bool refine_quadrature(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at);
     double gradient(const AugmentedFunctional& E, const std::vector<double>& x);
+    bool weaken(HessianKind& kind);
     bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step);
     LineSearchResult search(const AugmentedFunctional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step);
     bool eliminate_locally(const AugmentedFunctional& E, double gained, std::vector<double>& x, NewtonResult& at,

@@ -46,7 +46,7 @@ Mat<n> gradient(const Mat<n>& F, double delta, Density density) {
 template <int n, class Density>
 Mat<n> hessian_times(const Mat<n>& F, double delta, Density density, const Mat<n>& dF) {
     const Tensor<n> C =
-        density_hessian<n>(in_all<n>(F), identity<n>(), in_all_lanes(1), density, delta, false);
+        density_hessian<n>(in_all<n>(F), identity<n>(), in_all_lanes(1), density, delta, 1);
     Mat<n> result{};
     for (int k = 0; k < n; ++k)
         for (int l = 0; l < n; ++l)
@@ -166,7 +166,7 @@ TEST_CASE("of a density that is no quadratic too the projected Hessian has no ne
         double form[2];
         for (int projected = 0; projected < 2; ++projected) {
             const Tensor<3> C =
-                density_hessian<3>(in_all<3>(F), identity<3>(), in_all_lanes(1), Quartic<Shape>(), 0, projected == 1);
+                density_hessian<3>(in_all<3>(F), identity<3>(), in_all_lanes(1), Quartic<Shape>(), 0, 1 - projected);
             form[projected] = 0;
             for (int k = 0; k < 3; ++k)
                 for (int l = 0; l < 3; ++l)

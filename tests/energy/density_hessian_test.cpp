@@ -30,9 +30,9 @@ Mat<n> apply(const Tensor<n>& C, const Mat<n>& dF, int lane) {
 }
 
 template <int n>
-Tensor<n> hessian(const Mat<n, Lanes>& F, double delta, Objective objective, bool projected) {
+Tensor<n> hessian(const Mat<n, Lanes>& F, double delta, Objective objective, double negative_part) {
     return with_density({.objective = objective}, [&](auto density) {
-        return density_hessian<n>(F, identity<n>(), in_all_lanes(1), density, delta, projected);
+        return density_hessian<n>(F, identity<n>(), in_all_lanes(1), density, delta, negative_part);
     });
 }
 
@@ -46,7 +46,7 @@ template <int n>
 void check_slopes(std::mt19937& random, double thin, double delta, Objective objective, double step) {
     Mat<n, Lanes> F;
     for (int l = 0; l < lanes; ++l) set_lane<n>(F, l, random_gradient<n>(random, thin));
-    const Tensor<n> C = hessian<n>(F, delta, objective, false);
+    const Tensor<n> C = hessian<n>(F, delta, objective, 1);
     const Mat<n> dF = random_matrix<n>(random);
     for (int l = 0; l < lanes; ++l) {
         const Mat<n> single = lane_of<n>(F, l), exact = apply<n>(C, dF, l);
@@ -92,8 +92,8 @@ void check_projection(Objective objective) {
     for (int trial = 0; trial < 50; ++trial) {
         Mat<n, Lanes> F;
         for (int l = 0; l < lanes; ++l) set_lane<n>(F, l, random_gradient<n>(random, l % 2 ? 0.2 : 0.05));
-        const Tensor<n> full = hessian<n>(F, 0, objective, false);
-        const Tensor<n> projected = hessian<n>(F, 0, objective, true);
+        const Tensor<n> full = hessian<n>(F, 0, objective, 1);
+        const Tensor<n> projected = hessian<n>(F, 0, objective, 0);
         for (int l = 0; l < lanes; ++l) {
             const Mat<n> dF = random_matrix<n>(random);
             const double scale = std::sqrt(frobenius_squared<n>(apply<n>(full, dF, l)));
@@ -122,8 +122,8 @@ TEST_CASE("the projected Hessian has no negative part and lies above the full on
 }
 
 TEST_CASE("at the identity the Hessian of Eq. 5 is zero and that of eta^2 has the conformal maps as kernel") {
-    const Tensor<3> zero = hessian<3>(identity<3>(), 0, Objective::deviation, false);
-    const Tensor<3> A = hessian<3>(identity<3>(), 0, Objective::squared, false);
+    const Tensor<3> zero = hessian<3>(identity<3>(), 0, Objective::deviation, 1);
+    const Tensor<3> A = hessian<3>(identity<3>(), 0, Objective::squared, 1);
     const Mat<3> rotation = {{{0, 1, 2}, {-1, 0, 3}, {-2, -3, 0}}}, shear = {{{0, 1, 0}, {1, 0, 0}, {0, 0, 0}}};
     const Mat<3> scaling = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     for (int l = 0; l < lanes; ++l) {
@@ -146,9 +146,9 @@ TEST_CASE_TEMPLATE("in the coordinates of an element the second derivative is th
         set_lane<n>(inverse_of_A, l, inverse<n>(A));
     }
     const Quadratic<Shape> squared{false};
-    for (const bool projected : {false, true}) {
-        const Tensor<n> in_F = density_hessian<n>(F, identity<n>(), in_all_lanes(1), squared, 0, projected);
-        const Tensor<n> in_J = density_hessian<n>(J, inverse_of_A, in_all_lanes(3), squared, 0, projected);
+    for (const double negative_part : {1.0, 0.3, 0.0}) {
+        const Tensor<n> in_F = density_hessian<n>(F, identity<n>(), in_all_lanes(1), squared, 0, negative_part);
+        const Tensor<n> in_J = density_hessian<n>(J, inverse_of_A, in_all_lanes(3), squared, 0, negative_part);
         for (int l = 0; l < lanes; ++l) {
             const Mat<n> dJ = random_matrix<n>(random), dF = multiply<n>(dJ, lane_of<n>(inverse_of_A, l));
             CHECK(inner<n>(dJ, apply<n>(in_J, dJ, l)) ==
@@ -161,7 +161,7 @@ TEST_CASE("the full Hessian has the same bits above and below its diagonal") {
     std::mt19937 random(29);
     Mat<3, Lanes> F;
     for (int l = 0; l < lanes; ++l) set_lane<3>(F, l, random_gradient<3>(random, 0.1));
-    const Tensor<3> C = hessian<3>(F, 0, Objective::deviation, false);
+    const Tensor<3> C = hessian<3>(F, 0, Objective::deviation, 1);
     for (int l = 0; l < lanes; ++l)
         for (int k = 0; k < 9; ++k)
             for (int i = 0; i < 9; ++i) CHECK(C[k / 3][i / 3][k % 3][i % 3][l] == C[i / 3][k / 3][i % 3][k % 3][l]);

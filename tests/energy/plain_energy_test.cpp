@@ -46,9 +46,10 @@ std::vector<double> gradient(DistortionEnergy& E, const std::vector<double>& x) 
     return g;
 }
 
-BlockCsr hessian(DistortionEnergy& E, const std::vector<double>& x, HessianKind kind, double damping) {
+BlockCsr hessian(DistortionEnergy& E, const std::vector<double>& x, HessianKind kind,
+                 const Projection& projection) {
     BlockCsr H = E.hessian_pattern();
-    E.add_hessian(x, kind, H, damping);
+    E.add_hessian(x, kind, H, projection);
     return H;
 }
 
@@ -58,8 +59,8 @@ void check_same(DistortionEnergy& a, DistortionEnergy& b, const std::vector<doub
     CHECK(std::abs(a.energy(x) - b.energy(x)) <= tolerance * b.energy(x));
     CHECK(relative_difference(gradient(a, x), gradient(b, x)) <= tolerance);
     for (const HessianKind kind : {HessianKind::full, HessianKind::projected, HessianKind::damping})
-        for (double damping : {0.0, 0.2, 3.0})
-            CHECK(relative_difference(hessian(a, x, kind, damping).value, hessian(b, x, kind, damping).value) <=
+        for (const Projection& projection : {Projection{}, {.damping = 0.2}, {.damping = 3, .negative_part = 0.4}})
+            CHECK(relative_difference(hessian(a, x, kind, projection).value, hessian(b, x, kind, projection).value) <=
                   tolerance);
 }
 
@@ -176,8 +177,8 @@ TEST_CASE("a part has the energy, gradient and Hessian of the elements around th
                 CHECK(relative_difference(found, expected) <= 1e-12);
                 for (const HessianKind kind : {HessianKind::full, HessianKind::projected, HessianKind::damping}) {
                     std::vector<double> Hv(v.size()), part_v = on_part(v, node, dim), part_Hv(part_v.size());
-                    multiply(hessian(*whole, y, kind, 0.2), v.data(), Hv.data());
-                    multiply(hessian(*part, part_y, kind, 0.2), part_v.data(), part_Hv.data());
+                    multiply(hessian(*whole, y, kind, {.damping = 0.2}), v.data(), Hv.data());
+                    multiply(hessian(*part, part_y, kind, {.damping = 0.2}), part_v.data(), part_Hv.data());
                     CHECK(relative_difference(part_Hv, on_part(Hv, node, dim)) <= 1e-12);
                 }
             }

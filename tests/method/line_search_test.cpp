@@ -12,13 +12,15 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // From x = 0 along d = 1. The way is valid up to `wall`.
-LineSearchResult search(const std::function<double(double)>& E, double slope, double& x, double wall = infinity) {
+LineSearchResult search(const std::function<double(double)>& E, double slope, double& x, double wall = infinity,
+                        double rounding_error = 0) {
     std::vector<double> at = {0}, trial = {0};
     const auto energy = [&](const std::vector<double>& y) { return E(y[0]); };
     const auto valid_fraction = [wall](const std::vector<double>& from, const std::vector<double>& to) {
         return to[0] <= wall ? 1 : (wall - from[0]) / (to[0] - from[0]);
     };
-    const LineSearchResult result = line_search(energy, valid_fraction, E(0), slope, {1}, at, trial);
+    const LineSearchResult result =
+        line_search(energy, valid_fraction, E(0), slope, {1}, at, trial, {}, rounding_error);
     x = at[0];
     return result;
 }
@@ -70,6 +72,14 @@ TEST_CASE(
     const auto flat = search([](double) { return 1.0; }, -1e-16, x);
     CHECK(flat.by_rounding);
     CHECK(flat.step_length == 1);
+    // The terms of the energy err by more than their sum would.
+    const auto noisy = [](double t) { return t > 0 ? 1 + 1e-13 : 1.0; };
+    const auto lost = search(noisy, -6e-15, x);
+    CHECK(lost.step_length == 0);
+    const auto known = search(noisy, -6e-15, x, infinity, 2e-13);
+    CHECK(known.by_rounding);
+    CHECK(known.step_length == 1);
+    CHECK_FALSE(search([](double t) { return 1 - t + 0.5 * t * t; }, -1, x, infinity, 2e-13).by_rounding);
     const auto uphill = search([](double t) { return 1 + t; }, -1, x);
     CHECK(uphill.step_length == 0);
     CHECK(x == 0);

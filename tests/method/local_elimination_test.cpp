@@ -203,3 +203,25 @@ TEST_CASE("nodes hold up a step that gained less than ten times what they could 
     CHECK(LocalElimination::holds_up(at.H, at.g, 9.9 * alone));
     CHECK_FALSE(LocalElimination::holds_up(at.H, at.g, 10.1 * alone));
 }
+
+// Nodes pushed a little, and one nearly through its elements.
+TEST_CASE("few nodes that hold up a local minimisation are minimised over first") {
+    constexpr int k = 8;
+    const Minimisation problem(cube_mesh(k), {}, Objective::squared);
+    const AugmentedFunctional E = problem.functional(100);
+    const auto run = [&] {
+        std::vector<double> x = problem.ideal, g(x.size());
+        const auto pushed = lattice(problem.mesh, k, 2);
+        for (const auto& [node, size] : pushed) x[3 * node] += 0.2 * size / k;
+        x[3 * pushed[pushed.size() / 2].first] += 0.7 / k;
+        E.gradient(x, g);
+        BlockCsr H = problem.distortion.hessian_pattern();
+        E.hessian(x, HessianKind::projected, H);
+        double energy = E.energy(x);
+        CHECK(LocalElimination().eliminate(E, H, g, 0, x, energy).steps <= 4);  // 8 if all move at once
+        return x;
+    };
+    const auto results = for_threads(run);
+    CHECK(results[0] == results[1]);
+    CHECK(results[0] == results[2]);
+}

@@ -1,5 +1,4 @@
-#include "method/functional.hpp"
-#include "method/local_elimination.hpp"
+#include "method/local_functional.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +8,7 @@
 #include <string>
 
 #include "energy/simd_energy.hpp"
+#include "method/functional.hpp"
 #include "support/meshes.hpp"
 #include "support/minimisation.hpp"
 
@@ -49,15 +49,15 @@ TEST_CASE("a local functional's energy, gradient and Hessian are those of the fu
 
         // At the start and away from it, in the numbers of the local functional.
         const std::vector<double> x = moved(problem.ideal, moves);
-        std::vector<double> number(problem.ideal.size()), y = local.start(), of_mesh(number.size(), -1.0);
+        std::vector<double> number(problem.ideal.size()), y = local.read(problem.ideal), of_mesh(number.size(), -1.0);
         for (std::size_t i = 0; i < y.size(); ++i) y[i] = static_cast<double>(i);
         local.write(y, of_mesh);  // place in the local functional of every coordinate that moves
-        y = local.start();
+        y = local.read(problem.ideal);
         for (std::size_t i = 0; i < x.size(); ++i) {
             CHECK((of_mesh[i] >= 0) == static_cast<bool>(moves[i / problem.mesh.dim]));
             if (of_mesh[i] >= 0) y[static_cast<std::size_t>(of_mesh[i])] = x[i];
         }
-        CHECK(local.energy(y) - local.energy(local.start()) ==
+        CHECK(local.energy(y) - local.energy(local.read(problem.ideal)) ==
               doctest::Approx(E.energy(x) - E.energy(problem.ideal)).epsilon(1e-10));
 
         std::vector<double> g(y.size()), whole(x.size());
@@ -92,16 +92,16 @@ TEST_CASE("a local functional knows no nodes but those that move, and inverted e
     std::vector<char> moves(problem.mesh.nodes(), 0);
     moves[0] = 1;
     LocalFunctional local(E, problem.ideal, moves);
-    CHECK(local.start() == std::vector<double>{problem.ideal[0], problem.ideal[1]});
+    CHECK(local.read(problem.ideal) == std::vector<double>{problem.ideal[0], problem.ideal[1]});
     BlockCsr H = local.hessian_pattern();
     CHECK(H.n == 1);
     CHECK(H.col == std::vector<int>{0});
-    std::vector<double> x = problem.ideal, y = local.start();
+    std::vector<double> x = problem.ideal, y = local.read(problem.ideal);
     for (double& value : y) value = -3 * value;
     local.write(y, x);
     CHECK(x[0] == -3 * problem.ideal[0]);
     CHECK(x[2] == problem.ideal[2]);
-    y = local.start();
+    y = local.read(problem.ideal);
     y[0] += 100;  // the node far outside its elements
     CHECK(std::isinf(local.energy(y)));
 }

@@ -10,7 +10,7 @@
 #include "base/index.hpp"
 #include "check/certificate.hpp"
 #include "linalg/vector_ops.hpp"
-#include "method/local_elimination.hpp"
+#include "method/local_functional.hpp"
 #include "support/meshes.hpp"
 #include "support/minimisation.hpp"
 
@@ -325,10 +325,10 @@ TEST_CASE("a local functional takes the part of the constraint that its nodes se
     std::vector<char> moves(level->mesh.nodes(), 0);
     moves[1] = moves[2] = moves[10] = moves[17] = 1;  // two inner nodes, one inside, one outer
     LocalFunctional local(E, x, moves);
-    REQUIRE(local.start().size() < x.size());
-    std::vector<double> y = local.start();
+    REQUIRE(local.read(x).size() < x.size());
+    std::vector<double> y = local.read(x);
     for (std::size_t i = 0; i < y.size(); ++i) y[i] += 0.05 * std::sin(1.0 + static_cast<double>(i));
-    std::vector<double> moved = x, back = local.start();
+    std::vector<double> moved = x, back = local.read(x);
     local.write(y, moved);
     // Nodes that are held stay: y as the mesh has it.
     std::vector<double> number(x.size(), -1.0), index(y.size());
@@ -336,7 +336,7 @@ TEST_CASE("a local functional takes the part of the constraint that its nodes se
     local.write(index, number);
     for (std::size_t i = 0; i < x.size(); ++i)
         if (number[i] >= 0) back[static_cast<std::size_t>(number[i])] = moved[i];
-    CHECK(local.energy(back) - local.energy(local.start()) ==
+    CHECK(local.energy(back) - local.energy(local.read(x)) ==
           doctest::Approx(E.energy(moved) - E.energy(x)).epsilon(1e-10));
     std::vector<double> g(y.size()), whole(x.size()), v(y.size(), 0.0), Hv(y.size()), w(x.size(), 0.0), Hw(x.size());
     local.gradient(back, g);

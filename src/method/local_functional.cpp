@@ -1,0 +1,85 @@
+#include "method/local_functional.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/index.hpp"
+#include "method/functional.hpp"
+
+namespace almesh {
+
+LocalFunctional::LocalFunctional(const AugmentedFunctional& E, const std::vector<double>& x,
+                                 const std::vector<char>& moves)
+    : dim_(static_cast<int>(x.size() / moves.size())),
+      distortion_(E.distortion.part(x, moves, node_)),
+      H_(distortion_->hessian_pattern()) {
+    constraint_ = E.constraint.part(x, E.lambda, E.penalty, node_, H_);
+    for (const int i : node_) {
+        moving_ += moves[i];
+        at_.insert(at_.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
+    }
+    to_ = at_;
+    g_.resize(at_.size());
+}
+
+LocalFunctional::~LocalFunctional() = default;
+
+std::vector<double> LocalFunctional::read(const std::vector<double>& x) const {
+    std::vector<double> y(offset(moving_, dim_));
+    for (int i = 0; i < moving_; ++i) std::copy_n(point(x, node_[i], dim_), dim_, point(y, i, dim_));
+    return y;
+}
+
+void LocalFunctional::write(const std::vector<double>& y, std::vector<double>& x) const {
+    for (int i = 0; i < moving_; ++i) std::copy_n(point(y, i, dim_), dim_, point(x, node_[i], dim_));
+}
+
+const std::vector<double>& LocalFunctional::with_held(const std::vector<double>& y, std::vector<double>& all) const {
+    std::copy(y.begin(), y.end(), all.begin());
+    return all;
+}
+
+double LocalFunctional::energy(const std::vector<double>& y) {
+    double value = distortion_->energy(with_held(y, at_));
+    if (std::isfinite(value)) constraint_->add_value(at_, value);
+    return value;
+}
+
+double LocalFunctional::valid_fraction(const std::vector<double>& y, const std::vector<double>& to) {
+    return distortion_->valid_fraction(with_held(y, at_), with_held(to, to_));
+}
+
+bool LocalFunctional::refine_quadrature() const { return distortion_->refine_quadrature(); }
+
+void LocalFunctional::gradient(const std::vector<double>& y, std::vector<double>& g) {
+    std::fill(g_.begin(), g_.end(), 0.0);
+    constraint_->add_gradient(with_held(y, at_), g_);
+    distortion_->add_gradient(at_, g_);
+    std::copy_n(g_.begin(), g.size(), g.begin());
+}
+
+// The rows and columns of H_ of nodes that move: the first, in each row as well.
+BlockCsr LocalFunctional::hessian_pattern() const {
+    BlockCsr H;
+    H.n = moving_;
+    H.d = dim_;
+    H.row.assign(1, 0);
+    for (int i = 0; i < moving_; ++i) {
+        const auto begin = H_.col.begin() + H_.row[i], end = H_.col.begin() + H_.row[i + 1];
+        H.col.insert(H.col.end(), begin, std::lower_bound(begin, end, moving_));
+        H.row.push_back(H.blocks());
+    }
+    H.value.assign(H.col.size() * dim_ * dim_, 0.0);
+    return H;
+}
+
+void LocalFunctional::hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H,
+                              const Projection& projection) {
+    std::fill(H_.value.begin(), H_.value.end(), 0.0);
+    constraint_->add_hessian(with_held(y, at_), kind != HessianKind::full, H_);
+    distortion_->add_hessian(at_, kind, H_, projection);
+    for (int i = 0; i < moving_; ++i)
+        std::copy_n(H_.block(H_.row[i]), H.block(H.row[i + 1]) - H.block(H.row[i]), H.block(H.row[i]));
+}
+
+}  // namespace almesh
