@@ -1,7 +1,8 @@
 // Two nodes are coupled where they share an element. Of the pairs of nodes, those whose smallest common entity is a
 // vertex, an edge, a face or a cell: with N_k nodes on a k-dimensional entity
 //     P_0 = 1,  P_1 = N_1^2 - 2 P_0,  P_2 = N_2^2 - 3 P_1 - 3 P_0,  P_3 = N_3^2 - 4 P_2 - 6 P_1 - 4 P_0;
-// blocks of the Hessian = sum over k of P_k times the number of these entities.
+// blocks of the Hessian = sum over k of P_k times the number of these entities. Pairs of a node and a vertex: with
+// N_k (k + 1) in place of N_k^2.
 #include "app/memory.hpp"
 
 #include <cmath>
@@ -10,8 +11,6 @@
 
 namespace almesh {
 namespace {
-
-double square(double v) { return v * v; }
 
 // Vertices, edges, triangles, tetrahedra, by Euler's formula for a domain without holes.
 struct Entities {
@@ -37,15 +36,20 @@ Entities entities_of(const Mesh& mesh) {
     return {V, V + F - C - 1, F, C};
 }
 
-}  // namespace
-
-double hessian_blocks(const Mesh& mesh) {
-    const double p = mesh.degree, N1 = p + 1, N2 = (p + 1) * (p + 2) / 2, N3 = N2 * (p + 3) / 3;
-    const double P0 = 1, P1 = square(N1) - 2 * P0, P2 = square(N2) - 3 * P1 - 3 * P0,
-                 P3 = square(N3) - 4 * P2 - 6 * P1 - 4 * P0;
+// Of a node of the mesh with one that it would have with this degree.
+double coupled_pairs(const Mesh& mesh, int degree) {
+    const auto pairs = [&](int dim) -> double {
+        return simplex_node_count(dim, mesh.degree) * simplex_node_count(dim, degree);
+    };
+    const double P0 = 1, P1 = pairs(1) - 2 * P0, P2 = pairs(2) - 3 * P1 - 3 * P0,
+                 P3 = pairs(3) - 4 * P2 - 6 * P1 - 4 * P0;
     const Entities of = entities_of(mesh);
     return P0 * of.vertices + P1 * of.edges + P2 * of.triangles + P3 * of.tetrahedra;
 }
+
+}  // namespace
+
+double hessian_blocks(const Mesh& mesh) { return coupled_pairs(mesh, mesh.degree); }
 
 double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear) {
     constexpr double number = sizeof(double), single = sizeof(float), index = sizeof(int), program = 8e6;
@@ -56,7 +60,9 @@ double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear) {
     const double hessian = blocks * (d * d * number + index);
     const bool iterative = iterates(mesh.dim * mesh.nodes(), mesh.dim, linear);
     const double products = blocks < long_rows * nodes ? 12 * blocks : 0;  // of ILU(0)
-    const double sweeps = 0.5 * blocks * (d * d * single + 3 * index) + products, coarse = hessian / 6;
+    const double sweeps = 0.5 * blocks * (d * d * single + 3 * index) + products;
+    const double coarse = mesh.degree == 1 ? hessian / 6  // A Z of deflation, or V of the correction of degree 1
+                                           : coupled_pairs(mesh, 1) * (d * d * single + index) + 32 * nodes;
     const double factor = mesh.dim == 2 ? 80 * unknowns * std::log2(unknowns + 2) : 80 * std::pow(unknowns, 4.0 / 3);
     constexpr double besides = 1.05;  // what was not counted
     return program + besides * (of_mesh + vectors + of_energy + hessian + (iterative ? sweeps + coarse : factor));

@@ -15,6 +15,7 @@
 #include "base/text.hpp"
 #include "check/released_nodes.hpp"
 #include "constraint/dirichlet.hpp"
+#include "energy/vertex_interpolation.hpp"
 #include "io/mesh_format.hpp"
 #include "mesh/build.hpp"
 
@@ -271,8 +272,9 @@ Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, 
 void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
                     Level& level) {
     level.energy = make_energy(level.mesh, level.ideal, distortion_of(deck));
-    level.energy->order_hessian(
-        [&](const BlockCsr& pattern) { return sweep_order(pattern, level.mesh.dim, deck.linear); });
+    level.energy->order_hessian([&](const BlockCsr& pattern) {
+        return sweep_order(pattern, level.mesh.dim, deck.linear, vertex_interpolation(level.mesh));
+    });
     const TargetKind kind = target.prescribes_all() ? deck.target : TargetKind::nodal;
     level.constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, target, kind, problem.sliding);
     std::vector<Motion> motions = motions_of(deck, level.mesh);
@@ -322,7 +324,7 @@ std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem
     for (int refinements = 0; refinements < deck.refine; ++refinements) coarser.push_back({refinements, 1});
     // The file's own curves are known from its degree on; but where nodes slide, they find their way at lower ones.
     const int of_file = problem.target.released.empty() ? problem.shape().degree : 1;
-    for (int degree = 1; degree < problem.mesh().degree; degree = std::max(degree + 1, of_file))
+    for (int degree = 1; degree < problem.mesh().degree; degree = std::max(2 * degree, of_file))
         coarser.push_back({deck.refine, degree});
     return coarser;
 }

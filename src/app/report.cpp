@@ -105,7 +105,7 @@ constexpr auto columns = std::to_array<Column>({
     {{"solver", "which linear solver"}, nullptr, newton<&Step::solver>},
     {{"fallback", "how an iterative solver failed before Cholesky took over"},
      nullptr, [](Nw r) { return r.step.fallback ? text(*r.step.fallback) : ""; }},
-    {{"preconditioner", "of cg or gmres: ilu0 or ssor"}, nullptr, [](Nw r) {
+    {{"preconditioner", "of cg or gmres: ilu0, ssor or pmg"}, nullptr, [](Nw r) {
          const PreconditionerKind kind = r.step.preconditioner;
          return kind == PreconditionerKind::automatic ? std::string() : text(kind);
      }},

@@ -14,12 +14,25 @@
 
 namespace almesh {
 
+// An interpolation P from few unknowns, the columns, to those of a matrix's rows: row i has the weights weight[k] in the
+// columns col[k], k = row[i] .. row[i+1]-1, each times the d x d identity.
+struct Interpolation {
+    int columns = 0;
+    std::vector<int> row{0}, col;
+    std::vector<double> weight;
+
+    int rows() const { return static_cast<int>(row.size()) - 1; }
+};
+
 // An order of the block rows other than that of the mesh's nodes: the one in which a solver sweeps over them. A matrix
 // that is assembled in it need not be copied into it.
 struct RowOrder {
     std::vector<int> node;   // of each row
     std::vector<int> row;    // of each node
     std::vector<int> start;  // of the domains, see Domains in ordering/ordering.hpp
+    // From the vertices to the rows, and the domains of the vertices; no columns where all nodes are vertices.
+    Interpolation of_vertices = {};
+    std::vector<int> vertex_start = {};
 };
 
 struct BlockCsr {

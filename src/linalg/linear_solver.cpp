@@ -24,7 +24,7 @@ const char* to_string(SolverKind kind) {
 }
 
 const char* to_string(PreconditionerKind kind) {
-    constexpr const char* name[] = {"automatic", "ilu0", "ssor"};
+    constexpr const char* name[] = {"automatic", "ilu0", "ssor", "pmg"};
     return name[static_cast<int>(kind)];
 }
 
@@ -46,14 +46,28 @@ Method make_method(int size, const LinearSolverParams& params, int patience) {
 
 Sweeps sweeps_for(const BlockCsr& pattern, const LinearSolverParams& params) {
     const bool by_choice = params.preconditioner != PreconditionerKind::automatic;
-    if (by_choice) return params.preconditioner == PreconditionerKind::ssor ? Sweeps::ssor : Sweeps::ilu0;
+    if (by_choice) return params.preconditioner == PreconditionerKind::ilu0 ? Sweeps::ilu0 : Sweeps::ssor;
     if (params.kind == SolverKind::gmres) return Sweeps::ilu0;
     return pattern.blocks() > long_rows * pattern.n ? Sweeps::ssor : Sweeps::ilu0_or_ssor;
+}
+
+bool takes_lower_degree(const BlockCsr& pattern, const LinearSolverParams& params) {
+    return pattern.order && pattern.order->of_vertices.columns > 0 && sweeps_for(pattern, params) == Sweeps::ssor &&
+           params.preconditioner != PreconditionerKind::ssor;
 }
 
 // start: of the domains, see Ilu0.
 std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, const std::vector<int>& start,
                                                     int dimension, const LinearSolverParams& params) {
+    if (takes_lower_degree(pattern, params)) {
+        LinearSolverParams of_vertices = params;
+        of_vertices.preconditioner = PreconditionerKind::ssor;
+        auto correction = std::make_unique<CoarseCorrection>(
+            pattern, pattern.order->of_vertices, [&](const BlockCsr& E) {
+                return make_preconditioner(E, pattern.order->vertex_start, dimension, of_vertices);
+            });
+        return std::make_unique<Ilu0>(pattern, start, std::vector<double>{}, Sweeps::ssor, std::move(correction));
+    }
     std::unique_ptr<Preconditioner> ilu;
     // Where ILU(0) of a positive definite matrix meets a bad pivot, that of one with a heavier diagonal may not, and
     // serves nearly as well (Manteuffel, Math. Comp. 34, 1980). Not so in 2D: there bad pivots come from stretched
@@ -72,12 +86,14 @@ std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, con
 
 struct LinearSolver::Iterative {
     std::optional<Reordered> system;  // in the order of the preconditioner, where A is not
+    bool has_lower_degree;
     std::unique_ptr<Preconditioner> M;
     Method method;
     std::vector<double> right, solution;
 
     Iterative(const BlockCsr& A, int dimension, const LinearSolverParams& params, const Domains& domains, int patience)
         : system(A.order ? std::nullopt : std::optional<Reordered>(std::in_place, A, domains.order)),
+          has_lower_degree(takes_lower_degree(A, params)),
           M(make_preconditioner(system ? system->matrix() : A, domains.start, dimension, params)),
           method(make_method(A.size(), params, patience)),
           right(system ? A.size() : 0),
@@ -94,7 +110,9 @@ struct LinearSolver::Iterative {
         result.factor_seconds = factorisation.seconds();
         result.status = factored.status;
         if (factored.bad_row >= 0) result.bad_node = system ? system->order()[factored.bad_row] : factored.bad_row;
-        result.ssor = factored.ssor;
+        result.preconditioner = !factored.ssor     ? PreconditionerKind::ilu0
+                                : has_lower_degree ? PreconditionerKind::pmg
+                                                   : PreconditionerKind::ssor;
         if (factored.status != SolveStatus::success) return result;
         result.diagonal_shift = factored.diagonal_shift;
 
@@ -197,12 +215,45 @@ bool iterates(int unknowns, int dimension, const LinearSolverParams& params) {
     return unknowns >= params.cg_from_unknowns[dimension - 2];
 }
 
-std::shared_ptr<const RowOrder> sweep_order(const BlockCsr& pattern, int dimension, const LinearSolverParams& params) {
+namespace {
+
+// The rows of P in their order; its columns, each the vertex with weight 1 in it, in the order of these vertices.
+void order_interpolation(const Interpolation& P, RowOrder& order) {
+    if (P.columns == 0) return;
+    std::vector<int> column(P.columns);
+    int next = 0;
+    std::vector<int>& start = order.vertex_start;
+    for (int i = 0; i < P.rows(); ++i) {
+        while (start.size() < order.start.size() && i == order.start[start.size()]) start.push_back(next);
+        const int k = P.row[order.node[i]];
+        if (P.weight[k] == 1) column[P.col[k]] = next++;
+    }
+    while (start.size() < order.start.size()) start.push_back(next);
+    Interpolation& ordered = order.of_vertices;
+    ordered.columns = P.columns;
+    for (const int node : order.node) {
+        for (int k = P.row[node]; k < P.row[node + 1]; ++k) {
+            ordered.col.push_back(column[P.col[k]]);
+            ordered.weight.push_back(P.weight[k]);
+        }
+        ordered.row.push_back(static_cast<int>(ordered.col.size()));
+    }
+}
+
+}  // namespace
+
+std::shared_ptr<const RowOrder> sweep_order(const BlockCsr& pattern, int dimension, const LinearSolverParams& params,
+                                            const Interpolation& of_vertices) {
     if (!iterates(pattern.size(), dimension, params) || params.ordering) return nullptr;
     Domains domains = cut_into_domains(graph_of(pattern));
     std::vector<int> row(pattern.n);
     for (int i = 0; i < pattern.n; ++i) row[domains.order[i]] = i;
-    return std::make_shared<RowOrder>(RowOrder{std::move(domains.order), std::move(row), std::move(domains.start)});
+    auto order = std::make_shared<RowOrder>();
+    order->node = std::move(domains.order);
+    order->row = std::move(row);
+    order->start = std::move(domains.start);
+    order_interpolation(of_vertices, *order);
+    return order;
 }
 
 bool LinearSolver::iterative_first(const BlockCsr& A) {
@@ -270,7 +321,7 @@ SolveResult LinearSolver::solve_in_rows(const BlockCsr& A, const std::vector<dou
     if (may_be_indefinite && first.status == SolveStatus::indefinite_preconditioner) return first;
     if (!params_.fallback) return first;
     const bool tried = first.status != SolveStatus::indefinite_preconditioner;
-    if (tried ? !direct_is_worth(A, first.iterations) : first.ssor || !direct(A).cholesky.fits()) return first;
+    if (tried ? !direct_is_worth(A, first.iterations) : first.preconditioner != PreconditionerKind::ilu0 || !direct(A).cholesky.fits()) return first;
     ++known_.failures;
     SolveResult second = direct(A).solve(A, b, x);
     second.iterations = first.iterations;

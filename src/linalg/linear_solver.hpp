@@ -10,7 +10,7 @@
 // memory are made when first needed, then kept.
 //
 // The preconditioner of conjugate gradients: ILU(0) where rows are short, as those of linear triangles are, and SSOR
-// where ILU(0) meets bad pivots or rows are long.
+// where ILU(0) meets bad pivots or rows are long; for degrees above 1 with a correction of degree 1.
 #pragma once
 #include <memory>
 #include <optional>
@@ -23,7 +23,8 @@
 namespace almesh {
 
 enum class SolverKind { automatic, cg, gmres, cholesky };
-enum class PreconditionerKind { automatic, ilu0, ssor };  // of conjugate gradients
+// Of conjugate gradients. pmg: SSOR with a correction of degree 1, where the degree is higher; else SSOR.
+enum class PreconditionerKind { automatic, ilu0, ssor, pmg };
 
 const char* to_string(SolverKind kind);
 const char* to_string(PreconditionerKind kind);
@@ -55,7 +56,7 @@ struct SolveResult {
     SolverKind used = SolverKind::cholesky;   // cg, gmres or cholesky: who made x
     std::optional<SolveStatus> failed_first;  // how an iterative solver failed before Cholesky took over
     double diagonal_shift = 0;       // ILU(0) is of A with its diagonal blocks times 1 + diagonal_shift
-    bool ssor = false;               // SSOR preconditioned, not ILU(0)
+    PreconditionerKind preconditioner = PreconditionerKind::automatic;  // of the iterative solver; automatic: none
     int bad_node = -1;               // block row of the bad pivot of ILU(0) or Cholesky
     double factor_seconds = 0, solve_seconds = 0;  // of who made x, refinement left out; 0 if that was not reached
 };
@@ -71,7 +72,10 @@ struct LinearSolverState {
 bool iterates(int unknowns, int dimension, const LinearSolverParams& params);
 
 // The order of rows in which the matrices on this pattern had best be assembled; none where they go to Cholesky first.
-std::shared_ptr<const RowOrder> sweep_order(const BlockCsr& pattern, int dimension, const LinearSolverParams& params);
+// of_vertices: interpolation to the nodes from those that are vertices, each of which has a column and there the weight
+// 1; no columns: there is none.
+std::shared_ptr<const RowOrder> sweep_order(const BlockCsr& pattern, int dimension, const LinearSolverParams& params,
+                                            const Interpolation& of_vertices = {});
 
 class LinearSolver {
 public:

@@ -182,8 +182,7 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
         step.solver = solve.used;
         step.ilu_shift = solve.diagonal_shift;
         step.preconditioner = solve.used == SolverKind::cholesky ? PreconditionerKind::automatic
-                              : solve.ssor                       ? PreconditionerKind::ssor
-                                                                 : PreconditionerKind::ilu0;
+                                                                 : solve.preconditioner;
         step.fallback = solve.failed_first;
         const bool truncated = !may_be_indefinite && is_truncated(solve.status);
         if ((solve.status == SolveStatus::success || truncated) && dot(g_, d_) < 0) return true;

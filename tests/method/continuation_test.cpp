@@ -180,6 +180,7 @@ TEST_CASE("which decks start coarse") {
     CHECK(coarse_rows({"refine=1", "start=identity"}) == 0);
     CHECK(coarse_rows({"degree=3"}) == 2);
     CHECK(coarse_rows({"degree=3", "refine=2"}) == 4);
+    CHECK(coarse_rows({"degree=4"}) == 2);  // 1 and 2
     CHECK(coarse_rows({"degree=3", "start=identity"}) == 0);
 }
 

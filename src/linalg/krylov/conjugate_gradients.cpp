@@ -1,5 +1,6 @@
 // With q = A p, z = M^{-1} r:
-//     p = z + beta p,  q = A z + beta q,  alpha = r'z / p'q,  x += alpha p,  r -= alpha q,  beta = new r'z / old r'z.
+//     beta = -z'q / p'q of the iteration before,  p = z + beta p,  q = A z + beta q,  alpha = r'z / p'q,
+//     x += alpha p,  r -= alpha q.
 // The recurrence for r drifts from b - A x, which is therefore computed at the end; where it misses the tolerance, the
 // iteration starts again from there.
 #include "linalg/krylov/krylov.hpp"
@@ -65,15 +66,13 @@ Products ConjugateGradients::advance(const BlockCsr& A, Preconditioner& M, doubl
     return now;
 }
 
-// x += alpha p with the direction before, p = z + beta p; returns z'q with the A p before.
-double ConjugateGradients::next_direction(double alpha, double beta, double* x) {
-    return zq_([&](int i, int count) {
-        for (int k = i; k < i + count; ++k) {
-            x[k] += alpha * p_[k];
-            p_[k] = z_[k] + beta * p_[k];
-        }
-        return dot_of_piece(count, z_.data() + i, q_.data() + i);
-    });
+// x += alpha p with the direction before, p = z + beta p.
+void ConjugateGradients::next_direction(double alpha, double beta, double* x) {
+#pragma omp for schedule(static)
+    for (int k = 0; k < size_; ++k) {
+        x[k] += alpha * p_[k];
+        p_[k] = z_[k] + beta * p_[k];
+    }
 }
 
 // p'A p by a product with A, which is left in Ap.
@@ -93,14 +92,18 @@ SolveStatus ConjugateGradients::cycle(const BlockCsr& A, Preconditioner& M, Prod
 #pragma omp for schedule(static)
     for (int i = 0; i < size_; ++i) p_[i] = q_[i] = 0;
     for (;;) {
-        const double zq = next_direction(alpha, beta, x), r_norm = std::sqrt(now.rr);
+        const double zq = zq_([&](int i, int count) { return dot_of_piece(count, z_.data() + i, q_.data() + i); });
+        beta = pAp > 0 ? -zq / pAp : 0;
+        next_direction(alpha, beta, x);
+        const double r_norm = std::sqrt(now.rr);
         if (!std::isfinite(now.rz)) return SolveStatus::breakdown;
         if (r_norm <= r_target && now.rz <= rz_target) return SolveStatus::success;
         if (iterations > first && progress.stagnates(r_norm) && iterations >= params_.patience)
             return SolveStatus::stagnated;
         if (iterations == params_.max_iterations) return SolveStatus::max_iterations;
+        if (now.is_indefinite) return SolveStatus::not_positive_definite;
         ++iterations;
-        pAp = now.zAz + 2 * beta * zq + beta * beta * pAp;
+        pAp = now.zAz + beta * zq;
         if (!(pAp > 0)) {  // z has done its part where products are put off; elsewhere A p takes the place of A z
             const bool puts_off = M.puts_off_products();
             pAp = curvature(A, puts_off ? z_.data() : Az_.data());
@@ -109,9 +112,7 @@ SolveStatus ConjugateGradients::cycle(const BlockCsr& A, Preconditioner& M, Prod
         if (!std::isfinite(pAp)) return SolveStatus::breakdown;
         if (pAp <= 0) return SolveStatus::not_positive_definite;
         alpha = now.rz / pAp;
-        const double rz_before = now.rz;
         now = advance(A, M, alpha, beta);
-        beta = now.rz / rz_before;
     }
 }
 

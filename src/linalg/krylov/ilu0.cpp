@@ -50,16 +50,18 @@ bool inverse_of_cholesky(const double* D, double* inverse) {
 template <int d>
 class Ilu0OfBlocks final : public Preconditioner {
 public:
-    Ilu0OfBlocks(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts, Sweeps sweeps)
+    Ilu0OfBlocks(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts, Sweeps sweeps,
+                 std::unique_ptr<CoarseCorrection> correction)
         : start_(std::move(start)),
           diagonal_shifts_(std::move(diagonal_shifts)),
           sweeps_(sweeps),
+          correction_(std::move(correction)),
           C_inverse_(offset(pattern.n, block)),
           C_diagonal_(offset(pattern.n, d)),
           y_(pattern.n),
           w_(y_.data()),
           forward_(start_.size()),
-          backward_(domains()),
+          backward_(start_.size()),
           bad_(domains()) {
         find_pattern(pattern);
         find_links();
@@ -78,7 +80,8 @@ public:
         if (sweeps_ != Sweeps::ssor)
             for (const double diagonal_shift : diagonal_shifts_)
                 if (succeeds(diagonal_shift, false)) return result;
-        if (sweeps_ != Sweeps::ilu0) succeeds(0, true);
+        if (sweeps_ != Sweeps::ilu0 && succeeds(0, true) && correction_)
+            result.status = correction_->factor(A, C_inverse_.data()).status;
         return result;
     }
 
@@ -302,16 +305,19 @@ private:
 #pragma omp for schedule(dynamic, 1)
         for (int k = 0; k < domains(); ++k) forward_[k] = sweep_forward(k, residual);
 #pragma omp single
-        forward_.back() = sweep_separators(residual, z, Az);
+        forward_.back() = sweep_separators_forward(residual);
         Products sum;
+        if (correction_) sum = correction_->correct(residual.r, y_.data(), w_);
         for (const Products& part : forward_) {
             sum.rr += part.rr;
             sum.rz += part.rz;
         }
-        sum.zAz = forward_.back().zAz;
+#pragma omp single
+        backward_.back() = sweep_separators_backward(z, Az);
 #pragma omp for schedule(dynamic, 1)
         for (int k = 0; k < domains(); ++k) backward_[k] = sweep_backward(k, z, Az);
         for (const Products& part : backward_) sum.zAz += part.zAz;
+        if (correction_) correction_->add_to(z);
         return sum;
     }
 
@@ -329,9 +335,8 @@ private:
         return sums;
     }
 
-    // Forward and back through the separators.
     template <class Residual>
-    Products sweep_separators(const Residual& residual, double* z, double* Az) {
+    Products sweep_separators_forward(const Residual& residual) {
         Products sums;
         const int first = start_.back();
         RowProduct product;
@@ -344,6 +349,12 @@ private:
             }
             solve_row(i, residual, product, sums);
         }
+        return sums;
+    }
+
+    Products sweep_separators_backward(double* z, double* Az) {
+        Products sums;
+        const int first = start_.back();
         start_backward(first, rows());
         for (int i = rows() - 1; i >= first; --i) {
             subtract_transposed(separator_row_[i - first].begin, row_[i + 1], w_[i]);
@@ -365,7 +376,7 @@ private:
     }
 
     void start_backward(int begin, int end) {
-        if (keeps_forward_) std::copy(y_.begin() + begin, y_.begin() + end, w_ + begin);
+        if (keeps_forward_ && !correction_) std::copy(y_.begin() + begin, y_.begin() + end, w_ + begin);
     }
 
     // SSOR keeps y beside w; else w takes its place.
@@ -378,6 +389,7 @@ private:
     std::vector<int> start_;
     std::vector<double> diagonal_shifts_;
     Sweeps sweeps_;
+    std::unique_ptr<CoarseCorrection> correction_;
     std::vector<int> row_{0};                 // n + 1 offsets into col_
     std::vector<int> col_;                    // block columns of L, ascending in a row: the first of the row of A
     struct Term {
@@ -405,16 +417,18 @@ private:
     bool keeps_forward_ = false;
     std::vector<double> T_;                   // d*d per block of the longest row, for each domain and the separators
     std::vector<Products> forward_;           // the sums over each domain, and the separators
-    std::vector<Products> backward_;          // over each domain
+    std::vector<Products> backward_;          // the same of the sweep back
     std::vector<int> bad_;                    // first bad row of each domain, or -1
     int longest_ = 0;                         // blocks of the longest row
 };
 
 }  // namespace
 
-Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts, Sweeps sweeps) {
+Ilu0::Ilu0(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts, Sweeps sweeps,
+           std::unique_ptr<CoarseCorrection> correction) {
     with_block_size(pattern.d, [&](auto d) {
-        blocks_ = std::make_unique<Ilu0OfBlocks<d>>(pattern, std::move(start), std::move(diagonal_shifts), sweeps);
+        blocks_ = std::make_unique<Ilu0OfBlocks<d>>(pattern, std::move(start), std::move(diagonal_shifts), sweeps,
+                                                    std::move(correction));
     });
 }
 

@@ -24,6 +24,7 @@
 #include <memory>
 #include <vector>
 
+#include "linalg/krylov/coarse_correction.hpp"
 #include "linalg/krylov/krylov.hpp"
 
 namespace almesh {
@@ -39,9 +40,9 @@ public:
     // Sets up the pattern of L. pattern: symmetric with both triangles and the diagonal, d = 1, 2, 3. start: domain k
     // has the rows start[k] .. start[k+1]-1 and the separators those from start.back() on; no edge may join two
     // domains. diagonal_shifts: what is factored is A with its diagonal blocks times 1 + shift, for the first of these
-    // shifts that gives positive pivots; SSOR takes none.
+    // shifts that gives positive pivots; SSOR takes none. correction: between the sweeps of Sweeps::ssor, or null.
     Ilu0(const BlockCsr& pattern, std::vector<int> start, std::vector<double> diagonal_shifts = {0},
-         Sweeps sweeps = Sweeps::ilu0);
+         Sweeps sweeps = Sweeps::ilu0, std::unique_ptr<CoarseCorrection> correction = nullptr);
 
     // The same as one domain.
     explicit Ilu0(const BlockCsr& pattern);

@@ -43,6 +43,7 @@ struct StagnationTest {
 // What conjugate gradients need of r before an iteration and of z = M^{-1} r.
 struct Products {
     double rr = 0, rz = 0, zAz = 0;  // r'r, r'z, z'A z
+    bool is_indefinite = false;      // M has come across a direction in which A is not positive
 };
 
 class Preconditioner {
@@ -116,10 +117,12 @@ struct KrylovParams {
 //
 // The tolerance is on |r|_2 / |b|_2 and on |r|_M / |b|_M, r = b - A x and |r|_M^2 = r'M^{-1}r: the 2-norm hardly sees
 // errors of low energy beside stiff parts of A, such as a penalised boundary.
-// A p comes from A z by the recurrence of p, and p'Ap = z'Az + 2 beta z'q + beta^2 p'q with p, q of the iteration
-// before, because some preconditioners have z'A z before A z, and both for little (Eisenstat, SIAM J. Sci. Stat.
-// Comput. 2, 1981; the order of the sums is that of Chronopoulos & Gear, J. Comput. Appl. Math. 25, 1989). Where
-// p'Ap <= 0 by the recurrence, the product with A decides.
+// The direction is made orthogonal to the one before by beta = -z'q / p'q, with p, q = A p of the iteration before: that
+// holds for an M^{-1} that changes a little from one iteration to the next too (flexible: Notay, SIAM J. Sci. Comput.
+// 22, 2000), such as one that iterates itself. A p comes from A z by the recurrence of p, and p'Ap = z'Az + beta z'q,
+// because some preconditioners have z'A z before A z, and both for little (Eisenstat, SIAM J. Sci. Stat. Comput. 2,
+// 1981; the order of the sums is that of Chronopoulos & Gear, J. Comput. Appl. Math. 25, 1989). Where p'Ap <= 0 by the
+// recurrence, the product with A decides.
 // Cost of an iteration: one product with A, one with M^{-1}, three sums; memory 5 n doubles. One team of threads runs
 // the whole iteration and shares its loops. Sums go over fixed blocks, so the bits do not depend on the number of
 // threads.
@@ -133,14 +136,16 @@ public:
     // that is not finite. Sizes: b, x: A.size().
     KrylovResult solve(const BlockCsr& A, Preconditioner& M, const double* b, double* x);
 
-private:
+    // The same, called by all threads of a team.
     KrylovResult solve_in_team(const BlockCsr& A, Preconditioner& M, const double* b, double* x);
+
+private:
     SolveStatus cycle(const BlockCsr& A, Preconditioner& M, Products now, double r_target, double rz_target,
                       int& iterations, double* x);
     double residual(const BlockCsr& A, const double* b, const double* x);
     Products start(const BlockCsr& A, Preconditioner& M);
     Products advance(const BlockCsr& A, Preconditioner& M, double alpha, double beta);
-    double next_direction(double alpha, double beta, double* x);
+    void next_direction(double alpha, double beta, double* x);
     double curvature(const BlockCsr& A, double* Ap);
 
     int size_;

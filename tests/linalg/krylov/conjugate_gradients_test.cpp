@@ -217,6 +217,38 @@ TEST_CASE("where put-off sums see negative curvature, the product with A decides
     CHECK(relative_residual(A, x, b) < 1e-6);
 }
 
+TEST_CASE("flexible: a preconditioner that changes from one iteration to the next costs few iterations") {
+    struct Changing final : Preconditioner {
+        int size, applied = 0;
+        bool changes;
+        Changing(int n, bool does) : size(n), changes(does) {}
+        FactorResult factor(const BlockCsr&) override { return {SolveStatus::success}; }
+        double apply(const double* r, double* z) override {
+            ++applied;
+            double rz = 0;
+            for (int i = 0; i < size; ++i) {
+                const bool odd = changes && (i + applied) % 2;
+                z[i] = odd ? 1.5 * r[i] : r[i];
+                rz += r[i] * z[i];
+            }
+            return rz;
+        }
+    };
+    const BlockCsr A = laplacian(900, 1e-2);
+    const std::vector<double> b = random_vector(900);
+    std::vector<double> x(900);
+    const auto iterations = [&](bool changes) {
+        Changing M(900, changes);
+        const KrylovResult result = ConjugateGradients(900, {2000, 1e-8}).solve(A, M, b.data(), x.data());
+        CHECK(result.status == SolveStatus::success);
+        CHECK(relative_residual(A, x, b) <= 1e-8);
+        return result.iterations;
+    };
+    const int fixed = iterations(false), changing = iterations(true);
+    CAPTURE(fixed);
+    CHECK(changing <= 1.5 * fixed);
+}
+
 TEST_CASE("stagnation is noticed within a few windows of twenty iterations") {
     // The residual of the Laplacian of a path with b = e_0 travels along the path, one entry an iteration.
     const BlockCsr A = laplacian(4000, 0);

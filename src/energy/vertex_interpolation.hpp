@@ -1,0 +1,13 @@
+// Displacements of degree 1 among those of degree p: what nodes move by if vertices do and elements stay affine. The
+// coarse space of the p-hierarchy of linear solvers (linalg/krylov/coarse_correction.hpp).
+#pragma once
+#include "linalg/block_csr.hpp"
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+// One row per node: the barycentric coordinates of its place in an element that has it, in the columns of the vertices,
+// which are numbered as their nodes are. No columns for degree 1.
+Interpolation vertex_interpolation(const Mesh& mesh);
+
+}  // namespace almesh

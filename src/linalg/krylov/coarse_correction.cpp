@@ -1,0 +1,254 @@
+// A P and E = P'(A P) row by row, V = C^{-1} A P; then in each iteration P'r - V'y, c, y - V c and z + P c. Sums over
+// the rows are taken over fixed parts of them, each into numbers of its own for the few coarse unknowns it touches.
+#include "linalg/krylov/coarse_correction.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "base/index.hpp"
+#include "base/parallel.hpp"
+
+namespace almesh {
+
+namespace {
+
+constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+
+// Of the coarse solve, whichever comes first. A better one hardly saves iterations, and costs the more of their time the
+// lower the degree is.
+constexpr int most_iterations = 3;
+constexpr double coarse_tolerance = 0.1;
+
+// Coarse unknowns are neighbours in E where rows that they interpolate to are in A.
+BlockCsr coarse_pattern(const BlockCsr& A, const Interpolation& P) {
+    std::vector<int> column;
+    for (int i = 0; i < P.rows(); ++i) column.insert(column.end(), P.row[i + 1] - P.row[i], i);
+    const Groups entries = sorted_by_group(P.col, P.columns);
+    BlockCsr E;
+    E.n = P.columns;
+    E.d = A.d;
+    E.row.assign(1, 0);
+    std::vector<int> seen(P.columns, -1);
+    for (int c = 0; c < P.columns; ++c) {
+        const std::size_t first = E.col.size();
+        for (const int entry : entries.of(c)) {
+            const int i = column[entry];
+            for (int k = A.row[i]; k < A.row[i + 1]; ++k)
+                for (int l = P.row[A.col[k]]; l < P.row[A.col[k] + 1]; ++l) {
+                    if (seen[P.col[l]] == c) continue;
+                    seen[P.col[l]] = c;
+                    E.col.push_back(P.col[l]);
+                }
+        }
+        std::sort(E.col.begin() + static_cast<std::ptrdiff_t>(first), E.col.end());
+        E.row.push_back(E.blocks());
+    }
+    E.value.assign(E.col.size() * E.d * E.d, 0.0);
+    return E;
+}
+
+}  // namespace
+
+CoarseCorrection::CoarseCorrection(const BlockCsr& pattern, Interpolation P, const MakePreconditioner& make)
+    : P_(std::move(P)),
+      E_(coarse_pattern(pattern, P_)),
+      M_(make(E_)),
+      iteration_(E_.size(), {most_iterations, coarse_tolerance}),
+      r_(E_.size()),
+      c_(E_.size()),
+      rc_(E_.size()) {
+    const std::vector<char> interpolates = find_pattern(pattern);
+    const int block = E_.d * E_.d;
+    std::size_t size = 0;
+    for (std::size_t place = 0; place < coarse_.size(); ++place) {
+        E_start_.push_back(interpolates[place] ? size : none);
+        if (interpolates[place]) size += offset(E_.row[coarse_[place] + 1] - E_.row[coarse_[place]], block);
+    }
+    E_part_.resize(size);
+    V_.resize(V_local_.size() * block + 3, 0.0f);  // load() of a row reads beyond the last block
+    touching_ = sorted_by_group(coarse_, P_.columns);
+    sum_.resize(coarse_.size());
+    c_part_.resize(coarse_.size());
+}
+
+// The pattern of V; for each place in coarse_, whether a row of the part has its column in P.
+std::vector<char> CoarseCorrection::find_pattern(const BlockCsr& pattern) {
+    std::vector<int> local(P_.columns, -1), last_row(P_.columns, -1), in_row;
+    std::vector<char> interpolates;
+    for (int part = 0; part < parts; ++part) {
+        const int first = static_cast<int>(coarse_.size());
+        const auto local_of = [&](int column) {
+            if (local[column] < first) {
+                local[column] = static_cast<int>(coarse_.size());
+                coarse_.push_back(column);
+                interpolates.push_back(0);
+            }
+            return local[column] - first;
+        };
+        for (int i = begin_of(part); i < begin_of(part + 1); ++i) {
+            for (int l = P_.row[i]; l < P_.row[i + 1]; ++l) {
+                P_local_.push_back(local_of(P_.col[l]));
+                interpolates[first + P_local_.back()] = 1;
+            }
+            in_row.clear();
+            for (int k = pattern.row[i]; k < pattern.row[i + 1]; ++k)
+                for (int l = P_.row[pattern.col[k]]; l < P_.row[pattern.col[k] + 1]; ++l) {
+                    if (last_row[P_.col[l]] == i) continue;
+                    last_row[P_.col[l]] = i;
+                    in_row.push_back(P_.col[l]);
+                }
+            std::sort(in_row.begin(), in_row.end());
+            for (const int column : in_row) V_local_.push_back(local_of(column));
+            V_row_.push_back(static_cast<int>(V_local_.size()));
+        }
+        touched_start_.push_back(static_cast<int>(coarse_.size()));
+    }
+    return interpolates;
+}
+
+// The rows of V and what they add to E.
+template <int d>
+void CoarseCorrection::multiply_out(const BlockCsr& A, const double* C_inverse, int part) {
+    constexpr int block = d * d;
+    const int* const coarse = coarse_.data() + touched_start_[part];
+    thread_local std::vector<int> place;  // of a coarse unknown in the row
+    thread_local std::vector<double> AP;  // the row; both kept between calls
+    place.resize(P_.columns);
+    for (int t = touched_start_[part]; t < touched_start_[part + 1]; ++t)
+        if (E_start_[t] != none)
+            std::fill_n(E_part_.data() + E_start_[t], offset(E_.row[coarse_[t] + 1] - E_.row[coarse_[t]], block), 0.0);
+    for (int i = begin_of(part); i < begin_of(part + 1); ++i) {
+        const int first = V_row_[i], count = V_row_[i + 1] - first;
+        AP.assign(offset(count, block), 0.0);
+        for (int k = 0; k < count; ++k) place[coarse[V_local_[first + k]]] = k;
+        for (int k = A.row[i]; k < A.row[i + 1]; ++k) {
+            const double* const from = A.block(k);
+            for (int l = P_.row[A.col[k]]; l < P_.row[A.col[k] + 1]; ++l) {
+                double* const to = AP.data() + offset(place[P_.col[l]], block);
+                const double weight = P_.weight[l];
+                for (int e = 0; e < block; ++e) to[e] += weight * from[e];
+            }
+        }
+        for (int l = P_.row[i]; l < P_.row[i + 1]; ++l) {
+            const int row = P_.col[l];
+            double* const E_row = E_part_.data() + E_start_[touched_start_[part] + P_local_[l]];
+            const double weight = P_.weight[l];
+            for (int k = 0, at = E_.row[row]; k < count; ++k) {  // both in ascending columns
+                while (E_.col[at] != coarse[V_local_[first + k]]) ++at;
+                double* const to = E_row + offset(at - E_.row[row], block);
+                for (int e = 0; e < block; ++e) to[e] += weight * AP[offset(k, block, e)];
+            }
+        }
+        const double* const C = C_inverse + offset(i, block);
+        for (int k = 0; k < count; ++k) {
+            double V[block] = {};
+            for (int a = 0; a < d; ++a)
+                for (int b = 0; b <= a; ++b)
+                    for (int c = 0; c < d; ++c) V[a * d + c] += C[a * d + b] * AP[offset(k, block, b * d + c)];
+            std::copy_n(V, block, V_.data() + offset(first + k, block));
+        }
+    }
+}
+
+template <int d>
+void CoarseCorrection::add_up_coarse(int row) {
+    double* const to = E_.block(E_.row[row]);
+    const std::size_t size = offset(E_.row[row + 1] - E_.row[row], d * d);
+    std::fill_n(to, size, 0.0);
+    for (const int place : touching_.of(row))
+        if (E_start_[place] != none)
+            for (std::size_t e = 0; e < size; ++e) to[e] += E_part_[E_start_[place] + e];
+}
+
+FactorResult CoarseCorrection::factor(const BlockCsr& A, const double* C_inverse) {
+    with_block_size(A.d, [&](auto d) {
+#pragma omp parallel for schedule(dynamic, 1) if (A.size() >= parallel_work)
+        for (int part = 0; part < parts; ++part) multiply_out<d>(A, C_inverse, part);
+        parallel_for(E_.n, [&](int row) { add_up_coarse<d>(row); }, 200);
+    });
+    const bool succeeds = M_->factor(E_).status == SolveStatus::success;
+    return {succeeds ? SolveStatus::success : SolveStatus::not_positive_definite};
+}
+
+// sum_ = P'r - V'y of a part of the rows.
+template <int d>
+void CoarseCorrection::restrict_part(const double* r, const Four* y, int part) {
+    Four* const sum = sum_.data() + touched_start_[part];
+    std::fill_n(sum, touched(part), Four{});
+    for (int i = begin_of(part); i < begin_of(part + 1); ++i) {
+        for (int l = P_.row[i]; l < P_.row[i + 1]; ++l)
+            for (int a = 0; a < d; ++a) sum[P_local_[l]][a] += P_.weight[l] * r[offset(i, d, a)];
+        Four entry[d];
+        for (int a = 0; a < d; ++a) entry[a] = Four{} + y[i][a];
+        for (int k = V_row_[i]; k < V_row_[i + 1]; ++k) {
+            Four row, product{};
+            for (int a = 0; a < d; ++a) {  // what comes after the row ends in the pads
+                load(V_.data() + offset(k, d * d, a * d), row);
+                product += row * entry[a];
+            }
+            sum[V_local_[k]] -= product;
+        }
+    }
+}
+
+// w = y - V c of a part of the rows.
+template <int d>
+void CoarseCorrection::prolong_part(const Four* y, Four* w, int part) {
+    const int* const coarse = coarse_.data() + touched_start_[part];
+    Four* const c = c_part_.data() + touched_start_[part];
+    for (int t = 0; t < touched(part); ++t) {
+        c[t] = Four{};
+        for (int a = 0; a < d; ++a) c[t][a] = c_[offset(coarse[t], d, a)];
+    }
+    for (int i = begin_of(part); i < begin_of(part + 1); ++i) {
+        Four product[d] = {};
+        for (int k = V_row_[i]; k < V_row_[i + 1]; ++k)
+            for (int a = 0; a < d; ++a) {
+                Four row;
+                load(V_.data() + offset(k, d * d, a * d), row);
+                product[a] += row * c[V_local_[k]];
+            }
+        Four sum = y[i];
+        for (int a = 0; a < d; ++a)
+            for (int b = 0; b < d; ++b) sum[a] -= product[a][b];
+        w[i] = sum;
+    }
+}
+
+Products CoarseCorrection::correct(const double* r, const Four* y, Four* w) {
+    const int d = E_.d;
+    with_block_size(d, [&](auto size) {
+#pragma omp for schedule(dynamic, 1)
+        for (int part = 0; part < parts; ++part) restrict_part<size>(r, y, part);
+    });
+#pragma omp for schedule(static)
+    for (int row = 0; row < E_.n; ++row) {
+        Four sum{};
+        for (const int place : touching_.of(row)) sum += sum_[place];
+        for (int a = 0; a < d; ++a) r_[offset(row, d, a)] = sum[a];
+    }
+    const KrylovResult solved = iteration_.solve_in_team(E_, *M_, r_.data(), c_.data());
+    Products of_c;
+    of_c.rz = rc_([&](int i, int count) { return dot_of_piece(count, r_.data() + i, c_.data() + i); });
+    of_c.zAz = of_c.rz;  // what is left of the right-hand side is orthogonal to c
+    of_c.is_indefinite = solved.status == SolveStatus::not_positive_definite;
+    with_block_size(d, [&](auto size) {
+#pragma omp for schedule(dynamic, 1)
+        for (int part = 0; part < parts; ++part) prolong_part<size>(y, w, part);
+    });
+    return of_c;
+}
+
+void CoarseCorrection::add_to(double* z) const {
+    const int d = E_.d;
+#pragma omp for schedule(static)
+    for (int part = 0; part < parts; ++part) {
+        const Four* const c = c_part_.data() + touched_start_[part];
+        for (int i = begin_of(part); i < begin_of(part + 1); ++i)
+            for (int l = P_.row[i]; l < P_.row[i + 1]; ++l)
+                for (int a = 0; a < d; ++a) z[offset(i, d, a)] += P_.weight[l] * c[P_local_[l]][a];
+    }
+}
+
+}  // namespace almesh

@@ -1,0 +1,41 @@
+#include "energy/vertex_interpolation.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "support/meshes.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+TEST_CASE("nodes are interpolated from the vertices of an element that has them: an affine one's are where they belong") {
+    for (const Mesh& linear : {ring_mesh(8, 2, 3), cube_mesh(2)})
+        for (int degree = 2; degree <= 5; ++degree) {
+            const Mesh mesh = raise_degree(linear, degree);
+            const std::vector<double> x = straight_sided(mesh);
+            const Interpolation P = vertex_interpolation(mesh);
+            REQUIRE(P.rows() == mesh.nodes());
+            CHECK(P.columns == linear.nodes());
+            std::vector<int> vertex(P.columns, -1);  // that a column belongs to
+            for (int i = 0; i < mesh.nodes(); ++i)
+                if (P.row[i + 1] - P.row[i] == 1) {
+                    CHECK(P.weight[P.row[i]] == 1);
+                    CHECK(vertex[P.col[P.row[i]]] == -1);
+                    vertex[P.col[P.row[i]]] = i;
+                }
+            for (int i = 0; i < mesh.nodes(); ++i) {
+                double sum = 0;
+                std::vector<double> at(mesh.dim, 0.0);
+                for (int k = P.row[i]; k < P.row[i + 1]; ++k) {
+                    CHECK(P.weight[k] > 0);
+                    sum += P.weight[k];
+                    for (int a = 0; a < mesh.dim; ++a) at[a] += P.weight[k] * point(x, vertex[P.col[k]], mesh.dim)[a];
+                }
+                CHECK(sum == doctest::Approx(1).epsilon(1e-15));
+                for (int a = 0; a < mesh.dim; ++a) CHECK(std::abs(at[a] - point(x, i, mesh.dim)[a]) < 1e-14);
+            }
+        }
+}
+
+TEST_CASE("degree 1 has no lower degree") { CHECK(vertex_interpolation(cube_mesh(1)).columns == 0); }
