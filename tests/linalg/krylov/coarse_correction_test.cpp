@@ -134,8 +134,8 @@ struct CubeHessian {
     BlockCsr H;
     std::vector<double> b;
 
-    explicit CubeHessian(int degree)
-        : problem(raise_degree(cube_mesh(6), degree), {{"bottom", "fixed"}, {"top", "fixed"}, {"sides", "fixed"}},
+    explicit CubeHessian(int degree, int k = 6)
+        : problem(raise_degree(cube_mesh(k), degree), {{"bottom", "fixed"}, {"top", "fixed"}, {"sides", "fixed"}},
                   Objective::squared) {
         problem.distortion.order_hessian([&](const BlockCsr& pattern) {
             return sweep_order(pattern, 3, {.kind = SolverKind::cg}, vertex_interpolation(problem.mesh));
@@ -256,8 +256,9 @@ TEST_CASE("a coarse matrix that is not positive definite shows that the matrix i
 }
 
 TEST_CASE("the interpolation goes with the order of the rows, and no domain's vertices are next to another's") {
-    const CubeHessian cube(2);
+    const CubeHessian cube(2, 10);
     const RowOrder& order = *cube.H.order;
+    CHECK(order.start.size() == 9);
     const Interpolation& P = order.of_vertices;
     REQUIRE(P.rows() == cube.H.n);
     std::vector<int> node(P.columns, -1);  // of a column
