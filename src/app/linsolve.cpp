@@ -97,8 +97,8 @@ void print_factor_sizes(std::FILE* out, const LinearSolver& solver, const BlockC
 void print_phases(std::FILE* out, const LinearSolver& solver, const SolveResult& result) {
     const double factor = result.factor_seconds, solve = result.solve_seconds;
     const bool direct = result.used == SolverKind::cholesky, reached = solve > 0;
-    const std::string preconditioner =
-        concat(result.preconditioner == PreconditionerKind::ssor ? "SSOR" : "ILU(0)", result.used == SolverKind::cg ? ", coarse" : "");
+    const char* const sweeps = result.preconditioner == PreconditionerKind::ssor ? "SSOR" : "ILU(0)";
+    const std::string preconditioner = concat(sweeps, result.used == SolverKind::cg ? ", coarse" : "");
     if (!direct) std::fprintf(out, "%-16s%.4g s\n", preconditioner.c_str(), factor);
     if (reached && direct) {
         std::fprintf(out, "factorisation   %.4g s, %.4g GF/s\n", factor, solver.factor_flops() / factor / 1e9);

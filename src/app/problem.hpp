@@ -64,7 +64,7 @@ struct CoarserMesh {
     int refinements, degree;  // of the base mesh
 };
 
-// From coarse to fine: linear meshes refined 0, 1, ... times, then as fine as the deck's own of degree 1, 2, ...
+// From coarse to fine: linear meshes refined 0, 1, ... times, then as fine as the deck's own of degree 1, 2, 4, ...
 std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem);
 
 // The problem on it, in the same frame; the target is not checked again. With a lower degree than the deck's,

@@ -14,8 +14,8 @@
 
 namespace almesh {
 
-// An interpolation P from few unknowns, the columns, to those of a matrix's rows: row i has the weights weight[k] in the
-// columns col[k], k = row[i] .. row[i+1]-1, each times the d x d identity.
+// An interpolation P from few unknowns, the columns, to those of a matrix's rows: row i has weight[k] times the d x d
+// identity in the columns col[k], k = row[i] .. row[i+1]-1.
 struct Interpolation {
     int columns = 0;
     std::vector<int> row{0}, col;

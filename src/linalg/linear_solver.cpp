@@ -321,7 +321,8 @@ SolveResult LinearSolver::solve_in_rows(const BlockCsr& A, const std::vector<dou
     if (may_be_indefinite && first.status == SolveStatus::indefinite_preconditioner) return first;
     if (!params_.fallback) return first;
     const bool tried = first.status != SolveStatus::indefinite_preconditioner;
-    if (tried ? !direct_is_worth(A, first.iterations) : first.preconditioner != PreconditionerKind::ilu0 || !direct(A).cholesky.fits()) return first;
+    const bool of_ilu = first.preconditioner == PreconditionerKind::ilu0;
+    if (tried ? !direct_is_worth(A, first.iterations) : !of_ilu || !direct(A).cholesky.fits()) return first;
     ++known_.failures;
     SolveResult second = direct(A).solve(A, b, x);
     second.iterations = first.iterations;

@@ -1,5 +1,5 @@
 // Continuation from coarse to fine: the problem is solved on coarser meshes first, then with elements of degree 1, 2,
-// ..., and each solution is where the method starts on the next finer mesh.
+// 4, ..., and each solution is where the method starts on the next finer mesh.
 //
 // Carried over are the displacement, interpolated (prolong()), the penalty in units of |1|^2, and the
 // multipliers. The force that they put on the boundary is the integral of lambda . v / (h |1|), so lambda / (h |1|)

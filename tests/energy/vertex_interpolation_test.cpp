@@ -9,7 +9,7 @@
 using namespace almesh;
 using namespace almesh::test;
 
-TEST_CASE("nodes are interpolated from the vertices of an element that has them: an affine one's are where they belong") {
+TEST_CASE("nodes are interpolated from the vertices of an element: those of an affine one are where they belong") {
     for (const Mesh& linear : {ring_mesh(8, 2, 3), cube_mesh(2)})
         for (int degree = 2; degree <= 5; ++degree) {
             const Mesh mesh = raise_degree(linear, degree);

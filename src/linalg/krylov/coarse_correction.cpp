@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
-// Of the coarse solve, whichever comes first. A better one hardly saves iterations, and costs the more of their time the
-// lower the degree is.
+// Of the coarse solve, whichever comes first. A better one hardly saves iterations, and costs the more the lower the
+// degree is.
 constexpr int most_iterations = 3;
 constexpr double coarse_tolerance = 0.1;
 

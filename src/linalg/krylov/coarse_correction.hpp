@@ -1,9 +1,9 @@
-// A two-level p-multigrid: conjugate gradients with SSOR for elements of degree p, with a correction by displacements of
-// degree 1 between the two sweeps. Sweeps go from neighbour to neighbour and are slow where A has low energy; what is
-// left of the error after them is smooth, and seen by few unknowns. As in a V-cycle with a Gauss-Seidel sweep forward
-// before the correction and one back after it (Trottenberg, Oosterlee, Schuller, Multigrid, 2001, section 2.4; degrees
-// in place of meshes: Ronquist & Patera, J. Sci. Comput. 2, 1987), with the interpolation P from the vertices to all
-// nodes, and z_1 = (D + T)^{-1} r the result of the first sweep,
+// A two-level p-multigrid: SSOR for elements of degree p, with a correction by displacements of degree 1 between its
+// two sweeps. Sweeps go from neighbour to neighbour and are slow where A has low energy; what is left of the error
+// after them is smooth, and seen by few unknowns. As in a V-cycle with a Gauss-Seidel sweep forward before the
+// correction and one back after it (Trottenberg, Oosterlee, Schuller, Multigrid, 2001, section 2.4; degrees in place of
+// meshes: Ronquist & Patera, J. Sci. Comput. 2, 1987), with the interpolation P from the vertices to all nodes, and
+// z_1 = (D + T)^{-1} r the result of the first sweep,
 //     E c = P'(r - A z_1),   E = P'A P,
 // and the sweep back starts from z_1 + P c. E c = ... is solved by a few iterations of conjugate gradients with a
 // preconditioner of its own, so the preconditioner made of all this is not quite the same in every iteration: conjugate
@@ -65,8 +65,8 @@ private:
     BlockCsr E_;
     std::unique_ptr<Preconditioner> M_;       // of E
     ConjugateGradients iteration_;
-    // A part touches few of the coarse unknowns, and numbers them by itself: 0, 1, ... for coarse_[touched_start_[part]]
-    // and so on.
+    // A part touches few of the coarse unknowns, and numbers them by itself: 0, 1, ... are those in coarse_ from
+    // touched_start_[part] on.
     std::vector<int> touched_start_{0}, coarse_;
     std::vector<int> P_local_;                // the columns of P as the part of the row numbers them
     std::vector<int> V_row_{0}, V_local_;     // offsets of the rows of V; its columns, ascending, in the same way

@@ -11,9 +11,9 @@
 // strictly lower triangular, the preconditioner is (D + T) D^{-1} (D + T') (Saad, section 10.2). It exists and is
 // positive definite whenever the diagonal blocks are, for every stretched or nearly singular matrix of the projected
 // Hessian; it costs one pass over A to set up, and needs no list of products. As A consists of the same parts,
-// conjugate gradients need no product with it: A z takes part in the next forward sweep (puts_off_products()). With
-// deflation it takes up to 40 % more iterations than ILU(0) on tetrahedra, the fewer the larger the mesh, each at half
-// the traffic.
+// conjugate gradients need no product with it: A z takes part in the next forward sweep (puts_off_products()). A
+// correction by fewer unknowns can stand between its two sweeps (coarse_correction.hpp). With deflation it takes up to
+// 40 % more iterations than ILU(0) on tetrahedra, the fewer the larger the mesh, each at half the traffic.
 //
 // C carries the units of A, so the entries of L are of order one and are stored in single precision: the sweeps move
 // half the bytes.

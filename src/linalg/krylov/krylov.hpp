@@ -117,8 +117,8 @@ struct KrylovParams {
 //
 // The tolerance is on |r|_2 / |b|_2 and on |r|_M / |b|_M, r = b - A x and |r|_M^2 = r'M^{-1}r: the 2-norm hardly sees
 // errors of low energy beside stiff parts of A, such as a penalised boundary.
-// The direction is made orthogonal to the one before by beta = -z'q / p'q, with p, q = A p of the iteration before: that
-// holds for an M^{-1} that changes a little from one iteration to the next too (flexible: Notay, SIAM J. Sci. Comput.
+// The direction is made orthogonal to the one before by beta = -z'q / p'q, with p, q = A p of the iteration before.
+// That serves an M^{-1} that changes a little from one iteration to the next too (flexible: Notay, SIAM J. Sci. Comput.
 // 22, 2000), such as one that iterates itself. A p comes from A z by the recurrence of p, and p'Ap = z'Az + beta z'q,
 // because some preconditioners have z'A z before A z, and both for little (Eisenstat, SIAM J. Sci. Stat. Comput. 2,
 // 1981; the order of the sums is that of Chronopoulos & Gear, J. Comput. Appl. Math. 25, 1989). Where p'Ap <= 0 by the
