@@ -185,8 +185,8 @@ const std::vector<DeckKey>& deck_keys() {
         {"solver", choice<&Deck::linear, &Linear::kind>({"auto", "cg", "gmres", "cholesky"}),
          "Linear solver; auto: Cholesky in 2D and for small meshes in 3D, conjugate gradients for large ones."},
         {"preconditioner", choice<&Deck::linear, &Linear::preconditioner>({"auto", "ilu0", "ssor", "pmg"}),
-         "Of cg; pmg: ssor with a correction of degree 1. auto: pmg for degrees above 1, ssor for linear tetrahedra, ilu0 "
-         "for linear triangles unless it meets bad pivots."},
+         "Of cg; pmg: ssor with a correction of degree 1. auto: pmg for degrees above 1, ssor for linear tetrahedra, "
+         "ilu0 for linear triangles unless it meets bad pivots."},
         {"forcing", choice<&Deck::forcing>({"auto", "fixed"}),
          "Residual at which cg and gmres stop; auto: after full steps by the rule of Eisenstat and Walker, fixed: "
          "linear_tolerance."},
