@@ -52,8 +52,8 @@ Sweeps sweeps_for(const BlockCsr& pattern, const LinearSolverParams& params) {
 }
 
 bool takes_lower_degree(const BlockCsr& pattern, const LinearSolverParams& params) {
-    return pattern.order && pattern.order->of_vertices.columns > 0 && sweeps_for(pattern, params) == Sweeps::ssor &&
-           params.preconditioner != PreconditionerKind::ssor;
+    return pattern.order && pattern.order->of_vertices.columns > 0 && params.kind != SolverKind::gmres &&
+           sweeps_for(pattern, params) == Sweeps::ssor && params.preconditioner != PreconditionerKind::ssor;
 }
 
 // start: of the domains, see Ilu0.

@@ -83,6 +83,7 @@ SolveResult LinearExtension::extend(StiffnessAt stiffness, const std::vector<dou
     hold(held, mesh_.dim, b);
     hold(held, K_);
     const SolveResult result = solver_.solve(K_, b, inside);
+    hold(held, mesh_.dim, inside);  // to the last bit, whatever the solver
     for (std::size_t i = 0; i < u.size(); ++i) u[i] += inside[i];
     return result;
 }

@@ -177,6 +177,7 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
         }
         const TimeAdder adder(time.linear);
         const SolveResult solve = solver_.solve(H_, minus_g_, d_, may_be_indefinite);
+        hold(E.held, E.distortion.dim(), d_);  // some solvers move them and move them back, to rounding
         at.linear_iterations += solve.iterations;
         step.linear_iterations += solve.iterations;
         step.solver = solve.used;
