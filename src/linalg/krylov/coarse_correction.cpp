@@ -17,7 +17,7 @@ constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
 // Of the coarse solve, whichever comes first. A better one hardly saves iterations, and costs the more the lower the
 // degree is.
-constexpr int most_iterations = 3;
+constexpr int most_iterations = 4;
 constexpr double coarse_tolerance = 0.1;
 
 // Coarse unknowns are neighbours in E where rows that they interpolate to are in A.
