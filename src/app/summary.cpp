@@ -1,7 +1,5 @@
 #include "app/summary.hpp"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
+#include "base/physical_memory.hpp"
 #include "base/text.hpp"
 
 namespace almesh {
@@ -34,15 +33,7 @@ struct Run {
     const std::string& id;
 };
 
-double peak_memory_mb() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-#ifdef __APPLE__
-    return static_cast<double>(usage.ru_maxrss) / (1024 * 1024);
-#else
-    return static_cast<double>(usage.ru_maxrss) / 1024;
-#endif
-}
+double peak_memory_mb() { return peak_memory() / (1024 * 1024); }
 
 std::string text(const char* word) { return word; }
 std::string text(long long count) { return std::to_string(count); }

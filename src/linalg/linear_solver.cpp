@@ -60,12 +60,12 @@ bool takes_lower_degree(const BlockCsr& pattern, const LinearSolverParams& param
 std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, const std::vector<int>& start,
                                                     int dimension, const LinearSolverParams& params) {
     if (takes_lower_degree(pattern, params)) {
-        LinearSolverParams of_vertices = params;
-        of_vertices.preconditioner = PreconditionerKind::ssor;
-        auto correction = std::make_unique<CoarseCorrection>(
-            pattern, pattern.order->of_vertices, [&](const BlockCsr& E) {
-                return make_preconditioner(E, pattern.order->vertex_start, dimension, of_vertices);
-            });
+        LinearSolverParams coarse = params;
+        coarse.preconditioner = PreconditionerKind::ssor;
+        const auto make_coarse = [&](const BlockCsr& E) {
+            return make_preconditioner(E, pattern.order->vertex_start, dimension, coarse);
+        };
+        auto correction = std::make_unique<CoarseCorrection>(pattern, pattern.order->of_vertices, make_coarse);
         return std::make_unique<Ilu0>(pattern, start, std::vector<double>{}, Sweeps::ssor, std::move(correction));
     }
     std::unique_ptr<Preconditioner> ilu;

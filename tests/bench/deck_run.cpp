@@ -1,7 +1,6 @@
 #include "bench/deck_run.hpp"
 
 #include <fcntl.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -46,18 +45,13 @@ DeckRun run_deck(const std::string& name, std::vector<std::string> settings) {
     if (child < 0) throw InputError("the benchmark cannot start a process");
     if (child == 0) become(settings);
     int status = 0;
-    rusage usage{};
-    wait4(child, &status, 0, &usage);
+    waitpid(child, &status, 0);
     run.wall = watch.seconds();
     run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     if (run.exit_code < 0 || run.exit_code == 1 || run.exit_code == 2 || run.exit_code == 127)
         throw InputError("inputs/" + name + ".deck did not run: exit code " + std::to_string(run.exit_code));
-#ifdef __APPLE__
-    run.peak_memory = static_cast<double>(usage.ru_maxrss);
-#else
-    run.peak_memory = 1024.0 * static_cast<double>(usage.ru_maxrss);
-#endif
     run.summary = numbers_of(folder.path("out") + "/summary.txt");
+    run.peak_memory = 1024 * 1024 * run.summary["peak_memory_mb"];
     return run;
 }
 

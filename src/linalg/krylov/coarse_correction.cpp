@@ -22,8 +22,8 @@ constexpr double coarse_tolerance = 0.1;
 
 // Coarse unknowns are neighbours in E where rows that they interpolate to are in A.
 BlockCsr coarse_pattern(const BlockCsr& A, const Interpolation& P) {
-    std::vector<int> column;
-    for (int i = 0; i < P.rows(); ++i) column.insert(column.end(), P.row[i + 1] - P.row[i], i);
+    std::vector<int> row_of;  // of each entry of P
+    for (int i = 0; i < P.rows(); ++i) row_of.insert(row_of.end(), P.row[i + 1] - P.row[i], i);
     const Groups entries = sorted_by_group(P.col, P.columns);
     BlockCsr E;
     E.n = P.columns;
@@ -33,7 +33,7 @@ BlockCsr coarse_pattern(const BlockCsr& A, const Interpolation& P) {
     for (int c = 0; c < P.columns; ++c) {
         const std::size_t first = E.col.size();
         for (const int entry : entries.of(c)) {
-            const int i = column[entry];
+            const int i = row_of[entry];
             for (int k = A.row[i]; k < A.row[i + 1]; ++k)
                 for (int l = P.row[A.col[k]]; l < P.row[A.col[k] + 1]; ++l) {
                     if (seen[P.col[l]] == c) continue;
