@@ -12,7 +12,7 @@ inline double physical_memory() {
     return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-// The most that the program has had in memory at once, bytes. Linux counts it in VmHWM, in kB; its ru_maxrss begins with
+// The most that the program has had in memory at once, bytes. On Linux from VmHWM, in kB: ru_maxrss begins there with
 // what the process had that started the program.
 inline double peak_memory() {
     double kilobytes = 0;
