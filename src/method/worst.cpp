@@ -76,7 +76,8 @@ AlResult minimise_worst(const Level& level, Newton& newton, const MethodParams& 
     report_power();
     const bool can_gain = at.largest() - 1 > undistorted && std::isfinite(at.largest());
     for (double before = 2 * at.largest(); can_gain && 2 * p < last_power; p *= 2) {
-        if (at.largest() > (1 - worthwhile) * before) break;
+        // A power that has raised it is far from solved, and says nothing of the next.
+        if (at.largest() <= before && at.largest() > (1 - worthwhile) * before) break;
         before = at.largest();
         const AlStart from = at.set_power(2 * p, x);
         AugmentedLagrangianParams schedule = loose;

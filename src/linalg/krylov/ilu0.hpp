@@ -48,6 +48,7 @@ public:
     explicit Ilu0(const BlockCsr& pattern);
 
     // indefinite_preconditioner: a pivot block is not positive definite or not finite, with every shift.
+    // not_positive_definite: the correction's matrix is not, and so A is not.
     FactorResult factor(const BlockCsr& A) override { return blocks_->factor(A); }
 
     // z = (C (I + L) (I + L') C')^{-1} r; r'z is the squared norm of the vector between the sweeps. r and z may be the
