@@ -265,18 +265,15 @@ void Dirichlet::add_gradient(const std::vector<double>& x, const std::vector<dou
     });
 }
 
-// Adds factor D' M D, or factor M without the slopes; row(mesh node): its block row in H, or -1 where H leaves it out.
-template <class Row>
-void Dirichlet::add_matrix(double factor, const Row& row, bool slopes, BlockCsr& H) const {
+// Adds factor D' M D, or factor M where all places are prescribed.
+void Dirichlet::add_matrix(double factor, BlockCsr& H) const {
     const BlockCsr& M = trace_.M;
     parallel_for(count(), [&](int t) {
-        const int i = row(trace_.nodes[t]);
-        for (int k = M.row[t]; k < M.row[t + 1] && i >= 0; ++k) {
-            const int j = row(trace_.nodes[M.col[k]]), place = j < 0 ? -1 : H.find(i, j);
-            if (place < 0) continue;
-            double* const block = H.block(place);
+        const int i = H.row_of(trace_.nodes[t]);
+        for (int k = M.row[t]; k < M.row[t + 1]; ++k) {
+            double* const block = H.block(H.find(i, H.row_of(trace_.nodes[M.col[k]])));
             const double entry = factor * M.value[k];
-            if (slopes)
+            if (!prescribes_all())
                 add_congruence(entry, &slope_[offset(t, dim_ * dim_)], &slope_[offset(M.col[k], dim_ * dim_)], dim_,
                                block);
             else
@@ -307,9 +304,7 @@ void Dirichlet::add_second_derivatives(const std::vector<double>& x, BlockCsr& H
 void Dirichlet::add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
                             BlockCsr& H) {
     if (!prescribes_all()) measure_slopes(x);
-    const double factor = mu / (trace_.norm_of_one * trace_.norm_of_one);
-    add_matrix(
-        factor, [&H](int node) { return H.row_of(node); }, !prescribes_all(), H);
+    add_matrix(mu / (trace_.norm_of_one * trace_.norm_of_one), H);
     if (prescribes_all() || projected) return;
     set_force(lambda, mu);
     add_second_derivatives(x, H);
@@ -333,25 +328,37 @@ std::unique_ptr<ConstraintPart> Dirichlet::part(const std::vector<double>& x, co
                                                 double mu, const std::vector<int>& node, const BlockCsr& pattern) {
     measure(x);
     set_force(lambda, mu);
-    std::vector<int> row(mesh_.nodes(), -1);
-    auto part = std::make_unique<DirichletPart>(prescribes_all() ? nullptr : this);
-    for (std::size_t k = 0; k < node.size(); ++k) row[node[k]] = static_cast<int>(k);
-    part->trace_node.assign(node.size(), -1);
-    for (const int i : node) part->x.insert(part->x.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
-    part->r.assign(part->x.size(), 0.0);
-    part->g = part->r;
-    with_dimension(dim_, [&](auto n) {
-        for (int t = 0; t < count(); ++t) {
-            const int k = row[trace_.nodes[t]];
-            if (k < 0) continue;
-            part->trace_node[k] = t;
-            std::copy_n(&r_[offset(t, n)], n, &part->r[offset(k, n)]);
-            mass_times_v<n>(t, &part->g[offset(k, n)]);
+    auto part = std::make_unique<DirichletPart>(prescribes_all() ? nullptr : this, dim_);
+    std::vector<int> node_of(mesh_.nodes(), -1), entry_of(count(), -1);  // trace node -> entry of the part
+    for (std::size_t k = 0; k < node.size(); ++k) node_of[node[k]] = static_cast<int>(k);
+    for (int t = 0; t < count(); ++t) {
+        const int k = node_of[trace_.nodes[t]];
+        if (k < 0) continue;
+        entry_of[t] = static_cast<int>(part->node.size());
+        part->node.push_back(k);
+        part->trace_node.push_back(t);
+        const double* const at = point(x, trace_.nodes[t], dim_);
+        part->x.insert(part->x.end(), at, at + dim_);
+        part->r.insert(part->r.end(), &r_[offset(t, dim_)], &r_[offset(t, dim_)] + dim_);
+    }
+    part->g.resize(part->x.size());
+    const double factor = mu / (trace_.norm_of_one * trace_.norm_of_one);
+    BlockCsr& C = part->C;
+    C.n = static_cast<int>(part->node.size());
+    C.row.assign(1, 0);
+    const BlockCsr& M = trace_.M;
+    for (int i = 0; i < C.n; ++i) {
+        const int t = part->trace_node[i];
+        with_dimension(dim_, [&](auto n) { mass_times_v<n>(t, &part->g[offset(i, n)]); });
+        for (int k = M.row[t]; k < M.row[t + 1]; ++k) {
+            const int j = entry_of[M.col[k]], place = j < 0 ? -1 : pattern.find(part->node[i], part->node[j]);
+            if (place < 0) continue;  // both are held, at no cell in common that has a node that moves
+            C.col.push_back(j);
+            C.value.push_back(factor * M.value[k]);
+            part->place.push_back(place);
         }
-    });
-    part->C = pattern;
-    add_matrix(
-        mu / (trace_.norm_of_one * trace_.norm_of_one), [&row](int i) { return row[i]; }, false, part->C);
+        C.row.push_back(C.blocks());
+    }
     return part;
 }
 

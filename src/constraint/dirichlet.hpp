@@ -105,8 +105,7 @@ private:
     void measure_best_approximation();
     double squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face,
                                  int point) const;
-    template <class Row>
-    void add_matrix(double factor, const Row& row, bool slopes, BlockCsr& H) const;
+    void add_matrix(double factor, BlockCsr& H) const;
     void add_second_derivatives(const std::vector<double>& x, BlockCsr& H) const;
     template <class Entry>
     void set_v(const Entry& entry);
