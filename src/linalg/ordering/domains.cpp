@@ -13,7 +13,7 @@ namespace {
 
 constexpr int bisections = 3;        // 2^3 domains
 constexpr int coarsenings = 3;       // of the graph before it is cut
-constexpr int worth_cutting = 4000;  // vertices; smaller graphs stay one domain
+constexpr int worth_cutting = 1000;  // vertices; smaller graphs stay one domain
 
 // Halves the vertices `piece` recursively; domain[v] of each becomes first, first + 1, ...
 void bisect(const WeightedGraph& graph, const std::vector<int>& piece, int depth, int first, std::vector<int>& domain) {

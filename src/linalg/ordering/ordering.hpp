@@ -42,7 +42,7 @@ struct Domains {
     int count() const { return static_cast<int>(start.size()) - 1; }
 };
 
-// Eight domains whatever the number of threads; a single one where the graph has less than a few thousand vertices.
+// Eight domains whatever the number of threads; a single one where the graph has less than a thousand vertices.
 // Only the share of the separators in the rows counts here, so a coarse graph is cut: that takes a fraction of the time
 // of nested dissection, for separators half as large again. O(edges).
 Domains cut_into_domains(const Graph& graph);
