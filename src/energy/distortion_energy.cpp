@@ -88,6 +88,12 @@ double DistortionEnergy::uniform(double eta) const {
     return volume_ * with_density(params_, [eta](auto density) { return density.f(eta); });
 }
 
+double DistortionEnergy::hessian_passes() const {
+    constexpr double of_density = 125, of_entry = 0.2;  // at a point
+    const double entries = static_cast<double>(reference_.nodes) * reference_.nodes * dim_ * dim_;
+    return (of_density + of_entry * entries) * element_count_ * reference_.points;
+}
+
 double DistortionEnergy::mean_slope(double energy) const {
     const double mean = std::max(0.0, energy) / volume_;
     return with_density(params_, [mean](auto density) { return density.half_slope(mean); });

@@ -87,6 +87,8 @@ public:
     void set_delta(double delta) { params_.delta = delta; }
     double delta() const { return params_.delta; }
     int dim() const { return dim_; }
+    double nodes_in_elements() const { return static_cast<double>(element_count_) * reference_.nodes; }
+    double hessian_passes() const;  // passes of an iterative solver over an entry of a matrix that take as long as it
     bool is_curved() const { return reference_.degree > 1; }
     int refined_elements() const { return static_cast<int>(refined_.size()); }
 

@@ -33,8 +33,11 @@ namespace {
 constexpr int failures_to_give_up = 2;  // of iterative solvers in a row, if the choice is ours
 constexpr double worth = 4;        // Cholesky may cost this many times what an iterative solver has just spent, or
                                    // once what it has spent since it last succeeded
-constexpr double flops_of_entry = 20;  // of Cholesky, in the time that an iteration spends on an entry of A
+constexpr double flops_of_entry = 20;  // of Cholesky, in the time that an iteration spends on an entry of A,
+constexpr double large_flops_of_entry = 40;  // and on average over small and large matrices
 constexpr double refine_above = 1e-15;  // scaled residual from which a step of iterative refinement is worth a solve
+
+double entries(const BlockCsr& A) { return std::max<double>(1, static_cast<double>(A.blocks()) * A.d * A.d); }
 
 using Method = std::variant<ConjugateGradients, Gmres>;
 
@@ -125,6 +128,7 @@ struct LinearSolver::Iterative {
         result.solve_seconds = iteration.seconds();
         result.status = solved.status;
         result.iterations = solved.iterations;
+        result.passes = solved.iterations * entries(A);
         result.relative_residual = solved.relative_residual;
         return result;
     }
@@ -143,6 +147,7 @@ struct LinearSolver::Direct {
         x.assign(A.size(), 0.0);
         const Stopwatch factorisation;
         const FactorResult factored = cholesky.factor(A);
+        result.passes = cholesky.flops() / large_flops_of_entry;
         result.factor_seconds = factorisation.seconds();
         result.status = factored.status;
         result.bad_node = factored.bad_row;
@@ -195,7 +200,7 @@ LinearSolver::Iterative& LinearSolver::iterative(const BlockCsr& A) {
     if (A.order) domains.start = A.order->start;
     else if (params_.ordering) domains = {order_vertices(graph_of(A), *params_.ordering), {0, A.n}};
     else domains = cut_into_domains(graph_of(A));
-    const double patience = params_.fallback ? predicted_flops(A) / (worth * flops_of_iteration(A)) : 0;
+    const double patience = params_.fallback ? predicted_flops(A) / (worth * (flops_of_entry * entries(A))) : 0;
     iterative_ = std::make_unique<Iterative>(A, dimension_, params_, domains,
                                              static_cast<int>(std::min<double>(patience, params_.max_iterations)));
     return *iterative_;
@@ -269,13 +274,9 @@ double LinearSolver::predicted_flops(const BlockCsr& A) const {
     return dimension_ == 3 ? 5 * N * N : 56 * N * std::sqrt(N);
 }
 
-double LinearSolver::flops_of_iteration(const BlockCsr& A) const {
-    return flops_of_entry * std::max<double>(1, static_cast<double>(A.blocks()) * A.d * A.d);
-}
-
 bool LinearSolver::direct_is_worth(const BlockCsr& A, int iterations) {
     known_.failed_iterations += iterations;
-    const double spent = std::max(worth * iterations, known_.failed_iterations) * flops_of_iteration(A);
+    const double spent = std::max(worth * iterations, known_.failed_iterations) * flops_of_entry * entries(A);
     const auto costs_too_much = [&] { return predicted_flops(A) > spent; };
     if (costs_too_much()) return false;
     return direct(A).cholesky.fits() && !costs_too_much();
@@ -326,6 +327,7 @@ SolveResult LinearSolver::solve_in_rows(const BlockCsr& A, const std::vector<dou
     ++known_.failures;
     SolveResult second = direct(A).solve(A, b, x);
     second.iterations = first.iterations;
+    second.passes += first.passes;
     second.failed_first = first.status;
     return second;
 }

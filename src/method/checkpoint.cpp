@@ -101,9 +101,10 @@ void visit(Archive& archive, std::vector<Item>& list) {
 template <class Archive>
 void visit(Archive& archive, NewtonState& s) {
     archive.words(s.start);
-    visit_all(archive, s.has_ended, s.at, s.hessian, s.forcing, s.damping, s.negative_part, s.eliminates,
-              s.solver.failures, s.solver.failed_iterations, s.solver.iterative, s.solver.direct,
-              s.quadrature.refinements, s.quadrature.folds, s.x, s.steps);
+    visit_all(archive, s.has_ended, s.at, s.hessian, s.forcing, s.damping, s.negative_part, s.elimination.was_hard,
+              s.elimination.is_hard, s.elimination.work_of_newton, s.elimination.work, s.solver.failures,
+              s.solver.failed_iterations, s.solver.iterative, s.solver.direct, s.quadrature.refinements,
+              s.quadrature.folds, s.x, s.steps);
 }
 
 template <class Archive, class Field>
@@ -112,7 +113,7 @@ void visit(Archive& archive, Field& field) {
     archive.number(field);
 }
 
-std::string header(const std::string& run) { return "almesh checkpoint 2\n" + run + "\n"; }
+std::string header(const std::string& run) { return "almesh checkpoint 3\n" + run + "\n"; }
 
 }  // namespace
 

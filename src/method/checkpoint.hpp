@@ -31,7 +31,7 @@ struct NewtonState {
     NewtonResult at;
     HessianKind hessian = HessianKind::projected;  // of the next step
     double forcing = 0, damping = 0, negative_part = 0;
-    bool eliminates = false;  // local nonlinear elimination
+    LocalElimination::State elimination;
     LinearSolverState solver;
     QuadratureState quadrature;
     std::vector<double> x;

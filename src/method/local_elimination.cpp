@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "base/index.hpp"
+#include "base/parallel.hpp"
 #include "linalg/linear_solver.hpp"
 #include "linalg/vector_ops.hpp"
 #include "method/functional.hpp"
@@ -18,56 +20,64 @@ namespace almesh {
 namespace {
 
 constexpr double part_of_nodes = 0.01, part_of_decrease = 0.9;
-// Of the nodes with their neighbours at most: in 3D more than this is nearly the whole mesh, and with a tenth Newton
-// takes a third more steps. From a coarser mesh less is left to do, and curved elements are dear.
-constexpr double largest_part[] = {1, 0.2}, largest_dear_part[] = {0.1, 0.05};
+// Of the nodes with their neighbours at most: in 3D with their elements this is a quarter of the mesh, and more costs
+// more than the steps that it saves. From a coarser mesh less is left to do, and curved elements are dear.
+constexpr double largest_part[] = {1, 0.07}, largest_dear_part[] = {0.1, 0.05};
 constexpr double inner_part = 0.1;  // of a local minimisation's nodes, over which it is minimised in turn
-constexpr int layers = 2;
+constexpr std::size_t layers = 2;
+constexpr int steps_of_easy_problem = 10, steps_without = 12, steps_of_slow_problem = 30;
+constexpr double most_work = 0.1;  // of that over the whole mesh: small systems take twice the time for as much work
 constexpr int most_steps = 30;
 constexpr double local_tolerance = 1e-2;  // relative residual of iterative solvers
 constexpr double worthwhile = 0.01;       // decrease of a local step, in units of that of the Newton step before
 constexpr double part_of_gain = 1e-3;     // and of all local steps so far: less is not worth another
+constexpr double set_up_work = 150;       // of a local functional and its solver, for each node of each element
 constexpr double much_alone = 0.1;        // of what a Newton step gained, that nodes could reach alone
 
-// Decrease of E that each node could reach alone.
+// Decrease of E that the node of each row could reach alone.
 std::vector<double> reachable_decrease(const BlockCsr& H, const std::vector<double>& g) {
     std::vector<double> decrease(H.n);
-    for (int i = 0; i < H.n; ++i) {
-        const double* const block = H.block(H.find(H.row_of(i), H.row_of(i)));
+    parallel_for(H.n, [&](int i) {
+        const double *const block = H.block(H.find(i, i)), *const gi = &g[offset(H.node_of(i), H.d)];
         double trace = 0, squared = 0;
         for (int a = 0; a < H.d; ++a) {
             trace += block[a * H.d + a];
-            squared += g[offset(i, H.d, a)] * g[offset(i, H.d, a)];
+            squared += gi[a] * gi[a];
         }
         decrease[i] = 0.5 * squared * H.d / std::max(std::abs(trace), std::numeric_limits<double>::min());
-    }
+    });
     return decrease;
 }
 
-std::vector<char> with_neighbours(const BlockCsr& H, const std::vector<char>& chosen) {
-    std::vector<char> result = chosen;
-    for (int i = 0; i < H.n; ++i)
-        if (chosen[H.node_of(i)])
-            for (int k = H.row[i]; k < H.row[i + 1]; ++k) result[H.node_of(H.col[k])] = 1;
-    return result;
+// The first `count` of `rows` with `layers` of neighbours; false where they are more than `most`.
+bool with_neighbours(const BlockCsr& H, const std::vector<int>& rows, int count, double most, std::vector<int>& found) {
+    std::vector<char> is_found(H.n, 0);
+    found.assign(rows.begin(), rows.begin() + count);
+    for (const int i : found) is_found[i] = 1;
+    for (std::size_t layer = 0, begin = 0, end = found.size(); layer < layers; ++layer, begin = end, end = found.size())
+        for (; begin < end; ++begin)
+            for (int k = H.row[found[begin]]; k < H.row[found[begin] + 1]; ++k)
+                if (!std::exchange(is_found[H.col[k]], 1)) found.push_back(H.col[k]);
+    return static_cast<double>(found.size()) <= most;
 }
 
+// Per node.
 std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g, double most_of_all) {
     const std::vector<double> decrease = reachable_decrease(H, g);
-    std::vector<int> order(H.n);
+    std::vector<int> order(H.n), found;
     std::iota(order.begin(), order.end(), 0);
     const int most = std::max(1, static_cast<int>(part_of_nodes * H.n));
-    std::partial_sort(order.begin(), order.begin() + most, order.end(),
-                      [&](int i, int j) { return decrease[i] != decrease[j] ? decrease[i] > decrease[j] : i < j; });
+    const auto is_first = [&](int i, int j) {
+        return decrease[i] != decrease[j] ? decrease[i] > decrease[j] : H.node_of(i) < H.node_of(j);
+    };
+    std::partial_sort(order.begin(), order.begin() + most, order.end(), is_first);
     const double wanted = part_of_decrease * std::accumulate(decrease.begin(), decrease.end(), 0.0);
     int count = 0;
     for (double sum = 0; count < most && sum <= wanted; ++count) sum += decrease[order[count]];
-    for (;; count = (count + 1) / 2) {
-        std::vector<char> chosen(H.n, 0);
-        for (int k = 0; k < count; ++k) chosen[order[k]] = 1;
-        for (int layer = 0; layer < layers; ++layer) chosen = with_neighbours(H, chosen);
-        if (count == 1 || std::count(chosen.begin(), chosen.end(), 1) <= most_of_all * H.n) return chosen;
-    }
+    while (!with_neighbours(H, order, count, most_of_all * H.n, found) && count > 1) count = (count + 1) / 2;
+    std::vector<char> chosen(H.n, 0);
+    for (const int i : found) chosen[H.node_of(i)] = 1;
+    return chosen;
 }
 
 // Newton's method for E over the nodes of `local`, with as much of the negative eigenvalues as the Hessian bears. No
@@ -87,11 +97,14 @@ public:
         return steps;
     }
 
+    double work() const { return work_; }  // of assembly and linear solves, in passes over an entry of a matrix
+
 private:
     const AugmentedFunctional& E_;
     LocalFunctional& local_;
     double least_gain_;
     bool inner_;
+    double work_ = set_up_work * local_.distortion().nodes_in_elements();
     BlockCsr H_ = local_.hessian_pattern();
     LinearSolver solver_{H_.d, {.tolerance = local_tolerance}};
     NegativePart negative_part_;
@@ -125,8 +138,11 @@ private:
 
     LineSearchResult search() {
         const double part = negative_part_.value;
+        work_ += local_.distortion().hessian_passes();
         local_.hessian(y_, part == 1 ? HessianKind::full : HessianKind::projected, H_, {.negative_part = part});
-        if (solver_.solve(H_, minus_g_, d_, part > 0).status != SolveStatus::success) return {};
+        const SolveResult solve = solver_.solve(H_, minus_g_, d_, part > 0);
+        work_ += solve.passes;
+        if (solve.status != SolveStatus::success) return {};
         const double slope = dot(g_, d_);
         if (!(slope < 0)) return {};
         const auto energy_of = [&](const std::vector<double>& at) { return local_.energy(at); };
@@ -143,7 +159,9 @@ private:
         for (int i = 0; i < H_.n; ++i) moves[local_.node(i)] = chosen[i];
         local_.write(y_, x);
         LocalFunctional inside(E_, x, moves);
-        LocalMinimisation(E_, inside, worthwhile * gained, false).run(x);
+        LocalMinimisation few(E_, inside, worthwhile * gained, false);
+        few.run(x);
+        work_ += few.work();
         trial_ = local_.read(x);
         const double found = local_.energy(trial_);
         if (!(found <= energy_)) return;
@@ -155,6 +173,13 @@ private:
 
 }  // namespace
 
+bool LocalElimination::is_due(int iteration, const BlockCsr& H, const std::vector<double>& g, double gained) {
+    if (iteration == 1) state_.was_hard = state_.is_hard;
+    state_.is_hard = state_.is_hard || iteration > steps_of_easy_problem;
+    if (iteration <= steps_of_slow_problem && state_.work > most_work * state_.work_of_newton) return false;
+    return state_.was_hard || iteration > steps_without || (from_coarser_ && holds_up(H, g, gained));
+}
+
 bool LocalElimination::holds_up(const BlockCsr& H, const std::vector<double>& g, double gained) {
     const std::vector<double> decrease = reachable_decrease(H, g);
     return std::accumulate(decrease.begin(), decrease.end(), 0.0) > much_alone * gained;
@@ -162,24 +187,24 @@ bool LocalElimination::holds_up(const BlockCsr& H, const std::vector<double>& g,
 
 LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& E, const BlockCsr& H,
                                                      const std::vector<double>& g, double gained,
-                                                     std::vector<double>& x, double& energy) const {
+                                                     std::vector<double>& x, double& energy) {
     const bool is_dear = E.distortion.is_curved() || (from_coarser_ && H.d == 3);
     const double most = (is_dear ? largest_dear_part : largest_part)[H.d - 2];
     std::vector<char> chosen = choose_nodes(H, g, most);
     for (std::size_t i = 0; i < E.held.size(); ++i) chosen[i] = chosen[i] && !E.held[i];
     LocalFunctional local(E, x, chosen);
-    const std::vector<double> start = local.read(x);
     Result result;
     result.nodes = static_cast<int>(std::count(chosen.begin(), chosen.end(), 1));
     std::vector<double> moved = x;
-    result.steps = LocalMinimisation(E, local, worthwhile * gained, !is_dear).run(moved);
+    LocalMinimisation minimisation(E, local, worthwhile * gained, !is_dear);
+    result.steps = minimisation.run(moved);
+    state_.work += minimisation.work();
     if (E.distortion.take_over_refinements(local.distortion())) energy = E.energy(x);
     if (result.steps == 0) return result;
-    local.write(local.read(moved), x);
-    const double found = E.energy(x);
-    if (found <= energy) energy = found;
-    else  // a gain below rounding
-        local.write(start, x);
+    const double found = E.energy(moved);
+    if (!(found <= energy)) return result;  // a gain below rounding
+    energy = found;
+    x.swap(moved);
     return result;
 }
 

@@ -11,9 +11,12 @@
 // the Hessian, |g_i|^2 / (2 h_i), h_i = trace of H_ii / dim, until they make up nine tenths of the sum over all nodes
 // or a hundredth of the nodes; with two layers of neighbours, so that they have room to move.
 //
-// When: after the eleventh step of a subproblem and all steps from there on, in later subproblems too. A minimisation
-// that starts from the solution of a coarser mesh or of a lower degree has little but such places left to solve: there
-// also after every earlier step that gained less than ten times what all nodes could reach alone.
+// When: after every step of a subproblem from the thirteenth on, and of those that come after one of more than ten
+// steps. A minimisation that starts from the solution of a coarser mesh or of a lower degree has little but such places
+// left to solve: there also after every step that gained less than ten times what all nodes could reach alone. But not
+// while local minimisations have done more than a tenth of the work of the steps over the whole mesh, so that they take
+// less than a fifth of the time; more of them save steps, but no time. A subproblem of more than thirty steps has them
+// all: there may be no end without them.
 //
 // How: Newton's method with a Hessian that keeps as much of its negative eigenvalues as it bears (negative_part.hpp).
 // What holds up the mesh is in turn held up by few of its nodes: where a local step gained less than ten times what its
@@ -35,30 +38,35 @@ public:
         int steps = 0;  // of the local minimisation, not of those inside it
     };
 
-    void reset() { active_ = false; }  // before a problem that knows nothing of earlier ones
+    // Work: of assembly and linear solves, in passes of an iterative solver over an entry of a matrix.
+    struct State {
+        bool was_hard = false, is_hard = false;  // an earlier subproblem, and any so far: took more than ten steps
+        double work_of_newton = 0, work = 0;     // over the whole mesh, and of all local minimisations
+    };
+    const State& state() const { return state_; }
+    void set_state(const State& state) { state_ = state; }
 
-    bool is_active() const { return active_; }
-    void set_active(bool active) { active_ = active; }
+    void reset() { state_.was_hard = state_.is_hard = false; }  // before a problem that knows nothing of earlier ones
 
     // Whether x was interpolated from the solution of a coarser mesh or of a lower degree.
     void set_from_coarser(bool from_coarser) { from_coarser_ = from_coarser; }
 
+    // Newton's method over the whole mesh has done so much.
+    void add_work_of_newton(double passes) { state_.work_of_newton += passes; }
+
     // Whether step `iteration` (1, 2, ...) of a subproblem is followed by one; H, g, gained: as for eliminate().
-    bool is_due(int iteration, const BlockCsr& H, const std::vector<double>& g, double gained) {
-        active_ = active_ || iteration > steps_without;
-        return active_ || (from_coarser_ && holds_up(H, g, gained));
-    }
+    bool is_due(int iteration, const BlockCsr& H, const std::vector<double>& g, double gained);
     // Whether nodes could alone reach more than a tenth of what the step gained.
     static bool holds_up(const BlockCsr& H, const std::vector<double>& g, double gained);
 
     // x, energy: a valid mesh and E(x), on return not greater. g: grad E(x). H: a Hessian of E near x; only its
     // diagonal and its pattern count. gained: decrease of E by the Newton step before.
     Result eliminate(const AugmentedFunctional& E, const BlockCsr& H, const std::vector<double>& g, double gained,
-                     std::vector<double>& x, double& energy) const;
+                     std::vector<double>& x, double& energy);
 
 private:
-    static constexpr int steps_without = 10;
-    bool active_ = false, from_coarser_ = false;
+    State state_;
+    bool from_coarser_ = false;
 };
 
 }  // namespace almesh

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "base/index.hpp"
+#include "base/parallel.hpp"
+#include "linalg/vector_ops.hpp"
 #include "method/functional.hpp"
 
 namespace almesh {
@@ -75,11 +77,12 @@ BlockCsr LocalFunctional::hessian_pattern() const {
 
 void LocalFunctional::hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H,
                               const Projection& projection) {
-    std::fill(H_.value.begin(), H_.value.end(), 0.0);
+    fill(static_cast<int>(H_.value.size()), 0, H_.value.data());
     constraint_->add_hessian(with_held(y, at_), kind != HessianKind::full, H_);
     distortion_->add_hessian(at_, kind, H_, projection);
-    for (int i = 0; i < moving_; ++i)
+    parallel_for(moving_, [&](int i) {
         std::copy_n(H_.block(H_.row[i]), H.block(H.row[i + 1]) - H.block(H.row[i]), H.block(H.row[i]));
+    }, 50);
 }
 
 }  // namespace almesh

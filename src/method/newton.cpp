@@ -110,7 +110,7 @@ bool Newton::resume(const AugmentedFunctional& E, std::vector<double>& x, Newton
     forcing_.value = saved->forcing;
     damping_.factor = saved->damping;
     negative_part_.value = saved->negative_part;
-    elimination_.set_active(saved->eliminates);
+    elimination_.set_state(saved->elimination);
     solver_.set_state(saved->solver);
     E.distortion.set_quadrature(saved->quadrature);
     for (const NewtonStep& step : saved->steps) accept(step, observe);
@@ -121,7 +121,7 @@ bool Newton::resume(const AugmentedFunctional& E, std::vector<double>& x, Newton
 void Newton::save(const AugmentedFunctional& E, const std::vector<double>& x, const NewtonResult& at, bool has_ended) {
     if (!checkpoint_) return;
     checkpoint_->save({start_, has_ended, at, hessian_, forcing_.value, damping_.factor, negative_part_.value,
-                       elimination_.is_active(), solver_.state(), E.distortion.quadrature(), x, steps_});
+                       elimination_.state(), solver_.state(), E.distortion.quadrature(), x, steps_});
 }
 
 void Newton::accept(const NewtonStep& step, const NewtonObserver& observe) {
@@ -177,6 +177,7 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
         }
         const TimeAdder adder(time.linear);
         const SolveResult solve = solver_.solve(H_, minus_g_, d_, may_be_indefinite);
+        elimination_.add_work_of_newton(E.distortion.hessian_passes() + solve.passes);
         hold(E.held, E.distortion.dim(), d_);  // some solvers move them and move them back, to rounding
         at.linear_iterations += solve.iterations;
         step.linear_iterations += solve.iterations;

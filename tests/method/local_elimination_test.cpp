@@ -128,10 +128,10 @@ TEST_CASE("nodes move with two layers of neighbours: those with nine tenths of w
 }
 
 TEST_CASE("a local minimisation has at most part of the nodes: less if curved or from a coarser mesh") {
-    const Mesh curved = raise_degree(square_mesh(20), 2), cube = cube_mesh(8), large = cube_mesh(16);
+    const Mesh curved = raise_degree(square_mesh(20), 2), large = cube_mesh(16);
     for (const auto& [mesh, part, k, spacing, from_coarser] :
-         {std::tuple(&curved, 0.1, 20, 4, false), std::tuple(&cube, 0.2, 8, 2, false),
-          std::tuple(&cube, 0.2, 8, 3, false), std::tuple(&large, 0.05, 16, 4, true)}) {
+         {std::tuple(&curved, 0.1, 20, 4, false), std::tuple(&large, 0.07, 16, 2, false),
+          std::tuple(&large, 0.07, 16, 3, false), std::tuple(&large, 0.05, 16, 4, true)}) {
         const int nodes = nodes_for(*mesh, lattice(*mesh, k, spacing), from_coarser);
         CHECK(nodes <= part * mesh->nodes());
         CHECK(nodes > 0.25 * part * mesh->nodes());
@@ -140,12 +140,12 @@ TEST_CASE("a local minimisation has at most part of the nodes: less if curved or
 
 // From 8000 unknowns on conjugate gradients solve the local systems.
 TEST_CASE("large local systems are solved so well that three steps are enough") {
-    constexpr int k = 26;
+    constexpr int k = 33;
     const Minimisation problem(cube_mesh(k), {}, Objective::squared);
     const AugmentedFunctional E = problem.functional(100);
     std::vector<double> x = problem.ideal, g(x.size());
     std::vector<std::pair<int, double>> pushed = lattice(problem.mesh, k, 4);
-    pushed.resize(50);
+    pushed.resize(43);
     for (const auto& [node, size] : pushed) x[3 * node] += 0.25 * size / k;
     const double least = E.energy(problem.ideal), before = E.energy(x);
     E.gradient(x, g);
@@ -158,19 +158,40 @@ TEST_CASE("large local systems are solved so well that three steps are enough") 
     CHECK(energy - least < 1e-8 * (before - least));
 }
 
-TEST_CASE("local minimisations begin after the eleventh step of a subproblem, and go on until they are reset") {
+TEST_CASE("local minimisations begin after the thirteenth step, or the first after a subproblem of more than ten") {
     const Disturbed at;
     LocalElimination elimination;
     const auto is_due = [&](int step, double gained) { return elimination.is_due(step, at.H, at.g, gained); };
-    for (int times = 0; times < 2; ++times) {
-        for (int step = 1; step <= 10; ++step) CHECK_FALSE(is_due(step, 0));
-        CHECK(is_due(11, 1e9));
-        CHECK(is_due(1, 1e9));  // of the next subproblem
-        elimination.reset();
-    }
+    for (const int steps : {10, 11, 13})
+        for (int times = 0; times < 2; ++times) {
+            for (int step = 1; step <= steps; ++step) CHECK(is_due(step, 1e9) == (step > 12));
+            CHECK(is_due(1, 1e9) == (steps > 10));  // of the next subproblem
+            elimination.reset();
+        }
     elimination.set_from_coarser(true);
     CHECK(is_due(1, 0));
     CHECK_FALSE(is_due(1, 1e9));
+}
+
+TEST_CASE("local minimisations wait while they have done more than a tenth of the work over the whole mesh") {
+    Disturbed at;
+    LocalElimination elimination;
+    const auto is_due = [&] { return elimination.is_due(13, at.H, at.g, 0); };
+    REQUIRE(is_due());
+    elimination.eliminate(at.E, at.H, at.g, 0, at.x, at.energy);
+    CHECK_FALSE(is_due());
+    const double work = elimination.state().work;
+    CHECK(work > 2 * at.E.distortion.hessian_passes() * 0.1);  // elements around the node, in some steps
+    elimination.add_work_of_newton(9.9 * work);
+    CHECK_FALSE(is_due());
+    LocalElimination other;
+    other.set_state(elimination.state());
+    other.add_work_of_newton(0.2 * work);
+    CHECK(other.is_due(13, at.H, at.g, 0));
+    elimination.reset();  // the run goes on
+    CHECK_FALSE(is_due());
+    CHECK_FALSE(elimination.is_due(30, at.H, at.g, 0));
+    CHECK(elimination.is_due(31, at.H, at.g, 0));
 }
 
 // Disturbed so that what is left to gain is around one node.
