@@ -26,7 +26,8 @@ constexpr double largest_part[] = {1, 0.07}, largest_dear_part[] = {0.1, 0.05};
 constexpr double inner_part = 0.1;  // of a local minimisation's nodes, over which it is minimised in turn
 constexpr std::size_t layers = 2;
 constexpr int steps_of_easy_problem = 10, steps_without = 12, steps_of_slow_problem = 30;
-constexpr double most_work = 0.1;  // of that over the whole mesh: small systems take twice the time for as much work
+constexpr double most_work = 0.2;   // of that over the whole mesh; that of less than so many nodes counts twice, as it
+constexpr int small_system = 1000;  // is one thread's
 constexpr int most_steps = 30;
 constexpr double local_tolerance = 1e-2;  // relative residual of iterative solvers
 constexpr double worthwhile = 0.01;       // decrease of a local step, in units of that of the Newton step before
@@ -97,7 +98,8 @@ public:
         return steps;
     }
 
-    double work() const { return work_; }  // of assembly and linear solves, in passes over an entry of a matrix
+    // Of assembly and linear solves, in passes over an entry of a matrix.
+    double work() const { return H_.n < small_system ? 2 * work_ : work_; }
 
 private:
     const AugmentedFunctional& E_;
@@ -161,7 +163,7 @@ private:
         LocalFunctional inside(E_, x, moves);
         LocalMinimisation few(E_, inside, worthwhile * gained, false);
         few.run(x);
-        work_ += few.work();
+        work_ += few.work_;
         trial_ = local_.read(x);
         const double found = local_.energy(trial_);
         if (!(found <= energy_)) return;
