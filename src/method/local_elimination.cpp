@@ -27,7 +27,7 @@ constexpr double inner_part = 0.1;  // of a local minimisation's nodes, over whi
 constexpr std::size_t layers = 2;
 constexpr int steps_of_easy_problem = 10, steps_without = 12, steps_of_slow_problem = 30;
 constexpr double most_work = 0.2;   // of that over the whole mesh; that of less than so many nodes counts twice, as it
-constexpr int small_system = 1000;  // is one thread's
+constexpr int small_system = 1000;  // is one thread's, but not where the whole mesh is as small
 constexpr int most_steps = 30;
 constexpr double local_tolerance = 1e-2;  // relative residual of iterative solvers
 constexpr double worthwhile = 0.01;       // decrease of a local step, in units of that of the Newton step before
@@ -99,7 +99,7 @@ public:
     }
 
     // Of assembly and linear solves, in passes over an entry of a matrix.
-    double work() const { return H_.n < small_system ? 2 * work_ : work_; }
+    double work() const { return work_; }
 
 private:
     const AugmentedFunctional& E_;
@@ -200,7 +200,8 @@ LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& 
     std::vector<double> moved = x;
     LocalMinimisation minimisation(E, local, worthwhile * gained, !is_dear);
     result.steps = minimisation.run(moved);
-    state_.work += minimisation.work();
+    const bool is_small = result.nodes < small_system && H.n >= small_system;
+    state_.work += is_small ? 2 * minimisation.work() : minimisation.work();
     if (E.distortion.take_over_refinements(local.distortion())) energy = E.energy(x);
     if (result.steps == 0) return result;
     const double found = E.energy(moved);

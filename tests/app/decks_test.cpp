@@ -120,7 +120,7 @@ TEST_CASE("the circle moved up to the outer boundary: every deck's objective get
             REQUIRE(summary.at("status") == "converged");
             CHECK(summary.at("certified_injective") == "yes");
             CHECK(summary.at("nodes_off_target") == "0");
-            CHECK(number(summary, "newton_iterations") <= 180);
+            CHECK(number(summary, "newton_iterations") <= 160);
         }
     for (const char* distance : {"20", "21", "30"}) {  // through the outer boundary, and past it
         const TemporaryFolder folder;
