@@ -124,15 +124,16 @@ Obstacle overlapping(const LastMesh& last, const Injectivity& found) {
 }
 
 SubMesh neighbourhood(const Mesh& mesh, const Obstacle& obstacle, int rings, int most) {
-    const int m = mesh.element_nodes();
-    const Groups around = sorted_by_group(mesh.elements, mesh.nodes());
-    std::vector<int> reached(1, obstacle.node);
-    if (obstacle.node < 0) reached.assign(mesh.element(obstacle.element), mesh.element(obstacle.element) + m);
+    std::vector<char> reached(mesh.nodes(), 0);
+    if (obstacle.node >= 0)
+        reached[obstacle.node] = 1;
+    else
+        for (int i = 0; i < mesh.element_nodes(); ++i) reached[mesh.element(obstacle.element)[i]] = 1;
     SubMesh found;
     for (int ring = 0; ring < rings; ++ring) {
-        SubMesh next = elements_around(mesh.elements, m, around, reached);
+        SubMesh next = elements_around(mesh.elements, mesh.element_count(), mesh.element_nodes(), reached);
         if (ring > 0 && static_cast<int>(next.place.size()) > most) break;
-        reached = next.node;
+        for (const int i : next.node) reached[i] = 1;
         found = std::move(next);
     }
     return found;

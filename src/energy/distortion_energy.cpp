@@ -2,7 +2,6 @@
 #include "energy/distortion_energy.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "base/index.hpp"
 #include "energy/densities.hpp"
@@ -92,9 +91,7 @@ double DistortionEnergy::uniform(double eta) const {
 double DistortionEnergy::hessian_passes() const {
     constexpr double of_density = 125, of_entry = 0.2;  // at a point
     const double entries = static_cast<double>(reference_.nodes) * reference_.nodes * dim_ * dim_;
-    double points = static_cast<double>(element_count_) * reference_.points;
-    for (const Refined& refined : refined_) points += refined.reference.points;
-    return (of_density + of_entry * entries) * points;
+    return (of_density + of_entry * entries) * element_count_ * reference_.points;
 }
 
 double DistortionEnergy::mean_slope(double energy) const {
@@ -110,29 +107,23 @@ std::unique_ptr<DistortionEnergy> make_energy(const Mesh& mesh, const std::vecto
 
 double damping_exponent(int dim, double weight_exponent) { return std::min(1.5 / dim, weight_exponent); }
 
-void DistortionEnergy::ready_for_parts(int node_count) {
-    if (!around_.item.empty()) return;
-    const auto end = nodes_.begin() + static_cast<std::ptrdiff_t>(offset(element_count_, reference_.nodes));
-    around_ = sorted_by_group({nodes_.begin(), end}, node_count);
-}
-
-SubMesh elements_around(const std::vector<int>& elements, int m, const Groups& around, const std::vector<int>& moving) {
+SubMesh elements_around(const std::vector<int>& elements, int count, int m, const std::vector<char>& moves) {
     SubMesh part;
-    std::vector<char> is_found(elements.size() / m, 0);
-    for (const int node : moving)
-        for (const int k : around.of(node))
-            if (!std::exchange(is_found[k / m], 1)) part.place.push_back(k / m);
-    std::vector<int> number(around.start.size(), -1);  // node of the mesh -> node of the part
-    const auto number_of = [&](int node) {
-        if (number[node] < 0) {
-            number[node] = static_cast<int>(part.node.size());
-            part.node.push_back(node);
-        }
-        return number[node];
-    };
-    std::for_each(moving.begin(), moving.end(), number_of);
+    for (int e = 0; e < count; ++e) {
+        const int* const node = &elements[offset(e, m)];
+        if (std::any_of(node, node + m, [&](int i) { return moves[i]; })) part.place.push_back(e);
+    }
+    std::vector<int> number(moves.size(), -1);  // node of the mesh -> node of the part
+    for (const bool moving : {true, false})
+        for (const int e : part.place)
+            for (int i = 0; i < m; ++i) {
+                const int node = elements[offset(e, m, i)];
+                if (number[node] >= 0 || static_cast<bool>(moves[node]) != moving) continue;
+                number[node] = static_cast<int>(part.node.size());
+                part.node.push_back(node);
+            }
     for (const int e : part.place)
-        for (int i = 0; i < m; ++i) part.elements.push_back(number_of(elements[offset(e, m, i)]));
+        for (int i = 0; i < m; ++i) part.elements.push_back(number[elements[offset(e, m, i)]]);
     return part;
 }
 

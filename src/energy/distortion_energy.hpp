@@ -30,7 +30,6 @@
 #include "energy/refined_rule.hpp"
 #include "energy/valid_step.hpp"
 #include "linalg/block_csr.hpp"
-#include "linalg/ordering/graph.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {
@@ -64,12 +63,11 @@ public:
                              const Projection& projection = {}) = 0;
     virtual DistortionStatistics statistics(const std::vector<double>& x) = 0;
 
-    // The elements that have one of the nodes `moving`, with the same weights, as an energy of its own of their nodes;
-    // node: their numbers in this mesh, those of `moving` first. x: node_count x dim, positions by which elements are
-    // ordered. After ready_for_parts(node_count), and then by several threads at a time.
-    virtual std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<int>& moving,
+    // The elements that have a node with moves[i], with the same weights, as an energy of its own of their nodes;
+    // node: their numbers in this mesh, those that move first. x: node_count x dim, positions by which elements are
+    // ordered.
+    virtual std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
                                                    std::vector<int>& node) const = 0;
-    void ready_for_parts(int node_count);
 
     // The largest s <= 1 found so that all elements are valid along (1 - r) x + r to for 0 <= r <= s; 1 with
     // regularisation, which lets elements invert. Notes where elements would fold.
@@ -121,7 +119,6 @@ protected:
     Quadrature quadrature_;
     ReferenceElement reference_;
     std::vector<int> nodes_;  // element_count x element nodes, or more
-    Groups around_;           // node -> the first element_count x element nodes of nodes_ that are it; when needed
     std::vector<int> place_in_whole_;  // of a part: element -> element of what it is a part of
     std::vector<Refined> refined_;
     double volume_ = 0;  // |Omega|
@@ -145,11 +142,11 @@ double damping_exponent(int dim, double weight_exponent);
 // Some elements of a mesh with their nodes numbered anew.
 struct SubMesh {
     std::vector<int> place;     // of each element among those given
-    std::vector<int> node;      // node here -> node of the mesh; those asked for come first
+    std::vector<int> node;      // node here -> node of the mesh; those that move come first
     std::vector<int> elements;  // element x element nodes, numbers of here
 };
 
-// The elements with one of the nodes `moving`. elements: count x m node numbers; around: node -> its places among them.
-SubMesh elements_around(const std::vector<int>& elements, int m, const Groups& around, const std::vector<int>& moving);
+// The elements with a node that moves. elements: count x m node numbers; moves: per node of the mesh.
+SubMesh elements_around(const std::vector<int>& elements, int count, int m, const std::vector<char>& moves);
 
 }  // namespace almesh

@@ -139,20 +139,11 @@ void fill_schedule(const std::vector<std::vector<int>>& neighbours, ElementBlock
 
 }  // namespace
 
-ElementBlocks one_after_the_other(const Mesh& mesh) {
+ElementBlocks schedule_elements(const Mesh& mesh) {
     ElementBlocks blocks;
     blocks.size = block_size(mesh.element_count());
     blocks.order.resize(mesh.element_count());
-    blocks.schedule.resize((mesh.element_count() + blocks.size - 1) / blocks.size);
     std::iota(blocks.order.begin(), blocks.order.end(), 0);
-    std::iota(blocks.schedule.begin(), blocks.schedule.end(), 0);
-    blocks.wait_start.assign(blocks.schedule.size() + 1, 0);
-    return blocks;
-}
-
-ElementBlocks schedule_elements(const Mesh& mesh) {
-    ElementBlocks blocks = one_after_the_other(mesh);
-    blocks.schedule.clear();
     if (blocks_per_node(mesh, blocks) > well_ordered) sort_along_curve(mesh, blocks.order);
     fill_schedule(neighbours_of_blocks(mesh, blocks), blocks);
     return blocks;

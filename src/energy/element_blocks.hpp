@@ -45,7 +45,4 @@ private:
 // the square of the number of blocks around it.
 ElementBlocks schedule_elements(const Mesh& mesh);
 
-// All elements in the mesh's own order, for one thread.
-ElementBlocks one_after_the_other(const Mesh& mesh);
-
 }  // namespace almesh

@@ -227,9 +227,9 @@ PlainEnergy::PlainEnergy(const PlainEnergy& whole, SubMesh chosen)
     take_refined_of(whole);
 }
 
-std::unique_ptr<DistortionEnergy> PlainEnergy::part(const std::vector<double>&, const std::vector<int>& moving,
+std::unique_ptr<DistortionEnergy> PlainEnergy::part(const std::vector<double>&, const std::vector<char>& moves,
                                                     std::vector<int>& node) const {
-    SubMesh chosen = elements_around(nodes_, reference_.nodes, around_, moving);
+    SubMesh chosen = elements_around(nodes_, element_count_, reference_.nodes, moves);
     node = chosen.node;
     return std::unique_ptr<PlainEnergy>(new PlainEnergy(*this, std::move(chosen)));
 }

@@ -20,7 +20,7 @@ public:
     void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                      const Projection& projection = {}) override;
     DistortionStatistics statistics(const std::vector<double>& x) override;
-    std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<int>& moving,
+    std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
                                            std::vector<int>& node) const override;
 
 private:

@@ -59,7 +59,7 @@ struct SimdEnergy::Geometry {
 SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
     : DistortionEnergy(params, mesh) {
     if (mesh.degree > 1) products_ = std::make_shared<GradientProducts>(dim_, mesh.degree);
-    set_up(schedule_elements(mesh));
+    set_up(mesh);
     const double exponent = damping_exponent(dim_, params.weight_exponent);
     std::atomic<int> flat = element_count_;  // first element without volume
     with_dimension(dim_, [&](auto n) {
@@ -84,7 +84,7 @@ SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const
 
 SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vector<int>& place)
     : DistortionEnergy(whole, part.element_count()), products_(whole.products_) {
-    set_up(is_large() ? schedule_elements(part) : one_after_the_other(part));
+    set_up(part);
     for (const int e : blocks_.order) place_in_whole_.push_back(place[e]);
     fill(part, [&](int e) {
         const int batch = place[e] / lanes, lane = place[e] % lanes;
@@ -103,17 +103,14 @@ SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vec
     take_refined_of(whole);
 }
 
-bool SimdEnergy::is_large() const {
-    return static_cast<double>(element_count_) * reference_.points * reference_.nodes >= parallel_work;
-}
-
-void SimdEnergy::set_up(ElementBlocks blocks) {
-    blocks_ = std::move(blocks);
+void SimdEnergy::set_up(const Mesh& mesh) {
+    blocks_ = schedule_elements(mesh);
     block_value_.resize(blocks_.count());
     const int m = reference_.nodes, batches = (element_count_ + lanes - 1) / lanes;
     nodes_.resize(offset(batches, lanes * m));
     ideal_inverse_.resize(offset(batches, dim_ * dim_));
     for (std::vector<Lanes>* values : {&ideal_jacobian_, &weight_, &damping_weight_}) values->resize(batches);
+    is_large_ = static_cast<double>(element_count_) * reference_.points * m >= parallel_work;
 }
 
 void SimdEnergy::rule_changed(int refined) {
@@ -160,9 +157,9 @@ double SimdEnergy::integral(const std::vector<Lanes>& values) const {
     return simplex(dim_).volume() * deterministic_sum(element_count_, of_element);
 }
 
-std::unique_ptr<DistortionEnergy> SimdEnergy::part(const std::vector<double>& x, const std::vector<int>& moving,
+std::unique_ptr<DistortionEnergy> SimdEnergy::part(const std::vector<double>& x, const std::vector<char>& moves,
                                                    std::vector<int>& node) const {
-    SubMesh chosen = elements_around(nodes_, reference_.nodes, around_, moving);
+    SubMesh chosen = elements_around(nodes_, element_count_, reference_.nodes, moves);
     Mesh mesh;
     mesh.dim = dim_;
     mesh.degree = reference_.degree;
@@ -245,7 +242,7 @@ double SimdEnergy::energy(const std::vector<double>& x) {
     std::atomic<bool> inverted = false;  // one inverted element settles it: the other blocks are skipped
     dispatch([&](auto type, auto density) {
         using Batch = typename decltype(type)::type;
-#pragma omp parallel for schedule(dynamic, 1) if (is_large())
+#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
         for (int block = 0; block < blocks_.count(); ++block) {
             if (inverted.load(std::memory_order_relaxed)) continue;
             SumOfBatches sum;
@@ -267,7 +264,7 @@ double SimdEnergy::energy(const std::vector<double>& x) {
 void SimdEnergy::add_gradient(const std::vector<double>& x, std::vector<double>& g) {
     dispatch([&](auto type, auto density) {
         using Batch = typename decltype(type)::type;
-        blocks_.in_schedule(is_large(), [&](int block) {
+        blocks_.in_schedule(is_large_, [&](int block) {
             every_batch<Batch>(block, x, [&](Batch& elements, int batch) {
                 const int count = std::min(lanes, element_count_ - batch * lanes);
                 elements.add_gradient(density, params_.delta, weight_[batch], count, g.data());
@@ -300,7 +297,7 @@ void SimdEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Blo
             const Lanes share = own / max(weight, in_all_lanes(std::numeric_limits<double>::min()));
             return elements.hessian(damped(density, share), params_.delta, negative_part, weight);
         };
-        blocks_.in_schedule(is_large(), [&](int block) {
+        blocks_.in_schedule(is_large_, [&](int block) {
             every_batch<Batch>(block, x, [&](Batch& elements, int batch) {
                 const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
                 const int* const target = target_of(first);
@@ -340,7 +337,7 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
                 for (int l = 0; l < count; ++l) result.element_max[blocks_.order[first + l]] = largest[l];
             });
             block_value_[block] = sum.total();
-        }, is_large() ? parallel_work : 0);
+        }, is_large_ ? parallel_work : 0);
     });
     const auto measure = [&](const auto& element, int r) {
         double squared = 0, largest = 0;

@@ -31,7 +31,7 @@ public:
     void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                      const Projection& projection = {}) override;
     DistortionStatistics statistics(const std::vector<double>& x) override;
-    std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<int>& moving,
+    std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
                                            std::vector<int>& node) const override;
 
 private:
@@ -56,12 +56,12 @@ private:
     std::vector<Lanes> weight_;          // batch, w_e det A
     std::vector<Lanes> damping_weight_;  // batch, w'_e det A
     std::vector<Single> singles_;        // of refined_
+    bool is_large_;                      // worth more than one thread
     std::vector<double> block_value_;    // sum of each block of elements
     BlockCsr pattern_;                   // without values
 
     struct Geometry;
-    bool is_large() const;  // worth more than one thread
-    void set_up(ElementBlocks blocks);
+    void set_up(const Mesh& mesh);
     void rule_changed(int refined) override;
     template <class GeometryOf>
     void fill(const Mesh& mesh, const GeometryOf& geometry_of);

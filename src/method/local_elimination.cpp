@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numeric>
 #include <utility>
 
@@ -26,17 +25,14 @@ constexpr double part_of_nodes = 0.01, part_of_decrease = 0.9;
 constexpr double largest_part[] = {1, 0.07}, largest_dear_part[] = {0.1, 0.05};
 constexpr double inner_part = 0.1;  // of a local minimisation's nodes, over which it is minimised in turn
 constexpr std::size_t layers = 2;
-constexpr int least_nodes = 50;       // of a local minimisation that has others inside it
-constexpr int steps_of_easy_problem = 10, steps_without = 12;
-constexpr double work_to_begin = 1.0 / 6, most_work = 0.22;  // of that over the whole mesh
+constexpr int steps_of_easy_problem = 10, steps_without = 12, steps_of_slow_problem = 30;
+constexpr double most_work = 0.2;   // of that over the whole mesh; that of less than so many nodes counts twice, as it
+constexpr int small_system = 1000;  // is one thread's, but not where the whole mesh is as small
 constexpr int most_steps = 30;
 constexpr double local_tolerance = 1e-2;  // relative residual of iterative solvers
 constexpr double worthwhile = 0.01;       // decrease of a local step, in units of that of the Newton step before
 constexpr double part_of_gain = 1e-3;     // and of all local steps so far: less is not worth another
-// Work of a local functional and its solver, in all and for each node of each element; and of the whole mesh, to choose
-// the nodes and accept the result.
-constexpr double step_in_hessians = 1.5;  // gradient, Hessian and line search, in assemblies of the Hessian
-constexpr double least_set_up_work = 5e4, set_up_work = 300, work_on_all = 10;
+constexpr double set_up_work = 150;       // of a local functional and its solver, for each node of each element
 constexpr double much_alone = 0.1;        // of what a Newton step gained, that nodes could reach alone
 
 // Decrease of E that the node of each row could reach alone.
@@ -66,8 +62,8 @@ bool with_neighbours(const BlockCsr& H, const std::vector<int>& rows, int count,
     return static_cast<double>(found.size()) <= most;
 }
 
-// Per row.
-std::vector<char> choose_rows(const BlockCsr& H, const std::vector<double>& g, double most_of_all) {
+// Per node.
+std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g, double most_of_all) {
     const std::vector<double> decrease = reachable_decrease(H, g);
     std::vector<int> order(H.n), found;
     std::iota(order.begin(), order.end(), 0);
@@ -81,53 +77,18 @@ std::vector<char> choose_rows(const BlockCsr& H, const std::vector<double>& g, d
     for (double sum = 0; count < most && sum <= wanted; ++count) sum += decrease[order[count]];
     while (!with_neighbours(H, order, count, most_of_all * H.n, found) && count > 1) count = (count + 1) / 2;
     std::vector<char> chosen(H.n, 0);
-    for (const int i : found) chosen[i] = 1;
+    for (const int i : found) chosen[H.node_of(i)] = 1;
     return chosen;
-}
-
-// The chosen rows of H as nodes, node_of(i) of row i, in parts between which H has no block: no element has nodes of
-// two of them, so that each can be minimised over on its own. The largest first.
-template <class NodeOf>
-std::vector<std::vector<int>> independent_parts(const BlockCsr& H, std::vector<char> chosen, const NodeOf& node_of) {
-    std::vector<std::vector<int>> parts;
-    for (int first = 0; first < H.n; ++first) {
-        if (!std::exchange(chosen[first], 0)) continue;
-        std::vector<int>& part = parts.emplace_back(1, first);
-        for (std::size_t at = 0; at < part.size(); ++at)
-            for (int k = H.row[part[at]]; k < H.row[part[at] + 1]; ++k)
-                if (std::exchange(chosen[H.col[k]], 0)) part.push_back(H.col[k]);
-    }
-    for (std::vector<int>& part : parts) std::transform(part.begin(), part.end(), part.begin(), node_of);
-    std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
-    return parts;
-}
-
-struct Minimised {
-    int steps = 0;
-    double work = 0;
-    std::vector<std::unique_ptr<LocalFunctional>> parts;
-};
-
-// Minimises over each of the parts, x of the whole mesh. One of more than half of the nodes goes first, with all
-// threads; of the others each thread takes one after the other. For the rest see LocalMinimisation.
-Minimised minimise_over(const AugmentedFunctional& E, const std::vector<std::vector<int>>& parts, double least_gain,
-                        double work_left, bool inner, std::vector<double>& x);
-
-int nodes_in(const std::vector<std::vector<int>>& parts) {
-    std::size_t nodes = 0;
-    for (const std::vector<int>& part : parts) nodes += part.size();
-    return static_cast<int>(nodes);
 }
 
 // Newton's method for E over the nodes of `local`, with as much of the negative eigenvalues as the Hessian bears. No
 // damping: a step that is cut costs little here.
 class LocalMinimisation {
 public:
-    // least_gain: a step that decreases E by less is the last. work_left: after which there is no further step. inner:
-    // whether before a step there can be a minimisation over the few nodes that hold it up.
-    LocalMinimisation(const AugmentedFunctional& E, LocalFunctional& local, double least_gain, double work_left,
-                      bool inner)
-        : E_(E), local_(local), least_gain_(least_gain), work_left_(work_left), inner_(inner) {}
+    // least_gain: a step that decreases E by less is the last. inner: whether before a step there can be a minimisation
+    // over the few nodes that hold it up.
+    LocalMinimisation(const AugmentedFunctional& E, LocalFunctional& local, double least_gain, bool inner)
+        : E_(E), local_(local), least_gain_(least_gain), inner_(inner) {}
 
     // x: of the mesh, in place. Returns the number of steps.
     int run(std::vector<double>& x) {
@@ -143,9 +104,9 @@ public:
 private:
     const AugmentedFunctional& E_;
     LocalFunctional& local_;
-    double least_gain_, work_left_;
+    double least_gain_;
     bool inner_;
-    double work_ = least_set_up_work + set_up_work * local_.distortion().nodes_in_elements();
+    double work_ = set_up_work * local_.distortion().nodes_in_elements();
     BlockCsr H_ = local_.hessian_pattern();
     LinearSolver solver_{H_.d, {.tolerance = local_tolerance}};
     NegativePart negative_part_;
@@ -159,7 +120,6 @@ private:
         energy_ = local_.energy(y_);
         double first = energy_, gained = 0;
         for (int step = 0; step < most_steps; ++step) {
-            if (step > 0 && work_ > work_left_) return step;
             if (local_.refine_quadrature()) first = energy_ = local_.energy(y_);
             local_.gradient(y_, g_);
             if (inner_ && step > 0 && LocalElimination::holds_up(H_, g_, gained)) relax_inside(gained, x);
@@ -180,7 +140,7 @@ private:
 
     LineSearchResult search() {
         const double part = negative_part_.value;
-        work_ += step_in_hessians * local_.distortion().hessian_passes();
+        work_ += local_.distortion().hessian_passes();
         local_.hessian(y_, part == 1 ? HessianKind::full : HessianKind::projected, H_, {.negative_part = part});
         const SolveResult solve = solver_.solve(H_, minus_g_, d_, part > 0);
         work_ += solve.passes;
@@ -196,10 +156,14 @@ private:
 
     // gained: by the step before.
     void relax_inside(double gained, std::vector<double>& x) {
-        const auto node_of = [&](int i) { return local_.node(i); };
-        const auto parts = independent_parts(H_, choose_rows(H_, g_, inner_part), node_of);
+        const std::vector<char> chosen = choose_nodes(H_, g_, inner_part);
+        std::vector<char> moves(x.size() / H_.d, 0);
+        for (int i = 0; i < H_.n; ++i) moves[local_.node(i)] = chosen[i];
         local_.write(y_, x);
-        work_ += minimise_over(E_, parts, worthwhile * gained, work_left_ - work_, false, x).work;
+        LocalFunctional inside(E_, x, moves);
+        LocalMinimisation few(E_, inside, worthwhile * gained, false);
+        few.run(x);
+        work_ += few.work_;
         trial_ = local_.read(x);
         const double found = local_.energy(trial_);
         if (!(found <= energy_)) return;
@@ -209,36 +173,12 @@ private:
     }
 };
 
-Minimised minimise_over(const AugmentedFunctional& E, const std::vector<std::vector<int>>& parts, double least_gain,
-                        double work_left, bool inner, std::vector<double>& x) {
-    const int count = static_cast<int>(parts.size());
-    std::vector<int> steps(count);
-    std::vector<double> work(count);
-    Minimised all;
-    all.parts.resize(count);
-    const double nodes = nodes_in(parts);
-    const auto minimise = [&](int p) {
-        all.parts[p] = std::make_unique<LocalFunctional>(E, x, parts[p]);
-        const int size = static_cast<int>(parts[p].size());
-        LocalMinimisation minimisation(E, *all.parts[p], least_gain, work_left * (size / nodes),
-                                       inner && size >= least_nodes);
-        steps[p] = minimisation.run(x);
-        work[p] = minimisation.work();
-    };
-    const int alone = count > 0 && 2 * static_cast<double>(parts[0].size()) > nodes;
-    if (alone) minimise(0);
-    parallel_for_throwing(count - alone, [&](int p) { minimise(alone + p); }, 10.0 * parallel_work);
-    all.steps = std::accumulate(steps.begin(), steps.end(), 0);
-    all.work = std::accumulate(work.begin(), work.end(), 0.0);
-    return all;
-}
-
 }  // namespace
 
 bool LocalElimination::is_due(int iteration, const BlockCsr& H, const std::vector<double>& g, double gained) {
     if (iteration == 1) state_.was_hard = state_.is_hard;
     state_.is_hard = state_.is_hard || iteration > steps_of_easy_problem;
-    if (state_.work > work_to_begin * state_.work_of_newton) return false;
+    if (iteration <= steps_of_slow_problem && state_.work > most_work * state_.work_of_newton) return false;
     return state_.was_hard || iteration > steps_without || (from_coarser_ && holds_up(H, g, gained));
 }
 
@@ -252,20 +192,17 @@ LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& 
                                                      std::vector<double>& x, double& energy) {
     const bool is_dear = E.distortion.is_curved() || (from_coarser_ && H.d == 3);
     const double most = (is_dear ? largest_dear_part : largest_part)[H.d - 2];
-    std::vector<char> chosen = choose_rows(H, g, most);
-    if (!E.held.empty())
-        for (int i = 0; i < H.n; ++i) chosen[i] = chosen[i] && !E.held[H.node_of(i)];
-    const auto parts = independent_parts(H, std::move(chosen), [&](int i) { return H.node_of(i); });
+    std::vector<char> chosen = choose_nodes(H, g, most);
+    for (std::size_t i = 0; i < E.held.size(); ++i) chosen[i] = chosen[i] && !E.held[i];
+    LocalFunctional local(E, x, chosen);
+    Result result;
+    result.nodes = static_cast<int>(std::count(chosen.begin(), chosen.end(), 1));
     std::vector<double> moved = x;
-    const double work_left = most_work * state_.work_of_newton - state_.work;
-    E.distortion.ready_for_parts(H.n);
-    const Minimised minimised = minimise_over(E, parts, worthwhile * gained, work_left, !is_dear, moved);
-    state_.work += minimised.work + work_on_all * E.distortion.nodes_in_elements();
-    const Result result{nodes_in(parts), minimised.steps};
-    bool is_refined = false;
-    for (const auto& part : minimised.parts)
-        is_refined = E.distortion.take_over_refinements(part->distortion()) || is_refined;
-    if (is_refined) energy = E.energy(x);
+    LocalMinimisation minimisation(E, local, worthwhile * gained, !is_dear);
+    result.steps = minimisation.run(moved);
+    const bool is_small = result.nodes < small_system && H.n >= small_system;
+    state_.work += is_small ? 2 * minimisation.work() : minimisation.work();
+    if (E.distortion.take_over_refinements(local.distortion())) energy = E.energy(x);
     if (result.steps == 0) return result;
     const double found = E.energy(moved);
     if (!(found <= energy)) return result;  // a gain below rounding

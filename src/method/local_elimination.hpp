@@ -14,12 +14,11 @@
 // When: after every step of a subproblem from the thirteenth on, and of those that come after one of more than ten
 // steps. A minimisation that starts from the solution of a coarser mesh or of a lower degree has little but such places
 // left to solve: there also after every step that gained less than ten times what all nodes could reach alone. But not
-// while local minimisations have done more than a sixth of the work of the steps over the whole mesh, and none takes a
-// further step beyond 22 % of it, so that they stay below a fifth of the time: more of them save steps, but no time.
+// while local minimisations have done more than a fifth of the work of the steps over the whole mesh, small ones in
+// a large mesh more than a tenth: about a fifth of the time; more of them save steps, but no time. A subproblem of
+// more than thirty steps has them all: there may be no end without them.
 //
-// How: nodes that share no element are minimised over one by one, at the same time, each with the step lengths that it
-// bears. By Newton's method with a Hessian that keeps as much of its negative eigenvalues as it bears
-// (negative_part.hpp).
+// How: Newton's method with a Hessian that keeps as much of its negative eigenvalues as it bears (negative_part.hpp).
 // What holds up the mesh is in turn held up by few of its nodes: where a local step gained less than ten times what its
 // nodes could reach alone, the next one follows a minimisation over at most a tenth of them, chosen in the same way.
 // That is a sixth of the local steps' time, and halves their number. Not where the nodes are few from the beginning.

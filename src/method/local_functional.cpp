@@ -11,13 +11,15 @@
 namespace almesh {
 
 LocalFunctional::LocalFunctional(const AugmentedFunctional& E, const std::vector<double>& x,
-                                 const std::vector<int>& moving)
-    : dim_(E.distortion.dim()),
-      moving_(static_cast<int>(moving.size())),
-      distortion_(E.distortion.part(x, moving, node_)),
+                                 const std::vector<char>& moves)
+    : dim_(static_cast<int>(x.size() / moves.size())),
+      distortion_(E.distortion.part(x, moves, node_)),
       H_(distortion_->hessian_pattern()) {
     constraint_ = E.constraint.part(x, E.lambda, E.penalty, node_, H_);
-    for (const int i : node_) at_.insert(at_.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
+    for (const int i : node_) {
+        moving_ += moves[i];
+        at_.insert(at_.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
+    }
     to_ = at_;
     g_.resize(at_.size());
 }

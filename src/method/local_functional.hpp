@@ -17,8 +17,8 @@ class DistortionEnergy;
 
 class LocalFunctional {
 public:
-    // x: node_count x dim, a valid mesh. moving: at least one node, none twice. E.distortion: ready for parts.
-    LocalFunctional(const AugmentedFunctional& E, const std::vector<double>& x, const std::vector<int>& moving);
+    // x: node_count x dim, a valid mesh. moves: per node, not all zero.
+    LocalFunctional(const AugmentedFunctional& E, const std::vector<double>& x, const std::vector<char>& moves);
     ~LocalFunctional();
 
     // Positions of the nodes that move, moving nodes x dim, from and to those of the mesh.
@@ -35,7 +35,7 @@ public:
     void hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H, const Projection& projection = {});
 
 private:
-    int dim_, moving_;       // moving_: nodes, the first of node_
+    int dim_, moving_ = 0;   // moving_: nodes, the first of node_
     std::vector<int> node_;  // of all elements around them: here -> mesh
     std::unique_ptr<DistortionEnergy> distortion_;
     std::unique_ptr<ConstraintPart> constraint_;

@@ -77,18 +77,10 @@ std::vector<double> turned(const std::vector<double>& x, int dim, double factor)
 }
 
 // Every fourth node moves.
-std::vector<int> some_nodes(int count) {
-    std::vector<int> nodes;
-    for (int i = 1; i < count; i += 4) nodes.push_back(i);
-    return nodes;
-}
-
-bool moves(int node) { return node % 4 == 1; }  // one of some_nodes()
-
-std::unique_ptr<DistortionEnergy> part_of(DistortionEnergy& whole, const Mesh& mesh, const std::vector<double>& x,
-                                          std::vector<int>& node) {
-    whole.ready_for_parts(mesh.nodes());
-    return whole.part(x, some_nodes(mesh.nodes()), node);
+std::vector<char> some_nodes(int count) {
+    std::vector<char> moves(count, 0);
+    for (int i = 1; i < count; i += 4) moves[i] = 1;
+    return moves;
 }
 
 // Of the nodes of a part in the mesh: the other way round, -1 for nodes outside.
@@ -158,16 +150,17 @@ TEST_CASE("a part has the energy, gradient and Hessian of the elements around th
         for (const Objective objective : objectives) {
             const int dim = mesh.dim;
             const std::vector<double> ideal = straight_sided(mesh), x = wavy(mesh.x, dim, 0.03);
+            const std::vector<char> moves = some_nodes(mesh.nodes());
             std::vector<double> y = x;  // the nodes that move have moved
             for (std::size_t i = 0; i < y.size(); ++i)
-                if (moves(static_cast<int>(i) / dim)) y[i] += 0.01 * std::sin(1.0 + static_cast<double>(i));
+                if (moves[i / dim]) y[i] += 0.01 * std::sin(1.0 + static_cast<double>(i));
             std::vector<double> v(x.size(), 0.0);  // a motion of theirs
             for (std::size_t i = 0; i < v.size(); ++i)
-                if (moves(static_cast<int>(i) / dim)) v[i] = std::cos(static_cast<double>(i));
+                if (moves[i / dim]) v[i] = std::cos(static_cast<double>(i));
             for (const Assembly assembly : assemblies) {
                 const auto whole = make_energy(mesh, ideal, {objective, 0, 0.5, 0, assembly});
                 std::vector<int> node;
-                const auto part = part_of(*whole, mesh, x, node);
+                const auto part = whole->part(x, moves, node);
                 const std::vector<int> number = numbers_in_part(node, mesh.nodes());
                 const std::vector<double> part_x = on_part(x, node, dim), part_y = on_part(y, node, dim);
                 CHECK(part->domain_volume() <= whole->domain_volume() * (1 + 1e-14));
@@ -176,7 +169,7 @@ TEST_CASE("a part has the energy, gradient and Hessian of the elements around th
                 const std::vector<double> g = gradient(*whole, y), part_g = gradient(*part, part_y);
                 std::vector<double> expected, found;
                 for (int i = 0; i < mesh.nodes(); ++i)
-                    for (int a = 0; a < dim && moves(i); ++a) {
+                    for (int a = 0; a < dim && moves[i]; ++a) {
                         REQUIRE(number[i] >= 0);
                         expected.push_back(g[i * dim + a]);
                         found.push_back(part_g[number[i] * dim + a]);
@@ -195,12 +188,13 @@ TEST_CASE("a part has the energy, gradient and Hessian of the elements around th
 TEST_CASE("the parts of both assemblies are the same energy") {
     for (const Mesh& mesh : meshes()) {
         const std::vector<double> ideal = straight_sided(mesh), x = wavy(mesh.x, mesh.dim, 0.03);
+        const std::vector<char> moves = some_nodes(mesh.nodes());
         for (double delta : {0.0, 0.3}) {
             std::vector<int> node[2];
             std::unique_ptr<DistortionEnergy> part[2];
             for (int k = 0; k < 2; ++k)
-                part[k] = part_of(*make_energy(mesh, ideal, {Objective::deviation, delta, 0.5, 0, assemblies[k]}), mesh,
-                                  x, node[k]);
+                part[k] = make_energy(mesh, ideal, {Objective::deviation, delta, 0.5, 0, assemblies[k]})
+                              ->part(x, moves, node[k]);
             CHECK(part[0]->domain_volume() == doctest::Approx(part[1]->domain_volume()).epsilon(1e-13));
             const std::vector<double> x0 = on_part(x, node[0], mesh.dim), x1 = on_part(x, node[1], mesh.dim);
             CHECK(part[0]->energy(x0) == doctest::Approx(part[1]->energy(x1)).epsilon(1e-12));
@@ -295,8 +289,8 @@ TEST_CASE("elements with a finer quadrature: both assemblies agree, in parts too
             CHECK(relative_difference(a.element_max, b.element_max) <= 1e-13);
 
             std::vector<int> node, other_node;
-            const auto part = part_of(simd, mesh, x, node);
-            const auto other = part_of(plain, mesh, x, other_node);
+            const auto part = simd.part(x, some_nodes(mesh.nodes()), node);
+            const auto other = plain.part(x, some_nodes(mesh.nodes()), other_node);
             CHECK(part->refined_elements() > 0);
             CHECK(part->refined_elements() == other->refined_elements());
             CHECK(part->domain_volume() == doctest::Approx(other->domain_volume()));
@@ -327,12 +321,12 @@ TEST_CASE("a part hands its refinements back") {
     for (const Assembly assembly : assemblies) {
         const auto whole = make_energy(mesh, straight_sided(mesh), {.assembly = assembly});
         std::vector<int> node;
-        const auto part = part_of(*whole, mesh, x, node);
+        const auto part = whole->part(x, some_nodes(mesh.nodes()), node);
         REQUIRE(part->valid_fraction(on_part(x, node, 2), on_part(wavy(mesh.x, 2, 0.2), node, 2)) < 1);
         REQUIRE(part->refine_quadrature());
         CHECK(whole->take_over_refinements(*part));
         CHECK(whole->refined_elements() == part->refined_elements());
-        const auto again = part_of(*whole, mesh, x, node);
+        const auto again = whole->part(x, some_nodes(mesh.nodes()), node);
         CHECK(again->energy(on_part(x, node, 2)) ==
               doctest::Approx(part->energy(on_part(x, node, 2))).epsilon(1e-13));
         // What the whole has had before is not handed back a second time.
@@ -341,6 +335,6 @@ TEST_CASE("a part hands its refinements back") {
         CHECK(!whole->take_over_refinements(*again));
         CHECK(whole->energy(x) == before);
         REQUIRE(whole->valid_fraction(x, wavy(mesh.x, 2, 0.25)) < 1);  // not yet refined
-        CHECK(!part_of(*whole, mesh, x, node)->refine_quadrature());
+        CHECK(!whole->part(x, some_nodes(mesh.nodes()), node)->refine_quadrature());
     }
 }

@@ -119,7 +119,7 @@ TEST_CASE("where boundaries with common nodes agree on the whole motion only, it
                                                                "boundary sides = rotate 180" + about);
         const Outcome outcome = almesh_with({path, setting});
         CHECK(outcome.error.empty());
-        CHECK((outcome.code == 0 || outcome.code == 3));  // half a turn at once is a saddle, left by rounding
+        CHECK(outcome.code == 0);
         CHECK(summary_of(folder.path("out")).at("followed_newton_iterations") == "0");
     }
 }

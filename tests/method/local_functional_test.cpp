@@ -18,20 +18,19 @@ using namespace almesh::test;
 namespace {
 
 // Every third node moves: inside and on the boundary.
-bool moves(std::size_t node) { return node % 3 == 0; }
-
-std::vector<int> some_nodes(int count) {
-    std::vector<int> nodes;
-    for (int i = 0; i < count; i += 3) nodes.push_back(i);
-    return nodes;
+std::vector<char> some_nodes(int count) {
+    std::vector<char> moves(count, 0);
+    for (int i = 0; i < count; i += 3) moves[i] = 1;
+    return moves;
 }
 
 // Small, and different for every coordinate.
 double shift(std::size_t i) { return 0.01 * std::sin(1.0 + static_cast<double>(i)); }
 
-std::vector<double> moved(std::vector<double> x, int dim) {
+std::vector<double> moved(std::vector<double> x, const std::vector<char>& moves) {
+    const std::size_t dim = x.size() / moves.size();
     for (std::size_t i = 0; i < x.size(); ++i)
-        if (moves(i / dim)) x[i] += shift(i);
+        if (moves[i / dim]) x[i] += shift(i);
     return x;
 }
 
@@ -45,17 +44,17 @@ TEST_CASE("a local functional's energy, gradient and Hessian are those of the fu
         SimdEnergy weighted(problem.mesh, problem.ideal, {.weight_exponent = 0.5});
         const std::vector<double> lambda(problem.constraint.multipliers(), 0.3);
         const AugmentedFunctional E{weighted, problem.constraint, lambda, 50};
-        weighted.ready_for_parts(problem.mesh.nodes());
-        LocalFunctional local(E, problem.ideal, some_nodes(problem.mesh.nodes()));
+        const std::vector<char> moves = some_nodes(problem.mesh.nodes());
+        LocalFunctional local(E, problem.ideal, moves);
 
         // At the start and away from it, in the numbers of the local functional.
-        const std::vector<double> x = moved(problem.ideal, problem.mesh.dim);
+        const std::vector<double> x = moved(problem.ideal, moves);
         std::vector<double> number(problem.ideal.size()), y = local.read(problem.ideal), of_mesh(number.size(), -1.0);
         for (std::size_t i = 0; i < y.size(); ++i) y[i] = static_cast<double>(i);
         local.write(y, of_mesh);  // place in the local functional of every coordinate that moves
         y = local.read(problem.ideal);
         for (std::size_t i = 0; i < x.size(); ++i) {
-            CHECK((of_mesh[i] >= 0) == moves(i / problem.mesh.dim));
+            CHECK((of_mesh[i] >= 0) == static_cast<bool>(moves[i / problem.mesh.dim]));
             if (of_mesh[i] >= 0) y[static_cast<std::size_t>(of_mesh[i])] = x[i];
         }
         CHECK(local.energy(y) - local.energy(local.read(problem.ideal)) ==
@@ -90,8 +89,9 @@ TEST_CASE("a local functional's energy, gradient and Hessian are those of the fu
 TEST_CASE("a local functional knows no nodes but those that move, and inverted elements have infinite energy") {
     const Minimisation problem(ring_mesh(8, 2, 3), {}, Objective::squared);
     const AugmentedFunctional E = problem.functional(10);
-    E.distortion.ready_for_parts(problem.mesh.nodes());
-    LocalFunctional local(E, problem.ideal, {0});
+    std::vector<char> moves(problem.mesh.nodes(), 0);
+    moves[0] = 1;
+    LocalFunctional local(E, problem.ideal, moves);
     CHECK(local.read(problem.ideal) == std::vector<double>{problem.ideal[0], problem.ideal[1]});
     BlockCsr H = local.hessian_pattern();
     CHECK(H.n == 1);

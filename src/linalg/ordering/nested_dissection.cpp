@@ -15,7 +15,7 @@ namespace {
 constexpr int leaf_size = 150;        // groups ordered by minimum degree
 constexpr int shared_steps = 3;       // of coarsening, made once for all pieces
 constexpr int largest_leaf = 3000;    // beyond this, a piece that cannot be split keeps its order
-constexpr int task_size = 2000;  // pieces that are worth a task of their own
+[[maybe_unused]] constexpr int task_size = 2000;  // pieces that are worth a task of their own
 
 struct Dissection {
     const WeightedGraph& all;
@@ -92,16 +92,11 @@ std::vector<int> nested_dissection(const Graph& graph) {
     const int groups = compressed.graph.size();
     std::vector<int> group_order(groups);
     Dissection dissection{compressed.graph, group_order, std::vector<char>(groups, 0)};
-    const int steps = groups > leaf_size ? shared_steps : 0;
-    Piece whole{build_hierarchy(compressed.graph, steps, groups), std::vector<int>(groups)};
+    Piece whole{build_hierarchy(compressed.graph, shared_steps, groups), std::vector<int>(groups)};
     std::iota(whole.group.begin(), whole.group.end(), 0);
-    if (groups <= task_size) {
-        dissect(dissection, whole, 0);
-    } else {
 #pragma omp parallel
 #pragma omp single
-        dissect(dissection, whole, 0);
-    }
+    dissect(dissection, whole, 0);
     return expand(compressed, group_order);
 }
 
