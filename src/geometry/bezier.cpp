@@ -5,9 +5,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
-#include <queue>
-#include <tuple>
 #include <utility>
 
 #include "base/index.hpp"
@@ -17,16 +14,22 @@ namespace {
 
 double factorial(int n) { return n < 2 ? 1 : n * factorial(n - 1); }
 
-// Part of the simplex: its corners in barycentric coordinates, in which the whole simplex is regular, and its
-// coefficients.
-struct Piece {
-    double lower;  // bound
-    int number;
-    std::array<Barycentric, 4> corner;
-    std::vector<double> c;
+// The parts of the simplex of one search: the corners of each in barycentric coordinates, in which the whole simplex is
+// regular, its coefficients, and those not yet bisected as a heap of the lower bounds, of equal ones the oldest first.
+struct Pieces {
+    std::vector<std::array<Barycentric, 4>> corner;
+    std::vector<double> c;  // pieces x count
+    std::vector<std::pair<double, int>> queue;
 
-    bool operator<(const Piece& other) const {  // the queue's top is the piece of the lowest bound
-        return std::tie(lower, number) > std::tie(other.lower, other.number);
+    void push(double lower, int piece) {
+        queue.push_back({lower, piece});
+        std::push_heap(queue.begin(), queue.end(), std::greater<>());
+    }
+    int pop() {
+        std::pop_heap(queue.begin(), queue.end(), std::greater<>());
+        const int piece = queue.back().second;
+        queue.pop_back();
+        return piece;
     }
 };
 
@@ -45,23 +48,29 @@ PolynomialMinimum bounded_minimum(const Bernstein& basis, const double* c, int m
     };
     look_at_corners(corner, c);
     if (enough(minimum.lower, minimum.upper)) return minimum;
-    std::priority_queue<Piece> queue;
-    queue.push({minimum.lower, 0, corner, std::vector<double>(c, c + basis.count)});
+    thread_local Pieces pieces;  // scratch, kept between calls
+    thread_local std::vector<double> whole;
+    pieces.corner.assign(1, corner);
+    pieces.c.assign(c, c + basis.count);
+    pieces.queue.clear();
+    pieces.push(minimum.lower, 0);
     for (int bisections = 0; bisections < max_bisections && !enough(minimum.lower, minimum.upper); ++bisections) {
-        const Piece piece = queue.top();
-        queue.pop();
-        const auto [a, b] = longest_edge(piece.corner, basis.dim);
-        Piece near_a = piece, near_b = piece;
-        near_b.number = bisections + 1;
+        const int near_a = pieces.pop(), near_b = bisections + 1;  // the half near corner a takes the place of both
+        const auto [a, b] = longest_edge(pieces.corner[near_a], basis.dim);
+        pieces.corner.push_back(pieces.corner[near_a]);
         for (int k = 0; k <= basis.dim; ++k)
-            near_b.corner[a][k] = near_a.corner[b][k] = 0.5 * (piece.corner[a][k] + piece.corner[b][k]);
-        basis.bisect(a, b, piece.c.data(), near_a.c.data(), near_b.c.data());
-        for (Piece* half : {&near_a, &near_b}) {
-            half->lower = *std::min_element(half->c.begin(), half->c.end());
-            look_at_corners(half->corner, half->c.data());
-            queue.push(std::move(*half));
+            pieces.corner[near_a][b][k] = pieces.corner[near_b][a][k] =
+                0.5 * (pieces.corner[near_a][a][k] + pieces.corner[near_a][b][k]);
+        whole.assign(pieces.c.begin() + static_cast<std::ptrdiff_t>(offset(near_a, basis.count)),
+                     pieces.c.begin() + static_cast<std::ptrdiff_t>(offset(near_a + 1, basis.count)));
+        pieces.c.resize(offset(near_b + 1, basis.count));
+        basis.bisect(a, b, whole.data(), &pieces.c[offset(near_a, basis.count)], &pieces.c[offset(near_b, basis.count)]);
+        for (const int half : {near_a, near_b}) {
+            const double* const of_half = &pieces.c[offset(half, basis.count)];
+            look_at_corners(pieces.corner[half], of_half);
+            pieces.push(*std::min_element(of_half, of_half + basis.count), half);
         }
-        minimum.lower = queue.top().lower;
+        minimum.lower = pieces.queue.front().first;
     }
     return minimum;
 }
