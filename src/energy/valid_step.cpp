@@ -19,7 +19,8 @@ namespace {
 constexpr int time_bisections = 10;    // depth, of straight elements,
 constexpr int curved_bisections = 5;   // and of curved ones
 constexpr int space_bisections = 300;  // of one polynomial
-constexpr int batches_per_task = 64;
+constexpr int batches_per_task = 64, curved_batches_per_task = 2;
+constexpr double work = 100, curved_work = 1000;  // of an element, in simple operations
 constexpr double near_fold = 0.1;      // ratio of the determinant to its mean
 constexpr double keeps = 0.2;          // of an element's least determinant, at least, in one step,
 constexpr double nearest_fold = 1e-6;  // but nearer than this no element comes: what is left is far above rounding
@@ -199,7 +200,7 @@ double ValidStep::fraction(const std::vector<int>& node, int count, const std::v
         double fraction = 1;
         std::vector<Fold> folds;
     };
-    const int task_size = batches_per_task * lanes;
+    const int task_size = (basis_ ? curved_batches_per_task : batches_per_task) * lanes;
     std::vector<Task> tasks((count + task_size - 1) / task_size);
     with_dimension(dim_, [&](auto n) {
         parallel_for_uneven(
@@ -214,7 +215,7 @@ double ValidStep::fraction(const std::vector<int>& node, int count, const std::v
                                              of_batch<n>(of_lane, std::min(lanes, count - k), from, to, k, task.folds));
                 }
             },
-            100.0 * task_size);
+            (basis_ ? curved_work : work) * task_size);
     });
     double fraction = 1;
     for (const Task& task : tasks) {
