@@ -2,6 +2,7 @@
 #include "energy/distortion_energy.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/index.hpp"
 #include "energy/densities.hpp"
@@ -30,9 +31,7 @@ void DistortionEnergy::take_refined_of(const DistortionEnergy& whole) {
     for (const Refined& there : whole.refined_) {
         const auto here = std::find(place_in_whole_.begin(), place_in_whole_.end(), there.element);
         if (here == place_in_whole_.end()) continue;
-        refined_.push_back(there);
-        refined_.back().element = static_cast<int>(here - place_in_whole_.begin());
-        rule_changed(static_cast<int>(refined_.size()) - 1);
+        set_quadrature(static_cast<int>(here - place_in_whole_.begin()), there.quadrature);
     }
 }
 
@@ -45,17 +44,25 @@ bool DistortionEnergy::certified(const std::vector<double>& x) {
     return params_.delta > 0 || valid_step_.fraction(nodes_, element_count_, x, x, folds) == 1;
 }
 
+int DistortionEnergy::find_refined(int element) const {
+    const auto is_it = [element](const Refined& refined) { return refined.element == element; };
+    return static_cast<int>(std::find_if(refined_.begin(), refined_.end(), is_it) - refined_.begin());
+}
+
+void DistortionEnergy::set_quadrature(int element, std::shared_ptr<const RefinedQuadrature> quadrature) {
+    const int r = find_refined(element);
+    const bool is_new = r == refined_elements();
+    if (is_new) refined_.push_back({element, nullptr});
+    refined_[r].quadrature = std::move(quadrature);
+    if (is_new) added_refined(r);
+}
+
 bool DistortionEnergy::refine(const Fold& fold) {
-    const auto place = std::find_if(refined_.begin(), refined_.end(),
-                                    [&](const Refined& other) { return other.element == fold.element; });
-    const int r = static_cast<int>(place - refined_.begin());
-    RefinedRule finer = place == refined_.end() ? RefinedRule(dim_) : place->rule;
+    const int r = find_refined(fold.element);
+    RefinedRule finer = r < refined_elements() ? refined_[r].quadrature->rule : RefinedRule(dim_);
     if (!finer.refine(fold.at, fold.ratio)) return false;
-    if (place == refined_.end()) refined_.push_back({fold.element, finer, {}, {}});
-    refined_[r].rule = std::move(finer);
-    refined_[r].reference = refined_[r].rule.element(reference_.degree, quadrature_);
-    refined_[r].volume = refined_[r].rule.volumes(quadrature_);
-    rule_changed(r);
+    set_quadrature(fold.element,
+                   std::make_shared<RefinedQuadrature>(std::move(finer), reference_.degree, quadrature_));
     refinements_.push_back(fold);
     return true;
 }
@@ -73,10 +80,12 @@ bool DistortionEnergy::refine_quadrature() {
 }
 
 bool DistortionEnergy::take_over_refinements(const DistortionEnergy& part) {
-    bool changed = false;
-    for (const Fold& fold : part.refinements_)
-        changed = refine({part.place_in_whole_[fold.element], fold.at, fold.ratio}) || changed;
-    return changed;
+    for (const Fold& fold : part.refinements_) {
+        const int element = part.place_in_whole_[fold.element];
+        set_quadrature(element, part.refined_[part.find_refined(fold.element)].quadrature);
+        refinements_.push_back({element, fold.at, fold.ratio});
+    }
+    return !part.refinements_.empty();
 }
 
 void DistortionEnergy::set_quadrature(const QuadratureState& state) {

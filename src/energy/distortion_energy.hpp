@@ -75,7 +75,7 @@ public:
     bool certified(const std::vector<double>& x);  // everywhere in every element, or regularised
     // A finer quadrature of the elements that steps were cut for since the last call. Whether E has changed.
     bool refine_quadrature();
-    // The refinements of a part of this energy since it was made. Whether E has changed.
+    // The refinements of a part of this energy since it was made; this one has had none since. Whether E has changed.
     bool take_over_refinements(const DistortionEnergy& part);
     // Which quadratures have been refined, and are to be; set_quadrature() for one that has none or the first of them.
     QuadratureState quadrature() const { return {refinements_, folds_}; }
@@ -103,9 +103,7 @@ protected:
     // Of an element of its own; all others have reference_.
     struct Refined {
         int element;
-        RefinedRule rule;
-        ReferenceElement reference;
-        std::vector<double> volume;  // per point
+        std::shared_ptr<const RefinedQuadrature> quadrature;
     };
 
     DistortionEnergy(const DistortionParams& params, const Mesh& mesh);
@@ -129,7 +127,9 @@ private:
     std::vector<Fold> refinements_;  // so far
 
     bool refine(const Fold& fold);
-    virtual void rule_changed(int refined) = 0;  // of refined_[refined], which may be new
+    void set_quadrature(int element, std::shared_ptr<const RefinedQuadrature> quadrature);
+    int find_refined(int element) const;          // its place in refined_, or their number
+    virtual void added_refined(int refined) = 0;  // refined_[refined] is new
 };
 
 // ideal: node_count x dim positions of the ideal mesh, whose elements must have positive volume: else InputError.

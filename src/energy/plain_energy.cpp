@@ -103,7 +103,8 @@ PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, con
 template <int n, class Body>
 void PlainEnergy::every_point(int e, const std::vector<double>& x, const Body& body) const {
     const int m = reference_.nodes;
-    const Refined* const refined = refined_place_[e] < 0 ? nullptr : &refined_[refined_place_[e]];
+    const RefinedQuadrature* const refined =
+        refined_place_[e] < 0 ? nullptr : refined_[refined_place_[e]].quadrature.get();
     const ReferenceElement& rule = refined ? refined->reference : reference_;
     const std::vector<double>& volume = refined ? refined->volume : rule.weight;
     const double* const inverse_of_A = &ideal_inverse_[offset(e, n * n)];

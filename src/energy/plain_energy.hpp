@@ -32,7 +32,7 @@ private:
     std::vector<int> refined_place_;               // element: in refined_, or -1
     BlockCsr pattern_;
 
-    void rule_changed(int refined) override { refined_place_[refined_[refined].element] = refined; }
+    void added_refined(int refined) override { refined_place_[refined_[refined].element] = refined; }
     template <int n, class Body>
     void every_point(int e, const std::vector<double>& x, const Body& body) const;
 };

@@ -11,8 +11,10 @@
 // adds where det F is about s does not vanish with s. In 2D, r^(-2) is not integrable, and a piece weighs its area.
 #pragma once
 #include <array>
+#include <utility>
 #include <vector>
 
+#include "energy/point_lanes.hpp"
 #include "geometry/bezier.hpp"
 #include "mesh/quadrature.hpp"
 
@@ -41,6 +43,20 @@ private:
     std::vector<Piece> pieces_;
 
     Piece* smallest_around(const Barycentric& at);
+};
+
+// What elements with such a rule are integrated with, the same for an energy and its parts.
+struct RefinedQuadrature {
+    RefinedRule rule;
+    ReferenceElement reference;
+    std::vector<double> volume;  // per point: RefinedRule::volumes()
+    PointLanes lanes;            // the points of `reference`
+
+    RefinedQuadrature(RefinedRule refined, int degree, const Quadrature& of_element)
+        : rule(std::move(refined)),
+          reference(rule.element(degree, of_element)),
+          volume(rule.volumes(of_element)),
+          lanes(reference) {}
 };
 
 }  // namespace almesh

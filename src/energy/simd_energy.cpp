@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <type_traits>
 #include <utility>
 
@@ -19,6 +20,8 @@
 
 namespace almesh {
 namespace {
+
+constexpr int refined_at_once = 64;  // refined elements whose Hessians are kept until they are added
 
 // body(place, batch, lane) for all lanes. A batch is one thread's: to write a lane may be to write the whole register.
 template <class Body>
@@ -113,18 +116,9 @@ void SimdEnergy::set_up(const Mesh& mesh) {
     is_large_ = static_cast<double>(element_count_) * reference_.points * m >= parallel_work;
 }
 
-void SimdEnergy::rule_changed(int refined) {
-    if (refined < static_cast<int>(singles_.size())) {
-        singles_[refined].rule = PointLanes(refined_[refined].reference);
-        return;
-    }
+void SimdEnergy::added_refined(int refined) {
     const int place = refined_[refined].element, batch = place / lanes, lane = place % lanes;
-    Single single{PointLanes(refined_[refined].reference),
-                  {},
-                  {},
-                  ideal_jacobian_[batch][lane],
-                  weight_[batch][lane],
-                  damping_weight_[batch][lane]};
+    Single single{{}, {}, ideal_jacobian_[batch][lane], weight_[batch][lane], damping_weight_[batch][lane]};
     for (int l = 0; l < lanes; ++l)
         single.nodes.insert(single.nodes.end(), element(place), element(place) + reference_.nodes);
     for (int ij = 0; ij < dim_ * dim_; ++ij)
@@ -220,20 +214,30 @@ void SimdEnergy::every_batch(int block, const std::vector<double>& x, const Body
     }
 }
 
-// add(r, compute(element, r)) for r in [0, number of refined elements), element: CurvedBatch of the element; calls of
-// add() one after the other.
+// compute(element, r, to) makes `size` numbers of the refined element r, a CurvedBatch of its own, those with the
+// longest rules first; add(r, from) takes them, for one r after the other.
 template <class Compute, class Add>
-void SimdEnergy::every_refined(const std::vector<double>& x, const Compute& compute, const Add& add) {
-    if (refined_.empty()) return;
+void SimdEnergy::every_refined(const std::vector<double>& x, int size, const Compute& compute, const Add& add) {
+    const int count = refined_elements();
+    of_refined_.resize(std::max(of_refined_.size(), offset(std::min(count, refined_at_once), size)));
     with_dimension(dim_, [&](auto n) {
-        const auto compute_single = [&](int r) {
-            CurvedBatch<n(), PointLanes> element(singles_[r].rule, *products_);
-            element.start(singles_[r].nodes.data(), x,
-                          reinterpret_cast<const Mat<n(), Lanes>&>(singles_[r].ideal_inverse.front()));
-            return compute(element, r);
-        };
-        const double work = refined_[0].reference.points * reference_.nodes;
-        parallel_in_order(static_cast<int>(refined_.size()), compute_single, add, work);
+        for (int first = 0; first < count; first += refined_at_once) {
+            const int end = std::min(count, first + refined_at_once);
+            std::array<int, refined_at_once> order;
+            std::iota(order.begin(), order.end(), first);
+            const auto points_of = [&](int r) { return refined_[r].quadrature->reference.points; };
+            std::sort(order.begin(), order.begin() + (end - first),
+                      [&](int r, int s) { return points_of(r) > points_of(s); });
+            const auto compute_one = [&](int k) {
+                const int r = order[k];
+                CurvedBatch<n(), PointLanes> element(refined_[r].quadrature->lanes, *products_);
+                element.start(singles_[r].nodes.data(), x,
+                              reinterpret_cast<const Mat<n(), Lanes>&>(singles_[r].ideal_inverse.front()));
+                compute(element, r, &of_refined_[offset(r - first, size)]);
+            };
+            parallel_for_uneven(end - first, compute_one, 10.0 * points_of(order[0]) * reference_.nodes);
+            for (int r = first; r < end; ++r) add(r, &of_refined_[offset(r - first, size)]);
+        }
     });
 }
 
@@ -252,10 +256,10 @@ double SimdEnergy::energy(const std::vector<double>& x) {
             block_value_[block] = sum.total();
             if (!std::isfinite(block_value_[block])) inverted.store(true, std::memory_order_relaxed);
         }
-        const auto energy_of = [&](const auto& element, int r) {
-            return singles_[r].weight * element.energy_of_element(density, params_.delta);
+        const auto energy_of = [&](const auto& element, int r, double* to) {
+            *to = singles_[r].weight * element.energy_of_element(density, params_.delta);
         };
-        every_refined(x, energy_of, [&](int, double energy) { refined += energy; });
+        every_refined(x, 1, energy_of, [&](int, const double* energy) { refined += *energy; });
     });
     if (inverted || !std::isfinite(refined)) return std::numeric_limits<double>::infinity();
     return deterministic_sum(blocks_.count(), [this](int block) { return block_value_[block]; }) + refined;
@@ -270,10 +274,11 @@ void SimdEnergy::add_gradient(const std::vector<double>& x, std::vector<double>&
                 elements.add_gradient(density, params_.delta, weight_[batch], count, g.data());
             });
         });
-        const auto gradient_of = [&](auto& element, int r) {
-            return element.gradient(density, params_.delta, in_all_lanes(singles_[r].weight));
+        const int size = reference_.nodes * dim_;
+        const auto gradient_of = [&](auto& element, int r, double* to) {
+            std::copy_n(element.gradient(density, params_.delta, in_all_lanes(singles_[r].weight)), size, to);
         };
-        every_refined(x, gradient_of, [&](int r, const double* part) {
+        every_refined(x, size, gradient_of, [&](int r, const double* part) {
             for (int i = 0; i < reference_.nodes; ++i)
                 for (int a = 0; a < dim_; ++a) g[offset(singles_[r].nodes[i], dim_, a)] += *part++;
         });
@@ -307,10 +312,11 @@ void SimdEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Blo
                     add_blocks<block_size>(part + k * elements.stride(), target + k * mm, mm, H.value.data());
             });
         });
-        const auto hessian_of_refined = [&](auto& element, int r) {
-            return hessian_of(element, in_all_lanes(singles_[r].weight), in_all_lanes(singles_[r].damping_weight));
+        const auto hessian_of_refined = [&](auto& element, int r, double* to) {
+            const Lanes own = in_all_lanes(singles_[r].weight), added = in_all_lanes(singles_[r].damping_weight);
+            std::copy_n(hessian_of(element, own, added), mm * block_size, to);
         };
-        every_refined(x, hessian_of_refined, [&](int r, const double* part) {
+        every_refined(x, mm * block_size, hessian_of_refined, [&](int r, const double* part) {
             add_blocks<block_size>(part, target_of(refined_[r].element), mm, H.value.data());
         });
     });
@@ -339,20 +345,22 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
             block_value_[block] = sum.total();
         }, is_large_ ? parallel_work : 0);
     });
-    const auto measure = [&](const auto& element, int r) {
+    const auto measure = [&](const auto& element, int r, double* to) {
+        const RefinedQuadrature& rule = *refined_[r].quadrature;
         double squared = 0, largest = 0;
-        for (int q = 0; q < refined_[r].reference.points; ++q) {
-            const auto [pack, lane] = singles_[r].rule.place_of(q);
+        for (int q = 0; q < rule.reference.points; ++q) {
+            const auto [pack, lane] = rule.lanes.place_of(q);
             const double eta = element.distortion_at(pack)[lane];
-            squared += refined_[r].volume[q] * eta * eta;
+            squared += rule.volume[q] * eta * eta;
             largest = std::max(largest, eta);
         }
-        return std::pair(squared, largest);
+        to[0] = squared;
+        to[1] = largest;
     };
-    every_refined(x, measure, [&](int r, const auto& of) {
-        refined_norm += singles_[r].jacobian * of.first;
+    every_refined(x, 2, measure, [&](int r, const double* of) {
+        refined_norm += singles_[r].jacobian * of[0];
         double& largest = result.element_max[blocks_.order[refined_[r].element]];
-        largest = std::max(largest, of.second);
+        largest = std::max(largest, of[1]);
     });
     const double squared_norm = deterministic_sum(blocks_.count(), [this](int block) { return block_value_[block]; });
     result.relative_quality = std::sqrt(volume_ / (squared_norm + refined_norm));

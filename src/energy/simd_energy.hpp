@@ -38,10 +38,9 @@ private:
     // The elements `place` of blocks_.order of `whole`, as the mesh `part` of their own.
     SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vector<int>& place);
 
-    // One element in all lanes, with the points of its rule in lanes. It has no weight in its batch.
+    // A refined element in all lanes, with the points of its rule in lanes. It has no weight in its batch.
     struct Single {
-        PointLanes rule;
-        std::vector<int> nodes;          // lanes x element nodes
+        std::vector<int> nodes;            // lanes x element nodes
         std::vector<Lanes> ideal_inverse;  // dim x dim
         double jacobian, weight, damping_weight;
     };
@@ -56,13 +55,14 @@ private:
     std::vector<Lanes> weight_;          // batch, w_e det A
     std::vector<Lanes> damping_weight_;  // batch, w'_e det A
     std::vector<Single> singles_;        // of refined_
+    std::vector<double> of_refined_;     // what has been computed for some of them
     bool is_large_;                      // worth more than one thread
     std::vector<double> block_value_;    // sum of each block of elements
     BlockCsr pattern_;                   // without values
 
     struct Geometry;
     void set_up(const Mesh& mesh);
-    void rule_changed(int refined) override;
+    void added_refined(int refined) override;
     template <class GeometryOf>
     void fill(const Mesh& mesh, const GeometryOf& geometry_of);
     double integral(const std::vector<Lanes>& values) const;
@@ -73,7 +73,7 @@ private:
     template <class Batch, class Body>
     void every_batch(int block, const std::vector<double>& x, const Body& body);
     template <class Compute, class Add>
-    void every_refined(const std::vector<double>& x, const Compute& compute, const Add& add);
+    void every_refined(const std::vector<double>& x, int size, const Compute& compute, const Add& add);
 };
 
 }  // namespace almesh
