@@ -37,26 +37,15 @@ inline void set_threads([[maybe_unused]] int threads) {
 // body(i) for i in [0, n), each about `work` simple operations; iterations must write to disjoint places.
 template <class Body>
 void parallel_for(int n, const Body& body, [[maybe_unused]] double work = 10) {
-#pragma omp parallel for schedule(static) if (n * work >= 10.0 * parallel_work)
+#pragma omp parallel for schedule(static) if (n > 1 && n * work >= 10.0 * parallel_work)
     for (int i = 0; i < n; ++i) body(i);
-}
-
-// add(i, compute(i)) for i in [0, n), the calls of add() one after the other in this order.
-template <class Compute, class Add>
-void parallel_in_order(int n, const Compute& compute, const Add& add, [[maybe_unused]] double work) {
-#pragma omp parallel for ordered schedule(monotonic : dynamic, 1) if (n > 1 && n * work >= parallel_work)
-    for (int i = 0; i < n; ++i) {
-        const auto result = compute(i);
-#pragma omp ordered
-        add(i, result);
-    }
 }
 
 // parallel_for() where some iterations are much more work than others: dynamic scheduling in small chunks.
 template <class Body>
 void parallel_for_uneven(int n, const Body& body, [[maybe_unused]] double work = 10) {
     [[maybe_unused]] constexpr int chunks = 256;
-#pragma omp parallel for schedule(dynamic, std::max(1, n / chunks)) if (n * work >= 10.0 * parallel_work)
+#pragma omp parallel for schedule(dynamic, std::max(1, n / chunks)) if (n > 1 && n * work >= 10.0 * parallel_work)
     for (int i = 0; i < n; ++i) body(i);
 }
 
@@ -79,10 +68,11 @@ void parallel_for_throwing(int n, const Body& body, double work = 10) {
     if (thrown) std::rethrow_exception(thrown);
 }
 
-// first() and second() at the same time, each on one thread; an exception of the first goes before one of the second.
+// first() and second() at the same time, each on one thread and some `work` simple operations; an exception of the
+// first goes before one of the second.
 template <class First, class Second>
-void parallel_invoke(const First& first, const Second& second) {
-    parallel_for_throwing(2, [&](int i) { i == 0 ? first() : second(); }, parallel_work * 10.0);
+void parallel_invoke(const First& first, const Second& second, double work = 10.0 * parallel_work) {
+    parallel_for_throwing(2, [&](int i) { i == 0 ? first() : second(); }, work);
 }
 
 // An int in an array that several threads read and change at a time, by the builtins of g++ and clang++: libc++ had no

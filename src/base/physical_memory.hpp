@@ -9,7 +9,9 @@ namespace almesh {
 
 // Bytes.
 inline double physical_memory() {
-    return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    static const double bytes =
+        static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    return bytes;
 }
 
 // The most that the program has had in memory at once, bytes. On Linux from VmHWM, in kB: ru_maxrss begins there with

@@ -60,7 +60,8 @@ std::vector<std::pair<std::uint64_t, int>> places_on_curve(const Mesh& mesh) {
 void sort_along_curve(const Mesh& mesh, std::vector<int>& order) {
     std::vector<std::pair<std::uint64_t, int>> places = places_on_curve(mesh);
     const auto middle = places.begin() + static_cast<std::ptrdiff_t>(places.size() / 2);
-    parallel_invoke([&] { std::sort(places.begin(), middle); }, [&] { std::sort(middle, places.end()); });
+    parallel_invoke([&] { std::sort(places.begin(), middle); }, [&] { std::sort(middle, places.end()); },
+                    50.0 * static_cast<double>(places.size()));
     std::inplace_merge(places.begin(), middle, places.end());
     std::transform(places.begin(), places.end(), order.begin(), [](const auto& place) { return place.second; });
 }

@@ -107,7 +107,7 @@ void multiply(const BlockCsr& A, const double* x, double* y) {
 // threads.
 double norm_inf(const BlockCsr& A) {
     double largest = 0;
-#pragma omp parallel for schedule(static) reduction(max : largest) if (A.value.size() >= parallel_work)
+#pragma omp parallel for schedule(static) reduction(max : largest) if (A.value.size() >= 10.0 * parallel_work)
     for (int i = 0; i < A.n; ++i)
         for (int r = 0; r < A.d; ++r) {
             double sum = 0;

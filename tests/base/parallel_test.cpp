@@ -44,17 +44,26 @@ TEST_CASE("parallel_for_throwing() does all, and passes on what the first iterat
     set_threads(before);
 }
 
-TEST_CASE("parallel_in_order() adds results in order, for any number of threads") {
-    for (const int n : {0, 1, 100}) {
-        std::vector<int> order;
-        parallel_in_order(
-            n, [](int i) { return 3 * i; },
-            [&](int i, int result) {
-                CHECK(result == 3 * i);
-                order.push_back(i);
-            },
-            1e6);
-        REQUIRE(order.size() == static_cast<std::size_t>(n));
-        for (int i = 0; i < n; ++i) CHECK(order[i] == i);
-    }
+#ifdef _OPENMP
+TEST_CASE("a team of threads is started only for several iterations of enough work in all") {
+    const int before = max_threads();
+    set_threads(2);
+    int team = 0;
+    const auto look = [&](int i) {
+        if (i == 0) team = omp_get_num_threads();
+    };
+    parallel_for(1, look, 1e9);
+    CHECK(team == 1);
+    parallel_for_uneven(1, look, 1e9);
+    CHECK(team == 1);
+    parallel_for(2, look, 1e9);
+    CHECK(team == 2);
+    parallel_for_uneven(2, look, 1e9);
+    CHECK(team == 2);
+    parallel_invoke([&] { look(0); }, [] {}, 1000);
+    CHECK(team == 1);
+    parallel_invoke([&] { look(0); }, [] {});
+    CHECK(team == 2);
+    set_threads(before);
 }
+#endif

@@ -155,7 +155,7 @@ Coarsening coarsen(const Graph& graph, int heaviest, int levels, int enough) {
 
 Hierarchy build_hierarchy(WeightedGraph finest, int steps, std::uint64_t seed) {
     Hierarchy result{std::move(finest)};
-    for (int step = 0; step < steps; ++step) {
+    for (int step = 0; step < steps && result.coarsest().size() >= smallest_coarse; ++step) {
         const WeightedGraph& fine = result.coarsest();
         const long long total = std::accumulate(fine.weight.begin(), fine.weight.end(), 0LL);
         Coarsening next = coarsen(fine, static_cast<int>(2 + total / smallest_coarse), seed + step);
