@@ -25,7 +25,7 @@ constexpr double part_of_nodes = 0.01, part_of_decrease = 0.9;
 constexpr double largest_part[] = {1, 0.07}, largest_dear_part[] = {0.1, 0.05};
 constexpr double inner_part = 0.1;  // of a local minimisation's nodes, over which it is minimised in turn
 constexpr std::size_t layers = 2;
-constexpr int steps_of_easy_problem = 10, steps_without = 12, steps_of_slow_problem = 30;
+constexpr int steps_of_easy_problem = 10, steps_without = 12;
 constexpr double most_work = 0.2;   // of that over the whole mesh; that of less than so many nodes counts twice, as it
 constexpr int small_system = 1000;  // is one thread's, but not where the whole mesh is as small
 constexpr int most_steps = 30;
@@ -178,7 +178,7 @@ private:
 bool LocalElimination::is_due(int iteration, const BlockCsr& H, const std::vector<double>& g, double gained) {
     if (iteration == 1) state_.was_hard = state_.is_hard;
     state_.is_hard = state_.is_hard || iteration > steps_of_easy_problem;
-    if (iteration <= steps_of_slow_problem && state_.work > most_work * state_.work_of_newton) return false;
+    if (state_.work > most_work * state_.work_of_newton) return false;
     return state_.was_hard || iteration > steps_without || (from_coarser_ && holds_up(H, g, gained));
 }
 
