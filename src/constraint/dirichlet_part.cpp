@@ -24,10 +24,16 @@ void DirichletPart::measure(const std::vector<double>& y) {
             std::copy_n(distance.slope[a].begin(), d, &slope_[offset(i, d * d, a * d)]);
         }
     }
-    force_ = g;
-    for (int i = 0; i < C.n; ++i)
-        for (int k = C.row[i]; k < C.row[i + 1]; ++k)
-            for (int a = 0; a < d; ++a) force_[offset(i, d, a)] += C.value[k] * u_[offset(C.col[k], d, a)];
+    force_.resize(g.size());
+    with_dimension(d, [&](auto n) {
+        for (int i = 0; i < C.n; ++i) {
+            Vec<n> sum;
+            std::copy_n(&g[offset(i, n)], n(), sum.begin());
+            for (int k = C.row[i]; k < C.row[i + 1]; ++k)
+                for (int a = 0; a < n; ++a) sum[a] += C.value[k] * u_[offset(C.col[k], n, a)];
+            std::copy_n(sum.begin(), n(), &force_[offset(i, n)]);
+        }
+    });
 }
 
 void DirichletPart::add_value(const std::vector<double>& y, double& E) {

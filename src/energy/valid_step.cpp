@@ -19,7 +19,8 @@ namespace {
 constexpr int time_bisections = 10;    // depth, of straight elements,
 constexpr int curved_bisections = 5;   // and of curved ones
 constexpr int space_bisections = 300;  // of one polynomial
-constexpr int batches_per_task = 64, curved_batches_per_task = 2;
+constexpr int batches_per_task = 64;    // at most, and of curved elements few enough
+constexpr int curved_tasks = 64;        // for so many tasks: one of them may take long
 constexpr double work = 100, curved_work = 1000;  // of an element, in simple operations
 constexpr double near_fold = 0.1;      // ratio of the determinant to its mean
 constexpr double keeps = 0.2;          // of an element's least determinant, at least, in one step,
@@ -90,8 +91,11 @@ public:
         place(0, element.position(0));
         element.compute(1);
         const double* const b = element.coefficients(0);
-        const double least = polynomial_minimum(of_.jacobian, b, 0.001, space_bisections).lower;
-        const double average = mean(of_, b), part = keeps * std::min(least, near_fold * average);
+        const double average = mean(of_, b), coefficient = *std::min_element(b, b + of_.jacobian.count);
+        const double least = coefficient >= near_fold * average  // how large it is makes no difference then
+                                 ? coefficient
+                                 : polynomial_minimum(of_.jacobian, b, 0.001, space_bisections).lower;
+        const double part = keeps * std::min(least, near_fold * average);
         least_ = element.unit() * std::max(part, std::min(0.999 * least, nearest_fold * average));
     }
 
@@ -200,7 +204,8 @@ double ValidStep::fraction(const std::vector<int>& node, int count, const std::v
         double fraction = 1;
         std::vector<Fold> folds;
     };
-    const int task_size = (basis_ ? curved_batches_per_task : batches_per_task) * lanes;
+    const int batches = basis_ ? std::clamp(count / (curved_tasks * lanes), 1, batches_per_task) : batches_per_task;
+    const int task_size = batches * lanes;
     std::vector<Task> tasks((count + task_size - 1) / task_size);
     with_dimension(dim_, [&](auto n) {
         parallel_for_uneven(

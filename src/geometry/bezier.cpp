@@ -64,7 +64,8 @@ PolynomialMinimum bounded_minimum(const Bernstein& basis, const double* c, int m
         whole.assign(pieces.c.begin() + static_cast<std::ptrdiff_t>(offset(near_a, basis.count)),
                      pieces.c.begin() + static_cast<std::ptrdiff_t>(offset(near_a + 1, basis.count)));
         pieces.c.resize(offset(near_b + 1, basis.count));
-        basis.bisect(a, b, whole.data(), &pieces.c[offset(near_a, basis.count)], &pieces.c[offset(near_b, basis.count)]);
+        basis.bisect(a, b, whole.data(), &pieces.c[offset(near_a, basis.count)],
+                     &pieces.c[offset(near_b, basis.count)]);
         for (const int half : {near_a, near_b}) {
             const double* const of_half = &pieces.c[offset(half, basis.count)];
             look_at_corners(pieces.corner[half], of_half);
