@@ -100,7 +100,9 @@ double DistortionEnergy::uniform(double eta) const {
 double DistortionEnergy::hessian_passes() const {
     constexpr double of_density = 125, of_entry = 0.2;  // at a point
     const double entries = static_cast<double>(reference_.nodes) * reference_.nodes * dim_ * dim_;
-    return (of_density + of_entry * entries) * element_count_ * reference_.points;
+    double points = static_cast<double>(element_count_) * reference_.points;
+    for (const Refined& refined : refined_) points += refined.quadrature->reference.points;
+    return (of_density + of_entry * entries) * points;
 }
 
 double DistortionEnergy::mean_slope(double energy) const {

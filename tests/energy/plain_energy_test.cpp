@@ -276,6 +276,8 @@ TEST_CASE("elements with a finer quadrature: both assemblies agree, in parts too
             refine(simd, mesh, x);
             refine(plain, mesh, x);
             CHECK(simd.refined_elements() == plain.refined_elements());
+            CHECK(simd.hessian_passes() == plain.hessian_passes());
+            CHECK(simd.hessian_passes() > coarse.hessian_passes());
             check_same(simd, plain, x);
             const DistortionStatistics a = simd.statistics(x), b = plain.statistics(x);
             if (mesh.dim == 2) {
