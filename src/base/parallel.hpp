@@ -36,7 +36,7 @@ inline void set_threads([[maybe_unused]] int threads) {
 
 // body(i) for i in [0, n), each about `work` simple operations; iterations must write to disjoint places.
 template <class Body>
-void parallel_for(int n, const Body& body, [[maybe_unused]] double work = 10) {
+void parallel_for(int n, const Body& body, double work = 10) {
     if (n <= 1 || n * work < 10.0 * parallel_work) {  // a parallel region of one thread costs an allocation
         for (int i = 0; i < n; ++i) body(i);
         return;
