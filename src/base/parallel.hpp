@@ -34,22 +34,43 @@ inline void set_threads([[maybe_unused]] int threads) {
 #endif
 }
 
+// Whether a team of threads is worth starting if it is asked for. A team of one is not: it costs an allocation and a
+// call of the kernel, as much as a hundred small elements.
+inline bool team_helps([[maybe_unused]] bool wanted) {
+#ifdef _OPENMP
+    return wanted && omp_get_max_threads() > 1 && !omp_in_parallel();
+#else
+    return false;
+#endif
+}
+
+template <class Body>
+void serial_for(int n, const Body& body) {
+    for (int i = 0; i < n; ++i) body(i);
+}
+
 // body(i) for i in [0, n), each about `work` simple operations; iterations must write to disjoint places.
 template <class Body>
 void parallel_for(int n, const Body& body, double work = 10) {
-    if (n <= 1 || n * work < 10.0 * parallel_work) {  // a parallel region of one thread costs an allocation
-        for (int i = 0; i < n; ++i) body(i);
-        return;
-    }
+    if (!team_helps(n > 1 && n * work >= 10.0 * parallel_work)) return serial_for(n, body);
 #pragma omp parallel for schedule(static)
     for (int i = 0; i < n; ++i) body(i);
 }
 
 // parallel_for() where some iterations are much more work than others: dynamic scheduling in small chunks.
 template <class Body>
-void parallel_for_uneven(int n, const Body& body, [[maybe_unused]] double work = 10) {
+void parallel_for_uneven(int n, const Body& body, double work = 10) {
     [[maybe_unused]] constexpr int chunks = 256;
-#pragma omp parallel for schedule(dynamic, std::max(1, n / chunks)) if (n > 1 && n * work >= 10.0 * parallel_work)
+    if (!team_helps(n > 1 && n * work >= 10.0 * parallel_work)) return serial_for(n, body);
+#pragma omp parallel for schedule(dynamic, std::max(1, n / chunks))
+    for (int i = 0; i < n; ++i) body(i);
+}
+
+// parallel_for() by a team if it is asked for, each iteration by the next thread that is free, beginning with the first.
+template <class Body>
+void parallel_tasks(int n, bool parallel, const Body& body) {
+    if (!team_helps(parallel && n > 1)) return serial_for(n, body);
+#pragma omp parallel for schedule(monotonic : dynamic, 1)
     for (int i = 0; i < n; ++i) body(i);
 }
 
@@ -70,6 +91,20 @@ void parallel_for_throwing(int n, const Body& body, double work = 10) {
         }
     }, work);
     if (thrown) std::rethrow_exception(thrown);
+}
+
+// body() by every thread of a team, which shares out the `omp for` and `omp single` in it; by this thread alone where no
+// team is asked for.
+template <class Body>
+void in_team([[maybe_unused]] bool wanted, const Body& body) {
+#ifdef _OPENMP
+    if (omp_in_parallel() || team_helps(wanted)) {  // inside a team: one of its own, of this thread
+#pragma omp parallel if (wanted)
+        body();
+        return;
+    }
+#endif
+    body();
 }
 
 // first() and second() at the same time, each on one thread and some `work` simple operations; an exception of the
@@ -97,7 +132,7 @@ void spin_wait(const Test& test) {
 
 // Sum of term(i), i in [0, n), in fixed blocks. work: simple operations that a term takes.
 template <class Term>
-double deterministic_sum(int n, const Term& term, [[maybe_unused]] double work = 10) {
+double deterministic_sum(int n, const Term& term, double work = 10) {
     const auto block_sum = [n, &term](int b) {
         double sum = 0;
         for (int i = b * sum_block, end = std::min(n, i + sum_block); i < end; ++i) sum += term(i);
@@ -109,8 +144,7 @@ double deterministic_sum(int n, const Term& term, [[maybe_unused]] double work =
     thread_local std::vector<double> partial;
     partial.resize(blocks);
     double* const out = partial.data();
-#pragma omp parallel for schedule(static) if (n * work >= 10.0 * parallel_work)
-    for (int b = 0; b < blocks; ++b) out[b] = block_sum(b);
+    parallel_for(blocks, [&](int b) { out[b] = block_sum(b); }, sum_block * work);
     double sum = 0;
     for (int b = 0; b < blocks; ++b) sum += out[b];
     return sum;

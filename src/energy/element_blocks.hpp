@@ -23,17 +23,16 @@ struct ElementBlocks {
 
     // body(block) for all blocks, in schedule order, by many threads if asked for. One call at a time.
     template <class Body>
-    void in_schedule([[maybe_unused]] bool parallel, const Body& body) {
+    void in_schedule(bool parallel, const Body& body) {
         ++rounds_;
         done_.resize(schedule.size(), 0);
         // A slot waits for earlier ones only, and threads take them in order: the earliest one at work never waits.
-#pragma omp parallel for schedule(monotonic : dynamic, 1) if (parallel)
-        for (int t = 0; t < count(); ++t) {
+        parallel_tasks(count(), parallel, [&](int t) {
             for (int k = wait_start[t]; k < wait_start[t + 1]; ++k)
                 spin_wait([&] { return atomic_value(done_[wait_for[k]]) == rounds_; });
             body(schedule[t]);
             set_atomic(done_[t], rounds_);
-        }
+        });
     }
 
 private:

@@ -246,16 +246,15 @@ double SimdEnergy::energy(const std::vector<double>& x) {
     std::atomic<bool> inverted = false;  // one inverted element settles it: the other blocks are skipped
     dispatch([&](auto type, auto density) {
         using Batch = typename decltype(type)::type;
-#pragma omp parallel for schedule(dynamic, 1) if (is_large_)
-        for (int block = 0; block < blocks_.count(); ++block) {
-            if (inverted.load(std::memory_order_relaxed)) continue;
+        parallel_tasks(blocks_.count(), is_large_, [&](int block) {
+            if (inverted.load(std::memory_order_relaxed)) return;
             SumOfBatches sum;
             every_batch<Batch>(block, x, [&](const Batch& elements, int batch) {
                 sum.add(weight_[batch] * elements.energy(density, params_.delta));
             });
             block_value_[block] = sum.total();
             if (!std::isfinite(block_value_[block])) inverted.store(true, std::memory_order_relaxed);
-        }
+        });
         const auto energy_of = [&](const auto& element, int r, double* to) {
             *to = singles_[r].weight * element.energy_of_element(density, params_.delta);
         };

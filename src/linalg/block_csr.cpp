@@ -34,8 +34,7 @@ BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_
     A.row.assign(n + 1, 0);
     const int blocks = (n + row_block - 1) / row_block;
     std::vector<std::vector<int>> columns(blocks);  // of each block of rows
-#pragma omp parallel if (n >= parallel_work)
-    {
+    in_team(n >= parallel_work, [&] {
         std::vector<int> last_row(n, -1);  // row in which this thread met a column last
 #pragma omp for schedule(static)
         for (int block = 0; block < blocks; ++block) {
@@ -53,7 +52,7 @@ BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_
                 A.row[i + 1] = static_cast<int>(found.end() - found.begin() - begin);
             }
         }
-    }
+    });
     for (int i = 0; i < n; ++i) A.row[i + 1] += A.row[i];
     A.col.resize(A.row[n]);
     parallel_for(blocks, [&](int block) {
@@ -61,8 +60,7 @@ BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_
     }, 100.0 * row_block);
     if (!place) return A;
     place->resize(cells.size() * cell_nodes);
-#pragma omp parallel if (n >= parallel_work)
-    {
+    in_team(n >= parallel_work, [&] {
         std::vector<int> place_of(n);  // of each column of the current row
 #pragma omp for schedule(static)
         for (int i = 0; i < n; ++i) {
@@ -70,7 +68,7 @@ BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_
             for (int k : around.of(i))
                 for (int b = 0; b < cell_nodes; ++b) (*place)[offset(k, cell_nodes, b)] = place_of[cell_of(k)[b]];
         }
-    }
+    });
     return A;
 }
 
@@ -106,15 +104,23 @@ void multiply(const BlockCsr& A, const double* x, double* y) {
 // The largest of several numbers does not depend on their order, so the reduction gives the same bits for any number of
 // threads.
 double norm_inf(const BlockCsr& A) {
-    double largest = 0;
-#pragma omp parallel for schedule(static) reduction(max : largest) if (A.value.size() >= 10.0 * parallel_work)
-    for (int i = 0; i < A.n; ++i)
+    const auto of_row = [&A](int i) {
+        double largest = 0;
         for (int r = 0; r < A.d; ++r) {
             double sum = 0;
             for (int k = A.row[i]; k < A.row[i + 1]; ++k)
                 for (int c = 0; c < A.d; ++c) sum += std::abs(A.block(k)[r * A.d + c]);
             largest = std::max(largest, sum);
         }
+        return largest;
+    };
+    double largest = 0;
+    if (!team_helps(A.value.size() >= 10.0 * parallel_work)) {
+        for (int i = 0; i < A.n; ++i) largest = std::max(largest, of_row(i));
+        return largest;
+    }
+#pragma omp parallel for schedule(static) reduction(max : largest)
+    for (int i = 0; i < A.n; ++i) largest = std::max(largest, of_row(i));
     return largest;
 }
 

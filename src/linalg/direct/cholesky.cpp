@@ -37,7 +37,7 @@ FactorPlan plan_in_order(const BlockCsr& pattern, Ordering ordering) {
 template <class Body>
 void loop(int n, bool parallel, const Body& body, double work = 10) {
     if (parallel) return parallel_for(n, body, work);
-    for (int i = 0; i < n; ++i) body(i);
+    serial_for(n, body);
 }
 
 // Rows of an update matrix that stay next to each other in the parent front; scalar, counted from its first row.
@@ -83,8 +83,7 @@ template <class Body>
 void for_level(const std::vector<int>& level, const Body& body) {
     const int count = static_cast<int>(level.size());
     if (count == 1) return body(level.front(), true);
-#pragma omp parallel for schedule(dynamic, 1)
-    for (int i = 0; i < count; ++i) body(level[i], false);
+    parallel_tasks(count, true, [&](int i) { body(level[i], false); });
 }
 
 }  // namespace
@@ -175,15 +174,14 @@ FactorResult Cholesky::factor(const BlockCsr& A) {
     std::atomic<int> first_bad = none;
     for (const int f : plan_.single) unfinished_[f] = static_cast<int>(plan_.tree.children.of(f).size());
     const int subtrees = static_cast<int>(plan_.subtrees.size());
-#pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
-    for (int s = 0; s < subtrees; ++s) {
+    parallel_tasks(subtrees, true, [&](int s) {
         factor_fronts(A, plan_.subtrees[s], false, first_bad);
         // The thread that finishes the last child of a single front goes on with the front.
         for (int f = plan_.subtrees[s].end - 1; (f = plan_.tree.parent[f]) >= 0;) {
             if (take_one_off(unfinished_[f]) != 0) break;
             factor_fronts(A, {f, f + 1}, false, first_bad);
         }
-    }
+    });
     for (const int f : plan_.top) factor_fronts(A, {f, f + 1}, true, first_bad);
     if (first_bad < none) return {SolveStatus::not_positive_definite, plan_.tree.order[first_bad]};
     return {SolveStatus::success};
@@ -221,11 +219,10 @@ void Cholesky::solve(const double* b, double* x) {
     const int nodes = static_cast<int>(order.size()), levels = static_cast<int>(plan_.levels.size());
     double* const y = permuted_.data();
     const auto sweep_subtrees = [&](bool forward) {
-#pragma omp parallel for schedule(dynamic, 1) if (subtrees > 1)
-        for (int s = 0; s < subtrees; ++s) {
+        parallel_tasks(subtrees, true, [&](int s) {
             const auto [begin, end] = plan_.subtrees[s];
             for (int k = 0; k < end - begin; ++k) solve_front(forward ? begin + k : end - 1 - k, forward, y, false);
-        }
+        });
     };
     const auto sweep_level = [&](int l, bool forward) {
         for_level(plan_.levels[l], [&](int f, bool parallel) { solve_front(f, forward, y, parallel); });

@@ -9,6 +9,7 @@
 
 #include "base/index.hpp"
 #include "base/lanes.hpp"
+#include "base/parallel.hpp"
 
 namespace almesh {
 
@@ -152,17 +153,6 @@ void pack_rows(const double* from, std::size_t ld, int count, int depth, double*
     }
 }
 
-// body(i) for i in [0, count), by a team of threads if asked for.
-template <class Body>
-void share_out(int count, bool parallel, const Body& body) {
-    if (!parallel || count < 2) {
-        for (int i = 0; i < count; ++i) body(i);
-        return;
-    }
-#pragma omp parallel for schedule(dynamic, 1)
-    for (int i = 0; i < count; ++i) body(i);
-}
-
 // Part of a lower triangle to update: columns [c_begin, c_end) and rows [r_begin, r_end) of the front, on the grid
 // except for the outer edges of the columns.
 struct Piece {
@@ -206,7 +196,7 @@ void update_lower(const double* L, std::size_t ld, int depth, int c_begin, int c
     if (size <= packing_size) return update_piece(L, ld, depth, {c_begin, c_end, first, row_end}, C, ldc, false, how);
     const int column_pieces = (c_end - first + block_rows - 1) / block_rows;
     const int row_pieces = (size + block_rows - 1) / block_rows;
-    share_out(column_pieces * row_pieces, parallel && size > 2 * block_rows, [&](int i) {
+    parallel_tasks(column_pieces * row_pieces, parallel && size > 2 * block_rows, [&](int i) {
         const int c = i % column_pieces, r = i / column_pieces;
         if (r < c) return;
         const int c0 = first + c * block_rows, r0 = first + r * block_rows;
@@ -283,7 +273,7 @@ int factor_front(const Front& front, const double* smallest, bool parallel) {
         const int bad = factor_columns(front.panel, ld, j0, j1, j0, diagonal_end, true, smallest);
         if (bad >= 0) return bad;
         const int pieces = (rows - diagonal_end + block_rows - 1) / block_rows;
-        share_out(pieces, parallel, [&](int i) {
+        parallel_tasks(pieces, parallel, [&](int i) {
             const int begin = diagonal_end + i * block_rows;
             factor_columns(front.panel, ld, j0, j1, begin, std::min(rows, begin + block_rows), false, nullptr);
         });
@@ -311,7 +301,7 @@ void solve_forward(const Front& front, double* w, bool parallel) {
             for (int i = j + 1; i < j1; ++i) w[i] -= column[i] * x;
         }
         const int rows = front.m - j1, pieces = (rows + solve_rows - 1) / solve_rows;
-        share_out(pieces, parallel && rows > solve_parallel, [&](int i) {
+        parallel_tasks(pieces, parallel && rows > solve_parallel, [&](int i) {
             const int begin = j1 + i * solve_rows;
             subtract_columns(front.panel, ld, j0, j1, begin, std::min(front.m, begin + solve_rows), w);
         });
@@ -323,7 +313,7 @@ void solve_backward(const Front& front, double* w, bool parallel) {
     const std::size_t ld = front_ld(front.m);
     for (int j1 = front.k, j0; j1 > 0; j1 = j0) {
         j0 = (j1 - 1) / solve_columns * solve_columns;
-        share_out((j1 - j0) / 4, parallel && front.m - j1 > solve_parallel,
+        parallel_tasks((j1 - j0) / 4, parallel && front.m - j1 > solve_parallel,
                   [&](int i) { subtract_products<4>(front.panel, ld, j0 + 4 * i, j1, front.m, w); });
         for (int j = j0 + (j1 - j0) / 4 * 4; j < j1; ++j) subtract_products<1>(front.panel, ld, j, j1, front.m, w);
         for (int j = j1 - 1; j >= j0; --j) {

@@ -163,8 +163,7 @@ void CoarseCorrection::add_up_coarse(int row) {
 
 FactorResult CoarseCorrection::factor(const BlockCsr& A, const double* C_inverse) {
     with_block_size(A.d, [&](auto d) {
-#pragma omp parallel for schedule(dynamic, 1) if (A.size() >= parallel_work)
-        for (int part = 0; part < parts; ++part) multiply_out<d>(A, C_inverse, part);
+        parallel_tasks(parts, A.size() >= parallel_work, [&](int part) { multiply_out<d>(A, C_inverse, part); });
         parallel_for(E_.n, [&](int row) { add_up_coarse<d>(row); }, 200);
     });
     const bool succeeds = M_->factor(E_).status == SolveStatus::success;

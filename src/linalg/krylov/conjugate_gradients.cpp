@@ -148,12 +148,11 @@ KrylovResult ConjugateGradients::solve_in_team(const BlockCsr& A, Preconditioner
 
 KrylovResult ConjugateGradients::solve(const BlockCsr& A, Preconditioner& M, const double* b, double* x) {
     KrylovResult result{};
-#pragma omp parallel if (size_ >= parallel_work)
-    {
+    in_team(size_ >= parallel_work, [&] {
         const KrylovResult own = solve_in_team(A, M, b, x);
 #pragma omp single
         result = own;  // the same on every thread
-    }
+    });
     return result;
 }
 

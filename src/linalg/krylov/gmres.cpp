@@ -23,8 +23,7 @@ Gmres::Gmres(int size, const KrylovParams& params) : size_(size), params_(params
 }
 
 void Gmres::precondition(Preconditioner& M, const double* r, double* z) const {
-#pragma omp parallel if (size_ >= parallel_work)
-    M.apply(r, z);
+    in_team(size_ >= parallel_work, [&] { M.apply(r, z); });
 }
 
 // v_{k+1} <- A M^{-1} v_k, orthogonalised against v_0 .. v_k. Fills column k of H above its last entry and returns

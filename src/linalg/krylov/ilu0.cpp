@@ -12,6 +12,7 @@
 #include "base/index.hpp"
 #include "base/lanes.hpp"
 #include "base/large_array.hpp"
+#include "base/parallel.hpp"
 
 namespace almesh {
 
@@ -144,9 +145,9 @@ private:
     // Returns the first bad row, or -1.
     int factor_shifted(const BlockCsr& A, double diagonal_shift, bool ssor) {
         const auto T = [&](int domain) { return T_.data() + offset(domain, longest_ * block); };
-#pragma omp parallel for schedule(dynamic, 1) if (domains() > 1)
-        for (int k = 0; k < domains(); ++k)
+        parallel_tasks(domains(), true, [&](int k) {
             bad_[k] = factor_rows(A, diagonal_shift, ssor, start_[k], start_[k + 1], T(k));
+        });
         for (int bad : bad_)
             if (bad >= 0) return bad;
         return factor_rows(A, diagonal_shift, ssor, start_.back(), rows(), T(domains()));

@@ -7,6 +7,8 @@
 #include <random>
 #include <utility>
 
+#include "base/parallel.hpp"
+
 namespace almesh {
 
 namespace {
@@ -66,12 +68,11 @@ std::vector<int> find_groups(const WeightedGraph& graph, int heaviest, std::uint
     const int n = graph.size(), blocks = blocks_of(n);
     const std::vector<int> order = visiting_order(n, seed);
     Merging groups{std::vector<int>(n, -1), std::vector<int>(n, 1), graph.weight};
-#pragma omp parallel for schedule(dynamic, 1) if (blocks > 1)
-    for (int b = 0; b < blocks; ++b) {
+    parallel_tasks(blocks, true, [&](int b) {
         const int begin = block_begin(n, blocks, b), end = block_begin(n, blocks, b + 1);
         for (int i = begin; i < end; ++i)
             if (groups.leader[order[i]] < 0) join(graph, order[i], begin, end, heaviest, groups);
-    }
+    });
     for (int i = 0; i < n && blocks > 1; ++i)
         if (const int v = order[i]; groups.leader[v] == v && groups.members[v] == 1)
             join(graph, v, 0, n, heaviest, groups);
@@ -132,10 +133,10 @@ Coarsening coarsen(const WeightedGraph& graph, int heaviest, std::uint64_t seed)
     const Groups members = sorted_by_group(result.coarse_of, groups);
     const int blocks = blocks_of(groups);
     std::vector<WeightedGraph> pieces(blocks);
-#pragma omp parallel for schedule(dynamic, 1) if (blocks > 1)
-    for (int b = 0; b < blocks; ++b)
+    parallel_tasks(blocks, true, [&](int b) {
         pieces[b] = contract(graph, result.coarse_of, members, block_begin(groups, blocks, b),
                              block_begin(groups, blocks, b + 1));
+    });
     result.graph = std::move(pieces[0]);
     for (int b = 1; b < blocks; ++b) append(pieces[b], result.graph);
     return result;

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "base/parallel.hpp"
 #include "linalg/ordering/multilevel.hpp"
 
 namespace almesh {
@@ -94,9 +95,10 @@ std::vector<int> nested_dissection(const Graph& graph) {
     Dissection dissection{compressed.graph, group_order, std::vector<char>(groups, 0)};
     Piece whole{build_hierarchy(compressed.graph, shared_steps, groups), std::vector<int>(groups)};
     std::iota(whole.group.begin(), whole.group.end(), 0);
-#pragma omp parallel if (groups > task_size)
+    in_team(groups > task_size, [&] {
 #pragma omp single
-    dissect(dissection, whole, 0);
+        dissect(dissection, whole, 0);
+    });
     return expand(compressed, group_order);
 }
 
