@@ -4,6 +4,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <new>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "app/commands.hpp"
 #include "base/error.hpp"
@@ -20,6 +23,16 @@ namespace {
     setenv("GOMP_SPINCOUNT", "1000", 0);
 }
 
+// What is freed, up to some size, stays with the program: else every local minimisation takes its arrays from the system
+// anew, page by page, for a tenth of its time.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+    constexpr int kept = 256 << 20, largest = 32 << 20;  // bytes, of all and of one array
+    mallopt(M_TRIM_THRESHOLD, kept);
+    mallopt(M_MMAP_THRESHOLD, largest);
+#endif
+}
+
 // An exception cannot leave a parallel loop, so that running out of memory inside one would end in std::terminate.
 void end_without_memory() {
     std::fflush(stdout);
@@ -31,5 +44,6 @@ void end_without_memory() {
 
 int main(int argc, char** argv) {
     std::set_new_handler(end_without_memory);
+    keep_freed_memory();
     return almesh::command_line({argv + 1, argv + argc}, stdout, stderr);
 }
