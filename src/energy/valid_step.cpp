@@ -21,7 +21,7 @@ constexpr int curved_bisections = 5;   // and of curved ones
 constexpr int space_bisections = 300;  // of one polynomial
 constexpr int batches_per_task = 64;    // at most, and of curved elements few enough
 constexpr int curved_tasks = 64;        // for so many tasks: one of them may take long
-constexpr double work = 100, curved_work = 1000;  // of an element, in simple operations
+constexpr double work = 20, curved_work = 1000;  // of an element, in simple operations
 constexpr double near_fold = 0.1;      // ratio of the determinant to its mean
 constexpr double keeps = 0.2;          // of an element's least determinant, at least, in one step,
 constexpr double nearest_fold = 1e-6;  // but nearer than this no element comes: what is left is far above rounding

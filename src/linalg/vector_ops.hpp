@@ -33,7 +33,7 @@ inline double norm_2(int n, const double* x) { return std::sqrt(dot(n, x, x)); }
 // Calls body(i) for all entries. Short vectors are not worth starting a team.
 template <class Body>
 void for_entries(int n, const Body& body) {
-    if (n > 16384) return parallel_for(n, body);
+    if (n > 65536) return parallel_for(n, body);
     for (int i = 0; i < n; ++i) body(i);
 }
 
