@@ -4,8 +4,9 @@
 
 #include <atomic>
 #include <stdexcept>
-#include <vector>
 #include <string>
+#include <utility>
+#include <vector>
 
 using namespace almesh;
 
@@ -68,6 +69,57 @@ TEST_CASE("a team of threads is started only for several iterations of enough wo
     CHECK(team == 1);
     parallel_invoke([&] { look(0); }, [] {});
     CHECK(team == several);
+    parallel_tasks(2, false, look);
+    CHECK(team == 1);
+    parallel_tasks(2, true, look);
+    CHECK(team == several);
+    in_team(true, [&] {
+#pragma omp single
+        team = omp_get_num_threads();
+    });
+    CHECK(team == several);
+    set_threads(before);
+}
+
+TEST_CASE("where no team helps there is none, not even one of a single thread") {
+    const int before = max_threads();
+    set_threads(2);
+    int level = -1, calls = 0;
+    const auto look = [&](int) { level = omp_get_level(); };
+    const auto no_team = [&] { return std::exchange(level, -1) == 0; };
+    parallel_for(2, look, 1);
+    CHECK(no_team());
+    parallel_for_uneven(2, look, 1);
+    CHECK(no_team());
+    parallel_tasks(2, false, look);
+    CHECK(no_team());
+    parallel_tasks(1, true, look);
+    CHECK(no_team());
+    in_team(false, [&] {
+        look(0);
+        ++calls;
+    });
+    CHECK(no_team());
+    CHECK(calls == 1);
+    set_threads(1);
+    parallel_tasks(2, true, look);
+    CHECK(no_team());
+    set_threads(before);
+}
+
+TEST_CASE("in_team() inside a team: each of its threads does all that is in it") {
+    const int before = max_threads();
+    set_threads(2);
+    std::atomic<int> threads = 0, rounds = 0;
+#pragma omp parallel
+    {
+        ++threads;
+        in_team(false, [&] {
+#pragma omp for
+            for (int i = 0; i < 10; ++i) ++rounds;
+        });
+    }
+    CHECK(rounds == 10 * threads);
     set_threads(before);
 }
 #endif

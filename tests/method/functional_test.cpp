@@ -27,14 +27,18 @@ TEST_CASE("the rounding error of the energy: what the last digits of the positio
     const Minimisation problem(ring_mesh(8, 2, 3), {{"inner", "translate 0.1 0"}}, Objective::squared);
     AugmentedFunctional E = problem.functional(1e-3);
     E.lambda.assign(E.lambda.size(), 1e6);
-    const std::vector<double>& x = problem.ideal;
-    std::vector<double> force(x.size(), 1.0), g(x.size(), 0.0), nudged = x;
-    const double error = E.rounding_error(x, force);
-    E.constraint.add_gradient(x, E.lambda, E.penalty, g);
-    for (std::size_t i = 0; i < x.size(); ++i) nudged[i] = std::nextafter(x[i], g[i] > 0 ? 1e9 : -1e9);
-    const double change =
-        E.constraint.value(nudged, E.lambda, E.penalty) - E.constraint.value(x, E.lambda, E.penalty);
-    CHECK(change > 0.3 * error);  // a last digit is between half and all of epsilon
-    CHECK(change < 1.5 * error);
-    CHECK(error > 1e-10);
+    for (const double size : {1.0, 100.0}) {
+        CAPTURE(size);
+        std::vector<double> x = problem.ideal;
+        for (double& coordinate : x) coordinate *= size;
+        std::vector<double> force(x.size(), 1.0), g(x.size(), 0.0), nudged = x;
+        const double error = E.rounding_error(x, force);
+        E.constraint.add_gradient(x, E.lambda, E.penalty, g);
+        for (std::size_t i = 0; i < x.size(); ++i) nudged[i] = std::nextafter(x[i], g[i] > 0 ? 1e9 : -1e9);
+        const double change =
+            E.constraint.value(nudged, E.lambda, E.penalty) - E.constraint.value(x, E.lambda, E.penalty);
+        CHECK(change > 0.3 * error);  // a last digit is between half and all of epsilon
+        CHECK(change < 1.5 * error);
+        CHECK(error > 1e-10);
+    }
 }
