@@ -66,7 +66,7 @@ void parallel_for_uneven(int n, const Body& body, double work = 10) {
     for (int i = 0; i < n; ++i) body(i);
 }
 
-// parallel_for() by a team if it is asked for, each iteration by the next thread that is free, beginning with the first.
+// By a team if it is asked for, each iteration by the next thread that is free, beginning with the first.
 template <class Body>
 void parallel_tasks(int n, bool parallel, const Body& body) {
     if (!team_helps(parallel && n > 1)) return serial_for(n, body);
@@ -93,8 +93,8 @@ void parallel_for_throwing(int n, const Body& body, double work = 10) {
     if (thrown) std::rethrow_exception(thrown);
 }
 
-// body() by every thread of a team, which shares out the `omp for` and `omp single` in it; by this thread alone where no
-// team is asked for.
+// body() by every thread of a team, which shares out the `omp for` and `omp single` in it; by this thread alone where
+// no team is asked for.
 template <class Body>
 void in_team([[maybe_unused]] bool wanted, const Body& body) {
 #ifdef _OPENMP
