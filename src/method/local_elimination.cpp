@@ -28,7 +28,7 @@ constexpr std::size_t layers = 2;
 constexpr int steps_of_easy_problem = 10, steps_without = 12;
 constexpr double most_work = 0.2;   // of that over the whole mesh; that of less than so many nodes counts twice, as it
 constexpr int small_system = 1000;  // is one thread's, but not where the whole mesh is as small
-constexpr int most_steps = 30, most_dear_steps = 11;
+constexpr int most_steps = 30;
 constexpr double local_tolerance = 1e-2;  // relative residual of iterative solvers
 constexpr double worthwhile = 0.01;       // decrease of a local step, in units of that of the Newton step before
 constexpr double part_of_gain = 1e-3;     // and of all local steps so far: less is not worth another
@@ -87,8 +87,8 @@ class LocalMinimisation {
 public:
     // least_gain: a step that decreases E by less is the last. inner: whether before a step there can be a minimisation
     // over the few nodes that hold it up.
-    LocalMinimisation(const AugmentedFunctional& E, LocalFunctional& local, int most, double least_gain, bool inner)
-        : E_(E), local_(local), most_(most), least_gain_(least_gain), inner_(inner) {}
+    LocalMinimisation(const AugmentedFunctional& E, LocalFunctional& local, double least_gain, bool inner)
+        : E_(E), local_(local), least_gain_(least_gain), inner_(inner) {}
 
     // x: of the mesh, in place. Returns the number of steps.
     int run(std::vector<double>& x) {
@@ -104,7 +104,6 @@ public:
 private:
     const AugmentedFunctional& E_;
     LocalFunctional& local_;
-    int most_;  // steps
     double least_gain_;
     bool inner_;
     double work_ = set_up_work * local_.distortion().nodes_in_elements();
@@ -120,7 +119,7 @@ private:
         trial_.resize(y_.size());
         energy_ = local_.energy(y_);
         double first = energy_, gained = 0;
-        for (int step = 0; step < most_; ++step) {
+        for (int step = 0; step < most_steps; ++step) {
             if (local_.refine_quadrature()) first = energy_ = local_.energy(y_);
             local_.gradient(y_, g_);
             if (inner_ && step > 0 && LocalElimination::holds_up(H_, g_, gained)) relax_inside(gained, x);
@@ -136,7 +135,7 @@ private:
             if (gained <= least_gain_ || gained <= part_of_gain * (first - energy_)) return step + 1;
             negative_part_.after_step(found.step_length);
         }
-        return most_;
+        return most_steps;
     }
 
     LineSearchResult search() {
@@ -162,7 +161,7 @@ private:
         for (int i = 0; i < H_.n; ++i) moves[local_.node(i)] = chosen[i];
         local_.write(y_, x);
         LocalFunctional inside(E_, x, moves);
-        LocalMinimisation few(E_, inside, most_, worthwhile * gained, false);
+        LocalMinimisation few(E_, inside, worthwhile * gained, false);
         few.run(x);
         work_ += few.work_;
         trial_ = local_.read(x);
@@ -199,7 +198,7 @@ LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& 
     Result result;
     result.nodes = static_cast<int>(std::count(chosen.begin(), chosen.end(), 1));
     std::vector<double> moved = x;
-    LocalMinimisation minimisation(E, local, is_dear ? most_dear_steps : most_steps, worthwhile * gained, !is_dear);
+    LocalMinimisation minimisation(E, local, worthwhile * gained, !is_dear);
     result.steps = minimisation.run(moved);
     const bool is_small = result.nodes < small_system && H.n >= small_system;
     state_.work += is_small ? 2 * minimisation.work() : minimisation.work();

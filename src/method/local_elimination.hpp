@@ -20,8 +20,7 @@
 // How: Newton's method with a Hessian that keeps as much of its negative eigenvalues as it bears (negative_part.hpp).
 // What holds up the mesh is in turn held up by few of its nodes: where a local step gained less than ten times what its
 // nodes could reach alone, the next one follows a minimisation over at most a tenth of them, chosen in the same way.
-// That is a sixth of the local steps' time, and halves their number. Not where the nodes are few from the beginning,
-// and each step is dear: there, eleven steps are the last, as a longer minimisation can be a third of a short run.
+// That is a sixth of the local steps' time, and halves their number. Not where the nodes are few from the beginning.
 #pragma once
 #include <vector>
 

@@ -254,22 +254,6 @@ TEST_CASE("local elimination acts from the eleventh step of a subproblem on, and
     CHECK(number(summary_of(folder.path("out")), "local_steps") == relaxed);
 }
 
-TEST_CASE("no local minimisation of curved elements takes more than eleven steps: one may be the last of a short run") {
-    if (!std::filesystem::is_directory("inputs")) return;
-    const TemporaryFolder folder;
-    almesh_bounded({"inputs/gauntlet/shell-moved.deck", "output=" + folder.path("out"), "vtk=none",
-                    "boundary inner=translate 1.939 0 0"});
-    const auto rows = history_without_times(folder.path("out"));
-    const auto column = std::find(rows[0].begin(), rows[0].end(), "local_steps") - rows[0].begin();
-    int most = 0;
-    for (const auto& row : rows)
-        if (row[0] == "newton") most = std::max(most, std::stoi(row[column]));
-    CHECK(most == 11);
-    const std::map<std::string, std::string> summary = summary_of(folder.path("out"));
-    CHECK(summary.at("status") == "converged");
-    CHECK(summary.at("certified_injective") == "yes");
-}
-
 TEST_CASE("the decks of the lessons hold what they expect, and curving works in 3D") {
     if (!std::filesystem::is_directory("inputs")) return;
     const TemporaryFolder folder;
