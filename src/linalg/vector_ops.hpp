@@ -30,11 +30,11 @@ inline double dot(int n, const double* x, const double* y) {
 
 inline double norm_2(int n, const double* x) { return std::sqrt(dot(n, x, x)); }
 
-// Calls body(i) for all entries. Short vectors are not worth starting a team.
+// Calls body(i) for all entries, several of them in the time of a simple operation of other loops.
 template <class Body>
 void for_entries(int n, const Body& body) {
-    if (n > 65536) return parallel_for(n, body);
-    for (int i = 0; i < n; ++i) body(i);
+    constexpr double work = 1.5;
+    parallel_for(n, body, work);
 }
 
 inline void axpy(int n, double a, const double* x, double* y) { for_entries(n, [=](int i) { y[i] += a * x[i]; }); }

@@ -1,4 +1,4 @@
-// u_fine = interpolation of u_coarse, lambda_fine = lambda_coarse |1|_coarse / |1|_fine, mu_fine = 10 mu_coarse.
+// u_fine = interpolation of u_coarse, lambda_fine = lambda_coarse |1|_coarse / |1|_fine, mu_fine = 100 mu_coarse.
 #include "method/continuation.hpp"
 
 #include <algorithm>
