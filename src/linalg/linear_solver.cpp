@@ -33,8 +33,10 @@ namespace {
 constexpr int failures_to_give_up = 2;  // of iterative solvers in a row, if the choice is ours
 constexpr double worth = 4;        // Cholesky may cost this many times what an iterative solver has just spent, or
                                    // once what it has spent since it last succeeded
-constexpr double flops_of_entry = 20;  // of Cholesky, in the time that an iteration spends on an entry of A,
-constexpr double large_flops_of_entry = 40;  // and on average over small and large matrices
+constexpr double flops_of_entry = 20;  // of Cholesky, in the time that an iteration spends on an entry of A
+// The same from small to large matrices: passes = factor flops^power, within a half from 3e6 to 1e10 flops, as large
+// dense blocks are eliminated at a higher rate.
+constexpr double factor_of_flops = 8.5, power_of_flops = 0.7;
 constexpr double refine_above = 1e-15;  // scaled residual from which a step of iterative refinement is worth a solve
 
 double entries(const BlockCsr& A) { return std::max<double>(1, static_cast<double>(A.blocks()) * A.d * A.d); }
@@ -147,7 +149,7 @@ struct LinearSolver::Direct {
         x.assign(A.size(), 0.0);
         const Stopwatch factorisation;
         const FactorResult factored = cholesky.factor(A);
-        result.passes = cholesky.flops() / large_flops_of_entry;
+        result.passes = factor_of_flops * std::pow(cholesky.flops(), power_of_flops);
         result.factor_seconds = factorisation.seconds();
         result.status = factored.status;
         result.bad_node = factored.bad_row;

@@ -26,13 +26,15 @@ constexpr double largest_part[] = {1, 0.07}, largest_dear_part[] = {0.1, 0.05};
 constexpr double inner_part = 0.1;  // of a local minimisation's nodes, over which it is minimised in turn
 constexpr std::size_t layers = 2;
 constexpr int steps_of_easy_problem = 10, steps_without = 12;
-constexpr double most_work = 0.2;   // of that over the whole mesh; that of less than so many nodes counts twice, as it
-constexpr int small_system = 1000;  // is one thread's, but not where the whole mesh is as small
+// Of the work over the whole mesh: no local minimisation begins when all have done more than the first part of it, and
+// where each step is dear the one at hand ends at the second, a fifth of a run.
+constexpr double most_work = 0.18, most_dear_work = 0.26;
+constexpr double no_bound = std::numeric_limits<double>::infinity();
 constexpr int most_steps = 30;
 constexpr double local_tolerance = 1e-2;  // relative residual of iterative solvers
 constexpr double worthwhile = 0.01;       // decrease of a local step, in units of that of the Newton step before
 constexpr double part_of_gain = 1e-3;     // and of all local steps so far: less is not worth another
-constexpr double set_up_work = 150;       // of a local functional and its solver, for each node of each element
+constexpr double set_up_work = 420;       // of a local functional and its solver, for each node of each element
 constexpr double much_alone = 0.1;        // of what a Newton step gained, that nodes could reach alone
 
 // Decrease of E that the node of each row could reach alone.
@@ -85,10 +87,11 @@ std::vector<char> choose_nodes(const BlockCsr& H, const std::vector<double>& g, 
 // damping: a step that is cut costs little here.
 class LocalMinimisation {
 public:
-    // least_gain: a step that decreases E by less is the last. inner: whether before a step there can be a minimisation
-    // over the few nodes that hold it up.
-    LocalMinimisation(const AugmentedFunctional& E, LocalFunctional& local, double least_gain, bool inner)
-        : E_(E), local_(local), least_gain_(least_gain), inner_(inner) {}
+    // least_gain: a step that decreases E by less is the last. work_left: so is one after which work() exceeds it.
+    // inner: whether before a step there can be a minimisation over the few nodes that hold it up.
+    LocalMinimisation(const AugmentedFunctional& E, LocalFunctional& local, double least_gain, double work_left,
+                      bool inner)
+        : E_(E), local_(local), least_gain_(least_gain), work_left_(work_left), inner_(inner) {}
 
     // x: of the mesh, in place. Returns the number of steps.
     int run(std::vector<double>& x) {
@@ -104,7 +107,7 @@ public:
 private:
     const AugmentedFunctional& E_;
     LocalFunctional& local_;
-    double least_gain_;
+    double least_gain_, work_left_;
     bool inner_;
     double work_ = set_up_work * local_.distortion().nodes_in_elements();
     BlockCsr H_ = local_.hessian_pattern();
@@ -133,6 +136,7 @@ private:
             gained = energy_ - found.energy;
             energy_ = found.energy;
             if (gained <= least_gain_ || gained <= part_of_gain * (first - energy_)) return step + 1;
+            if (work_ > work_left_) return step + 1;
             negative_part_.after_step(found.step_length);
         }
         return most_steps;
@@ -161,7 +165,7 @@ private:
         for (int i = 0; i < H_.n; ++i) moves[local_.node(i)] = chosen[i];
         local_.write(y_, x);
         LocalFunctional inside(E_, x, moves);
-        LocalMinimisation few(E_, inside, worthwhile * gained, false);
+        LocalMinimisation few(E_, inside, worthwhile * gained, work_left_ - work_, false);
         few.run(x);
         work_ += few.work_;
         trial_ = local_.read(x);
@@ -198,10 +202,10 @@ LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& 
     Result result;
     result.nodes = static_cast<int>(std::count(chosen.begin(), chosen.end(), 1));
     std::vector<double> moved = x;
-    LocalMinimisation minimisation(E, local, worthwhile * gained, !is_dear);
+    const double work_left = is_dear ? most_dear_work * state_.work_of_newton - state_.work : no_bound;
+    LocalMinimisation minimisation(E, local, worthwhile * gained, work_left, !is_dear);
     result.steps = minimisation.run(moved);
-    const bool is_small = result.nodes < small_system && H.n >= small_system;
-    state_.work += is_small ? 2 * minimisation.work() : minimisation.work();
+    state_.work += minimisation.work();
     if (E.distortion.take_over_refinements(local.distortion())) energy = E.energy(x);
     if (result.steps == 0) return result;
     const double found = E.energy(moved);

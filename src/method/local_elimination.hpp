@@ -14,8 +14,9 @@
 // When: after every step of a subproblem from the thirteenth on, and of those that come after one of more than ten
 // steps. A minimisation that starts from the solution of a coarser mesh or of a lower degree has little but such places
 // left to solve: there also after every step that gained less than ten times what all nodes could reach alone. But not
-// while local minimisations have done more than a fifth of the work of the steps over the whole mesh, small ones in
-// a large mesh more than a tenth: about a fifth of the time; more of them save steps, and little time.
+// while local minimisations have done more than a sixth of the work of the steps over the whole mesh, and where each
+// step is dear (curved elements, or from a coarser mesh in 3D) the one that takes them to a quarter ends there: less
+// than a fifth of the time; more of them save steps, and little time.
 //
 // How: Newton's method with a Hessian that keeps as much of its negative eigenvalues as it bears (negative_part.hpp).
 // What holds up the mesh is in turn held up by few of its nodes: where a local step gained less than ten times what its

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -47,6 +48,22 @@ TEST_CASE("2D goes to Cholesky, large 3D systems to conjugate gradients, small o
     CHECK(solver.factor_flops() == 0);  // the analysis of Cholesky, dearer than the solve, was not made
     params.cg_from_unknowns[1] = A.size() + 1;
     CHECK(LinearSolver(3, params).solve(A, b, x).used == SolverKind::cholesky);
+}
+
+TEST_CASE("work is counted in passes over an entry: iterations times entries, of Cholesky more slowly than its flops") {
+    const auto work_per_flop = [](int k) {
+        const BlockCsr A = random_spd(k * k * k, 3, grid_3d(k));
+        const std::vector<double> b = random_vector(A.size());
+        std::vector<double> x;
+        const SolveResult iterated = LinearSolver(3, params_of(SolverKind::cg)).solve(A, b, x);
+        CHECK(iterated.passes == static_cast<double>(iterated.iterations) * A.blocks() * 9);
+        LinearSolver direct(3, params_of(SolverKind::cholesky));
+        const double passes = direct.solve(A, b, x).passes;
+        CHECK(std::log(passes / 8.5) == doctest::Approx(0.7 * std::log(direct.factor_flops())));
+        return passes / direct.factor_flops();
+    };
+    const double of_small = work_per_flop(4);
+    CHECK(of_small > 2 * work_per_flop(12));
 }
 
 TEST_CASE("all solvers find the same solution, and say how good it is") {

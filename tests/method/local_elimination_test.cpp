@@ -15,6 +15,13 @@ using namespace almesh::test;
 
 namespace {
 
+// Of Newton's method over the whole mesh: local minimisations have no bound.
+LocalElimination after_much_work() {
+    LocalElimination elimination;
+    elimination.add_work_of_newton(1e12);
+    return elimination;
+}
+
 // A minimum with one node pushed out of its place.
 struct Disturbed {
     Minimisation problem;
@@ -72,7 +79,7 @@ TEST_CASE("a node out of its place goes back, and nodes far away stay where they
     Disturbed at;
     const double disturbed = at.energy, least = at.E.energy(at.minimum);
     std::vector<double> x = at.x;
-    const LocalElimination::Result relaxed = LocalElimination().eliminate(at.E, at.H, at.g, 0, x, at.energy);
+    const LocalElimination::Result relaxed = after_much_work().eliminate(at.E, at.H, at.g, 0, x, at.energy);
     CHECK(relaxed.steps > 0);
     CHECK(relaxed.nodes > 1);
     CHECK(relaxed.nodes < at.problem.mesh.nodes());
@@ -88,14 +95,14 @@ TEST_CASE("the energy never grows, and little is done where nothing is to be gai
     std::vector<double> x = at.x;
     const double before = at.energy;
     // No step is worth another.
-    const LocalElimination::Result once = LocalElimination().eliminate(at.E, at.H, at.g, 1e3, x, at.energy);
+    const LocalElimination::Result once = after_much_work().eliminate(at.E, at.H, at.g, 1e3, x, at.energy);
     CHECK(once.steps == 1);
     CHECK(at.energy < before);
     std::vector<double> g(x.size());
     at.E.gradient(at.minimum, g);
     double energy = at.E.energy(at.minimum);
     const double least = energy;
-    LocalElimination().eliminate(at.E, at.H, g, 0, at.minimum, energy);
+    after_much_work().eliminate(at.E, at.H, g, 0, at.minimum, energy);
     CHECK(energy <= least);
     CHECK(energy == at.E.energy(at.minimum));
 }
@@ -104,7 +111,7 @@ TEST_CASE("local elimination has the same bits for any number of threads") {
     const Mesh mesh = raise_degree(cube_mesh(4), 2);  // in the part too, enough for several threads
     const auto results = for_threads([&] {
         Disturbed at(mesh, 0.02);
-        LocalElimination().eliminate(at.E, at.H, at.g, 0, at.x, at.energy);
+        after_much_work().eliminate(at.E, at.H, at.g, 0, at.x, at.energy);
         return at.x;
     });
     CHECK(results[0] == results[1]);
@@ -152,7 +159,7 @@ TEST_CASE("large local systems are solved so well that three steps are enough") 
     BlockCsr H = problem.distortion.hessian_pattern();
     E.hessian(x, HessianKind::projected, H);
     double energy = before;
-    const LocalElimination::Result relaxed = LocalElimination().eliminate(E, H, g, 0, x, energy);
+    const LocalElimination::Result relaxed = after_much_work().eliminate(E, H, g, 0, x, energy);
     REQUIRE(3 * relaxed.nodes >= 8000);
     CHECK(relaxed.steps <= 3);
     CHECK(energy - least < 1e-8 * (before - least));
@@ -173,7 +180,7 @@ TEST_CASE("local minimisations begin after the thirteenth step, or the first aft
     CHECK_FALSE(is_due(1, 1e9));
 }
 
-TEST_CASE("local minimisations wait while they have done more than a fifth of the work over the whole mesh") {
+TEST_CASE("local minimisations wait while they have done more than a sixth of the work over the whole mesh") {
     Disturbed at;
     LocalElimination elimination;
     const auto is_due = [&] { return elimination.is_due(13, at.H, at.g, 0); };
@@ -182,15 +189,41 @@ TEST_CASE("local minimisations wait while they have done more than a fifth of th
     CHECK_FALSE(is_due());
     const double work = elimination.state().work;
     CHECK(work > 2 * at.E.distortion.hessian_passes() * 0.1);  // elements around the node, in some steps
-    elimination.add_work_of_newton(4.9 * work);
+    elimination.add_work_of_newton(5.5 * work);
     CHECK_FALSE(is_due());
     LocalElimination other;
     other.set_state(elimination.state());
-    other.add_work_of_newton(0.2 * work);
+    other.add_work_of_newton(0.1 * work);
     CHECK(other.is_due(13, at.H, at.g, 0));
     elimination.reset();  // the run goes on
     CHECK_FALSE(is_due());
     CHECK_FALSE(elimination.is_due(1000, at.H, at.g, 0));
+}
+
+TEST_CASE("a dear local minimisation ends when all have done more than a quarter of the work over the whole mesh") {
+    const Disturbed at(cube_mesh(6), 0.12);
+    const auto relax = [&](LocalElimination& elimination) {
+        std::vector<double> x = at.x;
+        double energy = at.energy;
+        return elimination.eliminate(at.E, at.H, at.g, 0, x, energy).steps;
+    };
+    LocalElimination cheap;  // linear elements, nothing known of a coarser mesh
+    CHECK(relax(cheap) > 2);
+    LocalElimination unbounded = after_much_work();
+    unbounded.set_from_coarser(true);
+    const int steps = relax(unbounded);
+    REQUIRE(steps > 2);
+    const double work = unbounded.state().work;
+    for (const double part : {1.0, 0.5, 0.0}) {  // of that work, which the bound leaves room for
+        CAPTURE(part);
+        LocalElimination bounded;
+        bounded.set_from_coarser(true);
+        bounded.add_work_of_newton(part * work / 0.26);
+        const int fewer = relax(bounded);
+        CHECK((fewer == steps) == (part == 1));
+        if (part == 0) CHECK(fewer == 1);
+        CHECK(relax(bounded) == 1);  // what was done before counts
+    }
 }
 
 // Disturbed so that what is left to gain is around one node.
@@ -238,7 +271,7 @@ TEST_CASE("few nodes that hold up a local minimisation are minimised over first"
         BlockCsr H = problem.distortion.hessian_pattern();
         E.hessian(x, HessianKind::projected, H);
         double energy = E.energy(x);
-        CHECK(LocalElimination().eliminate(E, H, g, 0, x, energy).steps <= 4);  // 8 if all move at once
+        CHECK(after_much_work().eliminate(E, H, g, 0, x, energy).steps <= 4);  // 8 if all move at once
         return x;
     };
     const auto results = for_threads(run);
