@@ -34,8 +34,8 @@ constexpr int failures_to_give_up = 2;  // of iterative solvers in a row, if the
 constexpr double worth = 4;        // Cholesky may cost this many times what an iterative solver has just spent, or
                                    // once what it has spent since it last succeeded
 constexpr double flops_of_entry = 20;  // of Cholesky, in the time that an iteration spends on an entry of A
-// The same from small to large matrices: passes = factor flops^power, within a half from 3e6 to 1e10 flops, as large
-// dense blocks are eliminated at a higher rate.
+// The same from small to large matrices: passes = factor flops^power, to a factor of 1.7 from 3e6 to 1e10 flops, as
+// large dense blocks are eliminated at a higher rate.
 constexpr double factor_of_flops = 8.5, power_of_flops = 0.7;
 constexpr double refine_above = 1e-15;  // scaled residual from which a step of iterative refinement is worth a solve
 
