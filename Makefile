@@ -67,6 +67,10 @@ $(BUILD)/%.o: %.cpp $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(CXX) $(FLAGS) -MMD -MP -c $< -o $@
 
+# Tests wait for the library, not for themselves: a fifth of `make test` is saved by what is not optimised here.
+TEST_FLAGS := -O1 -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
+$(TEST_OBJECTS): FLAGS += $(TEST_FLAGS)
+
 # Only this file knows the commit; it is rebuilt when that changes.
 $(BUILD)/src/app/version.o: FLAGS += -DALMESH_VERSION='"$(VERSION)"' -DALMESH_COMMIT='"$(COMMIT)"' -DALMESH_FLAGS='"$(CXXFLAGS) $(OPENMP)"'
 $(BUILD)/src/app/version.o: $(BUILD)/commit
@@ -123,7 +127,8 @@ run-other-tests: $(BUILD)/almesh-tests
 run-fast-tests: $(BUILD)/almesh-tests
 	$(UNDER) $(BUILD)/almesh-tests -tce='$(SLOW_TESTS)'
 
-$(BUILD)/almesh-tests: $(TEST_OBJECTS) $(LIBRARY)
+# The library first: an inline function that both have is then the library's.
+$(BUILD)/almesh-tests: $(LIBRARY) $(TEST_OBJECTS)
 	$(CXX) $(FLAGS) $^ -o $@
 
 bench: almesh $(BUILD)/almesh-bench ## time kernels and decks against the machine's limits: outputs/bench.csv (QUICK=1: the cheap ones)
