@@ -77,6 +77,8 @@ public:
             nodes_.push_back({{}, begin, middle, 0});
             nodes_.push_back({{}, middle, end, 0});
         }
+        in_order_.reserve(items.size());
+        for (const int i : items) in_order_.push_back(boxes[i]);
     }
 
     // found(i) for every box i that overlaps `box`, among items[first], items[first + 1], .... Called with the box of
@@ -90,7 +92,7 @@ public:
             return;
         }
         for (int k = std::max(node.begin, first); k < node.end; ++k)
-            if (overlap(boxes[items[k]], box)) found(items[k]);
+            if (overlap(in_order_[k], box)) found(items[k]);
     }
 
     // Least value of squared(i) over all boxes i, where squared(i) is the squared distance of `point` to something
@@ -108,19 +110,20 @@ public:
             return best;
         }
         for (int k = node.begin; k < node.end; ++k)
-            if (squared_distance(boxes[items[k]], point) < best) best = std::min(best, squared(items[k]));
+            if (squared_distance(in_order_[k], point) < best) best = std::min(best, squared(items[k]));
         return best;
     }
 
 private:
-    static constexpr int leaf_items = 2;
+    static constexpr int leaf_items = 8;
 
     struct Node {
         Box box;
         int begin, end;  // its items
         int child;       // first of two consecutive nodes, 0 for a leaf
     };
-    std::vector<Node> nodes_;  // the root first
+    std::vector<Node> nodes_;    // the root first
+    std::vector<Box> in_order_;  // of items
 };
 
 }  // namespace almesh

@@ -3,6 +3,8 @@
 // patches penetrate each other by more than the curved ones deviate from them, the curved ones cross. Pairs with
 // neither proof are bisected.
 #include <algorithm>
+#include <array>
+#include <initializer_list>
 #include <limits>
 
 #include "geometry/patch.hpp"
@@ -19,21 +21,32 @@ Vec<3> centre(const Patch& patch, int m) {
     return sum;
 }
 
+// At most as many directions as candidate_axes() has.
+struct Axes {
+    std::array<Vec<3>, 18> axis;
+    int count = 0;
+
+    void add(std::initializer_list<Vec<3>> more) {
+        for (const Vec<3>& direction : more) axis[count++] = direction;
+    }
+    const Vec<3>* begin() const { return axis.data(); }
+    const Vec<3>* end() const { return axis.data() + count; }
+};
+
 // Directions among which there is a separating one if the flat patches do not cross.
-std::vector<Vec<3>> candidate_axes(const Patch& a, const Patch& b, int m) {
-    std::vector<Vec<3>> axes;
-    axes.reserve(18);
-    axes.push_back(centre(b, m) - centre(a, m));
+Axes candidate_axes(const Patch& a, const Patch& b, int m) {
+    Axes axes;
+    axes.add({centre(b, m) - centre(a, m)});
     if (m == 1) {
-        for (const Vec<3>& side : {a[1] - a[0], b[1] - b[0]}) axes.insert(axes.end(), {side, {side[1], -side[0], 0}});
+        for (const Vec<3>& side : {a[1] - a[0], b[1] - b[0]}) axes.add({side, {side[1], -side[0], 0}});
         return axes;
     }
     const Vec<3> sides_a[3] = {a[1] - a[0], a[2] - a[1], a[0] - a[2]}, normal_a = cross(sides_a[0], sides_a[1]);
     const Vec<3> sides_b[3] = {b[1] - b[0], b[2] - b[1], b[0] - b[2]}, normal_b = cross(sides_b[0], sides_b[1]);
-    axes.insert(axes.end(), {normal_a, normal_b});
+    axes.add({normal_a, normal_b});
     for (int k = 0; k < 3; ++k) {
-        axes.insert(axes.end(), {cross(normal_a, sides_a[k]), cross(normal_b, sides_b[k])});
-        for (const Vec<3>& side : sides_b) axes.push_back(cross(sides_a[k], side));
+        axes.add({cross(normal_a, sides_a[k]), cross(normal_b, sides_b[k])});
+        for (const Vec<3>& side : sides_b) axes.add({cross(sides_a[k], side)});
     }
     return axes;
 }
@@ -56,7 +69,7 @@ double gap_along(const Vec<3>& axis, const Patch& s, const Patch& t, int points)
 }
 
 // Largest gap over the axes; stops above `enough`.
-double largest_gap(const std::vector<Vec<3>>& axes, const Patch& s, const Patch& t, int points, double enough) {
+double largest_gap(const Axes& axes, const Patch& s, const Patch& t, int points, double enough) {
     double largest = -std::numeric_limits<double>::infinity();
     for (const Vec<3>& axis : axes) {
         const double norm = length(axis);
@@ -74,7 +87,7 @@ using Pair = std::pair<Patch, Patch>;
 Contact test_or_bisect(const Bernstein& basis, const Patch& s, const Patch& t, std::vector<Pair>& pairs) {
     const int m = basis.dim;
     const double touching = rounding * std::min(size_of(s, m), size_of(t, m));
-    const std::vector<Vec<3>> axes = candidate_axes(s, t, m);
+    const Axes axes = candidate_axes(s, t, m);
     if (largest_gap(axes, s, t, basis.count, -touching) >= -touching) return Contact::apart;
     const double deviation_s = deviation(basis, s), deviation_t = deviation(basis, t);
     const double enough = -(deviation_s + deviation_t) - touching;
@@ -89,8 +102,9 @@ Contact test_or_bisect(const Bernstein& basis, const Patch& s, const Patch& t, s
 }  // namespace
 
 Contact patch_contact(const Bernstein& basis, const Patch& a, const Patch& b) {
-    std::vector<Pair> pairs(1, {a, b});
-    for (int tested = 0; !pairs.empty(); ++tested) {
+    std::vector<Pair> pairs;
+    if (const Contact whole = test_or_bisect(basis, a, b, pairs); whole != Contact::undecided) return whole;
+    for (int tested = 1; !pairs.empty(); ++tested) {
         if (tested == max_pairs) return Contact::undecided;
         const auto [s, t] = std::move(pairs.back());
         pairs.pop_back();
