@@ -51,6 +51,10 @@ endif
 
 PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'import numpy, matplotlib' 2>/dev/null && echo $(p))) python3)
 
+# A line for each step; V=1 shows the commands.
+Q         := $(if $(V),,@)
+said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
+
 .DEFAULT_GOAL := all
 .PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-examples cholmod paper gauntlet defaults run-fast-tests matrix reproduce mutants \
         figures meshes lessons check-lessons animation clean FORCE
@@ -58,14 +62,16 @@ PYTHON    ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(shell $(p) -c 'i
 all: almesh ## build the program ./almesh
 
 almesh: $(BUILD)/almesh
-	cp $< $@.new && mv -f $@.new $@
+	@cp $< $@.new && mv -f $@.new $@
 
 $(BUILD)/almesh: $(OBJECTS)
-	$(CXX) $(FLAGS) $^ $(GOMP) -o $@
+	$(call said,LINK,$@)
+	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
 $(BUILD)/%.o: %.cpp $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) -MMD -MP -c $< -o $@
+	$(call said,CXX,$<)
+	$(Q)$(CXX) $(FLAGS) -MMD -MP -c $< -o $@
 
 # Tests wait for the library, not for themselves: a fifth of `make test` is saved by what is not optimised here.
 TEST_FLAGS := -O1 -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
@@ -108,7 +114,8 @@ fuzz: ## fuzz decks, mesh files, matrices, quality and whole runs, a minute each
 	tests/fuzz/fuzz.sh build-fuzz/almesh-fuzz $(MINUTES) $(HARNESSES)
 
 $(BUILD)/almesh-fuzz: $(FUZZ_OBJECTS) $(LIBRARY)
-	$(CXX) $(FLAGS) -fsanitize=fuzzer $^ -o $@
+	$(call said,LINK,$@)
+	$(Q)$(CXX) $(FLAGS) -fsanitize=fuzzer $^ -o $@
 
 # Tests, and decks against their reference, with all compilers; reproduce: all decks with the program as built here.
 matrix: doctest python ## build and test with g++, clang++, libc++, sanitizers, for aarch64, ...: a table (QUICK=1, ONLY=libc++)
@@ -129,19 +136,22 @@ run-fast-tests: $(BUILD)/almesh-tests
 
 # The library first: an inline function that both have is then the library's.
 $(BUILD)/almesh-tests: $(LIBRARY) $(TEST_OBJECTS)
-	$(CXX) $(FLAGS) $^ -o $@
+	$(call said,LINK,$@)
+	$(Q)$(CXX) $(FLAGS) $^ -o $@
 
 bench: almesh $(BUILD)/almesh-bench ## time kernels and decks against the machine's limits: outputs/bench.csv (QUICK=1: the cheap ones)
 	$(BUILD)/almesh-bench $(if $(QUICK),quick)
 
 $(BUILD)/almesh-bench: $(BENCH_OBJECTS) $(LIBRARY)
-	$(CXX) $(FLAGS) $^ -o $@
+	$(call said,LINK,$@)
+	$(Q)$(CXX) $(FLAGS) $^ -o $@
 
 compare-cholmod: cholmod $(BUILD)/almesh-compare-cholmod ## time the sparse Cholesky against SuiteSparse's: outputs/compare-cholmod.txt
 	$(BUILD)/almesh-compare-cholmod $(SYSTEMS)
 
 $(BUILD)/almesh-compare-cholmod: $(COMPARISON) $(LIBRARY)
-	$(CXX) $(FLAGS) $^ -lcholmod -ldl -o $@
+	$(call said,LINK,$@)
+	$(Q)$(CXX) $(FLAGS) $^ -lcholmod -ldl -o $@
 
 $(COMPARISON): | cholmod
 
@@ -157,21 +167,25 @@ python:
 # The library in one file, so that the programs of the course are linked quickly.
 $(BUILD)/libalmesh.a: $(LIBRARY)
 	@rm -f $@
-	$(AR) rcs $@ $^
+	$(call said,AR,$@)
+	$(Q)$(AR) rcs $@ $^
 
 .SECONDARY: $(LESSON_OBJECTS)
 
 $(BUILD)/lessons/check-%: $(BUILD)/src/lessons/exercises/%.o $(BUILD)/tests/lessons/%_check.o $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $^ $(GOMP) -o $@
+	$(call said,LINK,$@)
+	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
 $(BUILD)/lessons/solved-%: $(BUILD)/src/lessons/solutions/%.o $(BUILD)/tests/lessons/%_check.o $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $^ $(GOMP) -o $@
+	$(call said,LINK,$@)
+	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
 $(BUILD)/lessons/%: $(BUILD)/src/lessons/%.o $(BUILD)/libalmesh.a
 	@mkdir -p $(@D)
-	$(CXX) $(FLAGS) $^ $(GOMP) -o $@
+	$(call said,LINK,$@)
+	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
 lesson-%: almesh FORCE ## run the commands of a lesson's handout and draw its picture: make lesson-01
 	$(MAKE) $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(BUILD)/lessons/check-$*
