@@ -4,11 +4,15 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
+#include <filesystem>
+#include <fstream>
 #include <new>
 #include <optional>
 
 #include "app/deck.hpp"
 #include "app/linsolve.hpp"
+#include "base/text.hpp"
+#include "io/mesh_format.hpp"
 
 namespace almesh {
 namespace {
@@ -61,11 +65,36 @@ std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, 
     return std::nullopt;
 }
 
+bool is_mesh(const std::string& path) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored)) return false;  // what a pipe holds can be read once
+    std::string start(4096, '\0');
+    std::ifstream file(path, std::ios::binary);
+    file.read(start.data(), static_cast<std::streamsize>(start.size()));
+    start.resize(static_cast<std::size_t>(file.gcount()));
+    return std::any_of(std::begin(mesh_formats), std::end(mesh_formats), [&](const MeshFormat& format) {
+        return !start.empty() && (format.recognise(start) || path.ends_with(format.ending));
+    });
+}
+
+// What to type instead of `almesh MESH`.
+[[noreturn]] void refuse_mesh(const std::string& mesh) {
+    const std::string deck = std::filesystem::path(mesh).stem().string() + ".deck";
+    const auto quoted = [](const std::string& name) { return quoted_where_needed(name, " \t\"'$&;()<>|*?#"); };
+    throw UsageError(mesh, ": this is a mesh; what happens to it is said by a deck. Make one from it, edit its motions, "
+                     "and run it:\n  almesh info ", quoted(mesh), " > ", quoted(deck), "\n  almesh ", quoted(deck),
+                     "\nor certify and measure the mesh as it is:\n  almesh quality ", quoted(mesh));
+}
+
 // The results of a run are its files: whoever reads what it prints may go away. Of the other commands it is all there
 // is.
 ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
-    if (arguments.empty()) throw UsageError("nothing to do: give a deck, or see almesh --help");
+    if (arguments.empty()) {
+        std::fputs(help, out);
+        return ExitCode::usage;
+    }
     const auto printed = print_result(arguments, out);
+    if (!printed && is_mesh(arguments[0])) refuse_mesh(arguments[0]);
     if (!printed) return run(read_deck(arguments[0], {arguments.begin() + 1, arguments.end()}), out);
     if (std::fflush(out) != 0 || std::ferror(out)) throw InputError("cannot write the output: ", std::strerror(errno));
     return *printed;

@@ -24,8 +24,8 @@ ExitCode run(const Deck& deck, std::FILE* out);
 // InputError for a file that is no mesh.
 ExitCode quality(const std::string& mesh_path, std::FILE* out);
 
-// What is in a mesh file, as comments, and a deck to start from: all boundaries fixed. Throws InputError for a file
-// that is no mesh.
+// What is in a mesh file, as comments, and a deck to start from, wherever it is put: all boundaries fixed. Throws
+// InputError for a file that is no mesh.
 ExitCode info(const std::string& mesh_path, std::FILE* out);
 
 // How many elements the certificate could not prove valid, and the worst ten: id, centre in the file, lower bound of

@@ -89,14 +89,14 @@ ExitCode info(const std::string& mesh_path, std::FILE* out) {
     for (std::size_t b = 0; b < parts.size(); ++b)
         std::fprintf(out, "#   %-*s  %d faces, %zu nodes, %s\n", static_cast<int>(width), mesh.boundaries[b].c_str(),
                      parts[b].faces, parts[b].nodes.size(), box_of_nodes(parts[b].nodes).c_str());
-    const std::string stem = std::filesystem::path(mesh_path).stem().string();
+    const std::filesystem::path absolute = std::filesystem::absolute(mesh_path).lexically_normal();
+    const std::string stem = absolute.stem().string();
     std::fprintf(out,
-                 "#\n# A deck: change the motions and run it, almesh THIS-FILE. For instance `translate %s`, "
-                 "`rotate 30%s`,\n"
-                 "# `slide`; all motions and keys: almesh --keys.\n"
+                 "#\n# A deck: change the motions and run it from any folder, almesh THIS-FILE. For instance "
+                 "`translate %s`,\n# `rotate 30%s`, `slide`; all motions and keys: almesh --keys.\n"
                  "mesh = %s\noutput = %s\n",
                  mesh.dim == 2 ? "1 0" : "1 0 0", mesh.dim == 2 ? " about 0 0" : " axis 0 0 1",
-                 quoted_where_needed(mesh_path, "#\"").c_str(), quoted_where_needed("outputs/" + stem, "#\"").c_str());
+                 quoted_where_needed(absolute.string(), "#\"").c_str(), quoted_where_needed("outputs/" + stem, "#\"").c_str());
     for (const std::string& name : mesh.boundaries)
         std::fprintf(out, "boundary %s = fixed\n", quoted_where_needed(name, "#=\" \t").c_str());
     return ExitCode::success;

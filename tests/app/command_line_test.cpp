@@ -72,8 +72,7 @@ TEST_CASE("--version tells program, commit and compiler") {
 
 TEST_CASE("wrong command lines end with code 1 and a hint, and print nothing else") {
     for (const auto& [arguments, message] :
-         std::vector<std::pair<std::vector<std::string>, std::string>>{{{}, "--help"},
-                                                                       {{"--hlep"}, "unknown option --hlep"},
+         std::vector<std::pair<std::vector<std::string>, std::string>>{{{"--hlep"}, "unknown option --hlep"},
                                                                        {{"-x"}, "unknown option -x"},
                                                                        {{"quality"}, "almesh quality FILE"},
                                                                        {{"quality", "a", "b"}, "almesh quality FILE"},
@@ -85,6 +84,29 @@ TEST_CASE("wrong command lines end with code 1 and a hint, and print nothing els
         CHECK(has(outcome.error, message));
         CHECK(outcome.error.ends_with('\n'));
     }
+}
+
+TEST_CASE("without arguments: the help, and code 1") {
+    const Outcome outcome = almesh_with({});
+    CHECK(outcome.code == 1);
+    CHECK(outcome.out == almesh_with({"--help"}).out);
+    CHECK(outcome.error.empty());
+}
+
+TEST_CASE("a mesh in place of a deck: code 1, and what to type") {
+    const TemporaryFolder folder;
+    const std::string mesh = msh_of(square_mesh(2)), square = folder.write("square.msh", mesh);
+    for (const std::string& path : {square, folder.write("named.otherwise", mesh), folder.write("a.su2", "%\nNDIME= 2\n"),
+                                    folder.write("empty of sense.msh", "no mesh\n")}) {
+        const Outcome outcome = almesh_with({path, "boundary all=fixed"});
+        CHECK(outcome.code == 1);
+        CHECK(outcome.out.empty());
+        CHECK(has(outcome.error, path + ": this is a mesh"));
+    }
+    CHECK(has(almesh_with({square}).error, "\n  almesh info " + square + " > square.deck\n  almesh square.deck\n"));
+    CHECK(has(almesh_with({folder.path("empty of sense.msh")}).error, " > \"empty of sense.deck\"\n"));
+    CHECK(has(almesh_with({folder.path("missing.msh")}).error, "cannot be opened"));
+    CHECK(has(almesh_with({folder.write("empty.deck", "")}).error, "mesh"));
 }
 
 TEST_CASE("quality of a valid mesh") {

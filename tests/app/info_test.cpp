@@ -1,5 +1,8 @@
 #include <doctest/doctest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "support/ring_deck.hpp"
 
 using namespace almesh;
@@ -20,6 +23,22 @@ TEST_CASE("info tells what is in a mesh, and is a deck that runs") {
     CHECK(run.code == 0);
     CHECK(almesh_with({"info"}).code == 1);
     CHECK(almesh_with({"info", ring.folder.path("nothing.msh")}).code == 2);
+}
+
+TEST_CASE("a deck from info runs from any folder") {
+    const RingDeck ring;
+    const auto here = std::filesystem::current_path();
+    std::filesystem::current_path(ring.folder.path());
+    const Outcome told = almesh_with({"info", "ring.msh"});
+    std::filesystem::create_directories("far/away");
+    std::filesystem::current_path("far/away");
+    std::ofstream("my.deck") << told.out;
+    const Outcome run = almesh_with({"my.deck"});
+    const bool has_result = std::filesystem::exists("outputs/ring/final.msh");
+    std::filesystem::current_path(here);
+    CAPTURE(run.error);
+    CHECK(run.code == 0);
+    CHECK(has_result);
 }
 
 TEST_CASE("info tells the format of a file, and what comes along with the mesh") {
