@@ -85,5 +85,5 @@ int main(int count, char** argument) {
     if (count > 1) return 0;
     std::filesystem::create_directories("outputs/lessons/01-distortion");
     write_map("outputs/lessons/01-distortion/map.csv");
-    std::printf("outputs/lessons/01-distortion/map.csv: eta for every place of x\n");
+    std::printf("outputs/lessons/01-distortion/map.csv: eta for every position of x\n");
 }

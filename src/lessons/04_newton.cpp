@@ -1,4 +1,4 @@
-// Lesson 4: Newton's method with a line search on a square whose boundary is held and whose inside has been swirled.
+// Lesson 4: Newton's method with a line search on a square whose boundary is fixed and whose inside has been swirled.
 //
 //     minimise  E(x) = integral of eta^2 (deviation: of (eta - 1)^2)  over the positions x of the interior nodes
 //
@@ -129,9 +129,9 @@ int main(int count, char** argument) {
     }
     if (!std::set<std::string>{"", "pure", "search", "projected", "switching"}.contains(method))
         return std::fprintf(stderr, "no method '%s': pure, search, projected, switching\n", method.c_str()), 2;
-    const std::set<int> held(mesh.faces.begin(), mesh.faces.end());
+    const std::set<int> fixed(mesh.faces.begin(), mesh.faces.end());
     for (int i = 0; i < 2 * mesh.nodes(); ++i)
-        if (!held.contains(i / 2)) interior.push_back(i);
+        if (!fixed.contains(i / 2)) interior.push_back(i);
     PlainEnergy E(mesh, mesh.x, params);
     const std::string folder = "outputs/lessons/04-newton/";
     std::filesystem::create_directories(folder);

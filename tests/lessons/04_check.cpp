@@ -64,7 +64,7 @@ EXERCISE("4.3", "the positive semidefinite part of a matrix") {
     }
 }
 
-EXERCISE("4.4", "holding the boundary") {
+EXERCISE("4.4", "fixing the boundary") {
     const Mesh mesh = unit_square(0);
     const Vector x = swirled(mesh, 40, false);
     PlainEnergy energy(mesh, mesh.x, {.objective = Objective::squared});
@@ -73,30 +73,30 @@ EXERCISE("4.4", "holding the boundary") {
     Vector g(x.size(), 0.0);
     energy.add_gradient(x, g);
 
-    std::vector<char> held(mesh.nodes(), 0);
-    for (const int i : mesh.faces) held[i] = 1;
+    std::vector<char> fixed(mesh.nodes(), 0);
+    for (const int i : mesh.faces) fixed[i] = 1;
     std::vector<int> all, interior;
     for (int i = 0; i < 2 * mesh.nodes(); ++i) {
         all.push_back(i);
-        if (!held[i / 2]) interior.push_back(i);
+        if (!fixed[i / 2]) interior.push_back(i);
     }
     Vector expected, of_interior, d;
     for (const int i : interior) of_interior.push_back(-g[i]);
     solve_dense(dense_part(H, interior), of_interior, expected);
 
-    hold(H, g, held);
+    fix_nodes(H, g, fixed);
     const Vector A = dense_part(H, all);
     const int n = static_cast<int>(all.size());
     double asymmetry = 0;
     for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j) asymmetry = std::max(asymmetry, std::abs(A[i * n + j] - A[j * n + i]));
     expect(asymmetry < 1e-12, "H has become unsymmetric, by ", asymmetry,
-           ": set columns of held nodes to 0, not only rows");
+           ": set columns of fixed nodes to 0, not only rows");
     for (double& entry : g) entry = -entry;
     expect(solve_dense(A, g, d, 1e-13),
-           "H is singular: are nodes held, with a number on their diagonal that is not 0?");
+           "H is singular: are nodes fixed, with a number on their diagonal that is not 0?");
     for (int i = 0; i < n; ++i)
-        expect(!held[i / 2] || std::abs(d[i]) < 1e-12, "d at node ", i / 2, ", which is held, is ", d[i],
+        expect(!fixed[i / 2] || std::abs(d[i]) < 1e-12, "d at node ", i / 2, ", which is fixed, is ", d[i],
                ", expected 0", g[i] != 0 ? ": its entry of g is not 0" : "");
     for (std::size_t i = 0; i < interior.size(); ++i)
         expect_close(concat("d at node ", interior[i] / 2), d[interior[i]], expected[i], 1e-9,

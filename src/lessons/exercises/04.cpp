@@ -17,7 +17,7 @@ Mat<2> positive_part(const Mat<2>& A) {
     return A;  // ANSWER 4.3
 }
 
-void hold(BlockCsr& /*H*/, std::vector<double>& /*g*/, const std::vector<char>& /*held*/) {
+void fix_nodes(BlockCsr& /*H*/, std::vector<double>& /*g*/, const std::vector<char>& /*fixed*/) {
     // ANSWER 4.4
 }
 

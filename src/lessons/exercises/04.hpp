@@ -22,9 +22,9 @@ double backtracked(const std::function<double(double)>& E, double slope);
 // 4.3 The positive semidefinite part of a symmetric 2 x 2 matrix: the same eigenvectors, negative eigenvalues set to 0.
 Mat<2> positive_part(const Mat<2>& A);
 
-// 4.4 Holds nodes: changes the system H d = -g so that d is 0 at each node i with held[i] and solves the system of the
+// 4.4 Fixes nodes: changes the system H d = -g so that d is 0 at each node i with fixed[i] and solves the system of the
 // other nodes for these, and so that H stays symmetric and does not become singular. g: (x_0, y_0, x_1, ...).
-void hold(BlockCsr& H, std::vector<double>& g, const std::vector<char>& held);
+void fix_nodes(BlockCsr& H, std::vector<double>& g, const std::vector<char>& fixed);
 
 // 4.5 Newton's method in one variable with all that is needed: from x, where f is finite, to |f'| <= 1e-7. Where
 // f'' <= 0 take |f''| in its place (if that is 0: 1); use your answer to 4.2. f1 and f2, the derivatives of f, must

@@ -29,16 +29,16 @@ Mat<2> positive_part(const Mat<2>& A) {
     return {{{sum + difference * c, difference * s}, {difference * s, sum - difference * c}}};
 }
 
-void hold(BlockCsr& H, std::vector<double>& g, const std::vector<char>& held) {
+void fix_nodes(BlockCsr& H, std::vector<double>& g, const std::vector<char>& fixed) {
     for (int i = 0; i < H.n; ++i)
         for (int k = H.row[i]; k < H.row[i + 1]; ++k) {
             const int j = H.col[k];
-            if (!held[i] && !held[j]) continue;
+            if (!fixed[i] && !fixed[j]) continue;
             for (int a = 0; a < 2; ++a)
                 for (int b = 0; b < 2; ++b) H.block(k)[2 * a + b] = i == j && a == b;
         }
     for (int i = 0; i < H.n; ++i)
-        if (held[i]) g[2 * i] = g[2 * i + 1] = 0;
+        if (fixed[i]) g[2 * i] = g[2 * i + 1] = 0;
 }
 
 double minimise(const std::function<double(double)>& f, const std::function<double(double)>& f1,
