@@ -220,10 +220,10 @@ const std::vector<DeckKey>& deck_keys() {
          "Seconds after which the run ends as `interrupted`, after the Newton step at hand, with its results written; "
          "0: never."},
         {"checkpoint", number<&Deck::checkpoint>({0, 1e9}),
-         "Seconds between two savings of the run's state, in the folder checkpoint of its results, which goes when the "
-         "run has come to its end; 0: none."},
+         "After a minimisation the run's state is saved, where so many seconds have gone since it was saved last, in the "
+         "folder checkpoint of its results, which goes when the run has come to its end; 0: never."},
         {"resume", number<&Deck::resume>({0, 1}),
-         "1: the run goes on from its saved state, where it was interrupted or killed, and ends with the same bits as "
+         "1: the run goes on from its saved state, after it was interrupted or killed, and ends with the same bits as "
          "if it had not been."},
         {"threads", number<&Deck::threads>({0, 1024}), "Threads; 0: all, or what OMP_NUM_THREADS says."},
     };

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "app/problem.hpp"
 #include "app/results.hpp"
+#include "app/results_folder.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
@@ -17,11 +19,6 @@ std::string shown(double value, int digits = 4) {
     std::string text;
     append(text, value, digits);
     return text;
-}
-
-bool has_stepped(const Solution& solution) {
-    return solution.al.newton_iterations + solution.al.followed_newton_iterations + solution.coarse_newton_iterations >
-           0;
 }
 
 bool is_certified(const Solution& solution) { return solution.injectivity.certified; }
@@ -270,7 +267,7 @@ std::vector<std::string> remedies(const Deck& deck, const Problem& problem, cons
             add_against_distance(deck, problem, solution, to_try);
             break;
         case AlStatus::interrupted:
-            to_try.push_back(deck.checkpoint > 0 && has_stepped(solution) ? "resume=1, which goes on from here"
+            to_try.push_back(std::filesystem::exists(checkpoint_folder(deck)) ? "resume=1, which goes on from here"
                              : out_of_time() ? concat("max_seconds = ", 4 * deck.max_seconds)
                                              : "it again: a run starts from the mesh file");
             add_against_sliding(deck, problem, to_try);

@@ -179,7 +179,8 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
         report.add(stage);
         solution.coarse_newton_iterations += stage.newton_iterations;
     };
-    const MethodParams params = {deck.method, deck.linear, deck.forcing, followed(deck), checkpoint};
+    MethodParams params = {deck.method, deck.linear, deck.forcing, followed(deck)};
+    params.schedule.checkpoint = checkpoint;
     const CoarseSolution coarse =
         solve_coarser(static_cast<int>(coarser.size()), make_level, params, solution.time, add_stage);
     solution.time.coarse = solution.time.total;
@@ -195,7 +196,6 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
     observer.newton_step = [&](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
     const AlStart start = start_from(coarse, level, solution.x);  // the coarse solution or the identity map
     Newton newton(level.energy->hessian_pattern(), deck.linear, deck.forcing);
-    newton.save_in(checkpoint);
     write_system(deck, newton, report);
     write_iterates(deck, problem, newton, solution.x);
     solution.time.setup = watch.seconds() - solution.time.coarse;

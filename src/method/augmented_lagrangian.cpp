@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "method/checkpoint.hpp"
 #include "method/functional.hpp"
 
 namespace almesh {
@@ -42,7 +43,7 @@ NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule&
     newton.first = HessianKind::full;
     newton.cold_start = cold;
     newton.from_coarser = from_coarser;
-    if (cold && s.tests_reach) newton.reach.largest_energy = distortion.uniform(useless_distortion);
+    if (cold && s.tests_reach) newton.largest_energy = distortion.uniform(useless_distortion);
     return newton;
 }
 
@@ -142,7 +143,8 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         const bool cold = rows.size() == 1 && start.lambda.empty();
         const NewtonParams wanted = subproblem(params, *s, cold, start.from_coarser, distortion);
         E.penalty = s->penalty();
-        const NewtonResult solved = newton.minimise(E, wanted, x, observe_step);          //  8
+        const NewtonResult solved =
+            minimise_or_recall(params.checkpoint, newton, E, wanted, x, observe_step);    //  8
         add_counts(solved, result);
         rows.push_back(measure(E, x, result.distortion, *s, solved, rows.back().iteration + 1));
         rows.back().seconds = watch.seconds();

@@ -14,8 +14,7 @@ namespace almesh {
 enum class AlStatus {
     converged,
     max_iterations,
-    infeasible,        // evidence that no valid mesh reaches the target: the first minimum is out of reach
-                       // (out_of_reach.hpp)
+    infeasible,        // evidence that no valid mesh reaches the target (stopping_tests.hpp)
     stalled,           // the constraint stopped falling while the penalty grew
     rounding_floor,    // the constraint holds, but rounding ended |grad E| above omega0 (a penalty beyond all measure)
     ended_as_printed,  // literal: the loop as printed ends when one of its two tests holds, and only one did

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/text.hpp"
+#include "method/functional.hpp"
 
 namespace almesh {
 namespace {
@@ -99,12 +100,16 @@ void visit(Archive& archive, std::vector<Item>& list) {
 }
 
 template <class Archive>
-void visit(Archive& archive, NewtonState& s) {
-    archive.words(s.start);
-    visit_all(archive, s.has_ended, s.at, s.hessian, s.forcing, s.damping, s.negative_part, s.elimination.was_hard,
-              s.elimination.is_hard, s.elimination.work_of_newton, s.elimination.work, s.solver.failures,
-              s.solver.failed_iterations, s.solver.iterative, s.solver.direct, s.quadrature.refinements,
-              s.quadrature.folds, s.x, s.steps);
+void visit(Archive& archive, NewtonMemory& m) {
+    visit_all(archive, m.steps, m.damping.factor, m.filtering.kept, m.elimination.was_hard, m.elimination.is_hard,
+              m.elimination.work_of_newton, m.elimination.work, m.solver.failures, m.solver.failed_iterations,
+              m.solver.iterative, m.solver.direct);
+}
+
+template <class Archive>
+void visit(Archive& archive, Minimised& m) {
+    archive.words(m.start);
+    visit_all(archive, m.result, m.memory, m.quadrature.refinements, m.quadrature.folds, m.x, m.steps);
 }
 
 template <class Archive, class Field>
@@ -113,7 +118,11 @@ void visit(Archive& archive, Field& field) {
     archive.number(field);
 }
 
-std::string header(const std::string& run) { return "almesh checkpoint 3\n" + run + "\n"; }
+std::string hash_of_numbers(const std::vector<double>& numbers) {
+    return hash_of({reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)});
+}
+
+std::string header(const std::string& run) { return "almesh checkpoint 4\n" + run + "\n"; }
 
 }  // namespace
 
@@ -128,30 +137,24 @@ Checkpoint::Checkpoint(std::string folder, std::string run, double seconds, bool
                          "run starts from the beginning and removes it");
 }
 
-std::optional<NewtonState> Checkpoint::next(const std::string& start) {
-    if (interrupted() && !is_over_) {
-        write();
-        is_over_ = true;
-    }
+std::optional<Minimised> Checkpoint::next(const std::string& start) {
     if (++number_ > last_) return std::nullopt;
-    std::optional<NewtonState> state = read(number_);
-    if (state && state->start == start) return state;
-    tell_(concat(path(number_), state ? " belongs to other numbers, as another machine has them" : " is damaged",
+    std::optional<Minimised> saved = read(number_);
+    if (saved && saved->start == start) return saved;
+    tell_(concat(path(number_), saved ? " belongs to other numbers, as another machine has them" : " is damaged",
                  ": computed anew from here"));
     last_ = 0;
     return std::nullopt;
 }
 
-void Checkpoint::save(NewtonState state) {
-    if (is_over_) return;
-    const bool at_once = !state.has_ended || is_due();
-    if (unwritten_.empty() || unwritten_.back().first != number_) unwritten_.emplace_back(number_, NewtonState());
-    unwritten_.back().second = std::move(state);
-    if (at_once) write();
+void Checkpoint::save(Minimised minimised) {
+    unwritten_.emplace_back(number_, std::move(minimised));
+    if (std::chrono::duration<double>(Clock::now() - written_).count() >= seconds_) write();
 }
 
 void Checkpoint::write() {
-    saved_ = Clock::now();
+    if (unwritten_.empty()) return;
+    written_ = Clock::now();
     try {
         make_folder(folder_);
         for (; !unwritten_.empty(); unwritten_.erase(unwritten_.begin()))
@@ -162,21 +165,21 @@ void Checkpoint::write() {
     }
 }
 
-std::string Checkpoint::contents(NewtonState& state) const {
+std::string Checkpoint::contents(Minimised& minimised) const {
     Writer file{header(run_)};
-    visit(file, state);
+    visit(file, minimised);
     return file.text + hash_of(file.text);
 }
 
-std::optional<NewtonState> Checkpoint::read(int number) const try {
+std::optional<Minimised> Checkpoint::read(int number) const try {
     const std::string file = read_file(path(number)), before = header(run_);
     if (!file.starts_with(before) || file.size() < before.size() + hash_length) return std::nullopt;
     Reader rest{std::string_view(file).substr(0, file.size() - hash_length)};
     if (hash_of(rest.text) != file.substr(rest.text.size())) return std::nullopt;
     rest.take(before.size());
-    NewtonState state;
-    visit(rest, state);
-    return state;
+    Minimised minimised;
+    visit(rest, minimised);
+    return minimised;
 } catch (const Damaged&) {
     return std::nullopt;
 } catch (const InputError&) {
@@ -196,6 +199,33 @@ void Checkpoint::remove(const std::string& folder) {
         if (entry.path().filename().string().find(suffix) != std::string::npos) files.push_back(entry.path().string());
     for (const std::string& file : files) remove_file(file);
     fs::remove(folder, error);
+}
+
+NewtonResult minimise_or_recall(Checkpoint* checkpoint, Newton& newton, const AugmentedFunctional& E,
+                                const NewtonParams& params, std::vector<double>& x, const NewtonObserver& observe) {
+    if (checkpoint && interrupted()) checkpoint->write();  // what follows is no part of the run
+    if (!checkpoint || interrupted()) return newton.minimise(E, params, x, observe);
+    Minimised minimised;
+    minimised.start = concat(hash_of_numbers(x), " ", hash_of_numbers(E.lambda), " ", E.energy(x));
+    if (const std::optional<Minimised> saved = checkpoint->next(minimised.start)) {
+        x = saved->x;
+        newton.recall(saved->memory);
+        E.distortion.set_quadrature(saved->quadrature);
+        for (const NewtonStep& step : saved->steps)
+            if (observe) observe(step);
+        return saved->result;
+    }
+    minimised.result = newton.minimise(E, params, x, [&](const NewtonStep& step) {
+        minimised.steps.push_back(step);
+        if (observe) observe(step);
+    });
+    const NewtonResult result = minimised.result;
+    minimised.memory = newton.memory();
+    minimised.quadrature = E.distortion.quadrature();
+    minimised.x = x;
+    if (result.status != NewtonStatus::interrupted) checkpoint->save(std::move(minimised));
+    if (interrupted()) checkpoint->write();
+    return result;
 }
 
 }  // namespace almesh

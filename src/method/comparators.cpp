@@ -8,6 +8,7 @@
 
 #include "base/interrupt.hpp"
 #include "linalg/vector_ops.hpp"
+#include "method/checkpoint.hpp"
 #include "method/functional.hpp"
 
 namespace almesh {
@@ -146,7 +147,7 @@ AugmentedFunctional BoundaryMove::functional() const {
 }
 
 void BoundaryMove::minimise(const NewtonParams& wanted, std::vector<double>& x, NewtonResult& sum) {
-    NewtonResult solved = newton.minimise(functional(), wanted, x, observe_step);
+    NewtonResult solved = minimise_or_recall(params.schedule.checkpoint, newton, functional(), wanted, x, observe_step);
     solved.iterations += sum.iterations;
     solved.linear_iterations += sum.linear_iterations;
     solved.local_steps += sum.local_steps;

@@ -31,7 +31,6 @@ std::vector<double> extended(const std::vector<double>& of_constraint, const Lev
 Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Level> level,
                         CoarseSolution& solution) {
     Newton newton(level->energy->hessian_pattern(), params.linear, params.forcing);
-    newton.save_in(params.checkpoint);
     std::vector<double> x;
     const AlStart start = start_from(solution, *level, x);
     MethodParams loose = params;

@@ -55,7 +55,6 @@ struct MethodParams {
     LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;
     Follow follow = Follow::automatic;
-    Checkpoint* checkpoint = nullptr;  // where the state of the run is saved; null: nowhere
 };
 
 // Tolerances for a solution that is only a start of the next: relative to the motion, whose size is |c_D| of the ideal

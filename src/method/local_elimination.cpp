@@ -11,10 +11,10 @@
 #include "base/parallel.hpp"
 #include "linalg/linear_solver.hpp"
 #include "linalg/vector_ops.hpp"
+#include "method/eigenvalue_filtering.hpp"
 #include "method/functional.hpp"
 #include "method/line_search.hpp"
 #include "method/local_functional.hpp"
-#include "method/negative_part.hpp"
 
 namespace almesh {
 namespace {
@@ -112,7 +112,7 @@ private:
     double work_ = set_up_work * local_.distortion().nodes_in_elements();
     BlockCsr H_ = local_.hessian_pattern();
     LinearSolver solver_{H_.d, {.tolerance = local_tolerance}};
-    NegativePart negative_part_;
+    EigenvalueFiltering filtering_ = EigenvalueFiltering::of_few_nodes();
     std::vector<double> y_, g_, minus_g_, d_, trial_;  // of the nodes that move
     double energy_ = 0;
 
@@ -128,8 +128,8 @@ private:
             if (inner_ && step > 0 && LocalElimination::holds_up(H_, g_, gained)) relax_inside(gained, x);
             for (std::size_t i = 0; i < g_.size(); ++i) minus_g_[i] = -g_[i];
             LineSearchResult found = search();
-            while (found.step_length == 0 && negative_part_.value > 0) {
-                negative_part_.weaken();
+            while (found.step_length == 0 && filtering_.kept > 0) {
+                filtering_.weaken();
                 found = search();
             }
             if (found.step_length == 0) return step;
@@ -137,13 +137,13 @@ private:
             energy_ = found.energy;
             if (gained <= least_gain_ || gained <= part_of_gain * (first - energy_)) return step + 1;
             if (work_ > work_left_) return step + 1;
-            negative_part_.after_step(found.step_length);
+            filtering_.after_step(found.step_length);
         }
         return most_steps;
     }
 
     LineSearchResult search() {
-        const double part = negative_part_.value;
+        const double part = filtering_.kept;
         work_ += local_.distortion().hessian_passes();
         local_.hessian(y_, part == 1 ? HessianKind::full : HessianKind::projected, H_, {.negative_part = part});
         const SolveResult solve = solver_.solve(H_, minus_g_, d_, part > 0);

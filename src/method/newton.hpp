@@ -9,13 +9,12 @@
 // the damping alone in the very first step, because the Hessian of (eta - 1)^2 vanishes at the identity.
 //
 // Around these lines, each in a file of its own with its formula and source: line_search.hpp, damping.hpp (of the
-// projected Hessian), negative_part.hpp (how much of it is projected), forcing.hpp (tolerance of iterative linear
-// solvers), local_elimination.hpp (of nodes that hold up the others), out_of_reach.hpp and rounding_floor.hpp (two ways
-// to end).
+// projected Hessian), eigenvalue_filtering.hpp (how much of it is projected), forcing.hpp (tolerance of iterative linear
+// solvers), local_elimination.hpp (of nodes that hold up the others), stopping_tests.hpp.
 #pragma once
 #include <functional>
+#include <limits>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -23,16 +22,13 @@
 #include "energy/options.hpp"
 #include "linalg/linear_solver.hpp"
 #include "method/damping.hpp"
+#include "method/eigenvalue_filtering.hpp"
 #include "method/forcing.hpp"
-#include "method/line_search.hpp"
 #include "method/local_elimination.hpp"
-#include "method/negative_part.hpp"
-#include "method/out_of_reach.hpp"
 
 namespace almesh {
 
 struct AugmentedFunctional;
-class Checkpoint;
 
 enum class NewtonStatus {
     converged,
@@ -52,7 +48,7 @@ const char* to_string(HessianKind kind);
 struct NewtonParams {
     double omega = 1e-8, reduction = 1, omega_star = 0;
     int max_iterations = 200;
-    OutOfReach reach;  // only for E without multipliers
+    double largest_energy = std::numeric_limits<double>::infinity();  // of the infeasibility test; infinite: none
     HessianKind first = HessianKind::projected;  // of the first step
     bool cold_start = false;  // nothing is known: damping and local elimination begin anew, the first step is damping's
     bool from_coarser = false;  // x was interpolated from the solution of a coarser mesh or of a lower degree
@@ -63,7 +59,9 @@ struct NewtonStep {
     int iteration = 0;         // 1, 2, ...
     double energy = 0;         // after the step
     double gradient_norm = 0;  // after the step
-    double step_length = 0;    // t, see line_search.hpp
+    bool has_direction = false;  // H d = -g gave one of descent
+    double step_length = 0;    // t, see line_search.hpp; 0: there is none
+    bool by_rounding = false;  // energies could not be compared
     int cuts_inverted = 0;     // trial lengths refused because an element was inverted
     int cuts_decrease = 0;     // trial lengths refused because E did not decrease enough
     HessianKind hessian = HessianKind::projected;
@@ -76,7 +74,6 @@ struct NewtonStep {
 
     NewtonStep() = default;
     NewtonStep(int number, HessianKind kind) : iteration(number), hessian(kind) {}
-    const NewtonStep& reached(double E, double g) { return energy = E, gradient_norm = g, *this; }
 };
 
 struct NewtonResult {
@@ -86,6 +83,15 @@ struct NewtonResult {
     int local_steps = 0;  // of local eliminations
     double energy = 0, gradient_norm = 0;
     double omega = 0;  // the tolerance that was used
+};
+
+// What a minimisation leaves to the next ones, besides x and the quadrature of E.
+struct NewtonMemory {
+    int steps = 0;  // of all calls so far
+    Damping damping;
+    EigenvalueFiltering filtering = EigenvalueFiltering::of_mesh();
+    LocalElimination::State elimination;
+    LinearSolverState solver;
 };
 
 using NewtonObserver = std::function<void(const NewtonStep&)>;
@@ -104,8 +110,8 @@ public:
     // Called with every iterate that is accepted, of all calls of minimise().
     void observe_iterates(IterateObserver observer) { observe_iterate_ = std::move(observer); }
 
-    // Saves the state of all minimisations from here on, and goes on from what was saved of them. Null: no more.
-    void save_in(Checkpoint* checkpoint) { checkpoint_ = checkpoint; }
+    NewtonMemory memory() const;
+    void recall(const NewtonMemory& memory);
 
     const LinearSolver& linear_solver() const { return solver_; }
     Timings time;  // of all calls so far
@@ -120,29 +126,23 @@ private:
     std::vector<double> g_, minus_g_, d_, trial_;
     HessianKind hessian_ = HessianKind::projected;  // of the next step
     ForcingTerm forcing_;
-    Damping damping_;                   // kept from one subproblem to the next,
-    NegativePartOfMesh negative_part_;  // and so is this
-    LocalElimination elimination_;      // and this
+    Damping damping_;                                                // kept from one subproblem to the next,
+    EigenvalueFiltering filtering_ = EigenvalueFiltering::of_mesh();  // and so is this
+    LocalElimination elimination_;                                   // and this
     SystemObserver observe_system_;
     IterateObserver observe_iterate_;
-    int accepted_steps_ = 0;  // of all calls
-    double last_energy_ = 0;  // of the minimisation at hand,
-    int futile_steps_ = 0;    // and how many of its last steps have led nowhere
-    Checkpoint* checkpoint_ = nullptr;
-    std::string start_;              // of the minimisation at hand, for the checkpoint,
-    std::vector<NewtonStep> steps_;  // and its steps
+    int steps_ = 0;  // of all calls
 
     NewtonResult start(const AugmentedFunctional& E, const NewtonParams& params, const std::vector<double>& x);
-    bool resume(const AugmentedFunctional& E, std::vector<double>& x, NewtonResult& at, const NewtonObserver& observe);
-    void save(const AugmentedFunctional& E, const std::vector<double>& x, const NewtonResult& at, bool has_ended);
-    void accept(const NewtonStep& step, const NewtonObserver& observe);
     bool refine_quadrature(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at);
     double gradient(const AugmentedFunctional& E, const std::vector<double>& x);
-    bool weaken(HessianKind& kind);
     bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step);
-    LineSearchResult search(const AugmentedFunctional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step);
-    bool eliminate_locally(const AugmentedFunctional& E, double gained, std::vector<double>& x, NewtonResult& at,
+    void search(const AugmentedFunctional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step);
+    bool weaken(HessianKind& kind);
+    void eliminate_locally(const AugmentedFunctional& E, double gained, std::vector<double>& x, NewtonResult& at,
                            NewtonStep& step);
+    void report(const NewtonResult& at, const std::vector<double>& x, NewtonStep& step, const NewtonObserver& observe);
+    void adapt(const NewtonStep& step, const NewtonResult& before, const NewtonResult& at);
 };
 
 }  // namespace almesh

@@ -19,6 +19,8 @@
 
 namespace almesh {
 
+class Checkpoint;
+
 enum class Algorithm { adaptive, paper, literal };
 enum class Follow { automatic, never, always };  // of the boundary's motion, see follow.hpp
 
@@ -36,6 +38,7 @@ struct AugmentedLagrangianParams {
     double wall_tolerance = 1e-3;  // adaptive: of the distance of every boundary node from its place, in cell heights
     int max_iterations = 50;
     int max_newton_iterations = 200;
+    Checkpoint* checkpoint = nullptr;  // where what minimisations came to is saved; null: nowhere
 };
 
 enum class AlUpdate { none, multipliers, penalty, both };

@@ -34,7 +34,7 @@ struct Disturbed {
     explicit Disturbed(const Mesh& mesh = cube_mesh(6), double push = 0.05)
         : problem(mesh, {{"top", "scale 1 1 1.2"}, {"sides", "scale 1 1 1.2"}}, Objective::squared) {
         Newton newton(problem.distortion.hessian_pattern(), {});
-        newton.minimise(E, {.omega = 1e-9, .reach = {}}, minimum);
+        newton.minimise(E, {.omega = 1e-9}, minimum);
         x = minimum;
         x[node * 3] += push;
         energy = E.energy(x);
@@ -234,7 +234,7 @@ TEST_CASE("from a coarser mesh nodes are relaxed from the first step on, while s
         x[at.node * 3] += push;
         std::vector<int> nodes;
         Newton newton(at.problem.distortion.hessian_pattern(), {});
-        const NewtonParams params{.omega = 1e-9, .reach = {}, .first = HessianKind::full, .from_coarser = from_coarser};
+        const NewtonParams params{.omega = 1e-9, .first = HessianKind::full, .from_coarser = from_coarser};
         newton.minimise(at.E, params, x, [&](const NewtonStep& step) { nodes.push_back(step.local.nodes); });
         return nodes;
     };

@@ -74,7 +74,7 @@ TEST_CASE("Newton converges to a stationary point, and reports what it did") {
         for (int degree : {1, 3}) {
             const Minimisation problem = moved_ring(objective, degree);
             const AugmentedFunctional E = problem.functional(300);
-            const Run r = run(problem, E, {.omega = 1e-8, .reach = {}, .first = first_of(objective)});
+            const Run r = run(problem, E, {.omega = 1e-8, .first = first_of(objective)});
             CHECK(r.result.status == NewtonStatus::converged);
             CHECK(r.result.gradient_norm <= 1e-8);
             CHECK(r.result.gradient_norm == norm_of_gradient(E, r.x));
@@ -95,7 +95,7 @@ TEST_CASE("the end game is quadratic") {
         for (int degree : {1, 3}) {
             const Minimisation problem = moved_ring(objective, degree);
             const Run r =
-                run(problem, problem.functional(300), {.omega = 1e-9, .reach = {}, .first = first_of(objective)});
+                run(problem, problem.functional(300), {.omega = 1e-9, .first = first_of(objective)});
             // Order of convergence from three gradient norms in a row, full steps all, above rounding.
             double order = 0;
             for (std::size_t k = 2; k < r.steps.size(); ++k) {
@@ -113,7 +113,7 @@ TEST_CASE("energies never increase, and every accepted iterate is a valid mesh")
     for (Objective objective : objectives) {
         const Minimisation problem{ring_mesh(12, 4, 6), {{"inner", "rotate 40; translate 3.5 0"}}, objective};
         const AugmentedFunctional E = problem.functional(1e4);
-        const Run whole = run(problem, E, {.omega = 1e-8, .reach = {}, .first = first_of(objective)});
+        const Run whole = run(problem, E, {.omega = 1e-8, .first = first_of(objective)});
         REQUIRE(whole.result.status == NewtonStatus::converged);
         double before = E.energy(problem.ideal);
         int inverted = 0;
@@ -122,7 +122,7 @@ TEST_CASE("energies never increase, and every accepted iterate is a valid mesh")
             CHECK(step.energy <= before * (1 + 1e-14));
             before = step.energy;
             inverted += step.cuts_inverted;
-            const Run part = run(problem, E, {.omega = 1e-8, .max_iterations = step.iteration, .reach = {},
+            const Run part = run(problem, E, {.omega = 1e-8, .max_iterations = step.iteration,
                                               .first = first_of(objective)});
             CHECK(part.result.energy == step.energy);
             CHECK(certify(problem.mesh, part.x).valid);
@@ -146,7 +146,7 @@ TEST_CASE("a rigid motion of the whole boundary is found to rounding, in 2D and 
         const Minimisation cube{cube_mesh(2), {{"top", spin}, {"bottom", spin}, {"sides", spin}}, objective};
         for (const Minimisation* problem : {&ring, &cube}) {
             const Run r =
-                run(*problem, problem->functional(300), {.omega = 1e-9, .reach = {}, .first = first_of(objective)});
+                run(*problem, problem->functional(300), {.omega = 1e-9, .first = first_of(objective)});
             CHECK(r.result.status == NewtonStatus::converged);
             CHECK(problem->constraint.max_error(r.x) < 1e-8);
             CHECK(problem->distortion.statistics(r.x).max_distortion < 1 + 1e-8);
@@ -158,8 +158,8 @@ TEST_CASE("a rigid motion of the whole boundary is found to rounding, in 2D and 
 TEST_CASE("the Hessian of eta^2 is what the first step for (eta - 1)^2 takes, or falls back to") {
     const Minimisation problem = moved_ring(Objective::deviation);
     const AugmentedFunctional E = problem.functional(300);
-    const Run with = run(problem, E, {.reach = {}, .first = HessianKind::damping});
-    const Run without = run(problem, E, {.reach = {}, .first = HessianKind::projected});
+    const Run with = run(problem, E, {.first = HessianKind::damping});
+    const Run without = run(problem, E, {.first = HessianKind::projected});
     CHECK(with.result.status == NewtonStatus::converged);
     CHECK(without.result.status == NewtonStatus::converged);
     CHECK(without.steps[0].hessian == HessianKind::damping);
@@ -169,7 +169,7 @@ TEST_CASE("the Hessian of eta^2 is what the first step for (eta - 1)^2 takes, or
 TEST_CASE("max_iterations ends the iteration, with the last accepted iterate") {
     const Minimisation problem = moved_ring(Objective::squared);
     const AugmentedFunctional E = problem.functional(300);
-    const Run r = run(problem, E, {.max_iterations = 2, .reach = {}});
+    const Run r = run(problem, E, {.max_iterations = 2});
     CHECK(r.result.status == NewtonStatus::max_iterations);
     CHECK(r.result.iterations == 2);
     CHECK(r.steps.size() == 2);
@@ -181,7 +181,7 @@ TEST_CASE("a tolerance below rounding ends at the rounding floor, for any penalt
         for (double mu : {1.0, 300.0, 1e6, 1e10, 1e14}) {
             const Minimisation problem = moved_ring(objective);
             const Run r =
-                run(problem, problem.functional(mu), {.omega = 1e-30, .reach = {}, .first = first_of(objective)});
+                run(problem, problem.functional(mu), {.omega = 1e-30, .first = first_of(objective)});
             CAPTURE(mu);
             CAPTURE(r.result.gradient_norm);
             CAPTURE(std::string(to_string(r.result.status)));
@@ -197,21 +197,21 @@ TEST_CASE("a target out of reach is told from the first minimum, and only there"
     for (Objective objective : objectives) {
         const Minimisation far{ring_mesh(12, 3, 5), {{"inner", "translate 40 0"}}, objective};
         const AugmentedFunctional E = far.functional(1e5);
-        NewtonParams params{.omega = 1e-8, .max_iterations = 50, .reach = {}, .first = first_of(objective)};
+        NewtonParams params{.omega = 1e-8, .max_iterations = 50, .first = first_of(objective)};
         CHECK(run(far, E, params).result.status != NewtonStatus::out_of_reach);  // nobody asked
-        params.reach.largest_energy = 400 * far.distortion.domain_volume();
+        params.largest_energy = 400 * far.distortion.domain_volume();
         const Run r = run(far, E, params);
         CHECK(r.result.status == NewtonStatus::out_of_reach);
-        CHECK(r.result.energy > params.reach.largest_energy);
+        CHECK(r.result.energy > params.largest_energy);
         CHECK(far.distortion.energy(r.x) < 0.1 * r.result.energy);
         CHECK(certify(far.mesh, r.x).valid);
-        params.reach.largest_energy = 2 * r.result.energy;
+        params.largest_energy = 2 * r.result.energy;
         CHECK(run(far, E, params).result.status != NewtonStatus::out_of_reach);
     }
     // A weak penalty is most of the energy too, but of an energy that tells nothing.
     const Minimisation near = moved_ring(Objective::squared);
     const Run r =
-        run(near, near.functional(1), {.omega = 1e-8, .reach = {400 * near.distortion.domain_volume()}});
+        run(near, near.functional(1), {.omega = 1e-8, .largest_energy = 400 * near.distortion.domain_volume()});
     CHECK(r.result.status == NewtonStatus::converged);
 }
 
@@ -261,7 +261,7 @@ TEST_CASE("iterative solvers and Cholesky lead to the same minimum") {
 TEST_CASE("the same bits for any number of threads") {
     const Minimisation problem = moved_ring(Objective::deviation, 2);
     const auto results = for_threads([&] {
-        return run(problem, problem.functional(300), {.max_iterations = 8, .reach = {}, .first = HessianKind::damping})
+        return run(problem, problem.functional(300), {.max_iterations = 8, .first = HessianKind::damping})
             .x;
     });
     CHECK(results[0] == results[1]);
@@ -284,7 +284,7 @@ TEST_CASE("damping spares Newton's method steps from the identity map") {
     for (const double mu : {300.0, 1e5}) {
         const Minimisation problem{raise_degree(ring_mesh(16, 5, 8), 2), {{"inner", "rotate 60; translate 3 1"}},
                                    Objective::deviation};
-        const Run r = run(problem, problem.functional(mu), {.omega = 1e-8, .reach = {}, .cold_start = true});
+        const Run r = run(problem, problem.functional(mu), {.omega = 1e-8, .cold_start = true});
         CHECK(r.result.status == NewtonStatus::converged);
         CHECK(r.result.iterations <= 8);
     }
@@ -295,8 +295,7 @@ TEST_CASE("the tolerance: omega, or a part of the first gradient, but not less t
     const AugmentedFunctional E = problem.functional(300);
     const double first = norm_of_gradient(E, problem.ideal);
     const auto tolerance = [&](double omega, double reduction, double omega_star) {
-        return run(problem, E, {.omega = omega, .reduction = reduction, .omega_star = omega_star, .max_iterations = 0,
-                                .reach = {}})
+        return run(problem, E, {.omega = omega, .reduction = reduction, .omega_star = omega_star, .max_iterations = 0})
             .result.omega;
     };
     CHECK(tolerance(1e-3, 1, 1e-8) == 1e-3);
@@ -310,7 +309,7 @@ TEST_CASE("where nodes hang at a kink the iteration ends, instead of taking step
     Kinked constraint(problem, 12, 1e-4);  // the node in the middle
     const std::vector<double> lambda(constraint.multipliers(), 0.0);
     const AugmentedFunctional E{problem.distortion, constraint, lambda, 1e4};
-    const Run r = run(problem, E, {.omega = 1e-8, .max_iterations = 400, .reach = {}});
+    const Run r = run(problem, E, {.omega = 1e-8, .max_iterations = 400});
     CHECK(r.result.status == NewtonStatus::line_search_failed);
     CHECK(r.result.iterations < 100);
     CHECK(std::abs(r.x[24] - problem.ideal[24] - 1e-4) < 1e-5);

@@ -1,0 +1,54 @@
+// Infeasible: E_before - E < 1e-3 E and distortion < 0.1 E. At the attainable accuracy: g > g_before / 2. Futile, three
+// times in a row: t <= 1e-8 and E_before - E <= 1e-14 E.
+#include "method/stopping_tests.hpp"
+
+#include <cmath>
+
+#include "base/interrupt.hpp"
+#include "method/functional.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double short_step = 1e-8, unchanged = 1e-14;  // unchanged: relative difference of two energies
+constexpr int most_futile_steps = 3;
+
+bool is_finite(const NewtonResult& at) { return std::isfinite(at.energy) && std::isfinite(at.gradient_norm); }
+
+}  // namespace
+
+bool is_infeasible(double largest_energy, double energy_before, double energy, double step_length, double distortion) {
+    return energy > largest_energy && step_length >= 1 && energy_before - energy < 1e-3 * energy &&
+           distortion < 0.1 * energy;
+}
+
+bool at_attainable_accuracy(bool by_rounding, double g_before, double g, double omega) {
+    return by_rounding && g > 0.5 * g_before && g > omega;
+}
+
+std::optional<NewtonStatus> StoppingTests::before_step(const NewtonResult& at) const {
+    if (at.gradient_norm <= at.omega) return NewtonStatus::converged;
+    if (!is_finite(at)) return NewtonStatus::overflow;
+    if (at.iterations == params_.max_iterations) return NewtonStatus::max_iterations;
+    if (interrupted()) return NewtonStatus::interrupted;
+    return std::nullopt;
+}
+
+std::optional<NewtonStatus> StoppingTests::after_step(const NewtonStep& step, const NewtonResult& before,
+                                                      const NewtonResult& at, const AugmentedFunctional& E,
+                                                      const std::vector<double>& x) {
+    if (!step.has_direction) return NewtonStatus::linear_solver_failed;
+    if (step.step_length == 0) return NewtonStatus::line_search_failed;
+    const bool moves = step.step_length > short_step || before.energy - at.energy > unchanged * std::abs(at.energy);
+    futile_steps_ = moves ? 0 : futile_steps_ + 1;
+    if (futile_steps_ == most_futile_steps) return NewtonStatus::line_search_failed;
+    if (!is_finite(at)) return NewtonStatus::overflow;
+    if (at.energy > params_.largest_energy &&
+        is_infeasible(params_.largest_energy, before.energy, at.energy, step.step_length, E.distortion.energy(x)))
+        return NewtonStatus::out_of_reach;
+    if (at_attainable_accuracy(step.by_rounding, before.gradient_norm, at.gradient_norm, at.omega))
+        return NewtonStatus::rounding_floor;
+    return std::nullopt;
+}
+
+}  // namespace almesh

@@ -1,0 +1,43 @@
+// When Newton's method ends, besides at |grad E| <= omega.
+//
+// Infeasibility, of functionals without multipliers: a mesh that meets the target has the energy of its distortion
+// alone, which is not less than the minimum of E. Where that minimum is above `largest_energy` and nine tenths of it are
+// penalty, only meshes of no use could meet the target, if any. The minimum counts as found to 0.1 % once a full step
+// gains less than that.
+//
+// Attainable accuracy: with a large penalty, |grad E| cannot fall below some 1e-16 mu, and once the decrease that a
+// step promises is below the rounding error of E, energies can no longer be compared (line_search.hpp). From then on
+// the iteration goes on only while each step halves |grad E|.
+//
+// Futile steps: nodes hang where the surface along which they slide has a kink, or elements are jammed, and several
+// steps in a row are next to none and gain nothing.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "method/newton.hpp"
+
+namespace almesh {
+
+// After a step of this length that took E from energy_before to energy; distortion: its part of E now.
+bool is_infeasible(double largest_energy, double energy_before, double energy, double step_length, double distortion);
+
+// by_rounding: what the line search says of the step that took |grad E| from g_before to g.
+bool at_attainable_accuracy(bool by_rounding, double g_before, double g, double omega);
+
+class StoppingTests {
+public:
+    explicit StoppingTests(const NewtonParams& params) : params_(params) {}
+
+    // Whether a minimisation ends, and how: before a step from the iterate `at`,
+    std::optional<NewtonStatus> before_step(const NewtonResult& at) const;
+    // and after one from `before` to `at`, or none.
+    std::optional<NewtonStatus> after_step(const NewtonStep& step, const NewtonResult& before, const NewtonResult& at,
+                                           const AugmentedFunctional& E, const std::vector<double>& x);
+
+private:
+    const NewtonParams& params_;
+    int futile_steps_ = 0;  // in a row
+};
+
+}  // namespace almesh

@@ -1,0 +1,80 @@
+#include "method/stopping_tests.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "support/meshes.hpp"
+#include "support/minimisation.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+TEST_CASE("infeasible: a full step gains less than a thousandth, and nine tenths of the energy are penalty") {
+    const auto found = [](double energy, double gained, double step_length, double distortion) {
+        return is_infeasible(100, energy * (1 + gained), energy, step_length, distortion * energy);
+    };
+    CHECK(found(101, 0.9e-3, 1, 0.09));
+    CHECK(found(101, 0.9e-3, 2, 0.09));
+    CHECK_FALSE(found(99, 0.9e-3, 1, 0.09));
+    CHECK_FALSE(found(101, 1.1e-3, 1, 0.09));
+    CHECK_FALSE(found(101, 0.9e-3, 0.5, 0.09));
+    CHECK_FALSE(found(101, 0.9e-3, 1, 0.11));
+    CHECK_FALSE(is_infeasible(NewtonParams().largest_energy, 1e300, 1e300, 1, 0));
+}
+
+TEST_CASE("below rounding the iteration goes on while a step halves the gradient, and until it is small enough") {
+    constexpr double omega = 1e-8;
+    CHECK(at_attainable_accuracy(true, 1e-3, 0.6e-3, omega));
+    CHECK(at_attainable_accuracy(true, 1e-3, 2e-3, omega));
+    CHECK_FALSE(at_attainable_accuracy(true, 1e-3, 0.4e-3, omega));
+    CHECK_FALSE(at_attainable_accuracy(true, 1e-3, 1e-5, omega));
+    CHECK_FALSE(at_attainable_accuracy(false, 1e-3, 2e-3, omega));
+    CHECK_FALSE(at_attainable_accuracy(true, 1e-8, 0.9e-8, omega));
+}
+
+TEST_CASE("before a step: converged, overflow, or no more steps") {
+    const NewtonParams params{.max_iterations = 5};
+    const StoppingTests tests(params);
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    const auto before_step = [&](int iterations, double energy, double gradient_norm) {
+        NewtonResult at;
+        at.iterations = iterations;
+        at.energy = energy;
+        at.gradient_norm = gradient_norm;
+        at.omega = 1e-8;
+        return tests.before_step(at);
+    };
+    CHECK(before_step(4, 1, 1e-7) == std::nullopt);
+    CHECK(before_step(5, 1, 1e-8) == NewtonStatus::converged);
+    CHECK(before_step(5, 1, 1e-7) == NewtonStatus::max_iterations);
+    CHECK(before_step(5, 1, infinity) == NewtonStatus::overflow);
+    CHECK(before_step(4, 1, std::numeric_limits<double>::quiet_NaN()) == NewtonStatus::overflow);
+}
+
+TEST_CASE("after a step: failures, and the third in a row that leads nowhere") {
+    const Minimisation problem(square_mesh(2), {}, Objective::squared);
+    const AugmentedFunctional E = problem.functional(1);
+    const NewtonParams params;
+    StoppingTests tests(params);
+    NewtonResult before;
+    before.energy = before.gradient_norm = 1;
+    const auto after_step = [&](bool has_direction, double step_length, double gained) {
+        NewtonStep step;
+        step.has_direction = has_direction;
+        step.step_length = step_length;
+        NewtonResult at = before;
+        at.energy -= gained;
+        return tests.after_step(step, before, at, E, problem.ideal);
+    };
+    CHECK(after_step(false, 0, 0) == NewtonStatus::linear_solver_failed);
+    CHECK(after_step(true, 0, 0) == NewtonStatus::line_search_failed);
+    for (int times = 0; times < 2; ++times) {
+        CHECK(after_step(true, 1e-9, 0) == std::nullopt);
+        CHECK(after_step(true, 1e-9, 1e-15) == std::nullopt);
+        CHECK(after_step(true, times == 0 ? 1 : 1e-9, times == 0 ? 0 : 1e-13) == std::nullopt);  // not in a row
+    }
+    CHECK(after_step(true, 1e-9, 0) == std::nullopt);
+    CHECK(after_step(true, 1e-9, 0) == std::nullopt);
+    CHECK(after_step(true, 1e-9, 0) == NewtonStatus::line_search_failed);
+}
