@@ -6,6 +6,7 @@
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "geometry/patch.hpp"
+#include "mesh/sides.hpp"
 
 namespace almesh {
 namespace {
@@ -28,8 +29,7 @@ std::vector<Vec<3>> places_behind_faces(const Mesh& mesh, const std::vector<doub
         mesh.face_count(),
         [&](int f) {
             const int* const element = mesh.element(mesh.face_element[f]);
-            int k = 0;
-            while (std::find(mesh.face(f), mesh.face(f) + n, element[k]) != mesh.face(f) + n) ++k;
+            const int k = side_number(mesh, mesh.face_element[f], mesh.face(f));
             for (int i = 0; i < m; ++i)
                 for (int a = 0; a < n; ++a) places[f][a] += values[k][i] * point(x, element[i], n)[a];
         },

@@ -12,10 +12,10 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <set>
 #include <sstream>
 
+#include "base/disjoint_sets.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
@@ -121,23 +121,14 @@ Check::Check(const Mesh& mesh_, const std::vector<double>& target_)
     }, face_work);
 }
 
-// By union-find over the vertices.
 void Check::find_closed_parts() {
-    std::vector<int> parent(mesh.nodes());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int v) {
-        while (parent[v] != v) v = parent[v] = parent[parent[v]];
-        return v;
-    };
+    DisjointSets connected(mesh.nodes());
     for (int f = 0; f < mesh.face_count(); ++f)
-        for (int v = 1; v < mesh.dim; ++v) {
-            const int a = root(mesh.face(f)[0]), b = root(mesh.face(f)[v]);
-            parent[std::max(a, b)] = std::min(a, b);
-        }
+        for (int v = 1; v < mesh.dim; ++v) connected.join(mesh.face(f)[0], mesh.face(f)[v]);
     std::map<int, int> number;
     std::set<std::pair<int, int>> named;  // parts and their boundaries
     for (int f = 0; f < mesh.face_count(); ++f) {
-        const auto [at, is_new] = number.insert({root(mesh.face(f)[0]), static_cast<int>(parts.size())});
+        const auto [at, is_new] = number.insert({connected.find(mesh.face(f)[0]), static_cast<int>(parts.size())});
         if (is_new) parts.push_back({f, ""});
         part.push_back(at->second);
         if (named.insert({part[f], mesh.face_boundary[f]}).second)

@@ -1,34 +1,23 @@
 // The faces of all elements and the tagged faces of the file, both called sides here, are sorted by their vertices, for
 // each lowest vertex separately. Sides of equal vertices are then neighbours: two elements on opposite sides of a face
 // inside the mesh, or one element and a tagged face (or several of one tag) on the boundary. All else is an error.
+// Side::number: e * (dim + 1) + k for face k of element e; tagged faces are numbered after these.
 #include "mesh/build_boundary.hpp"
 
 #include <algorithm>
-#include <compare>
-#include <limits>
 #include <map>
-#include <numeric>
 #include <set>
 
+#include "base/disjoint_sets.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "linalg/ordering/graph.hpp"
 #include "mesh/lagrange.hpp"
+#include "mesh/sides.hpp"
 #include "mesh/unused_ids.hpp"
 
 namespace almesh {
 namespace {
-
-struct Side {
-    int vertex[3];  // ascending; 2D: the last one is beyond all others
-    int number;     // e * (dim + 1) + k: face k of element e; tagged faces are numbered after these
-    bool even;      // whether sorting was an even permutation: elements on opposite sides of a face differ
-
-    bool has_vertices_of(const Side& other) const {
-        return vertex[0] == other.vertex[0] && vertex[1] == other.vertex[1] && vertex[2] == other.vertex[2];
-    }
-    auto operator<=>(const Side&) const = default;  // by vertices, then by number
-};
 
 // What the sides of some vertices amount to.
 struct Matched {
@@ -58,24 +47,11 @@ struct BoundaryMatcher {
     }
 
     Side side(int number) const {
-        Side result{{0, 0, std::numeric_limits<int>::max()}, number, true};
-        int* const v = result.vertex;
-        if (number < first_tagged) {  // as node_of(), with one division for all vertices: this is the inner loop
-            const int* const node = mesh.element(number / corners);
-            const CellFace& local = mesh.cell().faces[number % corners];
-            for (int k = 0; k < dim; ++k) v[k] = node[local[k]];
-        } else {
-            for (int k = 0; k < dim; ++k) v[k] = node_of(number, k);
-        }
-        const auto order = [&](int a, int b) {
-            if (v[a] <= v[b]) return;
-            std::swap(v[a], v[b]);
-            result.even = !result.even;
-        };
-        order(0, 1);
-        order(1, 2);
-        order(0, 1);
-        return result;
+        if (number < first_tagged)
+            return side_of_simplex(dim, mesh.element(number / corners), number % corners, number);
+        std::array<int, 3> vertex{};
+        for (int k = 0; k < dim; ++k) vertex[k] = node_of(number, k);
+        return {std::span(vertex).first(dim), number};
     }
 
     // All nodes of a side, ascending.
@@ -86,27 +62,27 @@ struct BoundaryMatcher {
         return nodes;
     }
 
-    // Elements' sides [begin, end) have the same vertices.
-    void check_elements(const Side* begin, const Side* end) const {
-        const Side* const third = begin + std::min<std::ptrdiff_t>(end - begin, 3);  // a bad mesh may have thousands
-        for (const Side* a = begin; a != third; ++a)
-            for (const Side* b = a + 1; b != third; ++b)
-                if (opposite_vertex(*a) == opposite_vertex(*b))
-                    build.refuse(element_of(*b), "has the vertices of ", name_of(element_of(*a)),
+    // Sides of elements that have the same vertices.
+    void check_elements(std::span<const Side> equal) const {
+        const std::size_t checked = std::min<std::size_t>(equal.size(), 3);  // a bad mesh may have thousands
+        for (std::size_t a = 0; a < checked; ++a)
+            for (std::size_t b = a + 1; b < checked; ++b)
+                if (opposite_vertex(equal[a]) == opposite_vertex(equal[b]))
+                    build.refuse(element_of(equal[b]), "has the vertices of ", name_of(element_of(equal[a])),
                                  ": an element may be in one ", entity_kind(dim), " and one physical group only");
-        if (end - begin > 2)
-            build.refuse(element_of(begin[2]), "is the third at the face with the nodes ",
-                         build.node_ids(begin->vertex, dim), ", after ", name_of(element_of(begin[0])), " and ",
-                         name_of(element_of(begin[1])));
-        if (end - begin == 2 && mesh.degree > 1 && nodes_of(begin[0].number) != nodes_of(begin[1].number))
-            build.refuse(element_of(begin[1]), "and ", name_of(element_of(begin[0])),
+        if (equal.size() > 2)
+            build.refuse(element_of(equal[2]), "is the third at the face with the nodes ",
+                         build.node_ids(equal[0].vertex.data(), dim), ", after ", name_of(element_of(equal[0])),
+                         " and ", name_of(element_of(equal[1])));
+        if (equal.size() == 2 && mesh.degree > 1 && nodes_of(equal[0].number) != nodes_of(equal[1].number))
+            build.refuse(element_of(equal[1]), "and ", name_of(element_of(equal[0])),
                          " share the vertices of a face, but not its other nodes");
     }
 
-    // Tagged faces [begin, end) have the same vertices.
-    void check_tags(const Side* begin, const Side* end) const {
-        for (const Side* other = begin; other != end; ++other) {
-            const RawElement &face = tagged_face(*other), &first = tagged_face(*begin);
+    // Tagged faces that have the same vertices.
+    void check_tags(std::span<const Side> equal) const {
+        for (const Side& other : equal) {
+            const RawElement &face = tagged_face(other), &first = tagged_face(equal[0]);
             if (face.physical != first.physical)
                 build.refuse(face, "with tag ", face.physical, " has the vertices of ", name_of(first), " with tag ",
                              first.physical, ": a boundary face needs exactly one tag");
@@ -175,28 +151,24 @@ struct BoundaryMatcher {
                      " of the .geo file and mesh again, without -save_all");
     }
 
-    // Compares the runs of equal vertices. sides: those of one lowest vertex, ascending.
-    void match_vertex(const std::vector<Side>& sides, Matched& found) {
-        const Side* const last = sides.data() + sides.size();
-        for (const Side *begin = sides.data(), *end; begin != last; begin = end) {
-            end = std::find_if(begin, last, [&](const Side& s) { return !s.has_vertices_of(*begin); });
-            const auto is_tagged = [&](const Side& s) { return s.number >= first_tagged; };
-            const Side* const tagged = std::find_if(begin, end, is_tagged);
-            if (tagged == begin) refuse_without_element(tagged_face(*tagged));
-            check_elements(begin, tagged);
-            check_tags(tagged, end);
-            const int tags = static_cast<int>(end - tagged);
-            if (tagged - begin == 2) {
-                for (const Side* s = tagged; s != end; ++s) found.inside.push_back(s->number - first_tagged);
-                if (begin[0].even == begin[1].even)
-                    found.folded.push_back({begin[0].number / corners, begin[1].number / corners});
-            } else if (tags == 0) {
-                found.untagged.push_back(begin->number);
-            } else {
-                check_face(*begin, *tagged);
-                side_of_face[tagged->number - first_tagged] = begin->number;
-                found.repeated += tags - 1;
-            }
+    // Sides that have the same vertices: those of elements first.
+    void match_equal(std::span<const Side> equal, Matched& found) {
+        const auto is_tagged = [&](const Side& s) { return s.number >= first_tagged; };
+        const std::size_t count = std::find_if(equal.begin(), equal.end(), is_tagged) - equal.begin();
+        const std::span<const Side> of_elements = equal.first(count), tagged = equal.subspan(count);
+        if (count == 0) refuse_without_element(tagged_face(tagged[0]));
+        check_elements(of_elements);
+        check_tags(tagged);
+        if (count == 2) {
+            for (const Side& s : tagged) found.inside.push_back(s.number - first_tagged);
+            if (equal[0].even == equal[1].even)
+                found.folded.push_back({equal[0].number / corners, equal[1].number / corners});
+        } else if (tagged.empty()) {
+            found.untagged.push_back(equal[0].number);
+        } else {
+            check_face(equal[0], tagged[0]);
+            side_of_face[tagged[0].number - first_tagged] = equal[0].number;
+            found.repeated += static_cast<int>(tagged.size()) - 1;
         }
     }
 
@@ -216,8 +188,7 @@ struct BoundaryMatcher {
             for (int v = b * block, end = std::min(mesh.nodes(), v + block); v < end; ++v) {
                 sides.clear();
                 for (int s : sorted.of(v)) sides.push_back(side(s));
-                std::sort(sides.begin(), sides.end());
-                match_vertex(sides, found[b]);
+                for_equal_sides(sides, [&](std::span<const Side> equal) { match_equal(equal, found[b]); });
             }
         }, 1000.0 * block);
         Matched all;
@@ -274,19 +245,11 @@ std::map<std::vector<int>, int> untagged_faces(const MeshBuild& build) {
 void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides, MeshBuild& build) {
     Mesh& mesh = build.mesh;
     const int dim = mesh.dim;
-    std::vector<int> parent(mesh.nodes());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int v) {
-        while (parent[v] != v) v = parent[v] = parent[parent[v]];
-        return v;
-    };
+    DisjointSets connected(mesh.nodes());
     for (const int side : sides)
-        for (int k = 1; k < dim; ++k) {
-            const int a = root(matcher.node_of(side, 0)), b = root(matcher.node_of(side, k));
-            parent[std::max(a, b)] = std::min(a, b);
-        }
+        for (int k = 1; k < dim; ++k) connected.join(matcher.node_of(side, 0), matcher.node_of(side, k));
     std::map<int, std::vector<int>> parts;  // by lowest node
-    for (const int side : sides) parts[root(matcher.node_of(side, 0))].push_back(side);
+    for (const int side : sides) parts[connected.find(matcher.node_of(side, 0))].push_back(side);
     std::vector<long long> ids;
     for (const RawElement& element : build.raw.elements) ids.push_back(element.id);
     UnusedIds<long long> unused_id(std::move(ids));

@@ -1,25 +1,15 @@
 #include "mesh/part.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <queue>
 
 #include "mesh/lagrange.hpp"
+#include "mesh/sides.hpp"
 
 namespace almesh {
 namespace {
-
-using FaceKey = std::array<int, 3>;  // vertices, ascending; -1 where there are but two
-
-FaceKey key_of(const int* face, int vertices) {
-    FaceKey key = {-1, -1, -1};
-    std::copy_n(face, vertices, key.begin());
-    std::sort(key.begin(), key.end());
-    return key;
-}
 
 // The chosen elements and their nodes; number: per node of the mesh, its number in the part or -1.
 void add_elements(const Mesh& mesh, const std::vector<char>& chosen, Mesh& part, std::vector<int>& number) {
@@ -40,6 +30,24 @@ void add_elements(const Mesh& mesh, const std::vector<char>& chosen, Mesh& part,
         part.file.element_physical.push_back(mesh.file.element_physical[e]);
         part.file.element_entity.push_back(mesh.file.element_entity[e]);
     }
+}
+
+// The sides of the chosen elements that are neither shared by two of them nor boundary faces: element * (dim + 1) + k,
+// ascending.
+std::vector<int> cut_sides(const Mesh& mesh, const std::vector<char>& chosen) {
+    const int corners = mesh.dim + 1, boundary = -1;
+    std::vector<Side> sides;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (chosen[mesh.face_element[f]]) sides.emplace_back(std::span(mesh.face(f), mesh.dim), boundary);
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int k = 0; k < corners && chosen[e]; ++k)
+            sides.push_back(side_of_simplex(mesh.dim, mesh.element(e), k, e * corners + k));
+    std::vector<int> cut;
+    for_equal_sides(sides, [&](std::span<const Side> equal) {
+        if (equal.size() == 1) cut.push_back(equal[0].number);
+    });
+    std::sort(cut.begin(), cut.end());
+    return cut;
 }
 
 }  // namespace
@@ -67,29 +75,19 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
         part.file.face_physical.push_back(physical);
         part.file.face_entity.push_back(entity);
     };
-    std::map<FaceKey, int> sides;  // face -> chosen elements that have it, or two where it is a boundary face
     for (int f = 0; f < mesh.face_count(); ++f) {
         const int e = mesh.face_element[f];
         if (!chosen[e]) continue;
-        sides[key_of(mesh.face(f), mesh.dim)] = 1;
         add_face(mesh.face(f), element[e], mesh.face_boundary[f], mesh.file.face_id[f], mesh.file.face_physical[f],
                  mesh.file.face_entity[f]);
     }
     const std::vector<std::vector<int>> local = LagrangeBasis(mesh.dim, mesh.degree).face_nodes();
     std::vector<int> face(mesh.face_nodes());
-    const auto for_faces = [&](const auto& body) {
-        for (int e = 0; e < mesh.element_count(); ++e) {
-            if (!chosen[e]) continue;
-            for (const std::vector<int>& nodes : local) {
-                for (int k = 0; k < mesh.face_nodes(); ++k) face[k] = mesh.element(e)[nodes[k]];
-                body(e, key_of(face.data(), mesh.dim));
-            }
-        }
-    };
-    for_faces([&](int, const FaceKey& key) { ++sides[key]; });
-    for_faces([&](int e, const FaceKey& key) {
-        if (sides[key] == 1) add_face(face.data(), element[e], part.cut, 0, 0, 0);
-    });
+    for (const int side : cut_sides(mesh, chosen)) {
+        const int e = side / (mesh.dim + 1);
+        for (int k = 0; k < mesh.face_nodes(); ++k) face[k] = mesh.element(e)[local[side % (mesh.dim + 1)][k]];
+        add_face(face.data(), element[e], part.cut, 0, 0, 0);
+    }
     return part;
 }
 

@@ -17,6 +17,7 @@
 #include "mesh/kept_cells.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/sides.hpp"
 #include "mesh/unused_ids.hpp"
 
 namespace almesh {
@@ -52,19 +53,6 @@ NodeKey key_of(const MultiIndex& a, const int* vertex, int dim) {
         key[place] = {vertex[k], a[k]};
     }
     return key;
-}
-
-// Local number of the face of element e with the given vertices (dim of them), -1: none.
-int face_number(const Mesh& mesh, int e, const int* vertex) {
-    const auto given = [&](int node) { return std::find(vertex, vertex + mesh.dim, node) != vertex + mesh.dim; };
-    const int* const node = mesh.element(e);
-    int opposite = -1;
-    for (int v = 0; v <= mesh.dim; ++v) {
-        if (given(node[v])) continue;
-        if (opposite >= 0) return -1;
-        opposite = v;
-    }
-    return opposite;
 }
 
 // New nodes get ids that the mesh they come from does not have.
@@ -194,9 +182,9 @@ Mesh refine_once(const Mesh& mesh) {
         const int first = mesh.face_element[f] * children_count;
         for (const int* piece = pieces.data(); piece != pieces.data() + pieces.size(); piece += dim) {
             int e = first;
-            while (face_number(fine, e, piece) < 0) ++e;
+            while (side_number(fine, e, piece) < 0) ++e;
             fine.face_element.push_back(e);
-            const CellFace& local = mesh.cell().faces[face_number(fine, e, piece)];
+            const CellFace& local = mesh.cell().faces[side_number(fine, e, piece)];
             for (int k = 0; k < dim; ++k) fine.faces.push_back(fine.element(e)[local[k]]);
         }
     }
@@ -309,7 +297,7 @@ Mesh interpolated(const Mesh& mesh, int degree) {
     const std::vector<std::vector<int>> face_nodes = fine.face_nodes();
     for (int f = 0; f < mesh.face_count(); ++f) {
         const int e = mesh.face_element[f];
-        for (int k : face_nodes[face_number(mesh, e, mesh.face(f))]) raised.faces.push_back(raised.element(e)[k]);
+        for (int k : face_nodes[side_number(mesh, e, mesh.face(f))]) raised.faces.push_back(raised.element(e)[k]);
     }
     raise_kept_cells(raised);
     append_node_ids(mesh, raised);
