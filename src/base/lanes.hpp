@@ -43,6 +43,7 @@ inline void store(Lanes value, double* to) { std::memcpy(to, &value, sizeof valu
 inline Lanes in_all_lanes(double value) { return Lanes{} + value; }
 
 inline Lanes select(LaneBits condition, Lanes yes, Lanes no) { return condition ? yes : no; }
+inline Lanes select(LaneBits condition, Lanes yes, double no) { return select(condition, yes, in_all_lanes(no)); }
 inline double select(bool condition, double yes, double no) { return condition ? yes : no; }
 
 inline bool any(LaneBits condition) {

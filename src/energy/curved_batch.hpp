@@ -43,8 +43,6 @@ public:
         line_ = barycentric_ + products_.moments * pairs * entries;
     }
 
-    int nodes() const { return m_; }
-
     // node: lanes x m nodes of the elements, x: nodes x n. ideal_inverse: A^{-1} of the elements.
     // node and ideal_inverse are looked at until the next start().
     void start(const int* node, const std::vector<double>& x, const Mat<n, Lanes>& ideal_inverse) {

@@ -19,7 +19,7 @@
 // add one: the struct, its line in with_density(), its enumerator in options.hpp, its word among the values of the
 // deck's key `objective` (app/deck_keys.cpp). Plain and SIMD assembly, Newton's method and its damping need no more.
 //
-// T is double or Lanes: the same formulas for one point or for one in each lane.
+// T is a double, or one in each lane of a register: the same formulas for one point or for several.
 #pragma once
 #include <cmath>
 #include <limits>
@@ -84,7 +84,7 @@ template <int n, class T = double, class Measure = Shape>
 T distortion(const Mat<n, T>& F, double delta, Measure = {}) {
     const T D = determinant(F), eta = frobenius_squared<n>(F) * Measure::template factor<n>(D, delta);
     if (delta > 0) return eta;
-    return select(D > 0, eta, T{} + std::numeric_limits<double>::infinity());
+    return select(D > 0, eta, std::numeric_limits<double>::infinity());
 }
 
 // (eta - 1)^2, or eta^2 where `from_one` is false.
@@ -92,10 +92,10 @@ template <class MeasureOf>
 struct Quadratic {
     using Measure = MeasureOf;
     bool from_one;
-    template <class T> T root(T eta) const { return from_one ? eta - 1 : eta; }
-    template <class T> T f(T eta) const { return root(eta) * root(eta); }
-    template <class T> T f1(T eta) const { return 2 * root(eta); }
-    template <class T> T f2(T) const { return T{} + 2; }
+    auto root(auto eta) const { return from_one ? eta - 1 : eta; }
+    auto f(auto eta) const { return root(eta) * root(eta); }
+    auto f1(auto eta) const { return 2 * root(eta); }
+    auto f2(auto) const { return 2.0; }
     double half_slope(double f) const { return std::sqrt(f); }
 };
 
@@ -117,16 +117,16 @@ struct Power {
     bool from_one;
     int p;
     double M, kappa;
-    template <class T> T root(T eta) const { return (from_one ? eta - 1 : eta) / M; }
-    template <class T> T f(T eta) const {
-        const T s = root(eta);
-        return M * M * (integer_power<T>(s, p) + kappa * s * s);
+    auto root(auto eta) const { return (from_one ? eta - 1 : eta) / M; }
+    auto f(auto eta) const {
+        const auto s = root(eta);
+        return M * M * (integer_power(s, p) + kappa * s * s);
     }
-    template <class T> T f1(T eta) const {
-        const T s = root(eta);
-        return M * (p * integer_power<T>(s, p - 1) + 2 * kappa * s);
+    auto f1(auto eta) const {
+        const auto s = root(eta);
+        return M * (p * integer_power(s, p - 1) + 2 * kappa * s);
     }
-    template <class T> T f2(T eta) const { return p * (p - 1) * integer_power<T>(root(eta), p - 2) + 2 * kappa; }
+    auto f2(auto eta) const { return p * (p - 1) * integer_power(root(eta), p - 2) + 2 * kappa; }
     double half_slope(double f) const {  // kappa left out
         return 0.5 * M * p * std::pow(std::max(f, 0.0) / (M * M), (p - 1.0) / p);
     }
@@ -140,35 +140,6 @@ auto with_density(const DistortionParams& params, const Body& body) {
     if (p == 2 && M == 1 && kappa == 0)
         return of_size ? body(Quadratic<ShapeAndSize>{true}) : body(Quadratic<Shape>{from_one});
     return of_size ? body(Power<ShapeAndSize>{true, p, M, kappa}) : body(Power<Shape>{from_one, p, M, kappa});
-}
-
-// share f + (1 - share) eta^2: the objective with its damping (distortion_energy.hpp).
-template <class Density>
-struct Damped {
-    using Measure = typename Density::Measure;
-    Density of;
-    Lanes share;
-    Lanes f1(Lanes eta) const { return 2 * eta + share * (of.f1(eta) - 2 * eta); }
-    Lanes f2(Lanes eta) const { return 2 + share * (of.f2(eta) - 2); }
-};
-
-template <class Density>
-Damped<Density> damped(Density density, Lanes share) {
-    return {density, share};
-}
-
-// Of a quadratic again one, (eta - shift)^2 up to a constant.
-template <class MeasureOf>
-struct ShiftedQuadratic {
-    using Measure = MeasureOf;
-    Lanes shift;
-    Lanes f1(Lanes eta) const { return 2 * (eta - shift); }
-    Lanes f2(Lanes) const { return in_all_lanes(2); }
-};
-
-template <class Measure>
-ShiftedQuadratic<Measure> damped(Quadratic<Measure> density, Lanes share) {
-    return {density.from_one ? share : Lanes{}};
 }
 
 // df/dF. F must have finite distortion.

@@ -18,6 +18,35 @@
 
 namespace almesh {
 
+// share f + (1 - share) eta^2: the objective with its damping (distortion_energy.hpp).
+template <class Density>
+struct Damped {
+    using Measure = typename Density::Measure;
+    Density of;
+    Lanes share;
+    Lanes f1(Lanes eta) const { return 2 * eta + share * (of.f1(eta) - 2 * eta); }
+    Lanes f2(Lanes eta) const { return 2 + share * (of.f2(eta) - 2); }
+};
+
+template <class Density>
+Damped<Density> damped(Density density, Lanes share) {
+    return {density, share};
+}
+
+// Of a quadratic again one, (eta - shift)^2 up to a constant.
+template <class MeasureOf>
+struct ShiftedQuadratic {
+    using Measure = MeasureOf;
+    Lanes shift;
+    Lanes f1(Lanes eta) const { return 2 * (eta - shift); }
+    double f2(Lanes) const { return 2; }
+};
+
+template <class Measure>
+ShiftedQuadratic<Measure> damped(Quadratic<Measure> density, Lanes share) {
+    return {density.from_one ? share : Lanes{}};
+}
+
 // d2f / dJ_ak dJ_bl in tensor[k][l][a][b].
 template <int n>
 using Tensor = Mat<n, Mat<n, Lanes>>;
@@ -76,7 +105,8 @@ FrameHessian<n> projected_in_frame(const Mat<n, Lanes>& F, const Density& densit
     const Vec<n, Lanes>& s = svd.s;
     const Lanes S = frobenius_squared<n>(F);
     const auto [r, r1, r2] = Density::Measure::template derivatives<n>(determinant(F), delta);
-    const Lanes f1 = density.f1(S * r), f2 = density.f2(S * r), Sr1 = S * r1;
+    const Lanes f1 = density.f1(S * r), Sr1 = S * r1;
+    const auto f2 = density.f2(S * r);
     const auto product_without = [&s](int i, int j) { return n == 2 ? in_all_lanes(1) : s[3 - i - j]; };  // i not j
 
     Vec<n, Lanes> D_i, eta_i;  // first derivatives with respect to the singular values

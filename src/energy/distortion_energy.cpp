@@ -2,9 +2,10 @@
 #include "energy/distortion_energy.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
-#include "base/index.hpp"
+#include "base/error.hpp"
 #include "energy/densities.hpp"
 #include "energy/plain_energy.hpp"
 #include "energy/simd_energy.hpp"
@@ -15,99 +16,45 @@ DistortionEnergy::DistortionEnergy(const DistortionParams& params, const Mesh& m
     : params_(params),
       dim_(mesh.dim),
       element_count_(mesh.element_count()),
-      quadrature_(element_quadrature(mesh.dim, mesh.degree, params.exactness)),
-      reference_(reference_element(mesh.degree, quadrature_)),
-      valid_step_(mesh.dim, mesh.degree) {}
+      rules_(mesh.dim, mesh.degree, params.exactness),
+      reference_(rules_.common()) {}
 
-DistortionEnergy::DistortionEnergy(const DistortionEnergy& whole, int element_count)
+DistortionEnergy::DistortionEnergy(const DistortionEnergy& whole, const std::vector<int>& place)
     : params_(whole.params_),
       dim_(whole.dim_),
-      element_count_(element_count),
-      quadrature_(whole.quadrature_),
-      reference_(whole.reference_),
-      valid_step_(whole.valid_step_) {}
+      element_count_(static_cast<int>(place.size())),
+      rules_(whole.rules_.part(place)),
+      reference_(rules_.common()) {}
 
-void DistortionEnergy::take_refined_of(const DistortionEnergy& whole) {
-    for (const Refined& there : whole.refined_) {
-        const auto here = std::find(place_in_whole_.begin(), place_in_whole_.end(), there.element);
-        if (here == place_in_whole_.end()) continue;
-        set_quadrature(static_cast<int>(here - place_in_whole_.begin()), there.quadrature);
-    }
+BlockCsr DistortionEnergy::hessian_pattern() const {
+    BlockCsr H = pattern_;
+    H.value.assign(H.col.size() * H.d * H.d, 0.0);
+    return H;
 }
 
-double DistortionEnergy::valid_fraction(const std::vector<double>& x, const std::vector<double>& to) {
-    return params_.delta > 0 ? 1 : valid_step_.fraction(nodes_, element_count_, x, to, folds_);
-}
-
-bool DistortionEnergy::certified(const std::vector<double>& x) {
-    std::vector<Fold> folds;
-    return params_.delta > 0 || valid_step_.fraction(nodes_, element_count_, x, x, folds) == 1;
-}
-
-int DistortionEnergy::find_refined(int element) const {
-    const auto is_it = [element](const Refined& refined) { return refined.element == element; };
-    return static_cast<int>(std::find_if(refined_.begin(), refined_.end(), is_it) - refined_.begin());
-}
-
-void DistortionEnergy::set_quadrature(int element, std::shared_ptr<const RefinedQuadrature> quadrature) {
-    const int r = find_refined(element);
-    const bool is_new = r == refined_elements();
-    if (is_new) refined_.push_back({element, nullptr});
-    refined_[r].quadrature = std::move(quadrature);
-    if (is_new) added_refined(r);
-}
-
-bool DistortionEnergy::refine(const Fold& fold) {
-    const int r = find_refined(fold.element);
-    RefinedRule finer = r < refined_elements() ? refined_[r].quadrature->rule : RefinedRule(dim_);
-    if (!finer.refine(fold.at, fold.ratio)) return false;
-    set_quadrature(fold.element,
-                   std::make_shared<RefinedQuadrature>(std::move(finer), reference_.degree, quadrature_));
-    refinements_.push_back(fold);
-    return true;
-}
-
-bool DistortionEnergy::refine_quadrature() {
-    bool changed = false;
-    std::vector<int> seen;
-    for (auto fold = folds_.rbegin(); fold != folds_.rend(); ++fold) {  // each element once, where it folded last
-        if (std::find(seen.begin(), seen.end(), fold->element) != seen.end()) continue;
-        seen.push_back(fold->element);
-        changed = refine(*fold) || changed;
-    }
-    folds_.clear();
-    return changed;
-}
-
-bool DistortionEnergy::take_over_refinements(const DistortionEnergy& part) {
-    for (const Fold& fold : part.refinements_) {
-        const int element = part.place_in_whole_[fold.element];
-        set_quadrature(element, part.refined_[part.find_refined(fold.element)].quadrature);
-        refinements_.push_back({element, fold.at, fold.ratio});
-    }
-    return !part.refinements_.empty();
-}
-
-void DistortionEnergy::set_quadrature(const QuadratureState& state) {
-    for (std::size_t k = refinements_.size(); k < state.refinements.size(); ++k) refine(state.refinements[k]);
-    folds_ = state.folds;
+void DistortionEnergy::order_hessian(const ChooseOrder& choose) {
+    auto order = choose(pattern_);
+    if (!order) return;
+    LargeVector<int> place;
+    pattern_ = ordered_pattern(pattern_, std::move(order), place);
+    blocks_moved(place);
 }
 
 double DistortionEnergy::uniform(double eta) const {
     return volume_ * with_density(params_, [eta](auto density) { return density.f(eta); });
 }
 
+double DistortionEnergy::mean_slope(double energy) const {
+    const double mean = std::max(0.0, energy) / volume_;
+    return with_density(params_, [mean](auto density) { return density.half_slope(mean); });
+}
+
 double DistortionEnergy::hessian_passes() const {
     constexpr double of_density = 125, of_entry = 0.2;  // at a point
     const double entries = static_cast<double>(reference_.nodes) * reference_.nodes * dim_ * dim_;
     double points = static_cast<double>(element_count_) * reference_.points;
-    for (const Refined& refined : refined_) points += refined.quadrature->reference.points;
+    for (const auto& refined : rules_.refined()) points += rules_.of(refined.element).reference.points;
     return (of_density + of_entry * entries) * points;
-}
-
-double DistortionEnergy::mean_slope(double energy) const {
-    const double mean = std::max(0.0, energy) / volume_;
-    return with_density(params_, [mean](auto density) { return density.half_slope(mean); });
 }
 
 std::unique_ptr<DistortionEnergy> make_energy(const Mesh& mesh, const std::vector<double>& ideal,
@@ -116,7 +63,23 @@ std::unique_ptr<DistortionEnergy> make_energy(const Mesh& mesh, const std::vecto
     return std::make_unique<SimdEnergy>(mesh, ideal, params);
 }
 
-double damping_exponent(int dim, double weight_exponent) { return std::min(1.5 / dim, weight_exponent); }
+IdealElement ideal_element(const Mesh& mesh, int e, const std::vector<double>& ideal, double weight_exponent) {
+    IdealElement of{};
+    with_dimension(mesh.dim, [&](auto n) {
+        const Mat<n> A = straight_jacobian<n>(mesh.element(e), ideal), inverse_of_A = inverse<n>(A);
+        // Of |e| in w'_e |e|: 3/(2n), in 2D and 3D the power 3/2 of the element's size, or alpha if that is less.
+        const double exponent = std::min(1.5 / mesh.dim, weight_exponent);
+        of.jacobian = determinant(A);
+        of.weight = std::pow(of.jacobian, weight_exponent);
+        of.damping_weight = std::pow(of.jacobian, exponent);
+        for (int i = 0; i < n; ++i) std::copy_n(inverse_of_A[i].begin(), n(), &of.inverse[i * n]);
+    });
+    return of;
+}
+
+void refuse_ideal_element(const Mesh& mesh, int e) {
+    throw InputError("element ", mesh.file.element_id[e], " of the ideal mesh has no positive volume");
+}
 
 SubMesh elements_around(const std::vector<int>& elements, int count, int m, const std::vector<char>& moves) {
     SubMesh part;

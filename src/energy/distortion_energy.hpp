@@ -8,27 +8,23 @@
 // smaller alpha protects small elements.
 //
 // Two implementations: plain_energy.hpp, the textbook assembly, made to be read; simd_energy.hpp, the one that runs
-// use, tested against it.
+// use, tested against it. Both integrate each element by the rule that element_rules.hpp has for it.
 //
 // Damping. Where the Hessian is a bad model, what keeps a step from inverting small elements is the Hessian of the
 // integral of eta^2 with weights w'_e |e| proportional to |e|^{3/(2n)}: linear elasticity, stiffer where the mesh is
 // finer, so that small elements move almost rigidly and large ones deform (as in mesh moving by stiffened elasticity:
 // Stein, Tezduyar, Benney, J. Appl. Mech. 70, 2003). A damped Hessian is that of w f + t w' eta^2: a density again.
 //
-// Validity. The energy sees curved elements at the points of its quadrature only. valid_fraction() tells how far a step
-// may go (valid_step.hpp), and elements that it would have folded unseen get a finer quadrature (refined_rule.hpp) when
-// refine_quadrature() is called, for good.
-//
 // Evaluations use work space of the object: one call at a time.
 #pragma once
+#include <array>
 #include <functional>
 #include <memory>
 #include <vector>
 
 #include "base/index.hpp"
+#include "energy/element_rules.hpp"
 #include "energy/options.hpp"
-#include "energy/refined_rule.hpp"
-#include "energy/valid_step.hpp"
 #include "linalg/block_csr.hpp"
 #include "mesh/mesh.hpp"
 
@@ -41,11 +37,6 @@ struct DistortionStatistics {
     std::vector<double> element_max;  // per element
 };
 
-// Where elements have folded: what their quadrature has been refined for so far, and what it will be for next.
-struct QuadratureState {
-    std::vector<Fold> refinements, folds;
-};
-
 class DistortionEnergy {
 public:
     virtual ~DistortionEnergy() = default;
@@ -54,13 +45,13 @@ public:
     virtual double energy(const std::vector<double>& x) = 0;
     // Adds to g (node_count x dim); x must have finite energy.
     virtual void add_gradient(const std::vector<double>& x, std::vector<double>& g) = 0;
-    virtual BlockCsr hessian_pattern() const = 0;  // all values zero
-    // From now on with the rows of the Hessian in the order that `choose` makes of its pattern; none: as they are.
-    using ChooseOrder = std::function<std::shared_ptr<const RowOrder>(const BlockCsr& pattern)>;
-    virtual void order_hessian(const ChooseOrder& choose) = 0;
-    // Adds to H, which has the pattern above. projection: for HessianKind::projected alone.
+    // Adds to H, which has the pattern below. projection: for HessianKind::projected alone.
     virtual void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                              const Projection& projection = {}) = 0;
+    BlockCsr hessian_pattern() const;  // all values zero
+    // From now on with the rows of the Hessian in the order that `choose` makes of its pattern; none: as they are.
+    using ChooseOrder = std::function<std::shared_ptr<const RowOrder>(const BlockCsr& pattern)>;
+    void order_hessian(const ChooseOrder& choose);
     virtual DistortionStatistics statistics(const std::vector<double>& x) = 0;
 
     // The elements that have a node with moves[i], with the same weights, as an energy of its own of their nodes;
@@ -69,29 +60,7 @@ public:
     virtual std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
                                                    std::vector<int>& node) const = 0;
 
-    // The largest s <= 1 found so that all elements are valid along (1 - r) x + r to for 0 <= r <= s; 1 with
-    // regularisation, which lets elements invert. Notes where elements would fold.
-    double valid_fraction(const std::vector<double>& x, const std::vector<double>& to);
-    bool certified(const std::vector<double>& x);  // everywhere in every element, or regularised
-    // A finer quadrature of the elements that steps were cut for since the last call. Whether E has changed.
-    bool refine_quadrature();
-    // The refinements of a part of this energy since it was made; this one has had none since. Whether E has changed.
-    bool take_over_refinements(const DistortionEnergy& part);
-    // Which quadratures have been refined, and are to be; set_quadrature() for one that has none or the first of them.
-    QuadratureState quadrature() const { return {refinements_, folds_}; }
-    void set_quadrature(const QuadratureState& state);
-    // Another power in the density from now on.
-    void set_power(const PowerParams& power) { params_.power = power; }
-    const PowerParams& power() const { return params_.power; }
-    // Another regularisation from now on.
-    void set_delta(double delta) { params_.delta = delta; }
-    double delta() const { return params_.delta; }
     int dim() const { return dim_; }
-    double nodes_in_elements() const { return static_cast<double>(element_count_) * reference_.nodes; }
-    double hessian_passes() const;  // passes of an iterative solver over an entry of a matrix that take as long as it
-    bool is_curved() const { return reference_.degree > 1; }
-    int refined_elements() const { return static_cast<int>(refined_.size()); }
-
     double domain_volume() const { return volume_; }
     // The energy of a mesh with the distortion eta everywhere.
     double uniform(double eta) const;
@@ -99,45 +68,63 @@ public:
     // eta - 1 for the densities that are squares.
     double mean_slope(double energy) const;
 
-protected:
-    // Of an element of its own; all others have reference_.
-    struct Refined {
-        int element;
-        std::shared_ptr<const RefinedQuadrature> quadrature;
-    };
+    // Another power in the density, or another regularisation, from now on.
+    void set_power(const PowerParams& power) { params_.power = power; }
+    const PowerParams& power() const { return params_.power; }
+    void set_delta(double delta) { params_.delta = delta; }
+    double delta() const { return params_.delta; }
 
+    // Valid elements and the quadrature that sees them: element_rules.hpp. With regularisation elements may invert.
+    double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) {
+        return params_.delta > 0 ? 1 : rules_.valid_fraction(nodes_, element_count_, x, to);
+    }
+    bool certified(const std::vector<double>& x) const {
+        return params_.delta > 0 || rules_.certified(nodes_, element_count_, x);
+    }
+    bool refine_quadrature() { return rules_.refine(); }  // whether E has changed, here and below
+    bool take_over_refinements(const DistortionEnergy& part) { return rules_.take_over(part.rules_); }
+    const QuadratureState& quadrature() const { return rules_.state(); }
+    void set_quadrature(const QuadratureState& state) { rules_.set_state(state); }
+    int refined_elements() const { return static_cast<int>(rules_.refined().size()); }
+
+    // What evaluations cost.
+    bool is_curved() const { return reference_.degree > 1; }
+    double nodes_in_elements() const { return static_cast<double>(element_count_) * reference_.nodes; }
+    double hessian_passes() const;  // passes of an iterative solver over an entry of a matrix that take as long as it
+
+protected:
     DistortionEnergy(const DistortionParams& params, const Mesh& mesh);
-    // Some elements of another one; nodes_ and place_in_whole_ are to be set, then take_refined_of() called.
-    DistortionEnergy(const DistortionEnergy& whole, int element_count);
-    void take_refined_of(const DistortionEnergy& whole);
+    // Of some elements of another one: place[e] is the number there of element e here.
+    DistortionEnergy(const DistortionEnergy& whole, const std::vector<int>& place);
     const int* element(int e) const { return &nodes_[offset(e, reference_.nodes)]; }
 
     DistortionParams params_;
     int dim_, element_count_;
-    Quadrature quadrature_;
-    ReferenceElement reference_;
-    std::vector<int> nodes_;  // element_count x element nodes, or more
-    std::vector<int> place_in_whole_;  // of a part: element -> element of what it is a part of
-    std::vector<Refined> refined_;
-    double volume_ = 0;  // |Omega|
+    ElementRules rules_;
+    const ReferenceElement& reference_;  // that of most elements
+    std::vector<int> nodes_;             // element_count x element nodes, or more
+    BlockCsr pattern_;                   // of the Hessian, without values
+    double volume_ = 0;                  // |Omega|
 
 private:
-    ValidStep valid_step_;
-    std::vector<Fold> folds_;        // since the last refinement
-    std::vector<Fold> refinements_;  // so far
-
-    bool refine(const Fold& fold);
-    void set_quadrature(int element, std::shared_ptr<const RefinedQuadrature> quadrature);
-    int find_refined(int element) const;          // its place in refined_, or their number
-    virtual void added_refined(int refined) = 0;  // refined_[refined] is new
+    virtual void blocks_moved(const LargeVector<int>&) {}  // place[b]: where block b of the pattern is now
 };
 
 // ideal: node_count x dim positions of the ideal mesh, whose elements must have positive volume: else InputError.
 std::unique_ptr<DistortionEnergy> make_energy(const Mesh& mesh, const std::vector<double>& ideal,
                                               const DistortionParams& params);
 
-// Exponent of |e| in w'_e |e|: 3/(2n), in 2D and 3D the power 3/2 of the element's size, or alpha if that is less.
-double damping_exponent(int dim, double weight_exponent);
+// A straight element of the ideal mesh.
+struct IdealElement {
+    std::array<double, 9> inverse;  // dim x dim, A^{-1}
+    double jacobian;                // det A
+    double weight, damping_weight;  // w_e det A and w'_e det A, but for a factor that all elements have in common
+};
+
+IdealElement ideal_element(const Mesh& mesh, int e, const std::vector<double>& ideal, double weight_exponent);
+
+// Throws the InputError of an element of the ideal mesh whose Jacobian is not positive.
+[[noreturn]] void refuse_ideal_element(const Mesh& mesh, int e);
 
 // Some elements of a mesh with their nodes numbered anew.
 struct SubMesh {

@@ -11,6 +11,7 @@
 
 #include "base/index.hpp"
 #include "energy/density_hessian.hpp"
+#include "energy/gradient_products.hpp"
 #include "mesh/quadrature.hpp"
 
 namespace almesh {
@@ -19,9 +20,8 @@ template <int n>
 class LinearBatch {
 public:
     static constexpr int dimension = n;
-    static constexpr int nodes() { return m; }
 
-    explicit LinearBatch(const ReferenceElement& reference) : volume_(reference.weight[0]) {}
+    LinearBatch(const ReferenceElement& reference, const GradientProducts&) : volume_(reference.weight[0]) {}
 
     // node: lanes x m nodes of the elements, x: nodes x n. ideal_inverse: A^{-1} of the elements.
     // node and ideal_inverse are looked at until the next start().

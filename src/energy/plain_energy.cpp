@@ -14,7 +14,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/error.hpp"
 #include "energy/densities.hpp"
 #include "linalg/dense_solve.hpp"
 
@@ -61,77 +60,70 @@ Quadratic<typename Density::Measure> square_like(Density) {
     return {false};
 }
 
-// Of one element at one quadrature point.
+// One quadrature point of one element.
 template <int n>
 struct ElementPoint {
-    const double* gradient;  // m x n: dN_i/dy_k on the ideal element
+    int element;
+    const int* node;               // m
+    const double* gradient;        // m x n: dN_i/dy_k on the ideal element
     Mat<n> F;
-    double weight;  // of the point in the reference element: in the functional,
-    double volume;  // and in an integral
+    double w, damping_w, volume;  // of the point in E, with w'_e for w_e, and in an integral over the ideal mesh
 };
 
 }  // namespace
 
 PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
-    : DistortionEnergy(params, mesh),
-      refined_place_(mesh.element_count(), -1),
-      pattern_(matrix_of_cells(mesh.nodes(), mesh.dim, mesh.elements, mesh.element_nodes())) {
+    : DistortionEnergy(params, mesh) {
     nodes_ = mesh.elements;
-    const double exponent = damping_exponent(dim_, params.weight_exponent);
-    double jacobians = 0, weights = 0, damping_weights = 0;
-    with_dimension(dim_, [&](auto n) {
-        for (int e = 0; e < element_count_; ++e) {
-            const Mat<n> A = straight_jacobian<n>(mesh.element(e), ideal), inverse_of_A = inverse<n>(A);
-            const double jacobian = determinant(A);
-            if (!(jacobian > 0))
-                throw InputError("element ", mesh.file.element_id[e], " of the ideal mesh has no positive volume");
-            for (const auto& row : inverse_of_A) ideal_inverse_.insert(ideal_inverse_.end(), row.begin(), row.end());
-            ideal_jacobian_.push_back(jacobian);
-            weight_.push_back(std::pow(jacobian, params.weight_exponent));
-            damping_weight_.push_back(std::pow(jacobian, exponent));
-            jacobians += jacobian;
-            weights += weight_.back();
-            damping_weights += damping_weight_.back();
-        }
-    });
-    for (double& w : weight_) w *= jacobians / weights;
-    for (double& w : damping_weight_) w *= jacobians / damping_weights;
+    pattern_ = pattern_of_cells(mesh.nodes(), dim_, nodes_, reference_.nodes);
+    double jacobians = 0;
+    for (int e = 0; e < element_count_; ++e) {
+        ideal_.push_back(ideal_element(mesh, e, ideal, params.weight_exponent));
+        if (!(ideal_[e].jacobian > 0)) refuse_ideal_element(mesh, e);
+        jacobians += ideal_[e].jacobian;
+    }
     volume_ = jacobians * simplex(dim_).volume();
+    for (double IdealElement::*weight : {&IdealElement::weight, &IdealElement::damping_weight}) {
+        double weights = 0;
+        for (const IdealElement& of : ideal_) weights += of.*weight;
+        for (IdealElement& of : ideal_) of.*weight *= jacobians / weights;
+    }
 }
 
-// body(point) for every quadrature point of element e.
-template <int n, class Body>
-void PlainEnergy::every_point(int e, const std::vector<double>& x, const Body& body) const {
+// body(point) for every quadrature point of every element.
+template <class Body>
+void PlainEnergy::every_point(const std::vector<double>& x, const Body& body) const {
     const int m = reference_.nodes;
-    const RefinedQuadrature* const refined =
-        refined_place_[e] < 0 ? nullptr : refined_[refined_place_[e]].quadrature.get();
-    const ReferenceElement& rule = refined ? refined->reference : reference_;
-    const std::vector<double>& volume = refined ? refined->volume : rule.weight;
-    const double* const inverse_of_A = &ideal_inverse_[offset(e, n * n)];
-    std::vector<double> gradient(offset(m, n));
-    for (int q = 0; q < rule.points; ++q) {
-        const double* const dN = &rule.gradients[offset(q, m * n)];
-        std::fill(gradient.begin(), gradient.end(), 0.0);
-        Mat<n> F{};
-        for (int i = 0; i < m; ++i)
-            for (int k = 0; k < n; ++k) {
-                for (int l = 0; l < n; ++l) gradient[i * n + k] += dN[i * n + l] * inverse_of_A[l * n + k];
-                for (int a = 0; a < n; ++a)  // relative to the first node, whose gradients are minus the others' sum
-                    F[a][k] += (point(x, element(e)[i], n)[a] - point(x, element(e)[0], n)[a]) * gradient[i * n + k];
+    with_dimension(dim_, [&](auto dimension) {
+        constexpr int n = dimension;
+        std::vector<double> gradient(offset(m, n));
+        for (int e = 0; e < element_count_; ++e) {
+            const IdealElement& ideal = ideal_[e];
+            const ElementRule& rule = rules_.of(e);
+            for (int q = 0; q < rule.reference.points; ++q) {
+                const double* const dN = &rule.reference.gradients[offset(q, m * n)];
+                std::fill(gradient.begin(), gradient.end(), 0.0);
+                Mat<n> F{};
+                for (int i = 0; i < m; ++i)
+                    for (int k = 0; k < n; ++k) {
+                        for (int l = 0; l < n; ++l) gradient[i * n + k] += dN[i * n + l] * ideal.inverse[l * n + k];
+                        for (int a = 0; a < n; ++a)  // relative to the first node: the gradients' sum is zero
+                            F[a][k] += (point(x, element(e)[i], n)[a] - point(x, element(e)[0], n)[a]) *
+                                       gradient[i * n + k];
+                    }
+                const double weight = rule.reference.weight[q];
+                body(ElementPoint<n>{e, element(e), gradient.data(), F, ideal.weight * weight,
+                                     ideal.damping_weight * weight, ideal.jacobian * rule.volume[q]});
             }
-        body(ElementPoint<n>{gradient.data(), F, rule.weight[q], volume[q]});
-    }
+        }
+    });
 }
 
 double PlainEnergy::energy(const std::vector<double>& x) {
     double sum = 0;
     with_density(params_, [&](auto density) {
-        with_dimension(dim_, [&](auto n) {
-            for (int e = 0; e < element_count_; ++e)
-                every_point<n>(e, x, [&](const ElementPoint<n>& at) {
-                    const double eta = distortion<n>(at.F, params_.delta, typename decltype(density)::Measure());
-                    sum += weight_[e] * at.weight * density.f(eta);
-                });
+        every_point(x, [&]<int n>(const ElementPoint<n>& at) {
+            sum += at.w * density.f(distortion<n>(at.F, params_.delta, typename decltype(density)::Measure()));
         });
     });
     return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
@@ -139,16 +131,12 @@ double PlainEnergy::energy(const std::vector<double>& x) {
 
 void PlainEnergy::add_gradient(const std::vector<double>& x, std::vector<double>& g) {
     with_density(params_, [&](auto density) {
-        with_dimension(dim_, [&](auto n) {
-            for (int e = 0; e < element_count_; ++e)
-                every_point<n>(e, x, [&](const ElementPoint<n>& at) {
-                    const Mat<n> P = density_gradient<n>(at.F, params_.delta, density);
-                    for (int i = 0; i < reference_.nodes; ++i)
-                        for (int a = 0; a < n; ++a)
-                            for (int k = 0; k < n; ++k)
-                                point(g, element(e)[i], n)[a] +=
-                                    weight_[e] * at.weight * P[a][k] * at.gradient[i * n + k];
-                });
+        every_point(x, [&]<int n>(const ElementPoint<n>& at) {
+            const Mat<n> P = density_gradient<n>(at.F, params_.delta, density);
+            for (int i = 0; i < reference_.nodes; ++i)
+                for (int a = 0; a < n; ++a)
+                    for (int k = 0; k < n; ++k)
+                        point(g, at.node[i], n)[a] += at.w * P[a][k] * at.gradient[i * n + k];
         });
     });
 }
@@ -157,82 +145,54 @@ void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Bl
                               const Projection& projection) {
     const bool projected = kind == HessianKind::projected;
     const double t = projected ? projection.damping : kind == HessianKind::damping ? 1 : 0;
-    const int m = reference_.nodes;
     with_density(params_, [&](auto density) {
-        with_dimension(dim_, [&](auto dimension) {
-            constexpr int n = dimension;
-            for (int e = 0; e < element_count_; ++e)
-                every_point<n>(e, x, [&](const ElementPoint<n>& at) {
-                    double A[n * n * n * n] = {};  // of w f + t w' eta^2
-                    if (kind != HessianKind::damping)
-                        add_second_derivative<n>(at.F, density, params_.delta, weight_[e] * at.weight, A);
-                    if (t > 0)
-                        add_second_derivative<n>(at.F, square_like(density), params_.delta,
-                                                 t * damping_weight_[e] * at.weight, A);
-                    if (kind != HessianKind::full) project(n * n, A, projected ? projection.negative_part : 0);
-                    for (int i = 0; i < m; ++i)
-                        for (int j = 0; j < m; ++j) {
-                            double* const block = H.block(H.find(H.row_of(element(e)[i]), H.row_of(element(e)[j])));
-                            for (int a = 0; a < n; ++a)
-                                for (int b = 0; b < n; ++b)
-                                    for (int k = 0; k < n; ++k)
-                                        for (int l = 0; l < n; ++l)
-                                            block[a * n + b] += at.gradient[i * n + k] *
-                                                                A[(a * n + k) * n * n + b * n + l] *
-                                                                at.gradient[j * n + l];
-                        }
-                });
+        every_point(x, [&]<int n>(const ElementPoint<n>& at) {
+            double A[n * n * n * n] = {};  // of w f + t w' eta^2
+            if (kind != HessianKind::damping) add_second_derivative<n>(at.F, density, params_.delta, at.w, A);
+            if (t > 0) add_second_derivative<n>(at.F, square_like(density), params_.delta, t * at.damping_w, A);
+            if (kind != HessianKind::full) project(n * n, A, projected ? projection.negative_part : 0);
+            for (int i = 0; i < reference_.nodes; ++i)
+                for (int j = 0; j < reference_.nodes; ++j) {
+                    double* const block = H.block(H.find(H.row_of(at.node[i]), H.row_of(at.node[j])));
+                    for (int a = 0; a < n; ++a)
+                        for (int b = 0; b < n; ++b)
+                            for (int k = 0; k < n; ++k)
+                                for (int l = 0; l < n; ++l)
+                                    block[a * n + b] += at.gradient[i * n + k] *
+                                                        A[(a * n + k) * n * n + b * n + l] * at.gradient[j * n + l];
+                }
         });
     });
-}
-
-void PlainEnergy::order_hessian(const ChooseOrder& choose) {
-    auto order = choose(pattern_);
-    if (!order) return;
-    LargeVector<int> place;
-    pattern_ = ordered_pattern(pattern_, std::move(order), place);
-    pattern_.value.assign(offset(pattern_.blocks(), dim_ * dim_), 0.0);
 }
 
 DistortionStatistics PlainEnergy::statistics(const std::vector<double>& x) {
     DistortionStatistics result;
     result.element_max.assign(element_count_, 0.0);
     double squared_norm = 0;  // |M phi|^2
-    with_dimension(dim_, [&](auto n) {
-        for (int e = 0; e < element_count_; ++e)
-            every_point<n>(e, x, [&](const ElementPoint<n>& at) {
-                const double eta = distortion<n>(at.F, 0);
-                squared_norm += ideal_jacobian_[e] * at.volume * eta * eta;
-                result.element_max[e] = std::max(result.element_max[e], eta);
-            });
+    every_point(x, [&]<int n>(const ElementPoint<n>& at) {
+        const double eta = distortion<n>(at.F, 0);
+        squared_norm += at.volume * eta * eta;
+        result.element_max[at.element] = std::max(result.element_max[at.element], eta);
     });
     result.relative_quality = std::sqrt(volume_ / squared_norm);
     for (double eta : result.element_max) result.max_distortion = std::max(result.max_distortion, eta);
     return result;
 }
 
-PlainEnergy::PlainEnergy(const PlainEnergy& whole, SubMesh chosen)
-    : DistortionEnergy(whole, static_cast<int>(chosen.place.size())),
-      refined_place_(element_count_, -1),
-      pattern_(matrix_of_cells(static_cast<int>(chosen.node.size()), dim_, chosen.elements, reference_.nodes)) {
-    nodes_ = std::move(chosen.elements);
-    place_in_whole_ = std::move(chosen.place);
-    for (const int e : place_in_whole_) {
-        const double* const inverse_of_A = &whole.ideal_inverse_[offset(e, dim_ * dim_)];
-        ideal_inverse_.insert(ideal_inverse_.end(), inverse_of_A, inverse_of_A + dim_ * dim_);
-        ideal_jacobian_.push_back(whole.ideal_jacobian_[e]);
-        weight_.push_back(whole.weight_[e]);
-        damping_weight_.push_back(whole.damping_weight_[e]);
-        volume_ += whole.ideal_jacobian_[e] * simplex(dim_).volume();
+PlainEnergy::PlainEnergy(const PlainEnergy& whole, const SubMesh& part) : DistortionEnergy(whole, part.place) {
+    nodes_ = part.elements;
+    pattern_ = pattern_of_cells(static_cast<int>(part.node.size()), dim_, nodes_, reference_.nodes);
+    for (const int e : part.place) {
+        ideal_.push_back(whole.ideal_[e]);
+        volume_ += whole.ideal_[e].jacobian * simplex(dim_).volume();
     }
-    take_refined_of(whole);
 }
 
 std::unique_ptr<DistortionEnergy> PlainEnergy::part(const std::vector<double>&, const std::vector<char>& moves,
                                                     std::vector<int>& node) const {
-    SubMesh chosen = elements_around(nodes_, element_count_, reference_.nodes, moves);
-    node = chosen.node;
-    return std::unique_ptr<PlainEnergy>(new PlainEnergy(*this, std::move(chosen)));
+    const SubMesh part = elements_around(nodes_, element_count_, reference_.nodes, moves);
+    node = part.node;
+    return std::unique_ptr<PlainEnergy>(new PlainEnergy(*this, part));
 }
 
 void project(int size, double* A, double negative_part) {

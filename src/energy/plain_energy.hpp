@@ -3,9 +3,7 @@
 // determinant, a general eigensolver for its projection, every block found in its row by bisection. Made to be read,
 // and the reference that simd_energy.hpp is tested against; ten to fifty times slower. One thread.
 #pragma once
-#include "base/index.hpp"
 #include "energy/distortion_energy.hpp"
-#include "mesh/quadrature.hpp"
 
 namespace almesh {
 
@@ -15,8 +13,6 @@ public:
 
     double energy(const std::vector<double>& x) override;
     void add_gradient(const std::vector<double>& x, std::vector<double>& g) override;
-    BlockCsr hessian_pattern() const override { return pattern_; }
-    void order_hessian(const ChooseOrder& choose) override;
     void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                      const Projection& projection = {}) override;
     DistortionStatistics statistics(const std::vector<double>& x) override;
@@ -24,17 +20,12 @@ public:
                                            std::vector<int>& node) const override;
 
 private:
-    PlainEnergy(const PlainEnergy& whole, SubMesh chosen);
+    PlainEnergy(const PlainEnergy& whole, const SubMesh& part);
 
-    std::vector<double> ideal_inverse_;           // element x dim x dim, A^{-1}
-    std::vector<double> ideal_jacobian_;          // element, det A
-    std::vector<double> weight_, damping_weight_;  // element, w_e det A and w'_e det A
-    std::vector<int> refined_place_;               // element: in refined_, or -1
-    BlockCsr pattern_;
+    std::vector<IdealElement> ideal_;  // per element
 
-    void added_refined(int refined) override { refined_place_[refined_[refined].element] = refined; }
-    template <int n, class Body>
-    void every_point(int e, const std::vector<double>& x, const Body& body) const;
+    template <class Body>
+    void every_point(const std::vector<double>& x, const Body& body) const;
 };
 
 // Multiplies the negative eigenvalues of a symmetric size x size matrix, row-major, by negative_part; with 0 what is

@@ -1,37 +1,24 @@
-// A piece is bisected `dim` times across its longest edge, each time the half that has the place.
+// A piece is bisected `dim` times across its longest edge, each time the half that has the position.
 #include "energy/refined_rule.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "linalg/dense_solve.hpp"
 
 namespace almesh {
 namespace {
 
 double barrier_weight(double volume, int dim) { return dim == 3 ? std::pow(volume, 4.0 / 9) : volume; }
 
-// Barycentric coordinates of `at` with respect to a piece that was made by bisections: the least of them, which is
-// negative outside. Solves sum_k c_k corner_k = at by Gaussian elimination; the entries are small binary fractions.
+// The least of the barycentric coordinates c of `at` with respect to a piece that was made by bisections, which is
+// negative outside: sum_k c_k corner_k = at. 0 for one so small that its corners are one point to rounding.
 double inside(const std::array<Barycentric, 4>& corner, int dim, const Barycentric& at) {
-    double A[4][5];
-    for (int i = 0; i <= dim; ++i) {
-        for (int k = 0; k <= dim; ++k) A[i][k] = corner[k][i];
-        A[i][dim + 1] = at[i];
-    }
-    for (int k = 0; k <= dim; ++k) {
-        int pivot = k;
-        for (int i = k + 1; i <= dim; ++i)
-            if (std::abs(A[i][k]) > std::abs(A[pivot][k])) pivot = i;
-        std::swap(A[k], A[pivot]);
-        for (int i = 0; i <= dim; ++i) {
-            if (i == k) continue;
-            const double factor = A[i][k] / A[k][k];
-            for (int j = k; j <= dim + 1; ++j) A[i][j] -= factor * A[k][j];
-        }
-    }
-    double least = std::numeric_limits<double>::infinity();
-    for (int k = 0; k <= dim; ++k) least = std::min(least, A[k][dim + 1] / A[k][k]);
-    return least;
+    std::vector<double> A, c;
+    for (int i = 0; i <= dim; ++i)
+        for (int k = 0; k <= dim; ++k) A.push_back(corner[k][i]);
+    const bool solved = solve_dense(std::move(A), {at.begin(), at.begin() + dim + 1}, c, 0);
+    return solved ? *std::min_element(c.begin(), c.end()) : 0;
 }
 
 }  // namespace
@@ -74,8 +61,9 @@ bool RefinedRule::refine(const Barycentric& at, double size) {
     return changed;
 }
 
-ReferenceElement RefinedRule::element(int degree, const Quadrature& rule) const {
+ElementRule RefinedRule::element(int degree, const Quadrature& rule) const {
     Quadrature all{dim_, 0, {}, {}};
+    std::vector<double> volume;
     for (const Piece& piece : pieces_) {
         const double weight = barrier_weight(piece.volume, dim_);
         for (int q = 0; q < rule.count; ++q) {
@@ -87,17 +75,11 @@ ReferenceElement RefinedRule::element(int degree, const Quadrature& rule) const 
                 all.xi.push_back(xi);
             }
             all.weight.push_back(weight * rule.weight[q]);
+            volume.push_back(piece.volume * rule.weight[q]);
             ++all.count;
         }
     }
-    return reference_element(degree, all);
-}
-
-std::vector<double> RefinedRule::volumes(const Quadrature& rule) const {
-    std::vector<double> volumes;
-    for (const Piece& piece : pieces_)
-        for (const double weight : rule.weight) volumes.push_back(piece.volume * weight);
-    return volumes;
+    return {reference_element(degree, all), std::move(volume)};
 }
 
 }  // namespace almesh

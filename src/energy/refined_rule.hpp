@@ -1,12 +1,12 @@
-// The quadrature of one element that has folded between the points of its rule.
+// The quadrature of one element that came near inverting between the points of its rule.
 //
-// The integral of the distortion is infinite for a folded element, its sum over points is not: nothing keeps a
-// minimiser of the sum from folding the element between them. So where a step would (valid_step.hpp), the element is
-// cut into pieces that get smaller towards that place, with the element's rule on each. The points of the rule at the
-// nodes of a piece make the energy infinite where the element folds there.
+// The integral of the distortion is infinite for an inverted element, its sum over points is not: nothing keeps a
+// minimiser of the sum from inverting the element between them. So where a step would (valid_step.hpp), the element is
+// cut into pieces that get smaller towards that position, with the element's rule on each. The points of the rule at
+// the nodes of a piece make the energy infinite where the element inverts there.
 //
-// In 3D a barrier takes more: where det F falls to zero like the distance r from a place, eta^2 grows like r^(-4/3),
-// whose integral over the element is finite. Where small elements weigh little, minimisers do touch such places, and
+// In 3D a barrier takes more: where det F falls to zero like the distance r from a point, eta^2 grows like r^(-4/3),
+// whose integral over the element is finite. Where small elements weigh little, minimisers do touch such points, and
 // Newton's method creeps towards them without end. So a piece of size s weighs s^(4/3), not its volume s^3: what it
 // adds where det F is about s does not vanish with s. In 2D, r^(-2) is not integrable, and a piece weighs its area.
 #pragma once
@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "energy/element_rules.hpp"
 #include "energy/point_lanes.hpp"
 #include "geometry/bezier.hpp"
 #include "mesh/quadrature.hpp"
@@ -28,9 +29,8 @@ public:
     // once for size = 0. False where nothing changes: it is small enough, or there are `most_pieces` already.
     bool refine(const Barycentric& at, double size);
 
-    // The points, with the weights of the barrier. rule: of the whole element.
-    ReferenceElement element(int degree, const Quadrature& rule) const;
-    std::vector<double> volumes(const Quadrature& rule) const;  // per point: its weight in an integral
+    // The points, with the weights of the barrier in E. rule: of the whole element.
+    ElementRule element(int degree, const Quadrature& rule) const;
 
 private:
     static constexpr int most_pieces = 128;
@@ -46,17 +46,12 @@ private:
 };
 
 // What elements with such a rule are integrated with, the same for an energy and its parts.
-struct RefinedQuadrature {
+struct RefinedQuadrature : ElementRule {
     RefinedRule rule;
-    ReferenceElement reference;
-    std::vector<double> volume;  // per point: RefinedRule::volumes()
-    PointLanes lanes;            // the points of `reference`
+    PointLanes lanes;  // the points of `reference`
 
     RefinedQuadrature(RefinedRule refined, int degree, const Quadrature& of_element)
-        : rule(std::move(refined)),
-          reference(rule.element(degree, of_element)),
-          volume(rule.volumes(of_element)),
-          lanes(reference) {}
+        : ElementRule(refined.element(degree, of_element)), rule(std::move(refined)), lanes(reference) {}
 };
 
 }  // namespace almesh

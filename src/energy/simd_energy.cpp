@@ -12,24 +12,16 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/error.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "energy/curved_batch.hpp"
 #include "energy/linear_batch.hpp"
+#include "energy/refined_rule.hpp"
 
 namespace almesh {
 namespace {
 
 constexpr int refined_at_once = 64;  // refined elements whose Hessians are kept until they are added
-
-// body(place, batch, lane) for all lanes. A batch is one thread's: to write a lane may be to write the whole register.
-template <class Body>
-void each_lane(int batches, const Body& body) {
-    parallel_for(batches, [&](int batch) {
-        for (int lane = 0; lane < lanes; ++lane) body(batch * lanes + lane, batch, lane);
-    }, 10.0 * lanes);
-}
 
 // Asks for the blocks to come: a block may straddle two cache lines.
 template <int size>
@@ -54,101 +46,24 @@ void add_blocks(const double* part, const int* block, int count, double* values)
 
 }  // namespace
 
-struct SimdEnergy::Geometry {
-    std::array<double, 9> inverse;  // dim x dim, A^{-1}
-    double jacobian, weight, damping_weight;
-};
-
 SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
-    : DistortionEnergy(params, mesh) {
-    if (mesh.degree > 1) products_ = std::make_shared<GradientProducts>(dim_, mesh.degree);
-    set_up(mesh);
-    const double exponent = damping_exponent(dim_, params.weight_exponent);
-    std::atomic<int> flat = element_count_;  // first element without volume
-    with_dimension(dim_, [&](auto n) {
-        fill(mesh, [&](int e) {
-            const Mat<n> A = straight_jacobian<n>(mesh.element(e), ideal);
-            const double jacobian = determinant(A);
-            if (!(jacobian > 0))
-                for (int first = flat; e < first && !flat.compare_exchange_weak(first, e);) {}
-            const Mat<n> inverse_of_A = inverse<n>(A);
-            Geometry of{{}, jacobian, std::pow(jacobian, params.weight_exponent), std::pow(jacobian, exponent)};
-            for (int i = 0; i < n; ++i) std::copy_n(inverse_of_A[i].begin(), n(), &of.inverse[i * n]);
-            return of;
-        });
-    });
-    if (flat < element_count_)
-        throw InputError("element ", mesh.file.element_id[flat], " of the ideal mesh has no positive volume");
+    : DistortionEnergy(params, mesh),
+      products_(std::make_shared<GradientProducts>(dim_, mesh.degree)),
+      blocks_(schedule_elements(mesh)) {
+    fill(mesh, [&](int k) { return ideal_element(mesh, blocks_.order[k], ideal, params.weight_exponent); });
+    int flat = element_count_;  // first element without volume
+    for (int k = 0; k < element_count_; ++k)
+        if (!(ideal_jacobian_[k / lanes][k % lanes] > 0)) flat = std::min(flat, blocks_.order[k]);
+    if (flat < element_count_) refuse_ideal_element(mesh, flat);
     for (std::vector<Lanes>* weights : {&weight_, &damping_weight_}) {
         const double weighted = integral(*weights);
         for (Lanes& weight : *weights) weight *= volume_ / weighted;
     }
 }
 
-SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vector<int>& place)
-    : DistortionEnergy(whole, part.element_count()), products_(whole.products_) {
-    set_up(part);
-    for (const int e : blocks_.order) place_in_whole_.push_back(place[e]);
-    fill(part, [&](int e) {
-        const int batch = place[e] / lanes, lane = place[e] % lanes;
-        Geometry of{{}, whole.ideal_jacobian_[batch][lane], whole.weight_[batch][lane],
-                    whole.damping_weight_[batch][lane]};
-        for (std::size_t r = 0; r < whole.refined_.size(); ++r) {  // these weigh nothing in their batch
-            if (whole.refined_[r].element != place[e]) continue;
-            of.jacobian = whole.singles_[r].jacobian;
-            of.weight = whole.singles_[r].weight;
-            of.damping_weight = whole.singles_[r].damping_weight;
-        }
-        for (int ij = 0; ij < dim_ * dim_; ++ij)
-            of.inverse[ij] = whole.ideal_inverse_[offset(batch, dim_ * dim_, ij)][lane];
-        return of;
-    });
-    take_refined_of(whole);
-}
-
-void SimdEnergy::set_up(const Mesh& mesh) {
-    blocks_ = schedule_elements(mesh);
-    block_value_.resize(blocks_.count());
-    const int m = reference_.nodes, batches = (element_count_ + lanes - 1) / lanes;
-    nodes_.resize(offset(batches, lanes * m));
-    ideal_inverse_.resize(offset(batches, dim_ * dim_));
-    for (std::vector<Lanes>* values : {&ideal_jacobian_, &weight_, &damping_weight_}) values->resize(batches);
-    is_large_ = static_cast<double>(element_count_) * reference_.points * m >= parallel_work;
-}
-
-void SimdEnergy::added_refined(int refined) {
-    const int place = refined_[refined].element, batch = place / lanes, lane = place % lanes;
-    Single single{{}, {}, ideal_jacobian_[batch][lane], weight_[batch][lane], damping_weight_[batch][lane]};
-    for (int l = 0; l < lanes; ++l)
-        single.nodes.insert(single.nodes.end(), element(place), element(place) + reference_.nodes);
-    for (int ij = 0; ij < dim_ * dim_; ++ij)
-        single.ideal_inverse.push_back(in_all_lanes(ideal_inverse_[offset(batch, dim_ * dim_, ij)][lane]));
-    singles_.push_back(std::move(single));
-    ideal_jacobian_[batch][lane] = weight_[batch][lane] = damping_weight_[batch][lane] = 0;
-}
-
-// geometry_of(e): of element e of the mesh. What fills up the last batch weighs nothing.
-template <class GeometryOf>
-void SimdEnergy::fill(const Mesh& mesh, const GeometryOf& geometry_of) {
-    const int m = reference_.nodes;
-    each_lane(static_cast<int>(weight_.size()), [&](int k, int batch, int lane) {
-        const int e = blocks_.order[std::min(k, element_count_ - 1)];
-        std::copy_n(mesh.element(e), m, &nodes_[offset(k, m)]);
-        const Geometry of = geometry_of(e);
-        for (int ij = 0; ij < dim_ * dim_; ++ij) ideal_inverse_[offset(batch, dim_ * dim_, ij)][lane] = of.inverse[ij];
-        const bool weighs = k < element_count_;
-        ideal_jacobian_[batch][lane] = weighs ? of.jacobian : 0;
-        weight_[batch][lane] = weighs ? of.weight : 0;
-        damping_weight_[batch][lane] = weighs ? of.damping_weight : 0;
-    });
-    volume_ = integral(ideal_jacobian_);
-    pattern_ = pattern_of_cells(mesh.nodes(), dim_, nodes_, m, &hessian_block_);
-}
-
-// Of a function that is constant on each element, times det A: per batch.
-double SimdEnergy::integral(const std::vector<Lanes>& values) const {
-    const auto of_element = [&](int k) { return values[k / lanes][k % lanes]; };
-    return simplex(dim_).volume() * deterministic_sum(element_count_, of_element);
+SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, ElementBlocks blocks, const std::vector<int>& place)
+    : DistortionEnergy(whole, place), products_(whole.products_), blocks_(std::move(blocks)) {
+    fill(part, [&](int k) { return whole.ideal_at(place[k]); });
 }
 
 std::unique_ptr<DistortionEnergy> SimdEnergy::part(const std::vector<double>& x, const std::vector<char>& moves,
@@ -160,22 +75,75 @@ std::unique_ptr<DistortionEnergy> SimdEnergy::part(const std::vector<double>& x,
     mesh.elements = std::move(chosen.elements);
     node = std::move(chosen.node);
     for (const int i : node) mesh.x.insert(mesh.x.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
-    return std::unique_ptr<SimdEnergy>(new SimdEnergy(*this, mesh, chosen.place));
+    ElementBlocks blocks = schedule_elements(mesh);
+    std::vector<int> place;
+    for (const int e : blocks.order) place.push_back(chosen.place[e]);
+    return std::unique_ptr<SimdEnergy>(new SimdEnergy(*this, mesh, std::move(blocks), place));
 }
 
-BlockCsr SimdEnergy::hessian_pattern() const {
-    BlockCsr H = pattern_;
-    H.value.assign(H.col.size() * H.d * H.d, 0.0);
-    return H;
+// element_of(k): the element blocks_.order[k] of the ideal mesh. What fills up the last batch weighs nothing.
+template <class ElementOf>
+void SimdEnergy::fill(const Mesh& mesh, const ElementOf& element_of) {
+    const int m = reference_.nodes, batches = (element_count_ + lanes - 1) / lanes;
+    block_value_.resize(blocks_.count());
+    nodes_.resize(offset(batches, lanes * m));
+    ideal_inverse_.resize(offset(batches, dim_ * dim_));
+    for (std::vector<Lanes>* values : {&ideal_jacobian_, &weight_, &damping_weight_}) values->resize(batches);
+    is_large_ = static_cast<double>(element_count_) * reference_.points * m >= parallel_work;
+    // A batch is one thread's: to write a lane may be to write the whole register.
+    parallel_for(batches, [&](int batch) {
+        for (int lane = 0; lane < lanes; ++lane) {
+            const int k = batch * lanes + lane, last = std::min(k, element_count_ - 1);
+            std::copy_n(mesh.element(blocks_.order[last]), m, &nodes_[offset(k, m)]);
+            IdealElement of = element_of(last);
+            if (k > last) of.jacobian = of.weight = of.damping_weight = 0;
+            set_ideal(k, of);
+        }
+    }, 10.0 * lanes);
+    volume_ = integral(ideal_jacobian_);
+    pattern_ = pattern_of_cells(mesh.nodes(), dim_, nodes_, m, &hessian_block_);
 }
 
-void SimdEnergy::order_hessian(const ChooseOrder& choose) {
-    auto order = choose(pattern_);
-    if (!order) return;
-    LargeVector<int> place;
-    pattern_ = ordered_pattern(pattern_, std::move(order), place);
+void SimdEnergy::set_ideal(int place, const IdealElement& of) {
+    const int batch = place / lanes, lane = place % lanes;
+    for (int ij = 0; ij < dim_ * dim_; ++ij) ideal_inverse_[offset(batch, dim_ * dim_, ij)][lane] = of.inverse[ij];
+    ideal_jacobian_[batch][lane] = of.jacobian;
+    weight_[batch][lane] = of.weight;
+    damping_weight_[batch][lane] = of.damping_weight;
+}
+
+IdealElement SimdEnergy::ideal_at(int place) const {
+    for (std::size_t r = 0; r < singles_.size(); ++r)  // these weigh nothing in their batch
+        if (rules_.refined()[r].element == place) return singles_[r].ideal;
+    const int batch = place / lanes, lane = place % lanes;
+    IdealElement of{{}, ideal_jacobian_[batch][lane], weight_[batch][lane], damping_weight_[batch][lane]};
+    for (int ij = 0; ij < dim_ * dim_; ++ij) of.inverse[ij] = ideal_inverse_[offset(batch, dim_ * dim_, ij)][lane];
+    return of;
+}
+
+// Elements that have got a rule of their own since the last evaluation leave their batches.
+void SimdEnergy::take_refined_out() {
+    while (singles_.size() < rules_.refined().size()) {
+        const int place = rules_.refined()[singles_.size()].element;
+        const IdealElement ideal = ideal_at(place);
+        Single single{ideal, {}, {}};
+        for (int l = 0; l < lanes; ++l)
+            single.nodes.insert(single.nodes.end(), element(place), element(place) + reference_.nodes);
+        for (int ij = 0; ij < dim_ * dim_; ++ij) single.ideal_inverse.push_back(in_all_lanes(ideal.inverse[ij]));
+        singles_.push_back(std::move(single));
+        set_ideal(place, {ideal.inverse, 0, 0, 0});
+    }
+}
+
+// Of a function that is constant on each element, times det A: per batch.
+double SimdEnergy::integral(const std::vector<Lanes>& values) const {
+    const auto of_element = [&](int k) { return values[k / lanes][k % lanes]; };
+    return simplex(dim_).volume() * deterministic_sum(element_count_, of_element);
+}
+
+void SimdEnergy::blocks_moved(const LargeVector<int>& place) {
+    const int mm = reference_.nodes * reference_.nodes;
     parallel_for(element_count_, [&](int e) {
-        const int mm = reference_.nodes * reference_.nodes;
         for (int k = 0; k < mm; ++k) {
             int& block = hessian_block_[offset(e, mm, k)];
             block = place[block];
@@ -183,9 +151,10 @@ void SimdEnergy::order_hessian(const ChooseOrder& choose) {
     }, reference_.nodes);
 }
 
-// body(std::type_identity<Batch>, density): the batch for elements of this dimension and degree.
+// Begins an evaluation. body(std::type_identity<Batch>, density): the batch for elements of this dimension and degree.
 template <class Body>
 void SimdEnergy::dispatch(const Body& body) {
+    take_refined_out();
     with_density(params_, [&](auto density) {
         with_dimension(dim_, [&](auto n) {
             if (reference_.degree == 1) body(std::type_identity<LinearBatch<n()>>(), density);
@@ -194,17 +163,11 @@ void SimdEnergy::dispatch(const Body& body) {
     });
 }
 
-template <class Batch>
-Batch SimdEnergy::make_batch() const {
-    if constexpr (std::is_constructible_v<Batch, const ReferenceElement&>) return Batch(reference_);
-    else return Batch(reference_, *products_);
-}
-
 // body(batch of elements, its number) for the batches of a block, in order.
 template <class Batch, class Body>
 void SimdEnergy::every_batch(int block, const std::vector<double>& x, const Body& body) {
     constexpr int n = Batch::dimension;
-    Batch elements = make_batch<Batch>();
+    Batch elements(reference_, *products_);
     const int end = std::min(element_count_, (block + 1) * blocks_.size);
     for (int k = block * blocks_.size; k < end; k += lanes) {
         const int batch = k / lanes;
@@ -225,12 +188,12 @@ void SimdEnergy::every_refined(const std::vector<double>& x, int size, const Com
             const int end = std::min(count, first + refined_at_once);
             std::array<int, refined_at_once> order;
             std::iota(order.begin(), order.end(), first);
-            const auto points_of = [&](int r) { return refined_[r].quadrature->reference.points; };
+            const auto points_of = [&](int r) { return rules_.refined()[r].rule->reference.points; };
             std::sort(order.begin(), order.begin() + (end - first),
                       [&](int r, int s) { return points_of(r) > points_of(s); });
             const auto compute_one = [&](int k) {
                 const int r = order[k];
-                CurvedBatch<n(), PointLanes> element(refined_[r].quadrature->lanes, *products_);
+                CurvedBatch<n(), PointLanes> element(rules_.refined()[r].rule->lanes, *products_);
                 element.start(singles_[r].nodes.data(), x,
                               reinterpret_cast<const Mat<n(), Lanes>&>(singles_[r].ideal_inverse.front()));
                 compute(element, r, &of_refined_[offset(r - first, size)]);
@@ -256,7 +219,7 @@ double SimdEnergy::energy(const std::vector<double>& x) {
             if (!std::isfinite(block_value_[block])) inverted.store(true, std::memory_order_relaxed);
         });
         const auto energy_of = [&](const auto& element, int r, double* to) {
-            *to = singles_[r].weight * element.energy_of_element(density, params_.delta);
+            *to = singles_[r].ideal.weight * element.energy_of_element(density, params_.delta);
         };
         every_refined(x, 1, energy_of, [&](int, const double* energy) { refined += *energy; });
     });
@@ -275,7 +238,7 @@ void SimdEnergy::add_gradient(const std::vector<double>& x, std::vector<double>&
         });
         const int size = reference_.nodes * dim_;
         const auto gradient_of = [&](auto& element, int r, double* to) {
-            std::copy_n(element.gradient(density, params_.delta, in_all_lanes(singles_[r].weight)), size, to);
+            std::copy_n(element.gradient(density, params_.delta, in_all_lanes(singles_[r].ideal.weight)), size, to);
         };
         every_refined(x, size, gradient_of, [&](int r, const double* part) {
             for (int i = 0; i < reference_.nodes; ++i)
@@ -312,11 +275,12 @@ void SimdEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Blo
             });
         });
         const auto hessian_of_refined = [&](auto& element, int r, double* to) {
-            const Lanes own = in_all_lanes(singles_[r].weight), added = in_all_lanes(singles_[r].damping_weight);
-            std::copy_n(hessian_of(element, own, added), mm * block_size, to);
+            const IdealElement& of = singles_[r].ideal;
+            std::copy_n(hessian_of(element, in_all_lanes(of.weight), in_all_lanes(of.damping_weight)),
+                        mm * block_size, to);
         };
         every_refined(x, mm * block_size, hessian_of_refined, [&](int r, const double* part) {
-            add_blocks<block_size>(part, target_of(refined_[r].element), mm, H.value.data());
+            add_blocks<block_size>(part, target_of(rules_.refined()[r].element), mm, H.value.data());
         });
     });
 }
@@ -345,7 +309,7 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
         }, is_large_ ? parallel_work : 0);
     });
     const auto measure = [&](const auto& element, int r, double* to) {
-        const RefinedQuadrature& rule = *refined_[r].quadrature;
+        const RefinedQuadrature& rule = *rules_.refined()[r].rule;
         double squared = 0, largest = 0;
         for (int q = 0; q < rule.reference.points; ++q) {
             const auto [pack, lane] = rule.lanes.place_of(q);
@@ -357,8 +321,8 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
         to[1] = largest;
     };
     every_refined(x, 2, measure, [&](int r, const double* of) {
-        refined_norm += singles_[r].jacobian * of[0];
-        double& largest = result.element_max[blocks_.order[refined_[r].element]];
+        refined_norm += singles_[r].ideal.jacobian * of[0];
+        double& largest = result.element_max[blocks_.order[rules_.refined()[r].element]];
         largest = std::max(largest, of[1]);
     });
     const double squared_norm = deterministic_sum(blocks_.count(), [this](int block) { return block_value_[block]; });

@@ -15,8 +15,6 @@
 #include "energy/distortion_energy.hpp"
 #include "energy/element_blocks.hpp"
 #include "energy/gradient_products.hpp"
-#include "energy/point_lanes.hpp"
-#include "mesh/quadrature.hpp"
 
 namespace almesh {
 
@@ -26,8 +24,6 @@ public:
 
     double energy(const std::vector<double>& x) override;
     void add_gradient(const std::vector<double>& x, std::vector<double>& g) override;
-    BlockCsr hessian_pattern() const override;
-    void order_hessian(const ChooseOrder& choose) override;
     void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                      const Projection& projection = {}) override;
     DistortionStatistics statistics(const std::vector<double>& x) override;
@@ -35,41 +31,40 @@ public:
                                            std::vector<int>& node) const override;
 
 private:
-    // The elements `place` of blocks_.order of `whole`, as the mesh `part` of their own.
-    SimdEnergy(const SimdEnergy& whole, const Mesh& part, const std::vector<int>& place);
+    // The elements `place` of `whole`, as the mesh `part`; both in the order of `blocks`.
+    SimdEnergy(const SimdEnergy& whole, const Mesh& part, ElementBlocks blocks, const std::vector<int>& place);
 
-    // A refined element in all lanes, with the points of its rule in lanes. It has no weight in its batch.
+    // An element with a rule of its own, in all lanes, with the points of the rule in lanes. It has no weight in its
+    // batch.
     struct Single {
+        IdealElement ideal;
         std::vector<int> nodes;            // lanes x element nodes
         std::vector<Lanes> ideal_inverse;  // dim x dim
-        double jacobian, weight, damping_weight;
     };
 
-    std::shared_ptr<const GradientProducts> products_;  // for p > 1
+    std::shared_ptr<const GradientProducts> products_;
     ElementBlocks blocks_;
-    // By place in blocks_.order, as nodes_, filled up to whole batches with copies of the last element that weigh
-    // nothing:
+    // By place in blocks_.order, as nodes_ and rules_, filled up to whole batches with copies of the last element that
+    // weigh nothing:
     LargeVector<int> hessian_block_;     // element x element node x element node: block of the pattern
     LargeVector<Lanes> ideal_inverse_;   // batch x dim x dim, A^{-1}
     std::vector<Lanes> ideal_jacobian_;  // batch, det A
     std::vector<Lanes> weight_;          // batch, w_e det A
     std::vector<Lanes> damping_weight_;  // batch, w'_e det A
-    std::vector<Single> singles_;        // of refined_
+    std::vector<Single> singles_;        // the first of rules_.refined()
     std::vector<double> of_refined_;     // what has been computed for some of them
     bool is_large_;                      // worth more than one thread
     std::vector<double> block_value_;    // sum of each block of elements
-    BlockCsr pattern_;                   // without values
 
-    struct Geometry;
-    void set_up(const Mesh& mesh);
-    void added_refined(int refined) override;
-    template <class GeometryOf>
-    void fill(const Mesh& mesh, const GeometryOf& geometry_of);
+    template <class ElementOf>
+    void fill(const Mesh& mesh, const ElementOf& element_of);
+    void set_ideal(int place, const IdealElement& of);
+    IdealElement ideal_at(int place) const;
     double integral(const std::vector<Lanes>& values) const;
+    void blocks_moved(const LargeVector<int>& place) override;
+    void take_refined_out();
     template <class Body>
     void dispatch(const Body& body);
-    template <class Batch>
-    Batch make_batch() const;
     template <class Batch, class Body>
     void every_batch(int block, const std::vector<double>& x, const Body& body);
     template <class Compute, class Add>

@@ -76,10 +76,6 @@ inline void exchange_columns(LaneBits where, int p, int q, Mat<3, Lanes>& A) {
     }
 }
 
-inline Vec<3, Lanes> cross(const Vec<3, Lanes>& a, const Vec<3, Lanes>& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 // v / length; `otherwise` where the length is zero.
 inline Vec<3, Lanes> unit_vector(const Vec<3, Lanes>& v, Lanes length, const Vec<3, Lanes>& otherwise) {
     const Lanes factor = 1 / (length + tiny);

@@ -107,7 +107,7 @@ public:
         return left < middle ? left : until(middle, s1, depth - 1);
     }
 
-    std::optional<Fold> fold;  // at the end of the step
+    std::optional<Inversion> inversion;  // at the end of the step
 
 private:
     const JacobianBasis& of_;
@@ -135,15 +135,15 @@ private:
             const double* const b = element.coefficients(k);
             valid = std::all_of(b, b + of_.jacobian.count, [](double c) { return std::isfinite(c); }) &&
                     compare_with(of_.jacobian, b, bound, space_bisections).lower > bound;
-            if (k == n && s1 == 1 && !valid && !fold) note_fold(b, rounding);
+            if (k == n && s1 == 1 && !valid && !inversion) note_inversion(b, rounding);
         }
         return valid;
     }
 
-    void note_fold(const double* b, double rounding) {
+    void note_inversion(const double* b, double rounding) {
         if (!std::isfinite(mean(of_, b))) return;
         const PolynomialMinimum least = polynomial_minimum(of_.jacobian, b, 0.5, space_bisections);
-        fold = {0, least.at, least.upper > rounding ? least.upper / mean(of_, b) : 0};
+        inversion = {0, least.at, least.upper > rounding ? least.upper / mean(of_, b) : 0};
     }
 };
 
@@ -185,7 +185,7 @@ ValidStep::ValidStep(int dim, int degree) : dim_(dim), element_nodes_(simplex_no
 // node: the nodes of each lane; `first`: number of the first of the `count` elements.
 template <int n>
 double ValidStep::of_batch(const int* const* node, int count, const std::vector<double>& from,
-                           const std::vector<double>& to, int first, std::vector<Fold>& folds) const {
+                           const std::vector<double>& to, int first, std::vector<Inversion>& inversions) const {
     if (!basis_) return straight_fraction<n>(node, count, from, to);
     const LaneBits clear = cleared<n>(*basis_, node, from, to);
     double fraction = 1;
@@ -193,16 +193,16 @@ double ValidStep::of_batch(const int* const* node, int count, const std::vector<
         if (clear[l]) continue;
         SlowCheck<n> check(*basis_, node[l], from, to);
         fraction = std::min(fraction, check.until(0, 1, curved_bisections));
-        if (check.fold) folds.push_back({first + l, check.fold->at, check.fold->ratio});
+        if (check.inversion) inversions.push_back({first + l, check.inversion->at, check.inversion->ratio});
     }
     return fraction;
 }
 
 double ValidStep::fraction(const std::vector<int>& node, int count, const std::vector<double>& from,
-                           const std::vector<double>& to, std::vector<Fold>& folds) const {
+                           const std::vector<double>& to, std::vector<Inversion>& inversions) const {
     struct Task {
         double fraction = 1;
-        std::vector<Fold> folds;
+        std::vector<Inversion> inversions;
     };
     const int batches = basis_ ? std::clamp(count / (curved_tasks * lanes), 1, batches_per_task) : batches_per_task;
     const int task_size = batches * lanes;
@@ -216,8 +216,8 @@ double ValidStep::fraction(const std::vector<int>& node, int count, const std::v
                     const int* of_lane[lanes];
                     for (int l = 0; l < lanes; ++l)
                         of_lane[l] = &node[offset(std::min(k + l, count - 1), element_nodes_)];
-                    task.fraction = std::min(task.fraction,
-                                             of_batch<n>(of_lane, std::min(lanes, count - k), from, to, k, task.folds));
+                    task.fraction = std::min(task.fraction, of_batch<n>(of_lane, std::min(lanes, count - k), from, to,
+                                                                        k, task.inversions));
                 }
             },
             (basis_ ? curved_work : work) * task_size);
@@ -225,7 +225,7 @@ double ValidStep::fraction(const std::vector<int>& node, int count, const std::v
     double fraction = 1;
     for (const Task& task : tasks) {
         fraction = std::min(fraction, task.fraction);
-        folds.insert(folds.end(), task.folds.begin(), task.folds.end());
+        inversions.insert(inversions.end(), task.inversions.begin(), task.inversions.end());
     }
     return fraction;
 }

@@ -22,10 +22,10 @@
 namespace almesh {
 
 // Where an element that a step has been cut for would have its least determinant at the end of the step.
-struct Fold {
+struct Inversion {
     int element;
     Barycentric at;
-    double ratio;  // of the determinant there to its mean over the element; 0 where it folds or is not certified
+    double ratio;  // of the determinant there to its mean over the element; 0 where it inverts or is not certified
 };
 
 class ValidStep {
@@ -34,9 +34,9 @@ public:
 
     // The largest s in [0, 1] found so that every element is valid along (1 - r) x + r x' for 0 <= r <= s, if it is at
     // x. node: count x m. Curved elements that a step is cut for because of what they would be at x' are added to
-    // `folds`. Same bits for any number of threads.
+    // `inversions`. Same bits for any number of threads.
     double fraction(const std::vector<int>& node, int count, const std::vector<double>& from,
-                    const std::vector<double>& to, std::vector<Fold>& folds) const;
+                    const std::vector<double>& to, std::vector<Inversion>& inversions) const;
 
 private:
     int dim_, element_nodes_;
@@ -44,7 +44,7 @@ private:
 
     template <int n>
     double of_batch(const int* const* node, int count, const std::vector<double>& from, const std::vector<double>& to,
-                    int first, std::vector<Fold>& folds) const;
+                    int first, std::vector<Inversion>& inversions) const;
 };
 
 }  // namespace almesh

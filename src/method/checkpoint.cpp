@@ -89,8 +89,9 @@ void visit(Archive& archive, NewtonStep& s) {
 }
 
 template <class Archive>
-void visit(Archive& archive, Fold& fold) {
-    visit_all(archive, fold.element, fold.at[0], fold.at[1], fold.at[2], fold.at[3], fold.ratio);
+void visit(Archive& archive, Inversion& inversion) {
+    visit_all(archive, inversion.element, inversion.at[0], inversion.at[1], inversion.at[2], inversion.at[3],
+              inversion.ratio);
 }
 
 template <class Archive, class Item>
@@ -109,7 +110,7 @@ void visit(Archive& archive, NewtonMemory& m) {
 template <class Archive>
 void visit(Archive& archive, Minimised& m) {
     archive.words(m.start);
-    visit_all(archive, m.result, m.memory, m.quadrature.refinements, m.quadrature.folds, m.x, m.steps);
+    visit_all(archive, m.result, m.memory, m.quadrature.refinements, m.quadrature.inversions, m.x, m.steps);
 }
 
 template <class Archive, class Field>

@@ -16,13 +16,13 @@ using namespace almesh::test;
 namespace {
 
 double fraction(const Mesh& mesh, const std::vector<double>& from, const std::vector<double>& to,
-                std::vector<Fold>& folds) {
-    return ValidStep(mesh.dim, mesh.degree).fraction(mesh.elements, mesh.element_count(), from, to, folds);
+                std::vector<Inversion>& inversions) {
+    return ValidStep(mesh.dim, mesh.degree).fraction(mesh.elements, mesh.element_count(), from, to, inversions);
 }
 
 double fraction(const Mesh& mesh, const std::vector<double>& from, const std::vector<double>& to) {
-    std::vector<Fold> folds;
-    return fraction(mesh, from, to, folds);
+    std::vector<Inversion> inversions;
+    return fraction(mesh, from, to, inversions);
 }
 
 std::vector<double> between(const std::vector<double>& from, const std::vector<double>& to, double s) {
@@ -71,11 +71,11 @@ TEST_CASE("half a turn is a step through an inversion though both of its ends ar
             std::vector<double> turned = mesh.x;
             for (int i = 0; i < mesh.nodes(); ++i)
                 for (int a = 0; a < 2; ++a) turned[i * mesh.dim + a] *= -1;
-            std::vector<Fold> folds;
-            const double s = fraction(mesh, mesh.x, turned, folds);
+            std::vector<Inversion> inversions;
+            const double s = fraction(mesh, mesh.x, turned, inversions);
             CHECK(s > 0.4);
             CHECK(s < 0.5);
-            CHECK(folds.empty());  // nothing is folded at the end
+            CHECK(inversions.empty());  // nothing is folded at the end
         }
 }
 
@@ -98,20 +98,20 @@ TEST_CASE("random steps of curved elements: no folded point before the end that 
         const Mesh mesh = one_element(2 + trial % 2, 2 + trial / 2 % 3);
         std::vector<double> to = mesh.x;
         for (double& v : to) v += (0.1 + 0.002 * trial) * moved(random);
-        std::vector<Fold> folds;
-        const double s = fraction(mesh, mesh.x, to, folds);
+        std::vector<Inversion> inversions;
+        const double s = fraction(mesh, mesh.x, to, inversions);
         for (int k = 0; k <= 20; ++k) REQUIRE(least_determinant(mesh, between(mesh.x, to, s * k / 20)) > 0);
         const bool folded = least_determinant(mesh, to) <= 0;
         if (folded) REQUIRE(s < 1);
-        if (folded) REQUIRE(folds.size() == 1);
-        if (folded) CHECK(folds[0].ratio == 0);
-        for (const Fold& fold : folds) {
-            const double xi[3] = {fold.at[1], fold.at[2], fold.at[3]};
+        if (folded) REQUIRE(inversions.size() == 1);
+        if (folded) CHECK(inversions[0].ratio == 0);
+        for (const Inversion& inversion : inversions) {
+            const double xi[3] = {inversion.at[1], inversion.at[2], inversion.at[3]};
             const LagrangeBasis basis(mesh.dim, mesh.degree);
             const double det = mesh.dim == 2 ? determinant_at<2>(basis, mesh.element(0), to, xi)
                                              : determinant_at<3>(basis, mesh.element(0), to, xi);
-            CHECK(fold.ratio < 0.1);
-            CHECK((fold.ratio == 0) == (det < 1e-9));
+            CHECK(inversion.ratio < 0.1);
+            CHECK((inversion.ratio == 0) == (det < 1e-9));
         }
         if (s == 1) continue;
         ++cut;
@@ -125,15 +125,15 @@ TEST_CASE("random steps of curved elements: no folded point before the end that 
     CHECK(close > 0.9 * cut);
 }
 
-TEST_CASE("steps have the same fraction and folds for any number of threads, and elements of aspect 1e6 pass") {
+TEST_CASE("steps have the same fraction and inversions for any number of threads, and elements of aspect 1e6 pass") {
     const Mesh mesh = raise_degree(ring_mesh(60, 30, 4), 3);
     std::vector<double> to = wavy(mesh.x, 2, 0.02);
     for (int i = 0; i < mesh.nodes(); i += 97) to[2 * i] += 0.4;
     std::vector<std::size_t> counts;
     for (const double s : for_threads([&] {
-             std::vector<Fold> folds;
-             const double found = fraction(mesh, mesh.x, to, folds);
-             counts.push_back(folds.size());
+             std::vector<Inversion> inversions;
+             const double found = fraction(mesh, mesh.x, to, inversions);
+             counts.push_back(inversions.size());
              return found;
          })) {
         CHECK(s < 1);
@@ -170,7 +170,7 @@ TEST_CASE("a curved element keeps a fifth of its least determinant in a step, or
     CHECK(step(1, 0.015) > 0.9);
     CHECK(step(0.01, 0.0025) == 1);
     CHECK(step(0.01, 0.0015) < 1);
-    // Nearer to a fold than a millionth of the mean no element comes; one that is there may stay.
+    // Nearer to an inversion than a millionth of the mean no element comes; one that is there may stay.
     CHECK(step(2e-6, 1.2e-6) == 1);
     CHECK(step(2e-6, 0.8e-6) < 1);
     CHECK(step(0.5e-6, 0.5e-6) == 1);

@@ -1,0 +1,73 @@
+// The quadrature rule of each element: one for all, and finer ones for curved elements that came near inverting.
+//
+// The energy sees curved elements at the points of its quadrature only. valid_fraction() tells how far a step may go
+// (valid_step.hpp), and elements that it would have inverted unseen get a finer rule (refined_rule.hpp) when refine()
+// is called, for good. An assembly of the energy asks for the rule of an element and does not know why it is what it
+// is.
+#pragma once
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "energy/valid_step.hpp"
+#include "mesh/quadrature.hpp"
+
+namespace almesh {
+
+struct ElementRule {
+    ReferenceElement reference;  // its weights are those of the energy
+    std::vector<double> volume;  // per point: its weight in an integral over the element
+};
+
+struct RefinedQuadrature;  // an ElementRule, and how it was made: refined_rule.hpp
+
+// Where elements came near inverting: what rules have been refined for so far, and what they will be for next.
+struct QuadratureState {
+    std::vector<Inversion> refinements, inversions;
+};
+
+class ElementRules {
+public:
+    struct Refined {
+        int element;
+        std::shared_ptr<const RefinedQuadrature> rule;
+    };
+
+    ElementRules(int dim, int degree, int exactness);
+    // Of some elements: place[e] is the number here of element e there. Nothing has been refined there yet.
+    ElementRules part(const std::vector<int>& place) const;
+
+    const ReferenceElement& common() const { return common_->reference; }
+    const ElementRule& of(int element) const;
+    const std::vector<Refined>& refined() const { return refined_; }  // elements with another one, the oldest first
+
+    // The largest s <= 1 found so that all elements are valid along (1 - r) x + r to for 0 <= r <= s. nodes: count x m.
+    // Notes where elements would invert.
+    double valid_fraction(const std::vector<int>& nodes, int count, const std::vector<double>& x,
+                          const std::vector<double>& to) {
+        return valid_step_.fraction(nodes, count, x, to, state_.inversions);
+    }
+    bool certified(const std::vector<int>& nodes, int count, const std::vector<double>& x) const;
+
+    // Finer rules for the elements that steps were cut for since the last call. Whether there are any.
+    bool refine();
+    // The refinements of a part since it was made. Whether there are any.
+    bool take_over(const ElementRules& part);
+    const QuadratureState& state() const { return state_; }
+    void set_state(const QuadratureState& state);  // of one that has no refinements or the first of these
+
+private:
+    int dim_;
+    Quadrature quadrature_;
+    std::shared_ptr<const ElementRule> common_;
+    ValidStep valid_step_;
+    std::vector<int> place_in_whole_;  // of a part
+    std::vector<Refined> refined_;
+    QuadratureState state_;
+
+    bool refine(const Inversion& inversion);
+    const RefinedQuadrature* find(int element) const;  // or none
+    void set(int element, std::shared_ptr<const RefinedQuadrature> rule);
+};
+
+}  // namespace almesh
