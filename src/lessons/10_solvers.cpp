@@ -46,12 +46,6 @@ void count_fill(const BlockCsr& A, Ordering ordering, std::FILE* pattern) {
         if (picture[c]) std::fprintf(pattern, "%s,%d,%d,%d\n", to_string(ordering), c / cells, c % cells, picture[c]);
 }
 
-BlockCsr reordered(const BlockCsr& A, const std::vector<int>& order) {
-    Reordered copy(A, order);
-    copy.set(A);
-    return copy.matrix();
-}
-
 double dot_product(const Vector& a, const Vector& b) {
     double sum = 0;
     for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
@@ -133,7 +127,7 @@ int main(int count, char** argument) {
     std::printf("ordering              nnz(L)  times tril(A)      flops\n");
     using enum Ordering;
     for (const Ordering ordering : {natural, reverse_cuthill_mckee, minimum_degree, nested_dissection})
-        count_fill(reordered(A, order_vertices(graph_of(A), ordering)), ordering, pattern);
+        count_fill(reordered(A, row_order(order_vertices(graph_of(A), ordering))), ordering, pattern);
     const auto divide_by_diagonal = [&A](Vector r) {
         for (int i = 0; i < A.n; ++i) r[i] /= A.value[A.find(i, i)];
         return r;
@@ -144,7 +138,7 @@ int main(int count, char** argument) {
     const std::vector<int> band = almesh::reverse_cuthill_mckee(graph_of(A));
     Vector b_in_band(b.size());
     for (int i = 0; i < A.n; ++i) b_in_band[i] = b[band[i]];
-    precondition_in(reordered(A, band), b_in_band, "CG with ILU(0) in rcm", history);
+    precondition_in(reordered(A, row_order(band)), b_in_band, "CG with ILU(0) in rcm", history);
     std::fclose(pattern);
     std::fclose(history);
 }

@@ -138,53 +138,45 @@ double scaled_residual(const BlockCsr& A, const std::vector<double>& x, const st
     return scaled_residual(A, norm_inf(A), x, b, residual);
 }
 
-namespace {
-
-// The pattern of A with rows and columns renumbered, its values undefined; source[k]: the block of A that block k comes
-// from.
-BlockCsr permuted_pattern(const BlockCsr& A, const std::vector<int>& order, std::vector<int>& source) {
-    const std::vector<int> position = inverse(order);
-    BlockCsr B;
-    B.n = A.n;
-    B.d = A.d;
-    B.row.assign(1, 0);
-    for (int v : order) B.row.push_back(B.row.back() + A.row[v + 1] - A.row[v]);
-    source.resize(A.col.size());
-    B.col.resize(A.col.size());
-    parallel_for(A.n, [&](int i) {
-        const auto begin = source.begin() + B.row[i], end = source.begin() + B.row[i + 1];
-        std::iota(begin, end, A.row[order[i]]);
-        std::sort(begin, end, [&](int a, int b) { return position[A.col[a]] < position[A.col[b]]; });
-        std::transform(begin, end, B.col.begin() + B.row[i], [&](int k) { return position[A.col[k]]; });
-    }, 500);
-    B.value.resize(A.value.size());
-    return B;
+RowOrder row_order(std::vector<int> node, std::vector<int> start) {
+    if (start.empty()) start = {0, static_cast<int>(node.size())};
+    std::vector<int> row = inverse(node);
+    return {std::move(node), std::move(row), std::move(start)};
 }
 
-// Block k of `to` is block source[k] of `from`. The size is a template argument, so that a copy is not a call. Blocks
-// of `from` come in a random order and are prefetched 32 blocks ahead.
-template <int size>
-void copy_blocks(const std::vector<int>& source, const double* from, double* to) {
-    constexpr int ahead = 32;
-    const int count = static_cast<int>(source.size());
-    parallel_for(count, [&](int k) {
-        const double* const later = from + offset(source[std::min(k + ahead, count - 1)], size);
-        __builtin_prefetch(later);
-        __builtin_prefetch(later + size - 1);
-        const double* const block = from + offset(source[k], size);
-        for (int e = 0; e < size; ++e) to[offset(k, size, e)] = block[e];
+BlockCsr ordered_pattern(const BlockCsr& pattern, std::shared_ptr<const RowOrder> order, LargeVector<int>& place) {
+    const std::vector<int>&node = order->node, &row = order->row;
+    BlockCsr A;
+    A.n = pattern.n;
+    A.d = pattern.d;
+    A.row.assign(1, 0);
+    for (int v : node) A.row.push_back(A.row.back() + pattern.row[v + 1] - pattern.row[v]);
+    std::vector<int> source(pattern.col.size());  // block of the pattern for each block of A
+    A.col.resize(source.size());
+    place.resize(source.size());
+    parallel_for(A.n, [&](int i) {
+        const auto begin = source.begin() + A.row[i], end = source.begin() + A.row[i + 1];
+        std::iota(begin, end, pattern.row[node[i]]);
+        std::sort(begin, end, [&](int a, int b) { return row[pattern.col[a]] < row[pattern.col[b]]; });
+        std::transform(begin, end, A.col.begin() + A.row[i], [&](int k) { return row[pattern.col[k]]; });
+        for (int k = A.row[i]; k < A.row[i + 1]; ++k) place[source[k]] = k;
+    }, 500);
+    A.value.resize(offset(A.blocks(), A.d * A.d));
+    A.order = std::move(order);
+    return A;
+}
+
+void copy_values(const BlockCsr& A, const LargeVector<int>& place, BlockCsr& ordered) {
+    with_block_size(A.d, [&](auto d) {
+        parallel_for(A.blocks(), [&](int k) { std::copy_n(A.block(k), d * d, ordered.block(place[k])); });
     });
 }
 
-}  // namespace
-
-BlockCsr ordered_pattern(const BlockCsr& pattern, std::shared_ptr<const RowOrder> order, LargeVector<int>& place) {
-    std::vector<int> source;
-    BlockCsr ordered = permuted_pattern(pattern, order->node, source);
-    ordered.order = std::move(order);
-    place.resize(source.size());
-    parallel_for(static_cast<int>(source.size()), [&](int k) { place[source[k]] = k; });
-    return ordered;
+BlockCsr reordered(const BlockCsr& A, const RowOrder& order) {
+    LargeVector<int> place;
+    BlockCsr B = ordered_pattern(A, std::make_shared<RowOrder>(order), place);
+    copy_values(A, place, B);
+    return B;
 }
 
 void to_rows(const BlockCsr& A, const std::vector<double>& of_nodes, std::vector<double>& of_rows) {
@@ -195,23 +187,6 @@ void to_rows(const BlockCsr& A, const std::vector<double>& of_nodes, std::vector
 void to_nodes(const BlockCsr& A, const std::vector<double>& of_rows, std::vector<double>& of_nodes) {
     of_nodes.resize(A.size());
     parallel_for(A.n, [&](int i) { std::copy_n(&of_rows[offset(i, A.d)], A.d, &of_nodes[offset(A.node_of(i), A.d)]); });
-}
-
-Reordered::Reordered(const BlockCsr& pattern, std::vector<int> order)
-    : order_(std::move(order)), matrix_(permuted_pattern(pattern, order_, source_)) {}
-
-void Reordered::set(const BlockCsr& A) {
-    with_block_size(A.d, [&](auto d) { copy_blocks<d * d>(source_, A.value.data(), matrix_.value.data()); });
-}
-
-void Reordered::gather(const double* x, double* y) const {
-    const int d = matrix_.d;
-    parallel_for(matrix_.n, [&](int i) { std::copy_n(x + offset(order_[i], d), d, y + offset(i, d)); });
-}
-
-void Reordered::scatter(const double* y, double* x) const {
-    const int d = matrix_.d;
-    parallel_for(matrix_.n, [&](int i) { std::copy_n(y + offset(i, d), d, x + offset(order_[i], d)); });
 }
 
 }  // namespace almesh

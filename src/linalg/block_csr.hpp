@@ -24,16 +24,22 @@ struct Interpolation {
     int rows() const { return static_cast<int>(row.size()) - 1; }
 };
 
-// An order of the block rows other than that of the mesh's nodes: the one in which a solver sweeps over them. A matrix
-// that is assembled in it need not be copied into it.
+// An order of the block rows other than that of the mesh's nodes: the one in which a solver sweeps over them.
+//
+// A mesh generator's numbering has the neighbours of a node anywhere in memory. Iterative solvers pass over the matrix
+// dozens of times, so they want one in which rows that are near have near columns, and domains for several threads to
+// sweep over: no edge joins two of them, and only the separators, numbered last, have to wait for all.
 struct RowOrder {
     std::vector<int> node;   // of each row
     std::vector<int> row;    // of each node
-    std::vector<int> start;  // of the domains, see Domains in ordering/ordering.hpp
+    std::vector<int> start;  // domain k has the rows start[k] .. start[k+1]-1; the separators those from the last on
     // From the vertices to the rows, and the domains of the vertices; no columns where all nodes are vertices.
     Interpolation of_vertices = {};
     std::vector<int> vertex_start = {};
 };
+
+// node: a permutation. Without `start`, all rows are one domain.
+RowOrder row_order(std::vector<int> node, std::vector<int> start = {});
 
 struct BlockCsr {
     int n = 0;                  // block rows = block columns
@@ -73,6 +79,12 @@ BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_n
 
 // The pattern with rows and columns in the given order, its values undefined; place[k]: where block k is then.
 BlockCsr ordered_pattern(const BlockCsr& pattern, std::shared_ptr<const RowOrder> order, LargeVector<int>& place);
+
+// The values of A to their places in the pattern made of A's.
+void copy_values(const BlockCsr& A, const LargeVector<int>& place, BlockCsr& ordered);
+
+// Both: P A P' for the permutation P of the nodes.
+BlockCsr reordered(const BlockCsr& A, const RowOrder& order);
 
 // A vector with the entries of A's rows, from one with those of the nodes, and back.
 void to_rows(const BlockCsr& A, const std::vector<double>& of_nodes, std::vector<double>& of_rows);
@@ -133,27 +145,5 @@ double norm_inf(const BlockCsr& A);  // largest row sum of absolute values; |A|_
 double scaled_residual(const BlockCsr& A, double A_norm, const std::vector<double>& x, const std::vector<double>& b,
                        std::vector<double>& residual);
 double scaled_residual(const BlockCsr& A, const std::vector<double>& x, const std::vector<double>& b);
-
-// A copy P A P' of a matrix in another order of its nodes, with the vectors to go with it.
-//
-// A mesh generator's numbering has the neighbours of a node anywhere in memory. Iterative solvers pass over the matrix
-// dozens of times, so they work on a copy in the order of their preconditioner, in which rows that are near have near
-// columns: after one pass to copy, every product and sweep finds its vectors in the cache.
-class Reordered {
-public:
-    // pattern: of all matrices to come. order[new] = old, a permutation of its nodes.
-    Reordered(const BlockCsr& pattern, std::vector<int> order);
-
-    const std::vector<int>& order() const { return order_; }
-    const BlockCsr& matrix() const { return matrix_; }  // P A P', its values undefined before the first set()
-
-    void set(const BlockCsr& A);                     // A: on the pattern given to the constructor
-    void gather(const double* x, double* y) const;   // y = P x; x, y: n*d
-    void scatter(const double* y, double* x) const;  // x = P' y
-
-private:
-    std::vector<int> order_, source_;  // source_: block of A for each block of P A P'
-    BlockCsr matrix_;
-};
 
 }  // namespace almesh

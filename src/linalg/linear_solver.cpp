@@ -90,31 +90,31 @@ std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, con
 }  // namespace
 
 struct LinearSolver::Iterative {
-    std::optional<Reordered> system;  // in the order of the preconditioner, where A is not
+    std::optional<BlockCsr> copy;  // of A in the order of the sweeps, where A is not in it
+    LargeVector<int> place;        // of A's blocks in the copy
     bool has_lower_degree;
     std::unique_ptr<Preconditioner> M;
     Method method;
-    std::vector<double> right, solution;
+    std::vector<double> right, solution;  // in the order of the sweeps
 
-    Iterative(const BlockCsr& A, int dimension, const LinearSolverParams& params, const Domains& domains, int patience)
-        : system(A.order ? std::nullopt : std::optional<Reordered>(std::in_place, A, domains.order)),
-          has_lower_degree(takes_lower_degree(A, params)),
-          M(make_preconditioner(system ? system->matrix() : A, domains.start, dimension, params)),
-          method(make_method(A.size(), params, patience)),
-          right(system ? A.size() : 0),
-          solution(system ? A.size() : 0) {}
+    Iterative(const BlockCsr& A, std::shared_ptr<const RowOrder> order, int dimension, const LinearSolverParams& params,
+              int patience)
+        : has_lower_degree(takes_lower_degree(A, params)), method(make_method(A.size(), params, patience)) {
+        if (!A.order) copy = ordered_pattern(A, order, place);
+        M = make_preconditioner(copy ? *copy : A, order->start, dimension, params);
+    }
 
     SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
         SolveResult result;
         result.relative_residual = 1;
         result.used = std::holds_alternative<Gmres>(method) ? SolverKind::gmres : SolverKind::cg;
-        const BlockCsr& B = system ? system->matrix() : A;
+        const BlockCsr& B = copy ? *copy : A;
         const Stopwatch factorisation;
-        if (system) system->set(A);
+        if (copy) copy_values(A, place, *copy);
         const FactorResult factored = M->factor(B);
         result.factor_seconds = factorisation.seconds();
         result.status = factored.status;
-        if (factored.bad_row >= 0) result.bad_node = system ? system->order()[factored.bad_row] : factored.bad_row;
+        if (factored.bad_row >= 0) result.bad_node = B.node_of(factored.bad_row);
         result.preconditioner = !factored.ssor     ? PreconditionerKind::ilu0
                                 : has_lower_degree ? PreconditionerKind::pmg
                                                    : PreconditionerKind::ssor;
@@ -122,11 +122,11 @@ struct LinearSolver::Iterative {
         result.diagonal_shift = factored.diagonal_shift;
 
         const Stopwatch iteration;
-        if (system) system->gather(b.data(), right.data());
-        const double* const from = system ? right.data() : b.data();
-        double* const to = system ? solution.data() : x.data();
-        const KrylovResult solved = std::visit([&](auto& krylov) { return krylov.solve(B, *M, from, to); }, method);
-        if (system) system->scatter(solution.data(), x.data());
+        to_rows(B, b, right);
+        solution.resize(B.size());
+        const KrylovResult solved = std::visit(
+            [&](auto& krylov) { return krylov.solve(B, *M, right.data(), solution.data()); }, method);
+        to_nodes(B, solution, x);
         result.solve_seconds = iteration.seconds();
         result.status = solved.status;
         result.iterations = solved.iterations;
@@ -198,12 +198,12 @@ double LinearSolver::refused_bytes() const { return direct_ && !direct_->cholesk
 
 LinearSolver::Iterative& LinearSolver::iterative(const BlockCsr& A) {
     if (iterative_) return *iterative_;
-    Domains domains;
-    if (A.order) domains.start = A.order->start;
-    else if (params_.ordering) domains = {order_vertices(graph_of(A), *params_.ordering), {0, A.n}};
-    else domains = cut_into_domains(graph_of(A));
+    std::shared_ptr<const RowOrder> order = A.order;
+    if (!order && params_.ordering)
+        order = std::make_shared<RowOrder>(row_order(order_vertices(graph_of(A), *params_.ordering)));
+    if (!order) order = std::make_shared<RowOrder>(cut_into_domains(graph_of(A)));
     const double patience = params_.fallback ? predicted_flops(A) / (worth * (flops_of_entry * entries(A))) : 0;
-    iterative_ = std::make_unique<Iterative>(A, dimension_, params_, domains,
+    iterative_ = std::make_unique<Iterative>(A, std::move(order), dimension_, params_,
                                              static_cast<int>(std::min<double>(patience, params_.max_iterations)));
     return *iterative_;
 }
@@ -252,13 +252,7 @@ void order_interpolation(const Interpolation& P, RowOrder& order) {
 std::shared_ptr<const RowOrder> sweep_order(const BlockCsr& pattern, int dimension, const LinearSolverParams& params,
                                             const Interpolation& of_vertices) {
     if (!iterates(pattern.size(), dimension, params) || params.ordering) return nullptr;
-    Domains domains = cut_into_domains(graph_of(pattern));
-    std::vector<int> row(pattern.n);
-    for (int i = 0; i < pattern.n; ++i) row[domains.order[i]] = i;
-    auto order = std::make_shared<RowOrder>();
-    order->node = std::move(domains.order);
-    order->row = std::move(row);
-    order->start = std::move(domains.start);
+    auto order = std::make_shared<RowOrder>(cut_into_domains(graph_of(pattern)));
     order_interpolation(of_vertices, *order);
     return order;
 }
@@ -303,21 +297,20 @@ void LinearSolver::analyse(const BlockCsr& A) {
     else direct(A);
 }
 
-SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
-                                bool may_be_indefinite) {
-    if (!A.order) return solve_in_rows(A, b, x, may_be_indefinite);
+SolveResult LinearSolver::solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
+    if (!A.order) return direct(A).solve(A, b, x);
     to_rows(A, b, b_);
-    SolveResult result = solve_in_rows(A, b_, x_, may_be_indefinite);
+    SolveResult result = direct(A).solve(A, b_, x_);
     to_nodes(A, x_, x);
     if (result.bad_node >= 0) result.bad_node = A.node_of(result.bad_node);
     return result;
 }
 
-SolveResult LinearSolver::solve_in_rows(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
-                                        bool may_be_indefinite) {
+SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
+                                bool may_be_indefinite) {
     x.assign(A.size(), 0.0);
     set_up_as_known(A);
-    if (!iterative_first(A)) return direct(A).solve(A, b, x);
+    if (!iterative_first(A)) return solve_directly(A, b, x);
     const SolveResult first = iterative(A).solve(A, b, x);
     if (first.status == SolveStatus::success) known_.failures = 0, known_.failed_iterations = 0;
     if (first.status == SolveStatus::success || first.status == SolveStatus::not_positive_definite) return first;
@@ -327,7 +320,7 @@ SolveResult LinearSolver::solve_in_rows(const BlockCsr& A, const std::vector<dou
     const bool of_ilu = first.preconditioner == PreconditionerKind::ilu0;
     if (tried ? !direct_is_worth(A, first.iterations) : !of_ilu || !direct(A).cholesky.fits()) return first;
     ++known_.failures;
-    SolveResult second = direct(A).solve(A, b, x);
+    SolveResult second = solve_directly(A, b, x);
     second.iterations = first.iterations;
     second.passes += first.passes;
     second.failed_first = first.status;

@@ -115,8 +115,7 @@ public:
 private:
     struct Iterative;
     struct Direct;
-    SolveResult solve_in_rows(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
-                              bool may_be_indefinite);
+    SolveResult solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
     Iterative& iterative(const BlockCsr& A);
     Direct& direct(const BlockCsr& A);
     bool iterative_first(const BlockCsr& A);

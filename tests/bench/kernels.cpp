@@ -92,13 +92,10 @@ double bytes_of_sweeps(const BlockCsr& A) {
 }
 
 void measure_products(const std::string& name, const NewtonSystem& system, const Machine& machine, Table& table) {
-    const Domains domains = cut_into_domains(graph_of(system.A));
-    Reordered reordered(system.A, domains.order);
-    reordered.set(system.A);
-    const BlockCsr& A = reordered.matrix();
-    std::vector<double> x(A.size(), 1.0), y(A.size()), b(A.size());
-    reordered.gather(system.b.data(), b.data());
-    auto made = std::make_unique<Ilu0>(A, domains.start);
+    const BlockCsr A = reordered(system.A, cut_into_domains(graph_of(system.A)));
+    std::vector<double> x(A.size(), 1.0), y(A.size()), b;
+    to_rows(A, system.b, b);
+    auto made = std::make_unique<Ilu0>(A, A.order->start);
     Ilu0& ilu = *made;
     Deflated deflated(std::move(made), std::make_unique<CoarseSpace>(A));
     for (std::size_t t = 0; t < machine.threads.size(); ++t) {

@@ -274,9 +274,7 @@ TEST_CASE("a matrix assembled in the order of the sweeps has the same solution, 
         const LinearSolverParams params = params_of(kind);
         auto order = sweep_order(A, 3, params_of(SolverKind::cg));
         REQUIRE(order);
-        LargeVector<int> place;
-        BlockCsr B = ordered_pattern(A, order, place);
-        for (int k = 0; k < A.blocks(); ++k) std::copy_n(A.block(k), 9, B.block(place[k]));
+        const BlockCsr B = reordered(A, *order);
         for (int i = 0; i < A.n; i += 100)
             CHECK(B.block(B.find(B.row_of(i), B.row_of(i)))[0] == A.block(A.find(i, i))[0]);
         REQUIRE(LinearSolver(3, params).solve(A, b, x).status == SolveStatus::success);

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "base/parallel.hpp"
+#include "linalg/block_csr.hpp"
 #include "linalg/ordering/multilevel.hpp"
 #include "linalg/ordering/ordering.hpp"
 
@@ -61,8 +62,8 @@ void separate(const Graph& graph, int separators, std::vector<int>& domain) {
 
 }  // namespace
 
-Domains cut_into_domains(const Graph& graph) {
-    if (graph.size() < worth_cutting) return {reverse_cuthill_mckee(graph), {0, graph.size()}};
+RowOrder cut_into_domains(const Graph& graph) {
+    if (graph.size() < worth_cutting) return row_order(reverse_cuthill_mckee(graph));
     constexpr int count = 1 << bisections;
     std::vector<int> domain, order;
     const auto cut = [&] {
@@ -81,12 +82,13 @@ Domains cut_into_domains(const Graph& graph) {
     std::iota(by_work.begin(), by_work.end(), 0);
     std::stable_sort(by_work.begin(), by_work.end(), [&](int a, int b) { return work[a] > work[b]; });
     by_work.push_back(count);
-    Domains domains;
+    order.clear();
+    std::vector<int> start;
     for (int k : by_work) {
-        domains.start.push_back(static_cast<int>(domains.order.size()));
-        domains.order.insert(domains.order.end(), piece[k].begin(), piece[k].end());
+        start.push_back(static_cast<int>(order.size()));
+        order.insert(order.end(), piece[k].begin(), piece[k].end());
     }
-    return domains;
+    return row_order(std::move(order), std::move(start));
 }
 
 }  // namespace almesh

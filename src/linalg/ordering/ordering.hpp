@@ -9,6 +9,7 @@
 namespace almesh {
 
 struct Graph;
+struct RowOrder;
 
 enum class Ordering { nested_dissection, minimum_degree, reverse_cuthill_mckee, natural };
 
@@ -32,20 +33,12 @@ std::vector<int> nested_dissection(const Graph& graph);
 // Definite Systems, 1981, ch. 4). Cost: O(edges log degree).
 std::vector<int> reverse_cuthill_mckee(const Graph& graph);
 
-// A graph cut into a few domains with vertex separators between them, so that sweeps over the rows of a matrix can run
-// on several threads: no edge joins two domains, and only the separators, numbered last, have to wait for all of them.
-struct Domains {
-    std::vector<int> order;  // order[new] = old; reverse Cuthill-McKee inside each domain and inside the separators
-    std::vector<int> start;  // domain k: new numbers start[k] .. start[k+1]-1; separators: from start.back() on.
-                             // Domains with most edges come first.
-
-    int count() const { return static_cast<int>(start.size()) - 1; }
-};
-
-// Eight domains whatever the number of threads; a single one where the graph has less than a thousand vertices.
+// One order for all that sweep over the rows of a matrix (RowOrder in block_csr.hpp): a few domains, those with most
+// edges first, and the separators between them, each in reverse Cuthill-McKee order. Eight domains whatever the number of
+// threads; a single one where the graph has less than a thousand vertices.
 // Only the share of the separators in the rows counts here, so a coarse graph is cut: that takes a fraction of the time
 // of nested dissection, for separators half as large again. O(edges).
-Domains cut_into_domains(const Graph& graph);
+RowOrder cut_into_domains(const Graph& graph);
 
 // A graph whose vertices [0, eliminable) are to be ordered; the rest, its halo, stays.
 struct SmallGraph {

@@ -31,11 +31,8 @@ struct CutGrid {
     std::vector<int> start;
 
     CutGrid(int m, int d) : A(random_spd(m * m * m, d, grid_3d(m), 1e-2)) {
-        const Domains domains = cut_into_domains(graph_of(A));
-        Reordered reordered(A, domains.order);
-        reordered.set(A);
-        A = reordered.matrix();
-        start = domains.start;
+        A = reordered(A, cut_into_domains(graph_of(A)));
+        start = A.order->start;
     }
 
     Ilu0 corrected(const Interpolation& P) const {

@@ -30,11 +30,8 @@ struct CutGrid {
     std::vector<int> start;
 
     explicit CutGrid(int m, int d, double excess = 1.0) : A(random_spd(m * m * m, d, grid_3d(m), excess)) {
-        const Domains domains = cut_into_domains(graph_of(A));
-        Reordered reordered(A, domains.order);
-        reordered.set(A);
-        A = reordered.matrix();
-        start = domains.start;
+        A = reordered(A, cut_into_domains(graph_of(A)));
+        start = A.order->start;
     }
 };
 
