@@ -57,7 +57,7 @@ said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
 .PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-examples cholmod paper gauntlet defaults run-fast-tests matrix reproduce mutants \
-        figures meshes lessons check-lessons animation clean FORCE
+        figures meshes lessons readmes check-lessons animation clean FORCE
 
 all: almesh ## build the program ./almesh
 
@@ -189,7 +189,7 @@ $(BUILD)/lessons/%: $(BUILD)/src/lessons/%.o $(BUILD)/libalmesh.a
 
 lesson-%: almesh FORCE ## run the commands of a lesson's handout and draw its picture: make lesson-01
 	$(MAKE) $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(BUILD)/lessons/check-$*
-	tests/lessons/handouts.py --show --build $(BUILD) $*
+	tests/documents.py --show --build $(BUILD) $*
 	$(PYTHON) $(wildcard plot/lessons/$*_*.py)
 
 check-lesson-%: FORCE ## check your answers to a lesson's exercises: make check-lesson-01 (ANSWERS=solutions: the solutions)
@@ -199,9 +199,13 @@ check-lesson-%: FORCE ## check your answers to a lesson's exercises: make check-
 check-lessons: $(CHECKS) ## check the answers to all exercises: a table, and outputs/lessons/answers.csv (ANSWERS=solutions)
 	@tests/lessons/answers.py --build $(BUILD) $(or $(ANSWERS),exercises)
 
-lessons: python $(BUILD)/almesh $(LESSON_PROGRAMS) $(CHECKS) ## run all commands of all handouts, compare with the output shown; check the solutions
+lessons: python $(BUILD)/almesh $(LESSON_PROGRAMS) $(CHECKS) ## run the commands of all documents, compare with the output shown; check the solutions
 	tests/lessons/answers.py --build $(BUILD) --self-test
-	tests/lessons/handouts.py --build $(BUILD)
+	tests/documents.py --build $(BUILD) --self-test
+	tests/documents.py --build $(BUILD)
+
+readmes: almesh python ## run all commands of the READMEs, also those of minutes, and compare with what is shown
+	tests/documents.py --slow README.md */README.md
 
 paper: almesh ## run the paper's decks, compare with its tables: outputs/paper/tables.md
 	@decks=$$($(PYTHON) plot/paper_tables.py --decks) && for deck in $$decks; do \
