@@ -2,6 +2,7 @@
 """Prints the tables of numbers that the README shows; `make readmes` compares them.
 
   plot/readme_tables.py results    beside the paper's values: reads outputs/ of `make paper`
+  plot/readme_tables.py shares     of the time of three of these runs
   plot/readme_tables.py large      the aircraft refined and curved: runs it, a minute
 
 Standard library only.
@@ -37,6 +38,17 @@ def results():
             f"{float(ours['max_distortion']):.4g}", f"{paper.time} s", f"{float(ours['time_run']):.2g} s")
 
 
+def shares():
+    header("deck", "unknowns", "Newton steps", "linear iterations", "share of linear solves", "share of assembly",
+           "share of setup, checks, writing")
+    for deck in ("circle-refined-4", "curving", "aircraft"):
+        ours = runs.summary(deck)
+        parts = [["time_linear"], ["time_assembly"], ["time_setup", "time_certify", "time_write"]]
+        percent = [100 * sum(float(ours[name]) for name in names) / float(ours["time_run"]) for names in parts]
+        row(f"`{deck}`", int(ours["nodes"]) * int(ours["dimension"]), ours["newton_iterations"],
+            ours["linear_iterations"], *(f"{value:.0f} %" for value in percent))
+
+
 def large():
     header("keys", "tetrahedra", "unknowns", "Newton steps", "on coarser meshes", "max η", "time", "memory")
     for number, keys in enumerate(LARGE):
@@ -52,9 +64,10 @@ def large():
 
 
 def main(arguments):
-    if arguments not in (["results"], ["large"]):
+    tables = {"results": results, "shares": shares, "large": large}
+    if len(arguments) != 1 or arguments[0] not in tables:
         sys.exit(__doc__)
-    (results if arguments == ["results"] else large)()
+    tables[arguments[0]]()
     return 0
 
 

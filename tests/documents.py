@@ -22,7 +22,7 @@ Comments in the lines above a block or a table, which a reader does not see, say
   <!-- before: COMMAND --> is run before the block
   <!-- file: NAME -->      the block is the contents of this file
   <!-- needs: COMMAND -->  the block is left out, with a message, where this command fails
-  <!-- table: COMMAND -->  prints the table below; columns named `time` or `share` are not compared
+  <!-- table: COMMAND -->  prints the table below; columns named `time ...` or `share ...` are left out
   <!-- in: FILE before: TEXT -->   the block ```cpp below goes into this file of a copy of the source, before the line
                                    with this text
   <!-- edit: FILE: OLD => NEW -->  this change is made in the copy
@@ -56,7 +56,7 @@ TIMES = re.compile(r"\b\d[\d.e+-]*\s?(ms|s|MB|GB|threads?)\b")
 COMMENT = re.compile(r"<!-- (.*) -->")
 FILE_NAME = re.compile(r"`((?:[\w.-]+/)*[\w-]+\.(?:cpp|hpp|py|deck|msh|md|geo|csv|txt|sh|png))`")
 LINK = re.compile(r"\]\(([^)\s]+)\)")
-NOT_COMPARED = re.compile(r"\b(times?|shares?)\b")
+NOT_COMPARED = re.compile(r"(time|share)\b")  # at the beginning of a column's name
 SECONDS, SLOW_SECONDS = 120, 7200  # of one command
 
 
@@ -150,8 +150,9 @@ class Copy:
 
     def __init__(self, build):
         self.folder = Path(tempfile.mkdtemp(prefix="almesh-examples-")).resolve()
-        ignored = shutil.ignore_patterns(".git", "outputs", "build*", "almesh", "b", "__pycache__")
-        shutil.copytree(ROOT, self.folder, ignore=ignored, dirs_exist_ok=True)
+        for entry in ("src", "tests", "inputs"):
+            shutil.copytree(ROOT / entry, self.folder / entry)
+        shutil.copy2(ROOT / "Makefile", self.folder)
         shutil.copytree(ROOT / build, self.folder / "build")
         (self.folder / "outputs").mkdir()
         self.built = False
@@ -270,7 +271,7 @@ def cells(line):
 def without_times(lines):
     """Rows of a table with the columns that are not compared left empty."""
     names = cells(lines[0]) if lines else []
-    return [" | ".join("" if at < len(names) and i > 0 and NOT_COMPARED.search(names[at]) else cell
+    return [" | ".join("" if at < len(names) and i > 0 and NOT_COMPARED.match(names[at]) else cell
                        for at, cell in enumerate(cells(line))) for i, line in enumerate(lines)
             if not re.fullmatch(r"[\s|:-]+", line)]
 
@@ -358,6 +359,7 @@ class Document:
                 folder.remove()
 
     def check_block(self, block):
+        self.check_example(block)
         if block.slow and not self.slow:
             self.left_out += 1
         elif self.prepare(block):
@@ -380,12 +382,21 @@ class Document:
             self.compare(self.place(block), block, command, 0, None)
         return True
 
+    def check_example(self, block):
+        """Whether the source has the places at which examples are put into it."""
+        places = [value.split(" before: ") for value in block.values("in")]
+        places += [value.split(" => ")[0].split(": ", 1) for value in block.values("edit")]
+        for file, text in places:
+            count = (ROOT / file).read_text().count(text) if (ROOT / file).exists() else 0
+            if count != 1:
+                self.note(block.start, "example", f"`{text}` is {count} times in {file}, not once")
+
     def apply(self, block):
         """Puts an example into the copy."""
         self.copy = self.copy or Copy(self.build)
         for value in block.values("edit"):
             file, _, change = value.partition(": ")
-            failure = self.copy.edit(file, *change.split(" => "))
+            failure = self.copy.edit(file, *change.replace("\\n", "\n").split(" => "))
             if failure:
                 self.note(block.start, "edit", failure)
         for value in block.values("in"):
@@ -493,6 +504,7 @@ def self_test():
         "a missing row": table(rows, "| deck | q | time |", "|---|---|---|"),
         "a link to nowhere": "[there](nowhere.md)\n",
         "a heading that is not there": "[there](README.md#two)\n# One\n",
+        "an example for a place that is not there": "<!-- in: src/main.cpp before: nothing -->\n```cpp\n```\n",
         "a file that is not there": "`src/method/nothing.cpp`\n",
     }
     failures = [f"{name}: {found.differences}" for name, text in holds.items()
