@@ -153,9 +153,9 @@ class Copy:
         for entry in ("src", "tests", "inputs"):
             shutil.copytree(ROOT / entry, self.folder / entry)
         shutil.copy2(ROOT / "Makefile", self.folder)
-        shutil.copytree(ROOT / build, self.folder / "build")
+        shutil.copytree(ROOT / build, self.folder / build)
         (self.folder / "outputs").mkdir()
-        self.built = False
+        self.build, self.built = build, False
 
     def insert(self, file, anchor, lines):
         """"" or what went wrong."""
@@ -181,7 +181,7 @@ class Copy:
     def run(self, command):
         if not self.built:
             self.built = True
-            text, failure = run_in(self.folder, "make almesh", SLOW_SECONDS)
+            text, failure = run_in(self.folder, f"make BUILD={self.build} almesh", SLOW_SECONDS)
             if failure:
                 return text, f"the copy of the source with the examples does not build: {failure}"
         return run_in(self.folder, command, SLOW_SECONDS)
