@@ -205,7 +205,7 @@ lessons: python $(BUILD)/almesh $(LESSON_PROGRAMS) $(CHECKS) ## run the commands
 	tests/documents.py --build $(BUILD)
 
 readmes: almesh python ## run all commands of the READMEs, also those of minutes, and compare with what is shown
-	tests/documents.py --slow README.md */README.md
+	tests/documents.py --build $(BUILD) --slow README.md */README.md
 
 paper: almesh ## run the paper's decks, compare with its tables: outputs/paper/tables.md
 	@decks=$$($(PYTHON) plot/paper_tables.py --decks) && for deck in $$decks; do \
