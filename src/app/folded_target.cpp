@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <limits>
 
-#include "app/problem.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "check/released_nodes.hpp"
@@ -27,7 +26,8 @@ void refuse(const Mesh& mesh, const TargetFaults& faults, const std::string& adv
 
 // What helps against elements all of whose vertices are on the boundary. Where two of its faces are, an element is in a
 // corner or along an edge, and so is one of those that it is split into.
-std::string against(const Mesh& mesh, const TargetFaults& faults, const Deck& deck, int file_degree) {
+std::string against(const TargetFaults& faults, const CheckedTarget& checked) {
+    const Mesh& mesh = checked.mesh;
     if (faults.elements.empty() || !faults.faces.faults.empty()) return "";
     const bool stays = std::any_of(faults.elements.begin(), faults.elements.end(), [&](const DeterminedElement& fault) {
         return std::count(mesh.face_element.begin(), mesh.face_element.end(), fault.element) > 1;
@@ -35,7 +35,7 @@ std::string against(const Mesh& mesh, const TargetFaults& faults, const Deck& de
     if (stays)
         return "\ntry targets that do not fold them, or a mesh in which they are divided by a node inside (refine "
                "leaves such an element there)";
-    const std::string refined = file_degree == 1 ? concat("refine = ", deck.refine + 1) : "a finer mesh";
+    const std::string refined = checked.file_degree == 1 ? concat("refine = ", checked.deck.refine + 1) : "a finer mesh";
     return "\ntry " + refined + ", so that they are divided, or targets that do not fold them";
 }
 
@@ -45,6 +45,17 @@ double bound_of_faults(const Deck& deck) {
     if (deck.distortion.delta > 0) return -std::numeric_limits<double>::infinity();
     return deck.surface == SurfaceKind::keep ? 0 : useless;
 }
+
+TargetFaults faults_of(const CheckedTarget& checked) {
+    return find_faults(checked.mesh, checked.ideal, checked.target, bound_of_faults(checked.deck));
+}
+
+std::string note_of(const TargetFaults& faults, const Mesh& mesh, const std::string& what_is_done) {
+    return concat("the target folds ", counts_of(faults), ", or leaves next to nothing of them; ", what_is_done, ":",
+                  describe(mesh, faults));
+}
+
+int count(const std::vector<char>& chosen) { return static_cast<int>(std::count(chosen.begin(), chosen.end(), 1)); }
 
 // Faces to be made flat against the faults, but for those that are: those at fault and those of elements at fault;
 // where all of these are, those beside them.
@@ -59,7 +70,7 @@ std::vector<char> faces_at_fault(const Mesh& mesh, const TargetFaults& faults, c
     for (int f = 0; f < mesh.face_count(); ++f) chosen[f] = chosen[f] || at_fault[mesh.face_element[f]];
     const auto leave_out_straight = [&] {
         for (std::size_t f = 0; f < straight.size(); ++f) chosen[f] = chosen[f] && !straight[f];
-        return std::count(chosen.begin(), chosen.end(), 1) > 0;
+        return count(chosen) > 0;
     };
     for (int f = 0; f < mesh.face_count(); ++f)
         for (int i = 0; i < mesh.dim && chosen[f]; ++i) vertex[mesh.face(f)[i]] = 1;
@@ -72,60 +83,50 @@ std::vector<char> faces_at_fault(const Mesh& mesh, const TargetFaults& faults, c
 
 }  // namespace
 
-void straighten_target(const Deck& deck, std::vector<char> chosen, Problem& problem) {
-    const Mesh& mesh = problem.mesh();
-    BoundaryTarget& target = problem.target;
-    const auto make_chosen_straight = [&] {
-        if (problem.curved_target.empty()) problem.curved_target = problem.node_target;
-        BoundaryTarget of_file = target;
-        of_file.node.swap(problem.node_target);
-        make_straight(mesh, chosen, of_file);
-        of_file.node.swap(problem.node_target);
-        make_straight(mesh, chosen, target);
-    };
-    const auto are_chosen = [&] { return std::count(chosen.begin(), chosen.end(), 1) > 0; };
+void straighten_target(const CheckedTarget& checked, std::vector<char> chosen) {
+    const Mesh& mesh = checked.mesh;
+    BoundaryTarget& target = checked.target;
     for (;;) {
-        if (are_chosen()) make_chosen_straight();
-        const TargetFaults faults = find_faults(mesh, problem.ideal(), target, bound_of_faults(deck));
+        if (count(chosen) > 0) {
+            BoundaryTarget of_file = target;
+            of_file.node.swap(checked.node_target);
+            make_straight(mesh, chosen, of_file);
+            of_file.node.swap(checked.node_target);
+            make_straight(mesh, chosen, target);
+        }
+        const TargetFaults faults = faults_of(checked);
         if (faults.none()) return;
         chosen = faces_at_fault(mesh, faults, target.straight);
-        if (!are_chosen())
+        if (count(chosen) == 0)
             refuse(mesh, faults,
-                   target.straight.empty() ? against(mesh, faults, deck, problem.base.degree)
+                   target.straight.empty() ? against(faults, checked)
                                            : "\ntry a finer mesh there: its faces cannot be flat");
     }
 }
 
-void straighten_folded(const Deck& deck, Problem& problem) {
-    const Mesh& mesh = problem.mesh();
-    const TargetFaults faults = find_faults(mesh, problem.ideal(), problem.target, bound_of_faults(deck));
-    straighten_target(deck, std::vector<char>(mesh.face_count(), 0), problem);
-    if (faults.none()) return;
-    const auto flat = std::count(problem.target.straight.begin(), problem.target.straight.end(), 1);
-    problem.notes.push_back(concat("the target folds ", counts_of(faults), ", or leaves next to nothing of them; ",
-                                   counted(flat, "face"), flat == 1 ? " there is" : " there are",
-                                   " made flat:", describe(mesh, faults)));
+std::string straighten_folded(const CheckedTarget& checked) {
+    const TargetFaults faults = faults_of(checked);
+    if (faults.none()) return "";
+    straighten_target(checked, faces_at_fault(checked.mesh, faults, {}));
+    const int flat = count(checked.target.straight);
+    return note_of(faults, checked.mesh,
+                   counted(flat, "face") + (flat == 1 ? " there is" : " there are") + " made flat");
 }
 
-void release_folded(const Deck& deck, Problem& problem) {
-    const Mesh& mesh = problem.mesh();
-    BoundaryTarget& target = problem.target;
-    const int file_degree = problem.base.degree;
-    const double bound = bound_of_faults(deck);
-    const TargetFaults faults = find_faults(mesh, problem.ideal(), target, bound);
-    if (faults.none()) return;
-    if (!faults.may_be_mended()) refuse(mesh, faults, against(mesh, faults, deck, file_degree));
-    if (deck.surface == SurfaceKind::keep)
+std::string release_folded(const CheckedTarget& checked) {
+    const Mesh& mesh = checked.mesh;
+    BoundaryTarget& target = checked.target;
+    const TargetFaults faults = faults_of(checked);
+    if (faults.none()) return "";
+    if (!faults.may_be_mended()) refuse(mesh, faults, against(faults, checked));
+    if (checked.deck.surface == SurfaceKind::keep)
         refuse(mesh, faults,
                "\ntry surface = auto, with which nodes slide along the surface there, or surface = "
                "straighten, with which faces are flat there");
     target.released = released_nodes(mesh, target, faults);
-    const TargetFaults left = find_faults(mesh, problem.ideal(), target, bound);
-    if (!left.none()) refuse(mesh, left, against(mesh, left, deck, file_degree));
-    const auto released = std::count(target.released.begin(), target.released.end(), 1);
-    problem.notes.push_back(concat("the target folds ", counts_of(faults), ", or leaves next to nothing of them; ",
-                                   counted(released, "node"), " around slide along the surface:",
-                                   describe(mesh, faults)));
+    const TargetFaults left = faults_of(checked);
+    if (!left.none()) refuse(mesh, left, against(left, checked));
+    return note_of(faults, mesh, counted(count(target.released), "node") + " around slide along the surface");
 }
 
 }  // namespace almesh

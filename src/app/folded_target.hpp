@@ -1,22 +1,33 @@
 // Targets that fold elements by themselves, whatever the nodes inside do: faces of the boundary that are invalid or
 // cross, elements whose nodes are all on it. Found and dealt with before solving, as the key `surface` says.
 #pragma once
+#include <string>
 #include <vector>
 
 #include "app/deck.hpp"
+#include "constraint/target.hpp"
 
 namespace almesh {
 
-struct Problem;
+// A target, on its mesh and to be changed.
+struct CheckedTarget {
+    const Deck& deck;
+    int file_degree;  // of the elements in the mesh file
+    const Mesh& mesh;
+    const std::vector<double>& ideal;  // nodes x dim
+    BoundaryTarget& target;
+    std::vector<double>& node_target;  // its nodes in units of the file, which change with it
+};
 
-// Releases the nodes around faces and elements that the target folds, to slide along its surface; notes it. Throws
-// InputError where that cannot help, or the deck keeps the surface.
-void release_folded(const Deck& deck, Problem& problem);
+// Frees the nodes around faces and elements that the target folds to slide along its surface. Returns a note, empty
+// where it folds none. Throws InputError where that cannot help, or the deck keeps the surface.
+std::string release_folded(const CheckedTarget& checked);
 
-// Makes faces flat that the target folds, and notes it. Throws InputError where that does not help.
-void straighten_folded(const Deck& deck, Problem& problem);
+// Makes faces flat that the target folds. Returns a note, empty where it folds none. Throws InputError where that does
+// not help.
+std::string straighten_folded(const CheckedTarget& checked);
 
 // Makes the chosen faces of the target flat, and more until it folds nothing. chosen: per face. Throws as above.
-void straighten_target(const Deck& deck, std::vector<char> chosen, Problem& problem);
+void straighten_target(const CheckedTarget& checked, std::vector<char> chosen);
 
 }  // namespace almesh

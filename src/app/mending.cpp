@@ -128,7 +128,7 @@ Solution mend(const Deck& deck, Problem& problem, const Solve& solve, std::FILE*
         solution.x = std::move(x);
         for (std::size_t i = 0; i < problem.target.released.size(); ++i) problem.target.released[i] &= moved[i];
     }
-    set_functional(deck, problem, problem.target, problem.level_placed, *problem.level);
+    set_functional(deck, problem);
     solution.al.lambda.assign(problem.level->constraint->multipliers(), 0.0);  // the region has others
     solution.al.gradient.clear();
     const AlIteration now =

@@ -95,26 +95,35 @@ std::vector<double> on_level(const Mesh& shape, std::vector<double> places, cons
     return places;
 }
 
-// The base mesh, refined and of another degree, its ideal mesh and its target, in units of the file. placed: of the
+// x + fraction (X - x), which at the fraction 1 is X to the last bit.
+std::vector<double> between(const std::vector<double>& x, std::vector<double> X, double fraction) {
+    for (std::size_t i = 0; i < X.size() && fraction < 1; ++i) X[i] = x[i] + fraction * (X[i] - x[i]);
+    return X;
+}
+
+// The target of a mesh in the file's frame at a fraction of the motions, from where its ideal mesh has the boundary to
+// where they take that of the mesh; mesh: curved by the same fraction. placed: by files, at the end of the motion.
+// Throws InputError where boundaries that share nodes do not agree there.
+BoundaryTarget target_at(double fraction, const Mesh& mesh, const std::vector<double>& ideal,
+                         std::vector<Motion> motions, PlacedNodes placed) {
+    for (Motion& motion : motions)
+        if (fraction < 1) motion = at_fraction(motion, fraction);
+    for (std::vector<double>& of_boundary : placed) of_boundary = between(ideal, std::move(of_boundary), fraction);
+    return make_target(mesh, motions, placed);
+}
+
+// The base mesh, refined and of another degree, its ideal mesh and its target, in the file's frame. placed: of the
 // shape, on return of this mesh.
-std::unique_ptr<Level> discretise(const Deck& deck, const Problem& problem, int refinements, int degree,
-                                  PlacedNodes& placed, BoundaryTarget& target) {
+std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int degree, PlacedNodes& placed,
+                                  BoundaryTarget& target) {
     auto level = std::make_unique<Level>();
     level->mesh = discretised(problem.base, refinements, degree);
     level->ideal = straight_sided(level->mesh);
     for (std::vector<double>& of_boundary : placed)
         if (!of_boundary.empty()) of_boundary = on_level(problem.shape(), std::move(of_boundary), *level);
-    target = make_target(level->mesh, motions_of(deck, level->mesh), placed);
+    target = target_at(1, level->mesh, level->ideal, problem.motions, placed);
     prescribe_shared_nodes(level->mesh, target);
     return level;
-}
-
-// Where the nodes are at a fraction of the way there from the ideal mesh.
-PlacedNodes at_fraction(PlacedNodes placed, const std::vector<double>& ideal, double fraction) {
-    for (std::vector<double>& of_boundary : placed)
-        for (std::size_t i = 0; i < of_boundary.size(); ++i)
-            of_boundary[i] = ideal[i] + fraction * (of_boundary[i] - ideal[i]);
-    return placed;
 }
 
 // Of the run, in units of the file: what the deck says, or so that the mesh has the volume 1.
@@ -148,12 +157,26 @@ std::vector<char> slides(const Mesh& mesh, const BoundaryTarget& target) {
     return result;
 }
 
-// Null where no node slides. target: of the mesh `base`, in units of the file.
-std::shared_ptr<SlidingSurfaces> sliding_surfaces(double feature_angle, const Mesh& base, const BoundaryTarget& target,
-                                                  const std::vector<char>& slides, const Frame& frame,
-                                                  const std::vector<OtherSurface>& other = {}) {
-    if (std::count(slides.begin(), slides.end(), 1) == 0) return nullptr;
-    return std::make_shared<SlidingSurfaces>(base, target.node, slides, feature_angle, frame, other);
+// Along what nodes slide at a fraction of the motions: the surface of the file's mesh as it is, but that of nodes which
+// are freed to slide curved by that fraction, as are those beside them. Null where no node slides. target: of the mesh.
+std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const Deck& deck, const Problem& problem,
+                                             const Mesh& mesh, const BoundaryTarget& target,
+                                             const std::vector<Motion>& motions,
+                                             const std::vector<OtherSurface>& other = {}) {
+    const std::vector<char> sliding = slides(mesh, target);
+    if (std::count(sliding.begin(), sliding.end(), 1) == 0) return nullptr;
+    Mesh shape = problem.shape();
+    const std::vector<double> straight = straight_sided(shape);
+    if (!target.released.empty()) shape.x = between(straight, std::move(shape.x), fraction);
+    const BoundaryTarget of_shape = target_at(fraction, shape, straight, motions, problem.placed);
+    return std::make_shared<SlidingSurfaces>(shape, of_shape.node, sliding, deck.feature_angle, problem.frame, other);
+}
+
+// From the file's frame to the run's, with smooth surfaces for the nodes that are freed to slide.
+void finish(const Mesh& mesh, const Frame& frame, SlidingSurfaces* sliding, BoundaryTarget& target) {
+    if (sliding) smooth_released(mesh, target, *sliding);
+    frame.take_to_run(target.node, mesh.dim);
+    frame.take_to_run(target.sample, mesh.dim);
 }
 
 // Takes back the release of nodes on boundaries whose surfaces are not known.
@@ -177,12 +200,104 @@ void note_surfaces(const Deck& deck, const Mesh& mesh, const SlidingSurfaces& sl
     }
 }
 
-void take_to_run(const Frame& frame, int dim, std::initializer_list<std::vector<double>*> positions) {
-    for (std::vector<double>* const x : positions) frame.take_to_run(*x, dim);
+void take_to_run(const Frame& frame, Level& level) {
+    frame.take_to_run(level.mesh.x, level.mesh.dim);
+    frame.take_to_run(level.ideal, level.mesh.dim);
 }
 
-void take_to_run(const Frame& frame, Level& level, BoundaryTarget& target) {
-    take_to_run(frame, level.mesh.dim, {&level.mesh.x, &level.ideal, &target.node, &target.sample});
+// The mesh as the method sees it, and where its boundary is to go.
+void discretise(const Deck& deck, Problem& problem) {
+    check_quadrature(deck, std::max(deck.degree, problem.base.degree));
+    const int degree = deck.degree ? deck.degree : problem.base.degree;
+    check_final_degree(deck, degree);
+    if (degree > 1 && problem.base.file.format.kind == FileFormat::Kind::su2)
+        problem.notes.push_back("SU2 meshes are linear: the mesh of degree " + std::to_string(degree) +
+                                " is written as final.msh");
+    problem.motions = motions_of(deck, problem.base);
+    NodeTargets places = read_node_targets(problem.base, problem.motions);
+    problem.raised = std::move(places.raised);
+    problem.placed = problem.level_placed = std::move(places.placed);
+    problem.level = discretise(problem, deck.refine, degree, problem.level_placed, problem.target);
+    problem.node_target = problem.target.node;
+    check_final_ids(deck, problem.mesh());
+}
+
+// What is done where the target folds elements by itself.
+void change_folded_target(const Deck& deck, Problem& problem) {
+    const CheckedTarget checked = checked_target(deck, problem);
+    const std::vector<double> curved = problem.node_target;
+    const std::string note =
+        deck.surface == SurfaceKind::straighten ? straighten_folded(checked) : release_folded(checked);
+    if (!note.empty()) problem.notes.push_back(note);
+    if (!problem.target.straight.empty()) problem.curved_target = curved;
+    check_prescribed(deck, problem.target);
+}
+
+void set_frame(const Deck& deck, Problem& problem) {
+    problem.frame.origin = local_origin(problem.base);
+    problem.frame.length = unit_of_length(deck, volume(problem.mesh(), problem.ideal()), problem.mesh().dim);
+}
+
+// Along what nodes slide; null where none does.
+std::shared_ptr<SlidingSurfaces> make_surfaces(const Deck& deck, const SurfacesOfWhole& whole, Problem& problem) {
+    BoundaryTarget& target = problem.target;
+    if (target.prescribes_all()) return nullptr;
+    const auto is_free = [](BoundaryHold hold) { return hold == BoundaryHold::free; };
+    if (std::all_of(target.hold.begin(), target.hold.end(), is_free))
+        throw UsageError(deck.path, ": all boundaries are free: give at least one of them a motion");
+    std::shared_ptr<SlidingSurfaces> sliding;
+    if (whole.surfaces) {
+        sliding = std::make_shared<SlidingSurfaces>(*whole.surfaces, whole.face, problem.base, problem.frame);
+        keep_where_unknown(problem.mesh(), *sliding, target);
+    } else {
+        const std::vector<OtherSurface> other = read_other_surfaces(deck, problem.base, problem.notes);
+        sliding = surfaces_at(1, deck, problem, problem.mesh(), target, problem.motions, other);
+    }
+    if (sliding) note_surfaces(deck, problem.mesh(), *sliding, problem.notes);
+    return sliding;
+}
+
+// For load increments: the constraint at a fraction of the motions of the level, which is in the run's frame. placed:
+// of its nodes, by files. Null where boundaries that share nodes do not agree there. of_whole: the target at the end.
+std::unique_ptr<Constraint> constraint_at(double fraction, const Deck& deck, const Problem& problem,
+                                          const Level& level, const BoundaryTarget& of_whole, TargetKind kind,
+                                          const std::vector<Motion>& motions, const PlacedNodes& placed) {
+    const Frame& frame = problem.frame;
+    Mesh in_file = level.mesh;
+    in_file.x = frame.to_file(between(level.ideal, level.mesh.x, fraction), level.mesh.dim);
+    try {
+        BoundaryTarget target =
+            target_at(fraction, in_file, frame.to_file(level.ideal, level.mesh.dim), motions, placed);
+        prescribe_shared_nodes(in_file, target);
+        target.released = of_whole.released;
+        if (!of_whole.straight.empty()) make_straight(in_file, of_whole.straight, target);
+        std::shared_ptr<SlidingSurfaces> sliding;  // of its own: another mesh's is where the motion ends
+        if (problem.sliding) sliding = surfaces_at(fraction, deck, problem, level.mesh, target, motions);
+        finish(level.mesh, frame, sliding.get(), target);
+        return std::make_unique<Dirichlet>(level.mesh, level.ideal, target, kind, sliding);
+    } catch (const InputError&) {  // the motions of two boundaries agree at their ends only
+        return nullptr;
+    }
+}
+
+// target: in the run's frame, placed: in the file's.
+void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
+                    Level& level) {
+    level.energy = make_energy(level.mesh, level.ideal, distortion_of(deck));
+    level.energy->order_hessian([&](const BlockCsr& pattern) {
+        return sweep_order(pattern, level.mesh.dim, deck.linear, vertex_interpolation(level.mesh));
+    });
+    const bool is_coarser = level.mesh.degree < problem.mesh().degree;
+    const TargetKind kind = target.prescribes_all() && !is_coarser ? deck.target : TargetKind::nodal;
+    level.constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, target, kind, problem.sliding);
+    std::vector<Motion> motions = problem.motions;
+    for (Motion& motion : motions) {
+        if (deck.follow != Follow::always) motion = shortest(std::move(motion));
+        level.turn = std::max(level.turn, turn(motion));
+    }
+    level.constraint_at = [&problem, &level, deck, target, kind, motions, placed](double fraction) {
+        return constraint_at(fraction, deck, problem, level, target, kind, motions, placed);
+    };
 }
 
 }  // namespace
@@ -217,106 +332,31 @@ Problem make_problem(const Deck& deck) {
     return make_problem(deck, std::move(base), mesh_hash, std::move(notes));
 }
 
+CheckedTarget checked_target(const Deck& deck, Problem& problem) {
+    return {deck, problem.base.degree, problem.mesh(), problem.ideal(), problem.target, problem.node_target};
+}
+
 Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes,
                      const SurfacesOfWhole& whole) {
     Problem problem;
     problem.base = std::move(base);
     problem.mesh_hash = mesh_hash;
     problem.notes = std::move(notes);
-    check_quadrature(deck, std::max(deck.degree, problem.base.degree));
-    const int degree = deck.degree ? deck.degree : problem.base.degree;
-    check_final_degree(deck, degree);
-    if (degree > 1 && problem.base.file.format.kind == FileFormat::Kind::su2)
-        problem.notes.push_back("SU2 meshes are linear: the mesh of degree " + std::to_string(degree) +
-                                " is written as final.msh");
-    NodeTargets places = read_node_targets(problem.base, motions_of(deck, problem.base));
-    problem.raised = std::move(places.raised);
-    problem.placed = std::move(places.placed);
-    PlacedNodes placed = problem.placed;
-    problem.level = discretise(deck, problem, deck.refine, degree, placed, problem.target);
-    problem.level_placed = std::move(placed);
-    const Mesh& mesh = problem.mesh();
-    check_final_ids(deck, mesh);
-    problem.node_target = problem.target.node;
-    if (deck.surface == SurfaceKind::straighten) straighten_folded(deck, problem);
-    else release_folded(deck, problem);
-    check_prescribed(deck, problem.target);
-    problem.frame.origin = local_origin(problem.base);
-    problem.frame.length = unit_of_length(deck, volume(mesh, problem.ideal()), mesh.dim);
-    std::shared_ptr<SlidingSurfaces> sliding;
-    if (!problem.target.prescribes_all()) {
-        if (std::all_of(problem.target.hold.begin(), problem.target.hold.end(),
-                        [](BoundaryHold hold) { return hold == BoundaryHold::free; }))
-            throw UsageError(deck.path, ": all boundaries are free: give at least one of them a motion");
-        if (whole.surfaces) {
-            sliding = std::make_shared<SlidingSurfaces>(*whole.surfaces, whole.face, problem.base, problem.frame);
-            keep_where_unknown(mesh, *sliding, problem.target);
-        } else {
-            const BoundaryTarget of_shape =
-                make_target(problem.shape(), motions_of(deck, problem.base), problem.placed);
-            const std::vector<OtherSurface> other = read_other_surfaces(deck, problem.base, problem.notes);
-            sliding = sliding_surfaces(deck.feature_angle, problem.shape(), of_shape, slides(mesh, problem.target),
-                                       problem.frame, other);
-        }
-        if (sliding) note_surfaces(deck, mesh, *sliding, problem.notes);
-    }
-    if (deck.region == Region::folded) problem.file_x = mesh.x;
-    if (sliding) smooth_released(mesh, problem.target, *sliding);
-    take_to_run(problem.frame, *problem.level, problem.target);
-    problem.sliding = std::move(sliding);
+    discretise(deck, problem);
+    change_folded_target(deck, problem);
+    set_frame(deck, problem);
+    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, whole, problem);
+    if (deck.region == Region::folded) problem.file_x = problem.mesh().x;
+    finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
+    problem.sliding = sliding;
+    take_to_run(problem.frame, *problem.level);
     problem.run_id = run_id(deck, problem.mesh_hash);
     problem.level->mesh.file.comment = concat(version(), ", run ", problem.run_id);
     return problem;
 }
 
-void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
-                    Level& level) {
-    level.energy = make_energy(level.mesh, level.ideal, distortion_of(deck));
-    level.energy->order_hessian([&](const BlockCsr& pattern) {
-        return sweep_order(pattern, level.mesh.dim, deck.linear, vertex_interpolation(level.mesh));
-    });
-    const TargetKind kind = target.prescribes_all() ? deck.target : TargetKind::nodal;
-    level.constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, target, kind, problem.sliding);
-    std::vector<Motion> motions = motions_of(deck, level.mesh);
-    for (Motion& motion : motions) {
-        if (deck.follow != Follow::always) motion = shortest(std::move(motion));
-        level.turn = std::max(level.turn, turn(motion));
-    }
-    const double angle = deck.feature_angle;
-    level.constraint_at = [&problem, &level, motions, placed, kind, angle, released = target.released,
-                           flat = target.straight](double fraction) {
-        const Frame& frame = problem.frame;
-        const int dim = level.mesh.dim;
-        std::vector<Motion> parts;
-        for (const Motion& motion : motions) parts.push_back(at_fraction(motion, fraction));
-        Mesh in_file = level.mesh;  // curved by the same fraction, where the file is
-        for (std::size_t i = 0; i < level.ideal.size(); ++i)
-            in_file.x[i] = frame.to_file(level.ideal[i] + fraction * (level.mesh.x[i] - level.ideal[i]), i, dim);
-        std::unique_ptr<Constraint> constraint;
-        try {
-            BoundaryTarget part =
-                make_target(in_file, parts, at_fraction(placed, frame.to_file(level.ideal, dim), fraction));
-            prescribe_shared_nodes(in_file, part);
-            part.released = released;
-            if (!flat.empty()) make_straight(in_file, flat, part);
-            std::shared_ptr<SlidingSurfaces> sliding;
-            if (problem.sliding) {
-                Mesh shape = problem.shape();  // its surface as it is: but released nodes go with those that are not
-                const std::vector<double> straight = straight_sided(shape);
-                if (!released.empty())
-                    for (std::size_t i = 0; i < straight.size(); ++i)
-                        shape.x[i] = straight[i] + fraction * (shape.x[i] - straight[i]);
-                const PlacedNodes shape_placed = at_fraction(problem.placed, straight, fraction);
-                sliding = sliding_surfaces(angle, shape, make_target(shape, parts, shape_placed),
-                                           slides(level.mesh, part), frame);  // of its own: another mesh's is the end
-                if (sliding) smooth_released(level.mesh, part, *sliding);
-            }
-            take_to_run(frame, dim, {&part.node, &part.sample});
-            constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, part, kind, sliding);
-        } catch (const InputError&) {  // the motions of two boundaries agree at their ends only
-        }
-        return constraint;
-    };
+void set_functional(const Deck& deck, const Problem& problem) {
+    set_functional(deck, problem, problem.target, problem.level_placed, *problem.level);
 }
 
 std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem) {
@@ -332,7 +372,7 @@ std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem
 std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, const CoarserMesh& coarser) {
     BoundaryTarget target;
     PlacedNodes placed = problem.placed;
-    std::unique_ptr<Level> level = discretise(deck, problem, coarser.refinements, coarser.degree, placed, target);
+    std::unique_ptr<Level> level = discretise(problem, coarser.refinements, coarser.degree, placed, target);
     if (level->mesh.degree > 1 && !problem.target.released.empty()) {
         const TargetFaults faults = find_faults(level->mesh, level->ideal, target);
         if (faults.may_be_mended()) target.released = released_nodes(level->mesh, target, faults);
@@ -341,10 +381,9 @@ std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, c
     }
     const bool has_faces = problem.target.straight.size() == static_cast<std::size_t>(level->mesh.face_count());
     if (level->mesh.degree > 1 && has_faces) make_straight(level->mesh, problem.target.straight, target);
-    take_to_run(problem.frame, *level, target);
-    Deck simpler = deck;
-    if (level->mesh.degree < problem.mesh().degree) simpler.target = TargetKind::nodal;
-    set_functional(simpler, problem, target, placed, *level);
+    finish(level->mesh, problem.frame, nullptr, target);
+    take_to_run(problem.frame, *level);
+    set_functional(deck, problem, target, placed, *level);
     return level;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/deck.hpp"
+#include "app/folded_target.hpp"
 #include "base/frame.hpp"
 #include "constraint/sliding.hpp"
 #include "constraint/target.hpp"
@@ -15,6 +16,7 @@ namespace almesh {
 
 struct Problem {
     Mesh base;                     // as read and mended
+    std::vector<Motion> motions;   // of its boundaries
     std::optional<Mesh> raised;    // and of the degree of the meshes that place its boundaries, where that is higher
     std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in the run's frame
     BoundaryTarget target;         // in the run's frame
@@ -49,10 +51,11 @@ struct SurfacesOfWhole {
 Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes = {},
                      const SurfacesOfWhole& whole = {});
 
-// Gives the level its energy and its constraint: the functional of Eq. 6. target: in the run's frame, placed:
-// in those of the file. The problem must outlive the level.
-void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
-                    Level& level);
+// The problem's target as folded_target.hpp checks and changes it.
+CheckedTarget checked_target(const Deck& deck, Problem& problem);
+
+// Gives the problem's level its energy and its constraint: the functional of Eq. 6. The problem must stay where it is.
+void set_functional(const Deck& deck, const Problem& problem);
 
 // The deck's settings, with those that are `auto` made definite.
 DistortionParams distortion_of(const Deck& deck);
@@ -67,8 +70,9 @@ struct CoarserMesh {
 // From coarse to fine: linear meshes refined 0, 1, ... times, then as fine as the deck's own of degree 1, 2, 4, ...
 std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem);
 
-// The problem on it, in the same frame; the target is not checked again. With a lower degree than the deck's,
-// nodes are moved to where the motion takes them: what is curved between them is left to the finer mesh.
+// The problem on it, with its functional, in the same frame; the target is not checked again. With a lower degree than
+// the deck's, nodes are moved to where the motion takes them: what is curved between them is left to the finer mesh.
+// The problem must outlive the level.
 std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, const CoarserMesh& coarser);
 
 }  // namespace almesh

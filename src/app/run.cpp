@@ -186,7 +186,7 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
     solution.time.coarse = solution.time.total;
 
     Level& level = *problem.level;
-    set_functional(deck, problem, problem.target, problem.level_placed, level);  // Eq. 6
+    set_functional(deck, problem);  // Eq. 6
 
     AlObserver observer;
     observer.iteration = [&](const AlIteration& row) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/folded_target.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 
@@ -93,7 +92,8 @@ Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& so
         const BoundaryTarget target = problem.target;
         const std::vector<double> node_target = problem.node_target, curved_target = problem.curved_target;
         try {
-            straighten_target(deck, chosen, problem);
+            if (curved_target.empty()) problem.curved_target = node_target;
+            straighten_target(checked_target(deck, problem), chosen);
         } catch (const InputError& error) {  // flat they would cross: with the target as it was until the deck's limits
             std::fprintf(out, "they stay as they are: %s\n", error.what());
             problem.target = target;

@@ -217,7 +217,7 @@ TEST_CASE("a line search that fails is told at the most distorted element, an ov
     const RingDeck ring;
     const Deck deck = read_deck(ring.deck, {"weight_exponent=1", "boundary inner=fixed"});
     Problem problem = make_problem(deck);
-    set_functional(deck, problem, problem.target, problem.level_placed, *problem.level);
+    set_functional(deck, problem);
     const Mesh& mesh = problem.mesh();
     Solution solution;
     solution.x = problem.ideal();

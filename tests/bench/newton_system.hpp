@@ -38,7 +38,7 @@ private:
     }
 
     DistortionEnergy& with_functional(const Deck& deck) {
-        set_functional(deck, problem, problem.target, problem.level_placed, *problem.level);
+        set_functional(deck, problem);
         return distortion();
     }
 };
