@@ -10,7 +10,7 @@
 #include "base/frame.hpp"
 #include "constraint/sliding.hpp"
 #include "constraint/target.hpp"
-#include "method/follow.hpp"
+#include "method/continuation.hpp"
 
 namespace almesh {
 

@@ -21,9 +21,9 @@
 #include "io/matrix_market.hpp"
 #include "method/checkpoint.hpp"
 #include "method/comparators.hpp"
-#include "method/continuation.hpp"
+#include "method/levels.hpp"
 #include "method/snap.hpp"
-#include "method/worst.hpp"
+#include "method/p_norm.hpp"
 
 namespace almesh {
 namespace {
@@ -107,7 +107,7 @@ AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton
     if (sets_boundary(deck.method.moving))
         return move_with_boundary(level, newton, params, increments_of(deck), x, observer, observe_part);
     if (deck.distortion.objective != Objective::worst)
-        return minimise_following(level, newton, params, x, start, observer, observe_part);
+        return minimise_in_increments(level, newton, params, x, start, observer, observe_part);
     return minimise_worst(level, newton, params, deck.power.value_or(last_power), x, start, observer, observe_part);
 }
 

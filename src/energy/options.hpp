@@ -7,7 +7,7 @@ enum class Objective {
     squared,     // eta^2: the tables of the paper
     deviation,   // (eta - 1)^2: its Eq. 5
     size_shape,  // (eta - 1)^2 of the distortion of shape and size
-    worst        // powers of eta - 1 that are raised in the run (method/worst.hpp)
+    worst        // powers of eta - 1 that are raised in the run (method/p_norm.hpp)
 };
 
 // The density M^2 (s^p + kappa s^2), s = (eta - 1) / M or eta / M; as it stands here, the square.

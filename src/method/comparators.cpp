@@ -14,9 +14,8 @@
 namespace almesh {
 namespace {
 
-constexpr double smallest_part = 1.0 / 64;  // of an increment
-constexpr double of_gradient = 0.03;        // tolerance of parts before the last, relative to their motion
-constexpr double rounding = 1e-9;           // of a sum of parts
+constexpr double least_part = 1.0 / 64;  // of an increment
+constexpr double of_gradient = 0.03;     // tolerance of increments before the last, relative to their motion
 
 using Rule = PartResult (*)(BoundaryMove&, const std::vector<double>& targets, std::vector<double>& x);
 
@@ -176,7 +175,7 @@ bool sets_boundary(MovingMethod method) {
 }
 
 AlResult move_with_boundary(const Level& level, Newton& newton, const MethodParams& params, int increments,
-                            std::vector<double>& x, const AlObserver& observer, const StageObserver& observe_part) {
+                            std::vector<double>& x, const AlObserver& observer, const StageObserver& observe_stage) {
     const Stopwatch watch;
     const Rule rule = rule_of(params.schedule.moving);
     const bool may_halve = params.schedule.moving == MovingMethod::incremental;
@@ -187,30 +186,26 @@ AlResult move_with_boundary(const Level& level, Newton& newton, const MethodPara
         if (observer.iteration) observer.iteration(row);
     };
     add_row(measured(*level.energy, *level.constraint, x, result.distortion));
-    for (double part = 1.0 / increments, done = 0; result.iterations.size() == 1;) {
+    const double size = 1.0 / increments;
+    PartResult made;
+    increase_load(size, may_halve ? least_part * size : size, [&](const Increment& at) {
         const Stopwatch part_watch;
-        const double fraction = done + part < 1 - rounding ? done + part : 1;
-        const bool last = fraction == 1;
-        move.prepare(last, part, observer);
-        const PartResult made = rule(move, targets_at(level, fraction), x);
+        move.prepare(at.is_last(), at.size, observer);
+        made = rule(move, targets_at(level, at.to), x);
         result.status = interrupted() ? AlStatus::interrupted : made.status;
         count(made, result);
-        if (may_halve && result.status == AlStatus::invalid_start && part * increments > smallest_part) {
-            part *= 0.5;
-            continue;
-        }
+        if (may_halve && result.status == AlStatus::invalid_start) return StageEnd::failed;
+        if (at.is_last() || result.status != AlStatus::converged) return StageEnd::over;
         AlIteration row = row_of(move, made, x, result.distortion);
-        const bool ends = last || result.status != AlStatus::converged;
-        row.seconds = ends ? watch.seconds() : part_watch.seconds();
-        if (ends) {
-            add_row(row);
-            continue;
-        }
+        row.seconds = part_watch.seconds();
         const int steps = made.solved.iterations;
-        if (observe_part) observe_part({level.mesh.nodes(), result.status, row, steps, fraction});
+        if (observe_stage) observe_stage({level.mesh.nodes(), result.status, row, steps, at.to});
         result.followed_newton_iterations += steps;
-        done = fraction;
-    }
+        return StageEnd::solved;
+    });
+    AlIteration row = row_of(move, made, x, result.distortion);
+    row.seconds = watch.seconds();
+    add_row(row);
     result.newton_iterations -= result.followed_newton_iterations;
     if (result.status != AlStatus::converged) result.gradient = gradient(move, x);
     result.lambda.assign(level.constraint->multipliers(), 0.0);

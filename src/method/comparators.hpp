@@ -14,7 +14,7 @@
 #include <functional>
 #include <vector>
 
-#include "method/follow.hpp"
+#include "method/continuation.hpp"
 #include "method/functional.hpp"
 #include "method/linear_extension.hpp"
 
@@ -24,11 +24,11 @@ namespace almesh {
 bool sets_boundary(MovingMethod method);
 
 // x: node_count x dim, the ideal mesh on entry; on return the mesh that the method came to, which is inverted where the
-// status is `inverted`, or `invalid_start` of fixed_boundary. increments: parts of the motion. observe_part: called
+// status is `inverted`, or `invalid_start` of fixed_boundary. increments: parts of the motion. observe_stage: called
 // after each part of the motion but the last, whose Newton steps are observed. Adds to newton.time.
 AlResult move_with_boundary(const Level& level, Newton& newton, const MethodParams& params, int increments,
                             std::vector<double>& x, const AlObserver& observer = {},
-                            const StageObserver& observe_part = {});
+                            const StageObserver& observe_stage = {});
 
 // One run of such a method, as its parts see it.
 struct BoundaryMove {

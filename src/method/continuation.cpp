@@ -1,104 +1,145 @@
-// u_fine = interpolation of u_coarse, lambda_fine = lambda_coarse |1|_coarse / |1|_fine, mu_fine = 100 mu_coarse.
+// x_0 = ideal mesh; for t = dt, 2 dt, ..., 1: x_t solves the problem at the fraction t of the motion, from x_{t - dt};
+// where that fails, dt is halved, and at last the whole motion is tried at once, unless it has been.
 #include "method/continuation.hpp"
 
 #include <algorithm>
 #include <cmath>
-
-#include "base/index.hpp"
-#include "base/interrupt.hpp"
-#include "mesh/mesh.hpp"
+#include <limits>
+#include <optional>
 
 namespace almesh {
 namespace {
 
-double square(double v) { return v * v; }
+constexpr double increment_turn = 90;  // degrees turned in one increment
+constexpr double most_at_once = 180;  // beyond, the target does not tell how it is reached
+constexpr double least_increment = 1.0 / 32;
+constexpr int most_steps = 100;  // Newton steps of a subproblem that is not the last resort,
+constexpr int most_steps_of_all = 500;  // and of all increments
 
-constexpr double penalty_growth = 100, largest_start_penalty = 1e7;  // from mesh to mesh; in units of |1|^2
-constexpr double nearer = 0.5;  // than the ideal mesh to the target: else what is left is to curve the boundary
-constexpr int few_steps = 20;  // on a level that is worth little
-constexpr double of_gradient = 0.0005;  // tolerance on coarser meshes: a step there is cheaper than one more here
-
-// A field on the nodes of the constraint, zero at all others.
-std::vector<double> extended(const std::vector<double>& of_constraint, const Level& level) {
-    const int dim = level.mesh.dim;
-    const std::vector<int>& nodes = level.constraint->nodes();
-    std::vector<double> field(level.ideal.size(), 0.0);
-    for (std::size_t t = 0; t < nodes.size(); ++t)
-        std::copy_n(&of_constraint[offset(t, dim)], dim, point(field, nodes[t], dim));
-    return field;
+bool succeeded(const AlResult& result) {
+    return result.status == AlStatus::converged || result.status == AlStatus::interrupted;
 }
 
-Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Level> level,
-                        CoarseSolution& solution) {
-    Newton newton(level->energy->hessian_pattern(), params.linear, params.forcing);
-    std::vector<double> x;
-    const AlStart start = start_from(solution, *level, x);
-    MethodParams loose = params;
-    loose.schedule = loosened(params.schedule, *level, of_gradient);
-    if (level->is_worth_little) {
-        loose.schedule.max_newton_iterations = std::min(loose.schedule.max_newton_iterations, few_steps);
-        loose.follow = Follow::never;
-    }
-    const AlResult result = minimise_following(*level, newton, loose, x, start);
-    time += newton.time;
+AugmentedLagrangianParams impatient(AugmentedLagrangianParams params) {
+    params.max_newton_iterations = std::min(params.max_newton_iterations, most_steps);
+    return params;
+}
 
-    Stage stage;
-    stage.nodes = level->mesh.nodes();
-    stage.status = result.status;
-    stage.last = result.iterations.back();
-    stage.newton_iterations = result.newton_iterations + result.followed_newton_iterations;
-    solution = {};
-    if (result.status != AlStatus::converged) return stage;
-    solution.multipliers = extended(level->constraint->multiplier_field(result.lambda), *level);
-    solution.mu = stage.last.mu / square(level->constraint->norm_of_one());
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] -= level->ideal[i];
-    solution.displacement = std::move(x);
-    level->energy.reset();  // the largest part of it
-    solution.level = std::move(level);
-    return stage;
+// Of the constraint that the last iterate of an increment is on the way to.
+void measure_boundary(Constraint& constraint, const std::vector<double>& x, AlIteration& row) {
+    row.constraint_norm = constraint.norm(x);
+    row.projected_constraint_norm = constraint.projected_norm(x);
+    row.relative_boundary_error = constraint.relative_error(x);
+}
+
+struct Increments {
+    std::optional<AlResult> end;     // of the last increment, or of one that was interrupted
+    std::optional<AlResult> failed;  // what came of the last one that was tried, where there is no end
+    int steps = 0;                   // Newton steps before
+};
+
+// x: on return the last iterate. steps: on increments and attempts before.
+Increments solve_increments(const Level& level, Newton& newton, const AugmentedLagrangianParams& params, double size,
+                            int steps, std::vector<double>& x, const AlObserver& observer,
+                            const StageObserver& observe_stage) {
+    Increments all;
+    all.steps = steps;
+    std::vector<double> reached = level.ideal;
+    increase_load(size, least_increment, [&](const Increment& at) {
+        if (all.steps > most_steps_of_all) return StageEnd::over;
+        const auto constraint = at.is_last() ? nullptr : level.constraint_at(at.to);
+        if (!at.is_last() && !constraint) return StageEnd::over;
+        x = reached;
+        AlStart start;
+        if (at.from > 0) start.lambda.assign(level.constraint->multipliers(), 0.0);  // not from the ideal mesh
+        AlResult result =
+            at.is_last()
+                ? minimise(*level.energy, *level.constraint, newton, impatient(params), x, observer, start)
+                : minimise(*level.energy, *constraint, newton, impatient(loosened(params, level)), x, {}, start);
+        if (!at.is_last() && observe_stage)
+            observe_stage({level.mesh.nodes(), result.status, result.iterations.back(), result.newton_iterations,
+                           at.to});
+        if (!at.is_last()) measure_boundary(*level.constraint, x, result.iterations.back());
+        if ((succeeded(result) && at.is_last()) || result.status == AlStatus::interrupted) {
+            all.end = std::move(result);
+            return StageEnd::over;
+        }
+        all.steps += result.newton_iterations;
+        const bool solved = succeeded(result);
+        if (solved) reached = x;
+        all.failed = std::move(result);
+        return solved ? StageEnd::solved : StageEnd::failed;
+    });
+    return all;
 }
 
 }  // namespace
 
-CoarseSolution solve_coarser(int levels, const std::function<std::unique_ptr<Level>(int)>& make_level,
-                             const MethodParams& params, Timings& time,
-                             const StageObserver& observe) {
-    CoarseSolution solution;
-    for (int k = 0; k < levels && !interrupted(); ++k) {
-        const Stopwatch watch;
-        const double before = time.total;
-        Stage stage = solve_level(params, time, make_level(k), solution);
-        stage.last.seconds = watch.seconds();
-        time.total = before + stage.last.seconds;
-        observe(stage);
+void increase_load(double size, double least, const std::function<StageEnd(const Increment&)>& solve) {
+    for (double from = 0; from < 1 && size >= least;) {
+        const double to = from + size < 1 - 0.5 * least ? from + size : 1;
+        switch (solve({from, to, size})) {
+            case StageEnd::solved: from = to; break;
+            case StageEnd::failed: size *= 0.5; break;
+            case StageEnd::over: return;
+        }
     }
-    return solution;
 }
 
-AlStart start_from(const CoarseSolution& coarse, const Level& level, std::vector<double>& x) {
-    x = level.ideal;
-    if (!coarse.level) return {};
-    const auto carried = [&](const std::vector<double>& field) {
-        return prolong(coarse.level->mesh, coarse.level->ideal, level.mesh, level.ideal, field);
+AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level& level, double of_gradient) {
+    constexpr double of_constraint = 1e-3;
+    const int dim = level.mesh.dim;
+    const double motion = level.constraint->projected_norm(level.ideal);
+    const double L = std::pow(level.energy->domain_volume(), 1.0 / dim);
+    params.algorithm = Algorithm::adaptive;
+    params.wall_tolerance = std::numeric_limits<double>::infinity();
+    params.epsilon_star = std::max(params.epsilon_star, std::pow(of_constraint * motion, 2));
+    params.omega_star = std::max(params.omega_star, of_gradient * motion * std::pow(L, dim - 2));
+    return params;
+}
+
+AlResult minimise_in_increments(const Level& level, Newton& newton, const MethodParams& params, std::vector<double>& x,
+                                const AlStart& start, const AlObserver& observer,
+                                const StageObserver& observe_stage) {
+    const auto at_once = [&](const AugmentedLagrangianParams& schedule) {
+        return minimise(*level.energy, *level.constraint, newton, schedule, x, observer, start);
     };
-    const std::vector<double> displacement = carried(coarse.displacement);
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] += displacement[i];
-    const auto distance = [&](const std::vector<double>& at) { return level.constraint->projected_norm(at); };
-    const bool useless = level.mesh.degree > coarse.level->mesh.degree && distance(x) > nearer * distance(level.ideal);
-    if (useless || !std::isfinite(level.energy->energy(x)) || !level.energy->certified(x)) {
-        x = level.ideal;
-        return {};
+    if (!level.constraint_at || params.follow == Follow::never) return at_once(params.schedule);
+    const std::vector<double> first = x;
+    std::optional<AlResult> at_once_failed;
+    std::vector<double> x_failed;
+    double size = 0.5;
+    int steps = 0;
+    if (level.turn > increment_turn && start.lambda.empty()) {
+        size = 1 / std::ceil(level.turn / increment_turn);
+    } else {
+        AlResult result = at_once(impatient(params.schedule));
+        const bool hopeless = result.status == AlStatus::infeasible || result.status == AlStatus::max_iterations;
+        if (succeeded(result) || hopeless) return result;
+        steps = result.newton_iterations;
+        if (result.status != AlStatus::max_newton_iterations) {
+            at_once_failed = std::move(result);
+            x_failed = x;
+        }
     }
-    AlStart start;
-    start.from_coarser = true;
-    start.mu = std::max(coarse.mu, std::min(penalty_growth * coarse.mu, largest_start_penalty));
-    const std::vector<double> multipliers = carried(coarse.multipliers);
-    const double scale = coarse.level->constraint->norm_of_one() / level.constraint->norm_of_one();
-    std::vector<double> field;
-    for (const int node : level.constraint->nodes())
-        for (int a = 0; a < level.mesh.dim; ++a) field.push_back(scale * point(multipliers, node, level.mesh.dim)[a]);
-    start.lambda = level.constraint->multipliers_of_field(field);
-    return start;
+    Increments all = solve_increments(level, newton, params.schedule, size, steps, x, observer, observe_stage);
+    AlResult result;
+    if (all.end) {
+        result = std::move(*all.end);
+    } else if (all.failed && level.turn > most_at_once) {  // at once it would go the shorter way
+        result = std::move(*all.failed);
+        result.status = AlStatus::stalled;
+        all.steps -= result.newton_iterations;
+    } else if (at_once_failed) {  // with more steps it would end alike
+        x = std::move(x_failed);
+        result = std::move(*at_once_failed);
+        all.steps -= result.newton_iterations;
+    } else {  // the last resort
+        x = first;
+        result = at_once(params.schedule);
+    }
+    result.followed_newton_iterations = all.steps;
+    return result;
 }
 
 }  // namespace almesh

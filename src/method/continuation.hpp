@@ -1,42 +1,88 @@
-// Continuation from coarse to fine: the problem is solved on coarser meshes first, then with elements of degree 1, 2,
-// 4, ..., and each solution is where the method starts on the next finer mesh.
+// Continuation: a problem that is too far for Newton's method is solved in stages, each from the solution of the one
+// before (Allgower & Georg, Numerical Continuation Methods). What changes from stage to stage is
 //
-// Carried over are the displacement, interpolated (prolong()), the penalty in units of |1|^2, and the
-// multipliers. The force that they put on the boundary is the integral of lambda . v / (h |1|), so lambda / (h |1|)
-// is the same on both meshes. Refinement divides every h by the same number, and |1|^2 = sum |f| / h is
-// inversely proportional to h; so lambda_fine = lambda_coarse |1|_coarse / |1|_fine, interpolated. The penalty grows
-// a hundredfold from mesh to mesh: from a good start a large one costs no Newton steps, and saves updates of the
-// multipliers.
+//   the load    the fraction of the motion of the boundary, for Algorithm 1 (minimise_in_increments() below) and for the
+//               methods to compare with (comparators.hpp), by one rule, increase_load()
+//   the power   of eta - 1 in the objective (p_norm.hpp)
+//   the level   the mesh, then its degree (levels.hpp)
 //
-// A step on a mesh that was refined k times less costs 2^(-n k) of one on the deck's own, so all coarse steps together
-// cost a third of those of the next coarser mesh (2D).
+// Why the load: a large penalty sets the boundary in its place at once, before the mesh inside has turned with it.
+// Where a boundary turns far, the mesh may then wind around it to the left on one side and to the right on the other,
+// and no valid mesh leads from there to the solution. At the fraction t of the motion (motion.hpp: at_fraction()) the
+// boundary has turned by that part of its angle, so the mesh stays in the homotopy class of the motion.
+//
+// automatic   in increments of at most 90 degrees, by the shorter way; a motion that turns by less at once, and in
+//             halves where that fails, unless the target is infeasible
+// never       at once
+// always      in increments of at most 90 degrees, also for turns beyond 180: rotate 270 and rotate -90 are different
 #pragma once
 #include <functional>
 #include <memory>
 #include <vector>
 
-#include "method/follow.hpp"
+#include "mesh/mesh.hpp"
+#include "method/augmented_lagrangian.hpp"
 
 namespace almesh {
 
-// What a coarser mesh hands to the next finer one. Where it failed, and before the first, there is no level.
-struct CoarseSolution {
-    std::unique_ptr<Level> level;      // without its energy
-    std::vector<double> displacement;  // node_count x dim
-    std::vector<double> multipliers;   // node_count x dim, as a vector field, zero inside
-    double mu = 0;                     // in units of |1|^2
+// The problem on one mesh. Never moved: energy and constraint may refer to the mesh.
+struct Level {
+    Mesh mesh;
+    std::vector<double> ideal;  // node_count x dim
+    std::unique_ptr<DistortionEnergy> energy;
+    std::unique_ptr<Constraint> constraint;
+
+    // For load increments: the constraint at a fraction of the motion, in (0, 1), or nullptr where boundaries that
+    // share nodes do not agree there; the largest angle by which it turns a boundary, in degrees. Without the first,
+    // there are no increments.
+    std::function<std::unique_ptr<Constraint>(double fraction)> constraint_at = {};
+    double turn = 0;
+
+    bool is_worth_little = false;  // among coarser meshes: tried at once, in a few steps
 };
 
-// Solves the problem on the levels 0, 1, ... levels - 1 that make_level(k) makes, with the adaptive schedule and
-// tolerances looser than those given. No solution where the last of them failed. Adds to `time`, to its total the
-// making of the levels included.
-CoarseSolution solve_coarser(int levels, const std::function<std::unique_ptr<Level>(int)>& make_level,
-                             const MethodParams& params, Timings& time,
-                             const StageObserver& observe);
+// What the method came to in a stage: a row of the report.
+struct Stage {
+    int nodes = 0;
+    AlStatus status = AlStatus::converged;  // where it is not, what follows does not start from here
+    AlIteration last;  // its last iteration; seconds: with making the mesh, its target and the pattern of its matrix
+    int newton_iterations = 0;
+    double fraction = 1;  // of the motion
+    int power = 0;        // of eta - 1, where it is one of several (p_norm.hpp)
+};
 
-// Sets x (node_count x dim) and where the method starts: at the coarse solution, or at the identity map without
-// multipliers where there is none, where it is not valid on this mesh (by rounding), or where elements of a lower
-// degree have not come nearer to the target, because it only curves the boundary.
-AlStart start_from(const CoarseSolution& coarse, const Level& level, std::vector<double>& x);
+using StageObserver = std::function<void(const Stage&)>;
+
+// How the method is run on every mesh.
+struct MethodParams {
+    AugmentedLagrangianParams schedule;
+    LinearSolverParams linear;
+    Forcing forcing = Forcing::automatic;
+    Follow follow = Follow::automatic;
+};
+
+// A load increment: the motion from one fraction to the next.
+struct Increment {
+    double from, to, size;  // to: from + size, but for rounding, and for the last one
+    bool is_last() const { return to == 1; }
+};
+
+enum class StageEnd { solved, failed, over };  // over: of all stages
+
+// Solves the increments from 0 to 1, of the given size, one after the other. One that fails is tried again with half
+// the size, unless that is below the least one; then, and where solve() says so, it is over.
+void increase_load(double size, double least, const std::function<StageEnd(const Increment&)>& solve);
+
+// Tolerances for a solution that is only a start of the next: relative to the motion, whose size is |c_D| of the ideal
+// mesh; |grad E| scales like L^(n - 1) times motion / L, of which of_gradient is allowed.
+AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level& level, double of_gradient = 0.03);
+
+// Algorithm 1 on the level, from x (node_count x dim) and the given start, with load increments as params say; with them
+// it starts anew from the ideal mesh. The result is that of the last run of Algorithm 1, with all Newton steps of those
+// before it in followed_newton_iterations; of an interrupted increment, its distances are those from the whole motion's
+// target. observe_stage: called after each increment but the last.
+AlResult minimise_in_increments(const Level& level, Newton& newton, const MethodParams& params, std::vector<double>& x,
+                                const AlStart& start, const AlObserver& observer = {},
+                                const StageObserver& observe_stage = {});
 
 }  // namespace almesh

@@ -22,7 +22,7 @@ namespace almesh {
 class Checkpoint;
 
 enum class Algorithm { adaptive, paper, literal };
-enum class Follow { automatic, never, always };  // of the boundary's motion, see follow.hpp
+enum class Follow { automatic, never, always };  // of the boundary's motion, see continuation.hpp
 
 // How a mesh is moved. All but the first are there to be compared with it (comparators.hpp).
 enum class MovingMethod { augmented_lagrangian, penalty, elasticity, harmonic, incremental, untangle, fixed_boundary };

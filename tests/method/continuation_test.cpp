@@ -2,11 +2,11 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <numbers>
+#include <string>
 
-#include "mesh/mesh.hpp"
+#include "base/interrupt.hpp"
 #include "support/endless.hpp"
 #include "support/minimisation.hpp"
 #include "support/ring_deck.hpp"
@@ -16,236 +16,204 @@ using namespace almesh::test;
 
 namespace {
 
-// Of a mesh moved to x, with multipliers on its boundary (trace nodes x dim).
-CoarseSolution solution_of(const Minimisation& from, const std::vector<double>& x, const std::vector<double>& lambda) {
-    auto level = std::make_unique<Level>();
-    level->mesh = from.mesh;
-    level->ideal = from.ideal;
-    level->constraint =
-        std::make_unique<Dirichlet>(level->mesh, level->ideal, target_of(level->mesh, {}), TargetKind::exact);
-    CoarseSolution solution{std::move(level), x, std::vector<double>(x.size(), 0.0), 50};
-    for (std::size_t i = 0; i < x.size(); ++i) solution.displacement[i] -= from.ideal[i];
-    const std::size_t dim = from.mesh.dim;
-    for (std::size_t k = 0; k < lambda.size(); ++k)
-        solution.multipliers[from.constraint.nodes()[k / dim] * dim + k % dim] = lambda[k];
-    return solution;
-}
+constexpr int around = 24, layers = 8;
 
-double dot_product(const std::vector<double>& a, const std::vector<double>& b) {
-    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-}
+std::string value(const RingDeck& ring, const std::string& quantity) { return summary_of(ring.output).at(quantity); }
 
-int count_of(const std::string& folder, const std::string& key) {
-    return static_cast<int>(number(summary_of(folder), key));
-}
+int count(const RingDeck& ring, const std::string& quantity) { return std::stoi(value(ring, quantity)); }
 
-std::vector<std::vector<std::string>> rows_of_kind(const std::string& folder, const std::string& kind) {
-    auto rows = csv_rows(text_of(folder + "/history.csv"));
-    std::erase_if(rows, [&](const auto& row) { return row[0] != kind; });
-    return rows;
+// Degrees by which the mesh is wound from the outer circle to the inner one, along nodes that were on a ray.
+double winding(const std::string& path) {
+    const Mesh mesh = mesh_of(path);
+    double degrees = 0;
+    for (int layer = layers; layer > 0; --layer) {
+        const double *from = &mesh.x[2 * layer * around], *to = &mesh.x[2 * (layer - 1) * around];
+        const double turned = std::atan2(to[1], to[0]) - std::atan2(from[1], from[0]);
+        degrees += std::remainder(turned, 2 * std::numbers::pi) * 180 / std::numbers::pi;
+    }
+    return degrees;
 }
 
 }  // namespace
 
-// E_fine of an interpolated map is E_coarse of the map, so its derivative along interpolated motions is that on the
-// coarse mesh, if the multipliers put the same forces on the boundary.
-TEST_CASE("distortion and multipliers do the same work on both meshes along every motion of the coarse one") {
-    for (const Mesh& mesh : {ring_mesh(12, 3, 6), cube_mesh(2)}) {
-        const Minimisation coarse(mesh, {}, Objective::squared), fine(refine(mesh, 1), {}, Objective::squared);
-        const std::vector<double> x = wavy(coarse.ideal, mesh.dim, 0.1);
-        AugmentedFunctional E = coarse.functional(0);
-        for (std::size_t k = 0; k < E.lambda.size(); ++k) E.lambda[k] = 3 * std::sin(1.0 + k);
-        std::vector<double> g(x.size()), fine_x, fine_g(fine.ideal.size());
-        E.gradient(x, g);
-
-        const AlStart start = start_from(solution_of(coarse, x, E.lambda), fine.level, fine_x);
-        CHECK(start.mu == 5000);
-        AugmentedFunctional fine_E = fine.functional(0);
-        REQUIRE(start.lambda.size() == fine_E.lambda.size());
-        fine_E.lambda = start.lambda;
-        fine_E.gradient(fine_x, fine_g);
-        for (int k = 0; k < 5; ++k) {
-            std::vector<double> v(x.size());
-            for (std::size_t i = 0; i < v.size(); ++i) v[i] = std::cos(k + 0.7 * static_cast<double>(i));
-            const std::vector<double> fine_v = prolong(coarse.mesh, coarse.ideal, fine.mesh, fine.ideal, v);
-            CHECK(dot_product(fine_g, fine_v) == doctest::Approx(dot_product(g, v)).epsilon(1e-11));
+TEST_CASE("half a turn winds the whole mesh one way, in two parts") {
+    const RingDeck ring(ring_mesh(around, layers, 20));
+    for (const char* objective : {"objective=squared", "objective=deviation"})
+        for (const char* refine : {"refine=0", "refine=2"}) {
+            const Outcome outcome = ring.run({"boundary inner=rotate 180", objective, refine, "start=identity"});
+            CHECK(outcome.code == 0);
+            CHECK(value(ring, "status") == "converged");
+            CHECK(count(ring, "followed_newton_iterations") > 0);
+            CHECK(count(ring, "newton_iterations") + count(ring, "followed_newton_iterations") <= 70);
+            CHECK(has(outcome.out, "  0.5 of the motion\n"));
+            CHECK(has(outcome.out, " on earlier parts of the motion) in "));
+            const auto rows = csv_rows(text_of(ring.output + "/history.csv"));
+            CHECK(rows[1][0] == "part");
+            CHECK(rows[0][28] == "fraction");
+            CHECK(rows[1][28] == "0.5");
+            CHECK(rows[2][28] == "");
+            CHECK(std::abs(winding(ring.output + "/final.msh")) == doctest::Approx(180));
         }
-    }
 }
 
-TEST_CASE("without a coarse solution, or with one that inverts an element, the start is the identity map") {
-    const Minimisation coarse(ring_mesh(12, 3, 6), {}, Objective::squared),
-        fine(refine(coarse.mesh, 1), {}, Objective::squared);
-    const std::vector<double> lambda(coarse.constraint.multipliers(), 1.0);
-    std::vector<double> inverted = coarse.ideal;
-    for (std::size_t i = 0; i < inverted.size(); i += 2) inverted[i] *= -1;
-    const CoarseSolution none, folded = solution_of(coarse, inverted, lambda);
-    for (const CoarseSolution* solution : {&none, &folded}) {
-        std::vector<double> x;
-        const AlStart start = start_from(*solution, fine.level, x);
-        CHECK(x == fine.ideal);
-        CHECK(start.lambda.empty());
-        CHECK(start.mu == 0);
-        CHECK_FALSE(start.from_coarser);
-    }
-    std::vector<double> x;
-    const AlStart start = start_from(solution_of(coarse, coarse.ideal, lambda), fine.level, x);
-    CHECK(!start.lambda.empty());
-    CHECK(start.from_coarser);
-}
-
-TEST_CASE("the penalty carried over has a limit, but never falls") {
-    const Minimisation coarse(ring_mesh(12, 3, 6), {}, Objective::squared),
-        fine(refine(coarse.mesh, 1), {}, Objective::squared);
-    const std::vector<double> no_multipliers(coarse.constraint.multipliers(), 0.0);
-    CoarseSolution solution = solution_of(coarse, coarse.ideal, no_multipliers);
-    std::vector<double> x;
-    for (const auto& [before, after] : {std::pair(1e3, 1e5), std::pair(3e5, 1e7), std::pair(1e8, 1e8)}) {
-        solution.mu = before;
-        CHECK(start_from(solution, fine.level, x).mu == after);
-    }
-}
-
-TEST_CASE("refined twice, a coarse start takes at most 5 steps on the deck's mesh, and reaches the same mesh") {
-    for (const char* objective : {"objective=squared", "objective=deviation"}) {
-        const RingDeck ring;
-        REQUIRE(ring.run({"refine=2", "weight_exponent=1", objective, "start=identity"}).code == 0);
-        const int from_identity = count_of(ring.output, "newton_iterations");
-        CHECK(count_of(ring.output, "coarse_newton_iterations") == 0);
-        CHECK(rows_of_kind(ring.output, "coarse").empty());
-        const Mesh expected = mesh_of(ring.output + "/final.msh");
-
-        const Outcome outcome = ring.run({"refine=2", "weight_exponent=1", objective});
-        REQUIRE(outcome.code == 0);
-        CHECK(count_of(ring.output, "newton_iterations") <= 5);
-        CHECK(count_of(ring.output, "newton_iterations") <= from_identity - 3);
-        const auto coarse = rows_of_kind(ring.output, "coarse");
-        REQUIRE(coarse.size() == 2);
-        CHECK(std::stoi(coarse[0][12]) + std::stoi(coarse[1][12]) == count_of(ring.output, "coarse_newton_iterations"));
-        CHECK(coarse[0][27] == "48");
-        CHECK(coarse[0][14] == "finer mesh");
-        CHECK(has(outcome.out, "48 nodes\n"));
-        CHECK(has(outcome.out, " on coarser meshes) in "));
-        CHECK(number(summary_of(ring.output), "time_coarse") <= number(summary_of(ring.output), "time_total"));
-        const Mesh mesh = mesh_of(ring.output + "/final.msh");
-        double largest = 0;
-        for (std::size_t i = 0; i < mesh.x.size(); ++i)
-            largest = std::max(largest, std::abs(mesh.x[i] - expected.x[i]));
-        CHECK(largest < 1e-6);
-    }
-}
-
-TEST_CASE("a coarse start in 3D, and with curved elements") {
-    const TemporaryFolder folder;
-    folder.write("cube.msh", msh_of(cube_mesh(2)));
-    const std::string deck = folder.write("cube.deck",
-                                          "mesh = cube.msh\nthreads = 1\nrefine = 1\nboundary bottom = scale 1 1 1.5\n"
-                                          "boundary top = scale 1 1 1.5\nboundary sides = scale 1 1 1.5\n"
-                                          "output = " +
-                                              folder.path("out") + "\n");
-    REQUIRE(almesh_with({deck}).code == 0);
-    CHECK(count_of(folder.path("out"), "newton_iterations") <= 4);
-    const RingDeck ring;
-    REQUIRE(ring.run({"degree=2", "refine=1", "start=identity"}).code == 0);
-    const int from_identity = count_of(ring.output, "newton_iterations");
-    REQUIRE(ring.run({"degree=2", "refine=1"}).code == 0);
-    CHECK(count_of(ring.output, "newton_iterations") < from_identity);
-    CHECK(count_of(ring.output, "coarse_newton_iterations") > 0);
-}
-
-TEST_CASE("coarse meshes are solved with the deck's forcing") {
-    const RingDeck ring;
-    const std::vector<std::string> settings = {"refine=1", "solver=gmres", "linear_tolerance=1e-12"};
-    std::vector<std::string> energy;
-    for (const char* forcing : {"forcing=fixed", "forcing=auto"}) {
-        std::vector<std::string> all = settings;
-        all.push_back(forcing);
-        REQUIRE(ring.run(all).code == 0);
-        energy.push_back(rows_of_kind(ring.output, "coarse")[0][3]);
-    }
-    CHECK(std::stod(energy[0]) == doctest::Approx(std::stod(energy[1])).epsilon(1e-4));
-    CHECK(energy[0] != energy[1]);
-}
-
-TEST_CASE("which decks start coarse") {
-    const RingDeck ring;
-    const auto coarse_rows = [&](const std::vector<std::string>& settings) {
-        REQUIRE(ring.run(settings).code == 0);
-        return rows_of_kind(ring.output, "coarse").size();
+TEST_CASE("turns of up to 90 degrees are made at once, larger ones by the shorter way, or as they are written") {
+    const RingDeck ring(ring_mesh(around, layers, 20));
+    const auto wound = [&](const std::string& motion, const std::string& follow) {
+        REQUIRE(ring.run({"boundary inner=" + motion, "follow=" + follow}).code == 0);
+        return winding(ring.output + "/final.msh");
     };
-    CHECK(coarse_rows({}) == 0);  // not refined
-    CHECK(coarse_rows({"refine=1"}) == 1);
-    CHECK(coarse_rows({"refine=1", "algorithm=paper"}) == 0);  // the paper's tables
-    CHECK(coarse_rows({"refine=1", "algorithm=paper", "start=coarse"}) == 1);
-    CHECK(coarse_rows({"refine=1", "start=identity"}) == 0);
-    CHECK(coarse_rows({"degree=3"}) == 2);
-    CHECK(coarse_rows({"degree=3", "refine=2"}) == 4);
-    CHECK(coarse_rows({"degree=4"}) == 2);  // 1 and 2
-    CHECK(coarse_rows({"degree=3", "start=identity"}) == 0);
+    CHECK(wound("rotate 90", "auto") == doctest::Approx(90));
+    CHECK(count(ring, "followed_newton_iterations") == 0);
+    CHECK(wound("rotate 270", "auto") == doctest::Approx(-90));
+    CHECK(count(ring, "followed_newton_iterations") == 0);
+    CHECK(wound("rotate 150", "never") == doctest::Approx(150));
+    CHECK(count(ring, "followed_newton_iterations") == 0);
+    CHECK(wound("rotate 270", "always") == doctest::Approx(270));
+    CHECK(wound("rotate -270", "always") == doctest::Approx(-270));
+    CHECK(wound("rotate 360", "always") == doctest::Approx(360));
+    CHECK(wound("rotate 360", "auto") == doctest::Approx(0));
+    wound("translate 3 1", "always");
+    CHECK(count(ring, "followed_newton_iterations") == 0);
 }
 
-TEST_CASE("the algorithm as printed does not start coarse") {
-    const RingDeck ring;
-    const Outcome outcome = ring.run({"refine=1", "algorithm=literal", "start=coarse"});
-    CHECK(outcome.code == 1);
-    CHECK(has(outcome.error, "command line: start = coarse does not go with algorithm = literal"));
+TEST_CASE("both boundaries turn, in another unit and far from the origin, curved") {
+    const RingDeck ring(ring_mesh(around, layers, 20));
+    REQUIRE(ring.run({"boundary inner=rotate 170 about 0 0; translate 2 0", "degree=2"}).code == 0);
+    const double distortion = number(summary_of(ring.output), "max_distortion");
+    Mesh moved = ring_mesh(around, layers, 20);
+    for (std::size_t i = 0; i < moved.x.size(); ++i) moved.x[i] = 1e-3 * moved.x[i] + (i % 2 ? -5 : 7);
+    const RingDeck other(moved);
+    REQUIRE(other.run({"boundary inner=rotate 170 about 7 -5; translate 0.002 0", "degree=2"}).code == 0);
+    CHECK(number(summary_of(other.output), "max_distortion") == doctest::Approx(distortion).epsilon(1e-3));
+    CHECK(count(other, "newton_iterations") == count(ring, "newton_iterations"));
 }
 
-TEST_CASE("where the coarse mesh fails, the next one starts from the identity map") {
-    const RingDeck ring;
-    const Outcome outcome = ring.run({"refine=1", "max_newton_iterations=1", "follow=never"});
+TEST_CASE("the schedules of the paper do not follow, unless they are told to") {
+    const RingDeck ring(ring_mesh(around, layers, 20));
+    ring.run({"boundary inner=rotate 130", "algorithm=paper"});
+    CHECK(count(ring, "followed_newton_iterations") == 0);
+    CHECK(ring.run({"boundary inner=rotate 180", "algorithm=paper", "follow=always"}).code == 0);
+    CHECK(count(ring, "followed_newton_iterations") > 0);
+}
+
+TEST_CASE("a motion that fails at once is followed in halves; one out of reach is not") {
+    const RingDeck ring(ring_mesh(around, layers, 20));
+    // Three steps are too few for the whole way.
+    const Outcome outcome = ring.run({"boundary inner=translate 6 0", "max_newton_iterations=3"});
+    CHECK(count(ring, "followed_newton_iterations") > 0);
+    CHECK(outcome.code == 0);
+    const RingDeck thin(ring_mesh(32, 2, 3));
+    CHECK(thin.run({"boundary inner=rotate 90", "boundary outer=rotate -90", "objective=squared"}).code == 3);
+    CHECK(value(thin, "status") == "infeasible");
+    CHECK(count(thin, "followed_newton_iterations") == 0);
+}
+
+TEST_CASE("where boundaries with common nodes agree on the whole motion only, it is made at once") {
+    for (const char* setting : {"follow=auto", "follow=always"}) {
+        const TemporaryFolder folder;
+        folder.write("cube.msh", msh_of(cube_mesh(2)));
+        const std::string about = " axis 0 0 1 about 0.5 0.5 0.5\n";
+        const std::string path = folder.write("cube.deck", "mesh = cube.msh\noutput = " + folder.path("out") +
+                                                               "\nboundary bottom = rotate 180" + about +
+                                                               "boundary top = rotate -180" + about +
+                                                               "boundary sides = rotate 180" + about);
+        const Outcome outcome = almesh_with({path, setting});
+        CHECK(outcome.error.empty());
+        CHECK(outcome.code == 0);
+        CHECK(summary_of(folder.path("out")).at("followed_newton_iterations") == "0");
+    }
+}
+
+TEST_CASE("what cannot be followed is tried at once at last, with all the steps it may take") {
+    const RingDeck ring(ring_mesh(16, 2, 2));  // two layers: they cannot be wound that far
+    CHECK(ring.run({"boundary inner=rotate 170"}).code == 3);
+    CHECK(count(ring, "followed_newton_iterations") > 0);
+    const auto summary = summary_of(ring.output);
+    CHECK(number(summary, "constraint_norm") > 0.01);
+    CHECK(number(summary, "relative_boundary_error") > 0.01);
+    CHECK(summary.at("certified_valid") == "yes");
+}
+
+TEST_CASE("a turn beyond half of one that cannot be followed is not made the shorter way instead") {
+    const RingDeck ring(ring_mesh(12, 2, 1.5));  // two layers: 30 degrees of winding are much
+    const Outcome outcome = ring.run({"boundary inner=rotate 720", "follow=always", "weight_exponent=1"});
     CHECK(outcome.code == 3);
-    CHECK(has(outcome.out, "48 nodes, not used\n"));
-    CHECK(rows_of_kind(ring.output, "coarse")[0][14] == "dropped");
-    const auto al = rows_of_kind(ring.output, "al");
-    CHECK(std::stod(al[0][11]) == doctest::Approx(1).epsilon(1e-14));  // max eta of the start
+    CHECK(value(ring, "status") != "converged");
+    CHECK(std::stod(value(ring, "max_distortion")) > 2);  // it is not the mesh as it was
 }
 
-TEST_CASE("a coarse start gives the same files for any number of threads") {
-    const int before = max_threads();
-    const RingDeck ring(ring_mesh(16, 4, 6), "refine = 3\n");
-    std::vector<std::string> mesh;
-    std::vector<std::vector<std::vector<std::string>>> history;
-    for (int threads : {1, 2, 3, 8}) {
-        REQUIRE(ring.run({"threads=" + std::to_string(threads)}).code == 0);
-        mesh.push_back(text_of(ring.output + "/final.msh"));
-        history.push_back(history_without_times(ring.output));
-        CHECK(mesh.back() == mesh[0]);
-        CHECK(history.back() == history[0]);
-    }
-    set_threads(before);
+TEST_CASE("an interrupted part reports how far the boundary is from the target of the whole motion") {
+    Minimisation problem(ring_mesh(around, layers, 20), {{"inner", "rotate 180"}}, Objective::deviation);
+    Level& level = problem.level;
+    level.turn = 360;  // four parts
+    level.constraint_at = [&level](double fraction) {
+        const std::string part = "rotate " + std::to_string(180 * fraction);
+        return std::make_unique<Dirichlet>(level.mesh, level.ideal, target_of(level.mesh, {{"inner", part}}),
+                                           TargetKind::exact);
+    };
+    Newton newton(level.energy->hessian_pattern(), {});
+    std::vector<double> x = level.ideal;
+    const AlResult result =
+        minimise_in_increments(level, newton, {}, x, {}, {}, [](const Stage&) { interrupt_flag = 1; });
+    clear_interrupt();
+    CHECK(result.status == AlStatus::interrupted);
+    CHECK(result.followed_newton_iterations > 0);
+    CHECK(result.iterations.back().projected_constraint_norm == level.constraint->projected_norm(x));
+    CHECK(result.iterations.back().projected_constraint_norm > 0.1);
 }
 
-TEST_CASE("from a lower degree, a start is taken that is nearer to the target than halfway") {
-    const Mesh mesh = ring_mesh(12, 3, 6);
-    const Minimisation coarse(mesh, {}, Objective::squared),
-        fine(raise_degree(mesh, 2), {{"inner", "translate 1 0"}}, Objective::squared);
-    const std::vector<double> lambda(coarse.constraint.multipliers(), 0.0);
-    for (const double way : {0.3, 0.45, 0.55, 0.7}) {
-        std::vector<double> x, reached = coarse.ideal;
-        for (int i = 0; i < mesh.nodes(); ++i)
-            if (std::hypot(mesh.x[2 * i], mesh.x[2 * i + 1]) < 1.5) reached[2 * i] += way;
-        const AlStart start = start_from(solution_of(coarse, reached, lambda), fine.level, x);
-        CHECK((x == fine.ideal) == (way < 0.5));
-        CHECK(start.lambda.empty() == (way < 0.5));
-    }
-}
-
-TEST_CASE("a coarser mesh that is worth little is given up after 20 steps, at once") {
-    std::vector<Stage> stages;
-    Timings time;
+TEST_CASE("a minimisation that does not end takes 100 steps, and a part of a motion is halved down to 1/32") {
+    const std::unique_ptr<Level> level = endless_level();
+    Newton newton(level->energy->hessian_pattern(), {});
     MethodParams params;
-    params.schedule.max_newton_iterations = 50;
-    solve_coarser(
-        2,
-        [](int k) {
-            std::unique_ptr<Level> level = endless_level();
-            level->is_worth_little = k == 0;
-            level->constraint_at = {};
-            return level;
-        },
-        params, time, [&](const Stage& stage) { stages.push_back(stage); });
-    REQUIRE(stages.size() == 2);
-    CHECK(stages[0].newton_iterations == 20);
-    CHECK(stages[1].newton_iterations == 50);
+    params.schedule.max_newton_iterations = 250;
+    std::vector<double> x = level->ideal, fractions;
+    const AlResult result = minimise_in_increments(*level, newton, params, x, {}, {}, [&](const Stage& part) {
+        fractions.push_back(part.fraction);
+        CHECK(part.status == AlStatus::max_newton_iterations);
+        CHECK(part.newton_iterations == 100);
+    });
+    CHECK(fractions == std::vector<double>{0.5, 0.25, 0.125, 0.0625, 0.03125});
+    CHECK(result.followed_newton_iterations == 600);  // and the motion at once
+    CHECK(result.status == AlStatus::max_newton_iterations);
+    CHECK(result.newton_iterations == 250);  // the last resort
+}
+
+TEST_CASE("parts of a motion are followed for 500 steps") {
+    const std::unique_ptr<Level> level = endless_level();
+    level->turn = 360;  // four parts, tried first
+    Newton newton(level->energy->hessian_pattern(), {});
+    MethodParams params;
+    params.schedule.max_newton_iterations = 70;
+    std::vector<double> x = level->ideal;
+    int steps = 0, parts = 0;
+    minimise_in_increments(*level, newton, params, x, {}, {}, [&](const Stage& part) {
+        steps += part.newton_iterations;
+        ++parts;
+    });
+    CHECK(parts == 4);  // 1/4, 1/8, 1/16, 1/32
+    CHECK(steps == 280);
+}
+
+TEST_CASE("a solution that is only a start is solved to a thousandth of the motion, and its gradient to 3 %") {
+    for (const double unit : {1.0, 100.0}) {
+        Mesh mesh = ring_mesh(around, layers, 6);
+        for (double& v : mesh.x) v *= unit;
+        const std::string motion = "translate " + std::to_string(unit) + " 0";
+        const Minimisation problem(mesh, {{"inner", motion}}, Objective::deviation);
+        const double whole = problem.constraint.projected_norm(problem.ideal);
+        Newton newton(problem.distortion.hessian_pattern(), {});
+        std::vector<double> x = problem.ideal;
+        const AlStart weak = {.lambda = {}, .mu = 0.1};  // each subproblem leaves much of the constraint
+        const AlResult result =
+            minimise(problem.distortion, problem.constraint, newton, loosened({}, problem.level), x, {}, weak);
+        CHECK(loosened({}, problem.level).omega_star == doctest::Approx(0.03 * whole));  // as |grad E| scales in 2D
+        REQUIRE(result.status == AlStatus::converged);
+        const auto& rows = result.iterations;
+        REQUIRE(rows.size() > 3);
+        CHECK(rows.back().projected_constraint_norm <= 1e-3 * whole);
+        CHECK(rows.back().projected_constraint_norm > 1e-5 * whole);
+        CHECK(rows.back().gradient_norm <= 0.03 * whole);
+        CHECK(rows[rows.size() - 2].projected_constraint_norm > 1e-3 * whole);
+    }
 }

@@ -9,7 +9,7 @@
 
 #include "check/certificate.hpp"
 #include "constraint/dirichlet.hpp"
-#include "method/follow.hpp"
+#include "method/continuation.hpp"
 #include "support/meshes.hpp"
 #include "support/targets.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "constraint/dirichlet.hpp"
 #include "energy/distortion_energy.hpp"
-#include "method/follow.hpp"
+#include "method/continuation.hpp"
 #include "support/meshes.hpp"
 #include "support/targets.hpp"
 

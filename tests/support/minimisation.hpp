@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "constraint/dirichlet.hpp"
-#include "method/continuation.hpp"
+#include "method/levels.hpp"
 #include "method/functional.hpp"
 #include "support/targets.hpp"
 

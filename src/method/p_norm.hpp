@@ -1,4 +1,4 @@
-// The mesh whose worst element is best: the least M for which eta - 1 <= M everywhere, approached by powers.
+// p-norm continuation, to the mesh whose worst element is best: the least M for which eta - 1 <= M everywhere, approached by powers.
 //
 // The integral of (eta - 1)^p, to the power 1/p, comes near to the maximum of eta - 1 as p grows. Its minimisers are
 // found one from the other, p = 2, 4, 8, ..., with the density
@@ -18,16 +18,16 @@
 // Sokolov, "Practical lowest distortion mapping", arXiv 2201.12112, who stiffen a barrier instead; powers have no wall
 // to run into.
 #pragma once
-#include "method/follow.hpp"
+#include "method/continuation.hpp"
 
 namespace almesh {
 
-// As minimise_following(), which it begins with; then the powers up to `last_power`. Where the last of
+// As minimise_in_increments(), which it begins with; then the powers up to `last_power`. Where the last of
 // them is not solved the one before is taken, and so on. Newton steps with earlier powers are among
-// followed_newton_iterations, the power of the result is level.energy->power(). observe_part is called after each
+// followed_newton_iterations, the power of the result is level.energy->power(). observe_stage is called after each
 // power but the last, too.
 AlResult minimise_worst(const Level& level, Newton& newton, const MethodParams& params, int last_power,
                         std::vector<double>& x, const AlStart& start, const AlObserver& observer = {},
-                        const StageObserver& observe_part = {});
+                        const StageObserver& observe_stage = {});
 
 }  // namespace almesh

@@ -1,4 +1,4 @@
-#include "method/worst.hpp"
+#include "method/p_norm.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 // x_2 = argmin of the deviation; for p = 4, 8, ...: M = max eta - 1 at x, lambda <- lambda p E_p / (p' E_p'), and x_p
 // from x.
-#include "method/worst.hpp"
+#include "method/p_norm.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -58,19 +58,19 @@ double gradient_norm(const Level& level, const AlStart& start, const std::vector
 
 AlResult minimise_worst(const Level& level, Newton& newton, const MethodParams& params, int last_power,
                         std::vector<double>& x, const AlStart& start, const AlObserver& observer,
-                        const StageObserver& observe_part) {
+                        const StageObserver& observe_stage) {
     const AugmentedLagrangianParams loose = loosened(params.schedule, level);
     MethodParams first = params;
     first.schedule = loose;
     Sharpening at{level, {}, 0};
     level.energy->set_power({});
-    at.take(minimise_following(level, newton, first, x, start, {}, observe_part));
+    at.take(minimise_in_increments(level, newton, first, x, start, {}, observe_stage));
     if (!succeeded(at.result)) return at.result;
 
     int earlier_steps = at.result.newton_iterations + at.result.followed_newton_iterations, p = 2;
     const auto report_power = [&] {
-        if (observe_part)
-            observe_part({level.mesh.nodes(), AlStatus::converged, at.result.iterations.back(),
+        if (observe_stage)
+            observe_stage({level.mesh.nodes(), AlStatus::converged, at.result.iterations.back(),
                           at.result.newton_iterations, 1, level.energy->power().p});
     };
     report_power();

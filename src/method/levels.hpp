@@ -1,0 +1,42 @@
+// Continuation in the level, from coarse to fine: the problem is solved on coarser meshes first, then with elements of degree 1, 2,
+// 4, ..., and each solution is where the method starts on the next finer mesh.
+//
+// Carried over are the displacement, interpolated (prolong()), the penalty in units of |1|^2, and the
+// multipliers. The force that they put on the boundary is the integral of lambda . v / (h |1|), so lambda / (h |1|)
+// is the same on both meshes. Refinement divides every h by the same number, and |1|^2 = sum |f| / h is
+// inversely proportional to h; so lambda_fine = lambda_coarse |1|_coarse / |1|_fine, interpolated. The penalty grows
+// a hundredfold from mesh to mesh: from a good start a large one costs no Newton steps, and saves updates of the
+// multipliers.
+//
+// A step on a mesh that was refined k times less costs 2^(-n k) of one on the deck's own, so all coarse steps together
+// cost a third of those of the next coarser mesh (2D).
+#pragma once
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "method/continuation.hpp"
+
+namespace almesh {
+
+// What a coarser mesh hands to the next finer one. Where it failed, and before the first, there is no level.
+struct CoarseSolution {
+    std::unique_ptr<Level> level;      // without its energy
+    std::vector<double> displacement;  // node_count x dim
+    std::vector<double> multipliers;   // node_count x dim, as a vector field, zero inside
+    double mu = 0;                     // in units of |1|^2
+};
+
+// Solves the problem on the levels 0, 1, ... levels - 1 that make_level(k) makes, with the adaptive schedule and
+// tolerances looser than those given. No solution where the last of them failed. Adds to `time`, to its total the
+// making of the levels included.
+CoarseSolution solve_coarser(int levels, const std::function<std::unique_ptr<Level>(int)>& make_level,
+                             const MethodParams& params, Timings& time,
+                             const StageObserver& observe);
+
+// Sets x (node_count x dim) and where the method starts: at the coarse solution, or at the identity map without
+// multipliers where there is none, where it is not valid on this mesh (by rounding), or where elements of a lower
+// degree have not come nearer to the target, because it only curves the boundary.
+AlStart start_from(const CoarseSolution& coarse, const Level& level, std::vector<double>& x);
+
+}  // namespace almesh
