@@ -16,15 +16,15 @@
 namespace almesh {
 namespace {
 
-constexpr int time_bisections = 10;    // depth, of straight elements,
-constexpr int curved_bisections = 5;   // and of curved ones
-constexpr int space_bisections = 300;  // of one polynomial
-constexpr int batches_per_task = 64;    // at most, and of curved elements few enough
-constexpr int curved_tasks = 64;        // for so many tasks: one of them may take long
+constexpr int time_bisections = 10;              // depth, of straight elements,
+constexpr int curved_bisections = 5;             // and of curved ones
+constexpr int space_bisections = 300;            // of one polynomial
+constexpr int batches_per_task = 64;             // at most, and of curved elements few enough
+constexpr int curved_tasks = 64;                 // for so many tasks: one of them may take long
 constexpr double work = 20, curved_work = 1000;  // of an element, in simple operations
-constexpr double near_fold = 0.1;      // ratio of the determinant to its mean
-constexpr double keeps = 0.2;          // of an element's least determinant, at least, in one step,
-constexpr double nearest_fold = 1e-6;  // but nearer than this no element comes: what is left is far above rounding
+constexpr double near_inversion = 0.1;           // ratio of the determinant to its mean
+constexpr double keeps = 0.2;                    // of an element's least determinant, at least, in one step,
+constexpr double nearest_inversion = 1e-6;       // but nearer no element comes: what is left is far above rounding
 
 // b: Bernstein coefficients on an interval of s of length `length`, the first of them above the bound. A length up to
 // which the polynomial is above it: `length`, or less by a thousandth of the interval than where it is not.
@@ -41,17 +41,24 @@ double positive_until(std::array<double, n + 1> b, double bound, double length =
     return left < half ? left : half + positive_until<n>(right, bound, half, depth - 1);
 }
 
+// The position of node i of each lane.
+template <int n>
+Vec<n, Lanes> gathered(const int* const* node, int i, const std::vector<double>& x) {
+    Vec<n, Lanes> position;
+    for (int l = 0; l < lanes; ++l)
+        for (int a = 0; a < n; ++a) position[a][l] = x[offset(node[l][i], n, a)];
+    return position;
+}
+
 template <int n>
 double straight_fraction(const int* const* node, int count, const std::vector<double>& from,
                          const std::vector<double>& to) {
     const auto edges = [node](const std::vector<double>& x) {
+        const Vec<n, Lanes> x0 = gathered<n>(node, 0, x);
         Mat<n, Lanes> J;
-        for (int l = 0; l < lanes; ++l) {
-            const double* const x0 = &x[offset(node[l][0], n)];
-            for (int k = 0; k < n; ++k) {
-                const double* const xk = &x[offset(node[l][k + 1], n)];
-                for (int a = 0; a < n; ++a) J[a][k][l] = xk[a] - x0[a];
-            }
+        for (int k = 0; k < n; ++k) {
+            const Vec<n, Lanes> xk = gathered<n>(node, k + 1, x);
+            for (int a = 0; a < n; ++a) J[a][k] = xk[a] - x0[a];
         }
         return J;
     };
@@ -92,11 +99,11 @@ public:
         element.compute(1);
         const double* const b = element.coefficients(0);
         const double average = mean(of_, b), coefficient = *std::min_element(b, b + of_.jacobian.count);
-        const double least = coefficient >= near_fold * average  // how large it is makes no difference then
+        const double least = coefficient >= near_inversion * average  // how large it is makes no difference then
                                  ? coefficient
                                  : polynomial_minimum(of_.jacobian, b, 0.001, space_bisections).lower;
-        const double part = keeps * std::min(least, near_fold * average);
-        least_ = element.unit() * std::max(part, std::min(0.999 * least, nearest_fold * average));
+        const double part = keeps * std::min(least, near_inversion * average);
+        least_ = element.unit() * std::max(part, std::min(0.999 * least, nearest_inversion * average));
     }
 
     // As far as it is valid from s0 to s1, if it is at s0; else s0.
@@ -152,14 +159,9 @@ template <int n>
 LaneBits cleared(const JacobianBasis& basis, const int* const* node, const std::vector<double>& from,
                  const std::vector<double>& to) {
     ElementJacobian<n, Lanes> elements(basis);
-    for (int end = 0; end < 2; ++end) {
-        const std::vector<double>& x = end == 0 ? from : to;
-        Vec<n, Lanes>* const position = elements.position(end);
-        for (int i = 0; i < basis.position.bernstein.count; ++i)
-            for (int l = 0; l < lanes; ++l) {
-                const double* const xi = &x[offset(node[l][i], n)];
-                for (int a = 0; a < n; ++a) position[i][a][l] = xi[a];
-            }
+    for (int i = 0; i < basis.position.bernstein.count; ++i) {
+        elements.position(0)[i] = gathered<n>(node, i, from);
+        elements.position(1)[i] = gathered<n>(node, i, to);
     }
     elements.compute(2);
     LaneBits clear = elements.has_frame();
@@ -169,7 +171,7 @@ LaneBits cleared(const JacobianBasis& basis, const int* const* node, const std::
     const auto near = [&](int k) {
         Lanes sum{};
         for (int a = 0; a < basis.jacobian.count; ++a) sum += elements.coefficients(k)[a];
-        return near_fold / basis.jacobian.count * sum;
+        return near_inversion / basis.jacobian.count * sum;
     };
     all_above(0, near(0));
     for (int k = 0; k <= n; ++k) all_above(k, max(2 * elements.rounding(), keeps * near(0)));
