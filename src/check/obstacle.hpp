@@ -16,8 +16,8 @@
 #include "check/injectivity.hpp"
 #include "constraint/constraint.hpp"
 #include "constraint/target.hpp"
-#include "energy/distortion_energy.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/part.hpp"
 
 namespace almesh {
 

@@ -81,24 +81,4 @@ void refuse_ideal_element(const Mesh& mesh, int e) {
     throw InputError("element ", mesh.file.element_id[e], " of the ideal mesh has no positive volume");
 }
 
-SubMesh elements_around(const std::vector<int>& elements, int count, int m, const std::vector<char>& moves) {
-    SubMesh part;
-    for (int e = 0; e < count; ++e) {
-        const int* const node = &elements[offset(e, m)];
-        if (std::any_of(node, node + m, [&](int i) { return moves[i]; })) part.place.push_back(e);
-    }
-    std::vector<int> number(moves.size(), -1);  // node of the mesh -> node of the part
-    for (const bool moving : {true, false})
-        for (const int e : part.place)
-            for (int i = 0; i < m; ++i) {
-                const int node = elements[offset(e, m, i)];
-                if (number[node] >= 0 || static_cast<bool>(moves[node]) != moving) continue;
-                number[node] = static_cast<int>(part.node.size());
-                part.node.push_back(node);
-            }
-    for (const int e : part.place)
-        for (int i = 0; i < m; ++i) part.elements.push_back(number[elements[offset(e, m, i)]]);
-    return part;
-}
-
 }  // namespace almesh

@@ -126,14 +126,4 @@ IdealElement ideal_element(const Mesh& mesh, int e, const std::vector<double>& i
 // Throws the InputError of an element of the ideal mesh whose Jacobian is not positive.
 [[noreturn]] void refuse_ideal_element(const Mesh& mesh, int e);
 
-// Some elements of a mesh with their nodes numbered anew.
-struct SubMesh {
-    std::vector<int> place;     // of each element among those given
-    std::vector<int> node;      // node here -> node of the mesh; those that move come first
-    std::vector<int> elements;  // element x element nodes, numbers of here
-};
-
-// The elements with a node that moves. elements: count x m node numbers; moves: per node of the mesh.
-SubMesh elements_around(const std::vector<int>& elements, int count, int m, const std::vector<char>& moves);
-
 }  // namespace almesh

@@ -4,6 +4,7 @@
 // and the reference that simd_energy.hpp is tested against; ten to fifty times slower. One thread.
 #pragma once
 #include "energy/distortion_energy.hpp"
+#include "mesh/part.hpp"
 
 namespace almesh {
 

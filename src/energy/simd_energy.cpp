@@ -17,6 +17,7 @@
 #include "energy/curved_batch.hpp"
 #include "energy/linear_batch.hpp"
 #include "energy/refined_rule.hpp"
+#include "mesh/part.hpp"
 
 namespace almesh {
 namespace {

@@ -1,4 +1,4 @@
-// Some elements of a mesh as a mesh of its own.
+// Some elements of a mesh: as a mesh of its own, or no more than the elements with their nodes numbered anew.
 #pragma once
 #include <string>
 #include <vector>
@@ -16,5 +16,14 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
 // with reach = 0 those that have a vertex in common with it, with infinity those connected with one. Of several the
 // nearest one counts. Lengths are straight, between the vertices in mesh.x.
 std::vector<char> surroundings(const Mesh& mesh, const std::vector<char>& chosen, double reach);
+
+struct SubMesh {
+    std::vector<int> place;     // of each element among those given
+    std::vector<int> node;      // node here -> node of the mesh; those that move come first
+    std::vector<int> elements;  // element x element nodes, numbers of here
+};
+
+// The elements with a node that moves. elements: count x m node numbers; moves: per node of the mesh.
+SubMesh elements_around(const std::vector<int>& elements, int count, int m, const std::vector<char>& moves);
 
 }  // namespace almesh
