@@ -24,10 +24,8 @@ struct Bounds {
 
 template <int n>
 Bounds bound_straight(const int* vertex, const std::vector<double>& x) {
-    const Mat<n> J = straight_jacobian<n>(vertex, x);
-    const double det = determinant(J);
-    if (!(std::abs(det) > straight_rounding<n>(J)) || !std::isfinite(det)) return {0, 0};
-    return {det > 0 ? 1.0 : -1.0, det > 0 ? 1.0 : -1.0};
+    const double value = straight_scaled_jacobian<n>(vertex, x);
+    return {value, value};
 }
 
 template <int n>

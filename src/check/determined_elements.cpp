@@ -62,12 +62,8 @@ bool all_of(const std::vector<int>& places, const int* node, const std::vector<c
     return std::all_of(places.begin(), places.end(), [&](int i) { return flag[node[i]]; });
 }
 
-template <int n>
-std::optional<double> value_of_straight(const int* vertex, const std::vector<double>& x, double bound) {
-    const Mat<n> J = straight_jacobian<n>(vertex, x);
-    const double det = determinant(J);
-    const double scaled = std::abs(det) <= straight_rounding<n>(J) ? 0 : det > 0 ? 1 : -1;
-    return scaled <= bound ? std::optional<double>(scaled) : std::nullopt;
+std::optional<double> up_to(double bound, double value) {
+    return value <= bound ? std::optional<double>(value) : std::nullopt;
 }
 
 // Nodes that are not prescribed are at their places on the straight element: where they count nothing is determined.
@@ -89,7 +85,7 @@ std::optional<double> value_of_curved(const Table& table, const int* node, const
         }
     }
     element.compute(1);
-    if (!element.has_frame()) return bound >= 0 ? std::optional<double>(0) : std::nullopt;
+    if (!element.has_frame()) return up_to(bound, 0);
     const double straight = std::abs(determinant(straight_jacobian<n>(node, x)));
     const double scale = straight > 0 ? element.unit() / straight : 0;
     std::optional<double> least;
@@ -115,13 +111,13 @@ std::vector<DeterminedElement> determined_elements(const Mesh& mesh, const std::
             const int* const node = mesh.element(e);
             if (!std::all_of(node, node + n + 1, [&](int i) { return prescribed[i]; })) return;
             value[e] = table ? value_of_curved<n>(*table, node, target, prescribed, bound)
-                             : value_of_straight<n>(node, target, bound);
+                             : up_to(bound, straight_scaled_jacobian<n>(node, target));
         }, element_work);
     });
     std::vector<DeterminedElement> found;
     with_dimension(mesh.dim, [&](auto n) {
         for (int e = 0; e < mesh.element_count(); ++e)
-            if (value[e]) found.push_back({e, *value[e], !value_of_straight<n>(mesh.element(e), target, 0)});
+            if (value[e]) found.push_back({e, *value[e], straight_scaled_jacobian<n>(mesh.element(e), target) > 0});
     });
     return found;
 }

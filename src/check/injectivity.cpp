@@ -1,5 +1,5 @@
-// The boundary by check_target(), with the positions that were reached as target; the angles of curved elements between
-// the tangents of their edges, which are the differences of Bezier points at the vertex.
+// The boundary by check_target(), with the positions that were reached as target; the angles of elements between the
+// tangents of their edges, which are the differences of Bezier points at the vertex.
 #include "check/injectivity.hpp"
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include "check/overlap.hpp"
 #include "check/target_check.hpp"
 #include "geometry/patch.hpp"
+#include "mesh/unused_ids.hpp"
 
 namespace almesh {
 namespace {
@@ -26,16 +27,11 @@ std::vector<double> angle_sums(const Mesh& mesh, const std::vector<double>& x) {
     parallel_for(
         mesh.element_count(),
         [&](int e) {
-            Vec<3> corner[4]{};
-            Patch patch;
-            if (mesh.degree > 1) patch = make_patch(basis, positions(mesh, x, mesh.element(e), m));
-            for (int i = 0; i < corners; ++i) std::copy_n(point(x, mesh.element(e)[i], n), n, corner[i].begin());
+            const Patch patch = make_patch(basis, positions(mesh, x, mesh.element(e), m));
             for (int i = 0; i < corners; ++i) {
                 Vec<3> tangent[3];
-                for (int j = 0, k = 0; j < corners; ++j) {
-                    if (j == i) continue;
-                    tangent[k++] = mesh.degree > 1 ? edge_tangent(basis.bernstein, patch, i, j) : corner[j] - corner[i];
-                }
+                for (int j = 0, k = 0; j < corners; ++j)
+                    if (j != i) tangent[k++] = edge_tangent(basis.bernstein, patch, i, j);
                 const Vec<3>&u = tangent[0], &v = tangent[1];
                 const double turns = 1 / (2 * std::numbers::pi);
                 at_corner[offset(e, corners, i)] = n == 2 ? turns * std::atan2(length(cross(u, v)), dot(u, v))
@@ -57,13 +53,11 @@ int overlapped_vertex(const Mesh& mesh, const std::vector<double>& x) {
     return found == sum.end() ? -1 : static_cast<int>(found - sum.begin());
 }
 
-int element_id(const Mesh& mesh, int e) { return mesh.file.element_id.empty() ? e : mesh.file.element_id[e]; }
-
 std::string fold_text(const Mesh& mesh, const std::vector<double>& x) {
     const auto [a, b] = mesh.folded[0];
     const std::array<double, 3> place = centroid(mesh, x, mesh.element(a), mesh.dim + 1);
-    return concat("elements ", element_id(mesh, a), " and ", element_id(mesh, b),
-                  " lie on the same side of their common face at ",
+    const std::vector<long long>& id = mesh.file.element_id;
+    return concat("elements ", id_in_file(id, a), " and ", id_in_file(id, b), " lie on the same side of their common face at ",
                   place_text(place.data(), mesh.dim), ", the first of ", counted(mesh.folded.size(), "such pair"));
 }
 
@@ -78,24 +72,20 @@ Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, co
     if (!certificate.valid) return {.obstacle = "elements are not certified valid"};
     if (!mesh.folded.empty()) return {.obstacle = fold_text(mesh, x)};
     if (const int i = overlapped_vertex(mesh, x); i >= 0)
-        return {.obstacle = concat("the elements around node ", mesh.file.node_id.empty() ? i : mesh.file.node_id[i],
-                                   " overlap"),
+        return {.obstacle = concat("the elements around node ", id_in_file(mesh.file.node_id, i), " overlap"),
                 .node = i,
                 .place = centroid(mesh, x, &i, 1)};
-    std::vector<double> boundary;
-    for (const int i : mesh.faces)
-        boundary.insert(boundary.end(), point(x, i, mesh.dim), point(x, i, mesh.dim) + mesh.dim);
-    const TargetReport report = check_target(mesh, boundary);
+    const TargetReport report = check_target(mesh, x);
     if (!report.faults.empty()) {
         const int f = report.faults.front().face;
         return {.obstacle = concat("the boundary overlaps itself at face ",
-                                   mesh.file.face_id.empty() ? f : mesh.file.face_id[f], " of ",
-                                   mesh.boundaries[mesh.face_boundary[f]]),
+                                   id_in_file(mesh.file.face_id, f), " of ", mesh.boundaries[mesh.face_boundary[f]]),
                 .face = f,
                 .place = centroid(mesh, x, mesh.face(f), mesh.dim)};
     }
     if (const auto [e, other] = overlapping_elements(mesh, x); e >= 0) {
-        return {.obstacle = concat("elements ", element_id(mesh, e), " and ", element_id(mesh, other),
+        const std::vector<long long>& id = mesh.file.element_id;
+        return {.obstacle = concat("elements ", id_in_file(id, e), " and ", id_in_file(id, other),
                                    " lie over each other", mesh.degree == 1 ? "" : ", or too nearly to tell"),
                 .node = mesh.element(e)[0],
                 .place = centroid(mesh, x, mesh.element(e), mesh.dim + 1)};

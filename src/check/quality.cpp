@@ -12,7 +12,6 @@
 #include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
 #include "energy/densities.hpp"
-#include "mesh/lagrange.hpp"
 #include "mesh/quadrature.hpp"
 
 namespace almesh {
@@ -41,17 +40,15 @@ Mat<n> jacobian(const int* node, int count, const std::vector<double>& x, const 
 // Per element: the least value(e, dx/dxi) at its quadrature points, within [0, 1].
 template <int n, class Value>
 std::vector<double> least_at_points(const Mesh& mesh, const std::vector<double>& x, const Value& value) {
-    const LagrangeBasis basis(n, mesh.degree);
     const Quadrature quadrature = simplex_quadrature(n, mesh.degree == 1 ? 1 : 2 * mesh.degree);
-    const int stride = basis.count * n;
-    std::vector<double> dN(offset(quadrature.count, stride));
-    for (int q = 0; q < quadrature.count; ++q) basis.gradients(&quadrature.xi[q * n], &dN[offset(q, stride)]);
+    const ReferenceElement reference = reference_element(mesh.degree, quadrature);
     std::vector<double> least(mesh.element_count());
     parallel_for(mesh.element_count(), [&](int e) {
         double of_element = 1;
-        for (int q = 0; q < quadrature.count; ++q)
-            of_element =
-                std::min(of_element, value(e, jacobian<n>(mesh.element(e), basis.count, x, &dN[offset(q, stride)])));
+        for (int q = 0; q < reference.points; ++q) {
+            const double* const dN = &reference.gradients[offset(q, reference.nodes * n)];
+            of_element = std::min(of_element, value(e, jacobian<n>(mesh.element(e), reference.nodes, x, dN)));
+        }
         least[e] = std::max(of_element, 0.0);
     });
     return least;

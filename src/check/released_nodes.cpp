@@ -22,9 +22,8 @@ TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, con
     std::vector<char> open(mesh.face_count());
     for (int f = 0; f < mesh.face_count(); ++f)
         open[f] = target.hold_of_face(mesh, f) == BoundaryHold::free || target.slides(mesh, f);
-    faults.faces = check_target(mesh, target.node, open);
-    if (mesh.degree == 1) bound = std::min(bound, 0.0);
-    else if (!target.in_trace_space) bound = std::min(bound, surely);
+    faults.faces = check_target(mesh, place, open);
+    if (mesh.degree > 1 && !target.in_trace_space) bound = std::min(bound, surely);
     faults.elements = determined_elements(mesh, place, prescribed_nodes(mesh, target), bound);
     return faults;
 }

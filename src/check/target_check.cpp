@@ -20,6 +20,7 @@
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "geometry/patch.hpp"
+#include "mesh/unused_ids.hpp"
 
 namespace almesh {
 namespace {
@@ -30,16 +31,9 @@ constexpr double flat_fold = 1e-6;        // radians between two neighbours fold
 constexpr double same_place = 1e-9;       // distance of two nodes over the size of their smallest face
 constexpr double face_work = 1000;        // simple operations that a check of one face takes
 
-std::vector<double> node_targets(const Mesh& mesh, const std::vector<double>& target) {
-    std::vector<double> x = mesh.x;
-    for (std::size_t k = mesh.faces.size(); k-- > 0;)  // backwards: the first face has the last word
-        std::copy_n(&target[k * mesh.dim], mesh.dim, point(x, mesh.faces[k], mesh.dim));
-    return x;
-}
-
 std::string face_name(const Mesh& mesh, int f) {
     const Vec<3> centre = centroid(mesh, mesh.x, mesh.face(f), mesh.dim);
-    return concat("face ", mesh.file.face_id.empty() ? f : mesh.file.face_id[f], " of ",
+    return concat("face ", id_in_file(mesh.file.face_id, f), " of ",
                   mesh.boundaries[mesh.face_boundary[f]], " at ", place_text(centre.data(), mesh.dim));
 }
 
@@ -81,7 +75,7 @@ struct ClosedPart {
 
 struct Check {
     const Mesh& mesh;
-    std::vector<double> target;         // node_count x dim; only boundary nodes are meaningful
+    const std::vector<double>& target;  // node_count x dim; only boundary nodes are meaningful
     PatchBasis basis;
     PatchNormal normal;
     std::vector<Patch> before, after;   // per face: in the initial mesh and in the target
@@ -106,14 +100,13 @@ struct Check {
                                  const std::vector<Vec<3>>& points) const;
     std::vector<std::array<int, 2>> farthest_corners(int of_part) const;
     std::vector<double> enclosed(const std::vector<Patch>& patches) const;
-    std::string id_of_node(int i) const { return std::to_string(mesh.file.node_id.empty() ? i : mesh.file.node_id[i]); }
     void add_fault(int f, const std::string& what) {
         report.faults.push_back({f, face_name(mesh, f) + ": " + what, false});
     }
 };
 
 Check::Check(const Mesh& mesh_, const std::vector<double>& target_)
-    : mesh(mesh_), target(node_targets(mesh, target_)), basis(mesh.dim - 1, mesh.degree),
+    : mesh(mesh_), target(target_), basis(mesh.dim - 1, mesh.degree),
       normal(mesh.dim - 1, mesh.degree), before(mesh.face_count()), after(before), bad(before.size(), nullptr) {
     parallel_for(mesh.face_count(), [&](int f) {
         before[f] = face_patch(basis, mesh, mesh.x, f);
@@ -212,7 +205,9 @@ const char* Check::fault_of_pair(int f, int g) const {
 
 // Closed parts that cross each other give one fault per pair of them.
 void Check::check_pairs() {
-    const BoxTree tree = tree_of_boxes(after);
+    std::vector<Box> boxes;
+    for (const Patch& patch : after) boxes.push_back(box_of(patch));
+    const BoxTree tree(std::move(boxes));
     std::vector<std::pair<int, int>> close;
     for (int place = 0; place < mesh.face_count(); ++place) {
         const int face = tree.items[place];
@@ -359,8 +354,9 @@ void Check::check_nodes() {
             const int j = nodes[l], g = first_face[j];
             if (l <= k || (bad[f] && bad[g])) return;
             if (length(becomes[k] - becomes[l]) > tolerance || length(was[k] - was[l]) <= tolerance) return;
-            add_fault(g, "the target puts its node " + id_of_node(j) + " where node " + id_of_node(i) + " is, at " +
-                             place_text(becomes[k].data(), mesh.dim));
+            add_fault(g, concat("the target puts its node ", id_in_file(mesh.file.node_id, j), " where node ",
+                                id_in_file(mesh.file.node_id, i), " is, at ",
+                                place_text(becomes[k].data(), mesh.dim)));
         });
     }
 }

@@ -32,9 +32,9 @@ struct TargetReport {
     bool crossed_before = false;  // faces of the initial mesh cross, and do so in the target
 };
 
-// target: face_count x face_nodes x dim positions (BoundaryTarget::node), finite; the first face that holds a node
-// decides where it goes. open: faces whose place the target does not tell, because they slide or are free; they and the
-// closed parts that they belong to are passed over. Empty for none.
+// target: node_count x dim positions, of which those of boundary nodes count (see at_target()), finite. open: faces
+// whose position the target does not tell, because they slide or are free; they and the closed parts that they belong
+// to are passed over. Empty for none.
 TargetReport check_target(const Mesh& mesh, const std::vector<double>& target, const std::vector<char>& open = {});
 
 }  // namespace almesh

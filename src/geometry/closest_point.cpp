@@ -148,9 +148,9 @@ ClosestPoint::ClosestPoint(const PatchBasis& basis, const std::vector<Patch>& pa
     constexpr std::array<Vec<3>, 3> corner = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     for (std::size_t f = 0; f < patches.size(); ++f)
         append_nearly_flat(basis.bernstein, {patches[f], static_cast<int>(f), corner}, 0);
-    std::vector<Patch> of_pieces;
-    for (const Piece& piece : pieces_) of_pieces.push_back(piece.patch);
-    tree_.emplace(tree_of_boxes(of_pieces));
+    std::vector<Box> boxes;
+    for (const Piece& piece : pieces_) boxes.push_back(box_of(piece.patch));
+    tree_.emplace(std::move(boxes));
 }
 
 ClosestPoint::~ClosestPoint() = default;

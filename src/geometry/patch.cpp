@@ -33,12 +33,6 @@ Patch face_patch(const PatchBasis& basis, const Mesh& mesh, const std::vector<do
     return make_patch(basis, positions(mesh, x, mesh.face(f), mesh.face_nodes()));
 }
 
-BoxTree tree_of_boxes(const std::vector<Patch>& patches) {
-    std::vector<Box> boxes;
-    for (const Patch& patch : patches) boxes.push_back(box_of(patch));
-    return BoxTree(boxes);
-}
-
 double solid_angle(const Vec<3>& u, const Vec<3>& v, const Vec<3>& w) {
     const double a = length(u), b = length(v), c = length(w);
     return 2 * std::atan2(dot(u, cross(v, w)), a * b * c + dot(u, v) * c + dot(v, w) * a + dot(w, u) * b);

@@ -31,8 +31,6 @@ std::vector<Vec<3>> positions(const Mesh& mesh, const std::vector<double>& x, co
 Patch make_patch(const PatchBasis& basis, const std::vector<Vec<3>>& nodes);
 Patch face_patch(const PatchBasis& basis, const Mesh& mesh, const std::vector<double>& x, int f);
 
-BoxTree tree_of_boxes(const std::vector<Patch>& patches);
-
 inline double length(const Vec<3>& v) { return std::sqrt(dot(v, v)); }
 inline Vec<3> unit(const Vec<3>& v) { return length(v) > 0 ? 1 / length(v) * v : v; }
 

@@ -2,29 +2,13 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <limits>
 #include <map>
 
+#include "geometry/box_tree.hpp"
 #include "mesh/unused_ids.hpp"
 
 namespace almesh {
 namespace {
-
-struct EntityBox {
-    std::array<double, 3> low, high;
-
-    EntityBox() {
-        low.fill(std::numeric_limits<double>::infinity());
-        high.fill(-std::numeric_limits<double>::infinity());
-    }
-    bool is_empty() const { return low[0] > high[0]; }
-    void include(const std::array<double, 3>& x) {
-        for (int a = 0; a < 3; ++a) {
-            low[a] = std::min(low[a], x[a]);
-            high[a] = std::max(high[a], x[a]);
-        }
-    }
-};
 
 struct BlockBuilder {
     const Mesh& mesh;
@@ -94,22 +78,27 @@ struct BlockBuilder {
 
     // The box of an entity holds its nodes, those of its cells and the entities around it; without any it stays.
     void set_boxes() {
-        std::map<EntityKey, EntityBox> boxes;
+        std::map<EntityKey, Box> boxes;
+        const auto include = [&boxes](const EntityKey& key, const Box& box) {
+            boxes.try_emplace(key, box).first->second.include(box);
+        };
+        const auto include_node = [&](const EntityKey& key, int node) {
+            const std::array<double, 3> position = msh_position(mesh, x, node);
+            include(key, {position, position});
+        };
         for (const MshNodeBlock& block : blocks.nodes)
-            for (const int node : block.nodes) boxes[block.entity].include(msh_position(mesh, x, node));
+            for (const int node : block.nodes) include_node(block.entity, node);
         for (const MshElementBlock& block : blocks.elements)
             for (const int c : block.cells)
-                for (const int node : block.of.nodes_of(c)) boxes[block.entity].include(msh_position(mesh, x, node));
+                for (const int node : block.of.nodes_of(c)) include_node(block.entity, node);
         for (auto& [key, entity] : entities) {
-            EntityBox& box = boxes[key];
             for (const int tag : entity.bounds)
-                if (const auto around = boxes.find({key.dim - 1, std::abs(tag)}); around != boxes.end()) {
-                    box.include(around->second.low);
-                    box.include(around->second.high);
-                }
-            if (box.is_empty()) continue;
-            std::copy_n(box.low.begin(), 3, entity.box.begin());
-            std::copy_n(box.high.begin(), 3, entity.box.begin() + 3);
+                if (const auto around = boxes.find({key.dim - 1, std::abs(tag)}); around != boxes.end())
+                    include(key, around->second);
+            const auto own = boxes.find(key);
+            if (own == boxes.end()) continue;
+            std::copy_n(own->second.low.begin(), 3, entity.box.begin());
+            std::copy_n(own->second.high.begin(), 3, entity.box.begin() + 3);
         }
     }
 };

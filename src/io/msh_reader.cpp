@@ -153,7 +153,7 @@ struct MshReader {
         if (coordinates == 3) std::copy_n(entity.box.begin(), 3, entity.box.begin() + 3);
         const long long groups = in.size("the number of physical tags", 0, LLONG_MAX);
         for (long long k = 0; k < groups; ++k) entity.physical.push_back(std::abs(in.integer("a physical tag")));
-        if (dim > 0 && (in.binary || !in.at_end_of_record())) {
+        if (dim > 0 && (in.binary || !in.at_line_end())) {
             const long long bounds = in.size("the number of bounding entities", 0, LLONG_MAX);
             for (long long k = 0; k < bounds; ++k) entity.bounds.push_back(in.integer("a bounding entity"));
         }

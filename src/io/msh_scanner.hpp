@@ -62,17 +62,11 @@ struct MshScanner : TextScanner {
         for (int k = 0; binary && k < count; ++k) take<double>("a parameter");
     }
 
-    bool at_end_of_record() {
-        skip_blanks();
-        return at == end || *at == '\n';
-    }
-
     void end_of_record() {
         if (!binary) end_of_line();
     }
 
     // Bytes that a number of this file takes, for bounds on counts; of text, the least.
-    int integer_bytes() const { return binary ? 4 : 2; }
     int id_bytes() const { return !binary ? 2 : version < 41 ? 4 : size_bytes; }
     int real_bytes() const { return binary ? 8 : 2; }
 

@@ -80,11 +80,6 @@ struct Su2Reader {
         if (!next_line()) in.fail("the file is cut off: ", count, " ", what, " announced, only ", done, " are there");
     }
 
-    bool at_line_end() {
-        while (in.at != in.end && (*in.at == ' ' || *in.at == '\t' || *in.at == '\r')) ++in.at;
-        return in.at == in.end || *in.at == '\n';
-    }
-
     void points() {
         const int n = need_dimension();
         const long long count = in.integer("the number of points", 1, INT_MAX);
@@ -93,7 +88,7 @@ struct Su2Reader {
             begin_record("points", k, count);
             RawNode node{k + 1, {}, in.line};
             for (int a = 0; a < n; ++a) node.x[a] = in.real("a coordinate");
-            if (!at_line_end() && in.integer("the number of the point", 0, INT_MAX) != k)
+            if (!in.at_line_end() && in.integer("the number of the point", 0, INT_MAX) != k)
                 in.fail("points have to be numbered 0, 1, 2, ... in their order");
             in.end_of_line();
             mesh.nodes.push_back(node);

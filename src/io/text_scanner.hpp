@@ -72,10 +72,15 @@ struct TextScanner {
         return in_backquotes(std::string_view(at, static_cast<std::size_t>(stop - at)));
     }
 
-    // Fails where anything but blanks is left in this line.
-    void end_of_line() {
+    // Whether only blanks are left in this line; passes over them.
+    bool at_line_end() {
         skip_blanks();
-        if (at != end && *at != '\n') fail("expected the end of the line, got ", word());
+        return at == end || *at == '\n';
+    }
+
+    // Fails where anything else is.
+    void end_of_line() {
+        if (!at_line_end()) fail("expected the end of the line, got ", word());
     }
 
     // The number here, in [lowest, highest]; fails where there is none. `what` names it in the message.

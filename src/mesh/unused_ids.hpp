@@ -1,4 +1,5 @@
-// Ids for what a file does not have: those after its largest one, and where no number is larger, the lowest free ones.
+// Ids of items as their file has them, and ids for what a file does not have: those after its largest one, and where no
+// number is larger, the lowest free ones.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -7,6 +8,9 @@
 #include <vector>
 
 namespace almesh {
+
+// The file's id of item i, or i where there is no file.
+inline long long id_in_file(const std::vector<long long>& ids, int i) { return ids.empty() ? i : ids[i]; }
 
 template <class Id>
 class UnusedIds {
