@@ -23,25 +23,9 @@ std::string shown(double value, int digits = 4) {
 
 bool is_certified(const Solution& solution) { return solution.injectivity.certified; }
 
-const char* headline(AlStatus status) {
-    switch (status) {
-        case AlStatus::converged: return "converged";
-        case AlStatus::infeasible: return "infeasible: no valid mesh seems to reach the target";
-        case AlStatus::stalled: return "stalled: the boundary comes no nearer to its target, which may be out of reach";
-        case AlStatus::rounding_floor: return "not converged: |grad E| ended at its rounding floor, above omega0";
-        case AlStatus::ended_as_printed:
-            return "not converged: the loop as printed ended with one of its two tests met";
-        case AlStatus::max_iterations: return "not converged: max_al_iterations reached";
-        case AlStatus::max_newton_iterations: return "not converged: max_newton_iterations reached in a subproblem";
-        case AlStatus::line_search_failed:
-            return "not converged: no step decreases the energy and keeps all elements valid";
-        case AlStatus::interrupted: return out_of_time() ? "interrupted: max_seconds have passed" : "interrupted";
-        case AlStatus::linear_solver_failed: return "not converged: no linear solver gave a descent direction";
-        case AlStatus::overflow: return "not converged: numbers grew beyond the range of double precision";
-        case AlStatus::inverted: return "inverted: the method leaves elements that are not valid";
-        case AlStatus::invalid_start: return "not converged: with the boundary set, no valid mesh to start from";
-    }
-    return "";
+std::string headline(Status status) {
+    const bool late = status == Status::interrupted && out_of_time();
+    return status_row(status).ending + std::string(late ? ": max_seconds have passed" : "");
 }
 
 // Whether the boundary is in its place, as far as Algorithm 1 tests it.
@@ -226,55 +210,57 @@ std::string work_of(const Deck& deck, const Solution& solution) {
 
 Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution& solution) {
     Level& level = *problem.level;
-    const AlStatus status = solution.al.status;
-    if (status == AlStatus::converged && is_certified(solution)) return {};
+    const Status status = solution.al.status;
+    if (status == Status::converged && is_certified(solution)) return {};
     const LastMesh last = {level.mesh,        level.ideal,    solution.x,
                            *level.constraint, problem.target, solution.al.distortion.element_max};
-    const bool gave_up = status == AlStatus::inverted || status == AlStatus::invalid_start;
-    if (gave_up && !solution.certificate.valid) return least_valid(last, solution.certificate.lower_bound);
-    if (status == AlStatus::converged && solution.certificate.valid) return overlapping(last, solution.injectivity);
-    if (status == AlStatus::converged) return least_valid(last, solution.certificate.lower_bound);
-    if (status == AlStatus::rounding_floor || status == AlStatus::linear_solver_failed)
-        return least_balanced(last, solution.al.gradient);
-    if (status == AlStatus::max_newton_iterations) return least_balanced(last, solution.al.gradient);
-    if (status == AlStatus::line_search_failed) return most_distorted(last);
-    const bool of_boundary = status == AlStatus::infeasible || status == AlStatus::stalled ||
-                             status == AlStatus::overflow;
-    if (of_boundary || !constrained(deck, solution.al.iterations.back())) return farthest_off_target(last);
-    return least_balanced(last, solution.al.gradient);
+    const auto farthest = [&] { return farthest_off_target(last); };
+    const auto unbalanced = [&] { return least_balanced(last, solution.al.gradient); };
+    switch (status_row(status).cause) {
+        case Cause::validity:
+            if (!solution.certificate.valid) return least_valid(last, solution.certificate.lower_bound);
+            return status == Status::converged ? overlapping(last, solution.injectivity) : farthest();
+        case Cause::gradient: return unbalanced();
+        case Cause::distortion: return most_distorted(last);
+        case Cause::boundary: return farthest();
+        case Cause::boundary_or_gradient:
+            return constrained(deck, solution.al.iterations.back()) ? unbalanced() : farthest();
+    }
+    return {};
 }
 
 std::vector<std::string> remedies(const Deck& deck, const Problem& problem, const Solution& solution) {
     std::vector<std::string> to_try;
-    const AlStatus status = solution.al.status;
+    const Status status = solution.al.status;
     switch (status) {
-        case AlStatus::converged:
+        case Status::converged:
             if (!is_certified(solution)) add_against_uncertified(deck, problem, solution, to_try);
             break;
-        case AlStatus::infeasible:
-        case AlStatus::stalled:
-        case AlStatus::line_search_failed: add_against_distance(deck, problem, solution, to_try); break;
-        case AlStatus::overflow:
+        case Status::infeasible:
+        case Status::out_of_reach:
+        case Status::stalled:
+        case Status::line_search_failed: add_against_distance(deck, problem, solution, to_try); break;
+        case Status::overflow:
             to_try.push_back("a smaller mu0, such as " + shown(AugmentedLagrangianParams().mu0));
             break;
-        case AlStatus::rounding_floor:
+        case Status::rounding_floor:
             to_try.push_back("a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0");
             break;
-        case AlStatus::ended_as_printed: to_try.push_back("algorithm = paper, which goes on until both hold"); break;
-        case AlStatus::max_iterations: add_against_iterations(deck, problem, solution, to_try); break;
-        case AlStatus::max_newton_iterations:
+        case Status::ended_as_printed: to_try.push_back("algorithm = paper, which goes on until both hold"); break;
+        case Status::max_al_iterations: add_against_iterations(deck, problem, solution, to_try); break;
+        case Status::max_newton_iterations:
             to_try.push_back(concat("max_newton_iterations = ", 2 * deck.method.max_newton_iterations));
             add_against_distance(deck, problem, solution, to_try);
             break;
-        case AlStatus::interrupted:
+        case Status::interrupted:
             to_try.push_back(std::filesystem::exists(checkpoint_folder(deck)) ? "resume=1, which goes on from here"
                              : out_of_time() ? concat("max_seconds = ", 4 * deck.max_seconds)
                                              : "it again: a run starts from the mesh file");
             add_against_sliding(deck, problem, to_try);
             break;
-        case AlStatus::linear_solver_failed: add_against_solver(deck, solution, to_try); break;
-        case AlStatus::inverted:
-        case AlStatus::invalid_start: add_against_inversion(deck, solution, to_try); break;
+        case Status::linear_solver_failed: add_against_solver(deck, solution, to_try); break;
+        case Status::inverted:
+        case Status::invalid_start: add_against_inversion(deck, solution, to_try); break;
     }
     return to_try;
 }
@@ -285,11 +271,11 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
     if (const int steps = solution.al.followed_newton_iterations)
         others += concat(" (and ", steps, " on earlier ",
                          deck.distortion.objective == Objective::worst ? "powers" : "parts of the motion", ")");
-    std::fprintf(out, "%s: %s%s in %.2f s\n", headline(solution.al.status), work_of(deck, solution).c_str(),
+    std::fprintf(out, "%s: %s%s in %.2f s\n", headline(solution.al.status).c_str(), work_of(deck, solution).c_str(),
                  others.c_str(), solution.time.total);
     print_obstacle(out, deck, problem, solution);
     print_boundary(out, problem, solution);
-    if (solution.al.iterations.back().newton_status == NewtonStatus::rounding_floor)
+    if (solution.al.iterations.back().newton_status == Status::rounding_floor)
         std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
     if (fallbacks)
         std::fprintf(out,

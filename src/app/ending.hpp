@@ -15,13 +15,7 @@ struct Problem;
 struct Solution;
 
 // Of a solution with its certificates; kind none where it converged and is certified, and where there is no such place.
-// By the status:
-//   infeasible, stalled, overflow                 off_target
-//   line_search_failed                            distorted
-//   max_iterations, ended_as_printed, interrupted off_target, or unbalanced where the boundary is in place
-//   max_newton_iterations, rounding_floor, linear_solver_failed
-//                                                 unbalanced
-//   converged, but not certified                  invalid, else overlap
+// Each status has its own kind (method/status.cpp).
 Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution& solution);
 
 // What to try, the most promising first; empty where the run converged and is certified.

@@ -115,8 +115,8 @@ Solution mend(const Deck& deck, Problem& problem, const Solve& solve, std::FILE*
         const std::vector<double> X =
             with_region(mesh, chosen, region->mesh(), final_positions(*region, solution.x));
         solution.x = problem.ideal();
-        if (solution.al.status == AlStatus::interrupted) break;
-        if (solution.al.status != AlStatus::converged || X.empty()) continue;
+        if (solution.al.status == Status::interrupted) break;
+        if (solution.al.status != Status::converged || X.empty()) continue;
         std::vector<double> x = problem.mesh().x;
         for (std::size_t i = 0; i < x.size(); ++i)
             if (X[i] != mesh.x[i]) x[i] = problem.frame.to_run(X[i], i, mesh.dim);

@@ -64,7 +64,7 @@ const char* kind(const Stage& stage) { return stage.power ? "power" : stage.frac
 
 std::string update(Al row) {
     if (!row.stage) return to_string(row.it.update);
-    if (row.stage->status != AlStatus::converged) return "dropped";
+    if (row.stage->status != Status::converged) return "dropped";
     if (row.stage->power) return "next power";
     return row.stage->fraction < 1 ? "next part" : "finer mesh";
 }
@@ -175,8 +175,8 @@ void Report::add(const Stage& stage) {
     AlIteration row = units_.of(stage.last);
     row.newton_iterations = stage.newton_iterations;
     csv_ += line(AlRow{row, &stage, run_});
-    if (stage.status == AlStatus::converged && stage.fraction < 1) followed = std::max(followed, stage.fraction);
-    const char* const used = stage.status == AlStatus::converged ? "" : ", not used";
+    if (stage.status == Status::converged && stage.fraction < 1) followed = std::max(followed, stage.fraction);
+    const char* const used = stage.status == Status::converged ? "" : ", not used";
     std::string what = "  ";
     if (stage.power) what += "(eta - 1)^" + std::to_string(stage.power);
     else if (stage.fraction < 1) append(what, stage.fraction, 3), what += " of the motion";

@@ -202,10 +202,10 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
     solution.al = minimise_objective(deck, level, newton, params, solution.x, start, observer,
                                      [&](const Stage& stage) { report.add(stage); });
     solution.time += newton.time;
-    if (solution.al.status == AlStatus::linear_solver_failed)
+    if (solution.al.status == Status::linear_solver_failed)
         solution.refused_bytes = newton.linear_solver().refused_bytes();
     solution.followed = report.followed;
-    if (snaps(deck) && solution.al.status == AlStatus::converged) snap(level, solution);
+    if (snaps(deck) && solution.al.status == Status::converged) snap(level, solution);
     return solution;
 }
 
@@ -253,12 +253,12 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     solution.time.run = watch.seconds();
     const Summary summary = summarise(problem, solution);
     write_summary(deck, summary);
-    if (solution.al.status != AlStatus::interrupted) Checkpoint::remove(checkpoint_folder(deck));
+    if (solution.al.status != Status::interrupted) Checkpoint::remove(checkpoint_folder(deck));
     print_uncertified(out, problem.mesh(), solution.x, problem.frame, solution.certificate);
     print_ending(out, deck, problem, solution, report.fallbacks);
 
     const bool expected = expectations_hold(out, deck, summary);
-    if (solution.al.status != AlStatus::converged) return ExitCode::not_converged;
+    if (solution.al.status != Status::converged) return ExitCode::not_converged;
     if (!solution.injectivity.certified) return ExitCode::not_certified;
     return expected ? ExitCode::success : ExitCode::expectation_failed;
 }

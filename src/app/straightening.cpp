@@ -25,7 +25,7 @@ std::vector<char> held_up(const Problem& problem, const Solution& solution, cons
     for (const int e : certificate.uncertified) choose_element(e);
     if (injectivity.node >= 0) at[injectivity.node] = 1;
     if (injectivity.face >= 0) choose_element(mesh.face_element[injectivity.face]);
-    if (solution.al.status == AlStatus::converged) return at;
+    if (solution.al.status == Status::converged) return at;
     const std::vector<double>& eta = solution.al.distortion.element_max;
     for (int e = 0; e < mesh.element_count(); ++e)
         if (!(eta[e] < jammed)) choose_element(e);
@@ -74,10 +74,10 @@ Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& so
         const auto flat = std::count(problem.target.straight.begin(), problem.target.straight.end(), 1);
         const bool all = mesh.degree == 1 || flat == mesh.face_count();
         Solution solution = solve(all ? deck : impatient, problem);
-        if (all || solution.al.status == AlStatus::interrupted) return solution;
+        if (all || solution.al.status == Status::interrupted) return solution;
         const Certificate certificate = certify(mesh, solution.x, deck.certificate);
         const Injectivity injectivity = certify_injective(mesh, solution.x, certificate);
-        const bool converged = solution.al.status == AlStatus::converged;
+        const bool converged = solution.al.status == Status::converged;
         if (converged && injectivity.certified) return solution;
         // With the boundary in its place and the mesh certified it was a limit that ended the run, no face.
         const bool in_place = problem.level->constraint->relative_error(solution.x) <= deck.method.wall_tolerance;

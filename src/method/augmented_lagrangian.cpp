@@ -60,7 +60,7 @@ bool constraint_stalls(const std::vector<AlIteration>& rows, std::size_t updates
 
 // |grad E| <= omega*, or as small as rounding lets it be.
 bool is_stationary(const AlIteration& row, const AugmentedLagrangianParams& params) {
-    const bool at_floor = row.newton_status == NewtonStatus::rounding_floor;
+    const bool at_floor = row.newton_status == Status::rounding_floor;
     return row.gradient_norm <= params.omega_star || (at_floor && row.gradient_norm <= params.omega0);
 }
 
@@ -72,25 +72,19 @@ std::vector<double> gradient(const AugmentedFunctional& E, const std::vector<dou
 
 // How the method fails after the last of `rows`: ends although line 7 would go on, or the other way round. Nothing
 // where it goes on, and where it has converged. ends: by line 7.
-std::optional<AlStatus> failure(const std::vector<AlIteration>& rows, const AugmentedLagrangianParams& params,
-                                double one_squared, bool constrained, bool stationary, bool ends) {
+std::optional<Status> failure(const std::vector<AlIteration>& rows, const AugmentedLagrangianParams& params,
+                              double one_squared, bool constrained, bool stationary, bool ends) {
     if (ends && constrained && stationary) return std::nullopt;
-    if (ends) return AlStatus::ended_as_printed;
+    if (ends) return Status::ended_as_printed;
     const AlIteration& row = rows.back();
-    const bool at_floor = row.newton_status == NewtonStatus::rounding_floor;
-    const bool solved = at_floor || row.newton_status == NewtonStatus::converged;
-    if (at_floor && constrained) return AlStatus::rounding_floor;
-    if (row.newton_status == NewtonStatus::out_of_reach) return AlStatus::infeasible;
-    if (row.newton_status == NewtonStatus::interrupted) return AlStatus::interrupted;
-    if (constraint_stalls(rows, solved ? 3 : 1, one_squared)) return AlStatus::stalled;
-    switch (row.newton_status) {
-        case NewtonStatus::max_iterations: return AlStatus::max_newton_iterations;
-        case NewtonStatus::line_search_failed: return AlStatus::line_search_failed;
-        case NewtonStatus::linear_solver_failed: return AlStatus::linear_solver_failed;
-        case NewtonStatus::overflow: return AlStatus::overflow;
-        default: break;
-    }
-    if (row.iteration == params.max_iterations) return AlStatus::max_iterations;
+    const bool at_floor = row.newton_status == Status::rounding_floor;
+    const bool solved = at_floor || row.newton_status == Status::converged;
+    if (at_floor && constrained) return Status::rounding_floor;
+    if (row.newton_status == Status::out_of_reach) return Status::infeasible;
+    if (row.newton_status == Status::interrupted) return Status::interrupted;
+    if (constraint_stalls(rows, solved ? 3 : 1, one_squared)) return Status::stalled;
+    if (!solved) return row.newton_status;
+    if (row.iteration == params.max_iterations) return Status::max_al_iterations;
     return std::nullopt;
 }
 
@@ -153,7 +147,7 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
             result.status = *failed;
             result.gradient = gradient(E, x);
         }
-        if (!ends && result.status != AlStatus::converged) {
+        if (!ends && result.status != Status::converged) {
             observe();
             break;
         }
@@ -168,25 +162,6 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
     result.lambda = std::move(E.lambda);
     newton.time.total += watch.seconds();
     return result;
-}
-
-const char* to_string(AlStatus status) {
-    switch (status) {
-        case AlStatus::converged: return "converged";
-        case AlStatus::max_iterations: return "max_al_iterations";
-        case AlStatus::infeasible: return "infeasible";
-        case AlStatus::stalled: return "stalled";
-        case AlStatus::rounding_floor: return "rounding_floor";
-        case AlStatus::ended_as_printed: return "ended_as_printed";
-        case AlStatus::max_newton_iterations: return "max_newton_iterations";
-        case AlStatus::line_search_failed: return "line_search_failed";
-        case AlStatus::linear_solver_failed: return "linear_solver_failed";
-        case AlStatus::overflow: return "overflow";
-        case AlStatus::interrupted: return "interrupted";
-        case AlStatus::inverted: return "inverted";
-        case AlStatus::invalid_start: return "invalid_start";
-    }
-    return "";
 }
 
 }  // namespace almesh

@@ -11,24 +11,6 @@
 
 namespace almesh {
 
-enum class AlStatus {
-    converged,
-    max_iterations,
-    infeasible,        // evidence that no valid mesh reaches the target (stopping_tests.hpp)
-    stalled,           // the constraint stopped falling while the penalty grew
-    rounding_floor,    // the constraint holds, but rounding ended |grad E| above omega0 (a penalty beyond all measure)
-    ended_as_printed,  // literal: the loop as printed ends when one of its two tests holds, and only one did
-    max_newton_iterations,
-    line_search_failed,
-    linear_solver_failed,
-    overflow,      // numbers beyond the range of double precision
-    interrupted,   // by a signal
-    // Of methods that set the boundary on its target (comparators.hpp):
-    inverted,      // the mesh that they came to has inverted elements
-    invalid_start  // so has every mesh from which they could minimise
-};
-const char* to_string(AlStatus status);
-
 // One row of the history; row 0 is the mesh at the start.
 struct AlIteration {
     int iteration = 0;
@@ -39,13 +21,13 @@ struct AlIteration {
     double mu = 0, omega = 0, epsilon = 0;  // used in this iteration; omega: the tolerance of the subproblem
     double relative_quality = 0, max_distortion = 0;
     int newton_iterations = 0;
-    NewtonStatus newton_status = NewtonStatus::converged;
+    Status newton_status = Status::converged;
     AlUpdate update = AlUpdate::none;  // after this iteration; none where it failed
     double seconds = 0;
 };
 
 struct AlResult {
-    AlStatus status = AlStatus::converged;
+    Status status = Status::converged;
     std::vector<AlIteration> iterations;
     DistortionStatistics distortion;  // of the last iterate
     std::vector<double> lambda;       // after its last update

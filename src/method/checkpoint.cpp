@@ -224,7 +224,7 @@ NewtonResult minimise_or_recall(Checkpoint* checkpoint, Newton& newton, const Au
     minimised.memory = newton.memory();
     minimised.quadrature = E.distortion.quadrature();
     minimised.x = x;
-    if (result.status != NewtonStatus::interrupted) checkpoint->save(std::move(minimised));
+    if (result.status != Status::interrupted) checkpoint->save(std::move(minimised));
     if (interrupted()) checkpoint->write();
     return result;
 }

@@ -30,17 +30,9 @@ Rule rule_of(MovingMethod method) {
 }
 
 // As Algorithm 1 has it: a rounding floor up to omega0 counts as converged.
-AlStatus status_of(const NewtonResult& solved, double omega0) {
-    switch (solved.status) {
-        case NewtonStatus::rounding_floor:
-            return solved.gradient_norm <= omega0 ? AlStatus::converged : AlStatus::rounding_floor;
-        case NewtonStatus::overflow: return AlStatus::overflow;
-        case NewtonStatus::max_iterations: return AlStatus::max_newton_iterations;
-        case NewtonStatus::line_search_failed: return AlStatus::line_search_failed;
-        case NewtonStatus::linear_solver_failed: return AlStatus::linear_solver_failed;
-        case NewtonStatus::interrupted: return AlStatus::interrupted;
-        default: return AlStatus::converged;
-    }
+Status status_of(const NewtonResult& solved, double omega0) {
+    const bool at_floor = solved.status == Status::rounding_floor;
+    return at_floor && solved.gradient_norm <= omega0 ? Status::converged : solved.status;
 }
 
 // Of the constraint's nodes at a fraction of the motion. Where the motions of boundaries that share nodes do not agree
@@ -123,7 +115,7 @@ std::vector<double> BoundaryMove::extended(StiffnessAt stiffness, const std::vec
     ++steps.iterations;
     steps.linear_iterations += solved.iterations;
     if (solved.status != SolveStatus::success) {
-        steps.status = NewtonStatus::linear_solver_failed;
+        steps.status = Status::linear_solver_failed;
         return moved;
     }
     for (std::size_t i = 0; i < x.size(); ++i)
@@ -157,8 +149,8 @@ PartResult extend(BoundaryMove& move, StiffnessAt stiffness, const std::vector<d
                   std::vector<double>& x) {
     PartResult result;
     x = move.extended(stiffness, targets, x, result.solved);
-    if (result.solved.status != NewtonStatus::converged) result.status = AlStatus::linear_solver_failed;
-    else if (!move.is_valid(x)) result.status = AlStatus::inverted;
+    if (result.solved.status != Status::converged) result.status = Status::linear_solver_failed;
+    else if (!move.is_valid(x)) result.status = Status::inverted;
     return result;
 }
 
@@ -192,10 +184,10 @@ AlResult move_with_boundary(const Level& level, Newton& newton, const MethodPara
         const Stopwatch part_watch;
         move.prepare(at.is_last(), at.size, observer);
         made = rule(move, targets_at(level, at.to), x);
-        result.status = interrupted() ? AlStatus::interrupted : made.status;
+        result.status = interrupted() ? Status::interrupted : made.status;
         count(made, result);
-        if (may_halve && result.status == AlStatus::invalid_start) return StageEnd::failed;
-        if (at.is_last() || result.status != AlStatus::converged) return StageEnd::over;
+        if (may_halve && result.status == Status::invalid_start) return StageEnd::failed;
+        if (at.is_last() || result.status != Status::converged) return StageEnd::over;
         AlIteration row = row_of(move, made, x, result.distortion);
         row.seconds = part_watch.seconds();
         const int steps = made.solved.iterations;
@@ -207,7 +199,7 @@ AlResult move_with_boundary(const Level& level, Newton& newton, const MethodPara
     row.seconds = watch.seconds();
     add_row(row);
     result.newton_iterations -= result.followed_newton_iterations;
-    if (result.status != AlStatus::converged) result.gradient = gradient(move, x);
+    if (result.status != Status::converged) result.gradient = gradient(move, x);
     result.lambda.assign(level.constraint->multipliers(), 0.0);
     newton.time.total += watch.seconds();
     return result;

@@ -63,7 +63,7 @@ struct BoundaryMove {
 
 // What came of one part of the motion; `solved` counts all its Newton steps and linear solves.
 struct PartResult {
-    AlStatus status = AlStatus::converged;
+    Status status = Status::converged;
     NewtonResult solved = {};
 };
 

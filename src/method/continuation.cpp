@@ -17,7 +17,7 @@ constexpr int most_steps = 100;  // Newton steps of a subproblem that is not the
 constexpr int most_steps_of_all = 500;  // and of all increments
 
 bool succeeded(const AlResult& result) {
-    return result.status == AlStatus::converged || result.status == AlStatus::interrupted;
+    return result.status == Status::converged || result.status == Status::interrupted;
 }
 
 AugmentedLagrangianParams impatient(AugmentedLagrangianParams params) {
@@ -60,7 +60,7 @@ Increments solve_increments(const Level& level, Newton& newton, const AugmentedL
             observe_stage({level.mesh.nodes(), result.status, result.iterations.back(), result.newton_iterations,
                            at.to});
         if (!at.is_last()) measure_boundary(*level.constraint, x, result.iterations.back());
-        if ((succeeded(result) && at.is_last()) || result.status == AlStatus::interrupted) {
+        if ((succeeded(result) && at.is_last()) || result.status == Status::interrupted) {
             all.end = std::move(result);
             return StageEnd::over;
         }
@@ -114,10 +114,10 @@ AlResult minimise_in_increments(const Level& level, Newton& newton, const Method
         size = 1 / std::ceil(level.turn / increment_turn);
     } else {
         AlResult result = at_once(impatient(params.schedule));
-        const bool hopeless = result.status == AlStatus::infeasible || result.status == AlStatus::max_iterations;
+        const bool hopeless = result.status == Status::infeasible || result.status == Status::max_al_iterations;
         if (succeeded(result) || hopeless) return result;
         steps = result.newton_iterations;
-        if (result.status != AlStatus::max_newton_iterations) {
+        if (result.status != Status::max_newton_iterations) {
             at_once_failed = std::move(result);
             x_failed = x;
         }
@@ -128,7 +128,7 @@ AlResult minimise_in_increments(const Level& level, Newton& newton, const Method
         result = std::move(*all.end);
     } else if (all.failed && level.turn > most_at_once) {  // at once it would go the shorter way
         result = std::move(*all.failed);
-        result.status = AlStatus::stalled;
+        result.status = Status::stalled;
         all.steps -= result.newton_iterations;
     } else if (at_once_failed) {  // with more steps it would end alike
         x = std::move(x_failed);

@@ -44,7 +44,7 @@ struct Level {
 // What the method came to in a stage: a row of the report.
 struct Stage {
     int nodes = 0;
-    AlStatus status = AlStatus::converged;  // where it is not, what follows does not start from here
+    Status status = Status::converged;  // where it is not, what follows does not start from here
     AlIteration last;  // its last iteration; seconds: with making the mesh, its target and the pattern of its matrix
     int newton_iterations = 0;
     double fraction = 1;  // of the motion

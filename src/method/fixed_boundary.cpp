@@ -23,7 +23,7 @@ PartResult minimise_inside(BoundaryMove& move, const std::vector<double>& target
     PartResult result;
     x = move.best_start(targets, x, result.solved);
     if (move.is_valid(x)) minimise_held(move, x, result);
-    else result.status = AlStatus::invalid_start;
+    else result.status = Status::invalid_start;
     return result;
 }
 

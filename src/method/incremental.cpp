@@ -9,7 +9,7 @@ namespace almesh {
 PartResult minimise_or_stay(BoundaryMove& move, const std::vector<double>& targets, std::vector<double>& x) {
     std::vector<double> moved = x;
     const PartResult result = minimise_inside(move, targets, moved);
-    if (result.status != AlStatus::invalid_start) x = std::move(moved);
+    if (result.status != Status::invalid_start) x = std::move(moved);
     return result;
 }
 

@@ -48,7 +48,7 @@ Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Lev
     stage.last = result.iterations.back();
     stage.newton_iterations = result.newton_iterations + result.followed_newton_iterations;
     solution = {};
-    if (result.status != AlStatus::converged) return stage;
+    if (result.status != Status::converged) return stage;
     solution.multipliers = extended(level->constraint->multiplier_field(result.lambda), *level);
     solution.mu = stage.last.mu / square(level->constraint->norm_of_one());
     for (std::size_t i = 0; i < x.size(); ++i) x[i] -= level->ideal[i];

@@ -24,7 +24,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
                               const NewtonObserver& observe) {
     NewtonResult at = start(E, params, x);                                    // E(x), g = grad E(x), omega
     StoppingTests tests(params);
-    std::optional<NewtonStatus> ended;
+    std::optional<Status> ended;
     while (!ended && !(ended = tests.before_step(at))) {                      // |g| <= omega
         refine_quadrature(E, x, at);
         const NewtonResult before = at;
@@ -180,20 +180,6 @@ Newton::Newton(BlockCsr pattern, const LinearSolverParams& linear, Forcing forci
       d_(H_.size()),
       trial_(H_.size()),
       forcing_{forcing, linear.tolerance} {}
-
-const char* to_string(NewtonStatus status) {
-    switch (status) {
-        case NewtonStatus::converged: return "converged";
-        case NewtonStatus::rounding_floor: return "rounding_floor";
-        case NewtonStatus::max_iterations: return "max_newton_iterations";
-        case NewtonStatus::line_search_failed: return "line_search_failed";
-        case NewtonStatus::linear_solver_failed: return "linear_solver_failed";
-        case NewtonStatus::overflow: return "overflow";
-        case NewtonStatus::interrupted: return "interrupted";
-        case NewtonStatus::out_of_reach: return "out_of_reach";
-    }
-    return "";
-}
 
 const char* to_string(HessianKind kind) {
     switch (kind) {

@@ -25,22 +25,12 @@
 #include "method/eigenvalue_filtering.hpp"
 #include "method/forcing.hpp"
 #include "method/local_elimination.hpp"
+#include "method/status.hpp"
 
 namespace almesh {
 
 struct AugmentedFunctional;
 
-enum class NewtonStatus {
-    converged,
-    rounding_floor,
-    max_iterations,
-    line_search_failed,
-    linear_solver_failed,
-    overflow,  // |grad E| beyond the range of double precision: of a penalty that is
-    interrupted,
-    out_of_reach  // of the target, without multipliers
-};
-const char* to_string(NewtonStatus status);
 const char* to_string(HessianKind kind);
 
 // The tolerance of |grad E| is max(min(omega, reduction |grad E| at the start), omega_star); a reduction of 1 does not
@@ -77,7 +67,7 @@ struct NewtonStep {
 };
 
 struct NewtonResult {
-    NewtonStatus status = NewtonStatus::converged;
+    Status status = Status::converged;
     int iterations = 0;
     int linear_iterations = 0;
     int local_steps = 0;  // of local eliminations

@@ -17,7 +17,7 @@ constexpr double gradient_of_power = 0.03; // such a power lowers |grad E| to th
 constexpr double worthwhile = 2e-3;        // relative decrease of the largest eta
 constexpr double undistorted = 1e-10;      // largest eta - 1 below which there is nothing to gain
 
-bool succeeded(const AlResult& result) { return result.status == AlStatus::converged; }
+bool succeeded(const AlResult& result) { return result.status == Status::converged; }
 
 // What one power leaves to the next.
 struct Sharpening {
@@ -70,7 +70,7 @@ AlResult minimise_worst(const Level& level, Newton& newton, const MethodParams& 
     int earlier_steps = at.result.newton_iterations + at.result.followed_newton_iterations, p = 2;
     const auto report_power = [&] {
         if (observe_stage)
-            observe_stage({level.mesh.nodes(), AlStatus::converged, at.result.iterations.back(),
+            observe_stage({level.mesh.nodes(), Status::converged, at.result.iterations.back(),
                           at.result.newton_iterations, 1, level.energy->power().p});
     };
     report_power();
@@ -85,7 +85,7 @@ AlResult minimise_worst(const Level& level, Newton& newton, const MethodParams& 
         schedule.max_newton_iterations = steps_of_power;
         at.take(minimise(*level.energy, *level.constraint, newton, schedule, x, {}, from));
         earlier_steps += at.result.newton_iterations;
-        if (at.result.status == AlStatus::interrupted) {
+        if (at.result.status == Status::interrupted) {
             at.result.followed_newton_iterations = earlier_steps - at.result.newton_iterations;
             return at.result;
         }
@@ -94,7 +94,7 @@ AlResult minimise_worst(const Level& level, Newton& newton, const MethodParams& 
     for (p = can_gain ? std::min(2 * p, last_power) : 2;; p = std::max(2, p / 2)) {
         const AlStart from = at.set_power(p, x);
         at.take(minimise(*level.energy, *level.constraint, newton, params.schedule, x, observer, from));
-        if (succeeded(at.result) || at.result.status == AlStatus::interrupted || p == 2) break;
+        if (succeeded(at.result) || at.result.status == Status::interrupted || p == 2) break;
         earlier_steps += at.result.newton_iterations;
     }
     at.result.followed_newton_iterations = earlier_steps;

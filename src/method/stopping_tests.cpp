@@ -26,28 +26,28 @@ bool at_attainable_accuracy(bool by_rounding, double g_before, double g, double 
     return by_rounding && g > 0.5 * g_before && g > omega;
 }
 
-std::optional<NewtonStatus> StoppingTests::before_step(const NewtonResult& at) const {
-    if (at.gradient_norm <= at.omega) return NewtonStatus::converged;
-    if (!is_finite(at)) return NewtonStatus::overflow;
-    if (at.iterations == params_.max_iterations) return NewtonStatus::max_iterations;
-    if (interrupted()) return NewtonStatus::interrupted;
+std::optional<Status> StoppingTests::before_step(const NewtonResult& at) const {
+    if (at.gradient_norm <= at.omega) return Status::converged;
+    if (!is_finite(at)) return Status::overflow;
+    if (at.iterations == params_.max_iterations) return Status::max_newton_iterations;
+    if (interrupted()) return Status::interrupted;
     return std::nullopt;
 }
 
-std::optional<NewtonStatus> StoppingTests::after_step(const NewtonStep& step, const NewtonResult& before,
-                                                      const NewtonResult& at, const AugmentedFunctional& E,
-                                                      const std::vector<double>& x) {
-    if (!step.has_direction) return NewtonStatus::linear_solver_failed;
-    if (step.step_length == 0) return NewtonStatus::line_search_failed;
+std::optional<Status> StoppingTests::after_step(const NewtonStep& step, const NewtonResult& before,
+                                                const NewtonResult& at, const AugmentedFunctional& E,
+                                                const std::vector<double>& x) {
+    if (!step.has_direction) return Status::linear_solver_failed;
+    if (step.step_length == 0) return Status::line_search_failed;
     const bool moves = step.step_length > short_step || before.energy - at.energy > unchanged * std::abs(at.energy);
     futile_steps_ = moves ? 0 : futile_steps_ + 1;
-    if (futile_steps_ == most_futile_steps) return NewtonStatus::line_search_failed;
-    if (!is_finite(at)) return NewtonStatus::overflow;
+    if (futile_steps_ == most_futile_steps) return Status::line_search_failed;
+    if (!is_finite(at)) return Status::overflow;
     if (at.energy > params_.largest_energy &&
         is_infeasible(params_.largest_energy, before.energy, at.energy, step.step_length, E.distortion.energy(x)))
-        return NewtonStatus::out_of_reach;
+        return Status::out_of_reach;
     if (at_attainable_accuracy(step.by_rounding, before.gradient_norm, at.gradient_norm, at.omega))
-        return NewtonStatus::rounding_floor;
+        return Status::rounding_floor;
     return std::nullopt;
 }
 

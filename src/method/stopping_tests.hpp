@@ -30,10 +30,10 @@ public:
     explicit StoppingTests(const NewtonParams& params) : params_(params) {}
 
     // Whether a minimisation ends, and how: before a step from the iterate `at`,
-    std::optional<NewtonStatus> before_step(const NewtonResult& at) const;
+    std::optional<Status> before_step(const NewtonResult& at) const;
     // and after one from `before` to `at`, or none.
-    std::optional<NewtonStatus> after_step(const NewtonStep& step, const NewtonResult& before, const NewtonResult& at,
-                                           const AugmentedFunctional& E, const std::vector<double>& x);
+    std::optional<Status> after_step(const NewtonStep& step, const NewtonResult& before, const NewtonResult& at,
+                                     const AugmentedFunctional& E, const std::vector<double>& x);
 
 private:
     const NewtonParams& params_;

@@ -32,7 +32,7 @@ PartResult untangle(BoundaryMove& move, const std::vector<double>& targets, std:
         distortion.set_delta(0);
     }
     if (move.is_valid(x)) minimise_held(move, x, result);
-    else result.status = interrupted() ? AlStatus::interrupted : AlStatus::inverted;
+    else result.status = interrupted() ? Status::interrupted : Status::inverted;
     return result;
 }
 

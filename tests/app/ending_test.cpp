@@ -233,7 +233,7 @@ TEST_CASE("a line search that fails is told at the most distorted element, an ov
         return take_contents(out);
     };
 
-    solution.al.status = AlStatus::line_search_failed;
+    solution.al.status = Status::line_search_failed;
     solution.followed = 0.375;
     std::string text = print();
     CHECK(solution.obstacle.kind == ObstacleKind::distorted);
@@ -242,7 +242,7 @@ TEST_CASE("a line search that fails is told at the most distorted element, an ov
     CHECK(has(text, " is the most distorted: eta 12.5, scaled Jacobian >= 1\n"));
     CHECK(has(text, "try weight_exponent = 0.5 or 0; a part of the motion, of which 0.375 was reached\n"));
 
-    solution.al.status = AlStatus::stalled;  // all is fixed, but one node is not in its place
+    solution.al.status = Status::stalled;  // all is fixed, but one node is not in its place
     const int outer = mesh.face(mesh.boundary_index("outer") == mesh.face_boundary[0] ? 0 : mesh.face_count() - 1)[0];
     point(solution.x, outer, 2)[0] += 0.01;
     text = print();
@@ -252,7 +252,7 @@ TEST_CASE("a line search that fails is told at the most distorted element, an ov
     CHECK(has(text, "try boundary outer = slide or free, if its nodes need not stay in their places; "));
     solution.x = problem.ideal();
 
-    solution.al.status = AlStatus::converged;
+    solution.al.status = Status::converged;
     solution.injectivity.node = 5;
     solution.injectivity.obstacle = "the elements around node 6 overlap";
     solution.injectivity.place = centroid(mesh, solution.x, &solution.injectivity.node, 1);

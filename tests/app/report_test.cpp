@@ -29,7 +29,7 @@ AlIteration al_row() {
     row.relative_quality = 0.9365;
     row.max_distortion = 2.75;
     row.newton_iterations = 4;
-    row.newton_status = NewtonStatus::rounding_floor;
+    row.newton_status = Status::rounding_floor;
     row.update = AlUpdate::both;
     row.seconds = 1.5;
     return row;
@@ -134,7 +134,7 @@ TEST_CASE("an augmented Lagrangian row, in the mesh's units") {
 
 TEST_CASE("a coarser mesh gives one row: its last iteration, all its Newton steps, its nodes") {
     History history(2, 2);
-    Stage stage{841, AlStatus::converged, al_row(), 9};
+    Stage stage{841, Status::converged, al_row(), 9};
     history.add(stage);
     auto cells = last_row(history);
     CHECK(cells["kind"] == "coarse");
@@ -146,7 +146,7 @@ TEST_CASE("a coarser mesh gives one row: its last iteration, all its Newton step
     CHECK(cells["nodes"] == "841");
     CHECK(cells["seconds"] == "1.5");
     CHECK(history.newton_steps == 0);  // they count those on the deck's own mesh
-    stage.status = AlStatus::infeasible;
+    stage.status = Status::infeasible;
     history.add(stage);
     CHECK(last_row(history)["update"] == "dropped");
 }
@@ -214,9 +214,9 @@ TEST_CASE("a coarser mesh has a row with its nodes, and says where it was not us
     std::FILE* file = std::tmpfile();
     REQUIRE(file);
     Report report(file, {2, 1}, "id");
-    Stage stage{841, AlStatus::converged, row_after(2), 9};
+    Stage stage{841, Status::converged, row_after(2), 9};
     report.add(stage);
-    stage.status = AlStatus::infeasible;
+    stage.status = Status::infeasible;
     report.add(stage);
     const auto lines = pieces(contents(file), '\n');
     REQUIRE(lines.size() == 3);  // below the header

@@ -23,7 +23,7 @@ TEST_CASE("a signal ends a run after the Newton step at hand, with a valid mesh"
     const AlResult result = problem.solve({}, x, observer);
     CHECK(interrupted());
     clear_interrupt();
-    CHECK(result.status == AlStatus::interrupted);
+    CHECK(result.status == Status::interrupted);
     CHECK(steps == 3);
     CHECK(x != problem.ideal);
     CHECK(certify(problem.mesh, x).valid);

@@ -54,7 +54,7 @@ TEST_CASE("a target that no valid mesh reaches is infeasible, or stalls without 
             CAPTURE(static_cast<int>(algorithm));
             CAPTURE(static_cast<int>(objective));
             CAPTURE(result.newton_iterations);
-            CHECK(result.status == (algorithm == Algorithm::adaptive ? AlStatus::infeasible : AlStatus::stalled));
+            CHECK(result.status == (algorithm == Algorithm::adaptive ? Status::infeasible : Status::stalled));
             CHECK(certify(problem.mesh, x).valid);
             CHECK(problem.constraint.projected_norm(x) > 1);
             if (algorithm == Algorithm::adaptive) CHECK(result.newton_iterations < 50);
@@ -81,15 +81,15 @@ TEST_CASE("limits of iterations end the run with their status") {
     AugmentedLagrangianParams params;
     params.max_iterations = 2;
     const AlResult outer = problem.solve(params, x);
-    CHECK(outer.status == AlStatus::max_iterations);
+    CHECK(outer.status == Status::max_al_iterations);
     CHECK(outer.iterations.size() == 3);
     CHECK(norm_2(outer.gradient) == doctest::Approx(outer.iterations.back().gradient_norm).epsilon(1e-6));
     CHECK(certify(problem.mesh, x).valid);
     params = {};
     params.max_newton_iterations = 1;
     const AlResult inner = problem.solve(params, x);
-    CHECK(inner.status == AlStatus::max_newton_iterations);
-    CHECK(inner.iterations.back().newton_status == NewtonStatus::max_iterations);
+    CHECK(inner.status == Status::max_newton_iterations);
+    CHECK(inner.iterations.back().newton_status == Status::max_newton_iterations);
     CHECK(inner.newton_iterations == 1);
     CHECK(norm_2(inner.gradient) == doctest::Approx(inner.iterations.back().gradient_norm).epsilon(1e-6));
     CHECK(certify(problem.mesh, x).valid);
@@ -102,8 +102,8 @@ TEST_CASE("a linear solver that cannot solve ends the run with its status") {
     linear.memory_limit = 1;
     std::vector<double> x;
     const AlResult result = problem.solve({}, x, {}, linear);
-    CHECK(result.status == AlStatus::linear_solver_failed);
-    CHECK(result.iterations.back().newton_status == NewtonStatus::linear_solver_failed);
+    CHECK(result.status == Status::linear_solver_failed);
+    CHECK(result.iterations.back().newton_status == Status::linear_solver_failed);
     CHECK(x == problem.ideal);
 }
 
@@ -113,8 +113,8 @@ TEST_CASE("a gradient tolerance below rounding is said to be so, and the run con
     params.omega_star = 1e-30;
     std::vector<double> x;
     const AlResult result = problem.solve(params, x);
-    CHECK(result.status == AlStatus::converged);
-    CHECK(result.iterations.back().newton_status == NewtonStatus::rounding_floor);
+    CHECK(result.status == Status::converged);
+    CHECK(result.iterations.back().newton_status == Status::rounding_floor);
     CHECK(problem.constraint.projected_norm(x) <= 1e-8);
     CHECK(result.gradient.empty());
 }
@@ -125,10 +125,10 @@ TEST_CASE("as printed, no target counts as out of reach in the first subproblem"
     params.max_iterations = 1;
     params.mu0 = 1e5;
     std::vector<double> x;
-    CHECK(problem.solve(params, x).iterations.back().newton_status == NewtonStatus::out_of_reach);
+    CHECK(problem.solve(params, x).iterations.back().newton_status == Status::out_of_reach);
     params.algorithm = Algorithm::literal;
     params.mu0 = std::sqrt(1e5) / problem.constraint.norm_of_one();  // the same weight, mu^2
-    CHECK(problem.solve(params, x).iterations.back().newton_status != NewtonStatus::out_of_reach);
+    CHECK(problem.solve(params, x).iterations.back().newton_status != Status::out_of_reach);
 }
 
 TEST_CASE("as printed, the loop ends as soon as one test holds") {
@@ -139,12 +139,12 @@ TEST_CASE("as printed, the loop ends as soon as one test holds") {
     std::vector<double> x;
     const AlResult result = problem.solve(params, x);
     CHECK(norm_2(result.gradient) == doctest::Approx(result.iterations.back().gradient_norm).epsilon(1e-6));
-    CHECK(result.status == AlStatus::ended_as_printed);
+    CHECK(result.status == Status::ended_as_printed);
     CHECK(result.iterations.size() == 2);
     CHECK(problem.constraint.projected_norm(x) > 1e3 * std::sqrt(params.epsilon_star));
     std::vector<double> y;
     params.algorithm = Algorithm::paper;
-    CHECK(problem.solve(params, y).status == AlStatus::converged);
+    CHECK(problem.solve(params, y).status == Status::converged);
     CHECK(problem.constraint.projected_norm(y) <= std::sqrt(params.epsilon_star));
 }
 
@@ -157,7 +157,7 @@ TEST_CASE("a constraint that goes on falling, if slowly, does not stall") {
     params.max_iterations = 6;
     std::vector<double> x;
     const AlResult result = problem.solve(params, x);
-    CHECK(result.status == AlStatus::max_iterations);
+    CHECK(result.status == Status::max_al_iterations);
     const std::vector<double> left = parts_left(result.iterations);
     REQUIRE(left.size() == 6);
     for (std::size_t k = 2; k < left.size(); ++k) CHECK(left[k] == doctest::Approx(std::pow(10, -0.25)).epsilon(0.01));
@@ -167,7 +167,7 @@ TEST_CASE("the constraint stalls where three penalties in a row leave nine tenth
     const Minimisation problem(ring_mesh(12, 3, 5), {{"inner", "translate 40 0"}}, Objective::squared);
     std::vector<double> x;
     const AlResult result = problem.solve(penalty_from(1), x);
-    CHECK(result.status == AlStatus::stalled);
+    CHECK(result.status == Status::stalled);
     const std::vector<double> left = parts_left(result.iterations);
     REQUIRE(left.size() >= 5);
     CHECK(std::all_of(left.end() - 3, left.end(), [](double part) { return part > 0.9; }));
@@ -178,7 +178,7 @@ TEST_CASE("a constraint that stands still under weak penalties does not stall") 
     const Minimisation problem(ring_mesh(12, 3, 6), {{"inner", "translate 2 0"}}, Objective::squared);
     std::vector<double> x;
     const AlResult result = problem.solve(penalty_from(1e-6), x);
-    CHECK(result.status == AlStatus::converged);
+    CHECK(result.status == Status::converged);
     const std::vector<double> left = parts_left(result.iterations);
     CHECK(std::count_if(left.begin(), left.end(), [](double part) { return part > 0.9; }) >= 4);
 }
@@ -196,11 +196,11 @@ TEST_CASE("a target counts as out of reach where the penalty costs more than a d
     const AlResult weak = first_subproblem(2e-4, x);
     CHECK(problem.distortion.energy(x) < 0.1 * weak.iterations.back().energy);
     CHECK(weak.iterations.back().energy > problem.distortion.uniform(2));
-    CHECK(weak.status == AlStatus::max_iterations);
+    CHECK(weak.status == Status::max_al_iterations);
     const AlResult strong = first_subproblem(10, x);
     CHECK(problem.distortion.energy(x) < 0.1 * strong.iterations.back().energy);
     CHECK(strong.iterations.back().energy < problem.distortion.uniform(100));
-    CHECK(strong.status == AlStatus::infeasible);
+    CHECK(strong.status == Status::infeasible);
 }
 
 TEST_CASE("no node is farther from its place than wall_tolerance, whatever the norm of the constraint may be") {
@@ -210,7 +210,7 @@ TEST_CASE("no node is farther from its place than wall_tolerance, whatever the n
     params.wall_tolerance = 1e-6;
     std::vector<double> x;
     const AlResult result = problem.solve(params, x);
-    CHECK(result.status == AlStatus::converged);
+    CHECK(result.status == Status::converged);
     CHECK(problem.constraint.relative_error(x) <= 1e-6);
     CHECK(result.iterations[1].projected_constraint_norm < 1);
     CHECK(result.iterations[1].relative_boundary_error > 1e-6);
@@ -221,5 +221,5 @@ TEST_CASE("a rounding floor above omega0 is told as such") {
     AugmentedLagrangianParams params;
     params.omega_star = params.omega0 = 1e-30;
     std::vector<double> x;
-    CHECK(problem.solve(params, x).status == AlStatus::rounding_floor);
+    CHECK(problem.solve(params, x).status == Status::rounding_floor);
 }

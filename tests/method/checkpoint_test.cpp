@@ -117,7 +117,7 @@ TEST_CASE("a run that was interrupted after any Newton step ends with the same b
             Saved saved;
             Checkpoint first = saved.checkpoint(false);
             const AlResult interrupted = run(problem, &first, stop).result;
-            CHECK(interrupted.status == AlStatus::interrupted);
+            CHECK(interrupted.status == Status::interrupted);
             Checkpoint second = saved.checkpoint(true);
             const int begun = static_cast<int>(interrupted.iterations.size()) - 1;
             CHECK(second.minimisations() == begun - 1);  // all but the one that was interrupted

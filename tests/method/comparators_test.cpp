@@ -191,7 +191,7 @@ TEST_CASE("penalty: the multipliers stay zero, and |c_D| falls like 1 / mu") {
     const Minimisation of(ring_mesh(12, 3, 6), {{"inner", "translate 2 0"}}, Objective::squared);
     std::vector<double> x;
     const AlResult result = of.solve({.moving = MovingMethod::penalty}, x);
-    CHECK(result.status == AlStatus::converged);
+    CHECK(result.status == Status::converged);
     CHECK(result.lambda == std::vector<double>(of.constraint.multipliers(), 0.0));
     REQUIRE(result.iterations.size() > 4);
     for (std::size_t k = 2; k < result.iterations.size(); ++k) {

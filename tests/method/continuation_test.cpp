@@ -156,7 +156,7 @@ TEST_CASE("an interrupted part reports how far the boundary is from the target o
     const AlResult result =
         minimise_in_increments(level, newton, {}, x, {}, {}, [](const Stage&) { interrupt_flag = 1; });
     clear_interrupt();
-    CHECK(result.status == AlStatus::interrupted);
+    CHECK(result.status == Status::interrupted);
     CHECK(result.followed_newton_iterations > 0);
     CHECK(result.iterations.back().projected_constraint_norm == level.constraint->projected_norm(x));
     CHECK(result.iterations.back().projected_constraint_norm > 0.1);
@@ -170,12 +170,12 @@ TEST_CASE("a minimisation that does not end takes 100 steps, and a part of a mot
     std::vector<double> x = level->ideal, fractions;
     const AlResult result = minimise_in_increments(*level, newton, params, x, {}, {}, [&](const Stage& part) {
         fractions.push_back(part.fraction);
-        CHECK(part.status == AlStatus::max_newton_iterations);
+        CHECK(part.status == Status::max_newton_iterations);
         CHECK(part.newton_iterations == 100);
     });
     CHECK(fractions == std::vector<double>{0.5, 0.25, 0.125, 0.0625, 0.03125});
     CHECK(result.followed_newton_iterations == 600);  // and the motion at once
-    CHECK(result.status == AlStatus::max_newton_iterations);
+    CHECK(result.status == Status::max_newton_iterations);
     CHECK(result.newton_iterations == 250);  // the last resort
 }
 
@@ -208,7 +208,7 @@ TEST_CASE("a solution that is only a start is solved to a thousandth of the moti
         const AlResult result =
             minimise(problem.distortion, problem.constraint, newton, loosened({}, problem.level), x, {}, weak);
         CHECK(loosened({}, problem.level).omega_star == doctest::Approx(0.03 * whole));  // as |grad E| scales in 2D
-        REQUIRE(result.status == AlStatus::converged);
+        REQUIRE(result.status == Status::converged);
         const auto& rows = result.iterations;
         REQUIRE(rows.size() > 3);
         CHECK(rows.back().projected_constraint_norm <= 1e-3 * whole);

@@ -50,7 +50,7 @@ TEST_CASE("held nodes of curved elements stay to the last bit where conjugate gr
     params.omega = params.omega_star = 1e-8;
     PreconditionerKind used = PreconditionerKind::automatic;
     const NewtonResult result = newton.minimise(E, params, x, [&](const NewtonStep& s) { used = s.preconditioner; });
-    CHECK(result.status == NewtonStatus::converged);
+    CHECK(result.status == Status::converged);
     CHECK(used == PreconditionerKind::pmg);
     for (int i = 0; i < of.mesh.nodes(); ++i)
         for (int a = 0; a < 3 && E.held[i]; ++a) CHECK(x[3 * i + a] == start[3 * i + a]);

@@ -108,7 +108,7 @@ void solve(int number, Counts& tame, Counts& wild) {
     CHECK(certify(level.mesh, x).valid);
     Counts& counts = steepness < 0.9 ? tame : wild;
     ++counts.problems;
-    counts.converged += result.status == AlStatus::converged;
+    counts.converged += result.status == Status::converged;
     counts.refined += level.energy->refined_elements() > 0;
 }
 

@@ -311,8 +311,8 @@ TEST_CASE("sliding distorts the mesh less than positions prescribed on the same 
                                   TargetKind::nodal);
     const auto sliding = sliding_level(mesh, there, Objective::deviation);
     std::vector<double> x, y;
-    REQUIRE(prescribed.solve({}, x).status == AlStatus::converged);
-    REQUIRE(solve(*sliding, y).status == AlStatus::converged);
+    REQUIRE(prescribed.solve({}, x).status == Status::converged);
+    REQUIRE(solve(*sliding, y).status == Status::converged);
     CHECK(sliding->constraint->max_error(x) < 1e-6);
     CHECK(sliding->energy->energy(y) < 0.99 * sliding->energy->energy(x));
 }
@@ -388,7 +388,7 @@ TEST_CASE("continuation carries its multipliers from mesh to mesh") {
     CHECK(norm_2(start.lambda) > 0);
     const AlResult continued = solve(*fine, x, start), cold = solve(*fine, y);
     CHECK(std::string(to_string(continued.status)) == "converged");
-    CHECK(cold.status == AlStatus::converged);
+    CHECK(cold.status == Status::converged);
     CHECK(continued.newton_iterations <= cold.newton_iterations - 3);
     double largest = 0;
     for (std::size_t i = 0; i < x.size(); ++i) largest = std::max(largest, std::abs(x[i] - y[i]));

@@ -46,10 +46,10 @@ TEST_CASE("before a step: converged, overflow, or no more steps") {
         return tests.before_step(at);
     };
     CHECK(before_step(4, 1, 1e-7) == std::nullopt);
-    CHECK(before_step(5, 1, 1e-8) == NewtonStatus::converged);
-    CHECK(before_step(5, 1, 1e-7) == NewtonStatus::max_iterations);
-    CHECK(before_step(5, 1, infinity) == NewtonStatus::overflow);
-    CHECK(before_step(4, 1, std::numeric_limits<double>::quiet_NaN()) == NewtonStatus::overflow);
+    CHECK(before_step(5, 1, 1e-8) == Status::converged);
+    CHECK(before_step(5, 1, 1e-7) == Status::max_newton_iterations);
+    CHECK(before_step(5, 1, infinity) == Status::overflow);
+    CHECK(before_step(4, 1, std::numeric_limits<double>::quiet_NaN()) == Status::overflow);
 }
 
 TEST_CASE("after a step: failures, and the third in a row that leads nowhere") {
@@ -67,8 +67,8 @@ TEST_CASE("after a step: failures, and the third in a row that leads nowhere") {
         at.energy -= gained;
         return tests.after_step(step, before, at, E, problem.ideal);
     };
-    CHECK(after_step(false, 0, 0) == NewtonStatus::linear_solver_failed);
-    CHECK(after_step(true, 0, 0) == NewtonStatus::line_search_failed);
+    CHECK(after_step(false, 0, 0) == Status::linear_solver_failed);
+    CHECK(after_step(true, 0, 0) == Status::line_search_failed);
     for (int times = 0; times < 2; ++times) {
         CHECK(after_step(true, 1e-9, 0) == std::nullopt);
         CHECK(after_step(true, 1e-9, 1e-15) == std::nullopt);
@@ -76,5 +76,5 @@ TEST_CASE("after a step: failures, and the third in a row that leads nowhere") {
     }
     CHECK(after_step(true, 1e-9, 0) == std::nullopt);
     CHECK(after_step(true, 1e-9, 0) == std::nullopt);
-    CHECK(after_step(true, 1e-9, 0) == NewtonStatus::line_search_failed);
+    CHECK(after_step(true, 1e-9, 0) == Status::line_search_failed);
 }

@@ -1,0 +1,43 @@
+// How a minimisation, Algorithm 1, or another method ended: its name, and what held it up.
+#pragma once
+
+namespace almesh {
+
+enum class Status {
+    converged,
+    infeasible,             // evidence that no valid mesh reaches the target (stopping_tests.hpp)
+    stalled,                // the constraint stopped falling while the penalty grew
+    rounding_floor,         // rounding ended |grad E| above its tolerance; of a run, the constraint holds: above omega0
+    ended_as_printed,       // literal: the loop as printed ends when one of its two tests holds, and only one did
+    max_al_iterations,
+    max_newton_iterations,
+    line_search_failed,
+    linear_solver_failed,
+    overflow,               // numbers beyond the range of double precision: of a penalty that is
+    interrupted,            // by a signal
+    out_of_reach,           // of one minimisation, where its run is infeasible
+    // Of methods that set the boundary on its target (comparators.hpp):
+    inverted,               // the mesh that they came to has inverted elements
+    invalid_start           // so has every mesh from which they could minimise
+};
+
+// What held up a run, and where (check/obstacle.hpp).
+enum class Cause {
+    validity,             // elements that are not valid, or else overlap
+    gradient,             // the node with most of |grad E|
+    distortion,           // the most distorted element
+    boundary,             // the boundary node farthest from its target
+    boundary_or_gradient  // this, unless the constraint holds
+};
+
+struct StatusRow {
+    Status status;
+    const char* name;    // in summary.txt and history.csv
+    const char* ending;  // what a run's report says
+    Cause cause;
+};
+
+const StatusRow& status_row(Status status);
+const char* to_string(Status status);
+
+}  // namespace almesh
