@@ -14,7 +14,7 @@
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "check/released_nodes.hpp"
-#include "constraint/dirichlet.hpp"
+#include "constraint/sliding_boundary.hpp"
 #include "energy/vertex_interpolation.hpp"
 #include "io/mesh_format.hpp"
 #include "mesh/build.hpp"
@@ -274,7 +274,7 @@ std::unique_ptr<Constraint> constraint_at(double fraction, const Deck& deck, con
         std::shared_ptr<SlidingSurfaces> sliding;  // of its own: another mesh's is where the motion ends
         if (problem.sliding) sliding = surfaces_at(fraction, deck, problem, level.mesh, target, motions);
         finish(level.mesh, frame, sliding.get(), target);
-        return std::make_unique<Dirichlet>(level.mesh, level.ideal, target, kind, sliding);
+        return make_constraint(level.mesh, level.ideal, target, kind, sliding);
     } catch (const InputError&) {  // the motions of two boundaries agree at their ends only
         return nullptr;
     }
@@ -288,8 +288,8 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
         return sweep_order(pattern, level.mesh.dim, deck.linear, vertex_interpolation(level.mesh));
     });
     const bool is_coarser = level.mesh.degree < problem.mesh().degree;
-    const TargetKind kind = target.prescribes_all() && !is_coarser ? deck.target : TargetKind::nodal;
-    level.constraint = std::make_unique<Dirichlet>(level.mesh, level.ideal, target, kind, problem.sliding);
+    const TargetKind kind = is_coarser ? TargetKind::nodal : deck.target;
+    level.constraint = make_constraint(level.mesh, level.ideal, target, kind, problem.sliding);
     std::vector<Motion> motions = problem.motions;
     for (Motion& motion : motions) {
         if (deck.follow != Follow::always) motion = shortest(std::move(motion));

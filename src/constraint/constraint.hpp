@@ -4,11 +4,12 @@
 //     C(x) = -(lambda, c) + mu/2 |c|^2,
 //
 // in a scalar product of the boundary with (1, 1) = |1|^2. Nothing here says that c is linear, which nodes it acts on,
-// or how many multipliers a node has. dirichlet.hpp prescribes positions, or the distance to a surface along which the
-// boundary slides.
+// or how many multipliers a node has. dirichlet.hpp prescribes positions, sliding_boundary.hpp for some nodes no more
+// than that they are on surfaces.
 //
 // Evaluations use work space of the object: one call at a time. x: node_count x dim positions everywhere.
 #pragma once
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -16,7 +17,7 @@
 
 namespace almesh {
 
-// C as a function of the positions y of some nodes (nodes x dim), all others held: for local minimisations.
+// C as a function of the positions y of some nodes (nodes x dim), all others fixed: for local minimisations.
 class ConstraintPart {
 public:
     virtual ~ConstraintPart() = default;
@@ -36,10 +37,13 @@ public:
     // |P c|, P the projection onto the space of the multipliers: what can be made zero, and is tested for it.
     virtual double projected_norm(const std::vector<double>& x) = 0;
     virtual double max_error(const std::vector<double>& x) = 0;  // largest distance from where the boundary should be
-    // The largest distance of a node from where P c = 0 would have it, over the height of the cells at that node.
-    virtual double relative_error(const std::vector<double>& x) const = 0;
-    // The same for each of nodes().
-    virtual std::vector<double> relative_errors(const std::vector<double>& /*x*/) const { return {}; }
+    // The distance of each of nodes() from where P c = 0 would have it, over the height of the cells at that node.
+    virtual std::vector<double> relative_errors(const std::vector<double>& x) const = 0;
+    double relative_error(const std::vector<double>& x) const {  // the largest of them
+        double largest = 0;
+        for (const double error : relative_errors(x)) largest = std::max(largest, error);
+        return largest;
+    }
 
     virtual double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) = 0;
     virtual void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,

@@ -1,4 +1,4 @@
-// The nodes that slide, and how far they are from their surfaces (dirichlet.hpp).
+// The nodes that slide, and how far they are from their surfaces (sliding_boundary.hpp).
 #pragma once
 #include <array>
 #include <vector>

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/error.hpp"
-#include "base/index.hpp"
+#include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
 #include "linalg/direct/cholesky.hpp"
 #include "mesh/lagrange.hpp"
@@ -27,7 +27,8 @@ double face_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
 
 }  // namespace
 
-TraceSpace::TraceSpace(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target) {
+TraceSpace::TraceSpace(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target)
+    : dim(mesh.dim) {
     const LagrangeBasis basis(mesh.dim - 1, mesh.degree);
     face_values.resize(offset(target.quadrature.count, basis.count));
     for (int q = 0; q < target.quadrature.count; ++q)
@@ -88,8 +89,44 @@ void TraceSpace::assemble_mass(const Mesh& mesh, const Quadrature& quadrature) {
         for (int ij = 0; ij < m * m; ++ij) M.value[place[offset(f, m * m, ij)]] += face_weight[f] * reference[ij];
 }
 
+double TraceSpace::product(const std::vector<double>& u, const std::vector<double>& v) const {
+    constexpr double mass_work = 40;  // simple operations that a row of M takes
+    double sum = 0;
+    with_dimension(dim, [&](auto n) {
+        sum = deterministic_sum(count(), [&](int t) {
+            double Mv[n], of_node = 0;
+            mass_times<n>(v, t, Mv);
+            for (int a = 0; a < n; ++a) of_node += u[t * n + a] * Mv[a];
+            return of_node;
+        }, mass_work);
+    });
+    return sum;
+}
+
+std::vector<double> TraceSpace::force_density(std::vector<double> r, const std::vector<double>& lambda,
+                                              double mu) const {
+    for (std::size_t k = 0; k < r.size(); ++k) r[k] = (mu * r[k] / norm_of_one - lambda[k]) / norm_of_one;
+    return r;
+}
+
+std::vector<double> TraceSpace::distances(const std::vector<double>& x, const std::vector<double>& y) const {
+    std::vector<double> result(nodes.size());
+    for (int t = 0; t < count(); ++t) {
+        double squared = 0;
+        for (int a = 0; a < dim; ++a) squared += std::pow(x[offset(nodes[t], dim, a)] - y[offset(t, dim, a)], 2);
+        result[t] = std::sqrt(squared);
+    }
+    return result;
+}
+
+std::vector<double> TraceSpace::relative_distances(const std::vector<double>& x, const std::vector<double>& y) const {
+    std::vector<double> result = distances(x, y);
+    for (int t = 0; t < count(); ++t) result[t] /= height[t];
+    return result;
+}
+
 std::vector<double> TraceSpace::interpolation(const Mesh& mesh, const BoundaryTarget& target) const {
-    std::vector<double> g_h(nodes.size() * mesh.dim);
+    std::vector<double> g_h(size());
     for (std::size_t k = faces.size(); k-- > 0;)  // the first face that holds a node decides, as in target_check
         for (int a = 0; a < mesh.dim; ++a) g_h[offset(faces[k], mesh.dim, a)] = target.node[k * mesh.dim + a];
     return g_h;
@@ -98,13 +135,13 @@ std::vector<double> TraceSpace::interpolation(const Mesh& mesh, const BoundaryTa
 // Solves M (g_h - y) = (N, g_D - y): relative to the ideal positions y, a boundary that stays has no rounding error.
 std::vector<double> TraceSpace::projection(const Mesh& mesh, const std::vector<double>& ideal,
                                            const BoundaryTarget& target) const {
-    const int dim = mesh.dim, m = mesh.face_nodes(), points = target.quadrature.count;
+    const int m = mesh.face_nodes(), points = target.quadrature.count;
     Cholesky factorisation(M);
     if (factorisation.factor(M).status != SolveStatus::success)
         throw InputError(
             "the mass matrix of the boundary cannot be factored: a boundary face is degenerate or memory is short");
     const auto ideal_at = [&](int t, int a) { return ideal[offset(nodes[t], dim, a)]; };
-    std::vector<double> right(nodes.size()), displacement(nodes.size()), g_h(nodes.size() * dim);
+    std::vector<double> right(nodes.size()), displacement(nodes.size()), g_h(size());
     for (int a = 0; a < dim; ++a) {
         std::fill(right.begin(), right.end(), 0.0);
         for (int f = 0; f < mesh.face_count(); ++f) {

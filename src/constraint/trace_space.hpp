@@ -1,11 +1,14 @@
-// The trace space of dirichlet.hpp: degree-p functions on the boundary, in the scalar product
+// The trace space: degree-p functions on the boundary, in the scalar product of the paper (below Eq. 6),
 //
-//     (u, v) = sum over boundary faces f of the integral over f of u . v / h_f,
+//     (u, v) = sum over boundary faces f of the integral over f of u . v / h_f = u^T M v,
 //
-// h_f the length (2D) or the square root of the area (3D) of the ideal face.
+// h_f the length (2D) or the square root of the area (3D) of the ideal face. A function is its values at the trace
+// nodes, trace nodes x dim.
 #pragma once
+#include <algorithm>
 #include <vector>
 
+#include "base/index.hpp"
 #include "constraint/target.hpp"
 #include "linalg/block_csr.hpp"
 #include "mesh/mesh.hpp"
@@ -13,6 +16,7 @@
 namespace almesh {
 
 struct TraceSpace {
+    int dim;
     std::vector<int> nodes;            // trace node -> mesh node, ascending
     std::vector<int> faces;            // face x face node: trace nodes
     std::vector<double> face_values;   // quadrature point x face node: N
@@ -24,7 +28,27 @@ struct TraceSpace {
     // ideal: node_count x dim positions of the ideal mesh.
     TraceSpace(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target);
 
-    // trace nodes x dim: the target at the nodes, and its projection, M g_h = (N, g_D).
+    int count() const { return M.n; }
+    std::size_t size() const { return nodes.size() * dim; }  // of a function
+
+    double product(const std::vector<double>& u, const std::vector<double>& v) const;  // (u, v)
+
+    // (mu r / |1| - lambda) / |1|: M times that is the derivative of the constraint's part of E with respect to r.
+    std::vector<double> force_density(std::vector<double> r, const std::vector<double>& lambda, double mu) const;
+
+    // The n = dim entries of M v at a trace node.
+    template <int n>
+    void mass_times(const std::vector<double>& v, int trace_node, double* Mv) const {
+        std::fill_n(Mv, n, 0.0);
+        for (int k = M.row[trace_node]; k < M.row[trace_node + 1]; ++k)
+            for (int a = 0; a < n; ++a) Mv[a] += M.value[k] * v[offset(M.col[k], n, a)];
+    }
+
+    // |x - y| at the trace nodes, x: mesh nodes x dim.
+    std::vector<double> distances(const std::vector<double>& x, const std::vector<double>& y) const;
+    std::vector<double> relative_distances(const std::vector<double>& x, const std::vector<double>& y) const;  // / height
+
+    // The target at the nodes, and its projection, M g_h = (N, g_D).
     std::vector<double> interpolation(const Mesh& mesh, const BoundaryTarget& target) const;
     std::vector<double> projection(const Mesh& mesh, const std::vector<double>& ideal,
                                    const BoundaryTarget& target) const;

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "base/error.hpp"
-#include "constraint/dirichlet.hpp"
+#include "constraint/sliding_boundary.hpp"
 #include "linalg/vector_ops.hpp"
 #include "mesh/part.hpp"
 #include "method/augmented_lagrangian.hpp"
@@ -29,17 +29,17 @@ std::shared_ptr<const SlidingSurfaces> surfaces_of(const Mesh& mesh, const Bound
 struct Case {
     Mesh mesh;
     BoundaryTarget target;
-    std::unique_ptr<Dirichlet> constraint;
+    std::unique_ptr<Constraint> constraint;
 
     Case(const Mesh& any, const std::map<std::string, std::string>& motions) : mesh(any) {
         target = target_of(mesh, motions);
         const auto sliding = surfaces_of(mesh, target);
         prescribe_shared_nodes(mesh, target);
-        constraint = std::make_unique<Dirichlet>(mesh, straight_sided(mesh), target, TargetKind::nodal, sliding);
+        constraint = make_constraint(mesh, straight_sided(mesh), target, TargetKind::nodal, sliding);
     }
 };
 
-std::vector<double> some_multipliers(const Dirichlet& constraint) {
+std::vector<double> some_multipliers(const Constraint& constraint) {
     std::vector<double> lambda(constraint.multipliers());
     for (std::size_t i = 0; i < lambda.size(); ++i) lambda[i] = std::cos(1.7 * static_cast<double>(i));
     return lambda;
@@ -204,7 +204,7 @@ TEST_CASE("derivatives of the sliding constraint: gradients everywhere, Hessians
         CAPTURE(mesh.x[0]);
         Case of(mesh, mesh.dim == 2 ? std::map<std::string, std::string>{{"outer", "slide"}}
                                     : std::map<std::string, std::string>{{"sides", "slide"}, {"bottom", "slide"}});
-        Dirichlet& C = *of.constraint;
+        Constraint& C = *of.constraint;
         const std::vector<double> lambda = some_multipliers(C);
         const double mu = 30, h = 1e-5;
         for (const bool on_surface : {false, true}) {
@@ -263,13 +263,13 @@ std::vector<double> moved(std::vector<double> x, double t, const std::vector<dou
 }
 
 // The same constraint, whose steps are straight.
-class Unbent : public Dirichlet {
+class Unbent : public SlidingBoundary {
 public:
-    using Dirichlet::Dirichlet;
+    using SlidingBoundary::SlidingBoundary;
     bool bends_steps() const override { return false; }
 };
 
-AlResult solve(const Mesh& mesh, const std::vector<double>& ideal, Dirichlet& constraint, std::vector<double>& x) {
+AlResult solve(const Mesh& mesh, const std::vector<double>& ideal, Constraint& constraint, std::vector<double>& x) {
     const auto energy = make_energy(mesh, ideal, {.objective = Objective::deviation});
     Newton newton(energy->hessian_pattern(), {});
     x = ideal;
@@ -280,7 +280,7 @@ AlResult solve(const Mesh& mesh, const std::vector<double>& ideal, Dirichlet& co
 
 TEST_CASE("a bent step ends at the distances that the straight one has to first order, and is off it by O(t^2)") {
     const Case ring(ring_mesh(16, 2, 3), {{"outer", "slide"}});
-    const Dirichlet& C = *ring.constraint;
+    const Constraint& C = *ring.constraint;
     CHECK(C.bends_steps());
     const std::vector<double> x = wavy(ring.mesh.x, 2, 0.05), d = some_direction(x);
     double largest[2] = {};
@@ -311,8 +311,8 @@ TEST_CASE("a rotor in a casing takes few steps, because they are bent") {
     const std::vector<double> ideal = straight_sided(mesh);
     const BoundaryTarget target = target_of(mesh, {{"inner", "rotate 40; translate 1 0"}, {"outer", "slide"}});
     const auto sliding = surfaces_of(mesh, target);
-    Dirichlet bent(mesh, ideal, target, TargetKind::nodal, sliding);
-    Unbent straight(mesh, ideal, target, TargetKind::nodal, sliding);
+    SlidingBoundary bent(mesh, ideal, target, sliding);
+    Unbent straight(mesh, ideal, target, sliding);
     std::vector<double> x;
     const AlResult result = solve(mesh, ideal, bent, x);
     CHECK(std::string(to_string(result.status)) == "converged");
@@ -324,8 +324,7 @@ TEST_CASE("a rotor in a casing takes few steps, because they are bent") {
 TEST_CASE("a target that prescribes all places bends nothing, surfaces or not") {
     const Mesh mesh = ring_mesh(16, 2, 3);
     const BoundaryTarget slides = target_of(mesh, {{"outer", "slide"}}), prescribed = target_of(mesh, {});
-    const Dirichlet constraint(mesh, mesh.x, prescribed, TargetKind::nodal, surfaces_of(mesh, slides));
-    CHECK(!constraint.bends_steps());
+    CHECK(!make_constraint(mesh, mesh.x, prescribed, TargetKind::nodal, surfaces_of(mesh, slides))->bends_steps());
 }
 
 // A cube with a roof whose two halves slide: at a ridge of few degrees the surfaces do not tell where it is.

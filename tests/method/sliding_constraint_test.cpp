@@ -130,10 +130,10 @@ public:
         for (double c : values(x)) most = std::max(most, std::abs(c) * all_.one);
         return most;
     }
-    double relative_error(const std::vector<double>& x) const override {
-        double most = 0;
-        for (double c : values(x)) most = std::max(most, std::abs(c) * all_.one);  // in a cell of height 1
-        return most;
+    std::vector<double> relative_errors(const std::vector<double>& x) const override {
+        std::vector<double> errors = values(x);
+        for (double& c : errors) c = std::abs(c) * all_.one;  // in a cell of height 1
+        return errors;
     }
     double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) override {
         double E = 0;

@@ -1,10 +1,11 @@
-#include "constraint/dirichlet_part.hpp"
+#include "constraint/trace_part.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "constraint/sliding_boundary.hpp"
 #include "linalg/vector_ops.hpp"
 #include "support/meshes.hpp"
 #include "support/targets.hpp"
@@ -20,7 +21,7 @@ struct Part {
     std::vector<double> x, lambda;
     std::vector<int> node;
     BlockCsr pattern;
-    std::unique_ptr<Dirichlet> constraint;
+    std::unique_ptr<Constraint> constraint;
     std::unique_ptr<ConstraintPart> part;
     static constexpr double mu = 30;
 
@@ -30,7 +31,7 @@ struct Part {
         for (const BoundaryHold hold : target.hold) slides.push_back(hold == BoundaryHold::slides);
         const bool some = std::count(slides.begin(), slides.end(), 1) > 0;
         const auto sliding = some ? std::make_shared<SlidingSurfaces>(mesh, target.node, slides, 30, Frame()) : nullptr;
-        constraint = std::make_unique<Dirichlet>(mesh, straight_sided(mesh), target, TargetKind::nodal, sliding);
+        constraint = make_constraint(mesh, straight_sided(mesh), target, TargetKind::nodal, sliding);
         x = wavy(mesh.x, mesh.dim, off);
         lambda.resize(constraint->multipliers());
         for (std::size_t k = 0; k < lambda.size(); ++k) lambda[k] = std::cos(1.7 * static_cast<double>(k));

@@ -1,0 +1,260 @@
+#include "constraint/sliding_boundary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/index.hpp"
+#include "base/parallel.hpp"
+#include "constraint/trace_part.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double mass_work = 40;     // simple operations that a row of M takes,
+constexpr double matrix_work = 200;  // to be added to a matrix as well,
+constexpr double surface_work = 1e3; // and finding a point of a surface, at least
+
+// C += factor A' B, d x d each.
+void add_congruence(double factor, const double* A, const double* B, int d, double* C) {
+    for (int c = 0; c < d; ++c)
+        for (int a = 0; a < d; ++a)
+            for (int b = 0; b < d; ++b) C[a * d + b] += factor * A[c * d + a] * B[c * d + b];
+}
+
+void add_block(const Mat<3>& A, int d, double* block) {
+    for (int a = 0; a < d; ++a)
+        for (int b = 0; b < d; ++b) block[a * d + b] += A[a][b];
+}
+
+// g += D' f, d x d and d.
+void add_force(const double* D, const double* f, int d, double* g) {
+    for (int a = 0; a < d; ++a)
+        for (int b = 0; b < d; ++b) g[a] += D[b * d + a] * f[b];
+}
+
+void copy_slope(const Mat<3>& slope, int d, double* D) {
+    for (int a = 0; a < d; ++a) std::copy_n(slope[a].begin(), d, D + a * d);
+}
+
+}  // namespace
+
+SlidingBoundary::SlidingBoundary(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
+                                 std::shared_ptr<const SlidingSurfaces> sliding)
+    : trace_(mesh, ideal, target), g_h_(trace_.interpolation(mesh, target)), sliding_(std::move(sliding)),
+      parts_(sliding_parts(mesh, target, sliding_.get(), trace_.nodes, trace_.faces, g_h_, prescribed_)) {}
+
+Vec<3> SlidingBoundary::at(const std::vector<double>& x, int t) const {
+    return in_space(point(x, trace_.nodes[t], trace_.dim), trace_.dim);
+}
+
+SurfaceDistance SlidingBoundary::distance(int t, const Vec<3>& x) const {
+    if (!parts_[t].empty()) return distance_to(*sliding_, parts_[t], x);
+    SurfaceDistance from_target;
+    for (int a = 0; a < trace_.dim && prescribed_[t]; ++a) {
+        from_target.r[a] = x[a] - g_h_[offset(t, trace_.dim, a)];
+        from_target.slope[a][a] = 1;
+    }
+    return from_target;
+}
+
+Mat<3> SlidingBoundary::second_derivative_at(int t, const Vec<3>& x, const Vec<3>& force) const {
+    if (parts_[t].empty()) return {};
+    return second_derivative(*sliding_, parts_[t], x, force);
+}
+
+// r; slope: D, trace nodes x dim x dim, unless null.
+std::vector<double> SlidingBoundary::residual(const std::vector<double>& x, std::vector<double>* slope) const {
+    const int dim = trace_.dim;
+    std::vector<double> r(trace_.size());
+    if (slope) slope->resize(r.size() * dim);
+    parallel_for(trace_.count(), [&](int t) {
+        const SurfaceDistance here = distance(t, at(x, t));
+        std::copy_n(here.r.begin(), dim, &r[offset(t, dim)]);
+        if (slope) copy_slope(here.slope, dim, &(*slope)[offset(t, dim * dim)]);
+    }, surface_work);
+    return r;
+}
+
+std::vector<double> SlidingBoundary::constraint_field(const std::vector<double>& x) const {
+    std::vector<double> c = residual(x);
+    for (double& entry : c) entry /= trace_.norm_of_one;
+    return c;
+}
+
+double SlidingBoundary::projected_norm(const std::vector<double>& x) {
+    const std::vector<double> r = residual(x);
+    const double squared = trace_.product(r, r);
+    return std::sqrt(squared < 0 ? 0 : squared) / trace_.norm_of_one;  // rounding may be negative; nan stays nan
+}
+
+double SlidingBoundary::value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) {
+    const std::vector<double> r = residual(x);
+    const double half = 0.5 * mu / trace_.norm_of_one;
+    std::vector<double> u(r.size());
+    for (std::size_t k = 0; k < u.size(); ++k) u[k] = half * r[k] - lambda[k];
+    return trace_.product(u, r) / trace_.norm_of_one;
+}
+
+void SlidingBoundary::add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
+                                   std::vector<double>& g) {
+    std::vector<double> D;
+    const std::vector<double> v = trace_.force_density(residual(x, &D), lambda, mu);
+    with_dimension(trace_.dim, [&](auto n) {
+        parallel_for(trace_.count(), [&](int t) {
+            double f[n];
+            trace_.mass_times<n>(v, t, f);
+            add_force(&D[offset(t, n * n)], f, n, point(g, trace_.nodes[t], n));
+        }, mass_work);
+    });
+}
+
+void SlidingBoundary::add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
+                                  bool projected, BlockCsr& H) {
+    const int dim = trace_.dim;
+    const BlockCsr& M = trace_.M;
+    std::vector<double> D;
+    const std::vector<double> r = residual(x, &D);
+    const double factor = mu / (trace_.norm_of_one * trace_.norm_of_one);
+    parallel_for(trace_.count(), [&](int t) {
+        const int i = H.row_of(trace_.nodes[t]);
+        for (int k = M.row[t]; k < M.row[t + 1]; ++k)
+            add_congruence(factor * M.value[k], &D[offset(t, dim * dim)], &D[offset(M.col[k], dim * dim)], dim,
+                           H.block(H.find(i, H.row_of(trace_.nodes[M.col[k]]))));
+    }, matrix_work);
+    if (projected) return;
+    const std::vector<double> v = trace_.force_density(r, lambda, mu);
+    with_dimension(dim, [&](auto n) {
+        parallel_for(trace_.count(), [&](int t) {
+            if (parts_[t].empty()) return;
+            Vec<3> force{};
+            trace_.mass_times<n>(v, t, force.data());
+            const int i = H.row_of(trace_.nodes[t]);
+            add_block(second_derivative_at(t, at(x, t), force), n, H.block(H.find(i, i)));
+        }, surface_work);
+    });
+}
+
+void SlidingBoundary::update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) {
+    const std::vector<double> r = residual(x);
+    for (std::size_t k = 0; k < lambda.size(); ++k) lambda[k] -= mu * r[k] / trace_.norm_of_one;
+}
+
+void SlidingBoundary::bend(const std::vector<double>& x, const std::vector<double>& d, double t,
+                           std::vector<double>& y) const {
+    parallel_for(trace_.count(), [&](int i) {
+        if (parts_[i].empty()) return;
+        const Vec<3> bent =
+            at_distances(*sliding_, parts_[i], at(y, i), distances(*sliding_, parts_[i], at(x, i), t * at(d, i)));
+        std::copy_n(bent.begin(), trace_.dim, point(y, trace_.nodes[i], trace_.dim));
+    }, surface_work);
+}
+
+std::vector<double> SlidingBoundary::targets(const std::vector<double>& x) const {
+    std::vector<double> targets = g_h_;
+    parallel_for(trace_.count(), [&](int t) {
+        if (prescribed_[t]) return;
+        const Vec<3> target = parts_[t].empty() ? at(x, t) : on_surfaces(*sliding_, parts_[t], at(x, t));
+        std::copy_n(target.begin(), trace_.dim, &targets[offset(t, trace_.dim)]);
+    }, surface_work);
+    return targets;
+}
+
+std::vector<char> SlidingBoundary::off_target(const std::vector<double>& x) const {
+    constexpr double rounding = 1e-13;
+    const std::vector<double> target = targets(x);
+    std::vector<char> off(trace_.nodes.size(), 0);
+    for (int t = 0; t < trace_.count(); ++t)
+        for (int a = 0; a < trace_.dim; ++a) {
+            const double is = x[offset(trace_.nodes[t], trace_.dim, a)], should = target[offset(t, trace_.dim, a)];
+            const double tolerance = parts_[t].empty() ? 0 : rounding * std::max(1.0, std::abs(should));
+            off[t] = off[t] || !(std::abs(is - should) <= tolerance);
+        }
+    return off;
+}
+
+std::vector<double> SlidingBoundary::relative_errors(const std::vector<double>& x) const {
+    return trace_.relative_distances(x, targets(x));
+}
+
+double SlidingBoundary::max_error(const std::vector<double>& x) {
+    double largest = 0;
+    for (const double distance : trace_.distances(x, targets(x))) largest = std::max(largest, distance);
+    return largest;
+}
+
+namespace {
+
+// u = r(y) - r(x): gradient D'(g + C u), Hessian D' C D + (g + C u) . d2r/dy2.
+class SlidingPart final : public ConstraintPart {
+public:
+    SlidingPart(TracePart part, const SlidingBoundary& whole, const std::vector<double>& r, int dim)
+        : part_(std::move(part)), whole_(whole), dim_(dim) {
+        for (const int t : part_.trace_node) r_.insert(r_.end(), point(r, t, dim), point(r, t, dim) + dim);
+    }
+
+    void add_value(const std::vector<double>& y, double& E) override {
+        measure(y);
+        E += part_.value(u_, force_);
+    }
+
+    void add_gradient(const std::vector<double>& y, std::vector<double>& gradient) override {
+        measure(y);
+        part_.set_force(u_, force_);
+        for (int i = 0; i < part_.C.n; ++i)
+            add_force(slope(i), &force_[offset(i, dim_)], dim_, point(gradient, part_.node[i], dim_));
+    }
+
+    void add_hessian(const std::vector<double>& y, bool projected, BlockCsr& H) override {
+        measure(y);
+        part_.set_force(u_, force_);
+        const BlockCsr& C = part_.C;
+        for (int i = 0; i < C.n; ++i) {
+            for (int k = C.row[i]; k < C.row[i + 1]; ++k)
+                add_congruence(C.value[k], slope(i), slope(C.col[k]), dim_, H.block(part_.block[k]));
+            if (projected) continue;
+            const Vec<3> force = in_space(&force_[offset(i, dim_)], dim_);
+            add_block(whole_.second_derivative_at(part_.trace_node[i], at(y, i), force), dim_,
+                      H.block(H.find(part_.node[i], part_.node[i])));
+        }
+    }
+
+private:
+    TracePart part_;
+    const SlidingBoundary& whole_;
+    int dim_;
+    std::vector<double> r_, u_, slope_, force_;  // of the nodes of part_; slope: D
+
+    Vec<3> at(const std::vector<double>& y, int i) const { return in_space(point(y, part_.node[i], dim_), dim_); }
+    const double* slope(int i) const { return &slope_[offset(i, dim_ * dim_)]; }
+
+    void measure(const std::vector<double>& y) {
+        u_.resize(r_.size());
+        slope_.resize(r_.size() * dim_);
+        for (int i = 0; i < part_.C.n; ++i) {
+            const SurfaceDistance distance = whole_.distance(part_.trace_node[i], at(y, i));
+            for (int a = 0; a < dim_; ++a) u_[offset(i, dim_, a)] = distance.r[a] - r_[offset(i, dim_, a)];
+            copy_slope(distance.slope, dim_, &slope_[offset(i, dim_ * dim_)]);
+        }
+    }
+};
+
+}  // namespace
+
+std::unique_ptr<ConstraintPart> SlidingBoundary::part(const std::vector<double>& x, const std::vector<double>& lambda,
+                                                      double mu, const std::vector<int>& node,
+                                                      const BlockCsr& pattern) {
+    const double factor = mu / (trace_.norm_of_one * trace_.norm_of_one);
+    const std::vector<double> r = residual(x);
+    TracePart part(trace_, trace_.force_density(r, lambda, mu), factor, node, pattern);
+    return std::make_unique<SlidingPart>(std::move(part), *this, r, trace_.dim);
+}
+
+std::unique_ptr<Constraint> make_constraint(const Mesh& mesh, const std::vector<double>& ideal,
+                                            const BoundaryTarget& target, TargetKind kind,
+                                            std::shared_ptr<const SlidingSurfaces> sliding) {
+    if (target.prescribes_all()) return std::make_unique<Dirichlet>(mesh, ideal, target, kind);
+    return std::make_unique<SlidingBoundary>(mesh, ideal, target, std::move(sliding));
+}
+
+}  // namespace almesh

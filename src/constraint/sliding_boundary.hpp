@@ -1,0 +1,80 @@
+// Boundaries of which some nodes are freed to slide, beside others whose positions are prescribed.
+//
+// A node that slides is to be on the surfaces of the parts that it is on: on one, on the curve in which two of them
+// meet, or at the corner of three. With r_i(x_i) the sum of its distance vectors from them (sliding_nodes.hpp), in place
+// of r = x - g_h in dirichlet.hpp, and D_i = dr_i/dx_i,
+//
+//     C = -lambda^T M r / |1| + mu/2 r^T M r / |1|^2,
+//     gradient D' f,  f = M (mu r / |1|^2 - lambda / |1|),   Hessian mu D' M D / |1|^2 + f . d2r/dx2,
+//
+// D_i = I where the position is prescribed, 0 where the node is free. D_i projects onto the normals where x is on the
+// surface: the node is free in other directions, and multipliers along the surface are of no account. d2r/dx2 is
+// exact where x is on the surface; the Hessian without it (Gauss-Newton) is positive semidefinite. The target is nodal.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "constraint/constraint.hpp"
+#include "constraint/dirichlet.hpp"
+#include "constraint/sliding.hpp"
+#include "constraint/sliding_nodes.hpp"
+#include "constraint/target.hpp"
+#include "constraint/trace_space.hpp"
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+class SlidingBoundary : public Constraint {
+public:
+    // sliding: null where no boundary slides, but some are free. Throws InputError where a prescribed position is off
+    // the surface along which the node slides as well.
+    SlidingBoundary(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
+                    std::shared_ptr<const SlidingSurfaces> sliding);
+
+    // lambda: trace nodes x dim.
+    int multipliers() const override { return static_cast<int>(trace_.size()); }
+    double norm_of_one() const override { return trace_.norm_of_one; }
+    double norm(const std::vector<double>& x) override { return projected_norm(x); }
+    double projected_norm(const std::vector<double>& x) override;
+    double max_error(const std::vector<double>& x) override;
+    std::vector<double> relative_errors(const std::vector<double>& x) const override;
+    double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) override;
+    void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
+                      std::vector<double>& g) override;
+    void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
+                     BlockCsr& H) override;
+    void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) override;
+    std::unique_ptr<ConstraintPart> part(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
+                                         const std::vector<int>& node, const BlockCsr& pattern) override;
+    bool bends_steps() const override { return sliding_ != nullptr; }
+    void bend(const std::vector<double>& x, const std::vector<double>& d, double t,
+              std::vector<double>& y) const override;
+    const std::vector<int>& nodes() const override { return trace_.nodes; }  // trace node -> mesh node
+    std::vector<double> multiplier_field(const std::vector<double>& lambda) const override { return lambda; }
+    std::vector<double> multipliers_of_field(const std::vector<double>& field) const override { return field; }
+    std::vector<double> constraint_field(const std::vector<double>& x) const override;
+    std::vector<double> targets(const std::vector<double>& x) const override;
+    std::vector<char> off_target(const std::vector<double>& x) const override;
+
+    // r of a trace node at x, and D.
+    SurfaceDistance distance(int trace_node, const Vec<3>& x) const;
+    // Sum over k of force_k times the second derivative of r_k; zero for nodes that do not slide.
+    Mat<3> second_derivative_at(int trace_node, const Vec<3>& x, const Vec<3>& force) const;
+
+private:
+    TraceSpace trace_;
+    std::vector<double> g_h_;  // trace nodes x dim: where the node is prescribed
+    std::shared_ptr<const SlidingSurfaces> sliding_;
+    std::vector<char> prescribed_;         // trace nodes: whether the position is
+    std::vector<std::vector<int>> parts_;  // trace nodes: along which it slides
+
+    std::vector<double> residual(const std::vector<double>& x, std::vector<double>* slope = nullptr) const;
+    Vec<3> at(const std::vector<double>& x, int trace_node) const;
+};
+
+// Prescribed positions where the target has no others, whatever the surfaces; else the target is nodal.
+std::unique_ptr<Constraint> make_constraint(const Mesh& mesh, const std::vector<double>& ideal,
+                                            const BoundaryTarget& target, TargetKind kind,
+                                            std::shared_ptr<const SlidingSurfaces> sliding);
+
+}  // namespace almesh
