@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/error.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "constraint/trace_part.hpp"
@@ -13,6 +14,7 @@ namespace almesh {
 
 Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target, TargetKind kind)
     : mesh_(mesh), target_(target), kind_(kind), trace_(mesh, ideal, target) {
+    if (!target.prescribes_all()) throw InputError("not all positions of the boundary are prescribed");
     const bool interpolated = kind == TargetKind::nodal || target.in_trace_space;
     g_h_ = interpolated ? trace_.interpolation(mesh, target) : trace_.projection(mesh, ideal, target);
     if (kind == TargetKind::nodal) return;

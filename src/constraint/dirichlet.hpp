@@ -29,7 +29,8 @@ enum class TargetKind { exact, nodal };
 
 class Dirichlet : public Constraint {
 public:
-    // ideal: node_count x dim positions of the ideal mesh. target: prescribes all positions. The mesh must outlive this.
+    // ideal: node_count x dim positions of the ideal mesh. Throws InputError where the target does not prescribe all
+    // positions. The mesh must outlive this.
     Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target, TargetKind kind);
 
     double best_approximation_error() const { return best_approximation_error_; }  // e_h

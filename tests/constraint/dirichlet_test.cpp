@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "base/error.hpp"
 #include "mesh/lagrange.hpp"
 #include "support/meshes.hpp"
 #include "support/targets.hpp"
@@ -270,4 +271,13 @@ TEST_CASE("the same bits for any number of threads") {
     const auto results = for_threads(run);
     CHECK(results[0] == results[1]);
     CHECK(results[0] == results[2]);
+}
+
+TEST_CASE("the target has to prescribe all positions") {
+    const Mesh ring = ring_mesh(12, 1, 5);
+    for (const char* motion : {"free", "slide"}) {
+        const BoundaryTarget target = target_of(ring, {{"outer", motion}});
+        CHECK_THROWS_AS(Dirichlet(ring, ring.x, target, TargetKind::nodal), InputError);
+    }
+    CHECK_NOTHROW(Dirichlet(ring, ring.x, target_of(ring, {}), TargetKind::nodal));
 }
