@@ -359,8 +359,23 @@ void set_functional(const Deck& deck, const Problem& problem) {
     set_functional(deck, problem, problem.target, problem.level_placed, *problem.level);
 }
 
+bool identity_is_near(const Deck& deck, const Problem& problem) {
+    constexpr double rounding = 1e-9;  // in units of the run, in which a mesh is about as large as 1
+    const Mesh& mesh = problem.mesh();
+    if (mesh.dim != 2 || mesh.degree == 1 || !problem.target.prescribes_all()) return false;
+    if (deck.distortion.objective != Objective::squared) return false;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        for (int i = 0; i < mesh.dim; ++i) {
+            const double* const from = point(problem.ideal(), mesh.face(f)[i], mesh.dim);
+            const double* const to = &problem.target.node[offset(f, mesh.face_nodes() * mesh.dim, i * mesh.dim)];
+            if (std::hypot(to[0] - from[0], to[1] - from[1]) > rounding) return false;
+        }
+    return true;
+}
+
 std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem) {
     std::vector<CoarserMesh> coarser;
+    if (identity_is_near(deck, problem)) return coarser;
     for (int refinements = 0; refinements < deck.refine; ++refinements) coarser.push_back({refinements, 1});
     // The file's own curves are known from its degree on; but where nodes slide, they find their way at lower ones.
     const int of_file = problem.target.released.empty() ? problem.shape().degree : 1;

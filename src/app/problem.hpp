@@ -62,12 +62,18 @@ DistortionParams distortion_of(const Deck& deck);
 int increments_of(const Deck& deck);
 Follow followed(const Deck& deck);  // automatic only with algorithm = adaptive
 
+// Whether the identity map with a large penalty is as good a start as the solution of a lower degree, and costs nothing:
+// in two dimensions, where the motion leaves the boundary's vertices where they are and curves what is between them, and
+// the Hessian at the identity is not zero, as it is with Eq. 5.
+bool identity_is_near(const Deck& deck, const Problem& problem);
+
 // A mesh on which the problem is solved first.
 struct CoarserMesh {
     int refinements, degree;  // of the base mesh
 };
 
-// From coarse to fine: linear meshes refined 0, 1, ... times, then as fine as the deck's own of degree 1, 2, 4, ...
+// From coarse to fine: linear meshes refined 0, 1, ... times, then as fine as the deck's own of degree 1, 2, 4, ...;
+// none where the identity is near.
 std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem);
 
 // The problem on it, with its functional, in the same frame; the target is not checked again. With a lower degree than

@@ -1,5 +1,5 @@
-// Continuation in the level, from coarse to fine: the problem is solved on coarser meshes first, then with elements of degree 1, 2,
-// 4, ..., and each solution is where the method starts on the next finer mesh.
+// Continuation in the level, from coarse to fine: the problem is solved on coarser meshes first, then with elements of
+// degree 1, 2, 4, ..., and each solution is where the method starts on the next finer mesh.
 //
 // Carried over are the displacement, interpolated (prolong()), the penalty in units of |1|^2, and the
 // multipliers. The force that they put on the boundary is the integral of lambda . v / (h |1|), so lambda / (h |1|)
@@ -18,6 +18,8 @@
 #include "method/continuation.hpp"
 
 namespace almesh {
+
+constexpr double largest_start_penalty = 1e7;  // in units of |1|^2
 
 // What a coarser mesh hands to the next finer one. Where it failed, and before the first, there is no level.
 struct CoarseSolution {

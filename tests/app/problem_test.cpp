@@ -205,3 +205,17 @@ TEST_CASE("surface = straighten does nothing to a target that folds nothing, and
     CHECK(in_region.code == 1);
     CHECK(has(in_region.error, "surface = straighten does not go with region = folded"));
 }
+
+TEST_CASE("a motion that only curves starts from the identity, with a large penalty, where the Hessian there is not zero") {
+    const RingDeck ring;
+    const auto run = [&](const std::string& objective, const std::string& inner) {
+        const Outcome outcome = ring.run({"degree=4", "objective=" + objective, "boundary inner=" + inner,
+                                          "boundary outer=circle 0 0 6"});
+        CHECK(outcome.code == 0);
+        return outcome.out;
+    };
+    CHECK(!has(run("squared", "circle 0 0 1"), " coarse "));
+    CHECK(std::stod(summary_of(ring.output).at("newton_iterations")) <= 6);
+    CHECK(has(run("deviation", "circle 0 0 1"), " coarse "));
+    CHECK(has(run("squared", "circle 0 0 1; translate 0.5 0"), " coarse "));
+}

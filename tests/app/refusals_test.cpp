@@ -131,7 +131,7 @@ TEST_CASE("a deck that is not there, is a folder, a mesh, or names no mesh: code
     const RingDeck ring;
     check_refused(almesh_with({ring.folder.path("none.deck")}), 1, {"none.deck"});
     check_refused(almesh_with({ring.folder.path()}), 1, {"folder"});
-    check_refused(almesh_with({ring.folder.path("ring.msh")}), 1, {"ring.msh:1: "});
+    check_refused(almesh_with({ring.folder.path("ring.msh")}), 1, {"ring.msh: this is a mesh"});
     check_refused(almesh_with({ring.folder.write("empty.deck", "")}), 1, {"empty.deck", "mesh = FILE"});
 }
 
