@@ -40,14 +40,12 @@ std::string quality_of_element(const Solution& solution, int element) {
            ", scaled Jacobian >= " + rounded_down(solution.certificate.lower_bound[element], 4);
 }
 
-std::string name_of_node(const Mesh& mesh, const Obstacle& obstacle) {
-    return concat("node ", mesh.file.node_id[obstacle.node], obstacle.on_boundary ? " of" : ", nearest to",
-                  " boundary ", mesh.boundaries[obstacle.boundary]);
-}
-
-std::string name_of_element(const Mesh& mesh, const Obstacle& obstacle) {
-    return concat("element ", mesh.file.element_id[obstacle.element], obstacle.on_boundary ? " beside" : ", nearest to",
-                  " boundary ", mesh.boundaries[obstacle.boundary]);
+std::string name_of(const Mesh& mesh, const Obstacle& obstacle) {
+    const bool is_node = obstacle.node >= 0;
+    return concat(is_node ? "node " : "element ",
+                  is_node ? mesh.file.node_id[obstacle.node] : mesh.file.element_id[obstacle.element],
+                  !obstacle.on_boundary ? ", nearest to" : is_node ? " of" : " beside", " boundary ",
+                  mesh.boundaries[obstacle.boundary]);
 }
 
 std::string text_of_way(double way) {
@@ -60,111 +58,110 @@ std::string text_of_way(double way) {
 std::string description(const Problem& problem, const Solution& solution) {
     const Mesh& mesh = problem.mesh();
     const Obstacle& at = solution.obstacle;
-    const double unit = problem.frame.length;
-    const std::string place = " at " + place_text(problem.frame.to_file(at.place).data(), mesh.dim);
+    if (at.kind == ObstacleKind::none) return "";
+    const auto position = [&](const std::array<double, 3>& x) {
+        return place_text(problem.frame.to_file(x).data(), mesh.dim);
+    };
+    const std::string name = name_of(mesh, at), subject = name + " at " + position(at.place);
     switch (at.kind) {
-        case ObstacleKind::none: return "";
         case ObstacleKind::off_target:
-            return name_of_node(mesh, at) + place + " is " + shown(at.distance * unit) + " from its target " +
-                   place_text(problem.frame.to_file(at.target).data(), mesh.dim) + ", " + shown(at.heights, 2) +
-                   " of its cells' height" + text_of_way(at.way);
+            return subject + " is " + shown(at.distance * problem.frame.length) + " from its target " +
+                   position(at.target) + ", " + shown(at.heights, 2) + " of its cells' height" + text_of_way(at.way);
         case ObstacleKind::unbalanced:
-            return name_of_node(mesh, at) + place + " has " + shown(100 * at.share, 2) + " % of |grad E|, the most";
+            return subject + " has " + shown(100 * at.share, 2) + " % of |grad E|, the most";
         case ObstacleKind::distorted:
-            return name_of_element(mesh, at) + place +
-                   " is the most distorted: " + quality_of_element(solution, at.element);
-        case ObstacleKind::invalid:
-            return name_of_element(mesh, at) + place + " is the worst: " + quality_of_element(solution, at.element);
-        case ObstacleKind::overlap:
-            return overlap_text(problem.mesh(), solution.injectivity, problem.frame) + ": " +
-                   (at.node >= 0 ? name_of_node(mesh, at) : name_of_element(mesh, at));
+            return subject + " is the most distorted: " + quality_of_element(solution, at.element);
+        case ObstacleKind::invalid: return subject + " is the worst: " + quality_of_element(solution, at.element);
+        default: return overlap_text(mesh, solution.injectivity, problem.frame) + ": " + name;
     }
-    return "";
 }
 
-// Against a folded surface along which nodes do not find their way.
-void add_against_sliding(const Deck& deck, const Problem& problem, std::vector<std::string>& to_try) {
-    if (problem.target.released.empty()) return;
-    to_try.push_back(concat("surface = straighten", deck.region == Region::folded ? " without region = folded" : "",
-                            ", with which faces are flat where nodes now slide"));
+std::string less_motion(const Solution& solution) {
+    return "a part of the motion" +
+           (solution.followed > 0 ? ", of which " + shown(solution.followed) + " was reached" : "");
 }
 
 // Against a target that is too far: what the run has not done yet.
-void add_against_distance(const Deck& deck, const Problem& problem, const Solution& solution,
-                          std::vector<std::string>& to_try) {
+std::string against_distance(const Deck& deck, const Problem& problem, const Solution& solution) {
     const double alpha = distortion_of(deck).weight_exponent;
     const Obstacle& at = solution.obstacle;
     const bool fixed = at.kind == ObstacleKind::off_target && at.distance > 0 && std::isnan(at.way) &&
                        problem.target.hold[at.boundary] == BoundaryHold::prescribed;
+    std::string to_try;
     if (fixed)
-        to_try.push_back(concat("boundary ", problem.mesh().boundaries[at.boundary],
-                                " = slide or free, if its nodes need not stay in their places"));
-    add_against_sliding(deck, problem, to_try);
-    if (alpha > 0) to_try.push_back(alpha > 0.5 ? "weight_exponent = 0.5 or 0" : "weight_exponent = 0");
-    if (followed(deck) == Follow::never) to_try.push_back("follow = always");
-    if (solution.followed > 0)
-        to_try.push_back("a part of the motion, of which " + shown(solution.followed) + " was reached");
-    else
-        to_try.push_back("a part of the motion");
+        to_try += concat("boundary ", problem.mesh().boundaries[at.boundary],
+                         " = slide or free, if its nodes need not stay in their places; ");
+    if (alpha > 0) to_try += alpha > 0.5 ? "weight_exponent = 0.5 or 0; " : "weight_exponent = 0; ";
+    if (followed(deck) == Follow::never) to_try += "follow = always; ";
+    return to_try + less_motion(solution);
 }
 
-void add_against_iterations(const Deck& deck, const Problem& problem, const Solution& solution,
-                            std::vector<std::string>& to_try) {
+std::string against_iterations(const Deck& deck, const Problem& problem, const Solution& solution) {
     const std::vector<AlIteration>& rows = solution.al.iterations;
     const double before = rows[rows.size() - 2].projected_constraint_norm, last = rows.back().projected_constraint_norm;
-    if (last > 0.5 * before) return add_against_distance(deck, problem, solution, to_try);
-    to_try.push_back(concat("max_al_iterations = ", 2 * deck.method.max_iterations, ": |P c_D| fell from ") +
-                     shown(before * problem.frame.length, 3) + " to " + shown(last * problem.frame.length, 3) +
-                     " in the last one");
+    if (last > 0.5 * before) return against_distance(deck, problem, solution);
+    return concat("max_al_iterations = ", 2 * deck.method.max_iterations, ": |P c_D| fell from ",
+                  shown(before * problem.frame.length, 3), " to ", shown(last * problem.frame.length, 3),
+                  " in the last one");
 }
 
-void add_against_solver(const Deck& deck, const Solution& solution, std::vector<std::string>& to_try) {
-    if (solution.refused_bytes > 0)
-        to_try.push_back("solver = cg, or a coarser mesh");
-    else if (deck.linear.kind != SolverKind::cholesky)
-        to_try.push_back("solver = cholesky");
-    if (deck.method.algorithm != Algorithm::adaptive)
-        to_try.push_back("a smaller mu0, such as " + shown(1e-3 * deck.method.mu0));
+std::string against_uncertified(const Deck& deck, const Problem& problem, const Solution& solution) {
+    if (deck.distortion.delta > 0) return "delta = 0, with which no step inverts an element";
+    if (solution.certificate.undecided > 0)
+        return concat("certificate_bisections = ", 10 * std::max(1, deck.certificate.max_bisections));
+    if (!problem.target.released.empty()) return "a finer mesh of the surface there, which its faces fold around";
+    if (!problem.target.prescribes_all()) return "places for the boundary there, in place of slide or free";
+    return "another mesh file: the boundary of this one crosses itself";
 }
 
-void add_against_inversion(const Deck& deck, const Solution& solution, std::vector<std::string>& to_try) {
-    to_try.push_back("method = augmented_lagrangian, which does not set the boundary before the mesh has followed");
-    const MovingMethod moving = deck.method.moving;
-    if (moving == MovingMethod::fixed_boundary || moving == MovingMethod::untangle)
-        to_try.push_back("method = incremental");
-    else
-        to_try.push_back(concat("increments = ", 10 * increments_of(deck)));
-    if (solution.followed > 0)
-        to_try.push_back("a part of the motion, of which " + shown(solution.followed) + " was reached");
+std::string against_cause(const Deck& deck, const Problem& problem, const Solution& solution) {
+    switch (solution.al.status) {
+        case Status::converged: return against_uncertified(deck, problem, solution);
+        case Status::infeasible:
+        case Status::out_of_reach:
+        case Status::stalled:
+        case Status::line_search_failed: return against_distance(deck, problem, solution);
+        case Status::overflow: return "a smaller mu0, such as " + shown(AugmentedLagrangianParams().mu0);
+        case Status::rounding_floor:
+            return "a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0";
+        case Status::ended_as_printed: return "algorithm = paper, which goes on until both hold";
+        case Status::max_al_iterations: return against_iterations(deck, problem, solution);
+        case Status::max_newton_iterations:
+            return concat("max_newton_iterations = ", 2 * deck.method.max_newton_iterations, "; ",
+                          against_distance(deck, problem, solution));
+        case Status::interrupted:
+            if (std::filesystem::exists(checkpoint_folder(deck))) return "resume=1, which goes on from here";
+            return out_of_time() ? concat("max_seconds = ", 4 * deck.max_seconds)
+                                 : "it again: a run starts from the mesh file";
+        case Status::linear_solver_failed:
+            if (solution.refused_bytes > 0) return "solver = cg, or a coarser mesh";
+            if (deck.linear.kind != SolverKind::cholesky) return "solver = cholesky";
+            return against_distance(deck, problem, solution);
+        case Status::inverted:
+        case Status::invalid_start:
+            return "method = augmented_lagrangian, which does not set the boundary before the mesh has followed; " +
+                   less_motion(solution);
+    }
+    return "";
 }
 
-void add_against_uncertified(const Deck& deck, const Problem& problem, const Solution& solution,
-                             std::vector<std::string>& to_try) {
-    if (deck.distortion.delta > 0)
-        to_try.push_back("delta = 0, with which no step inverts an element");
-    else if (solution.certificate.undecided > 0)
-        to_try.push_back(concat("certificate_bisections = ", 10 * std::max(1, deck.certificate.max_bisections)));
-    else if (!problem.target.released.empty())
-        to_try.push_back("a finer mesh of the surface there, which its faces fold around");
-    else if (!problem.target.prescribes_all())
-        to_try.push_back("places for the boundary there, in place of slide or free");
-    else
-        to_try.push_back("another mesh file: the boundary of this one crosses itself");
-    add_against_sliding(deck, problem, to_try);
+// What to try, the most promising first.
+std::string remedies(const Deck& deck, const Problem& problem, const Solution& solution) {
+    const std::string to_try = against_cause(deck, problem, solution);
+    if (problem.target.released.empty()) return to_try;
+    return concat(to_try, "; surface = straighten", deck.region == Region::folded ? " without region = folded" : "",
+                  ", with which faces are flat where nodes now slide");
 }
 
 void print_obstacle(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
+    if (solution.al.status == Status::converged && is_certified(solution)) return;
     const Obstacle& at = solution.obstacle;
-    if (at.kind != ObstacleKind::none) {
-        std::string text = description(problem, solution) + "\n";
-        if (at.node >= 0)
-            text += concat("the worst element at it, ", problem.mesh().file.element_id[at.element], ", has ") +
-                    quality_of_element(solution, at.element) + "\n";
-        std::fputs(text.c_str(), out);
-    }
-    std::string advice;
-    for (const std::string& remedy : remedies(deck, problem, solution)) advice += (advice.empty() ? "" : "; ") + remedy;
-    if (!advice.empty()) std::fprintf(out, "try %s\n", advice.c_str());
+    std::string text = description(problem, solution);
+    if (!text.empty()) text += "\n";
+    if (at.node >= 0)
+        text += concat("the worst element at it, ", problem.mesh().file.element_id[at.element], ", has ",
+                       quality_of_element(solution, at.element), "\n");
+    std::fprintf(out, "%stry %s\n", text.c_str(), remedies(deck, problem, solution).c_str());
 }
 
 std::string judgement(const Problem& problem, const Solution& solution) {
@@ -227,42 +224,6 @@ Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution&
             return constrained(deck, solution.al.iterations.back()) ? unbalanced() : farthest();
     }
     return {};
-}
-
-std::vector<std::string> remedies(const Deck& deck, const Problem& problem, const Solution& solution) {
-    std::vector<std::string> to_try;
-    const Status status = solution.al.status;
-    switch (status) {
-        case Status::converged:
-            if (!is_certified(solution)) add_against_uncertified(deck, problem, solution, to_try);
-            break;
-        case Status::infeasible:
-        case Status::out_of_reach:
-        case Status::stalled:
-        case Status::line_search_failed: add_against_distance(deck, problem, solution, to_try); break;
-        case Status::overflow:
-            to_try.push_back("a smaller mu0, such as " + shown(AugmentedLagrangianParams().mu0));
-            break;
-        case Status::rounding_floor:
-            to_try.push_back("a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0");
-            break;
-        case Status::ended_as_printed: to_try.push_back("algorithm = paper, which goes on until both hold"); break;
-        case Status::max_al_iterations: add_against_iterations(deck, problem, solution, to_try); break;
-        case Status::max_newton_iterations:
-            to_try.push_back(concat("max_newton_iterations = ", 2 * deck.method.max_newton_iterations));
-            add_against_distance(deck, problem, solution, to_try);
-            break;
-        case Status::interrupted:
-            to_try.push_back(std::filesystem::exists(checkpoint_folder(deck)) ? "resume=1, which goes on from here"
-                             : out_of_time() ? concat("max_seconds = ", 4 * deck.max_seconds)
-                                             : "it again: a run starts from the mesh file");
-            add_against_sliding(deck, problem, to_try);
-            break;
-        case Status::linear_solver_failed: add_against_solver(deck, solution, to_try); break;
-        case Status::inverted:
-        case Status::invalid_start: add_against_inversion(deck, solution, to_try); break;
-    }
-    return to_try;
 }
 
 void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {

@@ -3,8 +3,6 @@
 // the unit of the mesh file, ids those of final.msh.
 #pragma once
 #include <cstdio>
-#include <string>
-#include <vector>
 
 #include "check/obstacle.hpp"
 
@@ -17,9 +15,6 @@ struct Solution;
 // Of a solution with its certificates; kind none where it converged and is certified, and where there is no such place.
 // Each status has its own kind (method/status.cpp).
 Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution& solution);
-
-// What to try, the most promising first; empty where the run converged and is certified.
-std::vector<std::string> remedies(const Deck& deck, const Problem& problem, const Solution& solution);
 
 // The last lines of a run's report. fallbacks: Newton steps in which Cholesky took over.
 void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks);
