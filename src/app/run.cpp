@@ -58,13 +58,7 @@ bool snaps(const Deck& deck) {
 // The last row then tells of the mesh that is written.
 void snap(Level& level, Solution& solution) {
     snap_to_targets(*level.energy, *level.constraint, solution.x);
-    AlIteration& last = solution.al.iterations.back();
-    const AlIteration now = measured(*level.energy, *level.constraint, solution.x, solution.al.distortion);
-    last.relative_quality = now.relative_quality;
-    last.max_distortion = now.max_distortion;
-    last.constraint_norm = now.constraint_norm;
-    last.projected_constraint_norm = now.projected_constraint_norm;
-    last.relative_boundary_error = now.relative_boundary_error;
+    measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
 }
 
 // What is certified is what will be read: far from the file's origin its numbers have fewer digits than those of the

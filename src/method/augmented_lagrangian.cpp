@@ -17,8 +17,8 @@ double square(double v) { return v * v; }
 double or_infinity(double v) { return std::isnan(v) ? std::numeric_limits<double>::infinity() : v; }
 
 // The row of iteration k, whose subproblem ended at x.
-AlIteration measure(const AugmentedFunctional& E, const std::vector<double>& x, DistortionStatistics& statistics,
-                    const Schedule& s, const NewtonResult& solved, int k) {
+AlIteration row_of(const AugmentedFunctional& E, const std::vector<double>& x, DistortionStatistics& statistics,
+                   const Schedule& s, const NewtonResult& solved, int k) {
     AlIteration row = measured(E.distortion, E.constraint, x, statistics);
     row.iteration = k;
     row.energy = or_infinity(solved.energy);
@@ -64,12 +64,6 @@ bool is_stationary(const AlIteration& row, const AugmentedLagrangianParams& para
     return row.gradient_norm <= params.omega_star || (at_floor && row.gradient_norm <= params.omega0);
 }
 
-std::vector<double> gradient(const AugmentedFunctional& E, const std::vector<double>& x) {
-    std::vector<double> g(x.size());
-    E.gradient(x, g);
-    return g;
-}
-
 // How the method fails after the last of `rows`: ends although line 7 would go on, or the other way round. Nothing
 // where it goes on, and where it has converged. ends: by line 7.
 std::optional<Status> failure(const std::vector<AlIteration>& rows, const AugmentedLagrangianParams& params,
@@ -88,24 +82,29 @@ std::optional<Status> failure(const std::vector<AlIteration>& rows, const Augmen
     return std::nullopt;
 }
 
+}  // namespace
+
 void add_counts(const NewtonResult& solved, AlResult& result) {
     result.newton_iterations += solved.iterations;
     result.linear_iterations += solved.linear_iterations;
     result.local_steps += solved.local_steps;
 }
 
-}  // namespace
-
-AlIteration measured(DistortionEnergy& distortion, Constraint& constraint, const std::vector<double>& x,
-                     DistortionStatistics& statistics) {
-    AlIteration row;
-    row.gradient_norm = std::numeric_limits<double>::infinity();
+void measure(DistortionEnergy& distortion, Constraint& constraint, const std::vector<double>& x,
+             DistortionStatistics& statistics, AlIteration& row) {
     row.projected_constraint_norm = constraint.projected_norm(x);
     row.constraint_norm = constraint.norm(x);
     row.relative_boundary_error = constraint.relative_error(x);
     statistics = distortion.statistics(x);
     row.relative_quality = statistics.relative_quality;
     row.max_distortion = statistics.max_distortion;
+}
+
+AlIteration measured(DistortionEnergy& distortion, Constraint& constraint, const std::vector<double>& x,
+                     DistortionStatistics& statistics) {
+    AlIteration row;
+    row.gradient_norm = std::numeric_limits<double>::infinity();
+    measure(distortion, constraint, x, statistics, row);
     return row;
 }
 
@@ -140,12 +139,12 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         const NewtonResult solved =
             minimise_or_recall(params.checkpoint, newton, E, wanted, x, observe_step);    //  8
         add_counts(solved, result);
-        rows.push_back(measure(E, x, result.distortion, *s, solved, rows.back().iteration + 1));
+        rows.push_back(row_of(E, x, result.distortion, *s, solved, rows.back().iteration + 1));
         rows.back().seconds = watch.seconds();
         const bool ends = s->ends(constrained(), stationary());
         if (const auto failed = failure(rows, params, one_squared, constrained(), stationary(), ends)) {
             result.status = *failed;
-            result.gradient = gradient(E, x);
+            result.gradient = E.gradient(x);
         }
         if (!ends && result.status != Status::converged) {
             observe();

@@ -48,6 +48,12 @@ struct AlStart {
     bool from_coarser = false;   // whether x is the solution of a coarser mesh or a lower degree, interpolated
 };
 
+void add_counts(const NewtonResult& solved, AlResult& result);
+
+// Sets what a row tells of the mesh at x: its constraint and its distortion.
+void measure(DistortionEnergy& distortion, Constraint& constraint, const std::vector<double>& x,
+             DistortionStatistics& statistics, AlIteration& row);
+
 // The row of the mesh at x, nothing minimised yet.
 AlIteration measured(DistortionEnergy& distortion, Constraint& constraint, const std::vector<double>& x,
                      DistortionStatistics& statistics);

@@ -19,10 +19,19 @@ constexpr double of_gradient = 0.03;     // tolerance of increments before the l
 
 using Rule = PartResult (*)(BoundaryMove&, const std::vector<double>& targets, std::vector<double>& x);
 
+template <StiffnessAt stiffness>
+PartResult extend(BoundaryMove& move, const std::vector<double>& targets, std::vector<double>& x) {
+    PartResult result;
+    x = move.extended(stiffness, targets, x, result.solved);
+    if (result.solved.status != Status::converged) result.status = Status::linear_solver_failed;
+    else if (!move.is_valid(x)) result.status = Status::inverted;
+    return result;
+}
+
 Rule rule_of(MovingMethod method) {
     switch (method) {
-        case MovingMethod::harmonic: return extend_harmonically;
-        case MovingMethod::elasticity: return extend_elastically;
+        case MovingMethod::harmonic: return extend<harmonic_stiffness>;
+        case MovingMethod::elasticity: return extend<elastic_stiffness>;
         case MovingMethod::incremental: return minimise_or_stay;
         case MovingMethod::untangle: return untangle;
         default: return minimise_inside;
@@ -54,10 +63,7 @@ std::vector<double> targets_at(const Level& level, double fraction) {
 
 // Of E over the nodes inside; empty where the mesh is not valid.
 std::vector<double> gradient(const BoundaryMove& move, const std::vector<double>& x) {
-    if (!move.is_valid(x)) return {};
-    std::vector<double> g(x.size());
-    move.functional().gradient(x, g);
-    return g;
+    return move.is_valid(x) ? move.functional().gradient(x) : std::vector<double>();
 }
 
 // The row of a part that ended at x.
@@ -72,12 +78,6 @@ AlIteration row_of(const BoundaryMove& move, const PartResult& part, const std::
     row.newton_iterations = part.solved.iterations;
     row.newton_status = part.solved.status;
     return row;
-}
-
-void count(const PartResult& part, AlResult& result) {
-    result.newton_iterations += part.solved.iterations;
-    result.linear_iterations += part.solved.linear_iterations;
-    result.local_steps += part.solved.local_steps;
 }
 
 }  // namespace
@@ -145,15 +145,6 @@ void BoundaryMove::minimise(const NewtonParams& wanted, std::vector<double>& x, 
     sum = solved;
 }
 
-PartResult extend(BoundaryMove& move, StiffnessAt stiffness, const std::vector<double>& targets,
-                  std::vector<double>& x) {
-    PartResult result;
-    x = move.extended(stiffness, targets, x, result.solved);
-    if (result.solved.status != Status::converged) result.status = Status::linear_solver_failed;
-    else if (!move.is_valid(x)) result.status = Status::inverted;
-    return result;
-}
-
 void minimise_held(BoundaryMove& move, std::vector<double>& x, PartResult& result) {
     NewtonParams wanted;
     wanted.omega = move.omega;
@@ -185,7 +176,7 @@ AlResult move_with_boundary(const Level& level, Newton& newton, const MethodPara
         move.prepare(at.is_last(), at.size, observer);
         made = rule(move, targets_at(level, at.to), x);
         result.status = interrupted() ? Status::interrupted : made.status;
-        count(made, result);
+        add_counts(made.solved, result);
         if (may_halve && result.status == Status::invalid_start) return StageEnd::failed;
         if (at.is_last() || result.status != Status::converged) return StageEnd::over;
         AlIteration row = row_of(move, made, x, result.distortion);

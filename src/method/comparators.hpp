@@ -68,14 +68,10 @@ struct PartResult {
 };
 
 // Each takes the boundary of x to `targets`.
-PartResult extend_harmonically(BoundaryMove& move, const std::vector<double>& targets, std::vector<double>& x);
-PartResult extend_elastically(BoundaryMove& move, const std::vector<double>& targets, std::vector<double>& x);
 PartResult minimise_inside(BoundaryMove& move, const std::vector<double>& targets, std::vector<double>& x);
 PartResult minimise_or_stay(BoundaryMove& move, const std::vector<double>& targets, std::vector<double>& x);
 PartResult untangle(BoundaryMove& move, const std::vector<double>& targets, std::vector<double>& x);
 
-PartResult extend(BoundaryMove& move, StiffnessAt stiffness, const std::vector<double>& targets,
-                  std::vector<double>& x);
 // Newton's method to the tolerance omega, from x, which is valid.
 void minimise_held(BoundaryMove& move, std::vector<double>& x, PartResult& result);
 Stiffness harmonic_stiffness(double jacobian);

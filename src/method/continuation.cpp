@@ -25,17 +25,10 @@ AugmentedLagrangianParams impatient(AugmentedLagrangianParams params) {
     return params;
 }
 
-// Of the constraint that the last iterate of an increment is on the way to.
-void measure_boundary(Constraint& constraint, const std::vector<double>& x, AlIteration& row) {
-    row.constraint_norm = constraint.norm(x);
-    row.projected_constraint_norm = constraint.projected_norm(x);
-    row.relative_boundary_error = constraint.relative_error(x);
-}
-
 struct Increments {
-    std::optional<AlResult> end;     // of the last increment, or of one that was interrupted
-    std::optional<AlResult> failed;  // what came of the last one that was tried, where there is no end
-    int steps = 0;                   // Newton steps before
+    std::optional<AlResult> last;  // of those that were tried
+    bool ended = false;            // with the whole motion, or interrupted
+    int steps = 0;                 // all Newton steps
 };
 
 // x: on return the last iterate. steps: on increments and attempts before.
@@ -56,18 +49,18 @@ Increments solve_increments(const Level& level, Newton& newton, const AugmentedL
             at.is_last()
                 ? minimise(*level.energy, *level.constraint, newton, impatient(params), x, observer, start)
                 : minimise(*level.energy, *constraint, newton, impatient(loosened(params, level)), x, {}, start);
-        if (!at.is_last() && observe_stage)
-            observe_stage({level.mesh.nodes(), result.status, result.iterations.back(), result.newton_iterations,
-                           at.to});
-        if (!at.is_last()) measure_boundary(*level.constraint, x, result.iterations.back());
-        if ((succeeded(result) && at.is_last()) || result.status == Status::interrupted) {
-            all.end = std::move(result);
-            return StageEnd::over;
-        }
         all.steps += result.newton_iterations;
+        if (!at.is_last()) {
+            if (observe_stage)
+                observe_stage({level.mesh.nodes(), result.status, result.iterations.back(), result.newton_iterations,
+                               at.to});
+            measure(*level.energy, *level.constraint, x, result.distortion, result.iterations.back());
+        }
         const bool solved = succeeded(result);
+        all.ended = solved && (at.is_last() || result.status == Status::interrupted);
+        all.last = std::move(result);
+        if (all.ended) return StageEnd::over;
         if (solved) reached = x;
-        all.failed = std::move(result);
         return solved ? StageEnd::solved : StageEnd::failed;
     });
     return all;
@@ -124,21 +117,18 @@ AlResult minimise_in_increments(const Level& level, Newton& newton, const Method
     }
     Increments all = solve_increments(level, newton, params.schedule, size, steps, x, observer, observe_stage);
     AlResult result;
-    if (all.end) {
-        result = std::move(*all.end);
-    } else if (all.failed && level.turn > most_at_once) {  // at once it would go the shorter way
-        result = std::move(*all.failed);
-        result.status = Status::stalled;
-        all.steps -= result.newton_iterations;
+    if (all.ended || (all.last && level.turn > most_at_once)) {  // at once it would go the shorter way
+        result = std::move(*all.last);
+        if (!all.ended) result.status = Status::stalled;
     } else if (at_once_failed) {  // with more steps it would end alike
         x = std::move(x_failed);
         result = std::move(*at_once_failed);
-        all.steps -= result.newton_iterations;
     } else {  // the last resort
         x = first;
         result = at_once(params.schedule);
+        all.steps += result.newton_iterations;
     }
-    result.followed_newton_iterations = all.steps;
+    result.followed_newton_iterations = all.steps - result.newton_iterations;
     return result;
 }
 

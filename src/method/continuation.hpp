@@ -1,8 +1,8 @@
 // Continuation: a problem that is too far for Newton's method is solved in stages, each from the solution of the one
 // before (Allgower & Georg, Numerical Continuation Methods). What changes from stage to stage is
 //
-//   the load    the fraction of the motion of the boundary, for Algorithm 1 (minimise_in_increments() below) and for the
-//               methods to compare with (comparators.hpp), by one rule, increase_load()
+//   the load    the fraction of the motion of the boundary, for Algorithm 1 (minimise_in_increments() below) and for
+//               the methods to compare with (comparators.hpp), by one rule, increase_load()
 //   the power   of eta - 1 in the objective (p_norm.hpp)
 //   the level   the mesh, then its degree (levels.hpp)
 //
@@ -77,10 +77,10 @@ void increase_load(double size, double least, const std::function<StageEnd(const
 // mesh; |grad E| scales like L^(n - 1) times motion / L, of which of_gradient is allowed.
 AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level& level, double of_gradient = 0.03);
 
-// Algorithm 1 on the level, from x (node_count x dim) and the given start, with load increments as params say; with them
-// it starts anew from the ideal mesh. The result is that of the last run of Algorithm 1, with all Newton steps of those
-// before it in followed_newton_iterations; of an interrupted increment, its distances are those from the whole motion's
-// target. observe_stage: called after each increment but the last.
+// Algorithm 1 on the level, from x (node_count x dim) and the given start, with load increments as params say; with
+// them it starts anew from the ideal mesh. The result is that of the last run of Algorithm 1, with all Newton steps of
+// those before it in followed_newton_iterations; of an increment that is not the last, its distances are those from the
+// whole motion's target. observe_stage: called after each increment but the last.
 AlResult minimise_in_increments(const Level& level, Newton& newton, const MethodParams& params, std::vector<double>& x,
                                 const AlStart& start, const AlObserver& observer = {},
                                 const StageObserver& observe_stage = {});

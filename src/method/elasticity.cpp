@@ -17,8 +17,4 @@ Stiffness elastic_stiffness(double jacobian) {
     return {.a = m, .b = m, .c = l};
 }
 
-PartResult extend_elastically(BoundaryMove& move, const std::vector<double>& targets, std::vector<double>& x) {
-    return extend(move, elastic_stiffness, targets, x);
-}
-
 }  // namespace almesh

@@ -41,6 +41,12 @@ struct AugmentedFunctional {
         hold(held, distortion.dim(), g);
     }
 
+    std::vector<double> gradient(const std::vector<double>& x) const {
+        std::vector<double> g(x.size());
+        gradient(x, g);
+        return g;
+    }
+
     void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                  const Projection& projection = {}) const {
         parallel_for(H.n, [&H](int i) { std::fill(H.block(H.row[i]), H.block(H.row[i + 1]), 0.0); });

@@ -6,8 +6,4 @@ namespace almesh {
 
 Stiffness harmonic_stiffness(double) { return {.a = 1}; }
 
-PartResult extend_harmonically(BoundaryMove& move, const std::vector<double>& targets, std::vector<double>& x) {
-    return extend(move, harmonic_stiffness, targets, x);
-}
-
 }  // namespace almesh

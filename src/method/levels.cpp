@@ -28,8 +28,7 @@ std::vector<double> extended(const std::vector<double>& of_constraint, const Lev
     return field;
 }
 
-Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Level> level,
-                        CoarseSolution& solution) {
+Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Level> level, CoarseSolution& solution) {
     Newton newton(level->energy->hessian_pattern(), params.linear, params.forcing);
     std::vector<double> x;
     const AlStart start = start_from(solution, *level, x);
@@ -61,8 +60,7 @@ Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Lev
 }  // namespace
 
 CoarseSolution solve_coarser(int levels, const std::function<std::unique_ptr<Level>(int)>& make_level,
-                             const MethodParams& params, Timings& time,
-                             const StageObserver& observe) {
+                             const MethodParams& params, Timings& time, const StageObserver& observe) {
     CoarseSolution solution;
     for (int k = 0; k < levels && !interrupted(); ++k) {
         const Stopwatch watch;

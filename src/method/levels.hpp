@@ -33,8 +33,7 @@ struct CoarseSolution {
 // tolerances looser than those given. No solution where the last of them failed. Adds to `time`, to its total the
 // making of the levels included.
 CoarseSolution solve_coarser(int levels, const std::function<std::unique_ptr<Level>(int)>& make_level,
-                             const MethodParams& params, Timings& time,
-                             const StageObserver& observe);
+                             const MethodParams& params, Timings& time, const StageObserver& observe);
 
 // Sets x (node_count x dim) and where the method starts: at the coarse solution, or at the identity map without
 // multipliers where there is none, where it is not valid on this mesh (by rounding), or where elements of a lower

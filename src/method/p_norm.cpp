@@ -24,11 +24,14 @@ struct Sharpening {
     const Level& level;
     AlResult result;
     double mu = 0;  // in units of |1|^2
+    int earlier_steps = 0;  // of Newton's method
 
     double largest() const { return result.distortion.max_distortion; }
 
     void take(AlResult next) {
+        earlier_steps += result.newton_iterations + next.followed_newton_iterations;
         result = std::move(next);
+        result.followed_newton_iterations = earlier_steps;
         mu = result.iterations.back().mu / std::pow(level.constraint->norm_of_one(), 2);
     }
 
@@ -49,9 +52,7 @@ struct Sharpening {
 double gradient_norm(const Level& level, const AlStart& start, const std::vector<double>& x) {
     const double penalty = start.mu * std::pow(level.constraint->norm_of_one(), 2);
     const AugmentedFunctional E{*level.energy, *level.constraint, start.lambda, penalty};
-    std::vector<double> g(x.size());
-    E.gradient(x, g);
-    return norm_2(g);
+    return norm_2(E.gradient(x));
 }
 
 }  // namespace
@@ -67,7 +68,6 @@ AlResult minimise_worst(const Level& level, Newton& newton, const MethodParams& 
     at.take(minimise_in_increments(level, newton, first, x, start, {}, observe_stage));
     if (!succeeded(at.result)) return at.result;
 
-    int earlier_steps = at.result.newton_iterations + at.result.followed_newton_iterations, p = 2;
     const auto report_power = [&] {
         if (observe_stage)
             observe_stage({level.mesh.nodes(), Status::converged, at.result.iterations.back(),
@@ -75,6 +75,7 @@ AlResult minimise_worst(const Level& level, Newton& newton, const MethodParams& 
     };
     report_power();
     const bool can_gain = at.largest() - 1 > undistorted && std::isfinite(at.largest());
+    int p = 2;
     for (double before = 2 * at.largest(); can_gain && 2 * p < last_power; p *= 2) {
         // A power that has raised it is far from solved, and says nothing of the next.
         if (at.largest() <= before && at.largest() > (1 - worthwhile) * before) break;
@@ -84,21 +85,14 @@ AlResult minimise_worst(const Level& level, Newton& newton, const MethodParams& 
         schedule.omega_star = std::min(loose.omega_star, gradient_of_power * gradient_norm(level, from, x));
         schedule.max_newton_iterations = steps_of_power;
         at.take(minimise(*level.energy, *level.constraint, newton, schedule, x, {}, from));
-        earlier_steps += at.result.newton_iterations;
-        if (at.result.status == Status::interrupted) {
-            at.result.followed_newton_iterations = earlier_steps - at.result.newton_iterations;
-            return at.result;
-        }
+        if (at.result.status == Status::interrupted) return at.result;
         report_power();
     }
     for (p = can_gain ? std::min(2 * p, last_power) : 2;; p = std::max(2, p / 2)) {
         const AlStart from = at.set_power(p, x);
         at.take(minimise(*level.energy, *level.constraint, newton, params.schedule, x, observer, from));
-        if (succeeded(at.result) || at.result.status == Status::interrupted || p == 2) break;
-        earlier_steps += at.result.newton_iterations;
+        if (succeeded(at.result) || at.result.status == Status::interrupted || p == 2) return at.result;
     }
-    at.result.followed_newton_iterations = earlier_steps;
-    return at.result;
 }
 
 }  // namespace almesh

@@ -1,4 +1,5 @@
-// p-norm continuation, to the mesh whose worst element is best: the least M for which eta - 1 <= M everywhere, approached by powers.
+// p-norm continuation, to the mesh whose worst element is best: the least M for which eta - 1 <= M everywhere,
+// approached by powers.
 //
 // The integral of (eta - 1)^p, to the power 1/p, comes near to the maximum of eta - 1 as p grows. Its minimisers are
 // found one from the other, p = 2, 4, 8, ..., with the density
