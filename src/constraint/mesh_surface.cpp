@@ -13,6 +13,7 @@
 #include "constraint/surface.hpp"
 #include "geometry/closest_point.hpp"
 #include "mesh/lagrange.hpp"
+#include "mesh/sides.hpp"
 
 namespace almesh {
 namespace {
@@ -146,19 +147,19 @@ void MeshSurface::average_normals(const PatchNormal& normal, const std::vector<P
 }
 
 void MeshSurface::find_neighbours() {
-    std::map<std::array<int, 2>, std::array<int, 2>> open;  // corners of a side -> face, corner opposite
-    neighbour_.assign(corner_.size(), {-1, -1, -1});
+    const int sides_of_face = m_ + 1;
+    std::vector<Side> sides;
     for (int f = 0; f < static_cast<int>(corner_.size()); ++f)
-        for (int opposite = 0; opposite <= m_; ++opposite) {
-            std::array<int, 2> side{-1, -1};
-            for (int k = 0, place = 0; k <= m_; ++k)
-                if (k != opposite) side[place++] = corner_[f][k];
-            std::sort(side.begin(), side.end());
-            const auto [at, is_new] = open.insert({side, {f, opposite}});
-            if (is_new) continue;
-            neighbour_[f][opposite] = at->second[0];
-            neighbour_[at->second[0]][at->second[1]] = f;
+        for (int opposite = 0; opposite <= m_; ++opposite)
+            sides.push_back(side_of_simplex(m_, corner_[f].data(), opposite, sides_of_face * f + opposite));
+    neighbour_.assign(corner_.size(), {-1, -1, -1});
+    for_equal_sides(sides, [&](std::span<const Side> equal) {
+        const int first = equal[0].number;
+        for (const Side& other : equal.subspan(1)) {
+            neighbour_[other.number / sides_of_face][other.number % sides_of_face] = first / sides_of_face;
+            neighbour_[first / sides_of_face][first % sides_of_face] = other.number / sides_of_face;
         }
+    });
 }
 
 MeshSurface::Expansion MeshSurface::expand(int patch, const double* xi) const {

@@ -1,5 +1,4 @@
-// Faces of a boundary that share a side are joined unless their normals there differ by more than an angle
-// (union-find).
+// Faces of a boundary that share a side are joined unless their normals there differ by more than an angle.
 #include "constraint/sliding.hpp"
 
 #include <algorithm>
@@ -8,9 +7,11 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/disjoint_sets.hpp"
 #include "base/index.hpp"
 #include "constraint/height_patch.hpp"
 #include "constraint/quadric.hpp"
+#include "mesh/sides.hpp"
 
 namespace almesh {
 namespace {
@@ -55,23 +56,21 @@ struct BoundaryFaces {
     }
 
     void find_sides() {
-        std::map<std::vector<int>, std::vector<std::pair<int, int>>> at_side;  // nodes -> face, corner opposite
-        for (std::size_t k = 0; k < face.size(); ++k)
-            for (int opposite = 0; opposite < mesh.dim; ++opposite) {
-                std::vector<int> nodes;
-                for (int c = 0; c < mesh.dim; ++c)
-                    if (c != opposite) nodes.push_back(mesh.face(face[k])[c]);
-                std::sort(nodes.begin(), nodes.end());
-                at_side[nodes].push_back({static_cast<int>(k), opposite});
-            }
-        for (const auto& [nodes, faces] : at_side)
-            for (std::size_t k = 1; k < faces.size(); ++k) {
-                const int f = faces[0].first, g = faces[k].first;
+        std::vector<Side> sides;
+        for (int k = 0; k < static_cast<int>(face.size()); ++k)
+            for (int opposite = 0; opposite < mesh.dim; ++opposite)
+                sides.push_back(side_of_simplex(mesh.dim - 1, mesh.face(face[k]), opposite, k));
+        for_equal_sides(sides, [&](std::span<const Side> equal) {
+            const int f = equal[0].number;
+            for (const Side& other : equal.subspan(1)) {
+                const int g = other.number;
                 double largest = 0;
-                for (const int node : nodes) largest = std::max(largest, angle(normal_at(f, node), normal_at(g, node)));
+                for (int i = 0; i < mesh.dim - 1; ++i)
+                    largest = std::max(largest, angle(normal_at(f, other.vertex[i]), normal_at(g, other.vertex[i])));
                 side.push_back({f, g});
                 side_angle.push_back(largest);
             }
+        });
     }
 
     Vec<3> normal_at(int k, int node) const {
@@ -81,22 +80,15 @@ struct BoundaryFaces {
 
     // `faces` joined across sides at angles up to `limit`.
     std::vector<std::vector<int>> cut(const std::vector<int>& faces, double limit) const {
-        std::vector<int> parent(face.size());
-        std::iota(parent.begin(), parent.end(), 0);
+        DisjointSets sets(static_cast<int>(face.size()));
         std::vector<char> chosen(face.size(), 0);
         for (const int k : faces) chosen[k] = 1;
-        const auto root = [&](int k) {
-            while (parent[k] != k) k = parent[k] = parent[parent[k]];
-            return k;
-        };
         for (std::size_t s = 0; s < side.size(); ++s) {
             const auto [f, g] = side[s];
-            if (!chosen[f] || !chosen[g] || side_angle[s] > limit) continue;
-            const int a = root(f), b = root(g);
-            parent[std::max(a, b)] = std::min(a, b);
+            if (chosen[f] && chosen[g] && side_angle[s] <= limit) sets.join(f, g);
         }
         std::map<int, std::vector<int>> groups;
-        for (const int k : faces) groups[root(k)].push_back(k);
+        for (const int k : faces) groups[sets.find(k)].push_back(k);
         std::vector<std::vector<int>> result;
         for (auto& [first, group] : groups) result.push_back(std::move(group));
         return result;
