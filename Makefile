@@ -95,6 +95,7 @@ run: almesh ## move the circle of section 4.1 and print its table
 test: doctest python ## run every test, built with warnings as errors, and build the benchmark (installs doctest where it is missing)
 	tests/mutants/mutants.py --check
 	$(MAKE) BUILD=build-test WERROR=-Werror run-tests lessons build-test/almesh-bench
+	@tests/house.py
 
 mutants: doctest python ## plant changes in the source, one at a time, and list those that no test notices (ONLY='words')
 	CXX='$(CXX)' tests/mutants/mutants.py $(ONLY)
