@@ -1,5 +1,5 @@
 // In the frame (t_1, t_2, n) at the centre, with u = t_1 . x / R, v = t_2 . x / R and R the extent of the points:
-// z = sum of c_ij u^i v^j, 1 <= i + j <= degree, in 2D of c_i u^i. The foot is the root of
+// z = sum of c_ij u^i v^j, 1 <= i + j <= degree, in 2D of c_i u^i. The projection is the root of
 //
 //     (u, v) - (u, v)(x) + (z - z(x)) grad z = 0
 //
@@ -10,7 +10,7 @@
 #include <array>
 #include <cmath>
 
-#include "constraint/implicit_foot.hpp"
+#include "constraint/implicit_projection.hpp"
 #include "linalg/dense_solve.hpp"
 
 namespace almesh {
@@ -58,7 +58,7 @@ public:
         return {dot(t_[0], d), dot(t_[1], d), dot(n_, d)};
     }
 
-    SurfacePoint foot(const Vec<3>& x) const override {
+    SurfacePoint closest(const Vec<3>& x) const override {
         constexpr int steps = 30;
         constexpr double longest_step = 0.3, rounding = 1e-16;
         const Vec<3> at = in_frame(x);
@@ -104,7 +104,7 @@ private:
             for (int j = 0; j < 3; ++j)
                 H[i][j] = -(uu * t_[0][i] * t_[0][j] + uv * (t_[0][i] * t_[1][j] + t_[1][i] * t_[0][j]) +
                             vv * t_[1][i] * t_[1][j]) / size_;
-        return implicit_foot(x, p, g, H);
+        return implicit_projection(x, p, g, H);
     }
 };
 

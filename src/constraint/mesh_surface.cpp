@@ -1,5 +1,5 @@
 // The faces of a mesh as a surface. With X the map of a face from its reference triangle (2D: interval) and n the
-// interpolated normal, not normalised, the foot of the perpendicular from x is the root of
+// interpolated normal, not normalised, the closest-point projection of x is the root of
 //
 //     X(xi) + d n(xi) = x
 //
@@ -78,7 +78,7 @@ struct CubicFaces {
 class MeshSurface final : public Surface {
 public:
     MeshSurface(const PatchBasis& basis, const std::vector<Patch>& patches, const std::vector<std::vector<int>>& node);
-    SurfacePoint foot(const Vec<3>& x) const override;
+    SurfacePoint closest(const Vec<3>& x) const override;
     std::string name() const override { return "the mesh's own faces"; }
 
 private:
@@ -107,7 +107,7 @@ private:
     int left_through(const Root& root) const;
     void enter(int from, int patch, Root& root) const;
     Mat<3> curvature(const Expansion& at) const;
-    SurfacePoint foot_at(int patch, const Root& root) const;
+    SurfacePoint projection_at(int patch, const Root& root) const;
 };
 
 MeshSurface::MeshSurface(const PatchBasis& basis, const std::vector<Patch>& patches,
@@ -250,19 +250,19 @@ Mat<3> MeshSurface::curvature(const Expansion& at) const {
     return S;
 }
 
-SurfacePoint MeshSurface::foot_at(int patch, const Root& root) const {
+SurfacePoint MeshSurface::projection_at(int patch, const Root& root) const {
     const Expansion at = expand(patch, root.xi);
     const Mat<3> inverse_J = inverse<3>(jacobian(at, root.d));
-    SurfacePoint foot{at.X, unit(at.n), {}, curvature(at)};
+    SurfacePoint projection{at.X, unit(at.n), {}, curvature(at)};
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
-            foot.slope[i][j] = i == j;
-            for (int k = 0; k < m_; ++k) foot.slope[i][j] -= at.X_xi[k][i] * inverse_J[k][j];
+            projection.slope[i][j] = i == j;
+            for (int k = 0; k < m_; ++k) projection.slope[i][j] -= at.X_xi[k][i] * inverse_J[k][j];
         }
-    return foot;
+    return projection;
 }
 
-SurfacePoint MeshSurface::foot(const Vec<3>& x) const {
+SurfacePoint MeshSurface::closest(const Vec<3>& x) const {
     constexpr int most_faces = 12;
     constexpr double beyond_rim = 1;  // xi may go on by that much where the surface ends
     const ClosestPoint::Place closest = closest_.find(x);
@@ -276,7 +276,7 @@ SurfacePoint MeshSurface::foot(const Vec<3>& x) const {
         const int side = left_through(*root);
         const int next = side < 0 ? -1 : neighbour_[patch][side];
         const bool near = std::abs(root->xi[0]) + std::abs(root->xi[1]) < 1 + beyond_rim;
-        if (next < 0 && near) return foot_at(patch, *root);
+        if (next < 0 && near) return projection_at(patch, *root);
         if (next < 0) break;
         start = *root;
         enter(patch, next, start);
@@ -284,10 +284,10 @@ SurfacePoint MeshSurface::foot(const Vec<3>& x) const {
     }
     // No normal leads there: beyond the rim, or from far away. The closest point.
     const Vec<3> n = unit(length(x - closest.position) > 0 ? x - closest.position : there.n);
-    SurfacePoint foot{closest.position, n, {}, {}};
+    SurfacePoint projection{closest.position, n, {}, {}};
     for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) foot.slope[i][j] = n[i] * n[j];
-    return foot;
+        for (int j = 0; j < 3; ++j) projection.slope[i][j] = n[i] * n[j];
+    return projection;
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "constraint/implicit_foot.hpp"
+#include "constraint/implicit_projection.hpp"
 #include "linalg/dense_solve.hpp"
 
 namespace almesh {
@@ -41,15 +41,15 @@ struct Quadric final : Surface {
         return p;
     }
 
-    Vec<3> closest(const Vec<3>& u) const;
-    SurfacePoint foot(const Vec<3>& x) const override;
+    Vec<3> closest_in_frame(const Vec<3>& u) const;
+    SurfacePoint closest(const Vec<3>& x) const override;
     std::string name() const override { return dim == 2 ? "conic" : "quadric"; }
 };
 
 // While I + t A is positive definite the stationary point is a minimum, and q there decreases with t: the closest point
 // is where it vanishes, by Newton's method within the bracket, or bisection. Where it does not vanish, x is farther
 // from the surface than its centres of curvature: as far as it goes then.
-Vec<3> Quadric::closest(const Vec<3>& u) const {
+Vec<3> Quadric::closest_in_frame(const Vec<3>& u) const {
     constexpr int steps = 100;
     constexpr double inside = 1 - 1e-9, rounding = 1e-16;
     double low = -std::numeric_limits<double>::infinity(), high = -low;
@@ -73,13 +73,13 @@ Vec<3> Quadric::closest(const Vec<3>& u) const {
     return stationary(u, t);
 }
 
-SurfacePoint Quadric::foot(const Vec<3>& x) const {
-    const Vec<3> p = closest(in_frame(x));
+SurfacePoint Quadric::closest(const Vec<3>& x) const {
+    const Vec<3> p = closest_in_frame(in_frame(x));
     Mat<3> H{};
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             for (int k = 0; k < 3; ++k) H[i][j] += a[k] * axis[k][i] * axis[k][j];
-    return implicit_foot(x, centre + in_space(p), in_space(gradient(p)), H);
+    return implicit_projection(x, centre + in_space(p), in_space(gradient(p)), H);
 }
 
 std::array<double, most> monomials(const Vec<3>& u, int dim) {
@@ -126,7 +126,7 @@ std::unique_ptr<Surface> fit_quadric(int dim, const std::vector<Vec<3>>& points,
     }
     double steepest = 0, flattest = std::numeric_limits<double>::infinity();
     for (const Vec<3>& x : points) {
-        if (!(length(quadric->foot(x).position - x) <= tolerance * size)) return nullptr;
+        if (!(length(quadric->closest(x).position - x) <= tolerance * size)) return nullptr;
         const double slope = length(quadric->gradient(quadric->in_frame(x)));
         steepest = std::max(steepest, slope);
         flattest = std::min(flattest, slope);

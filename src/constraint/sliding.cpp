@@ -117,7 +117,7 @@ struct BoundaryFaces {
         const auto quadric = fit_quadric(mesh.dim, points(faces), tolerance);
         return quadric && std::all_of(faces.begin(), faces.end(), [&](int k) {
             Vec<3> n{};
-            for (int c = 0; c < mesh.dim; ++c) n = n + quadric->foot(position[k][c]).normal;
+            for (int c = 0; c < mesh.dim; ++c) n = n + quadric->closest(position[k][c]).normal;
             const Vec<3> flat = flat_normal(position[k], mesh.dim - 1);
             return std::abs(dot(n, flat)) > least_cosine * length(n) * length(flat);
         });
@@ -201,7 +201,7 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
                 points_.emplace_back();
                 if (is_of_mesh) points_.back().position = faces.points(of);
                 for (const Vec<3>& x : points_.back().position)
-                    points_.back().normal.push_back(surface->foot(x).normal);
+                    points_.back().normal.push_back(surface->closest(x).normal);
                 surface_.push_back(std::move(surface));
                 boundary_.push_back(b);
             }
@@ -257,7 +257,7 @@ void SlidingSurfaces::add_patch(int node, int part, const Vec<3>& place) {
     constexpr double same_side = 0.3;  // cosine of the angle between normals
     const Points& all = points_[part];
     if (all.position.empty() || patch_.contains({node, part})) return;
-    const SurfacePoint centre = surface_[part]->foot(place);
+    const SurfacePoint centre = surface_[part]->closest(place);
     std::vector<std::pair<double, int>> near;
     for (int i = 0; i < static_cast<int>(all.position.size()); ++i)
         if (dot(all.normal[i], centre.normal) > same_side)
@@ -279,8 +279,8 @@ int SlidingSurfaces::part_or_patch(int node, int part) const {
     return found == patch_.end() ? part : found->second;
 }
 
-SurfacePoint SlidingSurfaces::foot(int part, const Vec<3>& x) const {
-    SurfacePoint place = surface_[part]->foot(frame_.to_file(x));
+SurfacePoint SlidingSurfaces::closest(int part, const Vec<3>& x) const {
+    SurfacePoint place = surface_[part]->closest(frame_.to_file(x));
     place.position = frame_.to_run(place.position);
     for (auto& row : place.curvature)
         for (double& entry : row) entry *= frame_.length;

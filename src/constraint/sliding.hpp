@@ -29,8 +29,8 @@ struct OtherSurface {
 class SlidingSurfaces {
 public:
     // node: face x face node x dim, where the motions take the faces of `base`. slides: per boundary, and so is
-    // `other`, or empty. feature_angle in degrees. frame: of the positions given to foot() and of the meshes given to
-    // part(), by those of `node`.
+    // `other`, or empty. feature_angle in degrees. frame: of the positions given to closest() and of the meshes given
+    // to part(), by those of `node`.
     SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
                     double feature_angle, const Frame& frame, const std::vector<OtherSurface>& other = {});
 
@@ -51,7 +51,7 @@ public:
     // nearest to where the motion takes f.
     int part(const Mesh& mesh, int f) const;
 
-    SurfacePoint foot(int part, const Vec<3>& x) const;
+    SurfacePoint closest(int part, const Vec<3>& x) const;
 
     // Where the part is the mesh's own faces: a smooth patch around a node's place after the motion, as the file's
     // numbers, along which it slides instead, as a part of its own.

@@ -35,7 +35,7 @@ Vec<3> at_distances(const SlidingSurfaces& sliding, const std::vector<int>& part
         std::vector<Vec<3>> normals;
         Vec<3> move{};
         for (std::size_t k = 0; k < parts.size(); ++k) {  // onto the first plane, then along it onto the second
-            const SurfacePoint at = sliding.foot(parts[k], x);
+            const SurfacePoint at = sliding.closest(parts[k], x);
             const Vec<3> n = perpendicular(at.normal, normals);
             const double distance = dot(at.position - x - move, at.normal) + distances[k], slope = dot(n, at.normal);
             if (slope > tangent * tangent) {
@@ -50,14 +50,14 @@ Vec<3> at_distances(const SlidingSurfaces& sliding, const std::vector<int>& part
 }
 
 Vec<3> on_surfaces(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x) {
-    return parts.size() == 1 ? sliding.foot(parts[0], x).position : at_distances(sliding, parts, x, {});
+    return parts.size() == 1 ? sliding.closest(parts[0], x).position : at_distances(sliding, parts, x, {});
 }
 
 std::array<double, 3> distances(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
                                 const Vec<3>& d) {
     std::array<double, 3> result{};
     for (std::size_t k = 0; k < parts.size(); ++k) {
-        const SurfacePoint at = sliding.foot(parts[k], x);
+        const SurfacePoint at = sliding.closest(parts[k], x);
         const Vec<3> change = {dot(at.slope[0], d), dot(at.slope[1], d), dot(at.slope[2], d)};
         result[k] = dot(x - at.position + change, at.normal);
     }
@@ -67,10 +67,10 @@ std::array<double, 3> distances(const SlidingSurfaces& sliding, const std::vecto
 SurfaceDistance distance_to(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x) {
     SurfaceDistance sum;
     for (const int part : parts) {
-        const SurfacePoint foot = sliding.foot(part, x);
-        sum.r = sum.r + (x - foot.position);
+        const SurfacePoint projection = sliding.closest(part, x);
+        sum.r = sum.r + (x - projection.position);
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) sum.slope[i][j] += foot.slope[i][j];
+            for (int j = 0; j < 3; ++j) sum.slope[i][j] += projection.slope[i][j];
     }
     return sum;
 }
@@ -79,9 +79,9 @@ Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>&
                          const Vec<3>& force) {
     Mat<3> sum{};
     for (const int part : parts) {
-        const SurfacePoint foot = sliding.foot(part, x);
-        const Mat<3>& S = foot.curvature;
-        const Vec<3> turned = {dot(S[0], force), dot(S[1], force), dot(S[2], force)}, &n = foot.normal;
+        const SurfacePoint projection = sliding.closest(part, x);
+        const Mat<3>& S = projection.curvature;
+        const Vec<3> turned = {dot(S[0], force), dot(S[1], force), dot(S[2], force)}, &n = projection.normal;
         const double along = dot(n, force);
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) sum[i][j] += along * S[i][j] + n[i] * turned[j] + turned[i] * n[j];
@@ -95,7 +95,7 @@ namespace {
 bool stays(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x, int dim) {
     std::vector<Vec<3>> normals;  // orthonormal
     for (const int part : parts) {
-        const Vec<3> n = perpendicular(sliding.foot(part, x).normal, normals);
+        const Vec<3> n = perpendicular(sliding.closest(part, x).normal, normals);
         if (length(n) < tangent || static_cast<int>(normals.size()) + 1 == dim) return true;
         normals.push_back(1 / length(n) * n);
     }
@@ -106,7 +106,7 @@ bool stays(const SlidingSurfaces& sliding, const std::vector<int>& parts, const 
 void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& sliding, int part, int node, const Vec<3>& x,
                                  double size) {
     constexpr double tolerance = 0.25;  // of a face: the rim of a refined body is as angular as the file's
-    const double distance = length(sliding.foot(part, x).position - x);
+    const double distance = length(sliding.closest(part, x).position - x);
     if (distance <= tolerance * size) return;
     const std::string& name = mesh.boundaries[sliding.boundary(part)];
     throw InputError("node ", mesh.file.node_id[node], " lies on the boundary ", name,

@@ -22,7 +22,7 @@ Vec<3> at_distances(const SlidingSurfaces& sliding, const std::vector<int>& part
 std::array<double, 3> distances(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
                                 const Vec<3>& d);
 
-// The sum r of the vectors from the feet of the perpendiculars on the surfaces of the parts to x: zero where x is on
+// The sum r of the vectors from the projections onto the surfaces of the parts to x: zero where x is on
 // all of them, since their normals are linearly independent.
 struct SurfaceDistance {
     Vec<3> r{};

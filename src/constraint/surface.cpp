@@ -44,12 +44,12 @@ std::string text(const Parts&... parts) {
 }
 
 // S: the second derivative of the distance at x.
-SurfacePoint foot_at(const Vec<3>& x, const Vec<3>& p, const Vec<3>& n, const Mat<3>& S) {
-    SurfacePoint foot{p, n, {}, S};
+SurfacePoint projection_at(const Vec<3>& x, const Vec<3>& p, const Vec<3>& n, const Mat<3>& S) {
+    SurfacePoint projection{p, n, {}, S};
     const double d = dot(x - p, n);
     for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) foot.slope[i][j] = n[i] * n[j] + d * S[i][j];
-    return foot;
+        for (int j = 0; j < 3; ++j) projection.slope[i][j] = n[i] * n[j] + d * S[i][j];
+    return projection;
 }
 
 // Radii below which a surface's second derivatives are not followed towards its centre or axis, over its radius.
@@ -59,7 +59,7 @@ struct Plane final : Surface {
     Vec<3> c, n;
     int dim;
     Plane(const Vec<3>& c_, const Vec<3>& n_, int dim_) : c(c_), n(n_), dim(dim_) {}
-    SurfacePoint foot(const Vec<3>& x) const override { return foot_at(x, x - dot(x - c, n) * n, n, {}); }
+    SurfacePoint closest(const Vec<3>& x) const override { return projection_at(x, x - dot(x - c, n) * n, n, {}); }
     std::string name() const override { return dim == 2 ? "straight line" : "plane"; }
 };
 
@@ -68,10 +68,10 @@ struct Sphere final : Surface {
     double R;
     int dim;
     Sphere(const Vec<3>& c_, double R_, int dim_) : c(c_), R(R_), dim(dim_) {}
-    SurfacePoint foot(const Vec<3>& x) const override {
+    SurfacePoint closest(const Vec<3>& x) const override {
         const Vec<3> d = x - c, n = length(d) > 0 ? unit(d) : Vec<3>{1, 0, 0};
         const double radius = std::max(length(d), innermost * R);
-        return foot_at(x, c + R * n, n, dim == 2 ? round(radius, {n, {0, 0, 1}}) : round(radius, {n}));
+        return projection_at(x, c + R * n, n, dim == 2 ? round(radius, {n, {0, 0, 1}}) : round(radius, {n}));
     }
     std::string name() const override { return text(dim == 2 ? "circle" : "sphere", " of radius ", R); }
 };
@@ -81,10 +81,10 @@ struct Cylinder final : Surface {
     Vec<3> c, a;
     double R;
     Cylinder(const Vec<3>& c_, const Vec<3>& a_, double R_) : c(c_), a(a_), R(R_) {}
-    SurfacePoint foot(const Vec<3>& x) const override {
+    SurfacePoint closest(const Vec<3>& x) const override {
         const Vec<3> d = x - c, u = dot(d, a) * a, v = d - u;
         const Vec<3> n = length(v) > 0 ? unit(v) : any_perpendicular(a);
-        return foot_at(x, c + u + R * n, n, round(std::max(length(v), innermost * R), {n, a}));
+        return projection_at(x, c + u + R * n, n, round(std::max(length(v), innermost * R), {n, a}));
     }
     std::string name() const override { return text("cylinder of radius ", R); }
 };
@@ -93,7 +93,7 @@ struct Torus final : Surface {
     Vec<3> c, a;
     double R, r;
     Torus(const Vec<3>& c_, const Vec<3>& a_, double R_, double r_) : c(c_), a(a_), R(R_), r(r_) {}
-    SurfacePoint foot(const Vec<3>& x) const override {
+    SurfacePoint closest(const Vec<3>& x) const override {
         const Vec<3> d = x - c, v = d - dot(d, a) * a;
         const Vec<3> outward = length(v) > 0 ? unit(v) : any_perpendicular(a), along = cross(a, outward);
         const Vec<3> ring = c + R * outward, e = x - ring, n = length(e) > 0 ? unit(e) : a;
@@ -101,7 +101,7 @@ struct Torus final : Surface {
         const double of_ring = dot(n, outward) / std::max(length(v), innermost * R);
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) S[i][j] += of_ring * along[i] * along[j];
-        return foot_at(x, ring + r * n, n, S);
+        return projection_at(x, ring + r * n, n, S);
     }
     std::string name() const override { return text("torus of radii ", R, " and ", r); }
 };
@@ -193,7 +193,7 @@ struct Fit {
 
     bool holds(const Surface& surface, double tolerance) const {
         return std::all_of(points.begin(), points.end(), [&](const Vec<3>& x) {
-            return length(surface.foot(x).position - x) <= tolerance * size;
+            return length(surface.closest(x).position - x) <= tolerance * size;
         });
     }
 };

@@ -11,7 +11,7 @@
 
 namespace almesh {
 
-// The foot p of the perpendicular from x to a surface, with d the signed distance, x = p + d n. x is on the surface
+// The closest-point projection p of x onto a surface, with d the signed distance, x = p + d n. x is on the surface
 // where p = x.
 struct SurfacePoint {
     Vec<3> position, normal;  // p; the unit normal n there, of either side
@@ -23,8 +23,8 @@ class Surface {
 public:
     virtual ~Surface() = default;
 
-    // At the centre of a sphere, on the axis of a cylinder: any of the feet.
-    virtual SurfacePoint foot(const Vec<3>& x) const = 0;
+    // At the centre of a sphere, on the axis of a cylinder: any closest point.
+    virtual SurfacePoint closest(const Vec<3>& x) const = 0;
     virtual std::string name() const = 0;  // "plane", "circle of radius 2"
 };
 
@@ -35,7 +35,7 @@ std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points,
                                      double tolerance = 1e-8);
 
 // Faces, flat ones as cubics through the same corners, with normals interpolated from means at their nodes. These are
-// continuous where faces meet at an angle, and so is the foot of the perpendicular: p in that face at whose p the
+// continuous where faces meet at an angle, and so is the closest-point projection: p in that face at whose p the
 // normal points to x. node: numbers of the nodes of each patch, as in the basis' order.
 std::unique_ptr<Surface> surface_of_faces(const PatchBasis& basis, const std::vector<Patch>& patches,
                                           const std::vector<std::vector<int>>& node);

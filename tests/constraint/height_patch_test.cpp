@@ -37,9 +37,9 @@ TEST_CASE("a smooth patch through the points of a graph of degree 4 is the graph
         for (const double t : {-0.2, 0.1})
             for (const double off : {0.0, 0.1, -0.05}) {
                 const Vec<3> p = on_graph(s, t), n = normal_of_graph(s, t);
-                const SurfacePoint foot = patch->foot(p + off * n);
-                CHECK(length(foot.position - p) < 1e-11);
-                CHECK(std::abs(dot(foot.normal, n)) > 1 - 1e-11);
+                const SurfacePoint projection = patch->closest(p + off * n);
+                CHECK(length(projection.position - p) < 1e-11);
+                CHECK(std::abs(dot(projection.normal, n)) > 1 - 1e-11);
             }
 }
 

@@ -103,28 +103,28 @@ TEST_CASE("quadrics and conics are found through their points, turned and far fr
             CHECK(found->name() == (sample.dim == 2 ? "conic" : "quadric"));
             for (int k = 0; k <= 20; ++k) {  // between the points too
                 const Vec<3> x = sample.at(0.05 * k, 0.37 + 0.01 * k);
-                CHECK(length(found->foot(x).position - x) < 1e-8);
+                CHECK(length(found->closest(x).position - x) < 1e-8);
             }
         }
     }
 }
 
-TEST_CASE("the foot on a quadric is the closest point") {
+TEST_CASE("the projection onto a quadric is the closest point") {
     for (const Sample& sample : samples) {
         CAPTURE(sample.name);
         const auto found = fit_quadric(sample.dim, sample.points(), 1e-8);
         REQUIRE(found);
         for (const Vec<3>& x : points_near(sample, sample.reach, 10)) {
-            const SurfacePoint foot = found->foot(x);
-            CHECK(length(foot.position - sample.closest(x)) < 1e-6);
-            CHECK(length(found->foot(foot.position).position - foot.position) < 1e-12);
-            CHECK(length(foot.normal) == doctest::Approx(1));
-            CHECK(length(cross(x - foot.position, foot.normal)) < 1e-10);
+            const SurfacePoint projection = found->closest(x);
+            CHECK(length(projection.position - sample.closest(x)) < 1e-6);
+            CHECK(length(found->closest(projection.position).position - projection.position) < 1e-12);
+            CHECK(length(projection.normal) == doctest::Approx(1));
+            CHECK(length(cross(x - projection.position, projection.normal)) < 1e-10);
         }
     }
 }
 
-TEST_CASE("slope and curvature at the foot on a quadric are derivatives") {
+TEST_CASE("slope and curvature at the projection on a quadric are derivatives") {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> number(-1, 1);
     const double h = 1e-5;
@@ -134,7 +134,8 @@ TEST_CASE("slope and curvature at the foot on a quadric are derivatives") {
         REQUIRE(found);
         for (const Vec<3>& x : points_near(sample, sample.reach, 10)) {
             const Vec<3> d = {number(random), number(random), sample.dim == 2 ? 0 : number(random)};
-            const SurfacePoint at = found->foot(x), plus = found->foot(x + h * d), minus = found->foot(x - h * d);
+            const SurfacePoint at = found->closest(x);
+            const SurfacePoint plus = found->closest(x + h * d), minus = found->closest(x - h * d);
             const Vec<3> change = d - 0.5 / h * (plus.position - minus.position);
             const Vec<3> turn = 0.5 / h * (plus.normal - minus.normal);
             for (int i = 0; i < 3; ++i) {
@@ -145,20 +146,20 @@ TEST_CASE("slope and curvature at the foot on a quadric are derivatives") {
     }
 }
 
-TEST_CASE("far outside a quadric, and at its focal points, feet are told") {
+TEST_CASE("far outside a quadric, and at its focal points, projections are told") {
     const auto ellipsoid = fit_quadric(3, samples[0].points(), 1e-8);
     REQUIRE(ellipsoid);
     for (const Vec<3>& direction : {Vec<3>{1, 0.4, 0.3}, Vec<3>{0.2, 1, -0.3}}) {
         const Vec<3> x = samples[0].at(0.3, 0.5) + 80 * direction;
-        const SurfacePoint foot = ellipsoid->foot(x);
-        CHECK(length(ellipsoid->foot(foot.position).position - foot.position) < 1e-9);
-        CHECK(length(cross(x - foot.position, foot.normal)) < 1e-8 * length(x - foot.position));
+        const SurfacePoint projection = ellipsoid->closest(x);
+        CHECK(length(ellipsoid->closest(projection.position).position - projection.position) < 1e-9);
+        CHECK(length(cross(x - projection.position, projection.normal)) < 1e-8 * length(x - projection.position));
     }
     for (const Vec<3>& inside : {Vec<3>{0, 0, 0}, Vec<3>{1, 0, 0}, Vec<3>{0.2, 0.1, 0}}) {
-        const SurfacePoint foot = ellipsoid->foot(placed(inside, 3));
-        CHECK(std::isfinite(length(foot.position)));
-        CHECK(length(foot.normal) == doctest::Approx(1));
-        for (int i = 0; i < 3; ++i) CHECK(std::isfinite(length(foot.curvature[i]) + length(foot.slope[i])));
+        const SurfacePoint projection = ellipsoid->closest(placed(inside, 3));
+        CHECK(std::isfinite(length(projection.position)));
+        CHECK(length(projection.normal) == doctest::Approx(1));
+        for (int i = 0; i < 3; ++i) CHECK(std::isfinite(length(projection.curvature[i]) + length(projection.slope[i])));
     }
 }
 

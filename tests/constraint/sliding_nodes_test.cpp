@@ -57,7 +57,7 @@ TEST_CASE("a point at given distances from one, two or three surfaces") {
         const std::array<double, 3> is = distances(*pipe.sliding, parts, at, {});
         for (std::size_t k = 0; k < parts.size(); ++k) CHECK(is[k] == doctest::Approx(wanted[k]).epsilon(1e-12));
         const Vec<3> on = on_surfaces(*pipe.sliding, parts, x);
-        for (const int part : parts) CHECK(length(pipe.sliding->foot(part, on).position - on) < 1e-14);
+        for (const int part : parts) CHECK(length(pipe.sliding->closest(part, on).position - on) < 1e-14);
         CHECK(length(distance_to(*pipe.sliding, parts, on).r) < 1e-14);
         CHECK(length(on - x) < (parts.size() < 3 ? 0.3 : 1.2));
     }
@@ -159,6 +159,6 @@ TEST_CASE("nodes freed to slide along the mesh's own faces do so along smooth pa
         if (along == 0) continue;
         CHECK(sliding->surface(along).name() == "a smooth patch");
         const Vec<3> x = in_space(point(mesh.x, i, 2), 2);
-        CHECK(length(sliding->foot(along, x).position - x) < 1e-14);
+        CHECK(length(sliding->closest(along, x).position - x) < 1e-14);
     }
 }

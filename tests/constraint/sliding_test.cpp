@@ -59,7 +59,7 @@ TEST_CASE("a boundary is cut into its smooth parts: the sides of a cube into fou
     for (const Vec<3>& x : {Vec<3>{0, 0.4, 0.5}, Vec<3>{1, 0.4, 0.5}, Vec<3>{0.4, 0, 0.5}, Vec<3>{0.4, 1, 0.5}}) {
         const int part = of_cube->part(cube, face_near(cube, sides, x));
         parts.insert(part);
-        CHECK(length(of_cube->foot(part, x).position - x) < 1e-14);
+        CHECK(length(of_cube->closest(part, x).position - x) < 1e-14);
     }
     CHECK(parts.size() == 4);
 
@@ -67,7 +67,7 @@ TEST_CASE("a boundary is cut into its smooth parts: the sides of a cube into fou
     const auto of_ring = surfaces_of(ring, target_of(ring, {{"outer", "translate 3 1; slide"}}));
     CHECK(of_ring->parts() == 1);
     CHECK(of_ring->surface(0).name() == "circle of radius 4");
-    CHECK(length(of_ring->foot(0, {9, 1, 0}).position - Vec<3>{7, 1, 0}) < 1e-12);
+    CHECK(length(of_ring->closest(0, {9, 1, 0}).position - Vec<3>{7, 1, 0}) < 1e-12);
 
     Mesh oval = ring;
     for (int i = 0; i < oval.nodes(); ++i) oval.x[2 * i] *= 1.2;
@@ -104,7 +104,7 @@ TEST_CASE("along another mesh: its parts, those of faces at a fair angle before 
     const int right = part_of(1, 0.5, 0.5);  // 0.8 after the motion, 0.4 from its plane
     CHECK(sliding.surface(right).name() == "plane");
     CHECK(sliding.is_of_other_mesh(right));
-    CHECK(length(sliding.foot(right, {0.05, 0.03, 0.02}).position - Vec<3>{0.12, 0.03, 0.02}) < 1e-14);
+    CHECK(length(sliding.closest(right, {0.05, 0.03, 0.02}).position - Vec<3>{0.12, 0.03, 0.02}) < 1e-14);
     for (const double y : {0.05, 0.3, 0.95}) CHECK(part_of(1, y, 0.9) == right);  // beside another side, too
     CHECK(part_of(0, 0.98, 0.5) != right);
     CHECK(part_of(0.98, 1, 0.5) != right);
@@ -128,7 +128,7 @@ TEST_CASE("a coarse face slides along its own part, however near another one is 
         for (int f = 0; f < mesh.face_count(); ++f) {
             const int own = f / (mesh.face_count() / 3), middle = crescent.face(own)[2];
             const Vec<3> x = in_space(point(crescent.x, middle, 2), 2);
-            CHECK(length(sliding->foot(sliding->part(mesh, f), x).position - x) < 1e-9);
+            CHECK(length(sliding->closest(sliding->part(mesh, f), x).position - x) < 1e-9);
         }
 }
 
@@ -151,8 +151,8 @@ TEST_CASE("a mesh that is cut out of another slides along the surfaces of the wh
     for (int f = 0; f < static_cast<int>(faces.size()); ++f) {
         CHECK(of_part.part(part, f) == whole->part(ring, faces[f]));
         const Vec<3> x = {2.5, 3, 0};
-        const Vec<3> foot = frame.to_file(of_part.foot(of_part.part(part, f), frame.to_run(x)).position);
-        CHECK(length(foot - whole->foot(0, x).position) < 1e-15);
+        const Vec<3> projection = frame.to_file(of_part.closest(of_part.part(part, f), frame.to_run(x)).position);
+        CHECK(length(projection - whole->closest(0, x).position) < 1e-15);
     }
 }
 

@@ -59,7 +59,7 @@ TEST_CASE("planes, spheres, cylinders and tori are found where points lie on the
         const auto found = fit_surface(3, points, normal);
         REQUIRE(found);
         CHECK(found->name() == name);
-        for (const Vec<3>& x : points) CHECK(length(found->foot(x).position - x) < 1e-8);
+        for (const Vec<3>& x : points) CHECK(length(found->closest(x).position - x) < 1e-8);
     }
     std::vector<Vec<3>> bumpy = sampled(primitives[2].surface, 6, 4);
     bumpy[17][1] += 1e-3;
@@ -76,7 +76,7 @@ TEST_CASE("planes, spheres, cylinders and tori are found where points lie on the
     CHECK(circle->name() == "circle of radius 2");
 }
 
-TEST_CASE("the foot of the perpendicular is on the surface; slope and curvature are derivatives") {
+TEST_CASE("the closest-point projection is on the surface; slope and curvature are derivatives") {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> number(-1, 1);
     for (const auto& primitive : primitives) {
@@ -87,13 +87,13 @@ TEST_CASE("the foot of the perpendicular is on the surface; slope and curvature 
         REQUIRE(found);
         for (int k = 0; k < 20; ++k) {
             const Vec<3> x = points[2 * k] + 0.2 * Vec<3>{number(random), number(random), number(random)};
-            const SurfacePoint at = found->foot(x);
+            const SurfacePoint at = found->closest(x);
             CHECK(length(cross(x - at.position, at.normal)) < 1e-9);
             CHECK(length(at.normal) == doctest::Approx(1));
-            CHECK(length(found->foot(at.position).position - at.position) < 1e-9);
+            CHECK(length(found->closest(at.position).position - at.position) < 1e-9);
             const Vec<3> d = {number(random), number(random), number(random)};
             const double h = 1e-5;
-            const SurfacePoint plus = found->foot(x + h * d), minus = found->foot(x - h * d);
+            const SurfacePoint plus = found->closest(x + h * d), minus = found->closest(x - h * d);
             const Vec<3> turn = 0.5 / h * (plus.normal - minus.normal);
             const Vec<3> change = d - 0.5 / h * (plus.position - minus.position);
             for (int i = 0; i < 3; ++i) {
@@ -118,7 +118,7 @@ TEST_CASE("along a mesh's own faces: a point on them, with normals that turn con
     Vec<3> before{};
     for (int k = 0; k <= 2000; ++k) {
         const double t = 2 * std::acos(-1.0) * k / 2000;
-        const SurfacePoint at = faces->foot({1.95 * std::cos(t), 1.95 * std::sin(t), 0});
+        const SurfacePoint at = faces->closest({1.95 * std::cos(t), 1.95 * std::sin(t), 0});
         CHECK(length(at.position) <= 2 + 1e-12);
         CHECK(length(at.position) >= 2 * std::cos(std::acos(-1.0) / 24) - 1e-12);
         CHECK(std::abs(at.normal[0] * std::cos(t) + at.normal[1] * std::sin(t)) > 0.999);
@@ -148,12 +148,12 @@ TEST_CASE("flat faces are rounded: through their corners, and far nearer to the 
             }
             const auto faces = surface_of_faces(basis, patches, nodes);
             for (const Patch& patch : patches)
-                for (const Vec<3>& corner : patch) CHECK(length(faces->foot(corner).position - corner) < 1e-14);
+                for (const Vec<3>& corner : patch) CHECK(length(faces->closest(corner).position - corner) < 1e-14);
             double& largest = error[dim - 2][finer] = 0;
             for (int i = 0; i <= 50; ++i) {  // away from the rim
                 const double x = 0.3 + 0.4 * i / 50, y = dim == 3 ? 0.3 + 0.4 * (7 * i % 50) / 50 : 0, z = height(x, y);
                 const Vec<3> at = dim == 3 ? Vec<3>{x, y, z} : Vec<3>{x, z, 0};
-                largest = std::max(largest, length(faces->foot(at).position - at));
+                largest = std::max(largest, length(faces->closest(at).position - at));
             }
         }
     CHECK(error[0][0] < 1e-4);
@@ -162,7 +162,7 @@ TEST_CASE("flat faces are rounded: through their corners, and far nearer to the 
     CHECK(error[1][1] < error[1][0] / 3);
 }
 
-TEST_CASE("the foot on a mesh's own faces: along the normal to x, its slope the derivative, to itself on the surface") {
+TEST_CASE("the projection on a mesh's own faces: along the normal, its slope the derivative, itself on the surface") {
     std::mt19937 random(3);
     std::uniform_real_distribution<double> number(-1, 1);
     Mesh bowl = cube_mesh(3);
@@ -187,12 +187,12 @@ TEST_CASE("the foot on a mesh's own faces: along the normal to x, its slope the 
             const double t = number(random);
             const Vec<3> x = dim == 2 ? Vec<3>{1.93 * std::cos(3 * t), 1.93 * std::sin(3 * t), 0}
                                       : Vec<3>{0.5 + 0.3 * t, 0.5 + 0.3 * number(random), 0.3 + 0.05 * number(random)};
-            const SurfacePoint at = faces->foot(x);
+            const SurfacePoint at = faces->closest(x);
             CHECK(length(cross(x - at.position, at.normal)) < 1e-12);
-            CHECK(length(faces->foot(at.position).position - at.position) < 1e-13);
+            CHECK(length(faces->closest(at.position).position - at.position) < 1e-13);
             const Vec<3> d = {number(random), number(random), dim == 2 ? 0 : number(random)};
             const double h = 1e-6;
-            const SurfacePoint plus = faces->foot(x + h * d), minus = faces->foot(x - h * d);
+            const SurfacePoint plus = faces->closest(x + h * d), minus = faces->closest(x - h * d);
             const Vec<3> change = d - 0.5 / h * (plus.position - minus.position);
             const Vec<3> turn = 0.5 / h * (plus.normal - minus.normal);
             for (int i = 0; i < dim; ++i) {
