@@ -23,6 +23,10 @@ constexpr double corner_work = 200;  // simple operations for the angles of an e
 std::vector<double> angle_sums(const Mesh& mesh, const std::vector<double>& x) {
     const int n = mesh.dim, corners = n + 1, m = mesh.element_nodes();
     const PatchBasis basis(n, mesh.degree);
+    int next[4][4] = {};
+    for (int i = 0; i < corners; ++i)
+        for (int j = 0; j < corners; ++j)
+            if (j != i) next[i][j] = next_to_corner(basis.bernstein, i, j);
     std::vector<double> at_corner(offset(mesh.element_count(), corners));
     parallel_for(
         mesh.element_count(),
@@ -31,7 +35,7 @@ std::vector<double> angle_sums(const Mesh& mesh, const std::vector<double>& x) {
             for (int i = 0; i < corners; ++i) {
                 Vec<3> tangent[3];
                 for (int j = 0, k = 0; j < corners; ++j)
-                    if (j != i) tangent[k++] = edge_tangent(basis.bernstein, patch, i, j);
+                    if (j != i) tangent[k++] = patch[next[i][j]] - patch[i];
                 const Vec<3>&u = tangent[0], &v = tangent[1];
                 const double turns = 1 / (2 * std::numbers::pi);
                 at_corner[offset(e, corners, i)] = n == 2 ? turns * std::atan2(length(cross(u, v)), dot(u, v))

@@ -18,9 +18,10 @@ std::vector<Vec<3>> positions(const Mesh& mesh, const std::vector<double>& x, co
     return result;
 }
 
-Patch make_patch(const PatchBasis& basis, const std::vector<Vec<3>>& nodes) {
-    Patch patch = nodes;  // the corners are right already
+Patch make_patch(const PatchBasis& basis, std::vector<Vec<3>> nodes) {
     const int count = basis.bernstein.count;
+    if (count == basis.bernstein.dim + 1) return nodes;
+    Patch patch = nodes;  // the corners are right already
     for (int b = basis.bernstein.dim + 1; b < count; ++b) {
         Vec<3> sum{};  // relative to node 0: stretched faces may lie far from the origin
         for (int i = 0; i < count; ++i) sum = sum + basis.to_bezier[offset(b, count, i)] * (nodes[i] - nodes[0]);
@@ -43,11 +44,15 @@ double size_of(const Patch& patch, int m) {
     return length(patch[b] - patch[a]);
 }
 
-Vec<3> edge_tangent(const Bernstein& basis, const Patch& patch, int i, int j) {
+int next_to_corner(const Bernstein& basis, int i, int j) {
     MultiIndex next{};
     next[i] = basis.degree - 1;
     ++next[j];
-    return patch[basis.place(next)] - patch[i];
+    return basis.place(next);
+}
+
+Vec<3> edge_tangent(const Bernstein& basis, const Patch& patch, int i, int j) {
+    return patch[next_to_corner(basis, i, j)] - patch[i];
 }
 
 std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a, int b) {

@@ -28,7 +28,7 @@ struct PatchBasis {
 std::vector<Vec<3>> positions(const Mesh& mesh, const std::vector<double>& x, const int* nodes, int count);
 
 // nodes: positions in Gmsh's order. Corner Bezier points are the nodes to the bit.
-Patch make_patch(const PatchBasis& basis, const std::vector<Vec<3>>& nodes);
+Patch make_patch(const PatchBasis& basis, std::vector<Vec<3>> nodes);
 Patch face_patch(const PatchBasis& basis, const Mesh& mesh, const std::vector<double>& x, int f);
 
 inline double length(const Vec<3>& v) { return std::sqrt(dot(v, v)); }
@@ -45,6 +45,9 @@ inline Vec<3> flat_normal(std::span<const Vec<3>> corner, int m) {
 }
 
 double size_of(const Patch& patch, int m);  // longest distance between two corners
+
+// The Bezier point beside corner i on its edge towards corner j.
+int next_to_corner(const Bernstein& basis, int i, int j);
 
 // Derivative of the patch at corner i along its edge towards corner j, divided by the degree.
 Vec<3> edge_tangent(const Bernstein& basis, const Patch& patch, int i, int j);
