@@ -40,12 +40,12 @@ std::string quality_of_element(const Solution& solution, int element) {
            ", scaled Jacobian >= " + rounded_down(solution.certificate.lower_bound[element], 4);
 }
 
-std::string name_of(const Mesh& mesh, const Obstacle& obstacle) {
-    const bool is_node = obstacle.node >= 0;
+std::string name_of(const Mesh& mesh, const Diagnosis& diagnosis) {
+    const bool is_node = diagnosis.node >= 0;
     return concat(is_node ? "node " : "element ",
-                  is_node ? mesh.file.node_id[obstacle.node] : mesh.file.element_id[obstacle.element],
-                  !obstacle.on_boundary ? ", nearest to" : is_node ? " of" : " beside", " boundary ",
-                  mesh.boundaries[obstacle.boundary]);
+                  is_node ? mesh.file.node_id[diagnosis.node] : mesh.file.element_id[diagnosis.element],
+                  !diagnosis.on_boundary ? ", nearest to" : is_node ? " of" : " beside", " boundary ",
+                  mesh.boundaries[diagnosis.boundary]);
 }
 
 std::string text_of_way(double way) {
@@ -57,21 +57,21 @@ std::string text_of_way(double way) {
 // "node 107 of boundary inner at (0.9, 0.1): 0.137 from its target (0.72, 0.28), 0.55 of its cell's height"
 std::string description(const Problem& problem, const Solution& solution) {
     const Mesh& mesh = problem.mesh();
-    const Obstacle& at = solution.obstacle;
-    if (at.kind == ObstacleKind::none) return "";
+    const Diagnosis& at = solution.diagnosis;
+    if (at.kind == DiagnosisKind::none) return "";
     const auto position = [&](const std::array<double, 3>& x) {
         return place_text(problem.frame.to_file(x).data(), mesh.dim);
     };
     const std::string name = name_of(mesh, at), subject = name + " at " + position(at.place);
     switch (at.kind) {
-        case ObstacleKind::off_target:
+        case DiagnosisKind::off_target:
             return subject + " is " + shown(at.distance * problem.frame.length) + " from its target " +
                    position(at.target) + ", " + shown(at.heights, 2) + " of its cells' height" + text_of_way(at.way);
-        case ObstacleKind::unbalanced:
+        case DiagnosisKind::unbalanced:
             return subject + " has " + shown(100 * at.share, 2) + " % of |grad E|, the most";
-        case ObstacleKind::distorted:
+        case DiagnosisKind::distorted:
             return subject + " is the most distorted: " + quality_of_element(solution, at.element);
-        case ObstacleKind::invalid: return subject + " is the worst: " + quality_of_element(solution, at.element);
+        case DiagnosisKind::invalid: return subject + " is the worst: " + quality_of_element(solution, at.element);
         default: return overlap_text(mesh, solution.injectivity, problem.frame) + ": " + name;
     }
 }
@@ -84,8 +84,8 @@ std::string less_motion(const Solution& solution) {
 // Against a target that is too far: what the run has not done yet.
 std::string against_distance(const Deck& deck, const Problem& problem, const Solution& solution) {
     const double alpha = distortion_of(deck).weight_exponent;
-    const Obstacle& at = solution.obstacle;
-    const bool fixed = at.kind == ObstacleKind::off_target && at.distance > 0 && std::isnan(at.way) &&
+    const Diagnosis& at = solution.diagnosis;
+    const bool fixed = at.kind == DiagnosisKind::off_target && at.distance > 0 && std::isnan(at.way) &&
                        problem.target.hold[at.boundary] == BoundaryHold::prescribed;
     std::string to_try;
     if (fixed)
@@ -153,9 +153,9 @@ std::string remedies(const Deck& deck, const Problem& problem, const Solution& s
                   ", with which faces are flat where nodes now slide");
 }
 
-void print_obstacle(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
+void print_diagnosis(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
     if (solution.al.status == Status::converged && is_certified(solution)) return;
-    const Obstacle& at = solution.obstacle;
+    const Diagnosis& at = solution.diagnosis;
     std::string text = description(problem, solution);
     if (!text.empty()) text += "\n";
     if (at.node >= 0)
@@ -167,7 +167,7 @@ void print_obstacle(std::FILE* out, const Deck& deck, const Problem& problem, co
 std::string judgement(const Problem& problem, const Solution& solution) {
     if (is_certified(solution)) return "certified valid and injective";
     if (!solution.certificate.valid) return "NOT certified valid (" + counts_of(solution.certificate) + ")";
-    const bool told = solution.obstacle.kind == ObstacleKind::overlap;
+    const bool told = solution.diagnosis.kind == DiagnosisKind::overlap;
     return "all elements valid, but NOT certified injective" +
            (told ? "" : ": " + overlap_text(problem.mesh(), solution.injectivity, problem.frame));
 }
@@ -205,7 +205,7 @@ std::string work_of(const Deck& deck, const Solution& solution) {
 
 }  // namespace
 
-Obstacle find_obstacle(const Deck& deck, const Problem& problem, const Solution& solution) {
+Diagnosis diagnose(const Deck& deck, const Problem& problem, const Solution& solution) {
     Level& level = *problem.level;
     const Status status = solution.al.status;
     if (status == Status::converged && is_certified(solution)) return {};
@@ -234,7 +234,7 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
                          deck.distortion.objective == Objective::worst ? "powers" : "parts of the motion", ")");
     std::fprintf(out, "%s: %s%s in %.2f s\n", headline(solution.al.status).c_str(), work_of(deck, solution).c_str(),
                  others.c_str(), solution.time.total);
-    print_obstacle(out, deck, problem, solution);
+    print_diagnosis(out, deck, problem, solution);
     print_boundary(out, problem, solution);
     if (solution.al.iterations.back().newton_status == Status::rounding_floor)
         std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
@@ -245,7 +245,7 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
     if (solution.refused_bytes > 0)
         std::fprintf(out, "the Cholesky factor takes %.3g GB, more than this machine's memory\n",
                      solution.refused_bytes / 1e9);
-    const bool shows = solution.obstacle.kind != ObstacleKind::none && deck.vtk != VtkOutput::none;
+    const bool shows = solution.diagnosis.kind != DiagnosisKind::none && deck.vtk != VtkOutput::none;
     std::fprintf(out, "%s: scaled Jacobian >= %s everywhere; results in %s%s\n", judgement(problem, solution).c_str(),
                  rounded_down(solution.certificate.min_scaled_jacobian, 4).c_str(), deck.output.c_str(),
                  shows ? ", the elements around the obstacle in stop.vtk" : "");

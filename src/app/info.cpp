@@ -60,7 +60,7 @@ std::string validity_of(const Mesh& mesh) {
                "the run starts from the straight-sided mesh (almesh quality lists them)";
     const Injectivity injectivity = certify_injective(mesh, mesh.x, certificate);
     return injectivity.certified ? "all elements certified valid, none overlap"
-                                 : "all elements certified valid, but " + injectivity.obstacle;
+                                 : "all elements certified valid, but " + injectivity.reason;
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ std::string iterate_name(int number) {
     return "iterate-" + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits;
 }
 
-// The elements around the obstacle, with the way from each node of the boundary to its target.
+// The elements around the diagnosis, with the way from each node of the boundary to its target.
 void write_stop(const Deck& deck, const Problem& problem, const Solution& solution,
                 const std::vector<double>& positions) {
     const Mesh& mesh = problem.mesh();
@@ -102,13 +102,13 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
     const Constraint& constraint = *problem.level->constraint;
     const std::vector<double> targets = constraint.targets(solution.x);
     const std::vector<int> boundary = boundary_of_nodes(mesh, problem.target);
-    const SubMesh around = neighbourhood(mesh, solution.obstacle);
+    const SubMesh around = neighbourhood(mesh, solution.diagnosis);
     std::vector<double> x, node_id, of_node, at_node, to_target;
     for (const int i : around.node) {
         x.insert(x.end(), point(positions, i, dim), point(positions, i, dim) + dim);
         node_id.push_back(static_cast<double>(mesh.file.node_id[i]));
         of_node.push_back(boundary[i]);
-        at_node.push_back(i == solution.obstacle.node);
+        at_node.push_back(i == solution.diagnosis.node);
         const auto trace = std::lower_bound(constraint.nodes().begin(), constraint.nodes().end(), i);
         const bool has_target = trace != constraint.nodes().end() && *trace == i;
         const auto t = static_cast<int>(trace - constraint.nodes().begin());
@@ -121,7 +121,7 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
         element_id.push_back(static_cast<double>(mesh.file.element_id[e]));
         distortion.push_back(solution.al.distortion.element_max[e]);
         scaled_jacobian.push_back(solution.certificate.lower_bound[e]);
-        at_element.push_back(e == solution.obstacle.element);
+        at_element.push_back(e == solution.diagnosis.element);
     }
     write_vtk(deck.output + "/stop.vtk",
               {title(deck, "stop"),
@@ -213,7 +213,7 @@ void write_results(const Deck& deck, const Problem& problem, const Solution& sol
     write_volume(deck, problem, "final", solution.x, positions, solution.al.distortion.element_max,
                  &solution.certificate.lower_bound);
     write_boundary(deck, problem, solution, positions);
-    if (solution.obstacle.kind != ObstacleKind::none) write_stop(deck, problem, solution, positions);
+    if (solution.diagnosis.kind != DiagnosisKind::none) write_stop(deck, problem, solution, positions);
 }
 
 void write_summary(const Deck& deck, const Summary& summary) {

@@ -7,7 +7,7 @@
 #include "app/summary.hpp"
 #include "check/certificate.hpp"
 #include "check/injectivity.hpp"
-#include "check/obstacle.hpp"
+#include "check/diagnosis.hpp"
 #include "check/quality.hpp"
 #include "method/augmented_lagrangian.hpp"
 
@@ -36,7 +36,7 @@ struct Solution {
     Certificate certificate;
     Injectivity injectivity;
     SizeSkew size_skew;
-    Obstacle obstacle;         // of an ending other than converged and certified
+    Diagnosis diagnosis;       // of an ending other than converged and certified
     double followed = 0;       // the largest part of the motion, less than all of it, that converged
     double refused_bytes = 0;  // of the Cholesky factor, where they ended the run
     RunTimes time;
@@ -68,7 +68,7 @@ void write_iterate(const Deck& deck, const Problem& problem, int number, const s
 // How the final mesh is written: final.msh, final.su2, or both.
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh);
 
-// The final mesh, final.vtk, boundary.vtk; stop.vtk where the solution has an obstacle
+// The final mesh, final.vtk, boundary.vtk; stop.vtk where the solution has a diagnosis
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution);
 void write_summary(const Deck& deck, const Summary& summary);  // summary.txt and expectations.csv
 

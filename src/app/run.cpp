@@ -91,7 +91,7 @@ void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     const std::vector<char>& straight = problem.target.straight;
     solution.straight_faces = static_cast<int>(std::count(straight.begin(), straight.end(), 1));
     solution.straightening_distance = straightening_distance(problem);
-    solution.obstacle = find_obstacle(deck, problem, solution);
+    solution.diagnosis = diagnose(deck, problem, solution);
 }
 
 AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton, const MethodParams& params,

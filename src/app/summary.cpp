@@ -28,7 +28,7 @@ struct Run {
     double largest_slide, surface_distance;
     int power;
     double predicted_bytes;
-    const Obstacle& at;
+    const Diagnosis& at;
     const Frame& frame;
     const std::string& id;
 };
@@ -51,7 +51,7 @@ constexpr const char* none = "none";
 
 template <int axis>
 std::string coordinate(const Run& run) {
-    return run.at.kind == ObstacleKind::none ? none : text(run.frame.to_file(run.at.place)[axis], 6);
+    return run.at.kind == DiagnosisKind::none ? none : text(run.frame.to_file(run.at.place)[axis], 6);
 }
 
 struct Quantity : Named {
@@ -207,7 +207,7 @@ Summary summarise(const Problem& problem, const Solution& solution) {
     const Run run = {problem.mesh(), solution, solution.al, solution.time, units.of(solution.al.iterations.back()),
                      units.distance(solution.max_boundary_error), units.distance(solution.largest_slide),
                      units.distance(solution.surface_distance), problem.level->energy->power().p,
-                     solution.predicted_bytes, solution.obstacle, problem.frame, problem.run_id};
+                     solution.predicted_bytes, solution.diagnosis, problem.frame, problem.run_id};
     Summary summary;
     for (const Quantity& quantity : quantities) summary.push_back({quantity.name, quantity.value(run)});
     return summary;

@@ -68,34 +68,34 @@ std::string fold_text(const Mesh& mesh, const std::vector<double>& x) {
 }  // namespace
 
 std::string overlap_text(const Mesh& mesh, const Injectivity& found, const Frame& frame) {
-    if (found.node < 0 && found.face < 0) return found.obstacle;
-    return found.obstacle + " at " + place_text(frame.to_file(found.place).data(), mesh.dim);
+    if (found.node < 0 && found.face < 0) return found.reason;
+    return found.reason + " at " + place_text(frame.to_file(found.place).data(), mesh.dim);
 }
 
 Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate) {
-    if (!certificate.valid) return {.obstacle = "elements are not certified valid"};
-    if (!mesh.folded.empty()) return {.obstacle = fold_text(mesh, x)};
+    if (!certificate.valid) return {.reason = "elements are not certified valid"};
+    if (!mesh.folded.empty()) return {.reason = fold_text(mesh, x)};
     if (const int i = overlapped_vertex(mesh, x); i >= 0)
-        return {.obstacle = concat("the elements around node ", id_in_file(mesh.file.node_id, i), " overlap"),
+        return {.reason = concat("the elements around node ", id_in_file(mesh.file.node_id, i), " overlap"),
                 .node = i,
                 .place = centroid(mesh, x, &i, 1)};
     const TargetReport report = check_target(mesh, x);
     if (!report.faults.empty()) {
         const int f = report.faults.front().face;
-        return {.obstacle = concat("the boundary overlaps itself at face ",
+        return {.reason = concat("the boundary overlaps itself at face ",
                                    id_in_file(mesh.file.face_id, f), " of ", mesh.boundaries[mesh.face_boundary[f]]),
                 .face = f,
                 .place = centroid(mesh, x, mesh.face(f), mesh.dim)};
     }
     if (const auto [e, other] = overlapping_elements(mesh, x); e >= 0) {
         const std::vector<long long>& id = mesh.file.element_id;
-        return {.obstacle = concat("elements ", id_in_file(id, e), " and ", id_in_file(id, other),
+        return {.reason = concat("elements ", id_in_file(id, e), " and ", id_in_file(id, other),
                                    " lie over each other", mesh.degree == 1 ? "" : ", or too nearly to tell"),
                 .node = mesh.element(e)[0],
                 .place = centroid(mesh, x, mesh.element(e), mesh.dim + 1)};
     }
-    if (report.crossed_before) return {.obstacle = "the boundary of the initial mesh crosses itself"};
-    return {.certified = true, .obstacle = ""};
+    if (report.crossed_before) return {.reason = "the boundary of the initial mesh crosses itself"};
+    return {.certified = true, .reason = ""};
 }
 
 }  // namespace almesh

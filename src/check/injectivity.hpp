@@ -24,13 +24,13 @@ namespace almesh {
 
 struct Injectivity {
     bool certified = false;
-    std::string obstacle;  // what stands in the way; empty where certified
+    std::string reason;  // what stands in the way; empty where certified
     int node = -1;         // where: the node that elements overlap around,
     int face = -1;         // or a face at which the boundary overlaps itself
     std::array<double, 3> place{};  // of the node or the face's centre, at x; in 2D the third coordinate is 0
 };
 
-// The obstacle with its place in the file: "the elements around node 3 overlap at (0.5, 1)".
+// The reason with its position in the file: "the elements around node 3 overlap at (0.5, 1)".
 std::string overlap_text(const Mesh& mesh, const Injectivity& found, const Frame& frame = {});
 
 // x: node_count x dim positions; certificate: of these. An initial mesh that overlaps itself is not certified.

@@ -21,7 +21,7 @@ enum class Status {
     invalid_start           // so has every mesh from which they could minimise
 };
 
-// What held up a run, and where (check/obstacle.hpp).
+// What held up a run, and where (check/diagnosis.hpp).
 enum class Cause {
     validity,             // elements that are not valid, or else overlap
     gradient,             // the node with most of |grad E|

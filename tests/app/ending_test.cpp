@@ -47,7 +47,7 @@ std::vector<double> scalars(const std::string& vtk, const std::string& name) {
     return numbers_of(vtk, "SCALARS " + name + " double 1\nLOOKUP_TABLE default\n");
 }
 
-// What a run in `folder` says of its obstacle: the same place in the summary, in final.msh, in stop.vtk and on the
+// What a run in `folder` says of its diagnosis: the same place in the summary, in final.msh, in stop.vtk and on the
 // terminal.
 struct Stop {
     std::map<std::string, std::string> summary;
@@ -227,7 +227,7 @@ TEST_CASE("a line search that fails is told at the most distorted element, an ov
     solution.al.distortion.element_max[40] = 12.5;
     solution.certificate = certify(mesh, solution.x);
     const auto print = [&] {
-        solution.obstacle = find_obstacle(deck, problem, solution);
+        solution.diagnosis = diagnose(deck, problem, solution);
         std::FILE* const out = std::tmpfile();
         print_ending(out, deck, problem, solution, 0);
         return take_contents(out);
@@ -236,8 +236,8 @@ TEST_CASE("a line search that fails is told at the most distorted element, an ov
     solution.al.status = Status::line_search_failed;
     solution.followed = 0.375;
     std::string text = print();
-    CHECK(solution.obstacle.kind == ObstacleKind::distorted);
-    CHECK(solution.obstacle.element == 40);
+    CHECK(solution.diagnosis.kind == DiagnosisKind::distorted);
+    CHECK(solution.diagnosis.element == 40);
     CHECK(has(text, concat("element ", mesh.file.element_id[40])));
     CHECK(has(text, " is the most distorted: eta 12.5, scaled Jacobian >= 1\n"));
     CHECK(has(text, "try weight_exponent = 0.5 or 0; a part of the motion, of which 0.375 was reached\n"));
@@ -246,27 +246,27 @@ TEST_CASE("a line search that fails is told at the most distorted element, an ov
     const int outer = mesh.face(mesh.boundary_index("outer") == mesh.face_boundary[0] ? 0 : mesh.face_count() - 1)[0];
     point(solution.x, outer, 2)[0] += 0.01;
     text = print();
-    CHECK(solution.obstacle.kind == ObstacleKind::off_target);
-    CHECK(solution.obstacle.node == outer);
+    CHECK(solution.diagnosis.kind == DiagnosisKind::off_target);
+    CHECK(solution.diagnosis.node == outer);
     CHECK(!has(text, "of its way"));
     CHECK(has(text, "try boundary outer = slide or free, if its nodes need not stay in their places; "));
     solution.x = problem.ideal();
 
     solution.al.status = Status::converged;
     solution.injectivity.node = 5;
-    solution.injectivity.obstacle = "the elements around node 6 overlap";
+    solution.injectivity.reason = "the elements around node 6 overlap";
     solution.injectivity.place = centroid(mesh, solution.x, &solution.injectivity.node, 1);
     text = print();
-    CHECK(solution.obstacle.kind == ObstacleKind::overlap);
-    CHECK(solution.obstacle.node == 5);
+    CHECK(solution.diagnosis.kind == DiagnosisKind::overlap);
+    CHECK(solution.diagnosis.node == 5);
     CHECK(has(text, "the elements around node 6 overlap at " +
                         place_text(problem.frame.to_file(solution.injectivity.place).data(), 2) +
                         ": node 6 of boundary inner\n"));
     CHECK(has(text, "all elements valid, but NOT certified injective: scaled Jacobian"));
 
-    solution.injectivity = {.certified = false, .obstacle = "the boundary of the initial mesh crosses itself"};
+    solution.injectivity = {.certified = false, .reason = "the boundary of the initial mesh crosses itself"};
     text = print();
-    CHECK(solution.obstacle.kind == ObstacleKind::none);
+    CHECK(solution.diagnosis.kind == DiagnosisKind::none);
     CHECK(has(text, "NOT certified injective: the boundary of the initial mesh crosses itself:"));
     CHECK(has(text, "try another mesh file"));
 }

@@ -21,7 +21,7 @@ Injectivity judge(const Mesh& mesh, const std::vector<double>& x) {
 }
 
 bool mentions(const Injectivity& injectivity, const std::string& text) {
-    return injectivity.obstacle.find(text) != std::string::npos;
+    return injectivity.reason.find(text) != std::string::npos;
 }
 
 // Every point of the plane is turned about `centre` by as much again as its angle.
@@ -79,7 +79,7 @@ TEST_CASE("valid meshes whose boundary is in its place are certified, in every d
             for (const std::vector<double>& x : {mesh.x, wavy(mesh.x, mesh.dim, 0.005)}) {
                 const Injectivity found = judge(mesh, x);
                 CHECK(found.certified);
-                CHECK(found.obstacle.empty());
+                CHECK(found.reason.empty());
             }
         }
 }
@@ -90,8 +90,8 @@ TEST_CASE("an inverted element settles it") {
     for (std::size_t i = 0; i < x.size(); i += 2) x[i] *= -1;
     const Injectivity found = certify_injective(mesh, x, certify(mesh, x));
     CHECK(!found.certified);
-    CHECK(found.obstacle == "elements are not certified valid");
-    CHECK(overlap_text(mesh, found) == found.obstacle);
+    CHECK(found.reason == "elements are not certified valid");
+    CHECK(overlap_text(mesh, found) == found.reason);
 }
 
 TEST_CASE("a node that its elements go around twice is found though all of them are valid") {

@@ -1,4 +1,4 @@
-#include "check/obstacle.hpp"
+#include "check/diagnosis.hpp"
 
 #include <doctest/doctest.h>
 
@@ -28,7 +28,7 @@ struct Case {
 
     LastMesh last() const { return {problem.mesh, problem.ideal, x, problem.constraint, target, distortion}; }
     const Mesh& mesh() const { return problem.mesh; }
-    std::string boundary(const Obstacle& obstacle) const { return mesh().boundaries.at(obstacle.boundary); }
+    std::string boundary(const Diagnosis& diagnosis) const { return mesh().boundaries.at(diagnosis.boundary); }
 };
 
 int node_at(const Mesh& mesh, const std::vector<double>& place) {
@@ -59,8 +59,8 @@ TEST_CASE("the node farthest from its target, in heights of its cells, with its 
             REQUIRE(node >= 0);
             for (int i = 0; i < mesh.nodes(); ++i) point(moved.x, i, mesh.dim)[0] += i == node ? 3 : 3.75;
             for (int e = 0; e < mesh.element_count(); ++e) moved.distortion[e] = 1 + e;
-            const Obstacle found = farthest_off_target(moved.last());
-            CHECK(found.kind == ObstacleKind::off_target);
+            const Diagnosis found = farthest_off_target(moved.last());
+            CHECK(found.kind == DiagnosisKind::off_target);
             CHECK(found.node == node);
             CHECK(found.on_boundary);
             CHECK(moved.boundary(found) == "top");
@@ -82,9 +82,9 @@ TEST_CASE("no way is told of nodes that should have stayed or slide, and none is
     for (const int i : ring.mesh().faces)
         if (std::hypot(point(ring.problem.ideal, i, 2)[0], point(ring.problem.ideal, i, 2)[1]) < 2)
             point(ring.x, i, 2)[0] = point(ring.problem.ideal, i, 2)[0] + 1;
-    CHECK(farthest_off_target(ring.last()).kind == ObstacleKind::none);
+    CHECK(farthest_off_target(ring.last()).kind == DiagnosisKind::none);
     point(ring.x, outer, 2)[0] -= 0.5;
-    const Obstacle found = farthest_off_target(ring.last());
+    const Diagnosis found = farthest_off_target(ring.last());
     CHECK(found.node == outer);
     CHECK(ring.boundary(found) == "outer");
     CHECK(std::isnan(found.way));
@@ -98,12 +98,12 @@ TEST_CASE("the node with the largest part of the gradient, and the boundary near
     const Case ring(ring_mesh(12, 3, 6));
     const Mesh& mesh = ring.mesh();
     std::vector<double> gradient(mesh.x.size(), 0.0);
-    CHECK(least_balanced(ring.last(), gradient).kind == ObstacleKind::none);
+    CHECK(least_balanced(ring.last(), gradient).kind == DiagnosisKind::none);
     const int inside = 12 * 2, at_wall = 12 * 3;  // in the third of four circles, on the fourth
     point(gradient, inside, 2)[1] = -4;
     point(gradient, at_wall, 2)[0] = 3;
-    Obstacle found = least_balanced(ring.last(), gradient);
-    CHECK(found.kind == ObstacleKind::unbalanced);
+    Diagnosis found = least_balanced(ring.last(), gradient);
+    CHECK(found.kind == DiagnosisKind::unbalanced);
     CHECK(found.node == inside);
     CHECK(!found.on_boundary);
     CHECK(found.share == doctest::Approx(0.8));
@@ -119,15 +119,15 @@ TEST_CASE("the node with the largest part of the gradient, and the boundary near
 TEST_CASE("the most distorted and the least valid element") {
     Case cube(cube_mesh(2));
     cube.distortion[5] = 7;
-    const Obstacle worst = most_distorted(cube.last());
-    CHECK(worst.kind == ObstacleKind::distorted);
+    const Diagnosis worst = most_distorted(cube.last());
+    CHECK(worst.kind == DiagnosisKind::distorted);
     CHECK(worst.element == 5);
     CHECK(worst.node == -1);
     CHECK(worst.place == centroid(cube.mesh(), cube.x, cube.mesh().element(5), 4));
     std::vector<double> scaled_jacobian(cube.mesh().element_count(), 1.0);
     scaled_jacobian[11] = -0.25;
-    const Obstacle folded = least_valid(cube.last(), scaled_jacobian);
-    CHECK(folded.kind == ObstacleKind::invalid);
+    const Diagnosis folded = least_valid(cube.last(), scaled_jacobian);
+    CHECK(folded.kind == DiagnosisKind::invalid);
     CHECK(folded.element == 11);
 }
 
@@ -136,20 +136,20 @@ TEST_CASE("an overlap is at the node or the face that the check of injectivity n
     Injectivity found;
     found.node = 30;
     CHECK(overlapping(ring.last(), found).node == 30);
-    CHECK(overlapping(ring.last(), found).kind == ObstacleKind::overlap);
+    CHECK(overlapping(ring.last(), found).kind == DiagnosisKind::overlap);
     found.node = -1;
     found.face = 3;
-    const Obstacle at_face = overlapping(ring.last(), found);
+    const Diagnosis at_face = overlapping(ring.last(), found);
     CHECK(at_face.element == ring.mesh().face_element[3]);
     CHECK(at_face.boundary == ring.mesh().face_boundary[3]);
     found.face = -1;
-    CHECK(overlapping(ring.last(), found).kind == ObstacleKind::none);
+    CHECK(overlapping(ring.last(), found).kind == DiagnosisKind::none);
 }
 
 TEST_CASE("a neighbourhood grows ring by ring, as long as it is not too large") {
     for (const int degree : {1, 2}) {
         const Mesh mesh = raise_degree(square_mesh(12), degree);
-        Obstacle at;
+        Diagnosis at;
         at.node = node_at(mesh, {0.5, 0.5});
         CHECK(neighbourhood(mesh, at, 1).place.size() == 6);
         CHECK(neighbourhood(mesh, at, 2).place.size() == 24);
@@ -181,7 +181,7 @@ TEST_CASE("a node of two boundaries belongs to the one that prescribes its place
 }
 
 TEST_CASE("every kind of obstacle has a name of its own") {
-    using enum ObstacleKind;
+    using enum DiagnosisKind;
     CHECK(std::string(to_string(none)) == "none");
     CHECK(std::string(to_string(off_target)) == "off_target");
     CHECK(std::string(to_string(unbalanced)) == "unbalanced");

@@ -1,5 +1,5 @@
 // What holds up a run that did not end as it should, and where: a node or an element of its last mesh. Each kind of
-// obstacle is found from that mesh alone, and says no more than what it measures.
+// diagnosis is found from that mesh alone, and says no more than what it measures.
 //
 //   off_target  the boundary node farthest from its target, in heights of the cells at it
 //   unbalanced  the node with the largest part of |grad E|
@@ -21,11 +21,11 @@
 
 namespace almesh {
 
-enum class ObstacleKind { none, off_target, unbalanced, distorted, invalid, overlap };
-const char* to_string(ObstacleKind kind);
+enum class DiagnosisKind { none, off_target, unbalanced, distorted, invalid, overlap };
+const char* to_string(DiagnosisKind kind);
 
-struct Obstacle {
-    ObstacleKind kind = ObstacleKind::none;
+struct Diagnosis {
+    DiagnosisKind kind = DiagnosisKind::none;
     int node = -1;      // of the mesh; -1 where an element alone is in the way
     int element = -1;   // that element, or of those at the node the one with the largest distortion
     int boundary = -1;  // index into mesh.boundaries: of the node; where it is on none, the boundary nearest to it
@@ -49,15 +49,15 @@ struct LastMesh {
     const std::vector<double>& distortion;  // largest eta of each element
 };
 
-Obstacle farthest_off_target(const LastMesh& last);  // kind none where every node is at its target
-Obstacle least_balanced(const LastMesh& last, const std::vector<double>& gradient);  // nodes x dim; none where zero
-Obstacle most_distorted(const LastMesh& last);
-Obstacle least_valid(const LastMesh& last, const std::vector<double>& scaled_jacobian);  // lower bound per element
-Obstacle overlapping(const LastMesh& last, const Injectivity& found);  // none where that names no place
+Diagnosis farthest_off_target(const LastMesh& last);  // kind none where every node is at its target
+Diagnosis least_balanced(const LastMesh& last, const std::vector<double>& gradient);  // nodes x dim; none where zero
+Diagnosis most_distorted(const LastMesh& last);
+Diagnosis least_valid(const LastMesh& last, const std::vector<double>& scaled_jacobian);  // lower bound per element
+Diagnosis overlapping(const LastMesh& last, const Injectivity& found);  // none where that names no place
 
-// The elements within some rings around the obstacle: those with a node of it, those with a node of these, and so on;
+// The elements within some rings around the diagnosis: those with a node of it, those with a node of these, and so on;
 // fewer rings, but one at least, where they have more than `most` elements.
-SubMesh neighbourhood(const Mesh& mesh, const Obstacle& obstacle, int rings = 3, int most = 5000);
+SubMesh neighbourhood(const Mesh& mesh, const Diagnosis& diagnosis, int rings = 3, int most = 5000);
 
 // The boundary of each node: of the first face that prescribes its place, else of the first one; -1 inside.
 std::vector<int> boundary_of_nodes(const Mesh& mesh, const BoundaryTarget& target);

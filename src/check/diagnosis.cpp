@@ -1,5 +1,5 @@
 // Every kind is a largest value over nodes or elements, the first one of several.
-#include "check/obstacle.hpp"
+#include "check/diagnosis.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace almesh {
 namespace {
 
-// Of the boundary node that is nearest to the place of the obstacle.
+// Of the boundary node that is nearest to the place of the diagnosis.
 int nearest_boundary(const LastMesh& last, const std::vector<int>& boundary, const std::array<double, 3>& place) {
     double least = std::numeric_limits<double>::infinity();
     int nearest = -1;
@@ -23,34 +23,34 @@ int nearest_boundary(const LastMesh& last, const std::vector<int>& boundary, con
     return nearest;
 }
 
-Obstacle at_node(const LastMesh& last, ObstacleKind kind, int node) {
+Diagnosis at_node(const LastMesh& last, DiagnosisKind kind, int node) {
     const std::vector<int> boundary = boundary_of_nodes(last.mesh, last.target);
-    Obstacle obstacle;
-    obstacle.kind = kind;
-    obstacle.node = node;
-    obstacle.place = in_space(point(last.x, node, last.mesh.dim), last.mesh.dim);
-    obstacle.on_boundary = boundary[node] >= 0;
-    obstacle.boundary = obstacle.on_boundary ? boundary[node] : nearest_boundary(last, boundary, obstacle.place);
+    Diagnosis diagnosis;
+    diagnosis.kind = kind;
+    diagnosis.node = node;
+    diagnosis.place = in_space(point(last.x, node, last.mesh.dim), last.mesh.dim);
+    diagnosis.on_boundary = boundary[node] >= 0;
+    diagnosis.boundary = diagnosis.on_boundary ? boundary[node] : nearest_boundary(last, boundary, diagnosis.place);
     const int m = last.mesh.element_nodes();
     for (int e = 0; e < last.mesh.element_count(); ++e) {
         const int* const of_element = last.mesh.element(e);
         if (std::find(of_element, of_element + m, node) == of_element + m) continue;
-        if (obstacle.element < 0 || last.distortion[e] > last.distortion[obstacle.element]) obstacle.element = e;
+        if (diagnosis.element < 0 || last.distortion[e] > last.distortion[diagnosis.element]) diagnosis.element = e;
     }
-    return obstacle;
+    return diagnosis;
 }
 
-Obstacle at_element(const LastMesh& last, ObstacleKind kind, int element) {
+Diagnosis at_element(const LastMesh& last, DiagnosisKind kind, int element) {
     const std::vector<int> boundary = boundary_of_nodes(last.mesh, last.target);
     const int* const vertex = last.mesh.element(element);
     const auto on_boundary = [&](int i) { return boundary[i] >= 0; };
-    Obstacle obstacle;
-    obstacle.kind = kind;
-    obstacle.element = element;
-    obstacle.place = centroid(last.mesh, last.x, vertex, last.mesh.dim + 1);
-    obstacle.on_boundary = std::any_of(vertex, vertex + last.mesh.dim + 1, on_boundary);
-    obstacle.boundary = nearest_boundary(last, boundary, obstacle.place);
-    return obstacle;
+    Diagnosis diagnosis;
+    diagnosis.kind = kind;
+    diagnosis.element = element;
+    diagnosis.place = centroid(last.mesh, last.x, vertex, last.mesh.dim + 1);
+    diagnosis.on_boundary = std::any_of(vertex, vertex + last.mesh.dim + 1, on_boundary);
+    diagnosis.boundary = nearest_boundary(last, boundary, diagnosis.place);
+    return diagnosis;
 }
 
 }  // namespace
@@ -70,24 +70,24 @@ std::vector<int> boundary_of_nodes(const Mesh& mesh, const BoundaryTarget& targe
     return boundary;
 }
 
-Obstacle farthest_off_target(const LastMesh& last) {
+Diagnosis farthest_off_target(const LastMesh& last) {
     constexpr double rounding = 1e-6;
     const int dim = last.mesh.dim;
     const std::vector<double> errors = last.constraint.relative_errors(last.x);
     const auto largest = std::max_element(errors.begin(), errors.end());
     if (largest == errors.end() || !(*largest > 0)) return {};
     const int t = static_cast<int>(largest - errors.begin()), node = last.constraint.nodes()[t];
-    Obstacle obstacle = at_node(last, ObstacleKind::off_target, node);
-    obstacle.heights = *largest;
-    obstacle.target = in_space(&last.constraint.targets(last.x)[offset(t, dim)], dim);
-    obstacle.distance = length(obstacle.place - obstacle.target);
-    const double whole = length(in_space(point(last.ideal, node, dim), dim) - obstacle.target);
-    const bool stays = whole <= rounding * obstacle.distance;
-    if (prescribed_nodes(last.mesh, last.target)[node] && !stays) obstacle.way = 1 - obstacle.distance / whole;
-    return obstacle;
+    Diagnosis diagnosis = at_node(last, DiagnosisKind::off_target, node);
+    diagnosis.heights = *largest;
+    diagnosis.target = in_space(&last.constraint.targets(last.x)[offset(t, dim)], dim);
+    diagnosis.distance = length(diagnosis.place - diagnosis.target);
+    const double whole = length(in_space(point(last.ideal, node, dim), dim) - diagnosis.target);
+    const bool stays = whole <= rounding * diagnosis.distance;
+    if (prescribed_nodes(last.mesh, last.target)[node] && !stays) diagnosis.way = 1 - diagnosis.distance / whole;
+    return diagnosis;
 }
 
-Obstacle least_balanced(const LastMesh& last, const std::vector<double>& gradient) {
+Diagnosis least_balanced(const LastMesh& last, const std::vector<double>& gradient) {
     const int dim = last.mesh.dim;
     double largest = 0, sum = 0;
     int found = -1;
@@ -100,35 +100,35 @@ Obstacle least_balanced(const LastMesh& last, const std::vector<double>& gradien
         found = i;
     }
     if (found < 0) return {};
-    Obstacle obstacle = at_node(last, ObstacleKind::unbalanced, found);
-    obstacle.share = std::sqrt(largest / sum);
-    return obstacle;
+    Diagnosis diagnosis = at_node(last, DiagnosisKind::unbalanced, found);
+    diagnosis.share = std::sqrt(largest / sum);
+    return diagnosis;
 }
 
-Obstacle most_distorted(const LastMesh& last) {
+Diagnosis most_distorted(const LastMesh& last) {
     const auto largest = std::max_element(last.distortion.begin(), last.distortion.end());
-    return at_element(last, ObstacleKind::distorted, static_cast<int>(largest - last.distortion.begin()));
+    return at_element(last, DiagnosisKind::distorted, static_cast<int>(largest - last.distortion.begin()));
 }
 
-Obstacle least_valid(const LastMesh& last, const std::vector<double>& scaled_jacobian) {
+Diagnosis least_valid(const LastMesh& last, const std::vector<double>& scaled_jacobian) {
     const auto least = std::min_element(scaled_jacobian.begin(), scaled_jacobian.end());
-    return at_element(last, ObstacleKind::invalid, static_cast<int>(least - scaled_jacobian.begin()));
+    return at_element(last, DiagnosisKind::invalid, static_cast<int>(least - scaled_jacobian.begin()));
 }
 
-Obstacle overlapping(const LastMesh& last, const Injectivity& found) {
-    if (found.node >= 0) return at_node(last, ObstacleKind::overlap, found.node);
+Diagnosis overlapping(const LastMesh& last, const Injectivity& found) {
+    if (found.node >= 0) return at_node(last, DiagnosisKind::overlap, found.node);
     if (found.face < 0) return {};
-    Obstacle obstacle = at_element(last, ObstacleKind::overlap, last.mesh.face_element[found.face]);
-    obstacle.boundary = last.mesh.face_boundary[found.face];
-    return obstacle;
+    Diagnosis diagnosis = at_element(last, DiagnosisKind::overlap, last.mesh.face_element[found.face]);
+    diagnosis.boundary = last.mesh.face_boundary[found.face];
+    return diagnosis;
 }
 
-SubMesh neighbourhood(const Mesh& mesh, const Obstacle& obstacle, int rings, int most) {
+SubMesh neighbourhood(const Mesh& mesh, const Diagnosis& diagnosis, int rings, int most) {
     std::vector<char> reached(mesh.nodes(), 0);
-    if (obstacle.node >= 0)
-        reached[obstacle.node] = 1;
+    if (diagnosis.node >= 0)
+        reached[diagnosis.node] = 1;
     else
-        for (int i = 0; i < mesh.element_nodes(); ++i) reached[mesh.element(obstacle.element)[i]] = 1;
+        for (int i = 0; i < mesh.element_nodes(); ++i) reached[mesh.element(diagnosis.element)[i]] = 1;
     SubMesh found;
     for (int ring = 0; ring < rings; ++ring) {
         SubMesh next = elements_around(mesh.elements, mesh.element_count(), mesh.element_nodes(), reached);
@@ -139,14 +139,14 @@ SubMesh neighbourhood(const Mesh& mesh, const Obstacle& obstacle, int rings, int
     return found;
 }
 
-const char* to_string(ObstacleKind kind) {
+const char* to_string(DiagnosisKind kind) {
     switch (kind) {
-        case ObstacleKind::none: return "none";
-        case ObstacleKind::off_target: return "off_target";
-        case ObstacleKind::unbalanced: return "unbalanced";
-        case ObstacleKind::distorted: return "distorted";
-        case ObstacleKind::invalid: return "invalid";
-        case ObstacleKind::overlap: return "overlap";
+        case DiagnosisKind::none: return "none";
+        case DiagnosisKind::off_target: return "off_target";
+        case DiagnosisKind::unbalanced: return "unbalanced";
+        case DiagnosisKind::distorted: return "distorted";
+        case DiagnosisKind::invalid: return "invalid";
+        case DiagnosisKind::overlap: return "overlap";
     }
     return "";
 }
