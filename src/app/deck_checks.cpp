@@ -78,7 +78,7 @@ void check_method(const Deck& deck) {
 // A node that slides or is free has no place where it could be set.
 void check_prescribed(const Deck& deck, const BoundaryTarget& target) {
     if (!sets_boundary(deck.method.moving) || target.prescribes_all()) return;
-    const char* const which = target.released.empty() ? "boundary slides or is free" : "nodes have to slide";
+    const char* const which = target.freed.empty() ? "boundary slides or is free" : "nodes have to slide";
     throw UsageError(deck.given.at("method"), ": this method sets boundary nodes on their targets, but some ", which,
                      ": take method = augmented_lagrangian or penalty");
 }

@@ -109,7 +109,7 @@ std::string against_uncertified(const Deck& deck, const Problem& problem, const 
     if (deck.distortion.delta > 0) return "delta = 0, with which no step inverts an element";
     if (solution.certificate.undecided > 0)
         return concat("certificate_bisections = ", 10 * std::max(1, deck.certificate.max_bisections));
-    if (!problem.target.released.empty()) return "a finer mesh of the surface there, which its faces fold around";
+    if (!problem.target.freed.empty()) return "a finer mesh of the surface there, which its faces fold around";
     if (!problem.target.prescribes_all()) return "places for the boundary there, in place of slide or free";
     return "another mesh file: the boundary of this one crosses itself";
 }
@@ -148,7 +148,7 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
 // What to try, the most promising first.
 std::string remedies(const Deck& deck, const Problem& problem, const Solution& solution) {
     const std::string to_try = against_cause(deck, problem, solution);
-    if (problem.target.released.empty()) return to_try;
+    if (problem.target.freed.empty()) return to_try;
     return concat(to_try, "; surface = straighten", deck.region == Region::folded ? " without region = folded" : "",
                   ", with which faces are flat where nodes now slide");
 }
@@ -184,9 +184,9 @@ void print_boundary(std::FILE* out, const Problem& problem, const Solution& solu
                      "largest boundary error %.3g\n",
                      last.constraint_norm * problem.frame.length, solution.nodes_off_target,
                      last.relative_boundary_error, solution.max_boundary_error * problem.frame.length);
-    if (solution.released_nodes)
+    if (solution.freed_nodes)
         std::fprintf(out, "%d nodes slid along the surface, by at most %.3g; the faces are within %.3g of it\n",
-                     solution.released_nodes, solution.largest_slide * problem.frame.length,
+                     solution.freed_nodes, solution.largest_slide * problem.frame.length,
                      solution.surface_distance * problem.frame.length);
     if (solution.straight_faces)
         std::fprintf(out, "%s of %d made flat, nodes by at most %.3g from the curved target\n",

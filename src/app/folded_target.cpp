@@ -6,7 +6,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "check/released_nodes.hpp"
+#include "check/freed_nodes.hpp"
 
 namespace almesh {
 namespace {
@@ -113,7 +113,7 @@ std::string straighten_folded(const CheckedTarget& checked) {
                    counted(flat, "face") + (flat == 1 ? " there is" : " there are") + " made flat");
 }
 
-std::string release_folded(const CheckedTarget& checked) {
+std::string free_folded(const CheckedTarget& checked) {
     const Mesh& mesh = checked.mesh;
     BoundaryTarget& target = checked.target;
     const TargetFaults faults = faults_of(checked);
@@ -123,10 +123,10 @@ std::string release_folded(const CheckedTarget& checked) {
         refuse(mesh, faults,
                "\ntry surface = auto, with which nodes slide along the surface there, or surface = "
                "straighten, with which faces are flat there");
-    target.released = released_nodes(mesh, target, faults);
+    target.freed = freed_nodes(mesh, target, faults);
     const TargetFaults left = faults_of(checked);
     if (!left.none()) refuse(mesh, left, against(left, checked));
-    return note_of(faults, mesh, counted(count(target.released), "node") + " around slide along the surface");
+    return note_of(faults, mesh, counted(count(target.freed), "node") + " around slide along the surface");
 }
 
 }  // namespace almesh

@@ -21,7 +21,7 @@ struct CheckedTarget {
 
 // Frees the nodes around faces and elements that the target folds to slide along its surface. Returns a note, empty
 // where it folds none. Throws InputError where that cannot help, or the deck keeps the surface.
-std::string release_folded(const CheckedTarget& checked);
+std::string free_folded(const CheckedTarget& checked);
 
 // Makes faces flat that the target folds. Returns a note, empty where it folds none. Throws InputError where that does
 // not help.

@@ -126,7 +126,7 @@ Solution mend(const Deck& deck, Problem& problem, const Solve& solve, std::FILE*
         is_mended = keeps_boundary && is_valid(problem.mesh(), x, deck.certificate);
         if (!is_mended) continue;
         solution.x = std::move(x);
-        for (std::size_t i = 0; i < problem.target.released.size(); ++i) problem.target.released[i] &= moved[i];
+        for (std::size_t i = 0; i < problem.target.freed.size(); ++i) problem.target.freed[i] &= moved[i];
     }
     set_functional(deck, problem);
     solution.al.lambda.assign(problem.level->constraint->multipliers(), 0.0);  // the region has others

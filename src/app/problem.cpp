@@ -13,7 +13,7 @@
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
-#include "check/released_nodes.hpp"
+#include "check/freed_nodes.hpp"
 #include "constraint/sliding_boundary.hpp"
 #include "energy/vertex_interpolation.hpp"
 #include "io/mesh_format.hpp"
@@ -167,22 +167,22 @@ std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const Deck& deck, 
     if (std::count(sliding.begin(), sliding.end(), 1) == 0) return nullptr;
     Mesh shape = problem.shape();
     const std::vector<double> straight = straight_sided(shape);
-    if (!target.released.empty()) shape.x = between(straight, std::move(shape.x), fraction);
+    if (!target.freed.empty()) shape.x = between(straight, std::move(shape.x), fraction);
     const BoundaryTarget of_shape = target_at(fraction, shape, straight, motions, problem.placed);
     return std::make_shared<SlidingSurfaces>(shape, of_shape.node, sliding, deck.feature_angle, problem.frame, other);
 }
 
 // From the file's frame to the run's, with smooth surfaces for the nodes that are freed to slide.
 void finish(const Mesh& mesh, const Frame& frame, SlidingSurfaces* sliding, BoundaryTarget& target) {
-    if (sliding) smooth_released(mesh, target, *sliding);
+    if (sliding) smooth_freed(mesh, target, *sliding);
     frame.take_to_run(target.node, mesh.dim);
     frame.take_to_run(target.sample, mesh.dim);
 }
 
 // Takes back the release of nodes on boundaries whose surfaces are not known.
 void keep_where_unknown(const Mesh& mesh, const SlidingSurfaces& sliding, BoundaryTarget& target) {
-    for (int k = 0; k < static_cast<int>(mesh.faces.size()) && !target.released.empty(); ++k)
-        if (!sliding.knows(mesh.face_boundary[k / mesh.face_nodes()])) target.released[mesh.faces[k]] = 0;
+    for (int k = 0; k < static_cast<int>(mesh.faces.size()) && !target.freed.empty(); ++k)
+        if (!sliding.knows(mesh.face_boundary[k / mesh.face_nodes()])) target.freed[mesh.faces[k]] = 0;
 }
 
 void note_surfaces(const Deck& deck, const Mesh& mesh, const SlidingSurfaces& sliding,
@@ -227,7 +227,7 @@ void change_folded_target(const Deck& deck, Problem& problem) {
     const CheckedTarget checked = checked_target(deck, problem);
     const std::vector<double> curved = problem.node_target;
     const std::string note =
-        deck.surface == SurfaceKind::straighten ? straighten_folded(checked) : release_folded(checked);
+        deck.surface == SurfaceKind::straighten ? straighten_folded(checked) : free_folded(checked);
     if (!note.empty()) problem.notes.push_back(note);
     if (!problem.target.straight.empty()) problem.curved_target = curved;
     check_prescribed(deck, problem.target);
@@ -269,7 +269,7 @@ std::unique_ptr<Constraint> constraint_at(double fraction, const Deck& deck, con
         BoundaryTarget target =
             target_at(fraction, in_file, frame.to_file(level.ideal, level.mesh.dim), motions, placed);
         prescribe_shared_nodes(in_file, target);
-        target.released = of_whole.released;
+        target.freed = of_whole.freed;
         if (!of_whole.straight.empty()) make_straight(in_file, of_whole.straight, target);
         std::shared_ptr<SlidingSurfaces> sliding;  // of its own: another mesh's is where the motion ends
         if (problem.sliding) sliding = surfaces_at(fraction, deck, problem, level.mesh, target, motions);
@@ -378,7 +378,7 @@ std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem
     if (identity_is_near(deck, problem)) return coarser;
     for (int refinements = 0; refinements < deck.refine; ++refinements) coarser.push_back({refinements, 1});
     // The file's own curves are known from its degree on; but where nodes slide, they find their way at lower ones.
-    const int of_file = problem.target.released.empty() ? problem.shape().degree : 1;
+    const int of_file = problem.target.freed.empty() ? problem.shape().degree : 1;
     for (int degree = 1; degree < problem.mesh().degree; degree = std::max(2 * degree, of_file))
         coarser.push_back({deck.refine, degree});
     return coarser;
@@ -388,9 +388,9 @@ std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, c
     BoundaryTarget target;
     PlacedNodes placed = problem.placed;
     std::unique_ptr<Level> level = discretise(problem, coarser.refinements, coarser.degree, placed, target);
-    if (level->mesh.degree > 1 && !problem.target.released.empty()) {
+    if (level->mesh.degree > 1 && !problem.target.freed.empty()) {
         const TargetFaults faults = find_faults(level->mesh, level->ideal, target);
-        if (faults.may_be_mended()) target.released = released_nodes(level->mesh, target, faults);
+        if (faults.may_be_mended()) target.freed = freed_nodes(level->mesh, target, faults);
         keep_where_unknown(level->mesh, *problem.sliding, target);
         level->is_worth_little = level->mesh.degree < problem.shape().degree;  // it has not the shape of the file
     }

@@ -46,7 +46,7 @@ struct SurfacesOfWhole {
     std::vector<int> face;  // of the base, but for those at the cut -> of the whole
 };
 
-// The same on a mesh in memory. mesh_hash: of the file that it comes from. whole: released nodes slide along these
+// The same on a mesh in memory. mesh_hash: of the file that it comes from. whole: freed nodes slide along these
 // surfaces, where there are any.
 Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes = {},
                      const SurfacesOfWhole& whole = {});

@@ -43,7 +43,7 @@ struct Solution {
     int coarse_newton_iterations = 0;  // on the coarser meshes
     double predicted_bytes = 0;  // of memory, before the run
     int refined_elements = 0;          // with a finer quadrature
-    int released_nodes = 0;            // that slide where the target folds the mesh,
+    int freed_nodes = 0;            // that slide where the target folds the mesh,
     double largest_slide = 0;          // and the largest distance of one from its target
     double surface_distance = 0;       // of faces whose nodes slide, from their surface
     int straight_faces = 0;            // of the target, with surface = straighten,

@@ -72,8 +72,8 @@ void round_as_file(const Problem& problem, std::vector<double>& x) {
 void measure_sliding(const Problem& problem, Solution& solution) {
     if (!problem.sliding) return;
     const Mesh& mesh = problem.mesh();
-    const std::vector<char>& released = problem.target.released;
-    solution.released_nodes = static_cast<int>(std::count(released.begin(), released.end(), 1));
+    const std::vector<char>& freed = problem.target.freed;
+    solution.freed_nodes = static_cast<int>(std::count(freed.begin(), freed.end(), 1));
     solution.largest_slide = largest_slide(mesh, problem.target, solution.x);
     solution.surface_distance = distance_from_surfaces(mesh, problem.target, *problem.sliding, solution.x);
 }

@@ -109,7 +109,7 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"power", "of eta - 1 or eta in the objective, in the end"}, count,
      [](R r) { return text(r.power); }},
     {{"released_nodes", "boundary nodes that slide along the surface because the target folds faces or elements there"},
-     count, [](R r) { return text(r.solution.released_nodes); }},
+     count, [](R r) { return text(r.solution.freed_nodes); }},
     {{"largest_slide", "largest distance of one of them from its target"}, decimal,
      [](R r) { return text(r.largest_slide, 6); }},
     {{"surface_distance", "largest distance of a face whose nodes slide from their surface"}, decimal,

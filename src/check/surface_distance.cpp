@@ -50,7 +50,7 @@ double largest_slide(const Mesh& mesh, const BoundaryTarget& target, const std::
     const std::vector<double> place = at_target(mesh, target, x);
     double largest = 0;
     for (int i = 0; i < mesh.nodes(); ++i) {
-        if (!target.is_released(i)) continue;
+        if (!target.is_freed(i)) continue;
         const Vec<3> move = in_space(point(x, i, mesh.dim), mesh.dim) - in_space(point(place, i, mesh.dim), mesh.dim);
         largest = std::max(largest, length(move));
     }

@@ -18,7 +18,7 @@
 
 namespace almesh {
 
-// What a boundary's nodes are held to.
+// What a boundary's nodes are fixed to.
 enum class BoundaryHold {
     prescribed,  // each to a place
     slides,      // to a surface

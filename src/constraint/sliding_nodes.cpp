@@ -117,10 +117,10 @@ void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& slidin
 
 }  // namespace
 
-void smooth_released(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding) {
+void smooth_freed(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding) {
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
         const int f = k / mesh.face_nodes(), node = mesh.faces[k];
-        if (!target.is_released(node) || target.hold_of_face(mesh, f) != BoundaryHold::prescribed) continue;
+        if (!target.is_freed(node) || target.hold_of_face(mesh, f) != BoundaryHold::prescribed) continue;
         sliding.add_patch(node, sliding.part(mesh, f), in_space(&target.node[offset(k, mesh.dim)], mesh.dim));
     }
 }
@@ -128,7 +128,7 @@ void smooth_released(const Mesh& mesh, const BoundaryTarget& target, SlidingSurf
 std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarget& target,
                                             const SlidingSurfaces* sliding, const std::vector<int>& nodes,
                                             const std::vector<int>& faces, std::vector<double>& places,
-                                            std::vector<char>& held) {
+                                            std::vector<char>& fixed) {
     const int dim = mesh.dim, m = mesh.face_nodes();
     std::vector<std::vector<int>> parts(nodes.size());
     std::vector<char> prescribed(nodes.size(), 0);
@@ -142,14 +142,14 @@ std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarg
         for (int i = 0; i < m; ++i) {
             const int t = faces[offset(f, m, i)], node = mesh.face(f)[i];
             size[t] = std::max(size[t], longest);
-            const bool is_prescribed = hold == BoundaryHold::prescribed && !target.is_released(node);
+            const bool is_prescribed = hold == BoundaryHold::prescribed && !target.is_freed(node);
             if (is_prescribed) prescribed[t] = 1;
             if (part < 0 || is_prescribed) continue;
             const int along = sliding->part_or_patch(node, part);
             if (std::find(parts[t].begin(), parts[t].end(), along) == parts[t].end()) parts[t].push_back(along);
         }
     }
-    held.assign(nodes.size(), 0);
+    fixed.assign(nodes.size(), 0);
     for (std::size_t t = 0; t < nodes.size(); ++t) {
         Vec<3> x = in_space(&places[offset(t, dim)], dim);
         const bool of_other = std::any_of(parts[t].begin(), parts[t].end(),
@@ -162,7 +162,7 @@ std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarg
             if (prescribed[t]) check_prescribed_on_surface(mesh, *sliding, part, nodes[t], x, size[t]);
         if (!prescribed[t] && (parts[t].empty() || !stays(*sliding, parts[t], x, dim))) continue;
         parts[t].clear();
-        held[t] = 1;
+        fixed[t] = 1;
     }
     return parts;
 }

@@ -198,7 +198,7 @@ std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& targe
     std::vector<char> prescribed(mesh.nodes(), 0);
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
         if (target.hold_of_face(mesh, k / mesh.face_nodes()) == BoundaryHold::prescribed)
-            prescribed[mesh.faces[k]] = !target.is_released(mesh.faces[k]);
+            prescribed[mesh.faces[k]] = !target.is_freed(mesh.faces[k]);
     return prescribed;
 }
 
@@ -207,11 +207,11 @@ bool BoundaryTarget::slides(const Mesh& mesh, int f) const {
     const BoundaryHold of_face = hold_of_face(mesh, f);
     return of_face == BoundaryHold::slides ||
            (of_face == BoundaryHold::prescribed &&
-            std::any_of(first, first + mesh.face_nodes(), [&](int i) { return is_released(i); }));
+            std::any_of(first, first + mesh.face_nodes(), [&](int i) { return is_freed(i); }));
 }
 
 bool BoundaryTarget::prescribes_all() const {
-    return released.empty() &&
+    return freed.empty() &&
            std::all_of(hold.begin(), hold.end(), [](BoundaryHold h) { return h == BoundaryHold::prescribed; });
 }
 

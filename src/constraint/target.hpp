@@ -12,15 +12,15 @@ namespace almesh {
 struct BoundaryTarget {
     bool in_trace_space = false;  // all motions are affine: g_D is of the mesh's degree on every face
     std::vector<BoundaryHold> hold;  // per boundary
-    std::vector<char> released;      // per node: whether it slides although its boundary is prescribed; empty: none
+    std::vector<char> freed;      // per node: whether it slides although its boundary is prescribed; empty: none
     std::vector<char> straight;      // per face: whether it has been made flat, see make_straight(); empty: none
     Quadrature quadrature;        // on the reference face
     std::vector<double> node;     // face x face node x dim: g_D at the nodes of the face
     std::vector<double> sample;   // face x quadrature point x dim: g_D at the quadrature points
 
     BoundaryHold hold_of_face(const Mesh& mesh, int f) const { return hold[mesh.face_boundary[f]]; }
-    bool is_released(int i) const { return !released.empty() && released[i]; }
-    bool slides(const Mesh& mesh, int f) const;  // all nodes of the face, or those of it that are released
+    bool is_freed(int i) const { return !freed.empty() && freed[i]; }
+    bool slides(const Mesh& mesh, int f) const;  // all nodes of the face, or those of it that are freed
     bool prescribes_all() const;
 };
 

@@ -4,9 +4,9 @@
 #pragma once
 #include <algorithm>
 #include <array>
-#include <compare>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "mesh/mesh.hpp"
@@ -28,7 +28,9 @@ struct Side {
             }
         }
     }
-    auto operator<=>(const Side&) const = default;  // by vertices, then by number
+    bool operator<(const Side& other) const {  // by vertices, then by number
+        return vertex != other.vertex ? vertex < other.vertex : number < other.number;
+    }
 };
 
 // Side k of the simplex of the given dimension, opposite its vertex k, with these vertices.

@@ -87,8 +87,8 @@ BoundaryMove::BoundaryMove(const Level& level_, Newton& newton_, const MethodPar
       newton(newton_),
       params(params_),
       extension(level_.mesh, level_.energy->hessian_pattern(), params_.linear),
-      held(level_.mesh.nodes(), 0) {
-    for (const int node : level.constraint->nodes()) held[node] = 1;
+      fixed(level_.mesh.nodes(), 0) {
+    for (const int node : level.constraint->nodes()) fixed[node] = 1;
 }
 
 void BoundaryMove::prepare(bool last, double part, const AlObserver& observer) {
@@ -111,7 +111,7 @@ std::vector<double> BoundaryMove::extended(StiffnessAt stiffness, const std::vec
     std::vector<double> moved = with_boundary(targets, x), u(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) u[i] = moved[i] - x[i];
     const TimeAdder adder(newton.time.linear);
-    const SolveResult solved = extension.extend(stiffness, x, held, u);
+    const SolveResult solved = extension.extend(stiffness, x, fixed, u);
     ++steps.iterations;
     steps.linear_iterations += solved.iterations;
     if (solved.status != SolveStatus::success) {
@@ -119,7 +119,7 @@ std::vector<double> BoundaryMove::extended(StiffnessAt stiffness, const std::vec
         return moved;
     }
     for (std::size_t i = 0; i < x.size(); ++i)
-        if (!held[i / level.mesh.dim]) moved[i] = x[i] + u[i];
+        if (!fixed[i / level.mesh.dim]) moved[i] = x[i] + u[i];
     return moved;
 }
 
@@ -134,7 +134,7 @@ int BoundaryMove::inverted(const std::vector<double>& x) const {
 }
 
 AugmentedFunctional BoundaryMove::functional() const {
-    return {*level.energy, *level.constraint, std::vector<double>(level.constraint->multipliers(), 0.0), 0, held};
+    return {*level.energy, *level.constraint, std::vector<double>(level.constraint->multipliers(), 0.0), 0, fixed};
 }
 
 void BoundaryMove::minimise(const NewtonParams& wanted, std::vector<double>& x, NewtonResult& sum) {
@@ -145,7 +145,7 @@ void BoundaryMove::minimise(const NewtonParams& wanted, std::vector<double>& x, 
     sum = solved;
 }
 
-void minimise_held(BoundaryMove& move, std::vector<double>& x, PartResult& result) {
+void minimise_with_boundary_fixed(BoundaryMove& move, std::vector<double>& x, PartResult& result) {
     NewtonParams wanted;
     wanted.omega = move.omega;
     wanted.max_iterations = move.params.schedule.max_newton_iterations;

@@ -3,7 +3,7 @@
 //
 //   harmonic        the displacement is extended inside as a harmonic function (harmonic.cpp)
 //   elasticity      as that of an elastic solid, stiffer where elements are small (elasticity.cpp)
-//   fixed_boundary  the distortion is minimised with the boundary held (fixed_boundary.cpp)
+//   fixed_boundary  the distortion is minimised with the boundary fixed (fixed_boundary.cpp)
 //   incremental     the same, part by part of the motion (incremental.cpp)
 //   untangle        the same with a regularised distortion, which inverted elements may have (untangle.cpp)
 //
@@ -36,7 +36,7 @@ struct BoundaryMove {
     Newton& newton;
     const MethodParams& params;
     LinearExtension extension;
-    std::vector<char> held;  // per node: whether it is on the boundary
+    std::vector<char> fixed;  // per node: whether it is on the boundary
     double omega = 0;        // tolerance of |grad E| inside, for Newton's method
     std::function<void(const NewtonStep&)> observe_step = {};
 
@@ -56,7 +56,7 @@ struct BoundaryMove {
     // harmonic function, not at all; where none is, the one of them with the fewest inverted elements.
     std::vector<double> best_start(const std::vector<double>& targets, const std::vector<double>& x,
                                    NewtonResult& steps);
-    AugmentedFunctional functional() const;             // the distortion, the boundary held
+    AugmentedFunctional functional() const;             // the distortion, the boundary fixed
     // Newton's method on it, from x; adds to what `sum` counts.
     void minimise(const NewtonParams& wanted, std::vector<double>& x, NewtonResult& sum);
 };
@@ -73,7 +73,7 @@ PartResult minimise_or_stay(BoundaryMove& move, const std::vector<double>& targe
 PartResult untangle(BoundaryMove& move, const std::vector<double>& targets, std::vector<double>& x);
 
 // Newton's method to the tolerance omega, from x, which is valid.
-void minimise_held(BoundaryMove& move, std::vector<double>& x, PartResult& result);
+void minimise_with_boundary_fixed(BoundaryMove& move, std::vector<double>& x, PartResult& result);
 Stiffness harmonic_stiffness(double jacobian);
 Stiffness elastic_stiffness(double jacobian);
 

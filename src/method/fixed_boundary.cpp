@@ -22,7 +22,7 @@ std::vector<double> BoundaryMove::best_start(const std::vector<double>& targets,
 PartResult minimise_inside(BoundaryMove& move, const std::vector<double>& targets, std::vector<double>& x) {
     PartResult result;
     x = move.best_start(targets, x, result.solved);
-    if (move.is_valid(x)) minimise_held(move, x, result);
+    if (move.is_valid(x)) minimise_with_boundary_fixed(move, x, result);
     else result.status = Status::invalid_start;
     return result;
 }

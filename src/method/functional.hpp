@@ -13,7 +13,7 @@
 #include "base/parallel.hpp"
 #include "constraint/constraint.hpp"
 #include "energy/distortion_energy.hpp"
-#include "method/held_nodes.hpp"
+#include "method/fixed_nodes.hpp"
 
 namespace almesh {
 
@@ -22,7 +22,7 @@ struct AugmentedFunctional {
     Constraint& constraint;
     std::vector<double> lambda;
     double penalty = 0;
-    std::vector<char> held = {};  // per node: whether it stays where it is; empty: none does
+    std::vector<char> fixed = {};  // per node: whether it stays where it is; empty: none does
 
     // Infinite where an element is inverted at a quadrature point (unless the distortion is regularised).
     double energy(const std::vector<double>& x) const {
@@ -38,7 +38,7 @@ struct AugmentedFunctional {
         std::fill(g.begin(), g.end(), 0.0);
         distortion.add_gradient(x, g);
         constraint.add_gradient(x, lambda, penalty, g);
-        hold(held, distortion.dim(), g);
+        fix_nodes(fixed, distortion.dim(), g);
     }
 
     std::vector<double> gradient(const std::vector<double>& x) const {
@@ -52,7 +52,7 @@ struct AugmentedFunctional {
         parallel_for(H.n, [&H](int i) { std::fill(H.block(H.row[i]), H.block(H.row[i + 1]), 0.0); });
         distortion.add_hessian(x, kind, H, projection);
         constraint.add_hessian(x, lambda, penalty, kind != HessianKind::full, H);
-        hold(held, H);
+        fix_nodes(fixed, H);
     }
 
     // By how much rounding the positions at which the constraint is evaluated changes E: small c with large multipliers

@@ -1,4 +1,4 @@
-// K u = 0 inside, u = u_D at the held nodes:   K u_I = -K u_D with rows and columns of held nodes those of the unit
+// K u = 0 inside, u = u_D at the fixed nodes:   K u_I = -K u_D with rows and columns of fixed nodes those of the unit
 // matrix.
 #include "method/linear_extension.hpp"
 
@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/small_matrix.hpp"
-#include "method/held_nodes.hpp"
+#include "method/fixed_nodes.hpp"
 
 namespace almesh {
 namespace {
@@ -66,7 +66,7 @@ void LinearExtension::add_element(StiffnessAt stiffness, const std::vector<doubl
         }
 }
 
-SolveResult LinearExtension::extend(StiffnessAt stiffness, const std::vector<double>& x, const std::vector<char>& held,
+SolveResult LinearExtension::extend(StiffnessAt stiffness, const std::vector<double>& x, const std::vector<char>& fixed,
                                     std::vector<double>& u) {
     std::fill(K_.value.begin(), K_.value.end(), 0.0);
     with_dimension(mesh_.dim, [&](auto n) {
@@ -80,10 +80,10 @@ SolveResult LinearExtension::extend(StiffnessAt stiffness, const std::vector<dou
     multiply(K_, in_rows.data(), product.data());
     to_nodes(K_, product, b);
     for (double& value : b) value = -value;
-    hold(held, mesh_.dim, b);
-    hold(held, K_);
+    fix_nodes(fixed, mesh_.dim, b);
+    fix_nodes(fixed, K_);
     const SolveResult result = solver_.solve(K_, b, inside);
-    hold(held, mesh_.dim, inside);  // to the last bit, whatever the solver
+    fix_nodes(fixed, mesh_.dim, inside);  // to the last bit, whatever the solver
     for (std::size_t i = 0; i < u.size(); ++i) u[i] += inside[i];
     return result;
 }

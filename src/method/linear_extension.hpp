@@ -28,9 +28,9 @@ public:
     // pattern: of the Hessian of the mesh's energy. The mesh must outlive this.
     LinearExtension(const Mesh& mesh, BlockCsr pattern, const LinearSolverParams& linear);
 
-    // u: node_count x dim, on entry the displacement of the held nodes, zero at all others, on return of all nodes.
+    // u: node_count x dim, on entry the displacement of the fixed nodes, zero at all others, on return of all nodes.
     // x: node_count x dim, the mesh on which K is. Same bits for any number of threads.
-    SolveResult extend(StiffnessAt stiffness, const std::vector<double>& x, const std::vector<char>& held,
+    SolveResult extend(StiffnessAt stiffness, const std::vector<double>& x, const std::vector<char>& fixed,
                        std::vector<double>& u);
 
 private:

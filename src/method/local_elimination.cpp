@@ -197,7 +197,7 @@ LocalElimination::Result LocalElimination::eliminate(const AugmentedFunctional& 
     const bool is_dear = E.distortion.is_curved() || (from_coarser_ && H.d == 3);
     const double most = (is_dear ? largest_dear_part : largest_part)[H.d - 2];
     std::vector<char> chosen = choose_nodes(H, g, most);
-    for (std::size_t i = 0; i < E.held.size(); ++i) chosen[i] = chosen[i] && !E.held[i];
+    for (std::size_t i = 0; i < E.fixed.size(); ++i) chosen[i] = chosen[i] && !E.fixed[i];
     LocalFunctional local(E, x, chosen);
     Result result;
     result.nodes = static_cast<int>(std::count(chosen.begin(), chosen.end(), 1));

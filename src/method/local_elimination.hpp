@@ -3,7 +3,7 @@
 // Where small elements weigh little (the integral of eta^2, alpha = 1) they fold and buckle in a few places, and most
 // of what a Newton step promises is at a hundredth of the nodes: their elements limit the length of every step, make
 // the full Hessian indefinite, and converge hundreds of steps after the rest. Minimising over these nodes first, all
-// others held, leaves to a Newton step what is smooth (Lanzkron, Rose, Wilkes, SIAM J. Sci. Comput. 17, 1996; Cai &
+// others fixed, leaves to a Newton step what is smooth (Lanzkron, Rose, Wilkes, SIAM J. Sci. Comput. 17, 1996; Cai &
 // Li, SIAM J. Sci. Comput. 33, 2011). A local step costs its share of the mesh: with their neighbours a hundredth of
 // the nodes can be a third of it.
 //

@@ -36,26 +36,26 @@ void LocalFunctional::write(const std::vector<double>& y, std::vector<double>& x
     for (int i = 0; i < moving_; ++i) std::copy_n(point(y, i, dim_), dim_, point(x, node_[i], dim_));
 }
 
-const std::vector<double>& LocalFunctional::with_held(const std::vector<double>& y, std::vector<double>& all) const {
+const std::vector<double>& LocalFunctional::with_fixed(const std::vector<double>& y, std::vector<double>& all) const {
     std::copy(y.begin(), y.end(), all.begin());
     return all;
 }
 
 double LocalFunctional::energy(const std::vector<double>& y) {
-    double value = distortion_->energy(with_held(y, at_));
+    double value = distortion_->energy(with_fixed(y, at_));
     if (std::isfinite(value)) constraint_->add_value(at_, value);
     return value;
 }
 
 double LocalFunctional::valid_fraction(const std::vector<double>& y, const std::vector<double>& to) {
-    return distortion_->valid_fraction(with_held(y, at_), with_held(to, to_));
+    return distortion_->valid_fraction(with_fixed(y, at_), with_fixed(to, to_));
 }
 
 bool LocalFunctional::refine_quadrature() const { return distortion_->refine_quadrature(); }
 
 void LocalFunctional::gradient(const std::vector<double>& y, std::vector<double>& g) {
     std::fill(g_.begin(), g_.end(), 0.0);
-    constraint_->add_gradient(with_held(y, at_), g_);
+    constraint_->add_gradient(with_fixed(y, at_), g_);
     distortion_->add_gradient(at_, g_);
     std::copy_n(g_.begin(), g.size(), g.begin());
 }
@@ -78,7 +78,7 @@ BlockCsr LocalFunctional::hessian_pattern() const {
 void LocalFunctional::hessian(const std::vector<double>& y, HessianKind kind, BlockCsr& H,
                               const Projection& projection) {
     fill(static_cast<int>(H_.value.size()), 0, H_.value.data());
-    constraint_->add_hessian(with_held(y, at_), kind != HessianKind::full, H_);
+    constraint_->add_hessian(with_fixed(y, at_), kind != HessianKind::full, H_);
     distortion_->add_hessian(at_, kind, H_, projection);
     parallel_for(moving_, [&](int i) {
         std::copy_n(H_.block(H_.row[i]), H.block(H.row[i + 1]) - H.block(H.row[i]), H.block(H.row[i]));

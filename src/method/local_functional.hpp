@@ -1,4 +1,4 @@
-// The augmented Lagrangian functional (functional.hpp) as a function of the positions of some nodes, all others held
+// The augmented Lagrangian functional (functional.hpp) as a function of the positions of some nodes, all others fixed
 // where they are: what remains of it are the elements around these nodes, so that energy, derivatives and linear
 // systems cost as much as on a mesh of that size. Vectors and matrices here have the nodes that move, and no others, in
 // an order of their own.
@@ -42,7 +42,7 @@ private:
     std::vector<double> at_, to_, g_;  // of all of node_
     BlockCsr H_;
 
-    const std::vector<double>& with_held(const std::vector<double>& y, std::vector<double>& all) const;
+    const std::vector<double>& with_fixed(const std::vector<double>& y, std::vector<double>& all) const;
 };
 
 }  // namespace almesh

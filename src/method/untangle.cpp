@@ -31,7 +31,7 @@ PartResult untangle(BoundaryMove& move, const std::vector<double>& targets, std:
         move.minimise(newton, x, result.solved);
         distortion.set_delta(0);
     }
-    if (move.is_valid(x)) minimise_held(move, x, result);
+    if (move.is_valid(x)) minimise_with_boundary_fixed(move, x, result);
     else result.status = interrupted() ? Status::interrupted : Status::inverted;
     return result;
 }

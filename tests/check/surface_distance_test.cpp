@@ -52,9 +52,9 @@ TEST_CASE("of faces that slide or have a node that is released: not of others th
     CHECK(distance_from_surfaces(mesh, target, sliding, mesh.x) == doctest::Approx(unit_sagitta));
     target = target_of(mesh, {});
     CHECK(distance_from_surfaces(mesh, target, sliding, mesh.x) == 0);
-    target.released.assign(mesh.nodes(), 0);
+    target.freed.assign(mesh.nodes(), 0);
     CHECK(distance_from_surfaces(mesh, target, sliding, mesh.x) == 0);
-    target.released[2 * around] = 1;  // on the outer circle
+    target.freed[2 * around] = 1;  // on the outer circle
     CHECK(distance_from_surfaces(mesh, target, sliding, mesh.x) == doctest::Approx(radius * unit_sagitta));
 }
 
@@ -80,12 +80,12 @@ TEST_CASE("the largest slide is that of a released node from its target") {
     BoundaryTarget target = target_of(mesh, {{"inner", "translate 1 0"}});
     std::vector<double> x = at_target(mesh, target, mesh.x);
     CHECK(largest_slide(mesh, target, mesh.x) == 0);
-    target.released.assign(mesh.nodes(), 0);
-    target.released[0] = target.released[3] = 1;
+    target.freed.assign(mesh.nodes(), 0);
+    target.freed[0] = target.freed[3] = 1;
     CHECK(largest_slide(mesh, target, x) == 0);
     point(x, 0, 2)[0] += 0.3;
     point(x, 0, 2)[1] -= 0.4;
     point(x, 3, 2)[1] += 0.1;
-    point(x, 5, 2)[1] += 2;  // this one is not released
+    point(x, 5, 2)[1] += 2;  // this one is not freed
     CHECK(largest_slide(mesh, target, x) == doctest::Approx(0.5));
 }

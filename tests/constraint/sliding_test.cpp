@@ -167,8 +167,8 @@ TEST_CASE("nodes are free within their faces, along edges, and not at corners") 
             for (int b = 0; b < 3; ++b) faces += std::abs(cube.mesh.x[3 * nodes[t] + b] - 0.5) > 0.499;
             std::vector<double> x = cube.mesh.x;
             x[3 * nodes[t] + a] += 0.1;
-            const bool held = std::abs(at - 0.5) > 0.499 || faces == 3;
-            CHECK((cube.constraint->value(x, zero, 1) > 1e-12) == held);
+            const bool fixed = std::abs(at - 0.5) > 0.499 || faces == 3;
+            CHECK((cube.constraint->value(x, zero, 1) > 1e-12) == fixed);
         }
 }
 

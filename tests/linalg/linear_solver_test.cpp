@@ -154,19 +154,19 @@ TEST_CASE("the analysis can be made beforehand, in any ordering, and gives the s
 
 TEST_CASE("negative curvature is about the matrix: no Cholesky is tried") {
     // A Laplacian made indefinite by a shift below what ILU(0) notices. The coarse space sees it at once, but not where
-    // a node is held, around which the soft mode bends.
-    for (double held : {0.0, 10.0}) {
+    // a node is fixed, around which the soft mode bends.
+    for (double fixed : {0.0, 10.0}) {
         BlockCsr A = random_spd(400, 1, grid(20, 20));
         for (int i = 0; i < A.n; ++i)
             for (int k = A.row[i]; k < A.row[i + 1]; ++k)
-                A.value[k] = A.col[k] == i ? A.row[i + 1] - A.row[i] - 1 - 5e-3 + (i == 0 ? held : 0) : -1;
+                A.value[k] = A.col[k] == i ? A.row[i + 1] - A.row[i] - 1 - 5e-3 + (i == 0 ? fixed : 0) : -1;
         std::vector<double> x;
         LinearSolver solver(2, params_of(SolverKind::cg));
         const SolveResult result = solver.solve(A, std::vector<double>(400, 1.0), x);
         CHECK(result.status == SolveStatus::not_positive_definite);
         CHECK(result.used == SolverKind::cg);
         CHECK(result.iterations < 20);
-        CHECK((result.iterations == 0) == (held == 0));
+        CHECK((result.iterations == 0) == (fixed == 0));
         CHECK_FALSE(result.failed_first);
         CHECK(solver.factor_flops() == 0);
     }

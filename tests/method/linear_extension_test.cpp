@@ -19,9 +19,9 @@ namespace {
 using Field = std::function<void(const double* x, double* u)>;
 
 std::vector<char> on_boundary(const Mesh& mesh) {
-    std::vector<char> held(mesh.nodes(), 0);
-    for (const int node : mesh.faces) held[node] = 1;
-    return held;
+    std::vector<char> fixed(mesh.nodes(), 0);
+    for (const int node : mesh.faces) fixed[node] = 1;
+    return fixed;
 }
 
 std::vector<double> values(const Mesh& mesh, const std::vector<double>& x, const Field& field) {
@@ -35,10 +35,10 @@ std::vector<double> extension(StiffnessAt stiffness, const Mesh& mesh, const std
                               const Field& field) {
     LinearExtension linear(mesh, matrix_of_cells(mesh.nodes(), mesh.dim, mesh.elements, mesh.element_nodes()), {});
     std::vector<double> u = values(mesh, x, field);
-    const std::vector<char> held = on_boundary(mesh);
+    const std::vector<char> fixed = on_boundary(mesh);
     for (int i = 0; i < mesh.nodes(); ++i)
-        if (!held[i]) std::fill_n(point(u, i, mesh.dim), mesh.dim, 0.0);
-    const SolveResult solved = linear.extend(stiffness, x, held, u);
+        if (!fixed[i]) std::fill_n(point(u, i, mesh.dim), mesh.dim, 0.0);
+    const SolveResult solved = linear.extend(stiffness, x, fixed, u);
     CHECK(solved.status == SolveStatus::success);
     return u;
 }

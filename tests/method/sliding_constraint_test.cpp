@@ -330,7 +330,7 @@ TEST_CASE("a local functional takes the part of the constraint that its nodes se
     for (std::size_t i = 0; i < y.size(); ++i) y[i] += 0.05 * std::sin(1.0 + static_cast<double>(i));
     std::vector<double> moved = x, back = local.read(x);
     local.write(y, moved);
-    // Nodes that are held stay: y as the mesh has it.
+    // Nodes that are fixed stay: y as the mesh has it.
     std::vector<double> number(x.size(), -1.0), index(y.size());
     for (std::size_t i = 0; i < index.size(); ++i) index[i] = static_cast<double>(i);
     local.write(index, number);

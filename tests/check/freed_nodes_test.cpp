@@ -1,4 +1,4 @@
-#include "check/released_nodes.hpp"
+#include "check/freed_nodes.hpp"
 
 #include <doctest/doctest.h>
 
@@ -79,8 +79,8 @@ TEST_CASE("a face folded by its middle node: its whole straight side is released
     CHECK(faults.faces.faults[0].by_curvature);
     CHECK(!faults.none());
     CHECK(faults.may_be_mended());
-    target.released = released_nodes(square.mesh, target, faults);
-    CHECK(target.released == nodes_of(square.mesh, {"bottom"}));
+    target.freed = freed_nodes(square.mesh, target, faults);
+    CHECK(target.freed == nodes_of(square.mesh, {"bottom"}));
     CHECK(square.faults(target).none());
     CHECK(!square.faults(target).may_be_mended());
 }
@@ -91,11 +91,11 @@ TEST_CASE("in a mesh cut out of another, nodes at the cut stay, also where they 
     folded[square.mesh.face_element[square.faults(square.target()).faces.faults[0].face]] = 1;
     const Mesh part = part_of(square.mesh, surroundings(square.mesh, folded, 0), "cut");
     const BoundaryTarget target = target_of(part, {});
-    const std::vector<char> released = released_nodes(part, target, find_faults(part, straight_sided(part), target)),
+    const std::vector<char> freed = freed_nodes(part, target, find_faults(part, straight_sided(part), target)),
                             at_cut = nodes_of(part, {"cut"}), at_bottom = nodes_of(part, {"bottom"});
     int ends = 0;
     for (int i = 0; i < part.nodes(); ++i) {
-        CHECK(bool(released[i]) == (at_bottom[i] && !at_cut[i]));
+        CHECK(bool(freed[i]) == (at_bottom[i] && !at_cut[i]));
         ends += at_bottom[i] && at_cut[i];
     }
     CHECK(ends == 2);
@@ -108,10 +108,10 @@ TEST_CASE("a folded face on a curved side: it and its neighbours are released") 
     const BoundaryTarget target = square.target();
     const TargetFaults faults = square.faults(target);
     REQUIRE(faults.may_be_mended());
-    const std::vector<char> released = released_nodes(mesh, target, faults), bottom = nodes_of(mesh, {"bottom"});
+    const std::vector<char> freed = freed_nodes(mesh, target, faults), bottom = nodes_of(mesh, {"bottom"});
     for (int i = 0; i < mesh.nodes(); ++i) {
         const double x = point(mesh.x, i, 2)[0];
-        CHECK(static_cast<bool>(released[i]) == (bottom[i] && x > 1.0 / 6 - 1e-9 && x < 4.0 / 6 + 1e-9));
+        CHECK(static_cast<bool>(freed[i]) == (bottom[i] && x > 1.0 / 6 - 1e-9 && x < 4.0 / 6 + 1e-9));
     }
 }
 
@@ -122,7 +122,7 @@ TEST_CASE("what slides or is free is no fault, and is not released") {
         const BoundaryTarget target = square.target({{"right", open}, {"left", open}});
         const TargetFaults faults = square.faults(target);
         REQUIRE(faults.may_be_mended());
-        CHECK(released_nodes(square.mesh, target, faults) == nodes_of(square.mesh, {"bottom"}));
+        CHECK(freed_nodes(square.mesh, target, faults) == nodes_of(square.mesh, {"bottom"}));
     }
     const Curved corner = with_wide_corner(0.1);
     const BoundaryTarget target = corner.target({{"right", "free"}});
@@ -138,8 +138,8 @@ TEST_CASE("an element with two curved edges that meet at more than 180 degrees: 
     CHECK(faults.elements[0].by_curvature);
     CHECK(faults.elements[0].scaled_jacobian == doctest::Approx(1 - 16 * 0.01 * 9));
     CHECK(faults.may_be_mended());
-    target.released = released_nodes(square.mesh, target, faults);
-    CHECK(target.released == nodes_of(square.mesh, {"bottom", "right"}));
+    target.freed = freed_nodes(square.mesh, target, faults);
+    CHECK(target.freed == nodes_of(square.mesh, {"bottom", "right"}));
     CHECK(square.faults(target).none());
     CHECK(with_wide_corner(0.08).faults(with_wide_corner(0.08).target()).none());
     const std::string text = describe(square.mesh, faults);
@@ -168,8 +168,8 @@ TEST_CASE("a face of a cube folded by a middle node: the nodes of its plane are 
     const TargetFaults faults = cube.faults(target);
     CHECK(faults.faces.faults.size() == 2);  // at that edge
     REQUIRE(faults.may_be_mended());
-    target.released = released_nodes(cube.mesh, target, faults);
-    CHECK(target.released == nodes_of(cube.mesh, {"bottom"}));
+    target.freed = freed_nodes(cube.mesh, target, faults);
+    CHECK(target.freed == nodes_of(cube.mesh, {"bottom"}));
     CHECK(cube.faults(target).none());
 }
 

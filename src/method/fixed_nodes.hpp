@@ -9,16 +9,16 @@
 
 namespace almesh {
 
-// held: per node; empty: none is. g: node_count x dim.
-inline void hold(const std::vector<char>& held, int dim, std::vector<double>& g) {
-    for (std::size_t i = 0; i < held.size(); ++i)
-        if (held[i]) std::fill_n(&g[offset(i, dim)], dim, 0.0);
+// fixed: per node; empty: none is. g: node_count x dim.
+inline void fix_nodes(const std::vector<char>& fixed, int dim, std::vector<double>& g) {
+    for (std::size_t i = 0; i < fixed.size(); ++i)
+        if (fixed[i]) std::fill_n(&g[offset(i, dim)], dim, 0.0);
 }
 
-inline void hold(const std::vector<char>& held, BlockCsr& H) {
-    for (int i = 0; i < H.n && !held.empty(); ++i)
+inline void fix_nodes(const std::vector<char>& fixed, BlockCsr& H) {
+    for (int i = 0; i < H.n && !fixed.empty(); ++i)
         for (int k = H.row[i]; k < H.row[i + 1]; ++k) {
-            if (!held[H.node_of(i)] && !held[H.node_of(H.col[k])]) continue;
+            if (!fixed[H.node_of(i)] && !fixed[H.node_of(H.col[k])]) continue;
             std::fill_n(H.block(k), H.d * H.d, 0.0);
             for (int a = 0; a < H.d && i == H.col[k]; ++a) H.block(k)[a * H.d + a] = 1;
         }

@@ -1,4 +1,4 @@
-#include "check/released_nodes.hpp"
+#include "check/freed_nodes.hpp"
 
 #include <algorithm>
 
@@ -83,9 +83,9 @@ void add_coplanar(const Mesh& mesh, const BoundaryTarget& target, std::vector<ch
 
 }  // namespace
 
-std::vector<char> released_nodes(const Mesh& mesh, const BoundaryTarget& target, const TargetFaults& faults) {
+std::vector<char> freed_nodes(const Mesh& mesh, const BoundaryTarget& target, const TargetFaults& faults) {
     const int m = mesh.face_nodes();
-    std::vector<char> vertex(mesh.nodes(), 0), chosen(mesh.face_count(), 0), released(mesh.nodes(), 0);
+    std::vector<char> vertex(mesh.nodes(), 0), chosen(mesh.face_count(), 0), freed(mesh.nodes(), 0);
     for (const TargetReport::Fault& fault : faults.faces.faults)
         for (int i = 0; i < mesh.dim; ++i) vertex[mesh.face(fault.face)[i]] = 1;
     for (const DeterminedElement& fault : faults.elements)
@@ -95,10 +95,10 @@ std::vector<char> released_nodes(const Mesh& mesh, const BoundaryTarget& target,
     add_coplanar(mesh, target, chosen);
     for (int f = 0; f < mesh.face_count(); ++f)
         for (int i = 0; i < m && chosen[f]; ++i)
-            released[mesh.face(f)[i]] = target.hold_of_face(mesh, f) == BoundaryHold::prescribed;
+            freed[mesh.face(f)[i]] = target.hold_of_face(mesh, f) == BoundaryHold::prescribed;
     for (int f = 0; f < mesh.face_count(); ++f)
-        for (int i = 0; i < m && mesh.face_boundary[f] == mesh.cut; ++i) released[mesh.face(f)[i]] = 0;
-    return released;
+        for (int i = 0; i < m && mesh.face_boundary[f] == mesh.cut; ++i) freed[mesh.face(f)[i]] = 0;
+    return freed;
 }
 
 }  // namespace almesh

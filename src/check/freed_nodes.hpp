@@ -20,7 +20,7 @@ struct TargetFaults {
 
 // ideal: node_count x dim positions. Of elements those whose scaled Jacobian the target makes at most `bound`
 // somewhere: 0 where no valid mesh keeps it, a little more where none of any use does. What the target leaves open,
-// because it slides, is released or free, is passed over.
+// because it slides, is freed or free, is passed over.
 TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
                          double bound = 0);
 
@@ -29,6 +29,6 @@ std::string describe(const Mesh& mesh, const TargetFaults& faults);
 
 // Per node of the mesh, whether it is prescribed by the target and on a face that is folded, or at an element that is,
 // or on a face next to these, or in one plane with those.
-std::vector<char> released_nodes(const Mesh& mesh, const BoundaryTarget& target, const TargetFaults& faults);
+std::vector<char> freed_nodes(const Mesh& mesh, const BoundaryTarget& target, const TargetFaults& faults);
 
 }  // namespace almesh

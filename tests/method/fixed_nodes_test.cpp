@@ -1,4 +1,4 @@
-#include "method/held_nodes.hpp"
+#include "method/fixed_nodes.hpp"
 
 #include <doctest/doctest.h>
 
@@ -19,17 +19,17 @@ TEST_CASE("held nodes: no gradient, rows and columns of the unit matrix, all oth
     BlockCsr H = of.distortion.hessian_pattern(), full = H;
     E.gradient(x, of_all);
     E.hessian(x, HessianKind::full, full);
-    E.held.assign(of.mesh.nodes(), 0);
-    for (const int node : of.constraint.nodes()) E.held[node] = 1;
+    E.fixed.assign(of.mesh.nodes(), 0);
+    for (const int node : of.constraint.nodes()) E.fixed[node] = 1;
     E.gradient(x, g);
     E.hessian(x, HessianKind::full, H);
     for (int i = 0; i < of.mesh.nodes(); ++i)
-        for (int a = 0; a < 2; ++a) CHECK(g[2 * i + a] == (E.held[i] ? 0 : of_all[2 * i + a]));
+        for (int a = 0; a < 2; ++a) CHECK(g[2 * i + a] == (E.fixed[i] ? 0 : of_all[2 * i + a]));
     for (int i = 0; i < H.n; ++i)
         for (int k = H.row[i]; k < H.row[i + 1]; ++k)
             for (int ab = 0; ab < 4; ++ab) {
-                const bool held = E.held[i] || E.held[H.col[k]], diagonal = i == H.col[k] && ab % 3 == 0;
-                CHECK(H.block(k)[ab] == (held ? (diagonal ? 1 : 0) : full.block(k)[ab]));
+                const bool fixed = E.fixed[i] || E.fixed[H.col[k]], diagonal = i == H.col[k] && ab % 3 == 0;
+                CHECK(H.block(k)[ab] == (fixed ? (diagonal ? 1 : 0) : full.block(k)[ab]));
             }
 }
 
@@ -41,8 +41,8 @@ TEST_CASE("held nodes of curved elements stay to the last bit where conjugate gr
         return sweep_order(pattern, 3, {.kind = SolverKind::cg}, vertex_interpolation(of.mesh));
     });
     AugmentedFunctional E = of.functional(0);
-    E.held.assign(of.mesh.nodes(), 0);
-    for (const int node : of.constraint.nodes()) E.held[node] = 1;
+    E.fixed.assign(of.mesh.nodes(), 0);
+    for (const int node : of.constraint.nodes()) E.fixed[node] = 1;
     const std::vector<double> start = wavy(of.ideal, 3, 0.02);
     std::vector<double> x = start;
     Newton newton(of.distortion.hessian_pattern(), {.kind = SolverKind::cg});
@@ -53,5 +53,5 @@ TEST_CASE("held nodes of curved elements stay to the last bit where conjugate gr
     CHECK(result.status == Status::converged);
     CHECK(used == PreconditionerKind::pmg);
     for (int i = 0; i < of.mesh.nodes(); ++i)
-        for (int a = 0; a < 3 && E.held[i]; ++a) CHECK(x[3 * i + a] == start[3 * i + a]);
+        for (int a = 0; a < 3 && E.fixed[i]; ++a) CHECK(x[3 * i + a] == start[3 * i + a]);
 }
