@@ -360,10 +360,10 @@ void set_functional(const Deck& deck, const Problem& problem) {
 }
 
 bool identity_is_near(const Deck& deck, const Problem& problem) {
-    constexpr double rounding = 1e-9;  // in units of the run, in which a mesh is about as large as 1
     const Mesh& mesh = problem.mesh();
     if (mesh.dim != 2 || mesh.degree == 1 || !problem.target.prescribes_all()) return false;
     if (deck.distortion.objective != Objective::squared) return false;
+    const double rounding = 1e-9 * std::sqrt(volume(mesh, problem.ideal()));
     for (int f = 0; f < mesh.face_count(); ++f)
         for (int i = 0; i < mesh.dim; ++i) {
             const double* const from = point(problem.ideal(), mesh.face(f)[i], mesh.dim);
