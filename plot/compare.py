@@ -74,7 +74,7 @@ def run(case, deck, setting, size, method, settings):
         sys.exit(f"{' '.join(command)} ended with exit code {code}")
     summary = runs.summary(name)
     row.update({column: summary[column] for column in COLUMNS if column in summary})
-    row["steps"] = sum(int(summary[f"{part}newton_iterations"]) for part in ("", "followed_", "coarse_"))
+    row["steps"] = sum(int(summary[f"{part}newton_iterations"]) for part in ("", "earlier_", "coarse_"))
     row["reached"] = 1 if summary["status"] == "converged" else reached(name)
     if summary["status"] == "converged" and summary["certified_injective"] == "yes":
         row["valid"] = "yes"

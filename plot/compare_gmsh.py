@@ -16,7 +16,7 @@ curving. Per mesh and method:
   seconds    of the optimiser alone; of almesh its iterations, and in brackets the whole run: reading, checking the
              target, iterations, certificates, writing
 
-almesh moves the whole mesh, or with `region = folded` what is folded and about a layer around it. Where gmsh's own mesh
+almesh moves the whole mesh, or with `local_repair = 1` what is inverted and about a layer around it. Where gmsh's own mesh
 has invalid elements, the fastest method that leaves none is marked. Every run has a process of its own, one thread, and
 ends after LIMIT seconds.
 """
@@ -37,7 +37,7 @@ STEP = Path("/usr/share/doc/gmsh-doc/doc/gmsh/demos/boolean/component8.step.gz")
 LIMIT = 60
 OPTIMISERS = {1: ["HighOrder"], 2: ["HighOrderElastic", "HighOrder"], 3: ["HighOrderElastic"],
               4: ["HighOrderFastCurving"]}
-ALMESH = {"almesh": "all", "almesh, folded only": "folded"}  # its key `region`
+ALMESH = {"almesh": 0, "almesh, inverted only": 1}  # its key `local_repair`
 GRID = 8  # points along the edge of an element
 
 # geometry: sizes h
@@ -181,11 +181,11 @@ def invalid_elements(mesh):
     return "0" if "\ncertified injective" in text else "overlaps"
 
 
-def run_almesh(mesh, folder, region):
+def run_almesh(mesh, folder, local_repair):
     """(final mesh, seconds of the iterations, of the whole run), or None."""
-    outputs = folder / f"almesh-{region}"
-    deck = folder / f"almesh-{region}.deck"
-    deck.write_text(f"mesh = {mesh.name}\noutput = {outputs}\nboundary all = fixed\nregion = {region}\nthreads = 1\n"
+    outputs = folder / f"almesh-{local_repair}"
+    deck = folder / f"almesh-{local_repair}.deck"
+    deck.write_text(f"mesh = {mesh.name}\noutput = {outputs}\nboundary all = fixed\nlocal_repair = {local_repair}\nthreads = 1\n"
                     "vtk = none\n")
     shutil.rmtree(outputs, ignore_errors=True)
     start = time.perf_counter()
@@ -223,8 +223,8 @@ def compare(name, geometry, h, degree):
             results.append((f"gmsh {optimiser}", *[None] * 5))
         else:
             add(f"gmsh {optimiser}", mesh, float(seconds[0]))
-    for method, region in ALMESH.items():
-        final = run_almesh(raw, folder, region)
+    for method, local_repair in ALMESH.items():
+        final = run_almesh(raw, folder, local_repair)
         if final is None:
             results.append((method, *[None] * 5))
         else:

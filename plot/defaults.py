@@ -12,7 +12,7 @@ import sys
 import runs
 
 CHOICES = [("squared", "1", "2"), ("deviation", "1", "2"), ("deviation", "0.5", "2"), ("deviation", "0", "2"),
-           ("deviation", "0.5", "4"), ("worst", "0", "auto")]
+           ("deviation", "0.5", "4"), ("minimax", "0", "auto")]
 CASES = [
     ("circle translated by 8", "circle", []),
     ("by 14", "circle", ["boundary inner=translate 14 0"]),
@@ -47,14 +47,14 @@ def run(number, deck, objective, alpha, power, settings):
     if code not in (0, 3, 4, 5):
         sys.exit(f"{' '.join(command)} ended with exit code {code}")
     summary = runs.summary(name)
-    steps = sum(int(summary[f"{part}newton_iterations"]) for part in ("", "followed_", "coarse_"))
+    steps = sum(int(summary[f"{part}newton_iterations"]) for part in ("", "earlier_", "coarse_"))
     if summary["status"] != "converged" or summary["certified_injective"] != "yes":
         return summary["status"], str(steps)
     return f"{float(summary['max_distortion']):.4g}", str(steps)
 
 
 def main():
-    formula = {"squared": "∫η²", "deviation": "Eq. 5", "worst": "worst"}
+    formula = {"squared": "∫η²", "deviation": "Eq. 5", "minimax": "minimax"}
     titles = [f"{formula[objective]}, α {alpha}" + (", power 4" if power == "4" else "")
               for objective, alpha, power in CHOICES]
     lines = ["| worst η (Newton steps) | " + " | ".join(titles) + " |", "|---" * (len(titles) + 1) + "|"]

@@ -12,7 +12,7 @@ import sys
 import runs
 
 DECKS = runs.OUTPUTS.parent / "inputs" / "gauntlet"
-QUANTITIES = ["status", "certified_injective", "newton_iterations", "followed_newton_iterations", "max_distortion",
+QUANTITIES = ["status", "certified_injective", "newton_iterations", "earlier_newton_iterations", "max_distortion",
               "min_scaled_jacobian", "refined_elements", "relative_boundary_error", "nodes_off_target", "time_run"]
 
 

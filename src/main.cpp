@@ -23,8 +23,8 @@ namespace {
     setenv("GOMP_SPINCOUNT", "1000", 0);
 }
 
-// What is freed, up to some size, stays with the program: else every local minimisation takes its arrays from the system
-// anew, page by page, for a tenth of its time.
+// What is freed, up to some size, stays with the program: else every local minimisation takes its arrays from the
+// system anew, page by page, for a tenth of its time.
 void keep_freed_memory() {
 #ifdef __GLIBC__
     constexpr int kept = 256 << 20, largest = 32 << 20;  // bytes, of all and of one array

@@ -32,8 +32,8 @@ QUICK = ["channel-bump", "circle", "circle-literal", "circle-printed", "circle-r
          "gauntlet/circle-turned-worst", "gauntlet/layers-degree-4", "gauntlet/plate-turned", "slide/bump",
          "slide/half-aircraft", "slide/onto-bump", "slide/piston", "slide/rotor", "targets/flap", "targets/wave",
          "targets/from-wave"]
-COUNTS = ["exit_code", "status", "al_iterations", "newton_iterations", "followed_newton_iterations",
-          "coarse_newton_iterations", "linear_iterations", "local_steps", "nodes_off_target", "released_nodes",
+COUNTS = ["exit_code", "status", "al_iterations", "newton_iterations", "earlier_newton_iterations",
+          "coarse_newton_iterations", "linear_iterations", "local_steps", "nodes_off_target", "freed_nodes",
           "refined_elements", "invalid_elements", "certified_valid", "certified_injective"]
 # Of the last subproblem in history.csv, with all their digits. The boundary error is one of the nodes' heights: its
 # difference is shown as it is, those of the others relative to the reference.

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/renamed.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 
@@ -26,7 +27,7 @@ auto with_context(const std::string& context, const Work& work) {
     }
 }
 
-// A setting of the command line may replace one of the file; two settings of the same place contradict each other.
+// A setting of the command line may replace one of the file; two in the same one contradict each other.
 void check_repeat(const std::string& what, const std::string& earlier, const std::string& where) {
     if ((earlier == command_line) == (where == command_line))
         throw UsageError(what, " is already set (", earlier, "): remove one of the two");
@@ -38,7 +39,8 @@ std::string path_from(const std::string& where, const Deck& deck, const std::str
     return (start / path).lexically_normal().string();
 }
 
-void read_key(Deck& deck, std::string_view name, std::string_view value, const std::string& where) {
+void read_key(Deck& deck, std::string name, std::string value, const std::string& where) {
+    use_present_names(deck, name, value);
     const DeckKey* const key = find_row(deck_keys(), name);
     if (!key) {
         std::vector<std::string> names = names_of(deck_keys());
@@ -80,7 +82,10 @@ void read_boundary(Deck& deck, std::string_view text, const std::string& where) 
 }
 
 void read_expectation(Deck& deck, std::string_view text, const std::string& where) {
-    Expectation expectation = parse_expectation(text);
+    std::string quantity(trim(text.substr(0, std::min(text.find_first_of("<>="), text.size())))), none;
+    const std::string_view condition = text.substr(quantity.size());
+    use_present_names(deck, quantity, none);
+    Expectation expectation = parse_expectation(quantity.append(condition));
     expectation.where = where;
     const auto replaced = [&](const Expectation& other) {
         return other.quantity == expectation.quantity && where == command_line && other.where != command_line;
@@ -101,7 +106,7 @@ void read_setting(Deck& deck, std::string_view text, const std::string& where) {
     const auto equals = text.find('=');
     if (equals == std::string_view::npos)
         throw UsageError("expected `key = value`, got ", in_backquotes(text.substr(0, 60)));
-    read_key(deck, trim(text.substr(0, equals)), trim(text.substr(equals + 1)), where);
+    read_key(deck, std::string(trim(text.substr(0, equals))), std::string(trim(text.substr(equals + 1))), where);
 }
 
 std::string_view without_comment(std::string_view line) {

@@ -36,7 +36,6 @@ struct DeckBoundary {
 
 enum class Start { automatic, identity, coarse };
 enum class Snap { automatic, no, yes };
-enum class Region { all, folded };
 enum class SurfaceKind { automatic, keep, slide, straighten };
 enum class VtkOutput { ascii, binary, none };
 // As written in the deck; those of one version of MSH stand from msh22 on.
@@ -56,9 +55,9 @@ struct Deck {
     AugmentedLagrangianParams method;
     std::optional<int> increments;
     Start start = Start::automatic;
-    Follow follow = Follow::automatic;
+    Continuation continuation = Continuation::automatic;
     Snap snap = Snap::automatic;
-    Region region = Region::all;
+    int local_repair = 0;
     double feature_angle = 30;  // degrees
     SurfaceKind surface = SurfaceKind::automatic;
     std::optional<double> length_scale;
@@ -80,6 +79,7 @@ struct Deck {
 
     std::string path, folder, name;            // of the deck file: inputs/circle.deck, inputs, circle
     std::map<std::string, std::string> given;  // key -> where it was set, for errors found later
+    std::vector<std::string> notes;            // names that have changed
 };
 
 // Reads the file, then the settings of the command line. Throws UsageError naming file and line (or "command line") for
@@ -97,7 +97,7 @@ const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary);
 void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string>& mesh_boundaries);
 
 // Every key with its value, commented, as text of a deck to stand in the output folder. Read from the same current
-// folder it gives the same Deck but for path, folder, name and places. The mesh is given by its path relative to the
+// folder it gives the same Deck but for path, folder, name and lines. The mesh is given by its path relative to the
 // output folder, or by the absolute one where there is none.
 std::string resolved(const Deck& deck);
 
@@ -118,7 +118,7 @@ struct DeckKey {
 
 const std::vector<DeckKey>& deck_keys();
 
-// Throws UsageError, without a place, for a text that is not a legal value.
+// Throws UsageError, without file and line, for a text that is not a legal value.
 void set_value(Deck& deck, const DeckKey& key, std::string_view text);
 
 // The text of `almesh --keys`, within 100 columns: all keys with default, legal values and meaning, boundary, its

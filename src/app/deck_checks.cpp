@@ -8,11 +8,11 @@
 namespace almesh {
 
 // The rest of the mesh stays as it is in the file.
-void check_region(const Deck& deck) {
-    if (deck.region == Region::all) return;
+void check_local_repair(const Deck& deck) {
+    if (!deck.local_repair) return;
     const auto refuse = [&](const std::string& where, const char* what) {
-        throw UsageError(where, ": ", what, " does not go with region = folded, which leaves the mesh as it is in the ",
-                         "file but for folded elements and those around them");
+        throw UsageError(where, ": ", what, " does not go with local_repair = 1, which leaves the mesh as it is in ",
+                         "the file but for inverted elements and those around them");
     };
     for (const DeckBoundary& boundary : deck.boundaries)
         if (boundary.motion != parse_motion("fixed")) refuse(boundary.where, "a boundary that is not fixed");
@@ -59,8 +59,8 @@ void check_method(const Deck& deck) {
     const MovingMethod moving = deck.method.moving;
     if (moving == MovingMethod::augmented_lagrangian && !deck.increments) return;
     const auto refuse = [&](const char* key, const char* value, const char* advice) {
-        const auto place = deck.given.find(key);
-        throw UsageError(place == deck.given.end() ? deck.path : place->second, ": ", key, value,
+        const auto setting = deck.given.find(key);
+        throw UsageError(setting == deck.given.end() ? deck.path : setting->second, ": ", key, value,
                          " does not go with this method: ", advice);
     };
     const bool in_parts = moving == MovingMethod::elasticity || moving == MovingMethod::harmonic ||
@@ -68,14 +68,14 @@ void check_method(const Deck& deck) {
     if (deck.increments && !in_parts)
         refuse("increments", "", "it is for method = elasticity, harmonic or incremental");
     if (moving == MovingMethod::augmented_lagrangian) return;
-    if (deck.distortion.objective == Objective::worst)
-        refuse("objective", " = worst", "take method = augmented_lagrangian");
+    if (deck.distortion.objective == Objective::minimax)
+        refuse("objective", " = minimax", "take method = augmented_lagrangian");
     if (moving == MovingMethod::penalty) return;
     if (deck.start == Start::coarse) refuse("start", " = coarse", "it starts from the mesh as it is");
     if (deck.distortion.delta > 0) refuse("delta", " > 0", "untangle chooses its own, the others have none");
 }
 
-// A node that slides or is free has no place where it could be set.
+// A node that slides or is free has no position where it could be set.
 void check_prescribed(const Deck& deck, const BoundaryTarget& target) {
     if (!sets_boundary(deck.method.moving) || target.prescribes_all()) return;
     const char* const which = target.freed.empty() ? "boundary slides or is free" : "nodes have to slide";

@@ -10,7 +10,7 @@ namespace almesh {
 void check_start(const Deck& deck);
 void check_resume(const Deck& deck);
 void check_method(const Deck& deck);
-void check_region(const Deck& deck);
+void check_local_repair(const Deck& deck);
 void check_quadrature(const Deck& deck, int degree);
 void check_final_degree(const Deck& deck, int degree);
 void check_final_ids(const Deck& deck, const Mesh& mesh);  // throws InputError

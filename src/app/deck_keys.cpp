@@ -1,4 +1,4 @@
-// The table of the deck's keys. A row gives name, place in the Deck (and with it type and default), legal values and
+// The table of the deck's keys. A row gives name, member of the Deck (and with it type and default), legal values and
 // meaning; text<>(), number<>() and choice<>() make the functions that read and print the value.
 #include "app/deck.hpp"
 
@@ -110,19 +110,19 @@ const std::vector<DeckKey>& deck_keys() {
          "Boundary target: the motion of every boundary point, or its interpolation at the nodes; the latter where a "
          "boundary slides or is free."},
         {"objective",
-         choice<&Deck::distortion, &Distortion::objective>({"squared", "deviation", "size_shape", "worst"}),
+         choice<&Deck::distortion, &Distortion::objective>({"squared", "deviation", "size_shape", "minimax"}),
          "Integral of eta^2 (the tables of the paper), of (eta - 1)^2 (its Eq. 5), or of the latter with eta times "
-         "(sigma + 1/sigma)/2, sigma = det F: elements keep their sizes too; worst: powers of eta - 1 that rise in the "
-         "run, for the best worst element."},
+         "(sigma + 1/sigma)/2, sigma = det F: elements keep their sizes too; minimax: powers of eta - 1 that rise in "
+         "the run, for the best worst element."},
         {"power", number<&Deck::power>({2, 128}),
-         "Power of eta, or of eta - 1, in the objective; auto: 2. With objective = worst the last one; auto: 64, or "
+         "Power of eta, or of eta - 1, in the objective; auto: 2. With objective = minimax the last one; auto: 64, or "
          "where eta does not get smaller any more."},
         {"delta", number<&Deck::distortion, &Distortion::delta>(not_negative),
          "Regularisation of det F in the distortion (Eq. 3), without unit; 0: none. Above 0 inverted elements have "
          "finite energy, and a step may invert one."},
         {"weight_exponent", number<&Deck::weight_exponent>({0, 1}),
          "alpha: an element weighs |e|^alpha in the integral; 1: the paper's, 0: all elements alike; auto: 0.5 with "
-         "algorithm = adaptive, which keeps small elements in shape, else 1; 0 with objective = worst."},
+         "algorithm = adaptive, which keeps small elements in shape, else 1; 0 with objective = minimax."},
         {"assembly", choice<&Deck::distortion, &Distortion::assembly>({"simd", "plain"}),
          "Assembly of the energy and its derivatives: one element per SIMD lane on all threads, or the textbook's, for "
          "study: ten to fifty times slower."},
@@ -134,32 +134,32 @@ const std::vector<DeckKey>& deck_keys() {
          "multipliers; elasticity, harmonic: the displacement of the boundary extended inside as that of a solid, "
          "stiffer where elements are small, or as a harmonic function; incremental, fixed_boundary: the boundary set "
          "on its target in parts or at once, and the distortion minimised inside; untangle: at once, with a "
-         "regularised distortion first. All but penalty need the places of all boundaries to be prescribed, and take "
-         "no account of algorithm, start and follow = auto."},
+         "regularised distortion first. All but penalty need the positions of all boundaries to be prescribed, and "
+         "take no account of algorithm, start and continuation = auto."},
         {"increments", number<&Deck::increments>({1, 100000}),
-         "Methods elasticity, harmonic and incremental: parts of the motion, each from the mesh as moved so far; auto: "
+         "Methods elasticity, harmonic and incremental: load increments, each from the mesh as moved so far; auto: "
          "1, and 10 with incremental, which halves a part that has no valid mesh to start from."},
         {"algorithm", choice<&Deck::method, &Method::algorithm>({"adaptive", "paper", "literal"}),
          "Augmented Lagrangian schedule: multipliers at every step, Algorithm 1 as corrected, or as printed."},
         {"start", choice<&Deck::start>({"auto", "identity", "coarse"}),
          "First iterate: the ideal mesh, or the solution on the mesh refined less or of lower degree, found so too; "
          "auto: coarse with algorithm = adaptive, else identity."},
-        {"follow", choice<&Deck::follow>({"auto", "never", "always"}),
-         "Whether the motion is followed in parts, so that the mesh winds as the boundary turns; auto: with algorithm "
-         "= adaptive, turns above 90 degrees by the shorter way, and where the whole motion fails at once; always: "
-         "turns as they are written, also beyond 180 degrees."},
+        {"continuation", choice<&Deck::continuation>({"auto", "never", "always"}),
+         "Load increments: the motion is increased in stages, so that the mesh turns as often as the boundary does; "
+         "auto: with algorithm = adaptive, for turns above 90 degrees, by the shorter way, and where the whole motion "
+         "fails at once; always: turns as they are written, also beyond 180 degrees."},
         {"snap", choice<&Deck::snap>({"auto", "0", "1"}),
          "1: in the end the nodes of the boundary are set to their targets, to the last bit, where elements stay "
          "valid; auto: 1 with algorithm = adaptive, else 0."},
-        {"region", choice<&Deck::region>({"all", "folded"}),
-         "Which nodes move: all, or, where all boundaries are fixed, those of elements that are folded in the mesh "
-         "file and of elements around them, as few as are needed for a valid mesh: all others stay."},
+        {"local_repair", number<&Deck::local_repair>({0, 1}),
+         "1: where all boundaries are fixed, only the nodes of elements that are inverted in the mesh file move, and "
+         "those of elements around them, as few as are needed for a valid mesh."},
         {"feature_angle", number<&Deck::feature_angle>({1, 180}),
          "Angle in degrees between neighbouring faces of a sliding boundary from which they belong to different "
          "surfaces: nodes slide along such an edge, and corners stay."},
         {"surface", choice<&Deck::surface>({"auto", "keep", "slide", "straighten"}),
-         "Whether nodes keep the places on the boundary that its motion gives them, or slide along the surface there; "
-         "auto: they slide only where a valid mesh cannot keep them, because the target folds faces or elements; "
+         "Whether nodes keep the positions on the boundary that its motion gives them, or slide along the surface "
+         "there; auto: they slide only where a valid mesh cannot keep them, because the target folds faces or elements; "
          "straighten: faces are made flat there instead, as many as it takes for a valid mesh."},
         {"mu0", number<&Deck::method, &Method::mu0>(positive),
          "Algorithms paper and literal, method penalty: first penalty mu, in units of |1|^2, the sum of |f|/h over the "
@@ -173,8 +173,8 @@ const std::vector<DeckKey>& deck_keys() {
         {"epsilon_star", number<&Deck::method, &Method::epsilon_star>(positive),
          "Final tolerance of the squared constraint norm."},
         {"wall_tolerance", number<&Deck::method, &Method::wall_tolerance>(positive),
-         "Algorithm adaptive: final tolerance of the distance of every boundary node from its place, in heights of the "
-         "cells at it."},
+         "Algorithm adaptive: final tolerance of the distance of every boundary node from its target, in heights of "
+         "the cells at it."},
         {"length_scale", number<&Deck::length_scale>(positive),
          "Length by which positions are divided in all tolerances; auto: |domain|^(1/n), 1: absolute values as in the "
          "paper."},

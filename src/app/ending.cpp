@@ -28,7 +28,7 @@ std::string headline(Status status) {
     return status_row(status).ending + std::string(late ? ": max_seconds have passed" : "");
 }
 
-// Whether the boundary is in its place, as far as Algorithm 1 tests it.
+// Whether the boundary is on its target, as far as Algorithm 1 tests it.
 bool constrained(const Deck& deck, const AlIteration& row) {
     const bool adaptive = deck.method.algorithm == Algorithm::adaptive;
     return row.projected_constraint_norm * row.projected_constraint_norm <= deck.method.epsilon_star &&
@@ -60,9 +60,9 @@ std::string description(const Problem& problem, const Solution& solution) {
     const Diagnosis& at = solution.diagnosis;
     if (at.kind == DiagnosisKind::none) return "";
     const auto position = [&](const std::array<double, 3>& x) {
-        return place_text(problem.frame.to_file(x).data(), mesh.dim);
+        return position_text(problem.frame.to_file(x).data(), mesh.dim);
     };
-    const std::string name = name_of(mesh, at), subject = name + " at " + position(at.place);
+    const std::string name = name_of(mesh, at), subject = name + " at " + position(at.position);
     switch (at.kind) {
         case DiagnosisKind::off_target:
             return subject + " is " + shown(at.distance * problem.frame.length) + " from its target " +
@@ -78,7 +78,7 @@ std::string description(const Problem& problem, const Solution& solution) {
 
 std::string less_motion(const Solution& solution) {
     return "a part of the motion" +
-           (solution.followed > 0 ? ", of which " + shown(solution.followed) + " was reached" : "");
+           (solution.reached > 0 ? ", of which " + shown(solution.reached) + " was reached" : "");
 }
 
 // Against a target that is too far: what the run has not done yet.
@@ -90,9 +90,9 @@ std::string against_distance(const Deck& deck, const Problem& problem, const Sol
     std::string to_try;
     if (fixed)
         to_try += concat("boundary ", problem.mesh().boundaries[at.boundary],
-                         " = slide or free, if its nodes need not stay in their places; ");
+                         " = slide or free, if its nodes need not keep their positions; ");
     if (alpha > 0) to_try += alpha > 0.5 ? "weight_exponent = 0.5 or 0; " : "weight_exponent = 0; ";
-    if (followed(deck) == Follow::never) to_try += "follow = always; ";
+    if (continuation_of(deck) == Continuation::never) to_try += "continuation = always; ";
     return to_try + less_motion(solution);
 }
 
@@ -118,11 +118,10 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
     switch (solution.al.status) {
         case Status::converged: return against_uncertified(deck, problem, solution);
         case Status::infeasible:
-        case Status::out_of_reach:
         case Status::stalled:
         case Status::line_search_failed: return against_distance(deck, problem, solution);
         case Status::overflow: return "a smaller mu0, such as " + shown(AugmentedLagrangianParams().mu0);
-        case Status::rounding_floor:
+        case Status::attainable_accuracy:
             return "a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0";
         case Status::ended_as_printed: return "algorithm = paper, which goes on until both hold";
         case Status::max_al_iterations: return against_iterations(deck, problem, solution);
@@ -149,7 +148,7 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
 std::string remedies(const Deck& deck, const Problem& problem, const Solution& solution) {
     const std::string to_try = against_cause(deck, problem, solution);
     if (problem.target.freed.empty()) return to_try;
-    return concat(to_try, "; surface = straighten", deck.region == Region::folded ? " without region = folded" : "",
+    return concat(to_try, "; surface = straighten", deck.local_repair ? " without local_repair = 1" : "",
                   ", with which faces are flat where nodes now slide");
 }
 
@@ -229,15 +228,15 @@ Diagnosis diagnose(const Deck& deck, const Problem& problem, const Solution& sol
 void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {
     std::string others;
     if (const int steps = solution.coarse_newton_iterations) others = concat(" (and ", steps, " on coarser meshes)");
-    if (const int steps = solution.al.followed_newton_iterations)
+    if (const int steps = solution.al.earlier_newton_iterations)
         others += concat(" (and ", steps, " on earlier ",
-                         deck.distortion.objective == Objective::worst ? "powers" : "parts of the motion", ")");
+                         deck.distortion.objective == Objective::minimax ? "powers" : "load increments", ")");
     std::fprintf(out, "%s: %s%s in %.2f s\n", headline(solution.al.status).c_str(), work_of(deck, solution).c_str(),
                  others.c_str(), solution.time.total);
     print_diagnosis(out, deck, problem, solution);
     print_boundary(out, problem, solution);
-    if (solution.al.iterations.back().newton_status == Status::rounding_floor)
-        std::fprintf(out, "|grad E| ended at its rounding floor, above omega_star\n");
+    if (solution.al.iterations.back().newton_status == Status::attainable_accuracy)
+        std::fprintf(out, "|grad E| ended at its attainable accuracy, above omega_star\n");
     if (fallbacks)
         std::fprintf(out,
                      "the iterative solver failed in %d Newton step%s, solved by Cholesky (history.csv tells why)\n",
@@ -248,7 +247,7 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
     const bool shows = solution.diagnosis.kind != DiagnosisKind::none && deck.vtk != VtkOutput::none;
     std::fprintf(out, "%s: scaled Jacobian >= %s everywhere; results in %s%s\n", judgement(problem, solution).c_str(),
                  rounded_down(solution.certificate.min_scaled_jacobian, 4).c_str(), deck.output.c_str(),
-                 shows ? ", the elements around the obstacle in stop.vtk" : "");
+                 shows ? ", the elements around it in stop.vtk" : "");
 }
 
 }  // namespace almesh

@@ -12,7 +12,7 @@ struct Deck;
 struct Problem;
 struct Solution;
 
-// Of a solution with its certificates; kind none where it converged and is certified, and where there is no such place.
+// Of a solution with its certificates; kind none where it converged and is certified, and where nothing held it up.
 // Each status has its own kind (method/status.cpp).
 Diagnosis diagnose(const Deck& deck, const Problem& problem, const Solution& solution);
 

@@ -118,7 +118,7 @@ std::string free_folded(const CheckedTarget& checked) {
     BoundaryTarget& target = checked.target;
     const TargetFaults faults = faults_of(checked);
     if (faults.none()) return "";
-    if (!faults.may_be_mended()) refuse(mesh, faults, against(faults, checked));
+    if (!faults.sliding_may_help()) refuse(mesh, faults, against(faults, checked));
     if (checked.deck.surface == SurfaceKind::keep)
         refuse(mesh, faults,
                "\ntry surface = auto, with which nodes slide along the surface there, or surface = "

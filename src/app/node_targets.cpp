@@ -122,7 +122,7 @@ std::map<VertexIds, std::vector<int>> faces_of(const RawMesh& other, int dim, in
     return faces;
 }
 
-// The places of the nodes of a face in the other mesh's face with the same vertices: its polynomial there.
+// The positions of the nodes of a face in the other mesh's face with the same vertices: its polynomial there.
 void place_face(const Mesh& mesh, int f, const LagrangeBasis& own, const RawMesh& other,
                 const std::vector<int>& other_face, const LagrangeBasis& of_other, std::vector<double>& positions) {
     MultiIndex vertex{};  // of the other face, by the vertices of this one
@@ -131,15 +131,15 @@ void place_face(const Mesh& mesh, int f, const LagrangeBasis& own, const RawMesh
     std::vector<double> N(of_other.count);
     for (int i = 0; i < own.count; ++i) {
         double l[3] = {};
-        MultiIndex place{};
+        MultiIndex index{};
         for (int k = 0; k < mesh.dim; ++k) {
-            place[vertex[k]] = own.nodes[i][k];
+            index[vertex[k]] = own.nodes[i][k];
             l[vertex[k]] = static_cast<double>(own.nodes[i][k]) / own.degree;
         }
         of_other.values(&l[1], N.data());
         if (own.degree == of_other.degree) {  // one of its nodes, to the last bit
             std::fill(N.begin(), N.end(), 0.0);
-            N[of_other.find(place)] = 1;
+            N[of_other.find(index)] = 1;
         }
         double* const x = point(positions, mesh.face(f)[i], mesh.dim);
         std::fill_n(x, mesh.dim, 0.0);

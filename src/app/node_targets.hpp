@@ -1,4 +1,4 @@
-// Places of single nodes from files: the steps `file` and `mesh` of a motion.
+// Positions of single nodes from files: the steps `file` and `mesh` of a motion.
 #pragma once
 #include <optional>
 #include <vector>

@@ -38,7 +38,7 @@ RawMesh read_mesh_file(const Deck& deck, std::string& hash) {
     return raw;
 }
 
-// The motion, with `slide` last where it prescribes places.
+// The motion, with `slide` last where it prescribes positions.
 Motion sliding(const Motion& motion) {
     if (hold_of(motion) != BoundaryHold::prescribed) return motion;
     const std::string steps = to_string(motion);
@@ -80,19 +80,19 @@ Mesh discretised(const Mesh& base, int refinements, int degree) {
     return degree == 1 ? linear_part(refined) : interpolated(refined, degree);
 }
 
-// The places on the level's mesh of those on the mesh `shape`, which has the same elements but for refinements: between
-// its nodes as the elements have it.
-std::vector<double> on_level(const Mesh& shape, std::vector<double> places, const Level& level) {
+// The positions on the level's mesh of those on the mesh `shape`, which has the same elements but for refinements:
+// between its nodes as the elements have it.
+std::vector<double> on_level(const Mesh& shape, std::vector<double> positions, const Level& level) {
     if (level.mesh.element_count() != shape.element_count())
-        return prolong(shape, straight_sided(shape), level.mesh, level.ideal, places);
+        return prolong(shape, straight_sided(shape), level.mesh, level.ideal, positions);
     Mesh moved = shape;
-    moved.x = std::move(places);
+    moved.x = std::move(positions);
     moved = discretised(moved, 0, level.mesh.degree);
-    places.resize(level.mesh.x.size());
+    positions.resize(level.mesh.x.size());
     for (std::size_t k = 0; k < moved.elements.size(); ++k)
         std::copy_n(point(moved.x, moved.elements[k], moved.dim), moved.dim,
-                    point(places, level.mesh.elements[k], moved.dim));
-    return places;
+                    point(positions, level.mesh.elements[k], moved.dim));
+    return positions;
 }
 
 // x + fraction (X - x), which at the fraction 1 is X to the last bit.
@@ -179,7 +179,7 @@ void finish(const Mesh& mesh, const Frame& frame, SlidingSurfaces* sliding, Boun
     frame.take_to_run(target.sample, mesh.dim);
 }
 
-// Takes back the release of nodes on boundaries whose surfaces are not known.
+// Takes back the freedom to slide of nodes on boundaries whose surfaces are not known.
 void keep_where_unknown(const Mesh& mesh, const SlidingSurfaces& sliding, BoundaryTarget& target) {
     for (int k = 0; k < static_cast<int>(mesh.faces.size()) && !target.freed.empty(); ++k)
         if (!sliding.knows(mesh.face_boundary[k / mesh.face_nodes()])) target.freed[mesh.faces[k]] = 0;
@@ -214,9 +214,9 @@ void discretise(const Deck& deck, Problem& problem) {
         problem.notes.push_back("SU2 meshes are linear: the mesh of degree " + std::to_string(degree) +
                                 " is written as final.msh");
     problem.motions = motions_of(deck, problem.base);
-    NodeTargets places = read_node_targets(problem.base, problem.motions);
-    problem.raised = std::move(places.raised);
-    problem.placed = problem.level_placed = std::move(places.placed);
+    NodeTargets targets = read_node_targets(problem.base, problem.motions);
+    problem.raised = std::move(targets.raised);
+    problem.placed = problem.level_placed = std::move(targets.placed);
     problem.level = discretise(problem, deck.refine, degree, problem.level_placed, problem.target);
     problem.node_target = problem.target.node;
     check_final_ids(deck, problem.mesh());
@@ -292,7 +292,7 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
     level.constraint = make_constraint(level.mesh, level.ideal, target, kind, problem.sliding);
     std::vector<Motion> motions = problem.motions;
     for (Motion& motion : motions) {
-        if (deck.follow != Follow::always) motion = shortest(std::move(motion));
+        if (deck.continuation != Continuation::always) motion = shortest(std::move(motion));
         level.turn = std::max(level.turn, turn(motion));
     }
     level.constraint_at = [&problem, &level, deck, target, kind, motions, placed](double fraction) {
@@ -304,10 +304,10 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
 
 DistortionParams distortion_of(const Deck& deck) {
     DistortionParams params = deck.distortion;
-    const bool worst = params.objective == Objective::worst;
-    const double usual = worst ? 0 : deck.method.algorithm == Algorithm::adaptive ? 0.5 : 1;
+    const bool minimax = params.objective == Objective::minimax;
+    const double usual = minimax ? 0 : deck.method.algorithm == Algorithm::adaptive ? 0.5 : 1;
     params.weight_exponent = deck.weight_exponent.value_or(usual);
-    if (!worst) params.power.p = deck.power.value_or(params.power.p);
+    if (!minimax) params.power.p = deck.power.value_or(params.power.p);
     return params;
 }
 
@@ -316,18 +316,18 @@ int increments_of(const Deck& deck) {
 }
 
 // The schedules of the paper do not follow the motion unless they are told to.
-Follow followed(const Deck& deck) {
-    const bool of_paper = deck.follow == Follow::automatic && deck.method.algorithm != Algorithm::adaptive;
-    return of_paper ? Follow::never : deck.follow;
+Continuation continuation_of(const Deck& deck) {
+    const bool of_paper = deck.continuation == Continuation::automatic && deck.method.algorithm != Algorithm::adaptive;
+    return of_paper ? Continuation::never : deck.continuation;
 }
 
 Problem make_problem(const Deck& deck) {
     check_start(deck);
     check_resume(deck);
     check_method(deck);
-    check_region(deck);
+    check_local_repair(deck);
     std::string mesh_hash;
-    std::vector<std::string> notes;
+    std::vector<std::string> notes = deck.notes;
     Mesh base = build_mesh(read_mesh_file(deck, mesh_hash), notes);
     return make_problem(deck, std::move(base), mesh_hash, std::move(notes));
 }
@@ -346,7 +346,7 @@ Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, 
     change_folded_target(deck, problem);
     set_frame(deck, problem);
     const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, whole, problem);
-    if (deck.region == Region::folded) problem.file_x = problem.mesh().x;
+    if (deck.local_repair) problem.file_x = problem.mesh().x;
     finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
     problem.sliding = sliding;
     take_to_run(problem.frame, *problem.level);
@@ -390,7 +390,7 @@ std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, c
     std::unique_ptr<Level> level = discretise(problem, coarser.refinements, coarser.degree, placed, target);
     if (level->mesh.degree > 1 && !problem.target.freed.empty()) {
         const TargetFaults faults = find_faults(level->mesh, level->ideal, target);
-        if (faults.may_be_mended()) target.freed = freed_nodes(level->mesh, target, faults);
+        if (faults.sliding_may_help()) target.freed = freed_nodes(level->mesh, target, faults);
         keep_where_unknown(level->mesh, *problem.sliding, target);
         level->is_worth_little = level->mesh.degree < problem.shape().degree;  // it has not the shape of the file
     }

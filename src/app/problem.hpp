@@ -22,7 +22,7 @@ struct Problem {
     BoundaryTarget target;         // in the run's frame
     std::vector<double> node_target;    // target.node in units of the file,
     std::vector<double> curved_target;  // and before faces were made straight; empty where none was
-    std::vector<double> file_x;       // region = folded: mesh().x in units of the file, nodes x dim
+    std::vector<double> file_x;       // local_repair = 1: mesh().x in units of the file, nodes x dim
     PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
     Frame frame;                   // of the run, by the mesh file
@@ -60,11 +60,11 @@ void set_functional(const Deck& deck, const Problem& problem);
 // The deck's settings, with those that are `auto` made definite.
 DistortionParams distortion_of(const Deck& deck);
 int increments_of(const Deck& deck);
-Follow followed(const Deck& deck);  // automatic only with algorithm = adaptive
+Continuation continuation_of(const Deck& deck);  // automatic only with algorithm = adaptive
 
-// Whether the identity map with a large penalty is as good a start as the solution of a lower degree, and costs nothing:
-// in two dimensions, where the motion leaves the boundary's vertices where they are and curves what is between them, and
-// the Hessian at the identity is not zero, as it is with Eq. 5.
+// Whether the identity map with a large penalty is as good a start as the solution of a lower degree, and costs
+// nothing: in two dimensions, where the motion leaves the boundary's vertices where they are and curves what is between
+// them, and the Hessian at the identity is not zero, as it is with Eq. 5.
 bool identity_is_near(const Deck& deck, const Problem& problem);
 
 // A mesh on which the problem is solved first.

@@ -119,7 +119,7 @@ constexpr auto columns = std::to_array<Column>({
     {{"fraction", "part: of the motion, up to which it goes"},
      [](Al r) { return r.stage && r.stage->fraction < 1 ? text(r.stage->fraction) : ""; }},
     {{"power", "power: of eta - 1"}, [](Al r) { return r.stage && r.stage->power ? text(r.stage->power) : ""; }},
-    {{"relative_boundary_error", "largest distance of a boundary node from its place, in heights of the cells at it"},
+    {{"relative_boundary_error", "largest distance of a boundary node from its target, in heights of the cells at it"},
      al<&It::relative_boundary_error>, nullptr, at_start},
     {{"run", "id of the run, as in all of its files"},
      [](Al r) { return r.run; }, [](Nw r) { return r.run; }, at_start},
@@ -175,7 +175,7 @@ void Report::add(const Stage& stage) {
     AlIteration row = units_.of(stage.last);
     row.newton_iterations = stage.newton_iterations;
     csv_ += line(AlRow{row, &stage, run_});
-    if (stage.status == Status::converged && stage.fraction < 1) followed = std::max(followed, stage.fraction);
+    if (stage.status == Status::converged && stage.fraction < 1) reached = std::max(reached, stage.fraction);
     const char* const used = stage.status == Status::converged ? "" : ", not used";
     std::string what = "  ";
     if (stage.power) what += "(eta - 1)^" + std::to_string(stage.power);

@@ -49,7 +49,7 @@ public:
     const std::string& csv() const { return csv_; }
     int newton_steps = 0;  // added so far: rows of kind `newton`
     int fallbacks = 0;     // those in which an iterative solver failed and Cholesky took over
-    double followed = 0;   // the largest part of the motion, less than all of it, that converged
+    double reached = 0;   // the largest part of the motion, less than all of it, that converged
 
 private:
     std::FILE* out_;

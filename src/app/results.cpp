@@ -35,7 +35,7 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
 
 VtkFormat format_of(const Deck& deck) { return deck.vtk == VtkOutput::binary ? VtkFormat::binary : VtkFormat::ascii; }
 
-// x, in the run's frame, and positions, in the file's, are the same places.
+// x, in the run's frame, and positions, in the file's, are the same points.
 void write_volume(const Deck& deck, const Problem& problem, const char* what, const std::vector<double>& x,
                   std::vector<double> positions, const std::vector<double>& distortion,
                   const std::vector<double>* scaled_jacobian) {
@@ -133,11 +133,11 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
                {{"to_target", dim, std::move(to_target)},
                 {"node_id", 1, std::move(node_id)},
                 {"boundary", 1, std::move(of_node)},
-                {"obstacle", 1, std::move(at_node)}},
+                {"diagnosis", 1, std::move(at_node)}},
                {{"distortion", 1, std::move(distortion)},
                 {"min_scaled_jacobian", 1, std::move(scaled_jacobian)},
                 {"element_id", 1, std::move(element_id)},
-                {"obstacle", 1, std::move(at_element)}},
+                {"diagnosis", 1, std::move(at_element)}},
                provenance(deck, problem)},
               format_of(deck));
 }

@@ -37,7 +37,7 @@ struct Solution {
     Injectivity injectivity;
     SizeSkew size_skew;
     Diagnosis diagnosis;       // of an ending other than converged and certified
-    double followed = 0;       // the largest part of the motion, less than all of it, that converged
+    double reached = 0;       // the largest part of the motion, less than all of it, that converged
     double refused_bytes = 0;  // of the Cholesky factor, where they ended the run
     RunTimes time;
     int coarse_newton_iterations = 0;  // on the coarser meshes

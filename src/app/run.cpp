@@ -5,7 +5,7 @@
 #include "app/commands.hpp"
 #include "app/ending.hpp"
 #include "app/memory.hpp"
-#include "app/mending.hpp"
+#include "app/local_repair.hpp"
 #include "app/problem.hpp"
 #include "app/report.hpp"
 #include "app/results.hpp"
@@ -100,9 +100,9 @@ AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton
     constexpr int last_power = 64;
     if (sets_boundary(deck.method.moving))
         return move_with_boundary(level, newton, params, increments_of(deck), x, observer, observe_part);
-    if (deck.distortion.objective != Objective::worst)
+    if (deck.distortion.objective != Objective::minimax)
         return minimise_in_increments(level, newton, params, x, start, observer, observe_part);
-    return minimise_worst(level, newton, params, deck.power.value_or(last_power), x, start, observer, observe_part);
+    return minimise_p_norm(level, newton, params, deck.power.value_or(last_power), x, start, observer, observe_part);
 }
 
 // Has the system of one Newton step written, for `almesh linsolve`. Where the Hessian of that step was weakened, the
@@ -173,7 +173,7 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
         report.add(stage);
         solution.coarse_newton_iterations += stage.newton_iterations;
     };
-    MethodParams params = {deck.method, deck.linear, deck.forcing, followed(deck)};
+    MethodParams params = {deck.method, deck.linear, deck.forcing, continuation_of(deck)};
     params.schedule.checkpoint = checkpoint;
     const CoarseSolution coarse =
         solve_coarser(static_cast<int>(coarser.size()), make_level, params, solution.time, add_stage);
@@ -199,7 +199,7 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
     solution.time += newton.time;
     if (solution.al.status == Status::linear_solver_failed)
         solution.refused_bytes = newton.linear_solver().refused_bytes();
-    solution.followed = report.followed;
+    solution.reached = report.reached;
     if (snaps(deck) && solution.al.status == Status::converged) snap(level, solution);
     return solution;
 }
@@ -229,7 +229,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const Solve solve_problem = [&](const Deck& settings, const Problem& of) {
         return solve(settings, of, checkpoint.get(), report, out);
     };
-    Solution solution = deck.region == Region::folded ? mend(deck, problem, solve_problem, out)
+    Solution solution = deck.local_repair ? repair_locally(deck, problem, solve_problem, out)
                         : deck.surface == SurfaceKind::straighten
                             ? solve_straightening(deck, problem, solve_problem, out)
                             : solve_problem(deck, problem);

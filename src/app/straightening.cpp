@@ -14,7 +14,7 @@ constexpr double of_largest_error = 0.1;  // a node that is so far from its targ
 constexpr double jammed = 20;             // eta of an element that does
 
 // Vertices of the boundary where the run has not come to an end.
-std::vector<char> held_up(const Problem& problem, const Solution& solution, const Certificate& certificate,
+std::vector<char> around_diagnosis(const Problem& problem, const Solution& solution, const Certificate& certificate,
                           const Injectivity& injectivity) {
     const Mesh& mesh = problem.mesh();
     const Constraint& constraint = *problem.level->constraint;
@@ -69,7 +69,7 @@ Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& so
     impatient.method.max_newton_iterations = std::min(deck.method.max_newton_iterations, most_newton_steps);
     const auto turns_far = [](const DeckBoundary& boundary) { return turn(boundary.motion) > 90; };
     const bool turns = std::any_of(deck.boundaries.begin(), deck.boundaries.end(), turns_far);
-    if (deck.follow == Follow::automatic && !turns) impatient.follow = Follow::never;
+    if (deck.continuation == Continuation::automatic && !turns) impatient.continuation = Continuation::never;
     for (;;) {
         const auto flat = std::count(problem.target.straight.begin(), problem.target.straight.end(), 1);
         const bool all = mesh.degree == 1 || flat == mesh.face_count();
@@ -79,11 +79,11 @@ Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& so
         const Injectivity injectivity = certify_injective(mesh, solution.x, certificate);
         const bool converged = solution.al.status == Status::converged;
         if (converged && injectivity.certified) return solution;
-        // With the boundary in its place and the mesh certified it was a limit that ended the run, no face.
-        const bool in_place = problem.level->constraint->relative_error(solution.x) <= deck.method.wall_tolerance;
-        if (in_place && injectivity.certified) return solve(deck, problem);
+        // With the boundary on its target and the mesh certified it was a limit that ended the run, no face.
+        const bool on_target = problem.level->constraint->relative_error(solution.x) <= deck.method.wall_tolerance;
+        if (on_target && injectivity.certified) return solve(deck, problem);
         const std::vector<char> chosen =
-            more_faces(mesh, problem.target, held_up(problem, solution, certificate, injectivity));
+            more_faces(mesh, problem.target, around_diagnosis(problem, solution, certificate, injectivity));
         const auto more = std::count(chosen.begin(), chosen.end(), 1);
         if (more == 0) return solve(deck, problem);
         std::fprintf(out, "%s to be made flat, beside %d that are: %s\n", counted(more, "face").c_str(),

@@ -51,7 +51,7 @@ constexpr const char* none = "none";
 
 template <int axis>
 std::string coordinate(const Run& run) {
-    return run.at.kind == DiagnosisKind::none ? none : text(run.frame.to_file(run.at.place)[axis], 6);
+    return run.at.kind == DiagnosisKind::none ? none : text(run.frame.to_file(run.at.position)[axis], 6);
 }
 
 struct Quantity : Named {
@@ -74,9 +74,9 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(static_cast<long long>(r.al.iterations.size()) - 1); }},
     {{"newton_iterations", "Newton steps of all subproblems, and linear systems of methods that solve such"}, count,
      [](R r) { return text(r.al.newton_iterations); }},
-    {{"followed_newton_iterations",
-      "Newton steps on earlier parts of the motion and with earlier powers, not among newton_iterations"}, count,
-     [](R r) { return text(r.al.followed_newton_iterations); }},
+    {{"earlier_newton_iterations",
+      "Newton steps on earlier load increments and with earlier powers, not among newton_iterations"}, count,
+     [](R r) { return text(r.al.earlier_newton_iterations); }},
     {{"coarse_newton_iterations", "Newton steps on coarser meshes, not among newton_iterations"}, count,
      [](R r) { return text(r.solution.coarse_newton_iterations); }},
     {{"linear_iterations", "iterations of cg or gmres in all Newton steps"}, count,
@@ -89,7 +89,7 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.last.projected_constraint_norm, 6); }},
     {{"max_boundary_error", "largest distance of a boundary point from its target"}, decimal,
      [](R r) { return text(r.max_boundary_error, 6); }},
-    {{"relative_boundary_error", "largest distance of a boundary node from its place, in heights of the cells at it"},
+    {{"relative_boundary_error", "largest distance of a boundary node from its target, in heights of the cells at it"},
      decimal, [](R r) { return text(r.last.relative_boundary_error, 6); }},
     {{"nodes_off_target", "boundary nodes not at their targets to the last bit, or not on what they slide along"},
      count,
@@ -108,7 +108,7 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.solution.size_skew.min, 6); }},
     {{"power", "of eta - 1 or eta in the objective, in the end"}, count,
      [](R r) { return text(r.power); }},
-    {{"released_nodes", "boundary nodes that slide along the surface because the target folds faces or elements there"},
+    {{"freed_nodes", "boundary nodes that slide along the surface because the target folds faces or elements there"},
      count, [](R r) { return text(r.solution.freed_nodes); }},
     {{"largest_slide", "largest distance of one of them from its target"}, decimal,
      [](R r) { return text(r.largest_slide, 6); }},
@@ -128,19 +128,19 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.solution.certificate.valid ? "yes" : "no"); }},
     {{"certified_injective", "yes where it is proved too that no two elements overlap, else no"}, word,
      [](R r) { return text(r.solution.injectivity.certified ? "yes" : "no"); }},
-    {{"obstacle",
+    {{"diagnosis",
       "what held up a run that did not end as it should: off_target, unbalanced, distorted, invalid or overlap "
       "(README, Results); else none, as are the next six"}, word,
      [](R r) { return text(to_string(r.at.kind)); }},
-    {{"obstacle_boundary", "the boundary there, or nearest to it"}, word,
+    {{"diagnosis_boundary", "the boundary there, or nearest to it"}, word,
      [](R r) { return r.at.boundary < 0 ? std::string(none) : r.mesh.boundaries[r.at.boundary]; }},
-    {{"obstacle_node", "id of the node, none where an element alone is in the way"}, count,
+    {{"diagnosis_node", "id of the node, none where an element alone is in the way"}, count,
      [](R r) { return r.at.node < 0 ? std::string(none) : text(r.mesh.file.node_id[r.at.node]); }},
-    {{"obstacle_element", "id of the element, or of the most distorted one at the node"}, count,
+    {{"diagnosis_element", "id of the element, or of the most distorted one at the node"}, count,
      [](R r) { return r.at.element < 0 ? std::string(none) : text(r.mesh.file.element_id[r.at.element]); }},
-    {{"obstacle_x", "place of the node, or the element's centre"}, decimal, coordinate<0>},
-    {{"obstacle_y", "its second coordinate"}, decimal, coordinate<1>},
-    {{"obstacle_z", "its third coordinate, 0 in 2D"}, decimal, coordinate<2>},
+    {{"diagnosis_x", "position of the node, or the element's centre"}, decimal, coordinate<0>},
+    {{"diagnosis_y", "its second coordinate"}, decimal, coordinate<1>},
+    {{"diagnosis_z", "its third coordinate, 0 in 2D"}, decimal, coordinate<2>},
     {{"time_run", "seconds of the whole run"}, decimal, [](R r) { return text(r.time.run, 4); }},
     {{"time_setup", "mesh, target and its checks, pattern and ordering of the matrix"}, decimal,
      [](R r) { return text(r.time.setup, 4); }},

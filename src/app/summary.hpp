@@ -36,7 +36,8 @@ struct Expectation {
     std::string where;     // "circle.deck:12" or "command line"
 };
 
-// "QUANTITY OP VALUE [+- TOLERANCE]" as it stands after `expect`. Throws UsageError without a place: the deck adds it.
+// "QUANTITY OP VALUE [+- TOLERANCE]" as it stands after `expect`. Throws UsageError without file and line: the deck
+// adds them.
 Expectation parse_expectation(std::string_view text);
 
 std::string to_string(const Expectation& expectation);  // parse_expectation() reads it again

@@ -1,5 +1,6 @@
-// The frame in which a run computes: x = (X - origin) / length of a place X in the mesh file. Its unit makes tolerances
-// and iteration counts independent of that of the file, its origin keeps the digits of meshes far from the file's.
+// The frame in which a run computes: x = (X - origin) / length of a position X in the mesh file. Its unit makes
+// tolerances and iteration counts independent of that of the file, its origin keeps the digits of meshes far from the
+// file's.
 #pragma once
 #include <cstddef>
 #include <vector>

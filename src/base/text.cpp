@@ -102,7 +102,7 @@ std::string rounded_down(double value, int digits) {
 
 std::string counted(std::size_t count, const char* noun) { return concat(count, " ", noun, count == 1 ? "" : "s"); }
 
-std::string place_text(const double* x, int dim) {
+std::string position_text(const double* x, int dim) {
     std::string text;
     for (int a = 0; a < dim; ++a) {
         char digits[32];

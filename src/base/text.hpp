@@ -47,7 +47,7 @@ std::string hash_of(std::string_view text);  // FNV-1a, 64 bits, as 16 hexadecim
 std::string counted(std::size_t count, const char* noun);  // "1 node", "2 nodes"
 
 // The dim coordinates of a point, with six digits: "(1.5, -2e-07)".
-std::string place_text(const double* x, int dim);
+std::string position_text(const double* x, int dim);
 
 // Optimal string alignment: least number of insertions, deletions, replacements and swaps of two neighbours that turn
 // one text into the other (Levenshtein's distance with swaps), by dynamic programming in O(|a| |b|).

@@ -66,7 +66,7 @@ std::optional<double> up_to(double bound, double value) {
     return value <= bound ? std::optional<double>(value) : std::nullopt;
 }
 
-// Nodes that are not prescribed are at their places on the straight element: where they count nothing is determined.
+// Nodes that are not prescribed are at their positions on the straight element: where they count nothing is determined.
 template <int n>
 std::optional<double> value_of_curved(const Table& table, const int* node, const std::vector<double>& x,
                                       const std::vector<char>& prescribed, double bound) {

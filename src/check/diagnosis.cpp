@@ -10,12 +10,12 @@
 namespace almesh {
 namespace {
 
-// Of the boundary node that is nearest to the place of the diagnosis.
-int nearest_boundary(const LastMesh& last, const std::vector<int>& boundary, const std::array<double, 3>& place) {
+// Of the boundary node that is nearest to the position of the diagnosis.
+int nearest_boundary(const LastMesh& last, const std::vector<int>& boundary, const std::array<double, 3>& position) {
     double least = std::numeric_limits<double>::infinity();
     int nearest = -1;
     for (const int i : last.mesh.faces) {
-        const double d = length(in_space(point(last.x, i, last.mesh.dim), last.mesh.dim) - place);
+        const double d = length(in_space(point(last.x, i, last.mesh.dim), last.mesh.dim) - position);
         if (d >= least) continue;
         least = d;
         nearest = boundary[i];
@@ -28,9 +28,9 @@ Diagnosis at_node(const LastMesh& last, DiagnosisKind kind, int node) {
     Diagnosis diagnosis;
     diagnosis.kind = kind;
     diagnosis.node = node;
-    diagnosis.place = in_space(point(last.x, node, last.mesh.dim), last.mesh.dim);
+    diagnosis.position = in_space(point(last.x, node, last.mesh.dim), last.mesh.dim);
     diagnosis.on_boundary = boundary[node] >= 0;
-    diagnosis.boundary = diagnosis.on_boundary ? boundary[node] : nearest_boundary(last, boundary, diagnosis.place);
+    diagnosis.boundary = diagnosis.on_boundary ? boundary[node] : nearest_boundary(last, boundary, diagnosis.position);
     const int m = last.mesh.element_nodes();
     for (int e = 0; e < last.mesh.element_count(); ++e) {
         const int* const of_element = last.mesh.element(e);
@@ -47,9 +47,9 @@ Diagnosis at_element(const LastMesh& last, DiagnosisKind kind, int element) {
     Diagnosis diagnosis;
     diagnosis.kind = kind;
     diagnosis.element = element;
-    diagnosis.place = centroid(last.mesh, last.x, vertex, last.mesh.dim + 1);
+    diagnosis.position = centroid(last.mesh, last.x, vertex, last.mesh.dim + 1);
     diagnosis.on_boundary = std::any_of(vertex, vertex + last.mesh.dim + 1, on_boundary);
-    diagnosis.boundary = nearest_boundary(last, boundary, diagnosis.place);
+    diagnosis.boundary = nearest_boundary(last, boundary, diagnosis.position);
     return diagnosis;
 }
 
@@ -80,7 +80,7 @@ Diagnosis farthest_off_target(const LastMesh& last) {
     Diagnosis diagnosis = at_node(last, DiagnosisKind::off_target, node);
     diagnosis.heights = *largest;
     diagnosis.target = in_space(&last.constraint.targets(last.x)[offset(t, dim)], dim);
-    diagnosis.distance = length(diagnosis.place - diagnosis.target);
+    diagnosis.distance = length(diagnosis.position - diagnosis.target);
     const double whole = length(in_space(point(last.ideal, node, dim), dim) - diagnosis.target);
     const bool stays = whole <= rounding * diagnosis.distance;
     if (prescribed_nodes(last.mesh, last.target)[node] && !stays) diagnosis.way = 1 - diagnosis.distance / whole;

@@ -30,7 +30,7 @@ struct Diagnosis {
     int element = -1;   // that element, or of those at the node the one with the largest distortion
     int boundary = -1;  // index into mesh.boundaries: of the node; where it is on none, the boundary nearest to it
     bool on_boundary = false;        // the node, or a vertex of the element alone
-    std::array<double, 3> place{};   // of the node, or the centre of the element alone; in 2D the third is 0
+    std::array<double, 3> position{};   // of the node, or the centre of the element alone; in 2D the third is 0
     std::array<double, 3> target{};  // off_target: of the node
     double distance = 0;             // off_target: from the target
     double heights = 0;              // off_target: the same over the height of the cells at the node
@@ -53,13 +53,13 @@ Diagnosis farthest_off_target(const LastMesh& last);  // kind none where every n
 Diagnosis least_balanced(const LastMesh& last, const std::vector<double>& gradient);  // nodes x dim; none where zero
 Diagnosis most_distorted(const LastMesh& last);
 Diagnosis least_valid(const LastMesh& last, const std::vector<double>& scaled_jacobian);  // lower bound per element
-Diagnosis overlapping(const LastMesh& last, const Injectivity& found);  // none where that names no place
+Diagnosis overlapping(const LastMesh& last, const Injectivity& found);  // none where that has no position
 
 // The elements within some rings around the diagnosis: those with a node of it, those with a node of these, and so on;
 // fewer rings, but one at least, where they have more than `most` elements.
 SubMesh neighbourhood(const Mesh& mesh, const Diagnosis& diagnosis, int rings = 3, int most = 5000);
 
-// The boundary of each node: of the first face that prescribes its place, else of the first one; -1 inside.
+// The boundary of each node: of the first face that prescribes its position, else of the first one; -1 inside.
 std::vector<int> boundary_of_nodes(const Mesh& mesh, const BoundaryTarget& target);
 
 }  // namespace almesh

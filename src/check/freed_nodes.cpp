@@ -8,7 +8,7 @@
 #include "geometry/patch.hpp"
 
 namespace almesh {
-bool TargetFaults::may_be_mended() const {
+bool TargetFaults::sliding_may_help() const {
     const auto by_curvature = [](const auto& fault) { return fault.by_curvature; };
     return !none() && std::all_of(faces.faults.begin(), faces.faults.end(), by_curvature) &&
            std::all_of(elements.begin(), elements.end(), by_curvature);
@@ -16,15 +16,15 @@ bool TargetFaults::may_be_mended() const {
 
 TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
                          double bound) {
-    constexpr double surely = -0.01;  // of boundaries that end only as near to their places as elements resolve them
-    const std::vector<double> place = at_target(mesh, target, ideal);
+    constexpr double surely = -0.01;  // of boundaries that end only as near to their targets as elements resolve them
+    const std::vector<double> placed = at_target(mesh, target, ideal);
     TargetFaults faults;
     std::vector<char> open(mesh.face_count());
     for (int f = 0; f < mesh.face_count(); ++f)
         open[f] = target.hold_of_face(mesh, f) == BoundaryHold::free || target.slides(mesh, f);
-    faults.faces = check_target(mesh, place, open);
+    faults.faces = check_target(mesh, placed, open);
     if (mesh.degree > 1 && !target.in_trace_space) bound = std::min(bound, surely);
-    faults.elements = determined_elements(mesh, place, prescribed_nodes(mesh, target), bound);
+    faults.elements = determined_elements(mesh, placed, prescribed_nodes(mesh, target), bound);
     return faults;
 }
 
@@ -39,7 +39,7 @@ std::string describe(const Mesh& mesh, const TargetFaults& faults) {
     for (const DeterminedElement& fault : faults.elements) {
         const Vec<3> c = centroid(mesh, mesh.x, mesh.element(fault.element), mesh.dim + 1);
         std::string line = concat(mesh.cell().name, " ", mesh.file.element_id[fault.element], " at ",
-                                  place_text(c.data(), mesh.dim), ": the boundary alone makes its scaled Jacobian ");
+                                  position_text(c.data(), mesh.dim), ": the boundary alone makes its scaled Jacobian ");
         append(line, fault.scaled_jacobian, 4);
         add(line + ", whatever the mesh inside");
     }

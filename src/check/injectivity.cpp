@@ -59,17 +59,18 @@ int overlapped_vertex(const Mesh& mesh, const std::vector<double>& x) {
 
 std::string fold_text(const Mesh& mesh, const std::vector<double>& x) {
     const auto [a, b] = mesh.folded[0];
-    const std::array<double, 3> place = centroid(mesh, x, mesh.element(a), mesh.dim + 1);
+    const std::array<double, 3> position = centroid(mesh, x, mesh.element(a), mesh.dim + 1);
     const std::vector<long long>& id = mesh.file.element_id;
     return concat("elements ", id_in_file(id, a), " and ", id_in_file(id, b), " lie on the same side of their common face at ",
-                  place_text(place.data(), mesh.dim), ", the first of ", counted(mesh.folded.size(), "such pair"));
+                  position_text(position.data(), mesh.dim), ", the first of ",
+                  counted(mesh.folded.size(), "such pair"));
 }
 
 }  // namespace
 
 std::string overlap_text(const Mesh& mesh, const Injectivity& found, const Frame& frame) {
     if (found.node < 0 && found.face < 0) return found.reason;
-    return found.reason + " at " + place_text(frame.to_file(found.place).data(), mesh.dim);
+    return found.reason + " at " + position_text(frame.to_file(found.position).data(), mesh.dim);
 }
 
 Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate) {
@@ -78,21 +79,21 @@ Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, co
     if (const int i = overlapped_vertex(mesh, x); i >= 0)
         return {.reason = concat("the elements around node ", id_in_file(mesh.file.node_id, i), " overlap"),
                 .node = i,
-                .place = centroid(mesh, x, &i, 1)};
+                .position = centroid(mesh, x, &i, 1)};
     const TargetReport report = check_target(mesh, x);
     if (!report.faults.empty()) {
         const int f = report.faults.front().face;
         return {.reason = concat("the boundary overlaps itself at face ",
                                    id_in_file(mesh.file.face_id, f), " of ", mesh.boundaries[mesh.face_boundary[f]]),
                 .face = f,
-                .place = centroid(mesh, x, mesh.face(f), mesh.dim)};
+                .position = centroid(mesh, x, mesh.face(f), mesh.dim)};
     }
     if (const auto [e, other] = overlapping_elements(mesh, x); e >= 0) {
         const std::vector<long long>& id = mesh.file.element_id;
         return {.reason = concat("elements ", id_in_file(id, e), " and ", id_in_file(id, other),
                                    " lie over each other", mesh.degree == 1 ? "" : ", or too nearly to tell"),
                 .node = mesh.element(e)[0],
-                .place = centroid(mesh, x, mesh.element(e), mesh.dim + 1)};
+                .position = centroid(mesh, x, mesh.element(e), mesh.dim + 1)};
     }
     if (report.crossed_before) return {.reason = "the boundary of the initial mesh crosses itself"};
     return {.certified = true, .reason = ""};

@@ -27,7 +27,7 @@ struct Injectivity {
     std::string reason;  // what stands in the way; empty where certified
     int node = -1;         // where: the node that elements overlap around,
     int face = -1;         // or a face at which the boundary overlaps itself
-    std::array<double, 3> place{};  // of the node or the face's centre, at x; in 2D the third coordinate is 0
+    std::array<double, 3> position{};  // of the node or the face's centre, at x; in 2D the third coordinate is 0
 };
 
 // The reason with its position in the file: "the elements around node 3 overlap at (0.5, 1)".

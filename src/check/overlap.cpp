@@ -11,11 +11,11 @@
 namespace almesh {
 namespace {
 
-constexpr double depth = 1e-4;        // of a place beside a face, over the distance of the face from the centre
+constexpr double depth = 1e-4;        // of a point beside a face, over the distance of the face from the centre
 constexpr double element_work = 200;  // simple operations for an element, at least
 
-// A place for each boundary face: depth of the way from the centre of the face to that of the element.
-std::vector<Vec<3>> places_behind_faces(const Mesh& mesh, const std::vector<double>& x) {
+// A point for each boundary face: depth of the way from the centre of the face to that of the element.
+std::vector<Vec<3>> points_behind_faces(const Mesh& mesh, const std::vector<double>& x) {
     const int n = mesh.dim, m = mesh.element_nodes();
     const LagrangeBasis basis(n, mesh.degree);
     std::vector<std::vector<double>> values(n + 1, std::vector<double>(m));  // behind the face opposite vertex k
@@ -24,27 +24,27 @@ std::vector<Vec<3>> places_behind_faces(const Mesh& mesh, const std::vector<doub
         lambda[k] = depth / (n + 1);
         basis.values(&lambda[1], values[k].data());
     }
-    std::vector<Vec<3>> places(mesh.face_count(), Vec<3>{});
+    std::vector<Vec<3>> points(mesh.face_count(), Vec<3>{});
     parallel_for(
         mesh.face_count(),
         [&](int f) {
             const int* const element = mesh.element(mesh.face_element[f]);
             const int k = side_number(mesh, mesh.face_element[f], mesh.face(f));
             for (int i = 0; i < m; ++i)
-                for (int a = 0; a < n; ++a) places[f][a] += values[k][i] * point(x, element[i], n)[a];
+                for (int a = 0; a < n; ++a) points[f][a] += values[k][i] * point(x, element[i], n)[a];
         },
         element_work);
-    return places;
+    return points;
 }
 
 }  // namespace
 
 std::array<int, 2> overlapping_elements(const Mesh& mesh, const std::vector<double>& x) {
     const int m = mesh.element_nodes();
-    const std::vector<Vec<3>> places = places_behind_faces(mesh, x);
+    const std::vector<Vec<3>> points = points_behind_faces(mesh, x);
     std::vector<Box> boxes;
-    boxes.reserve(places.size());
-    for (const Vec<3>& place : places) boxes.push_back({place, place});
+    boxes.reserve(points.size());
+    for (const Vec<3>& point : points) boxes.push_back({point, point});
     const BoxTree tree(std::move(boxes));
     const PatchBasis basis(mesh.dim, mesh.degree);
     std::vector<int> other(mesh.element_count(), -1);
@@ -54,7 +54,7 @@ std::array<int, 2> overlapping_elements(const Mesh& mesh, const std::vector<doub
             const Patch patch = make_patch(basis, positions(mesh, x, mesh.element(e), m));
             tree.visit_overlapping(box_of(patch), [&](int f) {
                 const int behind = mesh.face_element[f];
-                if (behind != e && other[e] < 0 && holds(basis.bernstein, patch, places[f])) other[e] = behind;
+                if (behind != e && other[e] < 0 && holds(basis.bernstein, patch, points[f])) other[e] = behind;
             });
         },
         element_work);

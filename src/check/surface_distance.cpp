@@ -47,11 +47,11 @@ double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, co
 }
 
 double largest_slide(const Mesh& mesh, const BoundaryTarget& target, const std::vector<double>& x) {
-    const std::vector<double> place = at_target(mesh, target, x);
+    const std::vector<double> at = at_target(mesh, target, x);
     double largest = 0;
     for (int i = 0; i < mesh.nodes(); ++i) {
         if (!target.is_freed(i)) continue;
-        const Vec<3> move = in_space(point(x, i, mesh.dim), mesh.dim) - in_space(point(place, i, mesh.dim), mesh.dim);
+        const Vec<3> move = in_space(point(x, i, mesh.dim), mesh.dim) - in_space(point(at, i, mesh.dim), mesh.dim);
         largest = std::max(largest, length(move));
     }
     return largest;

@@ -14,7 +14,7 @@ namespace almesh {
 double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces& sliding,
                               const std::vector<double>& x);
 
-// Largest distance of a freed node from the place that the target had for it; 0 where none is freed.
+// Largest distance of a freed node from the position that the target had for it; 0 where none is freed.
 double largest_slide(const Mesh& mesh, const BoundaryTarget& target, const std::vector<double>& x);
 
 }  // namespace almesh

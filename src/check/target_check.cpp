@@ -34,10 +34,10 @@ constexpr double face_work = 1000;        // simple operations that a check of o
 std::string face_name(const Mesh& mesh, int f) {
     const Vec<3> centre = centroid(mesh, mesh.x, mesh.face(f), mesh.dim);
     return concat("face ", id_in_file(mesh.file.face_id, f), " of ",
-                  mesh.boundaries[mesh.face_boundary[f]], " at ", place_text(centre.data(), mesh.dim));
+                  mesh.boundaries[mesh.face_boundary[f]], " at ", position_text(centre.data(), mesh.dim));
 }
 
-// Pairs (place in f, place in g) of the corners that two faces share.
+// Pairs (index in f, index in g) of the corners that two faces share.
 using SharedCorners = std::vector<std::array<int, 2>>;
 
 SharedCorners shared_corners(const Mesh& mesh, int f, int g) {
@@ -326,7 +326,7 @@ void Check::check_nesting() {
                          " through the one made of ", parts[l].boundaries));
 }
 
-// Distinct nodes that the target puts in one place.
+// Distinct nodes that the target puts at one point.
 void Check::check_nodes() {
     std::vector<int> nodes, first_face(mesh.nodes(), -1);
     std::vector<double> size(mesh.nodes(), std::numeric_limits<double>::max());  // of its smallest face in the target
@@ -356,7 +356,7 @@ void Check::check_nodes() {
             if (length(becomes[k] - becomes[l]) > tolerance || length(was[k] - was[l]) <= tolerance) return;
             add_fault(g, concat("the target puts its node ", id_in_file(mesh.file.node_id, j), " where node ",
                                 id_in_file(mesh.file.node_id, i), " is, at ",
-                                place_text(becomes[k].data(), mesh.dim)));
+                                position_text(becomes[k].data(), mesh.dim)));
         });
     }
 }

@@ -49,7 +49,7 @@ public:
     virtual void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                               std::vector<double>& g) = 0;
     // projected: a positive semidefinite matrix in place of the Hessian mu dc dc + (mu c - lambda) d2c, where the
-    // second term makes it indefinite: without it (Gauss-Newton), or without its negative part.
+    // second term makes it indefinite: without it (Gauss-Newton), or with its negative eigenvalues filtered.
     virtual void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
                              BlockCsr& H) = 0;
     virtual void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) = 0;

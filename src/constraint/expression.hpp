@@ -10,7 +10,7 @@ namespace almesh {
 
 class Expression {
 public:
-    // Throws UsageError, without a place, that names the column (from 1) and what was expected there.
+    // Throws UsageError, without file and line, that names the column (from 1) and what was expected there.
     explicit Expression(std::string_view text);
 
     double operator()(const Vec<3>& x) const { return value_(x); }

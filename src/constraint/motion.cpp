@@ -134,7 +134,7 @@ constexpr std::array<MotionForm, 13> forms = {{
      }},
 
     {.name = "file", .form = "file NAME [displacement]",
-     .meaning = "first step: places, or displacements, of the boundary's nodes, rows `node-id x y [z]` separated by "
+     .meaning = "first step: positions, or displacements, of the boundary's nodes, rows `node-id x y [z]` separated by "
                 "blanks or commas, from the deck's folder",
      .file = true},
 
@@ -312,7 +312,7 @@ Motion parse_motion(std::string_view text) {
     for (const std::string_view piece : split(text, ';')) motion.steps.push_back(parse_step(piece));
     const auto is_file = [](Step step) { return step.form->file; };
     if (std::any_of(motion.steps.begin() + 1, motion.steps.end(), is_file))
-        throw UsageError("places from a file must be the first step: they belong to nodes where the mesh has them");
+        throw UsageError("positions from a file must be the first step: they belong to nodes where the mesh has them");
     const auto is_alone = [](Step step) {
         return !step.form->move && !step.form->file && step.form->hold != BoundaryHold::slides;
     };

@@ -3,7 +3,7 @@
 //
 //   boundary inner = rotate 30 about 0 0; translate 8 0
 //
-// Kinds of steps: fixed, translate, rotate, twist, scale, formulas, places of single nodes from a file, and the
+// Kinds of steps: fixed, translate, rotate, twist, scale, formulas, positions of single nodes from a file, and the
 // projections circle, sphere, cylinder, which take a point to its closest one on a curved surface: the target of mesh
 // curving. `slide` at the end leaves the nodes free to move along the boundary or another mesh's, `free` altogether.
 // Coordinates in a step are those after the steps before it: the centre of a rotation is not moved by them. Which steps
@@ -20,7 +20,7 @@ namespace almesh {
 
 // What a boundary's nodes are fixed to.
 enum class BoundaryHold {
-    prescribed,  // each to a place
+    prescribed,  // each to a position
     slides,      // to a surface
     free         // to nothing
 };
@@ -33,7 +33,7 @@ struct MotionStep {
     std::vector<double> axis, about;  // after these words; empty: not written
     std::string file;                 // of nodes or of a surface: as written, or where the deck has found it
     std::string boundary;             // of that file, along which nodes slide; empty: not written
-    bool displacement = false;        // the file has displacements instead of places
+    bool displacement = false;        // the file has displacements instead of positions
     std::vector<Expression> formulas; // one for each axis
     double fraction = 1;              // of the way that it takes a point; of a turn always 1
 
@@ -46,8 +46,8 @@ struct Motion {
     bool operator==(const Motion&) const = default;
 };
 
-// Steps separated by `;`. Throws UsageError (without a place: the deck adds it) naming the step, what is wrong with it
-// and its form.
+// Steps separated by `;`. Throws UsageError (without file and line: the deck adds them) naming the step, what is wrong
+// with it and its form.
 Motion parse_motion(std::string_view text);
 
 // Throws UsageError naming the first step that cannot act in `dim` dimensions, and why.
@@ -68,7 +68,7 @@ double turn(const Motion& motion);  // sum of the angles of its steps, without s
 
 BoundaryHold hold_of(const Motion& motion);
 
-// The step that takes places of single nodes from a file: always the first one; null where there is none. apply()
+// The step that takes positions of single nodes from a file: always the first one; null where there is none. apply()
 // passes over it: the points given to it are there already (app/node_targets.hpp).
 const MotionStep* file_step(const Motion& motion);
 bool is_of_mesh(const MotionStep& file_step);  // the file is a mesh

@@ -179,10 +179,10 @@ std::vector<SurfaceOfFaces> surfaces_of(const BoundaryFaces& faces, const PatchB
 
 // face x face node x dim, as the file has them.
 std::vector<double> places_of_faces(const Mesh& mesh) {
-    std::vector<double> places;
+    std::vector<double> positions;
     for (const int i : mesh.faces)
-        places.insert(places.end(), point(mesh.x, i, mesh.dim), point(mesh.x, i, mesh.dim) + mesh.dim);
-    return places;
+        positions.insert(positions.end(), point(mesh.x, i, mesh.dim), point(mesh.x, i, mesh.dim) + mesh.dim);
+    return positions;
 }
 
 }  // namespace
@@ -252,12 +252,12 @@ int SlidingSurfaces::part(const Mesh& mesh, int f) const {
     return faces.part[nearest >= 0 ? nearest : faces.other->find(after).patch];
 }
 
-void SlidingSurfaces::add_patch(int node, int part, const Vec<3>& place) {
+void SlidingSurfaces::add_patch(int node, int part, const Vec<3>& x) {
     constexpr int most_points[] = {10, 30};
     constexpr double same_side = 0.3;  // cosine of the angle between normals
     const Points& all = points_[part];
     if (all.position.empty() || patch_.contains({node, part})) return;
-    const SurfacePoint centre = surface_[part]->closest(place);
+    const SurfacePoint centre = surface_[part]->closest(x);
     std::vector<std::pair<double, int>> near;
     for (int i = 0; i < static_cast<int>(all.position.size()); ++i)
         if (dot(all.normal[i], centre.normal) > same_side)
@@ -280,11 +280,11 @@ int SlidingSurfaces::part_or_patch(int node, int part) const {
 }
 
 SurfacePoint SlidingSurfaces::closest(int part, const Vec<3>& x) const {
-    SurfacePoint place = surface_[part]->closest(frame_.to_file(x));
-    place.position = frame_.to_run(place.position);
-    for (auto& row : place.curvature)
+    SurfacePoint closest = surface_[part]->closest(frame_.to_file(x));
+    closest.position = frame_.to_run(closest.position);
+    for (auto& row : closest.curvature)
         for (double& entry : row) entry *= frame_.length;
-    return place;
+    return closest;
 }
 
 }  // namespace almesh

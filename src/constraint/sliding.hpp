@@ -53,9 +53,9 @@ public:
 
     SurfacePoint closest(int part, const Vec<3>& x) const;
 
-    // Where the part is the mesh's own faces: a smooth patch around a node's place after the motion, as the file's
+    // Where the part is the mesh's own faces: a smooth patch around a node's position after the motion, as the file's
     // numbers, along which it slides instead, as a part of its own.
-    void add_patch(int node, int part, const Vec<3>& place);
+    void add_patch(int node, int part, const Vec<3>& x);
 
     // The patch of the node, or the part itself.
     int part_or_patch(int node, int part) const;

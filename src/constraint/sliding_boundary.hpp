@@ -1,8 +1,8 @@
 // Boundaries of which some nodes are freed to slide, beside others whose positions are prescribed.
 //
 // A node that slides is to be on the surfaces of the parts that it is on: on one, on the curve in which two of them
-// meet, or at the corner of three. With r_i(x_i) the sum of its distance vectors from them (sliding_nodes.hpp), in place
-// of r = x - g_h in dirichlet.hpp, and D_i = dr_i/dx_i,
+// meet, or at the corner of three. With r_i(x_i) the sum of its distance vectors from them (sliding_nodes.hpp), in
+// place of r = x - g_h in dirichlet.hpp, and D_i = dr_i/dx_i,
 //
 //     C = -lambda^T M r / |1| + mu/2 r^T M r / |1|^2,
 //     gradient D' f,  f = M (mu r / |1|^2 - lambda / |1|),   Hessian mu D' M D / |1|^2 + f . d2r/dx2,

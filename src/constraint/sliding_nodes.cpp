@@ -127,7 +127,7 @@ void smooth_freed(const Mesh& mesh, const BoundaryTarget& target, SlidingSurface
 
 std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarget& target,
                                             const SlidingSurfaces* sliding, const std::vector<int>& nodes,
-                                            const std::vector<int>& faces, std::vector<double>& places,
+                                            const std::vector<int>& faces, std::vector<double>& g,
                                             std::vector<char>& fixed) {
     const int dim = mesh.dim, m = mesh.face_nodes();
     std::vector<std::vector<int>> parts(nodes.size());
@@ -151,12 +151,12 @@ std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarg
     }
     fixed.assign(nodes.size(), 0);
     for (std::size_t t = 0; t < nodes.size(); ++t) {
-        Vec<3> x = in_space(&places[offset(t, dim)], dim);
+        Vec<3> x = in_space(&g[offset(t, dim)], dim);
         const bool of_other = std::any_of(parts[t].begin(), parts[t].end(),
                                           [&](int part) { return sliding->is_of_other_mesh(part); });
         if (of_other && !prescribed[t]) {
             x = on_surfaces(*sliding, parts[t], x);
-            std::copy_n(x.begin(), dim, point(places, static_cast<int>(t), dim));
+            std::copy_n(x.begin(), dim, point(g, static_cast<int>(t), dim));
         }
         for (const int part : parts[t])
             if (prescribed[t]) check_prescribed_on_surface(mesh, *sliding, part, nodes[t], x, size[t]);

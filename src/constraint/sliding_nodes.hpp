@@ -36,17 +36,17 @@ SurfaceDistance distance_to(const SlidingSurfaces& sliding, const std::vector<in
 Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x,
                          const Vec<3>& force);
 
-// Gives the nodes that the target releases smooth patches where they would slide along the mesh's own faces. The target
+// Gives the nodes that the target frees smooth patches where they would slide along the mesh's own faces. The target
 // has the file's numbers.
 void smooth_freed(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding);
 
-// The parts along which each of the nodes (numbers in the mesh) slides; none where its place is prescribed, where it is
-// a corner, and where it is free; those that the target releases slide. faces: face x face node, places in `nodes`.
-// places: of the nodes, n x dim; on return on the surface, where that is another mesh's. fixed: per node, whether it is
-// fixed to its place. Throws InputError where a prescribed place is off the surface.
+// The parts along which each of the nodes (numbers in the mesh) slides; none where its position is prescribed, where it
+// is a corner, and where it is free; those that the target frees slide. faces: face x face node, indices in `nodes`.
+// g: positions of the nodes, n x dim; on return on the surface, where that is another mesh's. fixed: per node, whether it
+// is fixed to its position. Throws InputError where a prescribed position is off the surface.
 std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarget& target,
                                             const SlidingSurfaces* sliding, const std::vector<int>& nodes,
-                                            const std::vector<int>& faces, std::vector<double>& places,
+                                            const std::vector<int>& faces, std::vector<double>& g,
                                             std::vector<char>& fixed);
 
 }  // namespace almesh

@@ -22,11 +22,11 @@ void move(const Motion& motion, const Mesh& mesh, int boundary, double* x) {
     std::copy_n(x, mesh.dim, before.begin());
     if (!apply(motion, mesh.dim, x))
         throw InputError("boundary ", mesh.boundaries[boundary], ": the closest point to ",
-                         place_text(before.data(), mesh.dim), " is not defined (it is the centre or on the axis)");
+                         position_text(before.data(), mesh.dim), " is not defined (it is the centre or on the axis)");
     for (int a = 0; a < mesh.dim; ++a)
         if (!std::isfinite(x[a]))
             throw InputError("boundary ", mesh.boundaries[boundary], ": the motion takes ",
-                             place_text(before.data(), mesh.dim), " to a place that is not finite");
+                             position_text(before.data(), mesh.dim), " to a position that is not finite");
 }
 
 double extent(const Mesh& mesh) {
@@ -89,8 +89,8 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
         const double tolerance = 1e-6 * std::min(size[seen / m], size[k / m]);
         if (difference <= tolerance + rounding) continue;
         throw InputError("node ", mesh.file.node_id[mesh.faces[k]], " lies on two boundaries whose motions disagree: ",
-                         mesh.boundaries[mesh.face_boundary[seen / m]], " takes it to ", place_text(a, dim), ", ",
-                         mesh.boundaries[mesh.face_boundary[k / m]], " to ", place_text(b, dim),
+                         mesh.boundaries[mesh.face_boundary[seen / m]], " takes it to ", position_text(a, dim), ", ",
+                         mesh.boundaries[mesh.face_boundary[k / m]], " to ", position_text(b, dim),
                          "; if one of them is a wall along which the other moves, let it `slide`");
     }
 }
@@ -144,7 +144,7 @@ void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTa
     target.straight.resize(mesh.face_count(), 0);
     for (int f = 0; f < mesh.face_count(); ++f)
         if (chosen[f] && target.hold_of_face(mesh, f) == BoundaryHold::prescribed) target.straight[f] = 1;
-    std::vector<double> place(mesh.x.size()), shift(mesh.x.size(), 0.0);  // of the nodes of straight faces
+    std::vector<double> flat(mesh.x.size()), shift(mesh.x.size(), 0.0);  // of the nodes of straight faces
     std::vector<char> moves(mesh.nodes(), 0);
     for (int f = 0; f < mesh.face_count(); ++f) {
         if (!target.straight[f]) continue;
@@ -152,8 +152,8 @@ void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTa
         for (int i = dim; i < m; ++i) {
             const int node = mesh.face(f)[i];
             for (int a = 0; a < dim && !moves[node]; ++a) {
-                point(place, node, dim)[a] = on_flat_face(of_face, basis.nodes[i], p, dim, a);
-                point(shift, node, dim)[a] = point(place, node, dim)[a] - of_face[i * dim + a];
+                point(flat, node, dim)[a] = on_flat_face(of_face, basis.nodes[i], p, dim, a);
+                point(shift, node, dim)[a] = point(flat, node, dim)[a] - of_face[i * dim + a];
             }
             moves[node] = 1;
         }
@@ -165,7 +165,7 @@ void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTa
         if (std::none_of(node + dim, node + m, [&](int i) { return moves[i]; })) continue;
         double* const of_face = &target.node[offset(f, m * dim)];
         for (int i = dim; i < m; ++i) {
-            if (moves[node[i]]) std::copy_n(point(place, node[i], dim), dim, &of_face[i * dim]);
+            if (moves[node[i]]) std::copy_n(point(flat, node[i], dim), dim, &of_face[i * dim]);
             else if (vertices_of(basis.nodes[i], dim) == dim)
                 for (int k = dim; k < m; ++k)
                     for (int a = 0; a < dim && moves[node[k]]; ++a)

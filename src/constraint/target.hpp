@@ -28,18 +28,20 @@ struct BoundaryTarget {
 using PlacedNodes = std::vector<std::vector<double>>;
 
 // motion: one per mesh.boundaries. Throws UsageError where one does not fit the dimension, InputError where a
-// projection is undefined (a node at the centre), or where two boundaries send a node they share to different places.
+// projection is undefined (a node at the centre), or where two boundaries send a node they share to different
+// positions.
 BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed = {});
 
-// x (node_count x dim) with the boundary nodes at their places in the target: the first face that holds a node decides.
+// x (node_count x dim) with the boundary nodes at their positions in the target: the first face that holds a node
+// decides.
 std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, std::vector<double> x);
 
-// Per node: whether the target prescribes its place.
+// Per node: whether the target prescribes its position.
 std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target);
 
 // Makes the chosen faces flat, those that are already included: their nodes go to where they are on the edge or face
 // with the same vertices. Faces beside them keep their other edges, and in their middle follow by what their edges do.
-// chosen: per face; only faces whose places are prescribed count.
+// chosen: per face; only faces whose positions are prescribed count.
 void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTarget& target);
 
 // Nodes that one face prescribes are there on faces too that slide or are free.

@@ -108,15 +108,15 @@ public:
     }
 
     // The Hessian of each element after the other, times `factor`: lanes x stride(), blocks (i, j) of n x n numbers row
-    // by row, both triangles. negative_part: see density_hessian().
+    // by row, both triangles. kept_negative: see density_hessian().
     template <class Density>
-    const double* hessian(const Density& density, double delta, double negative_part, Lanes factor) {
+    const double* hessian(const Density& density, double delta, double kept_negative, Lanes factor) {
         sum_of_points(moment_, products_.moments * directions * entries, [&](int begin, int end) {
             for (int q = begin; q < end; q += point_block) {
                 const int count = std::min(point_block, end - q);
                 for (int k = 0; k < count; ++k)
                     keep_upper(k, density_hessian<n>(jacobian(q + k), *ideal_inverse_, factor * of_.weight[q + k],
-                                                     density, delta, negative_part));
+                                                     density, delta, kept_negative));
                 for (int direction = 0; direction < directions; ++direction) {
                     int c = 0;
                     for (; c + tile_rows <= products_.moments; c += tile_rows)

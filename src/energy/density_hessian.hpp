@@ -94,10 +94,10 @@ struct FrameHessian {
     Mat<n, Lanes> U, V, scaling, mixed, crossed;
 };
 
-// With its negative eigenvalues times negative_part. F must have finite distortion.
+// With its negative eigenvalues times kept_negative. F must have finite distortion.
 template <int n, class Density>
 FrameHessian<n> projected_in_frame(const Mat<n, Lanes>& F, const Density& density, double delta,
-                                   double negative_part) {
+                                   double kept_negative) {
     FrameHessian<n> H;
     const SingularValues<n> svd = singular_values(F);
     H.U = svd.U;
@@ -120,12 +120,12 @@ FrameHessian<n> projected_in_frame(const Mat<n, Lanes>& F, const Density& densit
             eta_ij += i == j ? 2 * r : Sr1 * product_without(i, j);
             H.scaling[i][j] = H.scaling[j][i] = f2 * eta_i[i] * eta_i[j] + f1 * eta_ij;
         }
-    H.scaling = with_negative_part(H.scaling, negative_part);
+    H.scaling = filtered(H.scaling, kept_negative);
     for (int i = 0; i < n; ++i)
         for (int j = i + 1; j < n; ++j) {
             const Lanes K = Sr1 * product_without(i, j);
-            const Lanes flip = with_negative_part(f1 * (2 * r - K), negative_part);
-            const Lanes twist = with_negative_part(f1 * (2 * r + K), negative_part);
+            const Lanes flip = filtered(f1 * (2 * r - K), kept_negative);
+            const Lanes twist = filtered(f1 * (2 * r + K), kept_negative);
             H.mixed[i][j] = H.mixed[j][i] = 0.5 * (flip + twist);
             H.crossed[i][j] = H.crossed[j][i] = 0.5 * (flip - twist);
         }
@@ -156,14 +156,14 @@ Tensor<n> in_element_coordinates(const FrameHessian<n>& H, const Mat<n, Lanes>& 
     return C;
 }
 
-// The Hessian with respect to J = F A, times `weight`. negative_part: by which its negative eigenvalues with respect to
+// The Hessian with respect to J = F A, times `weight`. kept_negative: by which its negative eigenvalues with respect to
 // F are multiplied: 1 for the full Hessian, 0 for its positive semidefinite part.
 template <int n, class Density>
 Tensor<n> density_hessian(const Mat<n, Lanes>& J, const Mat<n, Lanes>& ideal_inverse, Lanes weight,
-                          const Density& density, double delta, double negative_part) {
-    if (negative_part == 1) return full_hessian<n>(J, ideal_inverse, weight, density, delta);
+                          const Density& density, double delta, double kept_negative) {
+    if (kept_negative == 1) return full_hessian<n>(J, ideal_inverse, weight, density, delta);
     const Mat<n, Lanes> F = multiply<n>(J, ideal_inverse);
-    return in_element_coordinates<n>(projected_in_frame<n>(F, density, delta, negative_part), ideal_inverse, weight);
+    return in_element_coordinates<n>(projected_in_frame<n>(F, density, delta, kept_negative), ideal_inverse, weight);
 }
 
 }  // namespace almesh

@@ -49,7 +49,7 @@ double DistortionEnergy::mean_slope(double energy) const {
     return with_density(params_, [mean](auto density) { return density.half_slope(mean); });
 }
 
-double DistortionEnergy::hessian_passes() const {
+double DistortionEnergy::hessian_work() const {
     constexpr double of_density = 125, of_entry = 0.2;  // at a point
     const double entries = static_cast<double>(reference_.nodes) * reference_.nodes * dim_ * dim_;
     double points = static_cast<double>(element_count_) * reference_.points;

@@ -90,7 +90,7 @@ public:
     // What evaluations cost.
     bool is_curved() const { return reference_.degree > 1; }
     double nodes_in_elements() const { return static_cast<double>(element_count_) * reference_.nodes; }
-    double hessian_passes() const;  // passes of an iterative solver over an entry of a matrix that take as long as it
+    double hessian_work() const;  // in passes of an iterative solver over an entry of a matrix
 
 protected:
     DistortionEnergy(const DistortionParams& params, const Mesh& mesh);

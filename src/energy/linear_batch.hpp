@@ -71,11 +71,11 @@ public:
     }
 
     // The Hessian of each element after the other, times `factor`: lanes x stride(), blocks (i, j) of n x n numbers row
-    // by row, both triangles. negative_part: see density_hessian().
+    // by row, both triangles. kept_negative: see density_hessian().
     template <class Density>
-    const double* hessian(const Density& density, double delta, double negative_part, Lanes factor) {
+    const double* hessian(const Density& density, double delta, double kept_negative, Lanes factor) {
         const Tensor<n> C =
-            density_hessian<n>(J_, *ideal_inverse_, factor * volume_, density, delta, negative_part);
+            density_hessian<n>(J_, *ideal_inverse_, factor * volume_, density, delta, kept_negative);
         for (int a = 0; a < n; ++a)
             for (int b = 0; b < n; ++b) {
                 Lanes corner{};

@@ -7,7 +7,7 @@ enum class Objective {
     squared,     // eta^2: the tables of the paper
     deviation,   // (eta - 1)^2: its Eq. 5
     size_shape,  // (eta - 1)^2 of the distortion of shape and size
-    worst        // powers of eta - 1 that are raised in the run (method/p_norm.hpp)
+    minimax      // powers of eta - 1 that are raised in the run (method/p_norm.hpp)
 };
 
 // The density M^2 (s^p + kappa s^2), s = (eta - 1) / M or eta / M; as it stands here, the square.
@@ -35,7 +35,7 @@ enum class HessianKind {
 
 struct Projection {
     double damping = 0;        // t, see distortion_energy.hpp
-    double negative_part = 0;  // by which negative eigenvalues are multiplied: with 1 the Hessian would be the full one
+    double kept_negative = 0;  // by which negative eigenvalues are multiplied: with 1 the Hessian would be the full one
 };
 
 }  // namespace almesh

@@ -150,7 +150,7 @@ void PlainEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Bl
             double A[n * n * n * n] = {};  // of w f + t w' eta^2
             if (kind != HessianKind::damping) add_second_derivative<n>(at.F, density, params_.delta, at.w, A);
             if (t > 0) add_second_derivative<n>(at.F, square_like(density), params_.delta, t * at.damping_w, A);
-            if (kind != HessianKind::full) project(n * n, A, projected ? projection.negative_part : 0);
+            if (kind != HessianKind::full) project(n * n, A, projected ? projection.kept_negative : 0);
             for (int i = 0; i < reference_.nodes; ++i)
                 for (int j = 0; j < reference_.nodes; ++j) {
                     double* const block = H.block(H.find(H.row_of(at.node[i]), H.row_of(at.node[j])));
@@ -195,11 +195,11 @@ std::unique_ptr<DistortionEnergy> PlainEnergy::part(const std::vector<double>&, 
     return std::unique_ptr<PlainEnergy>(new PlainEnergy(*this, part));
 }
 
-void project(int size, double* A, double negative_part) {
+void project(int size, double* A, double kept_negative) {
     std::vector<double> Q(offset(size, size));
     diagonalise(size, A, Q.data());
     std::vector<double> eigenvalue(size);
-    for (int i = 0; i < size; ++i) eigenvalue[i] = std::max(A[i * size + i], negative_part * A[i * size + i]);
+    for (int i = 0; i < size; ++i) eigenvalue[i] = std::max(A[i * size + i], kept_negative * A[i * size + i]);
     for (int i = 0; i < size; ++i)
         for (int j = 0; j < size; ++j) {
             A[i * size + j] = 0;

@@ -29,8 +29,8 @@ private:
     void every_point(const std::vector<double>& x, const Body& body) const;
 };
 
-// Multiplies the negative eigenvalues of a symmetric size x size matrix, row-major, by negative_part; with 0 what is
+// Multiplies the negative eigenvalues of a symmetric size x size matrix, row-major, by kept_negative; with 0 what is
 // left is its positive semidefinite part. Cyclic Jacobi rotations (Golub & Van Loan, Matrix Computations, sec. 8.5).
-void project(int size, double* A, double negative_part = 0);
+void project(int size, double* A, double kept_negative = 0);
 
 }  // namespace almesh

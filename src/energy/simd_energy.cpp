@@ -253,7 +253,7 @@ void SimdEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Blo
                              const Projection& projection) {
     const bool projected = kind == HessianKind::projected, of_objective = kind != HessianKind::damping;
     const double t = projected ? projection.damping : of_objective ? 0 : 1;
-    const double negative_part = projected ? projection.negative_part : of_objective ? 1 : 0;
+    const double kept_negative = projected ? projection.kept_negative : of_objective ? 1 : 0;
     dispatch([&](auto type, auto density) {
         using Batch = typename decltype(type)::type;
         constexpr int block_size = Batch::dimension * Batch::dimension;
@@ -263,7 +263,7 @@ void SimdEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Blo
             if (!of_objective) own = Lanes{};
             const Lanes weight = own + t * added;
             const Lanes share = own / max(weight, in_all_lanes(std::numeric_limits<double>::min()));
-            return elements.hessian(damped(density, share), params_.delta, negative_part, weight);
+            return elements.hessian(damped(density, share), params_.delta, kept_negative, weight);
         };
         blocks_.in_schedule(is_large_, [&](int block) {
             every_batch<Batch>(block, x, [&](Batch& elements, int batch) {

@@ -1,4 +1,4 @@
-// Singular values of 2x2 and 3x3 matrices, and symmetric ones without their negative parts, one matrix per lane.
+// Singular values of 2x2 and 3x3 matrices, and symmetric ones with filtered negative eigenvalues, one matrix per lane.
 // Closed forms in 2D, without angles; Jacobi's rotations in 3D, all lanes in step until none needs one more;
 // one that needs none stays as it is, so that its bits do not depend on its neighbours.
 #pragma once
@@ -132,19 +132,19 @@ inline SingularValues<3> singular_values(const Mat<3, Lanes>& F) {
 }
 
 // part: in [0, 1].
-inline Lanes with_negative_part(Lanes eigenvalue, double part) { return max(eigenvalue, part * eigenvalue); }
+inline Lanes filtered(Lanes eigenvalue, double part) { return max(eigenvalue, part * eigenvalue); }
 
 // The symmetric matrix A with its negative eigenvalues times `part`: with 0 its positive semidefinite part.
-inline Mat<2, Lanes> with_negative_part(const Mat<2, Lanes>& A, double part) {
+inline Mat<2, Lanes> filtered(const Mat<2, Lanes>& A, double part) {
     // A = mean I + R, R without trace and with eigenvalues +-radius: of A mean +- radius.
     const Lanes mean = 0.5 * (A[0][0] + A[1][1]), half = 0.5 * (A[0][0] - A[1][1]), off = A[0][1];
     const Lanes radius = sqrt(half * half + off * off);
-    const Lanes larger = with_negative_part(mean + radius, part), smaller = with_negative_part(mean - radius, part);
+    const Lanes larger = filtered(mean + radius, part), smaller = filtered(mean - radius, part);
     const Lanes middle = 0.5 * (larger + smaller), along = 0.5 * (larger - smaller) / (radius + tiny);
     return {{{middle + along * half, along * off}, {along * off, middle - along * half}}};
 }
 
-inline Mat<3, Lanes> with_negative_part(Mat<3, Lanes> A, double part) {
+inline Mat<3, Lanes> filtered(Mat<3, Lanes> A, double part) {
     const Lanes minor = A[0][0] * A[1][1] - A[0][1] * A[0][1];
     // Most often there is nothing to do: all leading minors are positive.
     const LaneBits is_positive = (A[0][0] > 0) & (minor > 0) & (determinant(A) > 0);
@@ -176,7 +176,7 @@ inline Mat<3, Lanes> with_negative_part(Mat<3, Lanes> A, double part) {
     Mat<3, Lanes> result{};
     for (int k = 0; k < 3; ++k)
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) result[i][j] += with_negative_part(A[k][k], part) * Q[i][k] * Q[j][k];
+            for (int j = 0; j < 3; ++j) result[i][j] += filtered(A[k][k], part) * Q[i][k] * Q[j][k];
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) result[i][j] = select(is_positive, given[i][j], result[i][j]);
     return result;

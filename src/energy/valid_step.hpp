@@ -3,7 +3,7 @@
 // Every node moves from x to x' on a straight line. The determinant of an element's map is a polynomial in the place in
 // the element and in the fraction s of the step, of degree n in s; its Bernstein coefficients in both bound it from
 // below (element_jacobian.hpp; a straight element has one number for each b_k). So no step of the method passes through
-// an inverted element, from one valid mesh to another that is wound differently, and the mesh that it leads to is
+// an inverted element, from one valid mesh to another of another homotopy class, and the mesh that it leads to is
 // certified: everywhere in a curved element, not only at the points of its quadrature. Most elements are cleared by the
 // coefficients of the whole step; the others by bisection in space, and in s.
 //

@@ -1,9 +1,9 @@
 // Lesson 6: the constraint by a penalty alone,
 //
-//     minimise E(x) = |M phi|^2 + mu/2 |c|^2   over the places x of all nodes,
+//     minimise E(x) = |M phi|^2 + mu/2 |c|^2   over the positions x of all nodes,
 //
-// for one mu after the other, each from the ideal mesh: how well the boundary is in its place, how many Newton steps it
-// takes, and how badly conditioned the Hessian is. The inner circle of the ring is moved by 8.
+// for one mu after the other, each from the ideal mesh: how well the boundary is on its target, how many Newton steps
+// it takes, and how badly conditioned the Hessian is. The inner circle of the ring is moved by 8.
 //
 //   06_penalty [mu ...]     in units of |1|^2
 //   06_penalty curved       a curved constraint instead: two unknowns on a circle

@@ -1,10 +1,10 @@
 // Lesson 7: the augmented Lagrangian method in its simplest form: one penalty mu, and after every subproblem
 //
-//     minimise |M phi|^2 - (lambda, c) + mu/2 |c|^2   over the places x of all nodes,
+//     minimise |M phi|^2 - (lambda, c) + mu/2 |c|^2   over the positions x of all nodes,
 //
 // an update lambda <- lambda - mu c. The inner circle of the ring is moved by 8. Then what the multipliers are: the
 // forces with which the walls hold the nodes of the boundary, their balance, and the derivative of the energy with
-// respect to the place of the wall.
+// respect to the position of the wall.
 //
 //   07_multipliers [mu, in units of |1|^2] [F: lambda <- lambda - F mu c instead] [updates]
 #include <cmath>
@@ -117,7 +117,7 @@ double smallest_penalty(Problem& p) {
     return high;
 }
 
-// Nodes of the boundary: places, forces of the walls, constraint.
+// Nodes of the boundary: positions, forces of the walls, constraint.
 void write_boundary(const std::string& path, Problem& p) {
     std::FILE* const file = std::fopen(path.c_str(), "w");
     const Vector f = p.forces(), c = p.constraint.constraint_field(p.x);

@@ -34,7 +34,7 @@ constexpr int failures_to_give_up = 2;  // of iterative solvers in a row, if the
 constexpr double worth = 4;        // Cholesky may cost this many times what an iterative solver has just spent, or
                                    // once what it has spent since it last succeeded
 constexpr double flops_of_entry = 20;  // of Cholesky, in the time that an iteration spends on an entry of A
-// The same from small to large matrices: passes = factor flops^power, to a factor of 1.7 from 3e6 to 1e10 flops, as
+// The same from small to large matrices: work = factor flops^power, to a factor of 1.7 from 3e6 to 1e10 flops, as
 // large dense blocks are eliminated at a higher rate.
 constexpr double factor_of_flops = 8.5, power_of_flops = 0.7;
 constexpr double refine_above = 1e-15;  // scaled residual from which a step of iterative refinement is worth a solve
@@ -130,7 +130,7 @@ struct LinearSolver::Iterative {
         result.solve_seconds = iteration.seconds();
         result.status = solved.status;
         result.iterations = solved.iterations;
-        result.passes = solved.iterations * entries(A);
+        result.work = solved.iterations * entries(A);
         result.relative_residual = solved.relative_residual;
         return result;
     }
@@ -149,7 +149,7 @@ struct LinearSolver::Direct {
         x.assign(A.size(), 0.0);
         const Stopwatch factorisation;
         const FactorResult factored = cholesky.factor(A);
-        result.passes = factor_of_flops * std::pow(cholesky.flops(), power_of_flops);
+        result.work = factor_of_flops * std::pow(cholesky.flops(), power_of_flops);
         result.factor_seconds = factorisation.seconds();
         result.status = factored.status;
         result.bad_node = factored.bad_row;
@@ -322,7 +322,7 @@ SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b,
     ++known_.failures;
     SolveResult second = solve_directly(A, b, x);
     second.iterations = first.iterations;
-    second.passes += first.passes;
+    second.work += first.work;
     second.failed_first = first.status;
     return second;
 }

@@ -59,7 +59,7 @@ struct SolveResult {
     PreconditionerKind preconditioner = PreconditionerKind::automatic;  // of the iterative solver; automatic: none
     int bad_node = -1;               // block row of the bad pivot of ILU(0) or Cholesky
     double factor_seconds = 0, solve_seconds = 0;  // of who made x, refinement left out; 0 if that was not reached
-    double passes = 0;  // iterations times the entries of A; of Cholesky, as many as are made in the time it takes
+    double work = 0;  // iterations times the entries of A; of Cholesky, as many as are made in the time it takes
 };
 
 // What a solver has come to know in the systems so far, beyond what the next one's matrix tells.

@@ -112,7 +112,7 @@ struct BoundaryMatcher {
             const double *const a = point(mesh.x, i, dim), *const b = point(mesh.x, j, dim);
             return std::lexicographical_compare(a, a + dim, b, b + dim);
         };
-        using Vertices = std::array<int, 3>;  // in the order of their places, then of their numbers
+        using Vertices = std::array<int, 3>;  // in the order of their positions, then of their numbers
         const auto lies_before = [&](const Vertices& f, const Vertices& g) {
             return std::lexicographical_compare(f.begin(), f.begin() + dim, g.begin(), g.begin() + dim, is_before);
         };
@@ -124,7 +124,7 @@ struct BoundaryMatcher {
         }
         std::stable_sort(faces.begin(), faces.end(), lies_before);
         std::size_t pairs = 0;
-        std::array<int, 2> nodes{};  // of the first pair, in one place
+        std::array<int, 2> nodes{};  // of the first pair, at one point
         for (std::size_t f = 1; f < faces.size(); ++f) {
             const Vertices &a = faces[f - 1], &b = faces[f];
             if (lies_before(a, b) || ++pairs > 1) continue;
@@ -133,7 +133,7 @@ struct BoundaryMatcher {
         }
         if (pairs == 0) return "";
         return concat(counted(pairs, "pair"), pairs == 1 ? " lies" : " lie", " on each other, as nodes ",
-                      build.node_ids(nodes.data(), 2), " are in one place: unless the mesh is to be cut there, "
+                      build.node_ids(nodes.data(), 2), " are at one point: unless the mesh is to be cut there, "
                       "join such nodes (in gmsh: Coherence Mesh)");
     }
 

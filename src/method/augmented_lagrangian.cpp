@@ -60,7 +60,7 @@ bool constraint_stalls(const std::vector<AlIteration>& rows, std::size_t updates
 
 // |grad E| <= omega*, or as small as rounding lets it be.
 bool is_stationary(const AlIteration& row, const AugmentedLagrangianParams& params) {
-    const bool at_floor = row.newton_status == Status::rounding_floor;
+    const bool at_floor = row.newton_status == Status::attainable_accuracy;
     return row.gradient_norm <= params.omega_star || (at_floor && row.gradient_norm <= params.omega0);
 }
 
@@ -71,10 +71,10 @@ std::optional<Status> failure(const std::vector<AlIteration>& rows, const Augmen
     if (ends && constrained && stationary) return std::nullopt;
     if (ends) return Status::ended_as_printed;
     const AlIteration& row = rows.back();
-    const bool at_floor = row.newton_status == Status::rounding_floor;
+    const bool at_floor = row.newton_status == Status::attainable_accuracy;
     const bool solved = at_floor || row.newton_status == Status::converged;
-    if (at_floor && constrained) return Status::rounding_floor;
-    if (row.newton_status == Status::out_of_reach) return Status::infeasible;
+    if (at_floor && constrained) return Status::attainable_accuracy;
+    if (row.newton_status == Status::infeasible) return Status::infeasible;
     if (row.newton_status == Status::interrupted) return Status::interrupted;
     if (constraint_stalls(rows, solved ? 3 : 1, one_squared)) return Status::stalled;
     if (!solved) return row.newton_status;

@@ -33,7 +33,7 @@ struct AlResult {
     std::vector<double> lambda;       // after its last update
     std::vector<double> gradient;     // of E at the last iterate, nodes x dim; empty where it converged
     int newton_iterations = 0, linear_iterations = 0, local_steps = 0;
-    int followed_newton_iterations = 0;  // of earlier parts of the motion and given-up attempts (continuation.hpp)
+    int earlier_newton_iterations = 0;  // of earlier load increments and given-up attempts (continuation.hpp)
 };
 
 struct AlObserver {

@@ -1,5 +1,5 @@
-// x = ideal mesh; for t = 1/n, 2/n, ..., 1: the boundary to its place at the fraction t of the motion, and the method's
-// own rule for the nodes inside, until a part fails.
+// x = ideal mesh; for t = 1/n, 2/n, ..., 1: the boundary to its position at the fraction t of the motion, and the
+// method's own rule for the nodes inside, until a part fails.
 #include "method/comparators.hpp"
 
 #include <algorithm>
@@ -38,9 +38,9 @@ Rule rule_of(MovingMethod method) {
     }
 }
 
-// As Algorithm 1 has it: a rounding floor up to omega0 counts as converged.
+// As Algorithm 1 has it: an attainable accuracy up to omega0 counts as converged.
 Status status_of(const NewtonResult& solved, double omega0) {
-    const bool at_floor = solved.status == Status::rounding_floor;
+    const bool at_floor = solved.status == Status::attainable_accuracy;
     return at_floor && solved.gradient_norm <= omega0 ? Status::converged : solved.status;
 }
 
@@ -183,13 +183,13 @@ AlResult move_with_boundary(const Level& level, Newton& newton, const MethodPara
         row.seconds = part_watch.seconds();
         const int steps = made.solved.iterations;
         if (observe_stage) observe_stage({level.mesh.nodes(), result.status, row, steps, at.to});
-        result.followed_newton_iterations += steps;
+        result.earlier_newton_iterations += steps;
         return StageEnd::solved;
     });
     AlIteration row = row_of(move, made, x, result.distortion);
     row.seconds = watch.seconds();
     add_row(row);
-    result.newton_iterations -= result.followed_newton_iterations;
+    result.newton_iterations -= result.earlier_newton_iterations;
     if (result.status != Status::converged) result.gradient = gradient(move, x);
     result.lambda.assign(level.constraint->multipliers(), 0.0);
     newton.time.total += watch.seconds();

@@ -1,14 +1,14 @@
 // Other ways to move a mesh, to be compared with the augmented Lagrangian method: those that set the nodes of the
-// boundary on their targets, at once or in parts of the motion, and find places for the nodes inside.
+// boundary on their targets, at once or in load increments, and find positions for the nodes inside.
 //
 //   harmonic        the displacement is extended inside as a harmonic function (harmonic.cpp)
 //   elasticity      as that of an elastic solid, stiffer where elements are small (elasticity.cpp)
 //   fixed_boundary  the distortion is minimised with the boundary fixed (fixed_boundary.cpp)
-//   incremental     the same, part by part of the motion (incremental.cpp)
+//   incremental     the same, load increment by load increment (incremental.cpp)
 //   untangle        the same with a regularised distortion, which inverted elements may have (untangle.cpp)
 //
 // penalty.cpp is a schedule of the augmented Lagrangian loop. All of them end with an AlResult, so that the same
-// certificate, report and files follow. In it an iteration is a part of the motion, and `newton_iterations` counts
+// certificate, report and files follow. In it an iteration is a load increment, and `newton_iterations` counts
 // Newton steps or linear solves.
 #pragma once
 #include <functional>
@@ -24,8 +24,8 @@ namespace almesh {
 bool sets_boundary(MovingMethod method);
 
 // x: node_count x dim, the ideal mesh on entry; on return the mesh that the method came to, which is inverted where the
-// status is `inverted`, or `invalid_start` of fixed_boundary. increments: parts of the motion. observe_stage: called
-// after each part of the motion but the last, whose Newton steps are observed. Adds to newton.time.
+// status is `inverted`, or `invalid_start` of fixed_boundary. increments: how many of the load. observe_stage: called
+// after each load increment but the last, whose Newton steps are observed. Adds to newton.time.
 AlResult move_with_boundary(const Level& level, Newton& newton, const MethodParams& params, int increments,
                             std::vector<double>& x, const AlObserver& observer = {},
                             const StageObserver& observe_stage = {});
@@ -42,7 +42,7 @@ struct BoundaryMove {
 
     BoundaryMove(const Level& level_, Newton& newton_, const MethodParams& params_);
 
-    // For a part of the motion; the Newton steps of the last one are observed, those of others loosely converged.
+    // For a load increment; the Newton steps of the last one are observed, those of others loosely converged.
     void prepare(bool last, double part, const AlObserver& observer);
     // x with the boundary nodes at `targets`, nodes of the constraint x dim.
     std::vector<double> with_boundary(const std::vector<double>& targets, std::vector<double> x) const;
@@ -61,7 +61,7 @@ struct BoundaryMove {
     void minimise(const NewtonParams& wanted, std::vector<double>& x, NewtonResult& sum);
 };
 
-// What came of one part of the motion; `solved` counts all its Newton steps and linear solves.
+// What came of one load increment; `solved` counts all its Newton steps and linear solves.
 struct PartResult {
     Status status = Status::converged;
     NewtonResult solved = {};

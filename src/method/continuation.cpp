@@ -97,7 +97,7 @@ AlResult minimise_in_increments(const Level& level, Newton& newton, const Method
     const auto at_once = [&](const AugmentedLagrangianParams& schedule) {
         return minimise(*level.energy, *level.constraint, newton, schedule, x, observer, start);
     };
-    if (!level.constraint_at || params.follow == Follow::never) return at_once(params.schedule);
+    if (!level.constraint_at || params.continuation == Continuation::never) return at_once(params.schedule);
     const std::vector<double> first = x;
     std::optional<AlResult> at_once_failed;
     std::vector<double> x_failed;
@@ -128,7 +128,7 @@ AlResult minimise_in_increments(const Level& level, Newton& newton, const Method
         result = at_once(params.schedule);
         all.steps += result.newton_iterations;
     }
-    result.followed_newton_iterations = all.steps - result.newton_iterations;
+    result.earlier_newton_iterations = all.steps - result.newton_iterations;
     return result;
 }
 

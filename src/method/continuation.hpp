@@ -6,7 +6,7 @@
 //   the power   of eta - 1 in the objective (p_norm.hpp)
 //   the level   the mesh, then its degree (levels.hpp)
 //
-// Why the load: a large penalty sets the boundary in its place at once, before the mesh inside has turned with it.
+// Why the load: a large penalty sets the boundary on its target at once, before the mesh inside has turned with it.
 // Where a boundary turns far, the mesh may then wind around it to the left on one side and to the right on the other,
 // and no valid mesh leads from there to the solution. At the fraction t of the motion (motion.hpp: at_fraction()) the
 // boundary has turned by that part of its angle, so the mesh stays in the homotopy class of the motion.
@@ -58,7 +58,7 @@ struct MethodParams {
     AugmentedLagrangianParams schedule;
     LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;
-    Follow follow = Follow::automatic;
+    Continuation continuation = Continuation::automatic;
 };
 
 // A load increment: the motion from one fraction to the next.
@@ -79,7 +79,7 @@ AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level
 
 // Algorithm 1 on the level, from x (node_count x dim) and the given start, with load increments as params say; with
 // them it starts anew from the ideal mesh. The result is that of the last run of Algorithm 1, with all Newton steps of
-// those before it in followed_newton_iterations; of an increment that is not the last, its distances are those from the
+// those before it in earlier_newton_iterations; of an increment that is not the last, its distances are those from the
 // whole motion's target. observe_stage: called after each increment but the last.
 AlResult minimise_in_increments(const Level& level, Newton& newton, const MethodParams& params, std::vector<double>& x,
                                 const AlStart& start, const AlObserver& observer = {},

@@ -1,5 +1,5 @@
 // Eigenvalue filtering of the projected Hessian: how much of the negative eigenvalues of the Hessian of each point a
-// Newton step keeps (Projection::negative_part).
+// Newton step keeps (Projection::kept_negative).
 //
 // With all of them (1) convergence is quadratic, but far from the minimum the sum is indefinite. With none (0) it never
 // is, and steps are short: a negative eigenvalue of one element is most often outweighed by its neighbours, and away

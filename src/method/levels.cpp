@@ -36,7 +36,7 @@ Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Lev
     loose.schedule = loosened(params.schedule, *level, of_gradient);
     if (level->is_worth_little) {
         loose.schedule.max_newton_iterations = std::min(loose.schedule.max_newton_iterations, few_steps);
-        loose.follow = Follow::never;
+        loose.continuation = Continuation::never;
     }
     const AlResult result = minimise_in_increments(*level, newton, loose, x, start);
     time += newton.time;
@@ -45,7 +45,7 @@ Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Lev
     stage.nodes = level->mesh.nodes();
     stage.status = result.status;
     stage.last = result.iterations.back();
-    stage.newton_iterations = result.newton_iterations + result.followed_newton_iterations;
+    stage.newton_iterations = result.newton_iterations + result.earlier_newton_iterations;
     solution = {};
     if (result.status != Status::converged) return stage;
     solution.multipliers = extended(level->constraint->multiplier_field(result.lambda), *level);

@@ -5,7 +5,7 @@
 // holds. E is infinite for an element inverted at a quadrature point. A length that passes this test must also be
 // valid all the way (valid_fraction): no step leads through an inverted element to another valid mesh, and curved
 // elements are valid between their points; else it is cut to half of what is. So every accepted iterate is a valid
-// mesh, and wound as the one before (unless the distortion is regularised, delta > 0).
+// mesh, and of the same homotopy class as the one before (unless the distortion is regularised, delta > 0).
 //
 // Lengthening. A projected Hessian can be many times stiffer than the energy along d, and its full step then stops
 // far short of the minimum. Where t = 1 gives more than two thirds of what the slope promises, the parabola through

@@ -144,10 +144,10 @@ private:
 
     LineSearchResult search() {
         const double part = filtering_.kept;
-        work_ += local_.distortion().hessian_passes();
-        local_.hessian(y_, part == 1 ? HessianKind::full : HessianKind::projected, H_, {.negative_part = part});
+        work_ += local_.distortion().hessian_work();
+        local_.hessian(y_, part == 1 ? HessianKind::full : HessianKind::projected, H_, {.kept_negative = part});
         const SolveResult solve = solver_.solve(H_, minus_g_, d_, part > 0);
-        work_ += solve.passes;
+        work_ += solve.work;
         if (solve.status != SolveStatus::success) return {};
         const double slope = dot(g_, d_);
         if (!(slope < 0)) return {};

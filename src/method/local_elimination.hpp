@@ -18,10 +18,11 @@
 // step is dear (curved elements, or from a coarser mesh in 3D) the one that takes them to a quarter ends there: less
 // than a fifth of the time; more of them save steps, and little time.
 //
-// How: Newton's method with a Hessian that keeps as much of its negative eigenvalues as it bears (eigenvalue_filtering.hpp).
-// What holds up the mesh is in turn held up by few of its nodes: where a local step gained less than ten times what its
-// nodes could reach alone, the next one follows a minimisation over at most a tenth of them, chosen in the same way.
-// That is a sixth of the local steps' time, and halves their number. Not where the nodes are few from the beginning.
+// How: Newton's method with a Hessian that keeps as much of its negative eigenvalues as it bears
+// (eigenvalue_filtering.hpp). What holds up the mesh is in turn held up by few of its nodes: where a local step gained
+// less than ten times what its nodes could reach alone, the next one follows a minimisation over at most a tenth of
+// them, chosen in the same way. That is a sixth of the local steps' time, and halves their number. Not where the nodes
+// are few from the beginning.
 #pragma once
 #include <vector>
 

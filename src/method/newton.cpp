@@ -96,7 +96,7 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
     const TimeAdder adder(time.linear);
     solver_.set_tolerance(forcing_.value);
     const SolveResult solve = solver_.solve(H_, minus_g_, d_, may_be_indefinite);
-    elimination_.add_work_of_newton(E.distortion.hessian_passes() + solve.passes);
+    elimination_.add_work_of_newton(E.distortion.hessian_work() + solve.work);
     fix_nodes(E.fixed, E.distortion.dim(), d_);  // some solvers move them and move them back, to rounding
     at.linear_iterations += solve.iterations;
     step.linear_iterations += solve.iterations;

@@ -9,8 +9,8 @@
 // the damping alone in the very first step, because the Hessian of (eta - 1)^2 vanishes at the identity.
 //
 // Around these lines, each in a file of its own with its formula and source: line_search.hpp, damping.hpp (of the
-// projected Hessian), eigenvalue_filtering.hpp (how much of it is projected), forcing.hpp (tolerance of iterative linear
-// solvers), local_elimination.hpp (of nodes that hold up the others), stopping_tests.hpp.
+// projected Hessian), eigenvalue_filtering.hpp (how much of it is projected), forcing.hpp (tolerance of iterative
+// linear solvers), local_elimination.hpp (of nodes that hold up the others), stopping_tests.hpp.
 #pragma once
 #include <functional>
 #include <limits>

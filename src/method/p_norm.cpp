@@ -29,9 +29,9 @@ struct Sharpening {
     double largest() const { return result.distortion.max_distortion; }
 
     void take(AlResult next) {
-        earlier_steps += result.newton_iterations + next.followed_newton_iterations;
+        earlier_steps += result.newton_iterations + next.earlier_newton_iterations;
         result = std::move(next);
-        result.followed_newton_iterations = earlier_steps;
+        result.earlier_newton_iterations = earlier_steps;
         mu = result.iterations.back().mu / std::pow(level.constraint->norm_of_one(), 2);
     }
 
@@ -57,7 +57,7 @@ double gradient_norm(const Level& level, const AlStart& start, const std::vector
 
 }  // namespace
 
-AlResult minimise_worst(const Level& level, Newton& newton, const MethodParams& params, int last_power,
+AlResult minimise_p_norm(const Level& level, Newton& newton, const MethodParams& params, int last_power,
                         std::vector<double>& x, const AlStart& start, const AlObserver& observer,
                         const StageObserver& observe_stage) {
     const AugmentedLagrangianParams loose = loosened(params.schedule, level);

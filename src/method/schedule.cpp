@@ -74,10 +74,10 @@ public:
     }
     // Where the constraint holds already only |grad E| has to follow, and the penalty stays.
     AlUpdate tighten(double squared_constraint, double boundary_error) override {
-        const bool in_place = boundary_error <= wall_tolerance;
-        const bool holds = squared_constraint <= epsilon_star && in_place;
+        const bool on_target = boundary_error <= wall_tolerance;
+        const bool holds = squared_constraint <= epsilon_star && on_target;
         const bool falls = squared_constraint <= 0.01 * before &&  // |c_D| by a factor ten
-                           (in_place || boundary_error <= 0.1 * error_before);
+                           (on_target || boundary_error <= 0.1 * error_before);
         before = squared_constraint;
         error_before = boundary_error;
         omega = holds ? omega_star : 0.1 * omega;

@@ -7,7 +7,7 @@
 //   literal   Algorithm 1 exactly as printed (penalty weight mu^2, the loop ends when one test holds, eps and omega
 //             grow with m), for teaching: the README tells what goes wrong.
 //   adaptive  lambda after every subproblem; mu, large from the start, times 10 whenever |c_D| or the largest distance
-//             of a node from its place fell by less than a factor 10; omega a tenth, and omega* once both hold. Needs
+//             of a node from its target fell by less than a factor 10; omega a tenth, and omega* once both hold. Needs
 //             no mu0, omega0, epsilon0.
 //
 // The penalty is given in units of |1|^2: mu |c_D|^2 = (mu / |1|^2) times the weighted integral of |phi - g_D|^2, and
@@ -22,7 +22,7 @@ namespace almesh {
 class Checkpoint;
 
 enum class Algorithm { adaptive, paper, literal };
-enum class Follow { automatic, never, always };  // of the boundary's motion, see continuation.hpp
+enum class Continuation { automatic, never, always };  // of the boundary's motion, see continuation.hpp
 
 // How a mesh is moved. All but the first are there to be compared with it (comparators.hpp).
 enum class MovingMethod { augmented_lagrangian, penalty, elasticity, harmonic, incremental, untangle, fixed_boundary };
@@ -35,7 +35,7 @@ struct AugmentedLagrangianParams {
     double epsilon0 = 1e-3;       // paper, literal: tolerance of |P c_D|^2 that decides between the updates
     double omega_star = 1e-8;     // final tolerance of |grad E|
     double epsilon_star = 1e-16;  // final tolerance of |P c_D|^2
-    double wall_tolerance = 1e-3;  // adaptive: of the distance of every boundary node from its place, in cell heights
+    double wall_tolerance = 1e-3;  // adaptive: of the distance of every boundary node from its target, in cell heights
     int max_iterations = 50;
     int max_newton_iterations = 200;
     Checkpoint* checkpoint = nullptr;  // where what minimisations came to is saved; null: nowhere
@@ -52,7 +52,7 @@ public:
     double reduction = 1;                             // omega is lowered to this part of |grad E| at the start
     double least_omega = 0;                           // and never below this
     double wall_tolerance = std::numeric_limits<double>::infinity();  // see AugmentedLagrangianParams
-    bool tests_reach = true;                          // whether the first subproblem may find the target out of reach
+    bool tests_reach = true;                          // whether the first subproblem may find the target infeasible
     virtual double penalty() const { return mu; }     // weight of |c_D|^2 / 2 in E
     virtual bool ends(bool constrained, bool stationary) const { return constrained && stationary; }  // not line 7
     // Lines 11-14: lambda has been updated. boundary_error: what wall_tolerance is for.

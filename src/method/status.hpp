@@ -7,7 +7,7 @@ enum class Status {
     converged,
     infeasible,             // evidence that no valid mesh reaches the target (stopping_tests.hpp)
     stalled,                // the constraint stopped falling while the penalty grew
-    rounding_floor,         // rounding ended |grad E| above its tolerance; of a run, the constraint holds: above omega0
+    attainable_accuracy,    // rounding ended |grad E| above its tolerance; of a run, the constraint holds: above omega0
     ended_as_printed,       // literal: the loop as printed ends when one of its two tests holds, and only one did
     max_al_iterations,
     max_newton_iterations,
@@ -15,7 +15,6 @@ enum class Status {
     linear_solver_failed,
     overflow,               // numbers beyond the range of double precision: of a penalty that is
     interrupted,            // by a signal
-    out_of_reach,           // of one minimisation, where its run is infeasible
     // Of methods that set the boundary on its target (comparators.hpp):
     inverted,               // the mesh that they came to has inverted elements
     invalid_start           // so has every mesh from which they could minimise

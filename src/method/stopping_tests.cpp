@@ -45,9 +45,9 @@ std::optional<Status> StoppingTests::after_step(const NewtonStep& step, const Ne
     if (!is_finite(at)) return Status::overflow;
     if (at.energy > params_.largest_energy &&
         is_infeasible(params_.largest_energy, before.energy, at.energy, step.step_length, E.distortion.energy(x)))
-        return Status::out_of_reach;
+        return Status::infeasible;
     if (at_attainable_accuracy(step.by_rounding, before.gradient_norm, at.gradient_norm, at.omega))
-        return Status::rounding_floor;
+        return Status::attainable_accuracy;
     return std::nullopt;
 }
 

@@ -1,9 +1,9 @@
 // When Newton's method ends, besides at |grad E| <= omega.
 //
 // Infeasibility, of functionals without multipliers: a mesh that meets the target has the energy of its distortion
-// alone, which is not less than the minimum of E. Where that minimum is above `largest_energy` and nine tenths of it are
-// penalty, only meshes of no use could meet the target, if any. The minimum counts as found to 0.1 % once a full step
-// gains less than that.
+// alone, which is not less than the minimum of E. Where that minimum is above `largest_energy` and nine tenths of it
+// are penalty, only meshes of no use could meet the target, if any. The minimum counts as found to 0.1 % once a full
+// step gains less than that.
 //
 // Attainable accuracy: with a large penalty, |grad E| cannot fall below some 1e-16 mu, and once the decrease that a
 // step promises is below the rounding error of E, energies can no longer be compared (line_search.hpp). From then on

@@ -57,8 +57,8 @@ struct Stop {
 
     Stop(const std::string& folder, const Outcome& outcome)
         : summary(summary_of(folder)), mesh(final_mesh(folder)), vtk(text_of(folder + "/stop.vtk")), out(outcome.out) {
-        element = index_of(mesh.file.element_id, summary.at("obstacle_element"));
-        if (summary.at("obstacle_node") != "none") node = index_of(mesh.file.node_id, summary.at("obstacle_node"));
+        element = index_of(mesh.file.element_id, summary.at("diagnosis_element"));
+        if (summary.at("diagnosis_node") != "none") node = index_of(mesh.file.node_id, summary.at("diagnosis_node"));
         const std::array<double, 3> place =
             node >= 0 ? centroid(mesh, mesh.x, &node, 1) : centroid(mesh, mesh.x, mesh.element(element), mesh.dim + 1);
         for (int a = 0; a < 3; ++a)
@@ -68,17 +68,17 @@ struct Stop {
         check_vtk();
         CHECK(has(
             out,
-            (node >= 0 ? "node " + summary.at("obstacle_node") : "element " + summary.at("obstacle_element")) + " "));
+            (node >= 0 ? "node " + summary.at("diagnosis_node") : "element " + summary.at("diagnosis_element")) + " "));
         CHECK(has(out, "boundary " + boundary()));
         CHECK(has(out, "\ntry "));
-        CHECK(has(out, "the elements around the obstacle in stop.vtk"));
+        CHECK(has(out, "the elements around it in stop.vtk"));
     }
 
     static double number(const std::map<std::string, std::string>& of, const std::string& what) {
-        return test::number(of, "obstacle" + what);
+        return test::number(of, "diagnosis" + what);
     }
-    std::string kind() const { return summary.at("obstacle"); }
-    std::string boundary() const { return summary.at("obstacle_boundary"); }
+    std::string kind() const { return summary.at("diagnosis"); }
+    std::string boundary() const { return summary.at("diagnosis_boundary"); }
     double size() const { return std::abs(*std::max_element(mesh.x.begin(), mesh.x.end())); }
 
     bool is_on(const std::string& name, int i) const {
@@ -94,7 +94,7 @@ struct Stop {
         CHECK(of_element.size() >= 3);
         CHECK(of_element.size() <= static_cast<std::size_t>(mesh.element_count()));
         const auto marks =
-            numbers_of(vtk.substr(vtk.find("CELL_DATA")), "SCALARS obstacle double 1\nLOOKUP_TABLE default\n");
+            numbers_of(vtk.substr(vtk.find("CELL_DATA")), "SCALARS diagnosis double 1\nLOOKUP_TABLE default\n");
         REQUIRE(marks.size() == of_element.size());
         for (std::size_t k = 0; k < marks.size(); ++k)
             CHECK((marks[k] == 1) == (static_cast<long long>(of_element[k]) == mesh.file.element_id[element]));
@@ -159,19 +159,19 @@ TEST_CASE("a target out of reach of two layers: infeasible or stalled, at a boun
 
 TEST_CASE("too few Newton steps: the node with most of the gradient, and twice as many to try") {
     const RingDeck ring;
-    const Outcome outcome = ring.run({"max_newton_iterations=1", "follow=never"});
+    const Outcome outcome = ring.run({"max_newton_iterations=1", "continuation=never"});
     const Stop stop(ring.output, outcome);
     CHECK(stop.summary.at("status") == "max_newton_iterations");
     CHECK(stop.kind() == "unbalanced");
     CHECK(has(outcome.out, " % of |grad E|"));
     CHECK(has(outcome.out, "try max_newton_iterations = 2; "));
-    CHECK(has(outcome.out, "follow = always"));
+    CHECK(has(outcome.out, "continuation = always"));
 }
 
 TEST_CASE("a rounding floor, a loop that ends as printed, an overflow and an interrupt say what to change") {
     const RingDeck ring;
     Outcome outcome = ring.run({"algorithm=paper", "mu0=1e14", "omega0=1e-12"});
-    CHECK(Stop(ring.output, outcome).summary.at("status") == "rounding_floor");
+    CHECK(Stop(ring.output, outcome).summary.at("status") == "attainable_accuracy");
     CHECK(Stop(ring.output, outcome).kind() == "unbalanced");
     CHECK(has(outcome.out, "try a smaller mu0, such as 1e+11"));
 
@@ -234,7 +234,7 @@ TEST_CASE("a line search that fails is told at the most distorted element, an ov
     };
 
     solution.al.status = Status::line_search_failed;
-    solution.followed = 0.375;
+    solution.reached = 0.375;
     std::string text = print();
     CHECK(solution.diagnosis.kind == DiagnosisKind::distorted);
     CHECK(solution.diagnosis.element == 40);
@@ -249,18 +249,18 @@ TEST_CASE("a line search that fails is told at the most distorted element, an ov
     CHECK(solution.diagnosis.kind == DiagnosisKind::off_target);
     CHECK(solution.diagnosis.node == outer);
     CHECK(!has(text, "of its way"));
-    CHECK(has(text, "try boundary outer = slide or free, if its nodes need not stay in their places; "));
+    CHECK(has(text, "try boundary outer = slide or free, if its nodes need not keep their positions; "));
     solution.x = problem.ideal();
 
     solution.al.status = Status::converged;
     solution.injectivity.node = 5;
     solution.injectivity.reason = "the elements around node 6 overlap";
-    solution.injectivity.place = centroid(mesh, solution.x, &solution.injectivity.node, 1);
+    solution.injectivity.position = centroid(mesh, solution.x, &solution.injectivity.node, 1);
     text = print();
     CHECK(solution.diagnosis.kind == DiagnosisKind::overlap);
     CHECK(solution.diagnosis.node == 5);
     CHECK(has(text, "the elements around node 6 overlap at " +
-                        place_text(problem.frame.to_file(solution.injectivity.place).data(), 2) +
+                        position_text(problem.frame.to_file(solution.injectivity.position).data(), 2) +
                         ": node 6 of boundary inner\n"));
     CHECK(has(text, "all elements valid, but NOT certified injective: scaled Jacobian"));
 
@@ -280,13 +280,13 @@ TEST_CASE("stop.vtk goes when the run converges, and is not written with vtk = n
     CHECK(silent.code == 3);
     CHECK(!std::filesystem::exists(file));
     CHECK(!has(silent.out, "stop.vtk"));
-    CHECK(summary_of(ring.output).at("obstacle") == "off_target");
+    CHECK(summary_of(ring.output).at("diagnosis") == "off_target");
     REQUIRE(ring.run({"max_al_iterations=1"}).code == 3);
     const Outcome good = ring.run();
     CHECK(good.code == 0);
     CHECK(!std::filesystem::exists(file));
     CHECK(!has(good.out, "\ntry "));
-    for (const std::string what : whats) CHECK(summary_of(ring.output).at("obstacle" + what) == "none");
+    for (const std::string what : whats) CHECK(summary_of(ring.output).at("diagnosis" + what) == "none");
 }
 
 TEST_CASE("numbers beyond the range of double precision end a run as overflow, and no nan is written") {

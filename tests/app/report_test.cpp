@@ -29,7 +29,7 @@ AlIteration al_row() {
     row.relative_quality = 0.9365;
     row.max_distortion = 2.75;
     row.newton_iterations = 4;
-    row.newton_status = Status::rounding_floor;
+    row.newton_status = Status::attainable_accuracy;
     row.update = AlUpdate::both;
     row.seconds = 1.5;
     return row;
@@ -124,7 +124,7 @@ TEST_CASE("an augmented Lagrangian row, in the mesh's units") {
         CHECK(cells["relative_quality"] == "0.9365");
         CHECK(cells["max_distortion"] == "2.75");
         CHECK(cells["newton_iterations"] == "4");
-        CHECK(cells["newton_status"] == "rounding_floor");
+        CHECK(cells["newton_status"] == "attainable_accuracy");
         CHECK(cells["update"] == "lambda+mu");
         CHECK(cells["seconds"] == "1.5");
         for (const char* name : {"newton_iteration", "step_length", "cuts_inverted", "cut_reason", "hessian", "solver"})

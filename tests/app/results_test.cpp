@@ -97,7 +97,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "elements",
                                            "al_iterations",
                                            "newton_iterations",
-                                           "followed_newton_iterations",
+                                           "earlier_newton_iterations",
                                            "coarse_newton_iterations",
                                            "linear_iterations",
                                            "local_steps",
@@ -112,7 +112,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "size_skew_mean",
                                            "size_skew_min",
                                            "power",
-                                           "released_nodes",
+                                           "freed_nodes",
                                            "largest_slide",
                                            "surface_distance",
                                            "straight_faces",
@@ -122,13 +122,13 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "invalid_elements",
                                            "certified_valid",
                                            "certified_injective",
-                                           "obstacle",
-                                           "obstacle_boundary",
-                                           "obstacle_node",
-                                           "obstacle_element",
-                                           "obstacle_x",
-                                           "obstacle_y",
-                                           "obstacle_z",
+                                           "diagnosis",
+                                           "diagnosis_boundary",
+                                           "diagnosis_node",
+                                           "diagnosis_element",
+                                           "diagnosis_x",
+                                           "diagnosis_y",
+                                           "diagnosis_z",
                                            "time_run",
                                            "time_setup",
                                            "time_coarse",
@@ -163,7 +163,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
     CHECK(number(summary, "time_run") == doctest::Approx(phases).epsilon(0.01).scale(1));
     CHECK(summary.at("coarse_newton_iterations") == "0");
     for (const std::string what : {"", "_boundary", "_node", "_element", "_x", "_y", "_z"})
-        CHECK(summary.at("obstacle" + what) == "none");
+        CHECK(summary.at("diagnosis" + what) == "none");
 }
 
 TEST_CASE("the history belongs to the summary") {

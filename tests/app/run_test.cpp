@@ -218,7 +218,7 @@ TEST_CASE("expectations that hold end with code 0, the first that fails with 5 a
 TEST_CASE("a motion that no valid mesh can follow: code 3, and a valid mesh is written") {
     for (const char* objective : {"objective=squared", "objective=deviation"})
         for (const char* algorithm : {"algorithm=adaptive", "algorithm=paper"}) {
-            const RingDeck ring(ring_mesh(32, 2, 3));  // two layers: they cannot be wound that far
+            const RingDeck ring(ring_mesh(32, 2, 3));  // two layers: they cannot be turned that far
             const Outcome outcome = ring.run({"boundary inner=rotate 90", "boundary outer=rotate -90", objective,
                                               algorithm, "expect status = converged"});
             CHECK(outcome.code == 3);
@@ -282,9 +282,10 @@ TEST_CASE("a mesh far from the origin takes the same steps as one at it, to the 
         const RingDeck slid(moved);  // along the circle that it is on
         CHECK(slid.run({concat("boundary inner=rotate 40", about, "; slide")}).code == 0);
         const RingDeck far_off(moved);  // places are those of the file
-        const Outcome stopped = far_off.run({"max_al_iterations=1", "boundary inner=translate 1 0", "follow=never"});
+        const Outcome stopped =
+            far_off.run({"max_al_iterations=1", "boundary inner=translate 1 0", "continuation=never"});
         CHECK(stopped.code == 3);
-        if (far > 0) CHECK(std::abs(number(summary_of(far_off.output), "obstacle_x") - far) <= 1e-5 * far + 4);
+        if (far > 0) CHECK(std::abs(number(summary_of(far_off.output), "diagnosis_x") - far) <= 1e-5 * far + 4);
     }
 }
 

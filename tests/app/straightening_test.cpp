@@ -53,12 +53,13 @@ TEST_CASE("faces that hold up the run are made flat too, until a mesh is certifi
 
 TEST_CASE("a run whose sliding nodes do not find their way names the way out") {
     const TemporaryFolder folder;
-    for (const std::string region : {"all", "folded"}) {
+    for (const std::string local_repair : {"0", "1"}) {
         const Outcome outcome =
-            almesh_with({"inputs/cad/torus.deck", "max_newton_iterations=1", "follow=never", "vtk=none",
-                         "region=" + region, "output=" + folder.path("results")});
+            almesh_with({"inputs/cad/torus.deck", "max_newton_iterations=1", "continuation=never", "vtk=none",
+                         "local_repair=" + local_repair, "output=" + folder.path("results")});
         CHECK(outcome.code == 3);
-        CHECK(has(outcome.out, region == "all" ? "surface = straighten, with which faces are flat where nodes now slide"
-                                               : "surface = straighten without region = folded, with which "));
+        CHECK(has(outcome.out, local_repair == "0"
+                                   ? "surface = straighten, with which faces are flat where nodes now slide"
+                                   : "surface = straighten without local_repair = 1, with which "));
     }
 }

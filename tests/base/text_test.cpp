@@ -69,8 +69,8 @@ TEST_CASE("messages are put together from their parts") {
 
 TEST_CASE("a place in its dimension and unit") {
     const double x[3] = {1.5, -2e-7, 1.0 / 3};
-    CHECK(place_text(x, 2) == "(1.5, -2e-07)");
-    CHECK(place_text(x, 3) == "(1.5, -2e-07, 0.333333)");
+    CHECK(position_text(x, 2) == "(1.5, -2e-07)");
+    CHECK(position_text(x, 3) == "(1.5, -2e-07, 0.333333)");
 }
 
 TEST_CASE("edit distance") {

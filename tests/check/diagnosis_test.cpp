@@ -67,7 +67,7 @@ TEST_CASE("the node farthest from its target, in heights of its cells, with its 
             CHECK(found.distance == doctest::Approx(1));
             CHECK(found.heights == doctest::Approx(2));
             CHECK(found.way == doctest::Approx(0.75));
-            CHECK(found.place[0] == doctest::Approx(3.5));
+            CHECK(found.position[0] == doctest::Approx(3.5));
             CHECK(found.target[0] == doctest::Approx(4.5));
             int last_element = -1;
             for (int e = 0; e < mesh.element_count(); ++e)
@@ -123,7 +123,7 @@ TEST_CASE("the most distorted and the least valid element") {
     CHECK(worst.kind == DiagnosisKind::distorted);
     CHECK(worst.element == 5);
     CHECK(worst.node == -1);
-    CHECK(worst.place == centroid(cube.mesh(), cube.x, cube.mesh().element(5), 4));
+    CHECK(worst.position == centroid(cube.mesh(), cube.x, cube.mesh().element(5), 4));
     std::vector<double> scaled_jacobian(cube.mesh().element_count(), 1.0);
     scaled_jacobian[11] = -0.25;
     const Diagnosis folded = least_valid(cube.last(), scaled_jacobian);
@@ -180,7 +180,7 @@ TEST_CASE("a node of two boundaries belongs to the one that prescribes its place
     }
 }
 
-TEST_CASE("every kind of obstacle has a name of its own") {
+TEST_CASE("every kind of diagnosis has a name of its own") {
     using enum DiagnosisKind;
     CHECK(std::string(to_string(none)) == "none");
     CHECK(std::string(to_string(off_target)) == "off_target");

@@ -78,11 +78,11 @@ TEST_CASE("a face folded by its middle node: its whole straight side is released
     REQUIRE(faults.faces.faults.size() == 1);
     CHECK(faults.faces.faults[0].by_curvature);
     CHECK(!faults.none());
-    CHECK(faults.may_be_mended());
+    CHECK(faults.sliding_may_help());
     target.freed = freed_nodes(square.mesh, target, faults);
     CHECK(target.freed == nodes_of(square.mesh, {"bottom"}));
     CHECK(square.faults(target).none());
-    CHECK(!square.faults(target).may_be_mended());
+    CHECK(!square.faults(target).sliding_may_help());
 }
 
 TEST_CASE("in a mesh cut out of another, nodes at the cut stay, also where they end a side that is released") {
@@ -107,7 +107,7 @@ TEST_CASE("a folded face on a curved side: it and its neighbours are released") 
     mesh.x = mapped(mesh, [](double* p) { p[1] += 0.3 * (1 - p[1]) * p[0] * (p[0] - 1); });
     const BoundaryTarget target = square.target();
     const TargetFaults faults = square.faults(target);
-    REQUIRE(faults.may_be_mended());
+    REQUIRE(faults.sliding_may_help());
     const std::vector<char> freed = freed_nodes(mesh, target, faults), bottom = nodes_of(mesh, {"bottom"});
     for (int i = 0; i < mesh.nodes(); ++i) {
         const double x = point(mesh.x, i, 2)[0];
@@ -121,7 +121,7 @@ TEST_CASE("what slides or is free is no fault, and is not released") {
         CHECK(square.faults(square.target({{"bottom", open}})).none());
         const BoundaryTarget target = square.target({{"right", open}, {"left", open}});
         const TargetFaults faults = square.faults(target);
-        REQUIRE(faults.may_be_mended());
+        REQUIRE(faults.sliding_may_help());
         CHECK(freed_nodes(square.mesh, target, faults) == nodes_of(square.mesh, {"bottom"}));
     }
     const Curved corner = with_wide_corner(0.1);
@@ -137,7 +137,7 @@ TEST_CASE("an element with two curved edges that meet at more than 180 degrees: 
     REQUIRE(faults.elements.size() == 1);
     CHECK(faults.elements[0].by_curvature);
     CHECK(faults.elements[0].scaled_jacobian == doctest::Approx(1 - 16 * 0.01 * 9));
-    CHECK(faults.may_be_mended());
+    CHECK(faults.sliding_may_help());
     target.freed = freed_nodes(square.mesh, target, faults);
     CHECK(target.freed == nodes_of(square.mesh, {"bottom", "right"}));
     CHECK(square.faults(target).none());
@@ -167,7 +167,7 @@ TEST_CASE("a face of a cube folded by a middle node: the nodes of its plane are 
     BoundaryTarget target = cube.target();
     const TargetFaults faults = cube.faults(target);
     CHECK(faults.faces.faults.size() == 2);  // at that edge
-    REQUIRE(faults.may_be_mended());
+    REQUIRE(faults.sliding_may_help());
     target.freed = freed_nodes(cube.mesh, target, faults);
     CHECK(target.freed == nodes_of(cube.mesh, {"bottom"}));
     CHECK(cube.faults(target).none());
@@ -182,13 +182,13 @@ TEST_CASE("targets folded by vertices are not mended by sliding") {
         const TargetFaults faults = find_faults(mesh, mesh.x, target_of(mesh, dented));
         CHECK(faults.elements.size() == 1);
         CHECK(!faults.none());
-        CHECK(!faults.may_be_mended());
+        CHECK(!faults.sliding_may_help());
     }
     Curved square = with_folded_edge();  // one that could be mended beside one that could not
     square.move({1.0 / 6, 0, 0}, {0, 0, 0});
     const TargetFaults faults = square.faults(square.target());
     CHECK(faults.faces.faults.size() >= 2);
-    CHECK(!faults.may_be_mended());
+    CHECK(!faults.sliding_may_help());
 }
 
 TEST_CASE("ten faults are told, and that there are more") {

@@ -132,7 +132,7 @@ TEST_CASE("a boundary that overlaps itself is found though elements and angles a
     CHECK(!found.certified);
     CHECK(mentions(found, "the boundary overlaps itself at face "));
     REQUIRE(found.face >= 0);
-    CHECK(found.place == centroid(strip, closed, strip.face(found.face), 2));
+    CHECK(found.position == centroid(strip, closed, strip.face(found.face), 2));
 }
 
 TEST_CASE("parts that are not connected and lie over each other are not certified, others are") {

@@ -30,9 +30,9 @@ Mat<n> apply(const Tensor<n>& C, const Mat<n>& dF, int lane) {
 }
 
 template <int n>
-Tensor<n> hessian(const Mat<n, Lanes>& F, double delta, Objective objective, double negative_part) {
+Tensor<n> hessian(const Mat<n, Lanes>& F, double delta, Objective objective, double kept_negative) {
     return with_density({.objective = objective}, [&](auto density) {
-        return density_hessian<n>(F, identity<n>(), in_all_lanes(1), density, delta, negative_part);
+        return density_hessian<n>(F, identity<n>(), in_all_lanes(1), density, delta, kept_negative);
     });
 }
 
@@ -146,9 +146,9 @@ TEST_CASE_TEMPLATE("in the coordinates of an element the second derivative is th
         set_lane<n>(inverse_of_A, l, inverse<n>(A));
     }
     const Quadratic<Shape> squared{false};
-    for (const double negative_part : {1.0, 0.3, 0.0}) {
-        const Tensor<n> in_F = density_hessian<n>(F, identity<n>(), in_all_lanes(1), squared, 0, negative_part);
-        const Tensor<n> in_J = density_hessian<n>(J, inverse_of_A, in_all_lanes(3), squared, 0, negative_part);
+    for (const double kept_negative : {1.0, 0.3, 0.0}) {
+        const Tensor<n> in_F = density_hessian<n>(F, identity<n>(), in_all_lanes(1), squared, 0, kept_negative);
+        const Tensor<n> in_J = density_hessian<n>(J, inverse_of_A, in_all_lanes(3), squared, 0, kept_negative);
         for (int l = 0; l < lanes; ++l) {
             const Mat<n> dJ = random_matrix<n>(random), dF = multiply<n>(dJ, lane_of<n>(inverse_of_A, l));
             CHECK(inner<n>(dJ, apply<n>(in_J, dJ, l)) ==

@@ -108,7 +108,7 @@ void check_negative_part() {
     std::mt19937 random(6);
     in_every_lane<n>(symmetric_matrices<n>(random), [](const Mat<n, Lanes>& A) {
         for (const double part : {0.0, 0.3, 1.0}) {
-            const Mat<n, Lanes> B = with_negative_part(A, part);
+            const Mat<n, Lanes> B = filtered(A, part);
             for (int l = 0; l < lanes; ++l) {
                 Mat<n> expected = lane_of<n>(A, l);
                 const double scale = std::sqrt(frobenius_squared<n>(expected));
@@ -141,8 +141,8 @@ void check_lanes_alone() {
         }
     });
     in_every_lane<n>(symmetric_matrices<n>(random), [](const Mat<n, Lanes>& A) {
-        const Mat<n, Lanes> P = with_negative_part(A, 0);
-        for (int l = 0; l < lanes; ++l) CHECK(lane_of<n>(P, l) == lane_of<n>(with_negative_part(alone<n>(A, l), 0), l));
+        const Mat<n, Lanes> P = filtered(A, 0);
+        for (int l = 0; l < lanes; ++l) CHECK(lane_of<n>(P, l) == lane_of<n>(filtered(alone<n>(A, l), 0), l));
     });
 }
 

@@ -56,9 +56,9 @@ TEST_CASE("work is counted in passes over an entry: iterations times entries, of
         const std::vector<double> b = random_vector(A.size());
         std::vector<double> x;
         const SolveResult iterated = LinearSolver(3, params_of(SolverKind::cg)).solve(A, b, x);
-        CHECK(iterated.passes == static_cast<double>(iterated.iterations) * A.blocks() * 9);
+        CHECK(iterated.work == static_cast<double>(iterated.iterations) * A.blocks() * 9);
         LinearSolver direct(3, params_of(SolverKind::cholesky));
-        const double passes = direct.solve(A, b, x).passes;
+        const double passes = direct.solve(A, b, x).work;
         CHECK(std::log(passes / 8.5) == doctest::Approx(0.7 * std::log(direct.factor_flops())));
         return passes / direct.factor_flops();
     };

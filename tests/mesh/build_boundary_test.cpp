@@ -128,14 +128,14 @@ TEST_CASE("boundary faces that lie on each other because nodes are not joined ar
     raw.nodes.push_back({9, {1, 1, 0}, 9});  // node 3 once more, of the second triangle
     raw.element_nodes[raw.elements[5].first + 1] = 4;
     raw.element_nodes[raw.elements[2].first] = 4;
-    check_refused(raw, "the centre (0.5, 0.5); 1 pair lies on each other, as nodes 3, 9 are in one place: unless "
+    check_refused(raw, "the centre (0.5, 0.5); 1 pair lies on each other, as nodes 3, 9 are at one point: unless "
                        "the mesh is to be cut there, join such nodes (in gmsh: Coherence Mesh); "
                        "else put every boundary curve");
     std::erase_if(raw.elements, [](const RawElement& element) { return element.dim == 1; });
     Strings notes;
     build_mesh(raw, notes);
     REQUIRE(notes.size() == 2);
-    CHECK(notes[1] == "of the boundary's faces, 1 pair lies on each other, as nodes 3, 9 are in one place: unless the "
+    CHECK(notes[1] == "of the boundary's faces, 1 pair lies on each other, as nodes 3, 9 are at one point: unless the "
                       "mesh is to be cut there, join such nodes (in gmsh: Coherence Mesh)");
 }
 

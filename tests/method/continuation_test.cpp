@@ -22,7 +22,7 @@ std::string value(const RingDeck& ring, const std::string& quantity) { return su
 
 int count(const RingDeck& ring, const std::string& quantity) { return std::stoi(value(ring, quantity)); }
 
-// Degrees by which the mesh is wound from the outer circle to the inner one, along nodes that were on a ray.
+// Degrees by which the mesh has turned from the outer circle to the inner one, along nodes that were on a ray.
 double winding(const std::string& path) {
     const Mesh mesh = mesh_of(path);
     double degrees = 0;
@@ -43,10 +43,10 @@ TEST_CASE("half a turn winds the whole mesh one way, in two parts") {
             const Outcome outcome = ring.run({"boundary inner=rotate 180", objective, refine, "start=identity"});
             CHECK(outcome.code == 0);
             CHECK(value(ring, "status") == "converged");
-            CHECK(count(ring, "followed_newton_iterations") > 0);
-            CHECK(count(ring, "newton_iterations") + count(ring, "followed_newton_iterations") <= 70);
+            CHECK(count(ring, "earlier_newton_iterations") > 0);
+            CHECK(count(ring, "newton_iterations") + count(ring, "earlier_newton_iterations") <= 70);
             CHECK(has(outcome.out, "  0.5 of the motion\n"));
-            CHECK(has(outcome.out, " on earlier parts of the motion) in "));
+            CHECK(has(outcome.out, " on earlier load increments) in "));
             const auto rows = csv_rows(text_of(ring.output + "/history.csv"));
             CHECK(rows[1][0] == "part");
             CHECK(rows[0][28] == "fraction");
@@ -58,22 +58,22 @@ TEST_CASE("half a turn winds the whole mesh one way, in two parts") {
 
 TEST_CASE("turns of up to 90 degrees are made at once, larger ones by the shorter way, or as they are written") {
     const RingDeck ring(ring_mesh(around, layers, 20));
-    const auto wound = [&](const std::string& motion, const std::string& follow) {
-        REQUIRE(ring.run({"boundary inner=" + motion, "follow=" + follow}).code == 0);
+    const auto winding_after = [&](const std::string& motion, const std::string& continuation) {
+        REQUIRE(ring.run({"boundary inner=" + motion, "continuation=" + continuation}).code == 0);
         return winding(ring.output + "/final.msh");
     };
-    CHECK(wound("rotate 90", "auto") == doctest::Approx(90));
-    CHECK(count(ring, "followed_newton_iterations") == 0);
-    CHECK(wound("rotate 270", "auto") == doctest::Approx(-90));
-    CHECK(count(ring, "followed_newton_iterations") == 0);
-    CHECK(wound("rotate 150", "never") == doctest::Approx(150));
-    CHECK(count(ring, "followed_newton_iterations") == 0);
-    CHECK(wound("rotate 270", "always") == doctest::Approx(270));
-    CHECK(wound("rotate -270", "always") == doctest::Approx(-270));
-    CHECK(wound("rotate 360", "always") == doctest::Approx(360));
-    CHECK(wound("rotate 360", "auto") == doctest::Approx(0));
-    wound("translate 3 1", "always");
-    CHECK(count(ring, "followed_newton_iterations") == 0);
+    CHECK(winding_after("rotate 90", "auto") == doctest::Approx(90));
+    CHECK(count(ring, "earlier_newton_iterations") == 0);
+    CHECK(winding_after("rotate 270", "auto") == doctest::Approx(-90));
+    CHECK(count(ring, "earlier_newton_iterations") == 0);
+    CHECK(winding_after("rotate 150", "never") == doctest::Approx(150));
+    CHECK(count(ring, "earlier_newton_iterations") == 0);
+    CHECK(winding_after("rotate 270", "always") == doctest::Approx(270));
+    CHECK(winding_after("rotate -270", "always") == doctest::Approx(-270));
+    CHECK(winding_after("rotate 360", "always") == doctest::Approx(360));
+    CHECK(winding_after("rotate 360", "auto") == doctest::Approx(0));
+    winding_after("translate 3 1", "always");
+    CHECK(count(ring, "earlier_newton_iterations") == 0);
 }
 
 TEST_CASE("both boundaries turn, in another unit and far from the origin, curved") {
@@ -91,25 +91,25 @@ TEST_CASE("both boundaries turn, in another unit and far from the origin, curved
 TEST_CASE("the schedules of the paper do not follow, unless they are told to") {
     const RingDeck ring(ring_mesh(around, layers, 20));
     ring.run({"boundary inner=rotate 130", "algorithm=paper"});
-    CHECK(count(ring, "followed_newton_iterations") == 0);
-    CHECK(ring.run({"boundary inner=rotate 180", "algorithm=paper", "follow=always"}).code == 0);
-    CHECK(count(ring, "followed_newton_iterations") > 0);
+    CHECK(count(ring, "earlier_newton_iterations") == 0);
+    CHECK(ring.run({"boundary inner=rotate 180", "algorithm=paper", "continuation=always"}).code == 0);
+    CHECK(count(ring, "earlier_newton_iterations") > 0);
 }
 
 TEST_CASE("a motion that fails at once is followed in halves; one out of reach is not") {
     const RingDeck ring(ring_mesh(around, layers, 20));
     // Three steps are too few for the whole way.
     const Outcome outcome = ring.run({"boundary inner=translate 6 0", "max_newton_iterations=3"});
-    CHECK(count(ring, "followed_newton_iterations") > 0);
+    CHECK(count(ring, "earlier_newton_iterations") > 0);
     CHECK(outcome.code == 0);
     const RingDeck thin(ring_mesh(32, 2, 3));
     CHECK(thin.run({"boundary inner=rotate 90", "boundary outer=rotate -90", "objective=squared"}).code == 3);
     CHECK(value(thin, "status") == "infeasible");
-    CHECK(count(thin, "followed_newton_iterations") == 0);
+    CHECK(count(thin, "earlier_newton_iterations") == 0);
 }
 
 TEST_CASE("where boundaries with common nodes agree on the whole motion only, it is made at once") {
-    for (const char* setting : {"follow=auto", "follow=always"}) {
+    for (const char* setting : {"continuation=auto", "continuation=always"}) {
         const TemporaryFolder folder;
         folder.write("cube.msh", msh_of(cube_mesh(2)));
         const std::string about = " axis 0 0 1 about 0.5 0.5 0.5\n";
@@ -120,14 +120,14 @@ TEST_CASE("where boundaries with common nodes agree on the whole motion only, it
         const Outcome outcome = almesh_with({path, setting});
         CHECK(outcome.error.empty());
         CHECK(outcome.code == 0);
-        CHECK(summary_of(folder.path("out")).at("followed_newton_iterations") == "0");
+        CHECK(summary_of(folder.path("out")).at("earlier_newton_iterations") == "0");
     }
 }
 
 TEST_CASE("what cannot be followed is tried at once at last, with all the steps it may take") {
-    const RingDeck ring(ring_mesh(16, 2, 2));  // two layers: they cannot be wound that far
+    const RingDeck ring(ring_mesh(16, 2, 2));  // two layers: they cannot be turned that far
     CHECK(ring.run({"boundary inner=rotate 170"}).code == 3);
-    CHECK(count(ring, "followed_newton_iterations") > 0);
+    CHECK(count(ring, "earlier_newton_iterations") > 0);
     const auto summary = summary_of(ring.output);
     CHECK(number(summary, "constraint_norm") > 0.01);
     CHECK(number(summary, "relative_boundary_error") > 0.01);
@@ -136,7 +136,7 @@ TEST_CASE("what cannot be followed is tried at once at last, with all the steps 
 
 TEST_CASE("a turn beyond half of one that cannot be followed is not made the shorter way instead") {
     const RingDeck ring(ring_mesh(12, 2, 1.5));  // two layers: 30 degrees of winding are much
-    const Outcome outcome = ring.run({"boundary inner=rotate 720", "follow=always", "weight_exponent=1"});
+    const Outcome outcome = ring.run({"boundary inner=rotate 720", "continuation=always", "weight_exponent=1"});
     CHECK(outcome.code == 3);
     CHECK(value(ring, "status") != "converged");
     CHECK(std::stod(value(ring, "max_distortion")) > 2);  // it is not the mesh as it was
@@ -157,7 +157,7 @@ TEST_CASE("an interrupted part reports how far the boundary is from the target o
         minimise_in_increments(level, newton, {}, x, {}, {}, [](const Stage&) { interrupt_flag = 1; });
     clear_interrupt();
     CHECK(result.status == Status::interrupted);
-    CHECK(result.followed_newton_iterations > 0);
+    CHECK(result.earlier_newton_iterations > 0);
     CHECK(result.iterations.back().projected_constraint_norm == level.constraint->projected_norm(x));
     CHECK(result.iterations.back().projected_constraint_norm > 0.1);
 }
@@ -174,7 +174,7 @@ TEST_CASE("a minimisation that does not end takes 100 steps, and a part of a mot
         CHECK(part.newton_iterations == 100);
     });
     CHECK(fractions == std::vector<double>{0.5, 0.25, 0.125, 0.0625, 0.03125});
-    CHECK(result.followed_newton_iterations == 600);  // and the motion at once
+    CHECK(result.earlier_newton_iterations == 600);  // and the motion at once
     CHECK(result.status == Status::max_newton_iterations);
     CHECK(result.newton_iterations == 250);  // the last resort
 }

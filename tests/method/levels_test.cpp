@@ -193,7 +193,7 @@ TEST_CASE("the algorithm as printed does not start coarse") {
 
 TEST_CASE("where the coarse mesh fails, the next one starts from the identity map") {
     const RingDeck ring;
-    const Outcome outcome = ring.run({"refine=1", "max_newton_iterations=1", "follow=never"});
+    const Outcome outcome = ring.run({"refine=1", "max_newton_iterations=1", "continuation=never"});
     CHECK(outcome.code == 3);
     CHECK(has(outcome.out, "48 nodes, not used\n"));
     CHECK(rows_of_kind(ring.output, "coarse")[0][14] == "dropped");

@@ -188,7 +188,7 @@ TEST_CASE("local minimisations wait while they have done more than a sixth of th
     elimination.eliminate(at.E, at.H, at.g, 0, at.x, at.energy);
     CHECK_FALSE(is_due());
     const double work = elimination.state().work;
-    CHECK(work > 2 * at.E.distortion.hessian_passes() * 0.1);  // elements around the node, in some steps
+    CHECK(work > 2 * at.E.distortion.hessian_work() * 0.1);  // elements around the node, in some steps
     elimination.add_work_of_newton(5.5 * work);
     CHECK_FALSE(is_due());
     LocalElimination other;

@@ -10,7 +10,7 @@ TEST_CASE("every status has a name of its own") {
     CHECK(std::string(to_string(Status::converged)) == "converged");
     CHECK(std::string(to_string(Status::infeasible)) == "infeasible");
     CHECK(std::string(to_string(Status::stalled)) == "stalled");
-    CHECK(std::string(to_string(Status::rounding_floor)) == "rounding_floor");
+    CHECK(std::string(to_string(Status::attainable_accuracy)) == "attainable_accuracy");
     CHECK(std::string(to_string(Status::ended_as_printed)) == "ended_as_printed");
     CHECK(std::string(to_string(Status::max_al_iterations)) == "max_al_iterations");
     CHECK(std::string(to_string(Status::max_newton_iterations)) == "max_newton_iterations");
@@ -18,7 +18,7 @@ TEST_CASE("every status has a name of its own") {
     CHECK(std::string(to_string(Status::linear_solver_failed)) == "linear_solver_failed");
     CHECK(std::string(to_string(Status::overflow)) == "overflow");
     CHECK(std::string(to_string(Status::interrupted)) == "interrupted");
-    CHECK(std::string(to_string(Status::out_of_reach)) == "out_of_reach");
+    CHECK(std::string(to_string(Status::infeasible)) == "infeasible");
     CHECK(std::string(to_string(Status::inverted)) == "inverted");
     CHECK(std::string(to_string(Status::invalid_start)) == "invalid_start");
 }

@@ -4,8 +4,8 @@
 
 namespace almesh::lessons {
 
-// 6.1 The place x at which 1/2 kappa x^2 + mu/2 (x - g)^2 is smallest: a spring of stiffness kappa, which wants to be
-// at 0, and a penalty, which wants it at g.
+// 6.1 The position x at which 1/2 kappa x^2 + mu/2 (x - g)^2 is smallest: a spring of stiffness kappa, which wants to
+// be at 0, and a penalty, which wants it at g.
 double penalised_place(double kappa, double g, double mu);
 
 // 6.2 The smallest mu >= 0 for which that x is no farther than `tolerance` from g.

@@ -34,8 +34,8 @@ std::vector<int> nested_dissection(const Graph& graph);
 std::vector<int> reverse_cuthill_mckee(const Graph& graph);
 
 // One order for all that sweep over the rows of a matrix (RowOrder in block_csr.hpp): a few domains, those with most
-// edges first, and the separators between them, each in reverse Cuthill-McKee order. Eight domains whatever the number of
-// threads; a single one where the graph has less than a thousand vertices.
+// edges first, and the separators between them, each in reverse Cuthill-McKee order. Eight domains whatever the number
+// of threads; a single one where the graph has less than a thousand vertices.
 // Only the share of the separators in the rows counts here, so a coarse graph is cut: that takes a fraction of the time
 // of nested dissection, for separators half as large again. O(edges).
 RowOrder cut_into_domains(const Graph& graph);

@@ -1,4 +1,4 @@
-#include "app/mending.hpp"
+#include "app/local_repair.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -11,12 +11,12 @@
 namespace almesh {
 namespace {
 
-constexpr double first_reach = 0.5;  // around a folded element, in units of its longest edge
-constexpr int most_newton_steps = 30;  // of a subproblem: a region that needs more is too small
+constexpr double first_reach = 0.5;  // around an inverted element, in units of its longest edge
+constexpr int most_newton_steps = 30;  // of a subproblem: a part that needs more is too small
 constexpr double worthwhile = 0.7;  // part of the connected elements, beyond which the mesh may as well move as a whole
 
-// The region's run: the settings are the deck's, and so is the unit of length.
-Deck deck_of_region(Deck deck, double unit) {
+// The part's run: the settings are the deck's, and so is the unit of length.
+Deck deck_of_part(Deck deck, double unit) {
     DeckBoundary all;
     all.name = "all";
     all.motion = parse_motion("fixed");
@@ -25,32 +25,32 @@ Deck deck_of_region(Deck deck, double unit) {
     deck.write_system = deck.iterates = 0;
     deck.wall.clear();
     deck.length_scale = unit;
-    deck.region = Region::all;
+    deck.local_repair = 0;
     deck.method.max_newton_iterations = std::min(deck.method.max_newton_iterations, most_newton_steps);
     return deck;
 }
 
-std::vector<char> folded_elements(const Mesh& mesh, const CertificateParams& params) {
+std::vector<char> inverted_elements(const Mesh& mesh, const CertificateParams& params) {
     constexpr double useless = 0.01;  // scaled Jacobian that leaves no element of any use
     const std::vector<double> bound = certify(mesh, mesh.x, params).lower_bound;
-    std::vector<char> folded(bound.size());
-    for (std::size_t e = 0; e < bound.size(); ++e) folded[e] = bound[e] < useless;
-    return folded;
+    std::vector<char> inverted(bound.size());
+    for (std::size_t e = 0; e < bound.size(); ++e) inverted[e] = bound[e] < useless;
+    return inverted;
 }
 
-// mesh.x with the nodes of the chosen elements where the region's run has taken them; empty where it has moved one that
-// others have too. found: of the region.
-std::vector<double> with_region(const Mesh& mesh, const std::vector<char>& chosen, const Mesh& region,
+// mesh.x with the nodes of the chosen elements where the part's run has taken them; empty where it has moved one that
+// others have too. found: of the part.
+std::vector<double> with_part(const Mesh& mesh, const std::vector<char>& chosen, const Mesh& part,
                                 const std::vector<double>& found) {
     const int dim = mesh.dim;
-    std::vector<char> is_shared(region.nodes(), 0);
-    for (std::size_t k = 0; k < region.faces.size(); ++k)
-        is_shared[region.faces[k]] |= region.face_boundary[k / region.face_nodes()] == region.cut;
+    std::vector<char> is_shared(part.nodes(), 0);
+    for (std::size_t k = 0; k < part.faces.size(); ++k)
+        is_shared[part.faces[k]] |= part.face_boundary[k / part.face_nodes()] == part.cut;
     std::vector<double> x = mesh.x;
     for (int e = 0, r = 0; e < mesh.element_count(); ++e) {
         if (!chosen[e]) continue;
         for (int k = 0; k < mesh.element_nodes(); ++k) {
-            const int here = mesh.element(e)[k], there = region.element(r)[k];
+            const int here = mesh.element(e)[k], there = part.element(r)[k];
             const double* const to = point(found, there, dim);
             if (is_shared[there] && !std::equal(to, to + dim, point(mesh.x, here, dim))) return {};
             std::copy_n(to, dim, point(x, here, dim));
@@ -84,36 +84,36 @@ bool is_valid(const Mesh& mesh, const std::vector<double>& x, const CertificateP
 
 }  // namespace
 
-Solution mend(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
+Solution repair_locally(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
     Mesh mesh = problem.mesh();
     mesh.x = problem.file_x;
-    const std::vector<char> is_folded = folded_elements(mesh, deck.certificate);
+    const std::vector<char> is_inverted = inverted_elements(mesh, deck.certificate);
     const auto count = [](const std::vector<char>& some) {
         return static_cast<int>(std::count(some.begin(), some.end(), 1));
     };
-    const int folded = count(is_folded);
+    const int inverted = count(is_inverted);
     const std::vector<char> is_prescribed = prescribed_nodes(mesh, problem.target);
     Solution solution;
     solution.x = problem.mesh().x;
-    bool is_mended = folded == 0;
-    const double most = worthwhile * count(surroundings(mesh, is_folded, std::numeric_limits<double>::infinity()));
-    for (double reach = first_reach; !is_mended; reach *= 2) {
-        const std::vector<char> chosen = surroundings(mesh, is_folded, reach);
+    bool is_repaired = inverted == 0;
+    const double most = worthwhile * count(surroundings(mesh, is_inverted, std::numeric_limits<double>::infinity()));
+    for (double reach = first_reach; !is_repaired; reach *= 2) {
+        const std::vector<char> chosen = surroundings(mesh, is_inverted, reach);
         if (count(chosen) > most) return solve(deck, problem);
-        std::fprintf(out, "%s folded in the file, of %d: %d around move\n", counted(folded, "element").c_str(),
+        std::fprintf(out, "%s inverted in the file, of %d: %d around move\n", counted(inverted, "element").c_str(),
                      mesh.element_count(), count(chosen));
-        const Deck of_region = deck_of_region(deck, problem.frame.length);
-        std::optional<Problem> region;
+        const Deck of_part = deck_of_part(deck, problem.frame.length);
+        std::optional<Problem> part;
         try {
-            region = make_problem(of_region, part_of(mesh, chosen, "the rest of the mesh"), problem.mesh_hash, {},
+            part = make_problem(of_part, part_of(mesh, chosen, "the rest of the mesh"), problem.mesh_hash, {},
                                   {problem.sliding.get(), boundary_faces(mesh, chosen)});
         } catch (const InputError&) {  // what stays of its boundary folds elements, or surfaces are not known there
             continue;
         }
-        region->run_id = problem.run_id;
-        solution = solve(of_region, *region);
+        part->run_id = problem.run_id;
+        solution = solve(of_part, *part);
         const std::vector<double> X =
-            with_region(mesh, chosen, region->mesh(), final_positions(*region, solution.x));
+            with_part(mesh, chosen, part->mesh(), final_positions(*part, solution.x));
         solution.x = problem.ideal();
         if (solution.al.status == Status::interrupted) break;
         if (solution.al.status != Status::converged || X.empty()) continue;
@@ -121,20 +121,20 @@ Solution mend(const Deck& deck, Problem& problem, const Solve& solve, std::FILE*
         for (std::size_t i = 0; i < x.size(); ++i)
             if (X[i] != mesh.x[i]) x[i] = problem.frame.to_run(X[i], i, mesh.dim);
         const std::vector<char> moved = moved_nodes(mesh, X);
-        bool keeps_boundary = true;  // but for what the target releases
+        bool keeps_boundary = true;  // but for what the target frees to slide
         for (int i = 0; i < mesh.nodes(); ++i) keeps_boundary = keeps_boundary && !(moved[i] && is_prescribed[i]);
-        is_mended = keeps_boundary && is_valid(problem.mesh(), x, deck.certificate);
-        if (!is_mended) continue;
+        is_repaired = keeps_boundary && is_valid(problem.mesh(), x, deck.certificate);
+        if (!is_repaired) continue;
         solution.x = std::move(x);
         for (std::size_t i = 0; i < problem.target.freed.size(); ++i) problem.target.freed[i] &= moved[i];
     }
     set_functional(deck, problem);
-    solution.al.lambda.assign(problem.level->constraint->multipliers(), 0.0);  // the region has others
+    solution.al.lambda.assign(problem.level->constraint->multipliers(), 0.0);  // the part has others
     solution.al.gradient.clear();
     const AlIteration now =
         measured(*problem.level->energy, *problem.level->constraint, solution.x, solution.al.distortion);
-    if (folded == 0) {
-        std::fprintf(out, "no element is folded in the file: nothing moves\n");
+    if (inverted == 0) {
+        std::fprintf(out, "no element is inverted in the file: nothing moves\n");
         solution.al.iterations.push_back(now);
         solution.al.iterations.back().gradient_norm = 0;
     }

@@ -1,4 +1,4 @@
-#include "app/mending.hpp"
+#include "app/local_repair.hpp"
 
 #include <doctest/doctest.h>
 
@@ -29,7 +29,7 @@ Mesh with_bump(const Mesh& linear, double height) {
 
 std::string deck_of(const TemporaryFolder& folder, const Mesh& mesh, const std::string& more = "") {
     folder.write("bump.msh", msh_of(mesh));
-    return folder.write("bump.deck", "mesh = bump.msh\nthreads = 1\nregion = folded\noutput = " +
+    return folder.write("bump.deck", "mesh = bump.msh\nthreads = 1\nlocal_repair = 1\noutput = " +
                                          folder.path("results") + "\nboundary all = fixed\n" + more);
 }
 
@@ -42,7 +42,7 @@ std::map<long long, std::array<double, 3>> places_of(const Mesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("elements that are folded in the file are mended, and nodes away from them keep its bits") {
+TEST_CASE("elements that are inverted in the file are repaired, and nodes away from them keep its bits") {
     for (const double far : {0.0, 1e5}) {
         const TemporaryFolder folder;
         Mesh mesh = with_bump(square_mesh(8), 0.12);
@@ -51,7 +51,7 @@ TEST_CASE("elements that are folded in the file are mended, and nodes away from 
         CAPTURE(far);
         const Outcome outcome = almesh_with({deck_of(folder, mesh)});
         CHECK(outcome.code == 0);
-        CHECK(has(outcome.out, " folded in the file, of "));
+        CHECK(has(outcome.out, " inverted in the file, of "));
         const auto summary = summary_of(folder.path("results"));
         CHECK(summary.at("status") == "converged");
         CHECK(summary.at("certified_injective") == "yes");
@@ -72,7 +72,7 @@ TEST_CASE("elements that are folded in the file are mended, and nodes away from 
 
 TEST_CASE("a folded CAD surface is mended where it is folded: nodes around slide along it, the others stay") {
     const TemporaryFolder folder;
-    const Outcome outcome = almesh_with({"inputs/cad/torus.deck", "region=folded", "output=" + folder.path("torus")});
+    const Outcome outcome = almesh_with({"inputs/cad/torus.deck", "local_repair=1", "output=" + folder.path("torus")});
     CHECK(outcome.code == 0);
     const auto before = places_of(mesh_of("inputs/cad/torus.msh")),
                after = places_of(mesh_of(folder.path("torus/final.msh")));
@@ -82,9 +82,9 @@ TEST_CASE("a folded CAD surface is mended where it is folded: nodes around slide
     CHECK(stayed < static_cast<int>(before.size()));
 }
 
-TEST_CASE("in thin layers the first region goes through all of them, and is enough") {
+TEST_CASE("in thin layers the first part goes through all of them, and is enough") {
     const TemporaryFolder folder;
-    const Outcome outcome = almesh_with({"inputs/cad/layers.deck", "region=folded", "output=" + folder.path("layers")});
+    const Outcome outcome = almesh_with({"inputs/cad/layers.deck", "local_repair=1", "output=" + folder.path("layers")});
     CHECK(outcome.code == 0);
     const std::size_t first = outcome.out.find("around move");
     REQUIRE(first != std::string::npos);
@@ -92,17 +92,17 @@ TEST_CASE("in thin layers the first region goes through all of them, and is enou
     CHECK(std::stod(summary_of(folder.path("layers")).at("max_distortion")) < 2);
 }
 
-TEST_CASE("where no element is folded in the file nothing moves") {
+TEST_CASE("where no element is inverted in the file nothing moves") {
     const TemporaryFolder folder;
     const Mesh mesh = with_bump(square_mesh(8), 0.01);
     const Outcome outcome = almesh_with({deck_of(folder, mesh)});
     CHECK(outcome.code == 0);
-    CHECK(has(outcome.out, "no element is folded in the file: nothing moves"));
+    CHECK(has(outcome.out, "no element is inverted in the file: nothing moves"));
     CHECK(places_of(mesh_of(folder.path("results/final.msh"))) == places_of(mesh_of(folder.path("bump.msh"))));
     CHECK(summary_of(folder.path("results")).at("newton_iterations") == "0");
 }
 
-TEST_CASE("a region that cannot be mended alone grows, to the whole mesh at last") {
+TEST_CASE("a part that cannot be repaired alone grows, to the whole mesh at last") {
     const TemporaryFolder folder;
     const Mesh mesh = with_bump(square_mesh(3), 0.3);
     const Outcome outcome = almesh_with({deck_of(folder, mesh)});
@@ -110,16 +110,16 @@ TEST_CASE("a region that cannot be mended alone grows, to the whole mesh at last
     CHECK(almesh_with({"quality", folder.path("results/final.msh")}).code == 0);
 }
 
-TEST_CASE("region = folded is refused where the mesh is to change") {
+TEST_CASE("local_repair = 1 is refused where the mesh is to change") {
     const TemporaryFolder folder;
     const std::string deck = deck_of(folder, with_bump(square_mesh(8), 0.12));
     for (const char* setting : {"boundary all=translate 1 0", "boundary all=slide", "refine=1", "degree=4",
                                 "method=elasticity"}) {
         const Outcome outcome = almesh_with({deck, setting});
         CHECK(outcome.code == 1);
-        CHECK(has(outcome.error, "does not go with region = folded"));
+        CHECK(has(outcome.error, "does not go with local_repair = 1"));
     }
-    CHECK(almesh_with({deck, "region=all"}).code == 0);
+    CHECK(almesh_with({deck, "local_repair=0"}).code == 0);
 }
 
 TEST_CASE("mending is interrupted and resumed, and has the same bits for any number of threads") {
