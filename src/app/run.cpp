@@ -190,7 +190,7 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
     observer.newton_step = [&](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
     AlStart start = start_from(coarse, level, solution.x);  // the coarse solution or the identity map
     if (starts_coarse(deck) && identity_is_near(deck, problem)) start.mu = largest_start_penalty;
-    Newton newton(level.energy->hessian_pattern(), deck.linear, deck.forcing);
+    Newton newton(level.energy->hessian_pattern(), deck.linear, {.forcing = deck.forcing});
     write_system(deck, newton, report);
     write_iterates(deck, problem, newton, solution.x);
     solution.time.setup = watch.seconds() - solution.time.coarse;

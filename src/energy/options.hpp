@@ -35,7 +35,8 @@ enum class HessianKind {
 
 struct Projection {
     double damping = 0;        // t, see distortion_energy.hpp
-    double kept_negative = 0;  // by which negative eigenvalues are multiplied: with 1 the Hessian would be the full one
+    double kept_negative = 0;  // by which negative eigenvalues are multiplied
+    bool is_full() const { return damping == 0 && kept_negative == 1; }  // nothing is projected
 };
 
 }  // namespace almesh

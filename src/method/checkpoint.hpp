@@ -32,6 +32,8 @@ struct Minimised {
     std::vector<NewtonStep> steps;  // for those who follow the run
 };
 
+struct AugmentedFunctional;
+
 class Checkpoint {
 public:
     using Tell = std::function<void(const std::string& note)>;

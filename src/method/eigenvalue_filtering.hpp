@@ -20,7 +20,7 @@ struct EigenvalueFiltering {
     static EigenvalueFiltering of_mesh() { return {}; }
     // Local minimisations, whose systems are small: all of them first, more after every full or longer step, and none
     // only where a Hessian gives no step.
-    static EigenvalueFiltering of_few_nodes() { return {1, 1, least, least, true}; }
+    static EigenvalueFiltering of_few_nodes() { return {1, 1, least, least, true, false}; }
 
     // The Hessian gave no descent direction or no step.
     void weaken() { kept = kept / 2 < least ? 0 : kept / 2; }
@@ -33,6 +33,7 @@ struct EigenvalueFiltering {
 
     double most = 0.9, first = 0.2, least_after_cut = 0;
     bool after_full_steps = false;
+    bool only_direct = true;  // none for iterative solvers
     static constexpr double least = 0.1;  // but for 0
 };
 

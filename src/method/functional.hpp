@@ -1,44 +1,84 @@
-// The augmented Lagrangian functional (paper, Eq. 6),
+// What Newton's method minimises: Functional, and the augmented Lagrangian functional (paper, Eq. 6),
 //
 //     E(x) = |M phi - 1|^2 - (lambda, c_D) + penalty/2 |c_D|^2,   phi = sum x_i N_i,
 //
 // as a function of the node positions x, for given multipliers and penalty weight. The distortion term is the objective
-// that the DistortionEnergy was built with, the rest the constraint's.
+// that the DistortionEnergy was built with, the rest the constraint's. Of some of the nodes: local_functional.hpp.
 #pragma once
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.hpp"
 #include "constraint/constraint.hpp"
 #include "energy/distortion_energy.hpp"
 #include "method/fixed_nodes.hpp"
+#include "method/line_search.hpp"
 
 namespace almesh {
 
-struct AugmentedFunctional {
-    DistortionEnergy& distortion;
-    Constraint& constraint;
-    std::vector<double> lambda;
-    double penalty = 0;
-    std::vector<char> fixed = {};  // per node: whether it stays where it is; empty: none does
+class LocalFunctional;
+
+// x: positions of the nodes that it is a function of, nodes x dim. Evaluations use work space of the object.
+struct Functional {
+    DistortionEnergy& distortion;  // its part that elements have
+
+    explicit Functional(DistortionEnergy& of_elements) : distortion(of_elements) {}
+    virtual ~Functional() = default;
 
     // Infinite where an element is inverted at a quadrature point (unless the distortion is regularised).
-    double energy(const std::vector<double>& x) const {
+    virtual double energy(const std::vector<double>& x) const = 0;
+    // Of the distortion alone. energy: E(x), so that no element need be looked at again.
+    virtual double distortion_energy(const std::vector<double>& x, double energy) const = 0;
+    // How much of a step is valid, in [0, 1]: DistortionEnergy::valid_fraction().
+    virtual double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) const = 0;
+    virtual void gradient(const std::vector<double>& x, std::vector<double>& g) const = 0;
+    virtual void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
+                         const Projection& projection = {}) const = 0;
+    // By how much rounding of x changes E beyond the rounding of a sum. force: work space, the size of x.
+    virtual double rounding_error(const std::vector<double>& /*x*/, std::vector<double>& /*force*/) const { return 0; }
+    // Second-order correction of the step d from x (constraint.hpp); empty where there is none. x, d: used when called.
+    virtual BendFunction bend(const std::vector<double>& /*x*/, const std::vector<double>& /*d*/) const { return {}; }
+    virtual void fix(std::vector<double>& /*d*/) const {}  // sets to zero what is of nodes that stay where they are
+    // As a function of the nodes with moves[i]; those that stay where they are are left out.
+    virtual std::unique_ptr<LocalFunctional> part(const std::vector<double>& x, std::vector<char> moves) const = 0;
+};
+
+struct AugmentedFunctional : Functional {
+    Constraint& constraint;
+    std::vector<double> lambda;
+    double penalty;
+    std::vector<char> fixed;  // per node: whether it stays where it is; empty: none does
+
+    AugmentedFunctional(DistortionEnergy& of_elements, Constraint& of_boundary, std::vector<double> multipliers,
+                        double weight = 0, std::vector<char> nodes = {})
+        : Functional(of_elements),
+          constraint(of_boundary),
+          lambda(std::move(multipliers)),
+          penalty(weight),
+          fixed(std::move(nodes)) {}
+
+    double energy(const std::vector<double>& x) const override {
         const double value = distortion.energy(x);
         return std::isfinite(value) ? value + constraint.value(x, lambda, penalty) : value;
     }
 
-    double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) const {
+    double distortion_energy(const std::vector<double>& x, double energy) const override {
+        return energy - constraint.value(x, lambda, penalty);
+    }
+
+    double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) const override {
         return distortion.valid_fraction(x, to);
     }
 
-    void gradient(const std::vector<double>& x, std::vector<double>& g) const {
+    void gradient(const std::vector<double>& x, std::vector<double>& g) const override {
         std::fill(g.begin(), g.end(), 0.0);
         distortion.add_gradient(x, g);
         constraint.add_gradient(x, lambda, penalty, g);
-        fix_nodes(fixed, distortion.dim(), g);
+        fix(g);
     }
 
     std::vector<double> gradient(const std::vector<double>& x) const {
@@ -48,16 +88,16 @@ struct AugmentedFunctional {
     }
 
     void hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
-                 const Projection& projection = {}) const {
+                 const Projection& projection = {}) const override {
         parallel_for(H.n, [&H](int i) { std::fill(H.block(H.row[i]), H.block(H.row[i + 1]), 0.0); });
         distortion.add_hessian(x, kind, H, projection);
         constraint.add_hessian(x, lambda, penalty, kind != HessianKind::full, H);
         fix_nodes(fixed, H);
     }
 
-    // By how much rounding the positions at which the constraint is evaluated changes E: small c with large multipliers
-    // and penalties are differences of positions times large forces. force: work space, the size of x.
-    double rounding_error(const std::vector<double>& x, std::vector<double>& force) const {
+    // Of the positions at which the constraint is evaluated: small c with large multipliers and penalties are
+    // differences of positions times large forces.
+    double rounding_error(const std::vector<double>& x, std::vector<double>& force) const override {
         std::fill(force.begin(), force.end(), 0.0);
         constraint.add_gradient(x, lambda, penalty, force);
         double sum = 0;
@@ -65,10 +105,13 @@ struct AugmentedFunctional {
         return std::numeric_limits<double>::epsilon() * sum;
     }
 
-    // DistortionEnergy::mean_slope() at x. energy: E(x), so that no element need be looked at again.
-    double mean_slope(const std::vector<double>& x, double energy) const {
-        return distortion.mean_slope(energy - constraint.value(x, lambda, penalty));
+    BendFunction bend(const std::vector<double>& x, const std::vector<double>& d) const override {
+        if (!constraint.bends_steps()) return {};
+        return [this, &x, &d](double t, std::vector<double>& y) { constraint.bend(x, d, t, y); };
     }
+
+    void fix(std::vector<double>& d) const override { fix_nodes(fixed, distortion.dim(), d); }
+    std::unique_ptr<LocalFunctional> part(const std::vector<double>& x, std::vector<char> moves) const override;
 };
 
 }  // namespace almesh

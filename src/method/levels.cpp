@@ -29,7 +29,7 @@ std::vector<double> extended(const std::vector<double>& of_constraint, const Lev
 }
 
 Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Level> level, CoarseSolution& solution) {
-    Newton newton(level->energy->hessian_pattern(), params.linear, params.forcing);
+    Newton newton(level->energy->hessian_pattern(), params.linear, {.forcing = params.forcing});
     std::vector<double> x;
     const AlStart start = start_from(solution, *level, x);
     MethodParams loose = params;

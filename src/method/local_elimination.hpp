@@ -18,11 +18,11 @@
 // step is dear (curved elements, or from a coarser mesh in 3D) the one that takes them to a quarter ends there: less
 // than a fifth of the time; more of them save steps, and little time.
 //
-// How: Newton's method with a Hessian that keeps as much of its negative eigenvalues as it bears
-// (eigenvalue_filtering.hpp). What holds up the mesh is in turn held up by few of its nodes: where a local step gained
-// less than ten times what its nodes could reach alone, the next one follows a minimisation over at most a tenth of
-// them, chosen in the same way. That is a sixth of the local steps' time, and halves their number. Not where the nodes
-// are few from the beginning.
+// How: Newton's method (newton.hpp) for the local functional, without damping, and with a Hessian that keeps as much of
+// its negative eigenvalues as it bears (eigenvalue_filtering.hpp). What holds up the mesh is in turn held up by few of
+// its nodes: where a local step gained less than ten times what its nodes could reach alone, a minimisation over at most
+// a tenth of them follows, chosen in the same way. That is a sixth of the local steps' time, and halves their number.
+// Not where the nodes are few from the beginning.
 #pragma once
 #include <vector>
 
@@ -30,13 +30,17 @@
 
 namespace almesh {
 
-struct AugmentedFunctional;
+struct Functional;
 
 class LocalElimination {
 public:
+    enum class Of { mesh, few_nodes, nothing };  // few_nodes: in a local minimisation; nothing: there is none
+    explicit LocalElimination(Of of = Of::mesh) : of_(of) {}
+
     struct Result {
         int nodes = 0;  // that were free to move
         int steps = 0;  // of the local minimisation, not of those inside it
+        double work = 0;
     };
 
     // Work: of assembly and linear solves, in passes of an iterative solver over an entry of a matrix.
@@ -62,10 +66,11 @@ public:
 
     // x, energy: a valid mesh and E(x), on return not greater. g: grad E(x). H: a Hessian of E near x; only its
     // diagonal and its pattern count. gained: decrease of E by the Newton step before.
-    Result eliminate(const AugmentedFunctional& E, const BlockCsr& H, const std::vector<double>& g, double gained,
+    Result eliminate(const Functional& E, const BlockCsr& H, const std::vector<double>& g, double gained,
                      std::vector<double>& x, double& energy);
 
 private:
+    Of of_;
     State state_;
     bool from_coarser_ = false;
 };

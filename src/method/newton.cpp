@@ -20,7 +20,7 @@ bool is_truncated(SolveStatus status) {
 
 }  // namespace
 
-NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& params, std::vector<double>& x,
+NewtonResult Newton::minimise(const Functional& E, const NewtonParams& params, std::vector<double>& x,
                               const NewtonObserver& observe) {
     NewtonResult at = start(E, params, x);                                    // E(x), g = grad E(x), omega
     StoppingTests tests(params);
@@ -35,6 +35,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
         if (step.step_length == 0 && refine_quadrature(E, x, at)) continue;
         if (step.step_length > 0) {
             at.gradient_norm = gradient(E, x);                                // g = grad E(x)
+            step.is_last = tests.is_last(before, at);
             eliminate_locally(E, before.energy - at.energy, x, at, step);
             report(at, x, step, observe);
         }
@@ -45,7 +46,7 @@ NewtonResult Newton::minimise(const AugmentedFunctional& E, const NewtonParams& 
     return at;
 }
 
-NewtonResult Newton::start(const AugmentedFunctional& E, const NewtonParams& params, const std::vector<double>& x) {
+NewtonResult Newton::start(const Functional& E, const NewtonParams& params, const std::vector<double>& x) {
     if (params.cold_start) {
         damping_.reset();
         filtering_ = EigenvalueFiltering::of_mesh();
@@ -55,7 +56,7 @@ NewtonResult Newton::start(const AugmentedFunctional& E, const NewtonParams& par
     hessian_ = params.cold_start ? HessianKind::damping : params.first;
     forcing_.start();
     NewtonResult at;
-    at.energy = E.energy(x);
+    at.start_energy = at.energy = E.energy(x);
     at.gradient_norm = gradient(E, x);
     const double reduced = params.reduction < 1 ? params.reduction * at.gradient_norm : params.omega;
     at.omega = std::max(std::min(params.omega, reduced), params.omega_star);
@@ -63,30 +64,30 @@ NewtonResult Newton::start(const AugmentedFunctional& E, const NewtonParams& par
 }
 
 // Where the step before folded elements unseen: another E from now on, at the same x.
-bool Newton::refine_quadrature(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at) {
+bool Newton::refine_quadrature(const Functional& E, const std::vector<double>& x, NewtonResult& at) {
     if (!E.distortion.refine_quadrature()) return false;
-    at.energy = E.energy(x);
+    at.start_energy = at.energy = E.energy(x);
     at.gradient_norm = gradient(E, x);
     return true;
 }
 
-double Newton::gradient(const AugmentedFunctional& E, const std::vector<double>& x) {
+double Newton::gradient(const Functional& E, const std::vector<double>& x) {
     const TimeAdder adder(time.assembly);
     E.gradient(x, g_);
     return norm_2(g_);
 }
 
 // Solves H d = -g. Whether d is a descent direction. Names what it used in `step`.
-bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at,
-                            NewtonStep& step) {
+bool Newton::find_direction(const Functional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step) {
     for (std::size_t i = 0; i < g_.size(); ++i) minus_g_[i] = -g_[i];
     const bool projected = step.hessian == HessianKind::projected;
     const bool may_be_indefinite = projected ? filtering_.kept > 0 : step.hessian == HessianKind::full;
     {
         const TimeAdder adder(time.assembly);
-        Projection projection;
-        if (projected) projection = {damping_.factor * E.mean_slope(x, at.energy), filtering_.kept};
-        E.hessian(x, step.hessian, H_, projection);
+        Projection projection{.kept_negative = filtering_.kept};
+        if (projected && damping_.is_used)
+            projection.damping = damping_.factor * E.distortion.mean_slope(E.distortion_energy(x, at.energy));
+        E.hessian(x, projected && projection.is_full() ? HessianKind::full : step.hessian, H_, projection);
     }
     if (observe_system_) {
         std::vector<double> b;
@@ -96,8 +97,10 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
     const TimeAdder adder(time.linear);
     solver_.set_tolerance(forcing_.value);
     const SolveResult solve = solver_.solve(H_, minus_g_, d_, may_be_indefinite);
-    elimination_.add_work_of_newton(E.distortion.hessian_work() + solve.work);
-    fix_nodes(E.fixed, E.distortion.dim(), d_);  // some solvers move them and move them back, to rounding
+    const double work = E.distortion.hessian_work() + solve.work;
+    elimination_.add_work_of_newton(work);
+    at.work += work;
+    E.fix(d_);  // some solvers move them and move them back, to rounding
     at.linear_iterations += solve.iterations;
     step.linear_iterations += solve.iterations;
     step.solver = solve.used;
@@ -109,16 +112,14 @@ bool Newton::find_direction(const AugmentedFunctional& E, const std::vector<doub
 }
 
 // Moves x along d and takes over the energy there. Nothing changes where no step length is accepted.
-void Newton::search(const AugmentedFunctional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step) {
+void Newton::search(const Functional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step) {
     const TimeAdder adder(time.line_search);
     const auto energy_of = [&E](const std::vector<double>& y) { return E.energy(y); };
     const auto valid_fraction = [&E](const std::vector<double>& y, const std::vector<double>& to) {
         return E.valid_fraction(y, to);
     };
-    BendFunction bend;
-    if (E.constraint.bends_steps()) bend = [&](double t, std::vector<double>& y) { E.constraint.bend(x, d_, t, y); };
     const LineSearchResult found = line_search(energy_of, valid_fraction, at.energy, dot(g_, d_), d_, x, trial_,
-                                               bend, E.rounding_error(x, trial_));
+                                               E.bend(x, d_), E.rounding_error(x, trial_));
     if (found.step_length > 0) at.energy = found.energy;
     step.cuts_inverted += found.cuts_inverted;
     step.cuts_decrease += found.cuts_decrease;
@@ -131,17 +132,19 @@ bool Newton::weaken(HessianKind& kind) {
     if (kind == HessianKind::damping) return false;
     if (kind == HessianKind::full) kind = HessianKind::projected;
     else if (filtering_.kept > 0) filtering_.weaken();
-    else kind = HessianKind::damping;
+    else if (damping_.is_used) kind = HessianKind::damping;
+    else return false;
     return true;
 }
 
 // gained: by the step before. x may become another, or E by a finer quadrature.
-void Newton::eliminate_locally(const AugmentedFunctional& E, double gained, std::vector<double>& x, NewtonResult& at,
+void Newton::eliminate_locally(const Functional& E, double gained, std::vector<double>& x, NewtonResult& at,
                                NewtonStep& step) {
     const TimeAdder adder(time.elimination);
-    if (step.by_rounding || !elimination_.is_due(step.iteration, H_, g_, gained)) return;
+    if (step.by_rounding || step.is_last || !elimination_.is_due(step.iteration, H_, g_, gained)) return;
     step.local = elimination_.eliminate(E, H_, g_, gained, x, at.energy);
     at.local_steps += step.local.steps;
+    at.work += step.local.work;
     at.gradient_norm = gradient(E, x);
 }
 
@@ -157,7 +160,7 @@ void Newton::report(const NewtonResult& at, const std::vector<double>& x, Newton
 // Chooses the next Hessian and how well its system is solved.
 void Newton::adapt(const NewtonStep& step, const NewtonResult& before, const NewtonResult& at) {
     forcing_.after_step(step.step_length, before.gradient_norm, at.gradient_norm, at.omega);
-    if (step.solver != SolverKind::cholesky) filtering_ = EigenvalueFiltering::of_mesh();
+    if (filtering_.only_direct && step.solver != SolverKind::cholesky) filtering_ = EigenvalueFiltering::of_mesh();
     else if (step.hessian == HessianKind::projected) filtering_.after_step(step.step_length);
     hessian_ = damping_.after_step(step.step_length);
 }
@@ -172,14 +175,17 @@ void Newton::recall(const NewtonMemory& memory) {
     solver_.set_state(memory.solver);
 }
 
-Newton::Newton(BlockCsr pattern, const LinearSolverParams& linear, Forcing forcing)
+Newton::Newton(BlockCsr pattern, const LinearSolverParams& linear, const NewtonPolicies& policies)
     : H_(std::move(pattern)),
       solver_(H_.d, linear),
       g_(H_.size()),
       minus_g_(H_.size()),
       d_(H_.size()),
       trial_(H_.size()),
-      forcing_{forcing, linear.tolerance} {}
+      forcing_{policies.forcing, linear.tolerance},
+      damping_(policies.damping),
+      filtering_(policies.filtering),
+      elimination_(policies.elimination) {}
 
 const char* to_string(HessianKind kind) {
     switch (kind) {

@@ -29,7 +29,7 @@
 
 namespace almesh {
 
-struct AugmentedFunctional;
+struct Functional;
 
 const char* to_string(HessianKind kind);
 
@@ -42,6 +42,8 @@ struct NewtonParams {
     HessianKind first = HessianKind::projected;  // of the first step
     bool cold_start = false;  // nothing is known: damping and local elimination begin anew, the first step is damping's
     bool from_coarser = false;  // x was interpolated from the solution of a coarser mesh or of a lower degree
+    std::optional<double> least_gain = {};  // of a local minimisation: a step that decreases E by no more is the last,
+    double most_work = std::numeric_limits<double>::infinity();  // and so is one after which its work exceeds this
 };
 
 // One row of the history: the step that led from one iterate to the next.
@@ -55,6 +57,7 @@ struct NewtonStep {
     int cuts_inverted = 0;     // trial lengths refused because an element was inverted
     int cuts_decrease = 0;     // trial lengths refused because E did not decrease enough
     HessianKind hessian = HessianKind::projected;
+    bool is_last = false;      // of a local minimisation: it does not pay for another
     LocalElimination::Result local;  // of the local minimisation after the step
     int linear_iterations = 0;
     SolverKind solver = SolverKind::automatic;      // who made the direction
@@ -71,7 +74,9 @@ struct NewtonResult {
     int iterations = 0;
     int linear_iterations = 0;
     int local_steps = 0;  // of local eliminations
+    double start_energy = 0;  // at the first x; where the quadrature was refined since: when it was
     double energy = 0, gradient_norm = 0;
+    double work = 0;   // of assembly, linear solves and local eliminations (local_elimination.hpp)
     double omega = 0;  // the tolerance that was used
 };
 
@@ -84,6 +89,14 @@ struct NewtonMemory {
     LinearSolverState solver;
 };
 
+// What hangs on a step. The defaults are for a whole mesh; local_elimination.cpp has those for a few nodes.
+struct NewtonPolicies {
+    Forcing forcing = Forcing::automatic;
+    Damping damping = {};
+    EigenvalueFiltering filtering = EigenvalueFiltering::of_mesh();
+    LocalElimination elimination = LocalElimination();
+};
+
 using NewtonObserver = std::function<void(const NewtonStep&)>;
 using SystemObserver = std::function<void(const BlockCsr& A, const std::vector<double>& b)>;
 // step: 1, 2, ... over all calls of minimise().
@@ -92,7 +105,7 @@ using IterateObserver = std::function<void(int step, const std::vector<double>& 
 class Newton {
 public:
     // pattern: of the Hessian. The linear solver and all work arrays are set up once for all subproblems.
-    Newton(BlockCsr pattern, const LinearSolverParams& linear, Forcing forcing = Forcing::automatic);
+    Newton(BlockCsr pattern, const LinearSolverParams& linear, const NewtonPolicies& policies = {});
 
     // Called with every linear system A d = b, in the order of A's rows, before it is solved.
     void observe_systems(SystemObserver observer) { observe_system_ = std::move(observer); }
@@ -107,7 +120,7 @@ public:
     Timings time;  // of all calls so far
 
     // x: node_count x dim; enters with finite energy, leaves as the last accepted iterate.
-    NewtonResult minimise(const AugmentedFunctional& E, const NewtonParams& params, std::vector<double>& x,
+    NewtonResult minimise(const Functional& E, const NewtonParams& params, std::vector<double>& x,
                           const NewtonObserver& observe = {});
 
 private:
@@ -116,20 +129,20 @@ private:
     std::vector<double> g_, minus_g_, d_, trial_;
     HessianKind hessian_ = HessianKind::projected;  // of the next step
     ForcingTerm forcing_;
-    Damping damping_;                                                // kept from one subproblem to the next,
-    EigenvalueFiltering filtering_ = EigenvalueFiltering::of_mesh();  // and so is this
-    LocalElimination elimination_;                                   // and this
+    Damping damping_;                // kept from one subproblem to the next,
+    EigenvalueFiltering filtering_;  // and so is this
+    LocalElimination elimination_;   // and this
     SystemObserver observe_system_;
     IterateObserver observe_iterate_;
     int steps_ = 0;  // of all calls
 
-    NewtonResult start(const AugmentedFunctional& E, const NewtonParams& params, const std::vector<double>& x);
-    bool refine_quadrature(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at);
-    double gradient(const AugmentedFunctional& E, const std::vector<double>& x);
-    bool find_direction(const AugmentedFunctional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step);
-    void search(const AugmentedFunctional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step);
+    NewtonResult start(const Functional& E, const NewtonParams& params, const std::vector<double>& x);
+    bool refine_quadrature(const Functional& E, const std::vector<double>& x, NewtonResult& at);
+    double gradient(const Functional& E, const std::vector<double>& x);
+    bool find_direction(const Functional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step);
+    void search(const Functional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step);
     bool weaken(HessianKind& kind);
-    void eliminate_locally(const AugmentedFunctional& E, double gained, std::vector<double>& x, NewtonResult& at,
+    void eliminate_locally(const Functional& E, double gained, std::vector<double>& x, NewtonResult& at,
                            NewtonStep& step);
     void report(const NewtonResult& at, const std::vector<double>& x, NewtonStep& step, const NewtonObserver& observe);
     void adapt(const NewtonStep& step, const NewtonResult& before, const NewtonResult& at);

@@ -1,5 +1,5 @@
 // Infeasible: E_before - E < 1e-3 E and distortion < 0.1 E. At the attainable accuracy: g > g_before / 2. Futile, three
-// times in a row: t <= 1e-8 and E_before - E <= 1e-14 E.
+// times in a row: t <= 1e-8 and E_before - E <= 1e-14 E. The last local step: E_before - E <= 1e-3 (E_start - E).
 #include "method/stopping_tests.hpp"
 
 #include <cmath>
@@ -12,6 +12,7 @@ namespace {
 
 constexpr double short_step = 1e-8, unchanged = 1e-14;  // unchanged: relative difference of two energies
 constexpr int most_futile_steps = 3;
+constexpr double part_of_gain = 1e-3;  // of all steps so far: a local step that gains less is not worth another
 
 bool is_finite(const NewtonResult& at) { return std::isfinite(at.energy) && std::isfinite(at.gradient_norm); }
 
@@ -34,17 +35,26 @@ std::optional<Status> StoppingTests::before_step(const NewtonResult& at) const {
     return std::nullopt;
 }
 
+bool StoppingTests::is_last(const NewtonResult& before, const NewtonResult& at) const {
+    if (!params_.least_gain) return false;
+    const double gained = before.energy - at.energy;
+    return gained <= *params_.least_gain || gained <= part_of_gain * (at.start_energy - at.energy) ||
+           at.work > params_.most_work || at.iterations == params_.max_iterations;
+}
+
 std::optional<Status> StoppingTests::after_step(const NewtonStep& step, const NewtonResult& before,
-                                                const NewtonResult& at, const AugmentedFunctional& E,
+                                                const NewtonResult& at, const Functional& E,
                                                 const std::vector<double>& x) {
     if (!step.has_direction) return Status::linear_solver_failed;
     if (step.step_length == 0) return Status::line_search_failed;
+    if (params_.least_gain) return step.is_last ? std::optional(Status::converged) : std::nullopt;
     const bool moves = step.step_length > short_step || before.energy - at.energy > unchanged * std::abs(at.energy);
     futile_steps_ = moves ? 0 : futile_steps_ + 1;
     if (futile_steps_ == most_futile_steps) return Status::line_search_failed;
     if (!is_finite(at)) return Status::overflow;
     if (at.energy > params_.largest_energy &&
-        is_infeasible(params_.largest_energy, before.energy, at.energy, step.step_length, E.distortion.energy(x)))
+        is_infeasible(params_.largest_energy, before.energy, at.energy, step.step_length,
+                      E.distortion_energy(x, at.energy)))
         return Status::infeasible;
     if (at_attainable_accuracy(step.by_rounding, before.gradient_norm, at.gradient_norm, at.omega))
         return Status::attainable_accuracy;

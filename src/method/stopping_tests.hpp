@@ -11,6 +11,9 @@
 //
 // Futile steps: nodes hang where the surface along which they slide has a kink, or elements are jammed, and several
 // steps in a row are next to none and gain nothing.
+//
+// Local minimisations (local_elimination.hpp) need no minimum: their last step is one that gains too little for another,
+// or takes them beyond the work that they may do.
 #pragma once
 #include <optional>
 #include <vector>
@@ -29,11 +32,13 @@ class StoppingTests {
 public:
     explicit StoppingTests(const NewtonParams& params) : params_(params) {}
 
+    // Whether the step from `before` to `at` is the last of a local minimisation.
+    bool is_last(const NewtonResult& before, const NewtonResult& at) const;
     // Whether a minimisation ends, and how: before a step from the iterate `at`,
     std::optional<Status> before_step(const NewtonResult& at) const;
     // and after one from `before` to `at`, or none.
     std::optional<Status> after_step(const NewtonStep& step, const NewtonResult& before, const NewtonResult& at,
-                                     const AugmentedFunctional& E, const std::vector<double>& x);
+                                     const Functional& E, const std::vector<double>& x);
 
 private:
     const NewtonParams& params_;

@@ -86,6 +86,34 @@ TEST_CASE("a local functional's energy, gradient and Hessian are those of the fu
     }
 }
 
+TEST_CASE("a part of a local functional is the part of the functional, in the numbers of the local one") {
+    const Minimisation problem(cube_mesh(3), {{"top", "scale 1 1 1.2"}, {"sides", "scale 1 1 1.2"}},
+                               Objective::squared);
+    const AugmentedFunctional E = problem.functional(50);
+    const int nodes = problem.mesh.nodes();
+    const LocalFunctional local(E, problem.ideal, some_nodes(nodes));
+    std::vector<double> x = moved(problem.ideal, some_nodes(nodes)), y = local.read(x);
+    std::vector<char> inner(local.nodes(), 0), of_mesh(nodes, 0);
+    inner[1] = inner[2] = inner[6] = 1;
+    std::vector<double> is_inside(x.size(), 0.0), of_local(y.size(), 0.0);
+    for (std::size_t i = 0; i < of_local.size(); ++i) of_local[i] = inner[i / 3];
+    local.write(of_local, is_inside);
+    for (int i = 0; i < nodes; ++i) of_mesh[i] = is_inside[3 * i] != 0;
+    const auto part = local.part(y, inner);
+    const LocalFunctional direct(E, x, of_mesh);
+    REQUIRE(part->nodes() == 3);
+    std::vector<double> z = part->read(y), g(z.size()), expected(z.size());
+    CHECK(z == direct.read(x));
+    for (double& coordinate : z) coordinate += 0.01;
+    CHECK(part->energy(z) == direct.energy(z));
+    part->gradient(z, g);
+    direct.gradient(z, expected);
+    CHECK(g == expected);
+    part->write(z, y);
+    direct.write(z, x);
+    CHECK(y == local.read(x));
+}
+
 TEST_CASE("a local functional knows no nodes but those that move, and inverted elements have infinite energy") {
     const Minimisation problem(ring_mesh(8, 2, 3), {}, Objective::squared);
     const AugmentedFunctional E = problem.functional(10);

@@ -33,6 +33,24 @@ TEST_CASE("below rounding the iteration goes on while a step halves the gradient
     CHECK_FALSE(at_attainable_accuracy(true, 1e-8, 0.9e-8, omega));
 }
 
+TEST_CASE("the last local step gains too little, or takes the work or the steps beyond their bounds") {
+    const NewtonParams local{.max_iterations = 30, .least_gain = 2, .most_work = 100}, whole;
+    const auto is_last = [](const NewtonParams& params, double gained, double so_far, double work, int iterations) {
+        NewtonResult before, at;
+        before.energy = gained;
+        at.start_energy = so_far;
+        at.work = work;
+        at.iterations = iterations;
+        return StoppingTests(params).is_last(before, at);
+    };
+    CHECK_FALSE(is_last(local, 2.1, 2000, 100, 29));
+    CHECK(is_last(local, 2, 2000, 100, 29));
+    CHECK(is_last(local, 2.1, 2101, 100, 29));
+    CHECK(is_last(local, 2.1, 2000, 101, 29));
+    CHECK(is_last(local, 2.1, 2000, 100, 30));
+    CHECK_FALSE(is_last(whole, 0, 1, 1e300, 200));
+}
+
 TEST_CASE("before a step: converged, overflow, or no more steps") {
     const NewtonParams params{.max_iterations = 5};
     const StoppingTests tests(params);
