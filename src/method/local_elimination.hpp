@@ -20,9 +20,9 @@
 //
 // How: Newton's method (newton.hpp) for the local functional, without damping, and with a Hessian that keeps as much of
 // its negative eigenvalues as it bears (eigenvalue_filtering.hpp). What holds up the mesh is in turn held up by few of
-// its nodes: where a local step gained less than ten times what its nodes could reach alone, a minimisation over at most
-// a tenth of them follows, chosen in the same way. That is a sixth of the local steps' time, and halves their number.
-// Not where the nodes are few from the beginning.
+// its nodes: where a local step gained less than ten times what its nodes could reach alone, a minimisation over at
+// most a tenth of them follows, chosen in the same way. That is a sixth of the local steps' time, and halves their
+// number. Not where the nodes are few from the beginning.
 #pragma once
 #include <vector>
 

@@ -1,6 +1,6 @@
 // A functional (functional.hpp) as a function of the positions of some nodes, all others fixed where they are: what
-// remains of it are the elements around these nodes, so that energy, derivatives and linear systems cost as much as on a
-// mesh of that size. Vectors and matrices here have the nodes that move, and no others, in an order of their own.
+// remains of it are the elements around these nodes, so that energy, derivatives and linear systems cost as much as on
+// a mesh of that size. Vectors and matrices here have the nodes that move, and no others, in an order of their own.
 #pragma once
 #include <memory>
 #include <vector>

@@ -12,8 +12,8 @@
 // Futile steps: nodes hang where the surface along which they slide has a kink, or elements are jammed, and several
 // steps in a row are next to none and gain nothing.
 //
-// Local minimisations (local_elimination.hpp) need no minimum: their last step is one that gains too little for another,
-// or takes them beyond the work that they may do.
+// Local minimisations (local_elimination.hpp) need no minimum: their last step is one that gains too little for
+// another, or takes them beyond the work that they may do.
 #pragma once
 #include <optional>
 #include <vector>
