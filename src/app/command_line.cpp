@@ -21,25 +21,29 @@ constexpr const char* help =
     "almesh moves and curves meshes of triangles and tetrahedra without inverting an element.\n"
     "\n"
     "  almesh DECK [key=value ...]   run a deck; keys given here replace those of the deck\n"
-    "  almesh info FILE              what is in a mesh file, and a deck to start from: almesh info FILE > my.deck\n"
+    "  almesh info FILE              describe a mesh file in a deck to start from: almesh info FILE > my.deck\n"
     "  almesh quality FILE           certify and measure any mesh (Gmsh MSH 2.2, 4.0 or 4.1, SU2)\n"
     "  almesh linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] [preconditioner=ilu0|ssor] [threads=N]\n"
     "                 [block=1|2|3] [ordering=nested_dissection|minimum_degree|rcm|natural]\n"
     "                                solve a symmetric system in Matrix Market format and time it\n"
     "  almesh --keys                 list the keys of a deck with defaults, legal values and meaning\n"
-    "  almesh --version              version, commit and compiler\n"
-    "  almesh --help                 this text\n"
+    "  almesh --version              print version, commit and compiler\n"
+    "  almesh --help                 print this text\n"
     "\n"
     "A deck is plain text, for instance inputs/circle.deck:\n"
     "  mesh = meshes/circle.msh\n"
     "  boundary inner = translate 8 0\n"
     "  boundary outer = fixed\n"
-    "Results are written to outputs/<deck name>, or to the folder of the key `output`.\n"
-    "Keys on the command line: almesh inputs/circle.deck refine=2 \"boundary inner=translate 4 0\"\n"
+    "Results are written to outputs/<deck name>, or to the folder that the key `output` names.\n"
+    "Keys may stand on the command line: almesh inputs/circle.deck refine=2 \"boundary inner=translate 4 0\"\n"
     "\n"
-    "Exit codes: 0 converged and certified valid and injective; 1 usage or deck; 2 mesh, target or output folder;\n"
-    "  3 not converged (the last mesh is written); 4 converged but not certified;\n"
-    "  5 an `expect` line of the deck does not hold.\n";
+    "Exit codes:\n"
+    "  0  the run converged, and the mesh is certified valid and injective\n"
+    "  1  the command line or the deck is wrong\n"
+    "  2  the mesh, the target or the output folder cannot be used\n"
+    "  3  the run did not converge; the last mesh is written\n"
+    "  4  the run converged, but the mesh is not certified\n"
+    "  5  the mesh is certified, but an `expect` line of the deck does not hold\n";
 
 // Nothing where the first argument is a deck.
 std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, std::FILE* out) {
@@ -81,8 +85,9 @@ bool is_mesh(const std::string& path) {
 [[noreturn]] void refuse_mesh(const std::string& mesh) {
     const std::string deck = std::filesystem::path(mesh).stem().string() + ".deck";
     const auto quoted = [](const std::string& name) { return quoted_where_needed(name, " \t\"'$&;()<>|*?#"); };
-    throw UsageError(mesh, ": this is a mesh; what happens to it is said by a deck. Make one from it, edit its motions, "
-                     "and run it:\n  almesh info ", quoted(mesh), " > ", quoted(deck), "\n  almesh ", quoted(deck),
+    throw UsageError(mesh, ": this is a mesh, and a run needs a deck that says what to do with it. Make one, edit its "
+                     "motions, and run it:\n  almesh info ", quoted(mesh), " > ", quoted(deck), "\n  almesh ",
+                     quoted(deck),
                      "\nor certify and measure the mesh as it is:\n  almesh quality ", quoted(mesh));
 }
 

@@ -102,130 +102,136 @@ const std::vector<DeckKey>& deck_keys() {
         {"mesh", text<&Deck::mesh>("file"),
          "Mesh to move; its path starts in the deck's folder, on the command line in the current one. Required."},
         {"output", text<&Deck::output>("folder"),
-         "Folder of the results, from the current one. Where not given: outputs/ and the deck's name."},
+         "Folder of the results; its path starts in the current folder. Where not given: outputs/ and the deck's "
+         "name."},
         {"title", text<&Deck::title>("text"), "Title of the report and of the result files."},
-        {"degree", number<&Deck::degree>({0, 7}), "Degree of the elements; 0: that of the mesh file."},
-        {"refine", number<&Deck::refine>({0, 8}), "Uniform refinements of the mesh before the run."},
+        {"degree", number<&Deck::degree>({0, 7}), "Degree of the elements; 0: as in the mesh file."},
+        {"refine", number<&Deck::refine>({0, 8}), "How many times every element is split uniformly before the run."},
         {"target", choice<&Deck::target>({"exact", "nodal"}),
-         "Boundary target: the motion of every boundary point, or its interpolation at the nodes; the latter where a "
-         "boundary slides or is free."},
+         "Target of the boundary. exact: the motion of each of its points; nodal: the polynomial through the moved "
+         "nodes. Where a boundary slides or is free, the target is always nodal."},
         {"objective",
          choice<&Deck::distortion, &Distortion::objective>({"squared", "deviation", "size_shape", "minimax"}),
-         "Integral of eta^2 (the tables of the paper), of (eta - 1)^2 (its Eq. 5), or of the latter with eta times "
-         "(sigma + 1/sigma)/2, sigma = det F: elements keep their sizes too; minimax: powers of eta - 1 that rise in "
-         "the run, for the best worst element."},
+         "What is minimised. squared: the integral of eta^2, as in the paper's tables; deviation: that of (eta - "
+         "1)^2, its Eq. 5; size_shape: as deviation with eta (sigma + 1/sigma)/2 in place of eta, sigma = det F, so "
+         "that elements keep their sizes too; minimax: powers of eta - 1 that rise in the run, for the best worst "
+         "element."},
         {"power", number<&Deck::power>({2, 128}),
-         "Power of eta, or of eta - 1, in the objective; auto: 2. With objective = minimax the last one; auto: 64, or "
-         "where eta does not get smaller any more."},
+         "Exponent of eta (objective = squared) or of eta - 1; auto: 2. With objective = minimax it is the last "
+         "exponent; auto: 64, or less where the largest eta no longer decreases."},
         {"delta", number<&Deck::distortion, &Distortion::delta>(not_negative),
-         "Regularisation of det F in the distortion (Eq. 3), without unit; 0: none. Above 0 inverted elements have "
-         "finite energy, and a step may invert one."},
+         "Regularisation of det F in the distortion (Eq. 3), without unit; 0: none. Above 0, inverted elements have "
+         "finite energy, and a step may invert an element."},
         {"weight_exponent", number<&Deck::weight_exponent>({0, 1}),
-         "alpha: an element weighs |e|^alpha in the integral; 1: the paper's, 0: all elements alike; auto: 0.5 with "
-         "algorithm = adaptive, which keeps small elements in shape, else 1; 0 with objective = minimax."},
+         "alpha: the integral over an element e counts as |e|^alpha. 1: as in the paper; 0: all elements count alike; "
+         "auto: 0 with objective = minimax, else 0.5 with algorithm = adaptive, so that small elements keep their "
+         "shape, else 1."},
         {"assembly", choice<&Deck::distortion, &Distortion::assembly>({"simd", "plain"}),
-         "Assembly of the energy and its derivatives: one element per SIMD lane on all threads, or the textbook's, for "
-         "study: ten to fifty times slower."},
+         "Assembly of the energy and its derivatives. simd: one element per SIMD lane, on all threads; plain: as in a "
+         "textbook, for study, ten to fifty times slower."},
         {"method",
          choice<&Deck::method, &Method::moving>({"augmented_lagrangian", "penalty", "elasticity", "harmonic",
                                                  "incremental", "untangle", "fixed_boundary"},
                                                 "augmented_lagrangian | penalty | ..."),
-         "How the mesh is moved. Others than augmented_lagrangian are there to be compared with it. penalty: without "
-         "multipliers; elasticity, harmonic: the displacement of the boundary extended inside as that of a solid, "
-         "stiffer where elements are small, or as a harmonic function; incremental, fixed_boundary: the boundary set "
-         "on its target in parts or at once, and the distortion minimised inside; untangle: at once, with a "
-         "regularised distortion first. All but penalty need the positions of all boundaries to be prescribed, and "
-         "take no account of algorithm, start and continuation = auto."},
+         "How the mesh is moved. All but augmented_lagrangian are there for comparison. penalty: without multipliers; "
+         "elasticity, harmonic: the displacement of the boundary is extended inside as that of an elastic solid, "
+         "stiffer where elements are small, or as a harmonic function; incremental: the boundary is set on its target "
+         "in load increments, and after each the distortion is minimised inside; fixed_boundary: the same at once; "
+         "untangle: the same at once, with a regularised distortion first. All but penalty need prescribed positions "
+         "on all boundaries, and ignore algorithm, start and continuation = auto."},
         {"increments", number<&Deck::increments>({1, 100000}),
-         "Methods elasticity, harmonic and incremental: load increments, each from the mesh as moved so far; auto: "
-         "1, and 10 with incremental, which halves a part that has no valid mesh to start from."},
+         "Number of load increments of methods elasticity, harmonic and incremental, each of which starts from the "
+         "mesh that the last one left; auto: 1, and 10 with incremental. incremental halves an increment that has no "
+         "valid mesh to start from."},
         {"algorithm", choice<&Deck::method, &Method::algorithm>({"adaptive", "paper", "literal"}),
-         "Augmented Lagrangian schedule: multipliers at every step, Algorithm 1 as corrected, or as printed."},
+         "Schedule of the augmented Lagrangian method. adaptive: the multipliers are updated after every "
+         "minimisation; paper: Algorithm 1 as corrected; literal: Algorithm 1 as printed."},
         {"start", choice<&Deck::start>({"auto", "identity", "coarse"}),
-         "First iterate: the ideal mesh, or the solution on the mesh refined less or of lower degree, found so too; "
-         "auto: coarse with algorithm = adaptive, else identity."},
+         "First iterate. identity: the ideal mesh; coarse: the solution on the mesh refined less, or of lower degree, "
+         "which is found the same way; auto: coarse with algorithm = adaptive, else identity."},
         {"continuation", choice<&Deck::continuation>({"auto", "never", "always"}),
-         "Load increments: the motion is increased in stages, so that the mesh turns as often as the boundary does; "
-         "auto: with algorithm = adaptive, for turns above 90 degrees, by the shorter way, and where the whole motion "
-         "fails at once; always: turns as they are written, also beyond 180 degrees."},
+         "Whether the motion is done in load increments. never: at once; always: every turn as it is written, also "
+         "beyond 180 degrees, so that the mesh turns as often as the boundary does; auto: with algorithm = adaptive, "
+         "turns above 90 degrees, by the shorter way, and any motion that fails at once."},
         {"snap", choice<&Deck::snap>({"auto", "0", "1"}),
-         "1: in the end the nodes of the boundary are set to their targets, to the last bit, where elements stay "
-         "valid; auto: 1 with algorithm = adaptive, else 0."},
+         "1: when the run has converged, the boundary nodes are set to their targets to the last bit, where the "
+         "elements stay valid; auto: 1 with algorithm = adaptive, else 0."},
         {"local_repair", number<&Deck::local_repair>({0, 1}),
-         "1: where all boundaries are fixed, only the nodes of elements that are inverted in the mesh file move, and "
-         "those of elements around them, as few as are needed for a valid mesh."},
+         "1: only the nodes of elements that are inverted in the mesh file move, and those of as many elements around "
+         "them as a valid mesh needs. All boundaries must be fixed."},
         {"feature_angle", number<&Deck::feature_angle>({1, 180}),
-         "Angle in degrees between neighbouring faces of a sliding boundary from which they belong to different "
-         "surfaces: nodes slide along such an edge, and corners stay."},
+         "Angle in degrees. Neighbouring faces of a sliding boundary at this angle or more belong to different "
+         "surfaces: nodes slide along the edge between them, and corners do not slide."},
         {"surface", choice<&Deck::surface>({"auto", "keep", "slide", "straighten"}),
-         "Whether nodes keep the positions on the boundary that its motion gives them, or slide along the surface "
-         "there; auto: they slide only where a valid mesh cannot keep them, because the target folds faces or elements; "
-         "straighten: faces are made flat there instead, as many as it takes for a valid mesh."},
+         "What is done where no valid mesh has the target as its boundary. auto: the boundary nodes there slide along "
+         "the surface; keep: the run is refused; slide: all prescribed boundary nodes slide; straighten: faces there "
+         "are made flat, as few as a valid mesh needs."},
         {"mu0", number<&Deck::method, &Method::mu0>(positive),
-         "Algorithms paper and literal, method penalty: first penalty mu, in units of |1|^2, the sum of |f|/h over the "
-         "boundary faces."},
+         "First penalty mu of algorithms paper and literal and of method penalty, in units of |1|^2, the sum of |f|/h "
+         "over the boundary faces."},
         {"omega0", number<&Deck::method, &Method::omega0>(positive),
-         "Algorithms paper and literal: tolerance of the gradient norm |grad E| in the first subproblem."},
+         "Algorithms paper and literal: tolerance of the gradient norm |grad E| in the first minimisation."},
         {"epsilon0", number<&Deck::method, &Method::epsilon0>(positive),
-         "Algorithms paper and literal: first tolerance of the squared constraint norm: above it Algorithm 1 raises "
-         "mu, below it updates lambda."},
+         "Algorithms paper and literal: first tolerance of the squared constraint norm. Where the norm is above it, "
+         "Algorithm 1 raises mu; where it is below, it updates lambda."},
         {"omega_star", number<&Deck::method, &Method::omega_star>(positive), "Final tolerance of the gradient norm."},
         {"epsilon_star", number<&Deck::method, &Method::epsilon_star>(positive),
          "Final tolerance of the squared constraint norm."},
         {"wall_tolerance", number<&Deck::method, &Method::wall_tolerance>(positive),
          "Algorithm adaptive: final tolerance of the distance of every boundary node from its target, in heights of "
-         "the cells at it."},
+         "the cells at the node."},
         {"length_scale", number<&Deck::length_scale>(positive),
-         "Length by which positions are divided in all tolerances; auto: |domain|^(1/n), 1: absolute values as in the "
-         "paper."},
+         "Unit of length of all tolerances; auto: |domain|^(1/n); 1: absolute values as in the paper."},
         {"max_al_iterations", number<&Deck::method, &Method::max_iterations>({1, 1000}),
-         "Augmented Lagrangian iterations at most."},
+         "Largest number of augmented Lagrangian iterations."},
         {"max_newton_iterations", number<&Deck::method, &Method::max_newton_iterations>({1, 100000}),
-         "Newton steps at most, per subproblem."},
+         "Largest number of Newton steps of one minimisation."},
         {"solver", choice<&Deck::linear, &Linear::kind>({"auto", "cg", "gmres", "cholesky"}),
          "Linear solver; auto: Cholesky in 2D and for small meshes in 3D, conjugate gradients for large ones."},
         {"preconditioner", choice<&Deck::linear, &Linear::preconditioner>({"auto", "ilu0", "ssor", "pmg"}),
-         "Of cg; pmg: ssor with a correction of degree 1. auto: pmg for degrees above 1, ssor for linear tetrahedra, "
-         "ilu0 for linear triangles unless it meets bad pivots."},
+         "Preconditioner of cg. pmg: ssor with a correction of degree 1; auto: pmg for degrees above 1, ssor for "
+         "linear tetrahedra, ilu0 for linear triangles unless it meets bad pivots."},
         {"forcing", choice<&Deck::forcing>({"auto", "fixed"}),
-         "Residual at which cg and gmres stop; auto: after full steps by the rule of Eisenstat and Walker, fixed: "
-         "linear_tolerance."},
+         "Which relative residual ends cg and gmres. auto: after full steps, that of the rule of Eisenstat and "
+         "Walker; fixed: linear_tolerance."},
         {"linear_tolerance", number<&Deck::linear, &Linear::tolerance>({1e-15, 0.5}),
          "Relative residual at which cg and gmres stop; with forcing = auto the smallest one."},
         {"gmres_restart", number<&Deck::linear, &Linear::restart>({1, 1000}), "GMRES iterations between restarts."},
         {"gmres_max_iterations", number<&Deck::linear, &Linear::max_iterations>({1, 100000}),
-         "Iterations of cg or gmres at most, per system."},
+         "Largest number of iterations of cg or gmres for one system."},
         {"quadrature", number<&Deck::distortion, &Distortion::exactness>({0, 40}),
-         "Polynomial degree integrated exactly; 0: chosen by the degree, as always for linear elements."},
+         "The quadrature is exact for polynomials up to this degree; 0: chosen by the degree of the elements. Linear "
+         "elements ignore the key."},
         {"certificate_bisections", number<&Deck::certificate, &CertificateParams::max_bisections>({0, 1000000}),
-         "Bisections at most to certify an element valid."},
+         "Largest number of bisections of one element to prove it valid."},
         {"write_system", number<&Deck::write_system>({0, 1000000}),
-         "Newton step, counted from 1 over all subproblems, whose linear system is written as A.mtx and b.mtx; 0: "
-         "none."},
+         "Number of the Newton step whose linear system is written as A.mtx and b.mtx. Steps are counted from 1 over "
+         "all minimisations; 0: none."},
         {"iterates", number<&Deck::iterates>({0, 1000000}),
-         "Every how many Newton steps on the deck's own mesh it is written as iterate-0000.vtk, ..., with "
-         "iterates.vtk.series, which ParaView plays; 0: never."},
+         "After every so many Newton steps the mesh is written as iterate-0000.vtk, ..., and listed in "
+         "iterates.vtk.series, which ParaView plays. Steps on coarser meshes are not counted. 0: never."},
         {"vtk", choice<&Deck::vtk>({"ascii", "binary", "none"}),
-         "Format of the VTK files: text, or binary, which is faster to write and read; or none of them."},
+         "Format of the VTK files. ascii: text; binary: faster to write and read; none: no VTK files."},
         {"final",
          choice<&Deck::final_format>(
              {"input", "msh", "su2", "both", "msh22", "msh22-binary", "msh40", "msh40-binary", "msh41", "msh41-binary"},
              "input | msh | su2 | both | msh22, msh40, msh41 [-binary]"),
-         "Format of the final mesh. input: that of the mesh file, in its version, text or binary, but final.msh where "
-         "that is SU2 and the elements are not linear; msh: final.msh in the version of the mesh file, or 2.2; su2: "
-         "final.su2 (linear meshes); both: these two; msh22, msh41-binary, ...: final.msh in that version."},
+         "Format of the final mesh. input: format, version and encoding of the mesh file, but MSH for a curved mesh "
+         "from an SU2 file; msh: MSH in the version of the mesh file, or 2.2; su2: SU2 (linear elements only); both: "
+         "MSH and SU2; msh22, msh41-binary, ...: MSH in this version."},
         {"wall", text<&Deck::wall>("boundary name"),
-         "Boundary whose distance is written with the results; \"\": none."},
+         "Boundary from which the distance of every node is written to final.vtk; \"\": none."},
         {"max_seconds", number<&Deck::max_seconds>({0, 1e9}),
-         "Seconds after which the run ends as `interrupted`, after the Newton step at hand, with its results written; "
-         "0: never."},
+         "The run ends as `interrupted` after the Newton step in which so many seconds have passed. Its results are "
+         "written. 0: never."},
         {"checkpoint", number<&Deck::checkpoint>({0, 1e9}),
-         "After a minimisation the run's state is saved, where so many seconds have gone since it was saved last, in the "
-         "folder checkpoint of its results, which goes when the run has come to its end; 0: never."},
+         "Least number of seconds between two saves of the run's state. It is saved after a minimisation, in the "
+         "folder checkpoint of the results, and removed when the run ends by itself. 0: never."},
         {"resume", number<&Deck::resume>({0, 1}),
-         "1: the run goes on from its saved state, after it was interrupted or killed, and ends with the same bits as "
-         "if it had not been."},
-        {"threads", number<&Deck::threads>({0, 1024}), "Threads; 0: all, or what OMP_NUM_THREADS says."},
+         "1: a run that was interrupted or killed goes on from its saved state. It ends with the same bits as a run "
+         "without the interruption."},
+        {"threads", number<&Deck::threads>({0, 1024}),
+         "Number of threads; 0: all, or OMP_NUM_THREADS where that is set."},
     };
     return table;
 }
@@ -244,11 +250,12 @@ std::string keys_table() {
         text += table_row({key.name, value == "\"\"" ? "-" : value, key.value.legal, key.meaning}, width);
     }
     text += table_row({"boundary NAME", "", "STEP [; STEP ...]",
-                       "Motion of a boundary, its steps in the order written. One line for each boundary of the mesh."},
+                       "Motion of a boundary: its steps, in this order. Each boundary of the mesh has a line; a line "
+                       "`boundary rest` is for all that have none."},
                       width);
     text += table_row({"expect QUANTITY", "", "<= | >= | = VALUE",
-                       "Checked against the summary at the end of the run; "
-                       "= takes `+- TOLERANCE`, a must for decimal numbers."},
+                       "What a quantity of the summary has to be at the end of the run, else the exit code is 5. A "
+                       "decimal number after = needs `+- TOLERANCE`."},
                       width);
     const auto list = [&text](const char* title, const std::vector<Named>& rows, std::size_t name_width) {
         text += std::string("\n") + title + ":\n";

@@ -56,8 +56,8 @@ std::string kept_text(const Mesh& mesh) {
 std::string validity_of(const Mesh& mesh) {
     const Certificate certificate = certify(mesh, mesh.x);
     if (!certificate.valid)
-        return std::to_string(certificate.uncertified.size()) + " elements not certified valid as the file has them; "
-               "the run starts from the straight-sided mesh (almesh quality lists them)";
+        return counted(certificate.uncertified.size(), "element") + " not certified valid (almesh quality FILE lists "
+               "them); a run straightens the mesh first";
     const Injectivity injectivity = certify_injective(mesh, mesh.x, certificate);
     return injectivity.certified ? "all elements certified valid, none overlap"
                                  : "all elements certified valid, but " + injectivity.reason;
@@ -92,11 +92,12 @@ ExitCode info(const std::string& mesh_path, std::FILE* out) {
     const std::filesystem::path absolute = std::filesystem::absolute(mesh_path).lexically_normal();
     const std::string stem = absolute.stem().string();
     std::fprintf(out,
-                 "#\n# A deck: change the motions and run it from any folder, almesh THIS-FILE. For instance "
-                 "`translate %s`,\n# `rotate 30%s`, `slide`; all motions and keys: almesh --keys.\n"
+                 "#\n# This text is a deck. Change its motions, for instance to `translate %s`, `rotate 30%s` or\n"
+                 "# `slide`, and run it from any folder: almesh THIS-FILE. All motions and keys: almesh --keys.\n"
                  "mesh = %s\noutput = %s\n",
                  mesh.dim == 2 ? "1 0" : "1 0 0", mesh.dim == 2 ? " about 0 0" : " axis 0 0 1",
-                 quoted_where_needed(absolute.string(), "#\"").c_str(), quoted_where_needed("outputs/" + stem, "#\"").c_str());
+                 quoted_where_needed(absolute.string(), "#\"").c_str(),
+                 quoted_where_needed("outputs/" + stem, "#\"").c_str());
     for (const std::string& name : mesh.boundaries)
         std::fprintf(out, "boundary %s = fixed\n", quoted_where_needed(name, "#=\" \t").c_str());
     return ExitCode::success;
