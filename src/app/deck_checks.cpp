@@ -27,13 +27,13 @@ void check_quadrature(const Deck& deck, int degree) {
     const int least = 2 * (degree - 1), exactness = deck.distortion.exactness;
     if (exactness == 0 || exactness >= least) return;
     throw UsageError(deck.given.at("quadrature"), ": quadrature = ", exactness, " is too low for elements of degree ",
-                     degree, ": at least ", least, ", or 0");
+                     degree, ": take at least ", least, ", or 0");
 }
 
 void check_final_degree(const Deck& deck, int degree) {
     if (degree == 1 || (deck.final_format != FinalFormat::su2 && deck.final_format != FinalFormat::both)) return;
-    throw UsageError(deck.given.at("final"), ": SU2 meshes are linear, these elements have degree ", degree,
-                     ": take final = msh");
+    throw UsageError(deck.given.at("final"), ": SU2 has linear elements only, and those of this run have degree ",
+                     degree, ": take final = msh");
 }
 
 // Before a run rather than after it.
@@ -71,8 +71,9 @@ void check_method(const Deck& deck) {
     if (deck.distortion.objective == Objective::minimax)
         refuse("objective", " = minimax", "take method = augmented_lagrangian");
     if (moving == MovingMethod::penalty) return;
-    if (deck.start == Start::coarse) refuse("start", " = coarse", "it starts from the mesh as it is");
-    if (deck.distortion.delta > 0) refuse("delta", " > 0", "untangle chooses its own, the others have none");
+    if (deck.start == Start::coarse) refuse("start", " = coarse", "the method starts from the initial mesh");
+    if (deck.distortion.delta > 0)
+        refuse("delta", " > 0", "untangle chooses its own delta, the other methods have none");
 }
 
 // A node that slides or is free has no position where it could be set.

@@ -50,11 +50,11 @@ std::string name_of(const Mesh& mesh, const Diagnosis& diagnosis) {
 
 std::string text_of_way(double way) {
     if (std::isnan(way)) return "";
-    if (way < 0) return ", farther than at the start";
-    return ", after " + (way > 0.9999 ? "more than 99.99" : shown(100 * way)) + " % of its way";
+    if (way < 0) return "; it was nearer at the start";
+    return "; it has gone " + (way > 0.9999 ? "more than 99.99" : shown(100 * way)) + " % of its way";
 }
 
-// "node 107 of boundary inner at (0.9, 0.1): 0.137 from its target (0.72, 0.28), 0.55 of its cell's height"
+// "node 107 of boundary inner at (0.9, 0.1) is 0.137 from its target (0.72, 0.28), 0.55 of the height of its cells"
 std::string description(const Problem& problem, const Solution& solution) {
     const Mesh& mesh = problem.mesh();
     const Diagnosis& at = solution.diagnosis;
@@ -66,19 +66,21 @@ std::string description(const Problem& problem, const Solution& solution) {
     switch (at.kind) {
         case DiagnosisKind::off_target:
             return subject + " is " + shown(at.distance * problem.frame.length) + " from its target " +
-                   position(at.target) + ", " + shown(at.heights, 2) + " of its cells' height" + text_of_way(at.way);
+                   position(at.target) + ", " + shown(at.heights, 2) + " of the height of its cells" +
+                   text_of_way(at.way);
         case DiagnosisKind::unbalanced:
-            return subject + " has " + shown(100 * at.share, 2) + " % of |grad E|, the most";
+            return subject + " has the largest part of |grad E|, " + shown(100 * at.share, 2) + " %";
         case DiagnosisKind::distorted:
             return subject + " is the most distorted: " + quality_of_element(solution, at.element);
-        case DiagnosisKind::invalid: return subject + " is the worst: " + quality_of_element(solution, at.element);
+        case DiagnosisKind::invalid:
+            return subject + " has the least scaled Jacobian: " + quality_of_element(solution, at.element);
         default: return overlap_text(mesh, solution.injectivity, problem.frame) + ": " + name;
     }
 }
 
 std::string less_motion(const Solution& solution) {
-    return "a part of the motion" +
-           (solution.reached > 0 ? ", of which " + shown(solution.reached) + " was reached" : "");
+    return "a smaller motion" +
+           (solution.reached > 0 ? " (" + shown(solution.reached) + " of this one was reached)" : "");
 }
 
 // Against a target that is too far: what the run has not done yet.
@@ -102,15 +104,16 @@ std::string against_iterations(const Deck& deck, const Problem& problem, const S
     if (last > 0.5 * before) return against_distance(deck, problem, solution);
     return concat("max_al_iterations = ", 2 * deck.method.max_iterations, ": |P c_D| fell from ",
                   shown(before * problem.frame.length, 3), " to ", shown(last * problem.frame.length, 3),
-                  " in the last one");
+                  " in the last iteration");
 }
 
 std::string against_uncertified(const Deck& deck, const Problem& problem, const Solution& solution) {
     if (deck.distortion.delta > 0) return "delta = 0, with which no step inverts an element";
     if (solution.certificate.undecided > 0)
         return concat("certificate_bisections = ", 10 * std::max(1, deck.certificate.max_bisections));
-    if (!problem.target.freed.empty()) return "a finer mesh of the surface there, which its faces fold around";
-    if (!problem.target.prescribes_all()) return "places for the boundary there, in place of slide or free";
+    if (!problem.target.freed.empty())
+        return "a finer mesh of the surface there: its faces are too large for its curvature";
+    if (!problem.target.prescribes_all()) return "a motion without slide or free for the boundary there";
     return "another mesh file: the boundary of this one crosses itself";
 }
 
@@ -123,7 +126,7 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
         case Status::overflow: return "a smaller mu0, such as " + shown(AugmentedLagrangianParams().mu0);
         case Status::attainable_accuracy:
             return "a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0";
-        case Status::ended_as_printed: return "algorithm = paper, which goes on until both hold";
+        case Status::ended_as_printed: return "algorithm = paper, which goes on until both tests are met";
         case Status::max_al_iterations: return against_iterations(deck, problem, solution);
         case Status::max_newton_iterations:
             return concat("max_newton_iterations = ", 2 * deck.method.max_newton_iterations, "; ",
@@ -131,14 +134,14 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
         case Status::interrupted:
             if (std::filesystem::exists(checkpoint_folder(deck))) return "resume=1, which goes on from here";
             return out_of_time() ? concat("max_seconds = ", 4 * deck.max_seconds)
-                                 : "it again: a run starts from the mesh file";
+                                 : "the run again: it starts from the mesh file";
         case Status::linear_solver_failed:
             if (solution.refused_bytes > 0) return "solver = cg, or a coarser mesh";
             if (deck.linear.kind != SolverKind::cholesky) return "solver = cholesky";
             return against_distance(deck, problem, solution);
         case Status::inverted:
         case Status::invalid_start:
-            return "method = augmented_lagrangian, which does not set the boundary before the mesh has followed; " +
+            return "method = augmented_lagrangian, which moves the boundary and the mesh together; " +
                    less_motion(solution);
     }
     return "";
@@ -148,8 +151,8 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
 std::string remedies(const Deck& deck, const Problem& problem, const Solution& solution) {
     const std::string to_try = against_cause(deck, problem, solution);
     if (problem.target.freed.empty()) return to_try;
-    return concat(to_try, "; surface = straighten", deck.local_repair ? " without local_repair = 1" : "",
-                  ", with which faces are flat where nodes now slide");
+    return concat(to_try, "; surface = straighten", deck.local_repair ? " and local_repair = 0" : "",
+                  ": faces become flat where nodes now slide");
 }
 
 void print_diagnosis(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
@@ -158,7 +161,7 @@ void print_diagnosis(std::FILE* out, const Deck& deck, const Problem& problem, c
     std::string text = description(problem, solution);
     if (!text.empty()) text += "\n";
     if (at.node >= 0)
-        text += concat("the worst element at it, ", problem.mesh().file.element_id[at.element], ", has ",
+        text += concat("the most distorted element at the node, ", problem.mesh().file.element_id[at.element], ", has ",
                        quality_of_element(solution, at.element), "\n");
     std::fprintf(out, "%stry %s\n", text.c_str(), remedies(deck, problem, solution).c_str());
 }
@@ -174,7 +177,8 @@ std::string judgement(const Problem& problem, const Solution& solution) {
 void print_boundary(std::FILE* out, const Problem& problem, const Solution& solution) {
     const AlIteration& last = solution.al.iterations.back();
     if (solution.nodes_off_target == 0)
-        std::fprintf(out, "every boundary node is at its target%s, the boundary between them to %.3g\n",
+        std::fprintf(out,
+                     "every boundary node is at its target%s, and the boundary between the nodes within %.3g of it\n",
                      problem.sliding ? " or on the surface along which it slides" : " to the last bit",
                      solution.max_boundary_error * problem.frame.length);
     else
@@ -188,7 +192,7 @@ void print_boundary(std::FILE* out, const Problem& problem, const Solution& solu
                      solution.freed_nodes, solution.largest_slide * problem.frame.length,
                      solution.surface_distance * problem.frame.length);
     if (solution.straight_faces)
-        std::fprintf(out, "%s of %d made flat, nodes by at most %.3g from the curved target\n",
+        std::fprintf(out, "%s of %d made flat; their nodes are at most %.3g from the curved target\n",
                      counted(solution.straight_faces, "face").c_str(), problem.mesh().face_count(),
                      solution.straightening_distance);
 }
@@ -227,10 +231,12 @@ Diagnosis diagnose(const Deck& deck, const Problem& problem, const Solution& sol
 
 void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {
     std::string others;
-    if (const int steps = solution.coarse_newton_iterations) others = concat(" (and ", steps, " on coarser meshes)");
+    if (const int steps = solution.coarse_newton_iterations) others = concat(steps, " more on coarser meshes");
     if (const int steps = solution.al.earlier_newton_iterations)
-        others += concat(" (and ", steps, " on earlier ",
-                         deck.distortion.objective == Objective::minimax ? "powers" : "load increments", ")");
+        others += concat(others.empty() ? "" : ", ", steps,
+                         deck.distortion.objective == Objective::minimax ? " more with earlier powers"
+                                                                    : " more in earlier load increments");
+    if (!others.empty()) others = " (" + others + ")";
     std::fprintf(out, "%s: %s%s in %.2f s\n", headline(solution.al.status).c_str(), work_of(deck, solution).c_str(),
                  others.c_str(), solution.time.total);
     print_diagnosis(out, deck, problem, solution);
@@ -239,7 +245,7 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
         std::fprintf(out, "|grad E| ended at its attainable accuracy, above omega_star\n");
     if (fallbacks)
         std::fprintf(out,
-                     "the iterative solver failed in %d Newton step%s, solved by Cholesky (history.csv tells why)\n",
+                     "the iterative solver failed in %d Newton step%s; Cholesky solved them (why: history.csv)\n",
                      fallbacks, fallbacks == 1 ? "" : "s");
     if (solution.refused_bytes > 0)
         std::fprintf(out, "the Cholesky factor takes %.3g GB, more than this machine's memory\n",

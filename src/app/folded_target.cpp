@@ -19,7 +19,7 @@ std::string counts_of(const TargetFaults& faults) {
 }
 
 void refuse(const Mesh& mesh, const TargetFaults& faults, const std::string& advice) {
-    const std::string message = faults.faces.faults.empty() ? "no valid mesh reaches the target: it folds "
+    const std::string message = faults.faces.faults.empty() ? "no valid mesh reaches the target: it inverts "
                                                             : "the target makes the boundary itself invalid at ";
     throw InputError(message, counts_of(faults), ":", describe(mesh, faults), advice);
 }
@@ -33,10 +33,11 @@ std::string against(const TargetFaults& faults, const CheckedTarget& checked) {
         return std::count(mesh.face_element.begin(), mesh.face_element.end(), fault.element) > 1;
     });
     if (stays)
-        return "\ntry targets that do not fold them, or a mesh in which they are divided by a node inside (refine "
+        return "\ntry targets that do not invert them, or a mesh in which they are divided by a node inside (refine "
                "leaves such an element there)";
-    const std::string refined = checked.file_degree == 1 ? concat("refine = ", checked.deck.refine + 1) : "a finer mesh";
-    return "\ntry " + refined + ", so that they are divided, or targets that do not fold them";
+    const std::string refined =
+        checked.file_degree == 1 ? concat("refine = ", checked.deck.refine + 1) : "a finer mesh";
+    return "\ntry " + refined + ", so that they are divided, or targets that do not invert them";
 }
 
 // Scaled Jacobian of elements that the target alone determines up to which they are faults.
@@ -51,7 +52,7 @@ TargetFaults faults_of(const CheckedTarget& checked) {
 }
 
 std::string note_of(const TargetFaults& faults, const Mesh& mesh, const std::string& what_is_done) {
-    return concat("the target folds ", counts_of(faults), ", or leaves next to nothing of them; ", what_is_done, ":",
+    return concat("the target inverts ", counts_of(faults), ", or nearly so; ", what_is_done, ":",
                   describe(mesh, faults));
 }
 

@@ -193,7 +193,8 @@ void note_surfaces(const Deck& deck, const Mesh& mesh, const SlidingSurfaces& sl
             if (sliding.boundary(part) == b) ++count[sliding.surface(part).name()];
         std::string text;
         for (const auto& [name, times] : count)
-            text += (text.empty() ? "" : ", ") + (times > 1 ? std::to_string(times) + " of: " : std::string()) + name;
+            text += (text.empty() ? "" : ", ") + name +
+                    (times > 1 ? concat(" (", times, " parts)") : std::string());
         const MotionStep* const other = surface_step(motion_for(deck, mesh.boundaries[b])->motion);
         const std::string along = other ? " along " + other->file + ": " : " along: ";
         if (!text.empty()) notes.push_back("boundary " + mesh.boundaries[b] + " slides" + along + text);

@@ -39,9 +39,9 @@ std::string describe(const Mesh& mesh, const TargetFaults& faults) {
     for (const DeterminedElement& fault : faults.elements) {
         const Vec<3> c = centroid(mesh, mesh.x, mesh.element(fault.element), mesh.dim + 1);
         std::string line = concat(mesh.cell().name, " ", mesh.file.element_id[fault.element], " at ",
-                                  position_text(c.data(), mesh.dim), ": the boundary alone makes its scaled Jacobian ");
+                                  position_text(c.data(), mesh.dim), ": its boundary nodes make its scaled Jacobian ");
         append(line, fault.scaled_jacobian, 4);
-        add(line + ", whatever the mesh inside");
+        add(line + ", wherever the nodes inside are");
     }
     if (lines > shown) text += "\n  ...";
     return text;

@@ -61,9 +61,9 @@ std::string fold_text(const Mesh& mesh, const std::vector<double>& x) {
     const auto [a, b] = mesh.folded[0];
     const std::array<double, 3> position = centroid(mesh, x, mesh.element(a), mesh.dim + 1);
     const std::vector<long long>& id = mesh.file.element_id;
-    return concat("elements ", id_in_file(id, a), " and ", id_in_file(id, b), " lie on the same side of their common face at ",
-                  position_text(position.data(), mesh.dim), ", the first of ",
-                  counted(mesh.folded.size(), "such pair"));
+    return concat("elements ", id_in_file(id, a), " and ", id_in_file(id, b),
+                  " lie on the same side of their common face at ", position_text(position.data(), mesh.dim),
+                  ", the first of ", counted(mesh.folded.size(), "such pair"));
 }
 
 }  // namespace
@@ -91,7 +91,7 @@ Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, co
     if (const auto [e, other] = overlapping_elements(mesh, x); e >= 0) {
         const std::vector<long long>& id = mesh.file.element_id;
         return {.reason = concat("elements ", id_in_file(id, e), " and ", id_in_file(id, other),
-                                   " lie over each other", mesh.degree == 1 ? "" : ", or too nearly to tell"),
+                                   " lie over each other", mesh.degree == 1 ? "" : ", or are too close to tell"),
                 .node = mesh.element(e)[0],
                 .position = centroid(mesh, x, mesh.element(e), mesh.dim + 1)};
     }

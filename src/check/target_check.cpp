@@ -134,7 +134,7 @@ const char* Check::fault_of_face(const Patch& patch) const {
     Vec<3> mean{};  // the mean of a polynomial is that of its Bezier coefficients
     for (const Vec<3>& v : n) mean = mean + (1.0 / n.size()) * v;
     if (!(length(mean) > degenerate * std::pow(box_of(patch).longest_side(), normal.basis.dim)))
-        return "the target collapses the face to nothing";
+        return "the target collapses the face";
     std::vector<double> along;
     for (const Vec<3>& v : n) along.push_back(dot(v, mean) / dot(mean, mean));
     const double least = polynomial_minimum(normal.basis, along.data(), 0.01, 500).upper;

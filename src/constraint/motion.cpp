@@ -96,16 +96,17 @@ Vec<3> cylinder_axis(Step step) { return padded(std::span(step.numbers).subspan(
 const char* axis_fault(const Vec<3>& axis) { return axis == Vec<3>{} ? "the axis is zero" : ""; }
 
 constexpr std::array<MotionForm, 13> forms = {{
-    {.name = "fixed", .form = "fixed", .meaning = "stays where the mesh file has it"},
+    {.name = "fixed", .form = "fixed", .meaning = "the boundary stays as it is in the mesh file"},
 
-    {.name = "translate", .form = "translate DX DY [DZ]", .meaning = "shift", .fewest = 2, .most = 3, .per_axis = true,
+    {.name = "translate", .form = "translate DX DY [DZ]", .meaning = "shifts the boundary",
+     .fewest = 2, .most = 3, .per_axis = true,
      .move = [](Step step, Vec<3>& d) {
          d = d + padded(step.numbers);
          return true;
      }},
 
     {.name = "rotate", .form = "rotate ANGLE [axis AX AY AZ] [about PX PY [PZ]]",
-     .meaning = "degrees, right-handed; the axis in 3D only; about the origin if not said",
+     .meaning = "turns it by degrees, right-handed; the axis in 3D only; default: about the origin",
      .fewest = 1, .most = 1, .axis = true, .about = true, .turns = true,
      .fault = [](Step step) { return step.axis.empty() ? "" : axis_fault(padded(step.axis)); },
      .move = [](Step step, Vec<3>& d) {
@@ -114,7 +115,8 @@ constexpr std::array<MotionForm, 13> forms = {{
      }},
 
     {.name = "twist", .form = "twist ANGLE-PER-LENGTH axis AX AY AZ [about PX PY PZ]",
-     .meaning = "3D: degrees for each unit of length along the axis, right-handed; none at the origin or `about`",
+     .meaning = "3D: turns each point by this angle in degrees times its distance along the axis from the origin, or "
+                "from `about`; right-handed",
      .fewest = 1, .most = 1, .axis = true, .about = true, .twists = true, .affine = false,
      .fault = [](Step step) { return step.axis.empty() ? "it needs `axis`" : axis_fault(padded(step.axis)); },
      .move = [](Step step, Vec<3>& d) {
@@ -124,8 +126,8 @@ constexpr std::array<MotionForm, 13> forms = {{
      }},
 
     {.name = "expression", .form = "expression \"X\" \"Y\" [\"Z\"]",
-     .meaning = "the point as formulas of x, y, z: numbers, pi, + - * / ^, parentheses, sin cos tan asin acos atan "
-                "sinh cosh tanh exp log sqrt abs, and of two arguments atan2 min max hypot",
+     .meaning = "moves each point to these formulas of x, y, z: numbers, pi, + - * / ^, parentheses, sin cos tan asin "
+                "acos atan sinh cosh tanh exp log sqrt abs, and with two arguments atan2 min max hypot",
      .formulas = true, .affine = false,
      .move = [](Step step, Vec<3>& d) {
          const Vec<3> x = d;
@@ -134,17 +136,18 @@ constexpr std::array<MotionForm, 13> forms = {{
      }},
 
     {.name = "file", .form = "file NAME [displacement]",
-     .meaning = "first step: positions, or displacements, of the boundary's nodes, rows `node-id x y [z]` separated by "
-                "blanks or commas, from the deck's folder",
+     .meaning = "first step: the file has the positions (or displacements) of the boundary's nodes in rows "
+                "`node-id x y [z]`, separated by blanks or commas; its path starts in the deck's folder",
      .file = true},
 
     {.name = "mesh", .form = "mesh NAME",
-     .meaning = "first step: where a mesh, such as the final.msh of another run, has the nodes with the same ids; of "
-                "degree 2 or more, the faces with the same vertices, as they are curved there",
+     .meaning = "first step: takes the positions from the nodes with the same ids in this mesh, such as the final.msh "
+                "of another run; of degree 2 or more, the curved faces from those with the same vertices",
      .file = true, .mesh = true},
 
     {.name = "scale", .form = "scale S [about PX PY [PZ]]",
-     .meaning = "one factor > 0, or one per axis: SX SY [SZ]", .fewest = 1, .most = 3, .about = true, .per_axis = true,
+     .meaning = "scales it by one factor > 0, or by one per axis: SX SY [SZ]",
+     .fewest = 1, .most = 3, .about = true, .per_axis = true,
      .fault = [](Step step) {
          const bool positive = *std::min_element(step.numbers.begin(), step.numbers.end()) > 0;
          return positive ? "" : "every factor must be > 0 (half a turn is `rotate 180`)";
@@ -154,14 +157,16 @@ constexpr std::array<MotionForm, 13> forms = {{
          return true;
      }},
 
-    {.name = "circle", .form = "circle CX CY R", .meaning = "2D: to the closest point of the circle",
+    {.name = "circle", .form = "circle CX CY R",
+     .meaning = "2D: moves each point to the closest point of the circle",
      .fewest = 3, .most = 3, .affine = false, .projection_in = 2, .move = project_from_centre},
 
-    {.name = "sphere", .form = "sphere CX CY CZ R", .meaning = "3D: to the closest point of the sphere",
+    {.name = "sphere", .form = "sphere CX CY CZ R",
+     .meaning = "3D: moves each point to the closest point of the sphere",
      .fewest = 4, .most = 4, .affine = false, .projection_in = 3, .move = project_from_centre},
 
     {.name = "cylinder", .form = "cylinder PX PY PZ AX AY AZ R",
-     .meaning = "3D: to the closest point at distance R from the axis through P along A",
+     .meaning = "3D: moves each point to the closest point of the cylinder about the axis through P along A",
      .fewest = 7, .most = 7, .affine = false, .projection_in = 3,
      .fault = [](Step step) { return axis_fault(cylinder_axis(step)); },
      .move = [](Step step, Vec<3>& d) {
@@ -170,11 +175,11 @@ constexpr std::array<MotionForm, 13> forms = {{
      }},
 
     {.name = "slide", .form = "slide [along FILE [boundary NAME]]",
-     .meaning = "last step: nodes move freely along the surface to which the steps before it take the boundary, or "
-                "along that of another mesh: of its boundary NAME, else the one of the same name, else its only one",
+     .meaning = "last step: the nodes may move along the surface to which the steps before it take the boundary. With "
+                "FILE: along the boundary NAME of that mesh, else the one of the same name, else its only one",
      .along = true, .hold = BoundaryHold::slides},
 
-    {.name = "free", .form = "free", .meaning = "without any constraint", .hold = BoundaryHold::free},
+    {.name = "free", .form = "free", .meaning = "the nodes may move anywhere", .hold = BoundaryHold::free},
 }};
 
 template <class... Parts>
@@ -213,7 +218,8 @@ MotionStep parse_step(std::string_view text) {
     if (written.empty()) throw UsageError("a step of the motion is empty: put a step on both sides of every `;`");
     const MotionForm* const found = find_row(forms, written[0]);
     if (!found)
-        throw UsageError("unknown motion ", in_backquotes(written[0]), did_you_mean(written[0], names_of(forms)));
+        throw UsageError("unknown motion ", in_backquotes(written[0]), did_you_mean(written[0], names_of(forms)),
+                         " All motions: almesh --keys");
     const MotionForm& form = *found;
     MotionStep step;
     step.form = &form;

@@ -50,7 +50,7 @@ std::string ForeignMshElements::message() const {
     for (const Kind& kind : kinds)
         what += concat(what.empty() ? "" : "; ", kind.count, " ", foreign_name(kind.type), " of type ", kind.type,
                        kind.line ? concat(", the first in line ", kind.line) : "");
-    return what + ": only complete simplices of degree 1 to 7 are read";
+    return what + ": only triangles and tetrahedra of degree 1 to 7 with all their nodes are read";
 }
 
 }  // namespace almesh

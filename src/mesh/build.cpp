@@ -79,7 +79,8 @@ void check_flat(const MeshBuild& build) {
     if (high->x[2] - low->x[2] > 1e-12 * size)
         build.refuse("the triangles form a surface in space, z goes from ", low->x[2], " (node ", low->id, ") to ",
                      high->x[2], " (node ", high->id,
-                     "): a 2D mesh lies in a plane z = constant, a 3D mesh has tetrahedra");
+                     "): a 2D mesh lies in a plane z = constant; a 3D mesh has tetrahedra "
+                     "(Gmsh writes them only if their volume is in a physical group, or if there are no groups)");
     if (std::abs(low->x[2]) > 1e-12 * size)
         build.notes.push_back(concat("the mesh lies in the plane z = ", low->x[2], ", results are written at z = 0"));
 }

@@ -72,7 +72,7 @@ TEST_CASE("a boundary that its nodes fold: refused with surface = keep, else the
         const Outcome mended = ring.run({"boundary inner=translate 0.25 0", setting});
         CAPTURE(mended.error);
         REQUIRE(mended.code == 0);
-        CHECK(has(mended.out, "note: the target folds "));
+        CHECK(has(mended.out, "note: the target inverts "));
         CHECK(has(mended.out, " around slide along the surface:"));
         CHECK(has(mended.out, "boundary inner slides along: circle of radius 1"));
         CHECK(has(mended.out, " nodes slid along the surface, by at most "));
@@ -134,7 +134,7 @@ TEST_CASE("surface = straighten makes the folded face flat; all others keep thei
         CAPTURE(outcome.error);
         REQUIRE(outcome.code == 0);
         CHECK(has(outcome.out, "1 face there is made flat:"));
-        CHECK(has(outcome.out, "1 face of 24 made flat, nodes by at most "));
+        CHECK(has(outcome.out, "1 face of 24 made flat; their nodes are at most "));
         const auto summary = summary_of(ring.output);
         CHECK(summary.at("certified_injective") == "yes");
         CHECK(summary.at("nodes_off_target") == "0");

@@ -87,7 +87,7 @@ struct FoldedElement {
 
     FoldedElement(const std::string& error, const std::string& cell) {
         const std::string start = "\n  " + cell + " ", middle = " at (",
-                          end = "): the boundary alone makes its scaled Jacobian ";
+                          end = "): its boundary nodes make its scaled Jacobian ";
         const auto at = error.find(start), coordinates = error.find(middle, at), value = error.find(end, coordinates);
         REQUIRE(value != std::string::npos);
         id = parse_int(error.substr(at + start.size(), coordinates - at - start.size())).value();
@@ -232,7 +232,7 @@ TEST_CASE("a corner that the target folds: code 2, whatever unit, origin, degree
             const Mesh mesh = square_at(size, origin);
             const DentedSquare square(msh_of(mesh), size, origin);
             const Outcome outcome = square.run({setting});
-            check_refused(outcome, 2, {"no valid mesh reaches the target: it folds 1 element:",
+            check_refused(outcome, 2, {"no valid mesh reaches the target: it inverts 1 element:",
                                        "refine leaves such an element there"});
             CHECK(!std::filesystem::exists(square.output));
             const FoldedElement folded(outcome.error, "triangle");
@@ -252,7 +252,7 @@ TEST_CASE("a corner that the target folds in a mesh without boundary elements: c
     const Mesh mesh = square_at(1, 0);
     const DentedSquare square(without_faces(mesh), 1, 0);
     const Outcome outcome = square.run();
-    check_refused(outcome, 2, {"it folds 1 element:"});
+    check_refused(outcome, 2, {"it inverts 1 element:"});
     CHECK(FoldedElement(outcome.error, "triangle").id == 1000 + 7 * 6);
 }
 
@@ -265,7 +265,7 @@ TEST_CASE("a corner of a cube that is pushed through its element: code 2, naming
         "cube.deck", "mesh = cube.msh\noutput = " + folder.path("out") + "\nboundary all = expression \"x - 0.4" + by +
                          " \"y + 0.35" + by + " \"z + 0.3" + by + "\n");
     const Outcome outcome = almesh_with({deck});
-    check_refused(outcome, 2, {"it folds ", "refine leaves such an element there"});
+    check_refused(outcome, 2, {"it inverts ", "refine leaves such an element there"});
     const FoldedElement folded(outcome.error, "tetrahedron");
     CHECK(folded.place.size() == 3);
     const auto e = folded.id - mesh.file.element_id[0];
@@ -276,7 +276,7 @@ TEST_CASE("a corner of a cube that is pushed through its element: code 2, naming
 TEST_CASE("a layer of one element that the target winds too far: code 2, and what is advised succeeds") {
     const RingDeck ring(ring_mesh(16, 1, 3));
     check_refused(ring.run({"boundary inner=rotate 120"}), 2,
-                  {"it folds 16 elements:", "\n  ...\n", "try refine = 1, so that they are divided"});
+                  {"it inverts 16 elements:", "\n  ...\n", "try refine = 1, so that they are divided"});
     CHECK(ring.run({"boundary inner=rotate 120", "refine=1"}).code == 0);
 }
 

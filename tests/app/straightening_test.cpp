@@ -32,7 +32,7 @@ TEST_CASE("a folded CAD surface with flat faces where it is folded, and no other
     std::string out;
     const auto summary = straightened("inputs/cad/torus.deck", {}, out);
     CHECK(has(out, "8 faces there are made flat:"));
-    CHECK(has(out, "8 faces of 314 made flat, nodes by at most 0.0"));
+    CHECK(has(out, "8 faces of 314 made flat; their nodes are at most 0.0"));
     CHECK(summary.at("status") == "converged");
     CHECK(summary.at("certified_injective") == "yes");
     CHECK(summary.at("straight_faces") == "8");
@@ -59,7 +59,7 @@ TEST_CASE("a run whose sliding nodes do not find their way names the way out") {
                          "local_repair=" + local_repair, "output=" + folder.path("results")});
         CHECK(outcome.code == 3);
         CHECK(has(outcome.out, local_repair == "0"
-                                   ? "surface = straighten, with which faces are flat where nodes now slide"
-                                   : "surface = straighten without local_repair = 1, with which "));
+                                   ? "surface = straighten: faces become flat where nodes now slide"
+                                   : "surface = straighten and local_repair = 0: faces "));
     }
 }

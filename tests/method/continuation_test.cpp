@@ -46,7 +46,7 @@ TEST_CASE("half a turn winds the whole mesh one way, in two parts") {
             CHECK(count(ring, "earlier_newton_iterations") > 0);
             CHECK(count(ring, "newton_iterations") + count(ring, "earlier_newton_iterations") <= 70);
             CHECK(has(outcome.out, "  0.5 of the motion\n"));
-            CHECK(has(outcome.out, " on earlier load increments) in "));
+            CHECK(has(outcome.out, " more in earlier load increments) in "));
             const auto rows = csv_rows(text_of(ring.output + "/history.csv"));
             CHECK(rows[1][0] == "part");
             CHECK(rows[0][28] == "fraction");
