@@ -220,7 +220,7 @@ const std::vector<DeckKey>& deck_keys() {
          "from an SU2 file; msh: MSH in the version of the mesh file, or 2.2; su2: SU2 (linear elements only); both: "
          "MSH and SU2; msh22, msh41-binary, ...: MSH in this version."},
         {"wall", text<&Deck::wall>("boundary name"),
-         "Boundary from which the distance of every node is written to final.vtk; \"\": none."},
+         "Boundary from which the distance of every node is written to the VTK files; \"\": none."},
         {"max_seconds", number<&Deck::max_seconds>({0, 1e9}),
          "The run ends as `interrupted` after the Newton step in which so many seconds have passed. Its results are "
          "written. 0: never."},

@@ -122,12 +122,12 @@ std::string free_folded(const CheckedTarget& checked) {
     if (!faults.sliding_may_help()) refuse(mesh, faults, against(faults, checked));
     if (checked.deck.surface == SurfaceKind::keep)
         refuse(mesh, faults,
-               "\ntry surface = auto, with which nodes slide along the surface there, or surface = "
-               "straighten, with which faces are flat there");
+               "\ntry surface = auto (nodes slide along the surface there) or surface = straighten (faces become flat "
+               "there)");
     target.freed = freed_nodes(mesh, target, faults);
     const TargetFaults left = faults_of(checked);
     if (!left.none()) refuse(mesh, left, against(left, checked));
-    return note_of(faults, mesh, counted(count(target.freed), "node") + " around slide along the surface");
+    return note_of(faults, mesh, counted(count(target.freed), "node") + " around them slide along the surface");
 }
 
 }  // namespace almesh

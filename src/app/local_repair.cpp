@@ -100,7 +100,7 @@ Solution repair_locally(const Deck& deck, Problem& problem, const Solve& solve, 
     for (double reach = first_reach; !is_repaired; reach *= 2) {
         const std::vector<char> chosen = surroundings(mesh, is_inverted, reach);
         if (count(chosen) > most) return solve(deck, problem);
-        std::fprintf(out, "%s inverted in the file, of %d: %d around move\n", counted(inverted, "element").c_str(),
+        std::fprintf(out, "%d of %d elements inverted in the file: the %d at and around them move\n", inverted,
                      mesh.element_count(), count(chosen));
         const Deck of_part = deck_of_part(deck, problem.frame.length);
         std::optional<Problem> part;

@@ -132,7 +132,7 @@ double unit_of_length(const Deck& deck, double volume, int dim) {
     const double size = std::pow(volume, 1.0 / dim), unit = deck.length_scale.value_or(size);
     if (size / unit >= 1 / most && size / unit <= most) return unit;
     throw UsageError(deck.given.at("length_scale"), ": in units of length_scale = ", unit, " the mesh is ",
-                     size / unit, " long, beyond what can be computed with: leave it out");
+                     size / unit, " long, which is beyond the range of numbers: leave the key out");
 }
 
 // A mesh that is many times its size away from the origin of its file gets one of its own, in its middle.

@@ -86,7 +86,7 @@ Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& so
             more_faces(mesh, problem.target, around_diagnosis(problem, solution, certificate, injectivity));
         const auto more = std::count(chosen.begin(), chosen.end(), 1);
         if (more == 0) return solve(deck, problem);
-        std::fprintf(out, "%s to be made flat, beside %d that are: %s\n", counted(more, "face").c_str(),
+        std::fprintf(out, "%s to be made flat, in addition to %d: %s\n", counted(more, "face").c_str(),
                      static_cast<int>(flat),
                      injectivity.certified ? to_string(solution.al.status) : "no valid mesh yet");
         const BoundaryTarget target = problem.target;
@@ -95,7 +95,7 @@ Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& so
             if (curved_target.empty()) problem.curved_target = node_target;
             straighten_target(checked_target(deck, problem), chosen);
         } catch (const InputError& error) {  // flat they would cross: with the target as it was until the deck's limits
-            std::fprintf(out, "they stay as they are: %s\n", error.what());
+            std::fprintf(out, "these faces stay as they are: %s\n", error.what());
             problem.target = target;
             problem.node_target = node_target;
             problem.curved_target = curved_target;

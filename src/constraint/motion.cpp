@@ -328,7 +328,7 @@ Motion parse_motion(std::string_view text) {
                          " boundary is not moved, remove one or the other");
     const auto slides = [](Step step) { return step.form->hold == BoundaryHold::slides; };
     if (std::any_of(motion.steps.begin(), motion.steps.end() - 1, slides))
-        throw UsageError("`slide` must be the last step: the boundary slides along where the steps before it take it");
+        throw UsageError("`slide` must be the last step: the steps before it move the surface along which nodes slide");
     const std::string in_2d = misfit(motion, 2), in_3d = misfit(motion, 3);
     if (!in_2d.empty() && !in_3d.empty()) throw UsageError("fits no dimension: ", in_2d, "; ", in_3d);
     return motion;

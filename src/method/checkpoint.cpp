@@ -142,8 +142,8 @@ std::optional<Minimised> Checkpoint::next(const std::string& start) {
     if (++number_ > last_) return std::nullopt;
     std::optional<Minimised> saved = read(number_);
     if (saved && saved->start == start) return saved;
-    tell_(concat(path(number_), saved ? " belongs to other numbers, as another machine has them" : " is damaged",
-                 ": computed anew from here"));
+    tell_(concat(path(number_), saved ? " was saved with other numbers, as on another machine" : " is damaged",
+                 ": the run computes anew from here"));
     last_ = 0;
     return std::nullopt;
 }

@@ -64,7 +64,7 @@ TEST_CASE("a boundary that its nodes fold: refused with surface = keep, else the
     CHECK(has(kept.error, "the target makes the boundary itself invalid at 1 face:"));
     CHECK(has(kept.error, "folds the face back on itself"));
     CHECK(
-        has(kept.error, "try surface = auto, with which nodes slide along the surface there, or surface = straighten"));
+        has(kept.error, "try surface = auto (nodes slide along the surface there) or surface = straighten"));
     CHECK(!std::filesystem::exists(ring.output));
 
     for (const std::string setting : {"surface=auto", "start=identity", "algorithm=paper"}) {
@@ -73,7 +73,7 @@ TEST_CASE("a boundary that its nodes fold: refused with surface = keep, else the
         CAPTURE(mended.error);
         REQUIRE(mended.code == 0);
         CHECK(has(mended.out, "note: the target inverts "));
-        CHECK(has(mended.out, " around slide along the surface:"));
+        CHECK(has(mended.out, " around them slide along the surface:"));
         CHECK(has(mended.out, "boundary inner slides along: circle of radius 1"));
         CHECK(has(mended.out, " nodes slid along the surface, by at most "));
         const auto summary = summary_of(ring.output);
@@ -197,8 +197,8 @@ TEST_CASE("surface = straighten does nothing to a target that folds nothing, and
     CHECK(!has(cut_short.out, "to be made flat"));
     const Outcome kept = almesh_with({deck, "surface=straighten", "max_newton_iterations=1", "wall_tolerance=1e-9"});
     CAPTURE(kept.out);
-    CHECK(has(kept.out, " faces to be made flat, beside 0 that are: max_newton_iterations"));
-    CHECK(has(kept.out, "they stay as they are: the target makes the boundary itself invalid"));
+    CHECK(has(kept.out, " faces to be made flat, in addition to 0: max_newton_iterations"));
+    CHECK(has(kept.out, "these faces stay as they are: the target makes the boundary itself invalid"));
     CHECK(summary_of(folder.path("results")).at("straight_faces") == "0");
     CHECK(std::filesystem::exists(folder.path("results/final.msh")));
     const Outcome in_region = fair.run({"boundary inner=fixed", "surface=straighten", "local_repair = 1"});

@@ -44,7 +44,7 @@ TEST_CASE("a folded CAD surface with flat faces where it is folded, and no other
 TEST_CASE("faces that hold up the run are made flat too, until a mesh is certified") {
     std::string out;
     const auto summary = straightened("inputs/cad/torus.deck", {"max_newton_iterations=1"}, out);
-    CHECK(has(out, " faces to be made flat, beside 8 that are: "));
+    CHECK(has(out, " faces to be made flat, in addition to 8: "));
     CHECK(summary.at("status") == "converged");
     CHECK(summary.at("certified_injective") == "yes");
     CHECK(std::stoi(summary.at("straight_faces")) > 8);

@@ -176,7 +176,7 @@ TEST_CASE("a state that is damaged or does not fit is not used, which is told, a
         Checkpoint second = saved.checkpoint(true);
         check_same(run(problem, &second), whole);
         REQUIRE(saved.told.size() == 1);
-        CHECK(saved.told[0] == path + reason + ": computed anew from here");
+        CHECK(saved.told[0] == path + reason + ": the run computes anew from here");
     };
     const char* const is_damaged = " is damaged";
     damage([](std::string& file) { file[file.size() / 2] ^= 1; }, is_damaged);
@@ -194,8 +194,8 @@ TEST_CASE("a state that is damaged or does not fit is not used, which is told, a
     Checkpoint second = saved.checkpoint(true);
     check_same(run(other, &second), run(other, nullptr));
     REQUIRE(saved.told.size() == 1);
-    CHECK(saved.told[0] == saved.folder + "/0001.state belongs to other numbers, as another machine has them"
-                                          ": computed anew from here");
+    CHECK(saved.told[0] == saved.folder + "/0001.state was saved with other numbers, as on another machine"
+                                          ": the run computes anew from here");
 }
 
 TEST_CASE("the state of another run is refused, and stays") {
