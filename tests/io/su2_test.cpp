@@ -114,7 +114,7 @@ TEST_CASE("a run reads SU2 and writes it; not where elements are curved") {
     CHECK(mesh_of(folder.path("out/final.su2")).x == mesh_of(folder.path("out/final.msh")).x);
     const Outcome curved = almesh_with({deck, "degree=2"});
     CHECK(curved.code == 1);
-    CHECK(has(curved.error, "SU2 meshes are linear"));
+    CHECK(has(curved.error, "SU2 has linear elements only"));
     std::filesystem::remove_all(folder.path("out"));
     REQUIRE(almesh_with({deck, "final=input"}).code == 0);
     CHECK(mesh_of(folder.path("out/final.su2")).file.format.kind == FileFormat::Kind::su2);

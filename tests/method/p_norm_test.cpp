@@ -73,7 +73,7 @@ TEST_CASE("the powers on the way are rows of the report") {
     CHECK(has(outcome.out, "(eta - 1)^2\n"));
     CHECK(has(outcome.out, "(eta - 1)^8\n"));
     CHECK_FALSE(has(outcome.out, "(eta - 1)^16\n"));
-    CHECK(has(outcome.out, " on earlier powers) in "));
+    CHECK(has(outcome.out, " more with earlier powers) in "));
     const auto rows = csv_rows(text_of(ring.output + "/history.csv"));
     CHECK(rows[1][0] == "power");
     CHECK(rows[0][29] == "power");
