@@ -1,4 +1,5 @@
-// SU2's native mesh format, ASCII (SU2 documentation, "Mesh File"): linear triangles and tetrahedra with markers.
+// SU2's native mesh format, ASCII (SU2 documentation, "Mesh File"): linear triangles and tetrahedra with markers, in
+// one zone or several.
 #pragma once
 #include <string>
 #include <string_view>
@@ -8,15 +9,18 @@
 
 namespace almesh {
 
-// Whether a text begins like an SU2 mesh: its first line that is not a comment is a keyword with `=`.
+// Whether a text begins like an SU2 mesh: lines KEYWORD= VALUE or comments, up to a keyword of the mesh.
 bool looks_like_su2(std::string_view text);
 
-// Node and element ids are SU2's numbers plus one. Throws InputError "path:line: message": other element types, several
-// zones, numbers out of range, wrong counts, the end of the file before that of a section.
+// Node and element ids are SU2's numbers plus one, those of the next zone after those of one. A marker is a physical
+// group of its name, "2:wall" where several zones have it; of several zones each is a group "zone-2" of elements, too.
+// What the file says besides the mesh is in `pieces`. Throws InputError "path:line: message": other element types,
+// numbers out of range, wrong counts, the end of the file before that of a section.
 RawMesh parse_su2(std::string_view text, const std::string& path);
 
-// x: node_count x dim positions. The mesh is linear. Nodes and elements are numbered from 0 in the mesh's order,
-// markers are its boundaries and the tagged faces inside it; points and curves of tetrahedra have no place in SU2.
+// x: node_count x dim positions. The mesh is linear. Nodes and elements are numbered from 0 in the mesh's order, those
+// of each zone by themselves. Markers are those of the file, the boundaries, and the tagged faces inside the mesh;
+// points and curves of tetrahedra have no place in SU2.
 void write_su2(const std::string& path, const Mesh& mesh, const std::vector<double>& x);
 
 }  // namespace almesh

@@ -155,6 +155,7 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
     Mesh& mesh = build.mesh;
     mesh.file.groups = raw.groups;
     mesh.file.format = raw.format;
+    mesh.file.pieces = raw.pieces;
     mesh.file.entities = raw.entities;
     select(build);
     number_nodes(build);

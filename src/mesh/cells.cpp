@@ -4,6 +4,8 @@
 // more (Bey, Computing 55, 1995).
 #include "mesh/cells.hpp"
 
+#include <algorithm>
+
 namespace almesh {
 namespace {
 
@@ -35,6 +37,12 @@ constexpr CellType cells[] = {
 }  // namespace
 
 const CellType& simplex(int dim) { return cells[dim]; }
+
+const CellType* cell_of_vtk_type(int type) {
+    const auto cell = std::find_if(std::begin(cells), std::end(cells),
+                                   [&](const CellType& c) { return c.vtk_types[0] == type; });
+    return cell == std::end(cells) ? nullptr : cell;
+}
 
 std::vector<MultiIndex> lattice_nodes(int dim, int degree, std::span<const CellEdge> edges,
                                       std::span<const CellFace> interior_faces) {

@@ -49,6 +49,9 @@ struct CellType {
 // The simplex of dimension 0 to 3.
 const CellType& simplex(int dim);
 
+// The cell type with this linear cell type of VTK, or nullptr.
+const CellType* cell_of_vtk_type(int type);
+
 using MultiIndex = std::array<int, 4>;  // a_0 .. a_dim, sum = degree; entries beyond dim are zero
 
 // Nodes of a simplex: binomial(degree + dim, dim). Inline and without a general division: called in inner loops.

@@ -62,6 +62,19 @@ struct KeptCells {
     int count() const { return static_cast<int>(id.size()); }
 };
 
+// A marker of an SU2 file, and the lines that come before its faces: a key SEND_RECV, rows of points.
+struct FileMarker {
+    std::string name, group{}, lines{};  // name: in the file, group: the physical one here
+    int points = 0;                      // rows among the lines
+};
+
+// An SU2 file in its order: lines that are kept as they are, and the sections NELEM, NPOIN and NMARK of each zone.
+struct FilePiece {
+    std::string text;  // the lines, or the keyword of the section
+    int zone = 0;      // from 1; 0: lines. Of several zones an element's entity is its zone
+    std::vector<FileMarker> markers{};
+};
+
 struct FileTags {
     std::vector<long long> node_id, element_id, face_id;
     std::vector<int> element_physical, face_physical;  // tag of the physical group, the first of several; 0: none
@@ -70,6 +83,7 @@ struct FileTags {
     std::vector<LooseNode> loose;
     std::vector<FileEntity> entities;  // ascending by key, of MSH 4
     std::vector<PhysicalGroup> groups;
+    std::vector<FilePiece> pieces;  // of SU2
     FileFormat format;
     std::string comment;  // one line, that is written as such; of what has been read: empty
 };

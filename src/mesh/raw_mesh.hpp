@@ -40,6 +40,7 @@ struct RawMesh {
     std::vector<PhysicalGroup> groups;
     std::vector<RawNodeBlock> node_blocks;  // of all nodes, in their order; empty where the format has none
     std::vector<FileEntity> entities;       // ascending by key; empty where the format has none
+    std::vector<FilePiece> pieces;          // of SU2
 };
 
 // Entity (dim, tag), or nullptr where the file lists none. entities: ascending by key. Cost: O(log entities).

@@ -32,6 +32,65 @@ const std::string square =
     "MARKER_ELEMS= 1\n"
     "3 3 0\n";
 
+// In the order and the form in which it is written.
+const std::string in_order =
+    "% a square\n"
+    "AOA_OFFSET= 0\n"
+    "NDIME= 2\n"
+    "\n"
+    "NPOIN= 4\n"
+    "0 0 0\n1 0 1\n1 1 2\n0 1 3\n"
+    "% its boundary\n"
+    "NMARK= 4\n"
+    "MARKER_TAG= wall\nMARKER_ELEMS= 3\n3 0 1\n3 1 2\n3 2 3\n"
+    "MARKER_TAG= nothing\nMARKER_ELEMS= 0\n"
+    "MARKER_TAG= inlet\nMARKER_ELEMS= 1\n3 3 0\n"
+    "MARKER_TAG= SEND_RECEIVE\nMARKER_ELEMS= 2\nSEND_RECV= 1\n1 0 0\n1 3 0\n"
+    "NPERIODIC= 1\n"
+    "PERIODIC_INDEX= 0\n"
+    "0.00\t0.00\n"
+    "% its inside\n"
+    "NELEM= 2\n"
+    "5 0 1 2 0\n5 0 2 3 1\n"
+    "FFD_NBOX= 1\n"
+    "  FFD_CORNER_POINTS= 2\n"
+    "-1 -1\n"
+    "2 2\n"
+    "wall 0 0.5 0.5\n"
+    "% the end\n";
+
+const std::string two_zones =
+    "% two bodies\n"
+    "NDIME= 2\n"
+    "NZONE= 2\n"
+    "IZONE= 1\n"
+    "NELEM= 1\n5 0 1 2 0\n"
+    "NPOIN= 3\n0 0 0\n1 0 1\n0 1 2\n"
+    "NMARK= 2\n"
+    "MARKER_TAG= wall\nMARKER_ELEMS= 2\n3 0 1\n3 1 2\n"
+    "MARKER_TAG= inlet\nMARKER_ELEMS= 1\n3 2 0\n"
+    "FFD_NBOX= 0\n"
+    "IZONE= 2\n"
+    "NDIME= 2\n"
+    "NPOIN= 4\n2 0 0\n3 0 1\n2 1 2\n3 1 3\n"
+    "NELEM= 2\n5 0 1 2 0\n5 1 3 2 1\n"
+    "NMARK= 2\n"
+    "MARKER_TAG= outlet\nMARKER_ELEMS= 2\n3 1 3\n3 3 2\n"
+    "MARKER_TAG= wall\nMARKER_ELEMS= 2\n3 2 0\n3 0 1\n"
+    "NPERIODIC= 0\n";
+
+std::string text_of_su2(const Mesh& mesh) {
+    const TemporaryFolder folder;
+    write_su2(folder.path("a.su2"), mesh, mesh.x);
+    return text_of(folder.path("a.su2"));
+}
+
+// The text read and written again.
+std::string written(const std::string& text) {
+    std::vector<std::string> notes;
+    return text_of_su2(build_mesh(parse_su2(text, "a.su2"), notes));
+}
+
 std::string error_of(std::string text, const std::string& replaced, const std::string& by) {
     const std::size_t at = text.find(replaced);
     REQUIRE(at != std::string::npos);
@@ -78,6 +137,98 @@ TEST_CASE("what is written is read again, to the last bit, in 2D and 3D") {
     }
 }
 
+TEST_CASE("SU2 files in many ways: long rows, broken rows, no numbers, any order, CRLF, comments at line ends") {
+    const std::string in_the_wild =
+        "\r\n% made elsewhere\r\n"
+        "AOA_OFFSET=0\r\n"
+        "NDIME=2 % plane\r\n"
+        "NMARK=2\t% two\r\n"
+        "MARKER_TAG=wall % not slippery\r\n"
+        "MARKER_ELEMS=3\r\n"
+        "3 0\r\n 1\r\n3 1 2 0 0\r\n% in between\r\n\t3 2 3 % last\r\n"
+        "MARKER_TAG=\tinlet\r\n"
+        "MARKER_ELEMS= 1\r\n"
+        "3\r\n3\r\n0 0\r\n"
+        "NPOIN= 4 2\r\n"
+        "0 0 0.0 0\r\n"
+        "1 0 0.0\r\n"
+        "1\r\n% a comment\r\n 1 2\r\n"
+        "0 1. 3 17\r\n"
+        "NELEM=2 % triangles\r\n"
+        "5 0\r\n1\r\n\r\n2 0\r\n"
+        "5 2 0 3 1 5 5\r\n";
+    REQUIRE(looks_like_su2(in_the_wild));
+    std::vector<std::string> notes;
+    const Mesh mesh = build_mesh(parse_su2(in_the_wild, "a.su2"), notes);
+    const Mesh plain = build_mesh(parse_su2(square, "a.su2"), notes);
+    CHECK(mesh.x == plain.x);
+    CHECK(mesh.elements == std::vector<int>{0, 1, 2, 2, 3, 0});  // the second one turned
+    CHECK(mesh.faces == plain.faces);
+    CHECK(mesh.face_boundary == plain.face_boundary);
+    CHECK(mesh.boundaries == plain.boundaries);
+}
+
+TEST_CASE("what an SU2 file has besides the mesh is written again word for word, in its order") {
+    CHECK(written(in_order) == in_order);
+    CHECK(written("% almesh 1.0, run 0123\n" + in_order) == in_order);
+    std::string with_crlf;
+    for (const char c : in_order) (with_crlf += c == '\n' ? "\r" : "") += c;
+    CHECK(written(with_crlf) == in_order);
+    CHECK(written(in_order.substr(0, in_order.size() - 1)) == in_order);
+
+    std::string two_of_one_name = square;
+    two_of_one_name.replace(two_of_one_name.find("inlet"), 5, "wall");
+    CHECK(has(written(two_of_one_name), "NMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 4\n"));
+    const std::string without_markers = square.substr(0, square.find("NMARK"));
+    CHECK(has(written(without_markers + "NPERIODIC= 0\n"),
+              "NMARK= 1\nMARKER_TAG= boundary\nMARKER_ELEMS= 4\n3 0 1\n3 3 0\n3 1 2\n3 2 3\nNPERIODIC= 0\n"));
+}
+
+TEST_CASE("the zones of an SU2 file are one mesh, and zones again where it is written") {
+    REQUIRE(looks_like_su2(two_zones));
+    CHECK(written(two_zones) == two_zones);
+    std::vector<std::string> notes;
+    const Mesh mesh = build_mesh(parse_su2(two_zones, "a.su2"), notes);
+    CHECK(notes.empty());
+    CHECK(mesh.nodes() == 7);
+    CHECK(mesh.elements == std::vector<int>{0, 1, 2, 3, 4, 5, 4, 6, 5});
+    CHECK(mesh.boundaries == std::vector<std::string>{"1:wall", "inlet", "outlet", "2:wall"});
+    CHECK(mesh.file.node_id == std::vector<long long>{1, 2, 3, 4, 5, 6, 7});
+    CHECK(mesh.file.element_entity == std::vector<int>{1, 2, 2});
+    CHECK(group_name(mesh.file.groups, 2, 2) == "zone-2");
+
+    const Mesh fine = refine(mesh, 1);
+    const std::string text = text_of_su2(fine);
+    CHECK(written(text) == text);
+    const std::size_t second = text.find("IZONE= 2");
+    CHECK(has(text.substr(0, second), "NELEM= 4\n"));
+    CHECK(has(text.substr(0, second), "NPOIN= 6\n"));
+    CHECK(has(text.substr(0, second), "MARKER_TAG= wall\nMARKER_ELEMS= 4\n"));
+    CHECK(has(text.substr(second), "NELEM= 8\n"));
+    CHECK(has(text.substr(second), "NPOIN= 9\n"));
+    CHECK(has(text.substr(second), "MARKER_TAG= wall\nMARKER_ELEMS= 4\n"));
+    const Mesh again = build_mesh(parse_su2(text, "a.su2"), notes);
+    CHECK(again.boundaries == mesh.boundaries);
+    CHECK(again.element_count() == 12);
+    CHECK(volume(again, again.x) == volume(mesh, mesh.x));
+}
+
+TEST_CASE("a run moves the zones of an SU2 file together and writes them as zones") {
+    const TemporaryFolder folder;
+    const std::string deck =
+        folder.write("zones.deck", "mesh = " + folder.write("zones.su2", two_zones) + "\noutput = " +
+                                       folder.path("out") + "\nrefine = 1\nboundary 2:wall = translate 0.125 0\n"
+                                       "boundary outlet = translate 0.125 0\nboundary rest = fixed\n"
+                                       "threads = 1\nvtk = none\n");
+    const Outcome outcome = almesh_with({deck});
+    CAPTURE(outcome.error);
+    REQUIRE(outcome.code == 0);
+    CHECK(has(outcome.out, "certified valid and injective"));
+    const std::string text = text_of(folder.path("out/final.su2"));
+    CHECK(has(text, "IZONE= 2\nNDIME= 2\nNPOIN= 9\n2.125 0 0\n"));
+    CHECK(written(text) == text.substr(text.find('\n') + 1));
+}
+
 TEST_CASE("errors of SU2 meshes name the line and what is wrong") {
     CHECK(error_of(square, "% a", "% a") == "");
     const auto has_error = [](const std::string& replaced, const std::string& by, const std::string& expected) {
@@ -94,11 +245,41 @@ TEST_CASE("errors of SU2 meshes name the line and what is wrong") {
     has_error("3 3 0\n", "", "the file is cut off: 1 elements announced, only 0 are there");
     has_error("NMARK= 2\n", "NPOIN= 4\n", "a.su2:12: NPOIN is there twice");
     has_error("NPOIN= 4 4\n", "NDIME= 3\n", "a.su2:6: NDIME is there twice");
-    has_error("MARKER_TAG= inlet", "inlet", "expected `KEYWORD= VALUE`, got `inlet`");
+    has_error("MARKER_TAG= inlet", "inlet", "a.su2:18: expected MARKER_TAG= NAME, got `inlet`");
     has_error("MARKER_TAG= inlet", "MARKER_TAG= in\033let", "a name with control characters");
     has_error("NDIME= 2\n", "", "NDIME has to come first");
-    has_error("NDIME= 2\n", "NZONE= 2\nNDIME= 2\n", "several zones");
+    has_error("NDIME= 2\n", "NZONE= 2\nNDIME= 2\n", "a.su2:4: of several zones each has to begin with IZONE= NUMBER");
     has_error("MARKER_ELEMS= 3", "MARKER_ELEMS= -3", "out of range");
+    has_error("NELEM= 2", "NELEM= 1",
+              "a.su2:5: expected `KEYWORD= VALUE`, got `5\t0 2 3`: more rows than NELEM announces");
+    has_error("NMARK= 2\n", "NMARK= 1\n",
+              "a.su2:18: MARKER_TAG outside of NMARK: are there more markers than it says?");
+    has_error("5\t0 2 3\n", "5\n", "a.su2:5: a row of at least 4 numbers has 1 or less, and the next line does not");
+    has_error("5 0 1 2 0", "5 0 1", "a.su2:4: a row of at least 4 numbers has 3 or less");
+    has_error("0 1 3\n", "0\n", "a.su2:11: a row of at least 2 numbers has 1 or less");
+    has_error("0 1 3\n", "0 1 x\n", "a.su2:11: expected the number of the point, got `x`");
+    has_error("5 0 1 2 0", "10 0 1 2 3 0", "a.su2:4: tetrahedra (type 10) are not read: only triangles, type 5");
+    has_error("5 0 1 2 0", "205 0 1 2 0", "a.su2:4: elements of this type (type 205) are not read");
+    has_error("NPOIN= 4 4\n0 0 0\n1 0 1\n\n1 1\n0 1 3\n", "", "there is no NPOIN");
+    has_error("NELEM= 2\n5 0 1 2 0\n5\t0 2 3\n", "", "there is no NELEM");
+}
+
+TEST_CASE("errors of SU2 meshes of several zones") {
+    CHECK(error_of(two_zones, "% two", "% two") == "");
+    const auto has_error = [](const std::string& replaced, const std::string& by, const std::string& expected) {
+        const std::string error = error_of(two_zones, replaced, by);
+        CAPTURE(error);
+        CHECK(has(error, expected));
+    };
+    has_error("NZONE= 2", "NZONE= 0", "a.su2:3: the number of zones `0` is out of range");
+    has_error("NZONE= 2", "NZONE= 3", "NZONE announces 3 zones, only 2 are there");
+    has_error("NZONE= 2", "NZONE= 1", "a.su2:20: IZONE= 2 is out of order: NZONE= COUNT comes first");
+    has_error("IZONE= 2", "IZONE= 3", "a.su2:20: IZONE= 3 is out of order");
+    has_error("IZONE= 2\n", "", "a.su2:21: NPOIN is there twice: a zone begins with IZONE= NUMBER");
+    has_error("IZONE= 2\nNDIME= 2", "IZONE= 2\nNDIME= 3",
+              "a.su2:21: NDIME= 3 after NDIME= 2: put such zones in a file");
+    has_error("5 1 3 2 1", "5 1 4 2 1", "a.su2:29: node 4 is not there: the zone has 4");
+    has_error("NELEM= 1\n5 0 1 2 0\n", "", "there is no NELEM in zone 1");
 }
 
 TEST_CASE("a run reads SU2 and writes it; not where elements are curved") {

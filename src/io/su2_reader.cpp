@@ -1,0 +1,329 @@
+// KEYWORD= VALUE lines: NDIME, then of each zone, in any order, NELEM, NPOIN and NMARK, each with its rows after it.
+// An element is its VTK type, its nodes, and a number of its own; a point its coordinates and its number, too. What
+// comes after these in a row is not read, and they may be left out. IZONE begins a zone where NZONE announces several.
+#include <algorithm>
+#include <climits>
+#include <map>
+#include <utility>
+
+#include "io/su2.hpp"
+#include "io/text_scanner.hpp"
+
+namespace almesh {
+namespace {
+
+const char* name_of(int type) {
+    switch (type) {
+        case 9: return "quadrilaterals";
+        case 12: return "hexahedra";
+        case 13: return "prisms";
+        case 14: return "pyramids";
+        default: return "elements of this type";
+    }
+}
+
+struct Su2Reader {
+    TextScanner in;
+    RawMesh mesh{};
+    int dim = 0, zones = 1, begun = 0;              // zones announced, and those that an IZONE has begun
+    std::vector<std::string> keywords{};            // of this zone
+    std::size_t first_node = 0, first_element = 0;  // of this zone
+    int row_line = 0;                               // where the row that is read begins
+    const char* kept = in.at;                       // from here on nothing is in mesh.pieces yet
+
+    RawMesh read() {
+        if (std::string_view(in.at, in.end).starts_with("% almesh ")) {  // of a run before
+            in.rest_of_line();
+            kept = after_line_end();
+        }
+        std::string last;  // keyword
+        while (next_line()) {
+            const char* const line = in.at;
+            const std::string keyword = take_keyword();
+            if (keyword.empty() && (last.empty() || is_known(last)))
+                in.fail("expected `KEYWORD= VALUE`, got ", in_backquotes(in.rest_of_line().substr(0, 40)),
+                        last.starts_with("N") ? ": more rows than " + last + " announces" : "");
+            if (!keyword.empty()) last = keyword;
+            if (is_known(keyword)) known(keyword, line);
+            in.rest_of_line();
+        }
+        keep_lines(in.end);
+        if (begun < zones && zones > 1) in.fail("NZONE announces ", zones, " zones, only ", begun, " are there");
+        end_zone();
+        name_groups();
+        return std::move(mesh);
+    }
+
+    const char* after_line_end() const { return in.at == in.end ? in.end : in.at + 1; }
+
+    static bool is_section(const std::string& keyword) {
+        return keyword == "NELEM" || keyword == "NPOIN" || keyword == "NMARK";
+    }
+    static bool is_known(const std::string& keyword) {
+        return is_section(keyword) || keyword == "NDIME" || keyword == "NZONE" || keyword == "IZONE" ||
+               keyword.starts_with("MARKER_");
+    }
+
+    void known(const std::string& keyword, const char* line) {
+        if (keyword == "IZONE") return begin_zone();
+        if (keyword.starts_with("MARKER_")) in.fail(keyword, " outside of NMARK: are there more markers than it says?");
+        if (std::find(keywords.begin(), keywords.end(), keyword) != keywords.end())
+            in.fail(keyword, " is there twice", zones > 1 ? ": a zone begins with IZONE= NUMBER" : "");
+        keywords.push_back(keyword);
+        if (keyword == "NZONE") zones = in.small_integer("the number of zones", 1);
+        if (keyword == "NDIME") dimension();
+        if (!is_section(keyword)) return;
+        if (dim == 0) in.fail("NDIME has to come first");
+        if (zones > 1 && begun == 0) in.fail("of several zones each has to begin with IZONE= NUMBER");
+        keep_lines(line);
+        mesh.pieces.push_back({keyword, std::max(begun, 1)});
+        if (keyword == "NELEM") elements();
+        else if (keyword == "NPOIN") points();
+        else markers();
+        in.rest_of_line();
+        kept = after_line_end();
+    }
+
+    void dimension() {
+        const int before = std::exchange(dim, in.small_integer("2 or 3", 2, 3));
+        if (before && before != dim)
+            in.fail("NDIME= ", dim, " after NDIME= ", before, ": put such zones in a file each");
+    }
+
+    void begin_zone() {
+        const int number = in.small_integer("the number of the zone", 1);
+        if (number != begun + 1 || number > zones || !(begun || (mesh.nodes.empty() && mesh.elements.empty())))
+            in.fail("IZONE= ", number, " is out of order: NZONE= COUNT comes first, then the zones 1, 2, ... with all "
+                    "of their mesh");
+        if (begun) end_zone();
+        begun = number;
+        keywords.clear();
+    }
+
+    // The lines before `until` that are in no section.
+    void keep_lines(const char* until) {
+        std::string text(kept, until);
+        if (until != in.end) text.erase(text.rfind('\n') + 1);  // the blanks before a keyword
+        std::erase(text, '\r');
+        if (!text.empty() && text.back() != '\n') text += '\n';
+        if (!text.empty()) mesh.pieces.push_back({std::move(text)});
+    }
+
+    void end_zone() {
+        const std::string where = zones > 1 ? concat(" in zone ", begun) : "";
+        if (mesh.nodes.size() == first_node) in.fail("there is no NPOIN", where);
+        const auto elements_end = mesh.elements.end();
+        if (std::none_of(mesh.elements.begin() + static_cast<std::ptrdiff_t>(first_element), elements_end,
+                         [&](const RawElement& element) { return element.dim == dim; }))
+            in.fail("there is no NELEM", where);
+        const int count = static_cast<int>(mesh.nodes.size() - first_node);
+        for (; first_element < mesh.elements.size(); ++first_element) {
+            const RawElement& element = mesh.elements[first_element];
+            for (int i = 0; i <= element.dim; ++i) {
+                int& node = mesh.element_nodes[element.first + i];
+                if (node >= count)
+                    in.fail_at(element.line, "node ", node, " is not there: the ", zones > 1 ? "zone" : "file", " has ",
+                               count);
+                node += static_cast<int>(first_node);
+            }
+        }
+        first_node = mesh.nodes.size();
+        if (std::find(keywords.begin(), keywords.end(), "NMARK") != keywords.end()) return;
+        const auto last = std::find_if(mesh.pieces.rbegin(), mesh.pieces.rend(), [](auto& p) { return p.zone > 0; });
+        mesh.pieces.insert(last.base(), {"NMARK", last->zone});
+    }
+
+    // Markers of one name in several zones are told apart by the zone's number; each zone is a group of elements.
+    void name_groups() {
+        std::map<std::string, int> count;
+        for (const PhysicalGroup& group : mesh.groups) ++count[group.name];
+        auto group = mesh.groups.begin();
+        for (FilePiece& piece : mesh.pieces)
+            for (FileMarker& marker : piece.markers) {
+                if (count[group->name] > 1) group->name = concat(piece.zone, ":", marker.name);
+                marker.group = group++->name;
+            }
+        for (int zone = 1; zone <= zones && zones > 1; ++zone)
+            mesh.groups.push_back({dim, zone, concat("zone-", zone)});
+    }
+
+    bool next_line() {
+        while (in.next_line()) {
+            if (*in.at != '%') return true;
+            in.rest_of_line();
+        }
+        return false;
+    }
+
+    bool at_line_end() { return in.at_line_end() || *in.at == '%'; }
+
+    void end_of_line() {
+        if (!at_line_end()) in.end_of_line();
+        in.rest_of_line();
+    }
+
+    // Up to `=`; "" where the line has none.
+    std::string take_keyword() {
+        const char* stop = in.at;
+        while (stop != in.end && *stop != '=' && *stop != '\n' && *stop != '%') ++stop;
+        if (stop == in.end || *stop != '=') return "";
+        const std::string keyword(trim(std::string_view(in.at, stop)));
+        in.at = stop + 1;
+        return keyword;
+    }
+
+    void expect_keyword(const char* expected, const char* value) {
+        const std::string keyword = take_keyword();
+        if (keyword != expected)
+            in.fail("expected ", expected, "= ", value, ", got ",
+                    in_backquotes(keyword.empty() ? in.rest_of_line().substr(0, 40) : keyword));
+    }
+
+    void begin_row(const char* what, long long done, long long count) {
+        if (!next_line()) in.fail("the file is cut off: ", count, " ", what, " announced, only ", done, " are there");
+        row_line = in.line;
+    }
+
+    // To the next number of a row that has `needed`, in the next line where this one ends before.
+    void go_on(int done, int needed) {
+        if (!at_line_end()) return;
+        in.rest_of_line();
+        if (!next_line() || !(is_digit(*in.at) || *in.at == '-' || *in.at == '+' || *in.at == '.'))
+            fail_row(done, needed);
+    }
+    static bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+    // A row that goes on in other lines ends there, with one number more at most.
+    void end_row(int needed) {
+        const bool goes_on = in.line != row_line;
+        const std::string_view rest = in.rest_of_line();
+        if (goes_on && words(rest.substr(0, rest.find('%'))).size() > 1) fail_row(needed - 1, needed);
+    }
+
+    [[noreturn]] void fail_row(int done, int needed) const {
+        in.fail_at(row_line, "a row of at least ", needed, " numbers has ", done,
+                   " or less, and the next line does not complete it");
+    }
+
+    void points() {
+        const long long count = in.integer("the number of points", 1, INT_MAX - static_cast<int>(first_node));
+        in.rest_of_line();  // the number of points without ghosts may follow
+        for (long long k = 0; k < count; ++k) {
+            begin_row("points", k, count);
+            RawNode node{static_cast<long long>(mesh.nodes.size()) + 1, {}, row_line};
+            for (int a = 0; a < dim; ++a) {
+                go_on(a, dim);
+                node.x[a] = in.real("a coordinate");
+            }
+            check_number(k);
+            end_row(dim);
+            mesh.nodes.push_back(node);
+        }
+    }
+
+    // Of the point, among the whole numbers after its coordinates, where there are any.
+    void check_number(long long expected) {
+        bool is_there = false, is_other = false;
+        const char* const rest = in.at;
+        while (!at_line_end()) {
+            const char* const begin = in.at;
+            const double number = in.real("the number of the point");
+            if (std::find(begin, in.at, '.') != in.at) continue;
+            (number == static_cast<double>(expected) ? is_there : is_other) = true;
+        }
+        in.at = rest;
+        if (is_other && !is_there) in.fail("points have to be numbered 0, 1, 2, ... in their order");
+    }
+
+    void elements() {
+        const long long count = in.integer("the number of elements", 0, INT_MAX);
+        end_of_line();
+        const int zone = zones > 1 ? begun : 0;
+        for (long long k = 0; k < count; ++k) {
+            begin_row("elements", k, count);
+            element(in.small_integer("the type of an element"), dim, zone);
+        }
+    }
+
+    // Of dimension n, the rest of its row; tag: of its zone or marker.
+    void element(int type, int n, int tag) {
+        const CellType* const cell = cell_of_vtk_type(type);
+        if (!cell || cell->dim != n)
+            in.fail(cell ? cell->plural : name_of(type), " (type ", type, ") are not read: only ", simplex(n).plural,
+                    ", type ", simplex(n).vtk_types[0]);
+        const long long id = static_cast<long long>(mesh.elements.size()) + 1;
+        mesh.elements.push_back({id, mesh.element_nodes.size(), row_line, n, 1, tag, tag});
+        for (int i = 0; i <= n; ++i) {
+            go_on(i + 1, n + 2);
+            mesh.element_nodes.push_back(in.small_integer("the number of a node", 0));
+        }
+        end_row(n + 2);
+    }
+
+    void markers() {
+        const int count = in.small_integer("the number of markers", 0);
+        end_of_line();
+        std::vector<FileMarker>& all = mesh.pieces.back().markers;
+        const int before = static_cast<int>(mesh.groups.size());
+        for (int k = 0; k < count; ++k) {
+            begin_row("markers", k, count);
+            expect_keyword("MARKER_TAG", "NAME");
+            std::string_view name = in.rest_as_name();
+            if (const auto comment = std::min(name.find(" %"), name.find("\t%")); comment != name.npos)
+                name = trim(name.substr(0, comment));
+            if (name.empty()) in.fail("a marker without a name");
+            begin_row("markers", k, count);
+            expect_keyword("MARKER_ELEMS", "COUNT");
+            auto marker = std::find_if(all.begin(), all.end(), [&](const FileMarker& m) { return m.name == name; });
+            const int tag = before + static_cast<int>(marker - all.begin()) + 1;
+            if (marker == all.end()) {
+                mesh.groups.push_back({dim - 1, tag, std::string(name)});
+                marker = all.insert(marker, {std::string(name)});
+            }
+            marker_rows(*marker, tag);
+        }
+    }
+
+    void marker_rows(FileMarker& marker, int tag) {
+        const long long count = in.integer("the number of elements", 0, INT_MAX);
+        end_of_line();
+        while (next_line() && std::string_view(in.at, in.end).starts_with("SEND_")) keep_line(marker, in.at);
+        for (long long k = 0; k < count; ++k) {
+            begin_row("elements", k, count);
+            const char* const row = in.at;
+            const int type = in.small_integer("the type of an element");
+            if (type != simplex(0).vtk_types[0]) {
+                element(type, dim - 1, tag);
+                continue;
+            }
+            keep_line(marker, row);
+            ++marker.points;
+        }
+    }
+
+    void keep_line(FileMarker& marker, const char* begin) {
+        in.at = begin;
+        (marker.lines += in.rest_of_line()) += '\n';
+    }
+};
+
+}  // namespace
+
+bool looks_like_su2(std::string_view text) {
+    for (const std::string_view line : split(text.substr(0, 2000), '\n')) {
+        if (line.empty() || line[0] == '%') continue;
+        const std::string_view keyword = trim(line.substr(0, line.find('=')));
+        if (keyword.size() == line.size()) return false;
+        if (Su2Reader::is_known(std::string(keyword))) return true;
+    }
+    return false;
+}
+
+RawMesh parse_su2(std::string_view text, const std::string& path) {
+    Su2Reader reader{TextScanner(text, path)};
+    reader.mesh.path = path;
+    reader.mesh.format.kind = FileFormat::Kind::su2;
+    return reader.read();
+}
+
+}  // namespace almesh

@@ -1,0 +1,130 @@
+// The sections of the mesh in the order of the file that it comes from, between what that file has besides them. Each
+// zone has nodes and elements of its own, numbered from 0.
+#include <algorithm>
+#include <iterator>
+
+#include "base/files.hpp"
+#include "base/text.hpp"
+#include "io/su2.hpp"
+
+namespace almesh {
+namespace {
+
+struct Marker {
+    FileMarker of_file;
+    std::vector<const int*> faces{};  // their nodes
+};
+
+struct Zone {
+    std::vector<int> nodes{}, elements{};
+    std::vector<Marker> markers{};
+
+    Marker& marker(const std::string& group) {
+        const auto is_it = [&](const Marker& marker) { return marker.of_file.group == group; };
+        const auto found = std::find_if(markers.begin(), markers.end(), is_it);
+        return found != markers.end() ? *found : markers.emplace_back(Marker{{group, group}});
+    }
+};
+
+struct Su2Writer {
+    const TextSink& sink;
+    const Mesh& mesh;
+    const std::vector<double>& x;
+    std::vector<FilePiece> pieces = mesh.file.pieces;
+    std::vector<Zone> zones{};
+    std::vector<int> number = std::vector<int>(mesh.nodes());  // of each node in its zone
+
+    void write() {
+        if (pieces.empty())
+            pieces = {{concat("NDIME= ", mesh.dim, "\n")}, {"NELEM", 1}, {"NPOIN", 1}, {"NMARK", 1}};
+        for (const FilePiece& piece : pieces) zones.resize(std::max<std::size_t>(zones.size(), piece.zone));
+        for (const FilePiece& piece : pieces)
+            for (const FileMarker& marker : piece.markers) zones[piece.zone - 1].markers.push_back({marker});
+        fill_elements();
+        fill_markers();
+        if (!mesh.file.comment.empty()) sink("% " + mesh.file.comment + "\n");
+        for (const FilePiece& piece : pieces) {
+            if (piece.zone == 0) sink(piece.text);
+            else if (piece.text == "NELEM") write_elements(zones[piece.zone - 1]);
+            else if (piece.text == "NPOIN") write_nodes(zones[piece.zone - 1]);
+            else write_markers(zones[piece.zone - 1]);
+        }
+    }
+
+    Zone& zone_of(int element) { return zones[zones.size() == 1 ? 0 : mesh.file.element_entity[element] - 1]; }
+
+    void fill_elements() {
+        std::vector<int> element_of(mesh.nodes());
+        for (int e = 0; e < mesh.element_count(); ++e) {
+            zone_of(e).elements.push_back(e);
+            for (int k = 0; k <= mesh.dim; ++k) element_of[mesh.element(e)[k]] = e;
+        }
+        for (int i = 0; i < mesh.nodes(); ++i) {
+            std::vector<int>& nodes = zone_of(element_of[i]).nodes;
+            number[i] = static_cast<int>(nodes.size());
+            nodes.push_back(i);
+        }
+    }
+
+    // The boundaries, and the tagged faces inside the mesh.
+    void fill_markers() {
+        for (int f = 0; f < mesh.face_count(); ++f)
+            zone_of(mesh.face_element[f]).marker(mesh.boundaries[mesh.face_boundary[f]]).faces.push_back(mesh.face(f));
+        const KeptCells& kept = mesh.kept[mesh.dim - 1];
+        for (int c = 0; c < kept.count(); ++c)
+            if (kept.physical[c])
+                zone_of(kept.element[c])
+                    .marker(group_name(mesh.file.groups, mesh.dim - 1, kept.physical[c]))
+                    .faces.push_back(&kept.nodes[offset(c, mesh.dim)]);
+    }
+
+    void append_cell(std::string& text, const CellType& cell, const int* node) const {
+        append(text, static_cast<long long>(cell.vtk_types[0]));
+        for (int i = 0; i <= cell.dim; ++i) {
+            text += ' ';
+            append(text, static_cast<long long>(number[node[i]]));
+        }
+    }
+
+    void write_elements(const Zone& zone) const {
+        sink(concat("NELEM= ", zone.elements.size(), "\n"));
+        append_rows(sink, static_cast<int>(zone.elements.size()), [&](std::string& text, int e) {
+            append_cell(text, mesh.cell(), mesh.element(zone.elements[e]));
+            text += ' ';
+            append(text, static_cast<long long>(e));
+            text += '\n';
+        });
+    }
+
+    void write_nodes(const Zone& zone) const {
+        sink(concat("NPOIN= ", zone.nodes.size(), "\n"));
+        append_rows(sink, static_cast<int>(zone.nodes.size()), [&](std::string& text, int i) {
+            for (int a = 0; a < mesh.dim; ++a) {
+                append(text, x[offset(zone.nodes[i], mesh.dim, a)]);
+                text += ' ';
+            }
+            append(text, static_cast<long long>(i));
+            text += '\n';
+        });
+    }
+
+    void write_markers(const Zone& zone) const {
+        sink(concat("NMARK= ", zone.markers.size(), "\n"));
+        for (const auto& [of_file, faces] : zone.markers) {
+            sink(concat("MARKER_TAG= ", of_file.name, "\nMARKER_ELEMS= ", faces.size() + of_file.points, "\n"));
+            sink(of_file.lines);
+            append_rows(sink, static_cast<int>(faces.size()), [&, &nodes = faces](std::string& text, int k) {
+                append_cell(text, simplex(mesh.dim - 1), nodes[k]);
+                text += '\n';
+            });
+        }
+    }
+};
+
+}  // namespace
+
+void write_su2(const std::string& path, const Mesh& mesh, const std::vector<double>& x) {
+    write_file(path, [&](const TextSink& sink) { Su2Writer{sink, mesh, x}.write(); });
+}
+
+}  // namespace almesh
