@@ -40,24 +40,30 @@ std::vector<Vec<3>> points_behind_faces(const Mesh& mesh, const std::vector<doub
 }  // namespace
 
 std::array<int, 2> overlapping_elements(const Mesh& mesh, const std::vector<double>& x) {
-    const int m = mesh.element_nodes();
+    constexpr int at_once = 512;  // elements
+    const int m = mesh.element_nodes(), blocks = (mesh.element_count() + at_once - 1) / at_once;
     const std::vector<Vec<3>> points = points_behind_faces(mesh, x);
-    std::vector<Box> boxes;
-    boxes.reserve(points.size());
-    for (const Vec<3>& point : points) boxes.push_back({point, point});
-    const BoxTree tree(std::move(boxes));
+    std::vector<Box> of_points;
+    for (const Vec<3>& point : points) of_points.push_back({point, point});
+    const BoxTree tree(std::move(of_points));
     const PatchBasis basis(mesh.dim, mesh.degree);
     std::vector<int> other(mesh.element_count(), -1);
     parallel_for_uneven(
-        mesh.element_count(),
-        [&](int e) {
-            const Patch patch = make_patch(basis, positions(mesh, x, mesh.element(e), m));
-            tree.visit_overlapping(box_of(patch), [&](int f) {
-                const int behind = mesh.face_element[f];
-                if (behind != e && other[e] < 0 && holds(basis.bernstein, patch, points[f])) other[e] = behind;
+        blocks,
+        [&](int b) {
+            const int first = b * at_once, end = std::min(first + at_once, mesh.element_count());
+            std::vector<Patch> patches;
+            std::vector<Box> boxes;
+            for (int e = first; e < end; ++e) {
+                patches.push_back(make_patch(basis, positions(mesh, x, mesh.element(e), m)));
+                boxes.push_back(box_of(patches.back()));
+            }
+            tree.visit_overlapping(boxes, [&](int q, int k) {
+                const int f = tree.items[k], behind = mesh.face_element[f], e = first + q;
+                if (behind != e && other[e] < 0 && holds(basis.bernstein, patches[q], points[f])) other[e] = behind;
             });
         },
-        element_work);
+        at_once * element_work);
     const auto found = std::find_if(other.begin(), other.end(), [](int e) { return e >= 0; });
     return found == other.end() ? std::array{-1, -1} : std::array{*found, static_cast<int>(found - other.begin())};
 }

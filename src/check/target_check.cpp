@@ -38,13 +38,16 @@ std::string face_name(const Mesh& mesh, int f) {
 }
 
 // Pairs (index in f, index in g) of the corners that two faces share.
-using SharedCorners = std::vector<std::array<int, 2>>;
+struct SharedCorners {
+    std::array<std::array<int, 2>, 3> pair;
+    int count = 0;
+};
 
 SharedCorners shared_corners(const Mesh& mesh, int f, int g) {
     SharedCorners shared;
     for (int i = 0; i < mesh.dim; ++i)
         for (int j = 0; j < mesh.dim; ++j)
-            if (mesh.face(f)[i] == mesh.face(g)[j]) shared.push_back({i, j});
+            if (mesh.face(f)[i] == mesh.face(g)[j]) shared.pair[shared.count++] = {i, j};
     return shared;
 }
 
@@ -59,8 +62,8 @@ Vec<3> leaving(const Bernstein& basis, const Patch& patch, int i, int j) {
 }
 
 bool folded_flat(const Bernstein& basis, const Patch& f, const Patch& g, const SharedCorners& shared) {
-    for (std::size_t k = 0; k + basis.dim <= shared.size(); ++k) {
-        const auto &i = shared[k], &j = shared[k + basis.dim - 1];
+    for (int k = 0; k + basis.dim <= shared.count; ++k) {
+        const auto &i = shared.pair[k], &j = shared.pair[k + basis.dim - 1];
         const Vec<3> u = leaving(basis, f, i[0], j[0]), v = leaving(basis, g, i[1], j[1]);
         if (std::atan2(length(cross(u, v)), dot(u, v)) < flat_fold) return true;
     }
@@ -193,7 +196,7 @@ constexpr char crossed_before[] = "";
 const char* Check::fault_of_pair(int f, int g) const {
     const Bernstein& bernstein = basis.bernstein;
     const SharedCorners shared = shared_corners(mesh, f, g);
-    const bool neighbours = static_cast<int>(shared.size()) >= mesh.dim - 1;
+    const bool neighbours = shared.count >= mesh.dim - 1;
     if (neighbours && folded_flat(bernstein, after[f], after[g], shared))
         return folded_flat(bernstein, before[f], before[g], shared) ? crossed_before
                                                                     : "the target folds it flat onto ";
@@ -203,31 +206,44 @@ const char* Check::fault_of_pair(int f, int g) const {
     return before_too ? crossed_before : "in the target it crosses ";
 }
 
+struct FaultOfPair {
+    int f, g;  // f < g
+    const char* what;
+
+    bool operator<(const FaultOfPair& other) const { return std::pair(f, g) < std::pair(other.f, other.g); }
+};
+
 // Closed parts that cross each other give one fault per pair of them.
 void Check::check_pairs() {
     std::vector<Box> boxes;
     for (const Patch& patch : after) boxes.push_back(box_of(patch));
     const BoxTree tree(std::move(boxes));
-    std::vector<std::pair<int, int>> close;
-    for (int place = 0; place < mesh.face_count(); ++place) {
-        const int face = tree.items[place];
-        tree.visit_overlapping(tree.boxes[face], [&](int other) {
-            if (!bad[face] && !bad[other]) close.push_back(std::minmax(face, other));
-        }, place + 1);
-    }
-    std::sort(close.begin(), close.end());
-    std::vector<const char*> fault(close.size());
-    parallel_for_uneven(static_cast<int>(close.size()), [&](int k) {
-        fault[k] = fault_of_pair(close[k].first, close[k].second);
-    }, face_work);
+    constexpr int at_once = 256;  // faces that are beside each other in the tree
+    std::vector<std::vector<FaultOfPair>> found((mesh.face_count() + at_once - 1) / at_once);
+    parallel_for_uneven(static_cast<int>(found.size()), [&](int block) {
+        const int first = block * at_once, end = std::min(first + at_once, mesh.face_count());
+        std::vector<Box> queries;
+        for (int k = first; k < end; ++k) queries.push_back(tree.boxes[tree.items[k]]);
+        tree.visit_overlapping(queries, [&](int q, int k) {
+            const int f = std::min(tree.items[first + q], tree.items[k]);
+            const int g = std::max(tree.items[first + q], tree.items[k]);
+            if (k <= first + q || bad[f] || bad[g]) return;
+            if (const char* const what = fault_of_pair(f, g)) found[block].push_back({f, g, what});
+        }, first);
+    }, at_once * face_work);
+    std::vector<FaultOfPair> faults;
+    for (const std::vector<FaultOfPair>& some : found) faults.insert(faults.end(), some.begin(), some.end());
+    std::sort(faults.begin(), faults.end());
     std::set<std::pair<int, int>> named;
-    for (std::size_t k = 0; k < close.size(); ++k) {
-        const auto [f, g] = close[k];
-        if (fault[k] && fault[k] != crossed_before) report.crossing.push_back({f, g});
-        if (fault[k] == crossed_before) report.crossed_before = true;
-        else if (fault[k] && part[f] == part[g]) add_fault(f, fault[k] + face_name(mesh, g));
-        else if (fault[k] && named.insert(std::minmax(part[f], part[g])).second)
-            add_fault(f, concat(fault[k], face_name(mesh, g), ": the closed boundary made of ",
+    for (const auto& [f, g, what] : faults) {
+        if (what == crossed_before) {
+            report.crossed_before = true;
+            continue;
+        }
+        report.crossing.push_back({f, g});
+        if (part[f] == part[g]) add_fault(f, what + face_name(mesh, g));
+        else if (named.insert(std::minmax(part[f], part[g])).second)
+            add_fault(f, concat(what, face_name(mesh, g), ": the closed boundary made of ",
                                 parts[part[f]].boundaries,
                                 " goes through the one made of ", parts[part[g]].boundaries));
     }
@@ -343,22 +359,28 @@ void Check::check_nodes() {
     const int count = static_cast<int>(nodes.size());
     const std::vector<Vec<3>> was = positions(mesh, mesh.x, nodes.data(), count);
     const std::vector<Vec<3>> becomes = positions(mesh, target, nodes.data(), count);
-    std::vector<Box> boxes;
-    for (const Vec<3>& position : becomes) boxes.push_back({position, position});
-    const BoxTree tree(boxes);
+    std::vector<Box> boxes, queries;
     for (int k = 0; k < count; ++k) {
-        const int i = nodes[k], f = first_face[i];
-        const double tolerance = same_place * size[i];
+        const double tolerance = same_place * size[nodes[k]];
         const Vec<3> reach = {tolerance, tolerance, tolerance};
-        tree.visit_overlapping({becomes[k] - reach, becomes[k] + reach}, [&](int l) {
-            const int j = nodes[l], g = first_face[j];
-            if (l <= k || (bad[f] && bad[g])) return;
-            if (length(becomes[k] - becomes[l]) > tolerance || length(was[k] - was[l]) <= tolerance) return;
-            add_fault(g, concat("the target puts its node ", id_in_file(mesh.file.node_id, j), " where node ",
-                                id_in_file(mesh.file.node_id, i), " is, at ",
-                                position_text(becomes[k].data(), mesh.dim)));
-        });
+        boxes.push_back({becomes[k], becomes[k]});
+        queries.push_back({becomes[k] - reach, becomes[k] + reach});
     }
+    const BoxTree tree(std::move(boxes));
+    std::vector<std::array<int, 2>> together;
+    tree.visit_overlapping(queries, [&](int k, int item) {
+        const int l = tree.items[item];
+        const double tolerance = same_place * size[nodes[k]];
+        if (l <= k || (bad[first_face[nodes[k]]] && bad[first_face[nodes[l]]])) return;
+        if (length(becomes[k] - becomes[l]) > tolerance || length(was[k] - was[l]) <= tolerance) return;
+        together.push_back({k, l});
+    });
+    std::stable_sort(together.begin(), together.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; });
+    for (const auto& [k, l] : together)
+        add_fault(first_face[nodes[l]],
+                  concat("the target puts its node ", id_in_file(mesh.file.node_id, nodes[l]), " where node ",
+                         id_in_file(mesh.file.node_id, nodes[k]), " is, at ",
+                         position_text(becomes[k].data(), mesh.dim)));
 }
 
 }  // namespace

@@ -47,12 +47,8 @@ inline double squared_distance(const Box& box, const Vec<3>& point) {
 
 // Touching boxes overlap. Branch-free: branches here are unpredictable.
 inline bool overlap(const Box& a, const Box& b) {
-    bool apart = false;
-    for (int k = 0; k < 3; ++k) {
-        apart |= a.high[k] < b.low[k];
-        apart |= b.high[k] < a.low[k];
-    }
-    return !apart;
+    const auto in = [&](int k) { return (a.low[k] <= b.high[k]) & (b.low[k] <= a.high[k]); };
+    return in(0) & in(1) & in(2);
 }
 
 class BoxTree {
@@ -81,18 +77,15 @@ public:
         for (const int i : items) in_order_.push_back(boxes[i]);
     }
 
-    // found(i) for every box i that overlaps `box`, among items[first], items[first + 1], .... Called with the box of
-    // items[k] and first = k + 1 for every k, it finds each pair of overlapping boxes once.
+    // found(q, k) for every query q and every box items[k], k >= first, that overlap. All queries go down the tree
+    // together, a node at a time, so that a node is loaded once for all and no branch waits for a comparison; a few
+    // hundred that are not far from each other are a good number. What is found for a query comes in the same order
+    // whatever others there are.
     template <class Found>
-    void visit_overlapping(const Box& box, const Found& found, int first = 0, int root = 0) const {
-        const Node& node = nodes_[root];
-        if (node.end <= first || !overlap(node.box, box)) return;
-        if (node.child > 0) {
-            for (int child : {node.child + 1, node.child}) visit_overlapping(box, found, first, child);
-            return;
-        }
-        for (int k = std::max(node.begin, first); k < node.end; ++k)
-            if (overlap(in_order_[k], box)) found(items[k]);
+    void visit_overlapping(const std::vector<Box>& queries, const Found& found, int first = 0) const {
+        std::vector<int> open(queries.size());
+        std::iota(open.begin(), open.end(), 0);
+        visit_overlapping(queries, found, first, 0, 0, open);
     }
 
     // Least value of squared(i) over all boxes i, where squared(i) is the squared distance of `point` to something
@@ -124,6 +117,29 @@ private:
     };
     std::vector<Node> nodes_;    // the root first
     std::vector<Box> in_order_;  // of items
+
+    // open: from `begin` on the queries that overlap the box of the parent of `root`; the same on return.
+    template <class Found>
+    void visit_overlapping(const std::vector<Box>& queries, const Found& found, int first, int root,
+                           std::size_t begin, std::vector<int>& open) const {
+        const Node& node = nodes_[root];
+        const std::size_t end = open.size();
+        if (node.end <= first) return;
+        open.resize(2 * end - begin);
+        std::size_t count = end;
+        for (std::size_t k = begin; k < end; ++k) {
+            open[count] = open[k];
+            count += overlap(node.box, queries[open[k]]);
+        }
+        open.resize(count);
+        if (count > end && node.child > 0)
+            for (int child : {node.child + 1, node.child}) visit_overlapping(queries, found, first, child, end, open);
+        else
+            for (std::size_t k = end; k < count; ++k)
+                for (int i = std::max(node.begin, first); i < node.end; ++i)
+                    if (overlap(in_order_[i], queries[open[k]])) found(open[k], i);
+        open.resize(end);
+    }
 };
 
 }  // namespace almesh

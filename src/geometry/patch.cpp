@@ -14,7 +14,8 @@ namespace almesh {
 
 std::vector<Vec<3>> positions(const Mesh& mesh, const std::vector<double>& x, const int* nodes, int count) {
     std::vector<Vec<3>> result(count, Vec<3>{});
-    for (int i = 0; i < count; ++i) std::copy_n(point(x, nodes[i], mesh.dim), mesh.dim, result[i].begin());
+    for (int i = 0; i < count; ++i)
+        for (int a = 0; a < mesh.dim; ++a) result[i][a] = point(x, nodes[i], mesh.dim)[a];
     return result;
 }
 
@@ -63,21 +64,19 @@ std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a
 
 namespace {
 
+// Measure of the simplex with these corners, of which the one numbered k is moved to the point.
+double measure_with(const Patch& corner, int m, int k, const Vec<3>& point) {
+    const auto at = [&](int i) { return i == k ? point : corner[i]; };
+    const Vec<3> u = at(1) - at(0), v = at(2) - at(0);
+    return m == 2 ? cross(u, v)[2] : dot(cross(u, v), at(3) - at(0));
+}
+
 // In the simplex with these corners: where none of them, moved to the point, turns it inside out.
 bool flat_holds(const Patch& corner, int m, const Vec<3>& point) {
     constexpr double rounding = 1e-9;
-    const auto measure = [m](std::array<Vec<3>, 4> c) {
-        for (int k = m; k > 0; --k) c[k] = c[k] - c[0];
-        return m == 2 ? cross(c[1], c[2])[2] : dot(cross(c[1], c[2]), c[3]);
-    };
-    std::array<Vec<3>, 4> c{};
-    std::copy_n(corner.begin(), m + 1, c.begin());
-    const double whole = measure(c);
-    for (int k = 0; k <= m; ++k) {
-        std::array<Vec<3>, 4> moved = c;
-        moved[k] = point;
-        if (measure(moved) / whole < -rounding) return false;
-    }
+    const double whole = measure_with(corner, m, 0, corner[0]);
+    for (int k = 0; k <= m; ++k)
+        if (measure_with(corner, m, k, point) / whole < -rounding) return false;
     return true;
 }
 
@@ -134,8 +133,8 @@ std::vector<Vec<3>> PatchNormal::coefficients(const Patch& patch) const {
 }
 
 double PatchNormal::cone(const Patch& patch, const Vec<3>& apex) const {
-    Patch relative;
-    for (const Vec<3>& point : patch) relative.push_back(point - apex);
+    Patch relative = patch;
+    for (Vec<3>& point : relative) point = point - apex;
     const std::vector<double> integrand = position_normal_.multiply(relative, coefficients(patch), dot<double>);
     const double mean = std::accumulate(integrand.begin(), integrand.end(), 0.0) / integrand.size();
     return mean * simplex(m_).volume() / (m_ + 1);

@@ -86,9 +86,11 @@ using Pair = std::pair<Patch, Patch>;
 // `undecided`, and the pairs with the halves of the more curved one are added to those to test.
 Contact test_or_bisect(const Bernstein& basis, const Patch& s, const Patch& t, std::vector<Pair>& pairs) {
     const int m = basis.dim;
-    const double touching = rounding * std::min(size_of(s, m), size_of(t, m));
     const Axes axes = candidate_axes(s, t, m);
-    if (largest_gap(axes, s, t, basis.count, -touching) >= -touching) return Contact::apart;
+    const double gap = largest_gap(axes, s, t, basis.count, 0);
+    if (gap >= 0) return Contact::apart;
+    const double touching = rounding * std::min(size_of(s, m), size_of(t, m));
+    if (gap >= -touching) return Contact::apart;
     const double deviation_s = deviation(basis, s), deviation_t = deviation(basis, t);
     const double enough = -(deviation_s + deviation_t) - touching;
     if (largest_gap(axes, s, t, m + 1, enough) < enough) return Contact::crossing;
