@@ -117,6 +117,15 @@ std::string against_uncertified(const Deck& deck, const Problem& problem, const 
     return "another mesh file: the boundary of this one crosses itself";
 }
 
+// |grad E| is rounded in proportion to the penalty, which algorithm = adaptive chooses by itself.
+std::string against_accuracy(const Deck& deck, const Solution& solution) {
+    const bool takes_mu0 = deck.method.moving == MovingMethod::penalty ||
+                           (deck.method.moving == MovingMethod::augmented_lagrangian &&
+                            deck.method.algorithm != Algorithm::adaptive);
+    if (takes_mu0) return "a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0";
+    return "a larger omega_star, such as " + shown(2 * solution.al.iterations.back().gradient_norm, 2);
+}
+
 std::string against_cause(const Deck& deck, const Problem& problem, const Solution& solution) {
     switch (solution.al.status) {
         case Status::converged: return against_uncertified(deck, problem, solution);
@@ -124,8 +133,7 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
         case Status::stalled:
         case Status::line_search_failed: return against_distance(deck, problem, solution);
         case Status::overflow: return "a smaller mu0, such as " + shown(AugmentedLagrangianParams().mu0);
-        case Status::attainable_accuracy:
-            return "a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0";
+        case Status::attainable_accuracy: return against_accuracy(deck, solution);
         case Status::ended_as_printed: return "algorithm = paper, which goes on until both tests are met";
         case Status::max_al_iterations: return against_iterations(deck, problem, solution);
         case Status::max_newton_iterations:

@@ -168,6 +168,19 @@ TEST_CASE("too few Newton steps: the node with most of the gradient, and twice a
     CHECK(has(outcome.out, "continuation = always"));
 }
 
+TEST_CASE("the attainable accuracy with the penalty of algorithm = adaptive: the tolerance named helps") {
+    const RingDeck ring;
+    Outcome outcome = ring.run({"omega_star=1e-20", "omega0=1e-20"});
+    CHECK(Stop(ring.output, outcome).summary.at("status") == "attainable_accuracy");
+    CHECK(!has(outcome.out, "mu0"));
+    const std::string advice = "try a larger omega_star, such as ";
+    const auto at = outcome.out.find(advice);
+    REQUIRE(at != std::string::npos);
+    const auto from = at + advice.size();
+    outcome = ring.run({"omega_star=" + outcome.out.substr(from, outcome.out.find('\n', from) - from), "omega0=1e-20"});
+    CHECK(outcome.code == 0);
+}
+
 TEST_CASE("a rounding floor, a loop that ends as printed, an overflow and an interrupt say what to change") {
     const RingDeck ring;
     Outcome outcome = ring.run({"algorithm=paper", "mu0=1e14", "omega0=1e-12"});
