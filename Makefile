@@ -56,7 +56,7 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-examples cholmod paper gauntlet defaults run-fast-tests matrix reproduce mutants \
+.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-examples cholmod paper gauntlet defaults run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
         figures meshes lessons readmes check-lessons animation clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -74,8 +74,16 @@ $(BUILD)/%.o: %.cpp $(BUILD)/flags
 	$(Q)$(CXX) $(FLAGS) -MMD -MP -c $< -o $@
 
 # Tests wait for the library, not for themselves: a fifth of `make test` is saved by what is not optimised here.
+# What most of them include is read once, but with ccache, which keeps nothing of what was compiled so.
 TEST_FLAGS := -O1 -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
-$(TEST_OBJECTS): FLAGS += $(TEST_FLAGS)
+PREFIX    := $(if $(findstring ccache,$(CXX)),,$(BUILD)/tests/prefix.hpp)
+$(TEST_OBJECTS): FLAGS += $(TEST_FLAGS) $(PREFIX:%=-include %)
+$(TEST_OBJECTS): $(PREFIX:%=%.gch)
+
+$(BUILD)/tests/prefix.hpp.gch: tests/support/prefix.hpp $(BUILD)/flags
+	@mkdir -p $(@D) && cp $< $(PREFIX)
+	$(call said,CXX,$<)
+	$(Q)$(CXX) $(filter-out -include $(PREFIX),$(FLAGS)) -x c++-header $< -o $@
 
 # Only this file knows the commit; it is rebuilt when that changes.
 $(BUILD)/src/app/version.o: FLAGS += -DALMESH_VERSION='"$(VERSION)"' -DALMESH_COMMIT='"$(COMMIT)"' -DALMESH_FLAGS='"$(CXXFLAGS) $(OPENMP)"'
@@ -125,15 +133,19 @@ matrix: doctest python ## build and test with g++, clang++, libc++, sanitizers, 
 reproduce: almesh python ## run every deck and compare with tests/reference: a table (QUICK=1: those of seconds; THREADS=1,2,3)
 	tests/reproduce.py $(if $(QUICK),--quick) $(if $(THREADS),--threads $(THREADS))
 
-# In two parts at a time: the first is one long test. UNDER: what runs the program, where that is an emulator.
+# In two parts at a time: the first is one long test, and of the fast ones those of the whole program. UNDER: what runs
+# the program, where that is an emulator.
 LONG_TEST := every deck gives the same bits*
 run-tests: run-long-test run-other-tests
 run-long-test: $(BUILD)/almesh-tests
 	$(UNDER) $(BUILD)/almesh-tests -tc='$(LONG_TEST)'
 run-other-tests: $(BUILD)/almesh-tests
 	$(UNDER) $(BUILD)/almesh-tests -tce='$(LONG_TEST)'
-run-fast-tests: $(BUILD)/almesh-tests
-	$(UNDER) $(BUILD)/almesh-tests -tce='$(SLOW_TESTS)'
+run-fast-tests: run-fast-app-tests run-fast-other-tests
+run-fast-app-tests: $(BUILD)/almesh-tests
+	$(UNDER) $(BUILD)/almesh-tests -tce='$(SLOW_TESTS)' -sf='*tests/app/*'
+run-fast-other-tests: $(BUILD)/almesh-tests
+	$(UNDER) $(BUILD)/almesh-tests -tce='$(SLOW_TESTS)' -sfe='*tests/app/*'
 
 # The library first: an inline function that both have is then the library's.
 $(BUILD)/almesh-tests: $(LIBRARY) $(TEST_OBJECTS)

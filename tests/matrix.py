@@ -2,7 +2,7 @@
 """Builds the program with every compiler that it is for, runs its tests and decks, and prints a table.
 
   tests/matrix.py [NAME ...]    the configurations below, or those named
-  tests/matrix.py --quick       what continuous integration has the time for besides `make test`
+  tests/matrix.py --quick       what continuous integration has the time for besides `make test`, two at a time
   tests/matrix.py --list        what there is
 
 Each is built with warnings as errors in a folder of its own, build-matrix/NAME, where log.txt has what was printed.
@@ -14,6 +14,7 @@ and neither as passed nor as failed.
 Exit code 1 where something that is here failed. Standard library only.
 """
 import argparse
+import concurrent.futures
 import os
 import re
 import shutil
@@ -91,6 +92,12 @@ def passed_of(printed):
     return sum(int(passed) for _, passed in runs), sum(int(cases) for cases, _ in runs)
 
 
+def timed_check(one, tests):
+    """(cells of its row, whether nothing failed, seconds)"""
+    begin = time.monotonic()
+    return *check(one, tests), time.monotonic() - begin
+
+
 def check(one, tests):
     """(cells of its row, whether nothing failed)"""
     folder = ROOT / "build-matrix" / one.name
@@ -141,15 +148,16 @@ def main():
     row = "{:<12} {:<6} {:<9} {:<18} {:<20} {:>8}"
     print(row.format("", "built", "warnings", "tests passed", "decks the same", "time"))
     good = True
-    for one in chosen:
-        begin = time.monotonic()
-        cells, passed = check(one, (one.quick or "") if options.quick else one.tests)
+    # While the tests of one leave a core idle another is built.
+    pool = concurrent.futures.ThreadPoolExecutor(2 if options.quick else 1)
+    tests = [(one.quick or "") if options.quick else one.tests for one in chosen]
+    for one, (cells, passed, seconds) in zip(chosen, pool.map(timed_check, chosen, tests)):
         good = good and passed
         if len(cells) == 1:
             print(f"{one.name:<12} {cells[0]}", flush=True)
         else:
             cells += [""] * (4 - len(cells))
-            print(row.format(one.name, *cells, f"{time.monotonic() - begin:.0f} s"), flush=True)
+            print(row.format(one.name, *cells, f"{seconds:.0f} s"), flush=True)
         if not passed:
             print(f"    see build-matrix/{one.name}/log.txt", flush=True)
     return 0 if good else 1
