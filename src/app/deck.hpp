@@ -19,8 +19,7 @@
 
 #include "app/summary.hpp"
 #include "check/certificate.hpp"
-#include "constraint/dirichlet.hpp"
-#include "constraint/motion.hpp"
+#include "constraint/target.hpp"
 #include "energy/options.hpp"
 #include "linalg/linear_solver.hpp"
 #include "method/forcing.hpp"

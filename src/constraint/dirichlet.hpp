@@ -25,8 +25,6 @@
 
 namespace almesh {
 
-enum class TargetKind { exact, nodal };
-
 class Dirichlet : public Constraint {
 public:
     // ideal: node_count x dim positions of the ideal mesh. Throws InputError where the target does not prescribe all

@@ -9,6 +9,8 @@
 
 namespace almesh {
 
+enum class TargetKind { exact, nodal };  // of g_D the constraint takes all, or its values at the nodes
+
 struct BoundaryTarget {
     bool in_trace_space = false;  // all motions are affine: g_D is of the mesh's degree on every face
     std::vector<BoundaryHold> hold;  // per boundary

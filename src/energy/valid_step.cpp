@@ -12,6 +12,7 @@
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
+#include "geometry/element_jacobian.hpp"
 
 namespace almesh {
 namespace {

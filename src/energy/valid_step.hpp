@@ -14,17 +14,18 @@
 // Conservative checks of this kind for curved elements: Johnen, Remacle, Geuzaine, J. Comput. Phys. 233, 2013; along
 // steps: Wang, Ferguson, Schneider, Jiang, Attene, Panozzo, ACM Trans. Graph. 40(5), 2021.
 #pragma once
+#include <array>
 #include <memory>
 #include <vector>
 
-#include "geometry/element_jacobian.hpp"
-
 namespace almesh {
+
+struct JacobianBasis;
 
 // Where an element that a step has been cut for would have its least determinant at the end of the step.
 struct Inversion {
     int element;
-    Barycentric at;
+    std::array<double, 4> at;  // barycentric coordinates
     double ratio;  // of the determinant there to its mean over the element; 0 where it inverts or is not certified
 };
 
