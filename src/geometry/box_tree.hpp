@@ -47,8 +47,8 @@ inline double squared_distance(const Box& box, const Vec<3>& point) {
 
 // Touching boxes overlap. Branch-free: branches here are unpredictable.
 inline bool overlap(const Box& a, const Box& b) {
-    const auto in = [&](int k) { return (a.low[k] <= b.high[k]) & (b.low[k] <= a.high[k]); };
-    return in(0) & in(1) & in(2);
+    const auto in = [&](int k) { return int(a.low[k] <= b.high[k]) & int(b.low[k] <= a.high[k]); };
+    return (in(0) & in(1) & in(2)) != 0;
 }
 
 class BoxTree {
