@@ -60,7 +60,8 @@ std::array<int, 2> overlapping_elements(const Mesh& mesh, const std::vector<doub
             }
             tree.visit_overlapping(boxes, [&](int q, int k) {
                 const int f = tree.items[k], behind = mesh.face_element[f], e = first + q;
-                if (behind != e && other[e] < 0 && holds(basis.bernstein, patches[q], points[f])) other[e] = behind;
+                if (behind == e || mesh.file.zone(behind) != mesh.file.zone(e)) return;
+                if (other[e] < 0 && holds(basis.bernstein, patches[q], points[f])) other[e] = behind;
             });
         },
         at_once * element_work);

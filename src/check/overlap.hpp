@@ -3,7 +3,8 @@
 // Let all elements be valid and the boundary not cross itself, as check_target() finds. A region that is covered twice
 // then ends at boundary faces, and just inside of one of these, all along it but where other boundaries touch it, a
 // point is in two elements. So a point of the element behind each boundary face, close to the centre of the face, must
-// be in no other element. Parts that touch along faces are in order.
+// be in no other element. Parts that touch along faces are in order, and so are zones of a file (FileTags) that lie
+// over each other.
 //
 // In straight elements by their barycentric coordinates; in curved ones by bisection of their Bezier patches.
 #pragma once

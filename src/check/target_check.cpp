@@ -97,6 +97,7 @@ struct Check {
     void check_nesting();
     void check_nodes();
 
+    int zone(int f) const { return mesh.file.zone(mesh.face_element[f]); }
     const char* fault_of_face(const Patch& patch) const;
     const char* fault_of_pair(int f, int g) const;
     std::vector<double> windings(const std::vector<Patch>& patches, int around,
@@ -227,7 +228,7 @@ void Check::check_pairs() {
         tree.visit_overlapping(queries, [&](int q, int k) {
             const int f = std::min(tree.items[first + q], tree.items[k]);
             const int g = std::max(tree.items[first + q], tree.items[k]);
-            if (k <= first + q || bad[f] || bad[g]) return;
+            if (k <= first + q || bad[f] || bad[g] || zone(f) != zone(g)) return;
             if (const char* const what = fault_of_pair(f, g)) found[block].push_back({f, g, what});
         }, first);
     }, at_once * face_work);
@@ -320,7 +321,8 @@ void Check::check_nesting() {
     for (int k = 0; k < count; ++k)
         for (const auto [f, i] : farthest_corners(k))
             for (int l = 0; l < count; ++l)
-                if (k != l && !open_part[k] && !open_part[l] && !crossing.contains(std::minmax(k, l)))
+                if (k != l && !open_part[k] && !open_part[l] && !crossing.contains(std::minmax(k, l)) &&
+                    zone(f) == zone(parts[l].first_face))
                     probes[l].push_back({k, f, i});
     std::vector<std::vector<double>> turns(2 * count);
     parallel_for_uneven(2 * count, [&](int task) {
@@ -370,8 +372,9 @@ void Check::check_nodes() {
     std::vector<std::array<int, 2>> together;
     tree.visit_overlapping(queries, [&](int k, int item) {
         const int l = tree.items[item];
+        const int f = first_face[nodes[k]], g = first_face[nodes[l]];
         const double tolerance = same_place * size[nodes[k]];
-        if (l <= k || (bad[first_face[nodes[k]]] && bad[first_face[nodes[l]]])) return;
+        if (l <= k || (bad[f] && bad[g]) || zone(f) != zone(g)) return;
         if (length(becomes[k] - becomes[l]) > tolerance || length(was[k] - was[l]) <= tolerance) return;
         together.push_back({k, l});
     });

@@ -9,6 +9,7 @@
 //   - a closed part is moved into or out of another one, through it or past it;
 //   - distinct nodes fall together.
 // Crossings, folds and coincident nodes of the initial mesh (the two sides of a crack) are no faults of the target.
+// Parts in different zones of a file (FileTags) are not compared.
 // In 3D, non-neighbouring faces that overlap within one plane are not found.
 //
 // Cost: O(faces log faces), plus the bisections of faces that come close to each other, plus O(faces parts).

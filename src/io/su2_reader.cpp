@@ -25,17 +25,15 @@ const char* name_of(int type) {
 struct Su2Reader {
     TextScanner in;
     RawMesh mesh{};
-    int dim = 0, zones = 1, begun = 0;              // zones announced, and those that an IZONE has begun
+    int dim = 0, begun = 0;                         // begun: the zone of the last IZONE
     std::vector<std::string> keywords{};            // of this zone
     std::size_t first_node = 0, first_element = 0;  // of this zone
     int row_line = 0;                               // where the row that is read begins
-    const char* kept = in.at;                       // from here on nothing is in mesh.pieces yet
+    const char* kept = in.at;                       // at the end of the last line that is in mesh.pieces
 
     RawMesh read() {
-        if (std::string_view(in.at, in.end).starts_with("% almesh ")) {  // of a run before
-            in.rest_of_line();
-            kept = after_line_end();
-        }
+        if (std::string_view(in.at, in.end).starts_with("% almesh ")) in.rest_of_line();  // of a run before
+        kept = in.at;
         std::string last;  // keyword
         while (next_line()) {
             const char* const line = in.at;
@@ -48,40 +46,43 @@ struct Su2Reader {
             in.rest_of_line();
         }
         keep_lines(in.end);
-        if (begun < zones && zones > 1) in.fail("NZONE announces ", zones, " zones, only ", begun, " are there");
+        if (begun < mesh.zones && mesh.zones > 1)
+            in.fail("NZONE announces ", mesh.zones, " zones, only ", begun, " are there");
         end_zone();
         name_groups();
         return std::move(mesh);
     }
 
-    const char* after_line_end() const { return in.at == in.end ? in.end : in.at + 1; }
-
-    static bool is_section(const std::string& keyword) {
-        return keyword == "NELEM" || keyword == "NPOIN" || keyword == "NMARK";
-    }
-    static bool is_known(const std::string& keyword) {
-        return is_section(keyword) || keyword == "NDIME" || keyword == "NZONE" || keyword == "IZONE" ||
+    static bool is_known(std::string_view keyword) {
+        constexpr std::string_view known[] = {"NDIME", "NZONE", "IZONE", "NELEM", "NPOIN", "NMARK"};
+        return std::find(std::begin(known), std::end(known), keyword) != std::end(known) ||
                keyword.starts_with("MARKER_");
+    }
+
+    bool has(std::string_view keyword) const {
+        return std::find(keywords.begin(), keywords.end(), keyword) != keywords.end();
     }
 
     void known(const std::string& keyword, const char* line) {
         if (keyword == "IZONE") return begin_zone();
         if (keyword.starts_with("MARKER_")) in.fail(keyword, " outside of NMARK: are there more markers than it says?");
-        if (std::find(keywords.begin(), keywords.end(), keyword) != keywords.end())
-            in.fail(keyword, " is there twice", zones > 1 ? ": a zone begins with IZONE= NUMBER" : "");
+        if (has(keyword))
+            in.fail(keyword, " is there twice", mesh.zones > 1 ? ": a zone begins with IZONE= NUMBER" : "");
         keywords.push_back(keyword);
-        if (keyword == "NZONE") zones = in.small_integer("the number of zones", 1);
-        if (keyword == "NDIME") dimension();
-        if (!is_section(keyword)) return;
+        if (keyword == "NDIME") return dimension();
+        if (keyword == "NZONE") {
+            mesh.zones = in.small_integer("the number of zones", 1);
+            return;
+        }
         if (dim == 0) in.fail("NDIME has to come first");
-        if (zones > 1 && begun == 0) in.fail("of several zones each has to begin with IZONE= NUMBER");
+        if (mesh.zones > 1 && begun == 0) in.fail("of several zones each has to begin with IZONE= NUMBER");
         keep_lines(line);
         mesh.pieces.push_back({keyword, std::max(begun, 1)});
         if (keyword == "NELEM") elements();
         else if (keyword == "NPOIN") points();
         else markers();
         in.rest_of_line();
-        kept = after_line_end();
+        kept = in.at;
     }
 
     void dimension() {
@@ -92,7 +93,7 @@ struct Su2Reader {
 
     void begin_zone() {
         const int number = in.small_integer("the number of the zone", 1);
-        if (number != begun + 1 || number > zones || !(begun || (mesh.nodes.empty() && mesh.elements.empty())))
+        if (number != begun + 1 || number > mesh.zones || !(begun || (mesh.nodes.empty() && mesh.elements.empty())))
             in.fail("IZONE= ", number, " is out of order: NZONE= COUNT comes first, then the zones 1, 2, ... with all "
                     "of their mesh");
         if (begun) end_zone();
@@ -103,6 +104,7 @@ struct Su2Reader {
     // The lines before `until` that are in no section.
     void keep_lines(const char* until) {
         std::string text(kept, until);
+        if (kept != in.start) text.erase(0, 1);
         if (until != in.end) text.erase(text.rfind('\n') + 1);  // the blanks before a keyword
         std::erase(text, '\r');
         if (!text.empty() && text.back() != '\n') text += '\n';
@@ -110,25 +112,21 @@ struct Su2Reader {
     }
 
     void end_zone() {
-        const std::string where = zones > 1 ? concat(" in zone ", begun) : "";
-        if (mesh.nodes.size() == first_node) in.fail("there is no NPOIN", where);
-        const auto elements_end = mesh.elements.end();
-        if (std::none_of(mesh.elements.begin() + static_cast<std::ptrdiff_t>(first_element), elements_end,
-                         [&](const RawElement& element) { return element.dim == dim; }))
-            in.fail("there is no NELEM", where);
+        for (const char* section : {"NPOIN", "NELEM"})
+            if (!has(section)) in.fail("there is no ", section, mesh.zones > 1 ? concat(" in zone ", begun) : "");
         const int count = static_cast<int>(mesh.nodes.size() - first_node);
         for (; first_element < mesh.elements.size(); ++first_element) {
             const RawElement& element = mesh.elements[first_element];
             for (int i = 0; i <= element.dim; ++i) {
                 int& node = mesh.element_nodes[element.first + i];
                 if (node >= count)
-                    in.fail_at(element.line, "node ", node, " is not there: the ", zones > 1 ? "zone" : "file", " has ",
-                               count);
+                    in.fail_at(element.line, "node ", node, " is not there: the ",
+                               mesh.zones > 1 ? "zone" : "file", " has ", count);
                 node += static_cast<int>(first_node);
             }
         }
         first_node = mesh.nodes.size();
-        if (std::find(keywords.begin(), keywords.end(), "NMARK") != keywords.end()) return;
+        if (has("NMARK")) return;
         const auto last = std::find_if(mesh.pieces.rbegin(), mesh.pieces.rend(), [](auto& p) { return p.zone > 0; });
         mesh.pieces.insert(last.base(), {"NMARK", last->zone});
     }
@@ -143,7 +141,7 @@ struct Su2Reader {
                 if (count[group->name] > 1) group->name = concat(piece.zone, ":", marker.name);
                 marker.group = group++->name;
             }
-        for (int zone = 1; zone <= zones && zones > 1; ++zone)
+        for (int zone = 1; zone <= mesh.zones && mesh.zones > 1; ++zone)
             mesh.groups.push_back({dim, zone, concat("zone-", zone)});
     }
 
@@ -238,7 +236,7 @@ struct Su2Reader {
     void elements() {
         const long long count = in.integer("the number of elements", 0, INT_MAX);
         end_of_line();
-        const int zone = zones > 1 ? begun : 0;
+        const int zone = mesh.zones > 1 ? begun : 0;
         for (long long k = 0; k < count; ++k) {
             begin_row("elements", k, count);
             element(in.small_integer("the type of an element"), dim, zone);
@@ -314,7 +312,7 @@ bool looks_like_su2(std::string_view text) {
         if (line.empty() || line[0] == '%') continue;
         const std::string_view keyword = trim(line.substr(0, line.find('=')));
         if (keyword.size() == line.size()) return false;
-        if (Su2Reader::is_known(std::string(keyword))) return true;
+        if (Su2Reader::is_known(keyword)) return true;
     }
     return false;
 }

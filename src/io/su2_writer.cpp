@@ -37,7 +37,7 @@ struct Su2Writer {
     void write() {
         if (pieces.empty())
             pieces = {{concat("NDIME= ", mesh.dim, "\n")}, {"NELEM", 1}, {"NPOIN", 1}, {"NMARK", 1}};
-        for (const FilePiece& piece : pieces) zones.resize(std::max<std::size_t>(zones.size(), piece.zone));
+        zones.resize(mesh.file.zones);
         for (const FilePiece& piece : pieces)
             for (const FileMarker& marker : piece.markers) zones[piece.zone - 1].markers.push_back({marker});
         fill_elements();
@@ -51,7 +51,7 @@ struct Su2Writer {
         }
     }
 
-    Zone& zone_of(int element) { return zones[zones.size() == 1 ? 0 : mesh.file.element_entity[element] - 1]; }
+    Zone& zone_of(int element) { return zones[std::max(mesh.file.zone(element), 1) - 1]; }
 
     void fill_elements() {
         std::vector<int> element_of(mesh.nodes());

@@ -156,6 +156,7 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
     mesh.file.groups = raw.groups;
     mesh.file.format = raw.format;
     mesh.file.pieces = raw.pieces;
+    mesh.file.zones = raw.zones;
     mesh.file.entities = raw.entities;
     select(build);
     number_nodes(build);

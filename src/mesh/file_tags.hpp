@@ -71,7 +71,7 @@ struct FileMarker {
 // An SU2 file in its order: lines that are kept as they are, and the sections NELEM, NPOIN and NMARK of each zone.
 struct FilePiece {
     std::string text;  // the lines, or the keyword of the section
-    int zone = 0;      // from 1; 0: lines. Of several zones an element's entity is its zone
+    int zone = 0;      // from 1; 0: lines
     std::vector<FileMarker> markers{};
 };
 
@@ -84,8 +84,11 @@ struct FileTags {
     std::vector<FileEntity> entities;  // ascending by key, of MSH 4
     std::vector<PhysicalGroup> groups;
     std::vector<FilePiece> pieces;  // of SU2
+    int zones = 1;  // of SU2: several are meshes of their own, which may touch and lie over each other
     FileFormat format;
     std::string comment;  // one line, that is written as such; of what has been read: empty
+
+    int zone(int element) const { return zones > 1 ? element_entity[element] : 0; }  // from 1; 0: there is only one
 };
 
 }  // namespace almesh

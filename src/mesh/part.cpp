@@ -61,6 +61,7 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
     part.cut = static_cast<int>(mesh.boundaries.size());
     part.file.groups = mesh.file.groups;
     part.file.format = mesh.file.format;
+    part.file.zones = mesh.file.zones;
 
     std::vector<int> number, element(mesh.element_count(), -1);  // of nodes and elements in the part
     add_elements(mesh, chosen, part, number);

@@ -41,6 +41,7 @@ struct RawMesh {
     std::vector<RawNodeBlock> node_blocks;  // of all nodes, in their order; empty where the format has none
     std::vector<FileEntity> entities;       // ascending by key; empty where the format has none
     std::vector<FilePiece> pieces;          // of SU2
+    int zones = 1;                          // of SU2: where there are several, the entity of an element is its zone
 };
 
 // Entity (dim, tag), or nullptr where the file lists none. entities: ascending by key. Cost: O(log entities).

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "base/error.hpp"
+#include "check/overlap.hpp"
 #include "mesh/build.hpp"
 #include "support/meshes.hpp"
 #include "support/program.hpp"
@@ -227,6 +228,28 @@ TEST_CASE("a run moves the zones of an SU2 file together and writes them as zone
     const std::string text = text_of(folder.path("out/final.su2"));
     CHECK(has(text, "IZONE= 2\nNDIME= 2\nNPOIN= 9\n2.125 0 0\n"));
     CHECK(written(text) == text.substr(text.find('\n') + 1));
+}
+
+TEST_CASE("zones may touch, lie over each other and move through each other; within a zone that is refused") {
+    std::string text = two_zones;  // the second one over the first one
+    text.replace(text.find("2 0 0\n3 0 1\n2 1 2\n3 1 3\n"), 24, "0 0 0\n1 0 1\n0 1 2\n1 1 3\n");
+    const TemporaryFolder folder;
+    const std::string zones = folder.write("zones.su2", text);
+    const std::string deck = folder.write("zones.deck", "mesh = zones.su2\noutput = " + folder.path("out") +
+                                                            "\nboundary 2:wall = translate 1.25 0\n"
+                                                            "boundary outlet = translate 1.25 0\n"
+                                                            "boundary rest = fixed\nthreads = 1\nvtk = none\n");
+    const Outcome outcome = almesh_with({deck});
+    CAPTURE(outcome.error);
+    CHECK(outcome.code == 0);
+    CHECK(has(outcome.out, "certified valid and injective"));
+
+    std::vector<std::string> notes;
+    Mesh mesh = build_mesh(parse_su2(two_zones, "a.su2"), notes);
+    mesh.x = build_mesh(read_mesh(zones), notes).x;
+    CHECK(overlapping_elements(mesh, mesh.x) == std::array{-1, -1});
+    mesh.file.zones = 1;
+    CHECK(overlapping_elements(mesh, mesh.x) != std::array{-1, -1});
 }
 
 TEST_CASE("errors of SU2 meshes name the line and what is wrong") {
