@@ -33,6 +33,8 @@ struct DeckBoundary {
     std::string where;  // "circle.deck:12" or "command line"
 };
 
+constexpr int most_refinements = 8;
+
 enum class Start { automatic, identity, coarse };
 enum class Snap { automatic, no, yes };
 enum class SurfaceKind { automatic, keep, slide, straighten };

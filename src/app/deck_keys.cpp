@@ -106,7 +106,8 @@ const std::vector<DeckKey>& deck_keys() {
          "name."},
         {"title", text<&Deck::title>("text"), "Title of the report and of the result files."},
         {"degree", number<&Deck::degree>({0, 7}), "Degree of the elements; 0: as in the mesh file."},
-        {"refine", number<&Deck::refine>({0, 8}), "How many times every element is split uniformly before the run."},
+        {"refine", number<&Deck::refine>({0, most_refinements}),
+         "How many times every element is split uniformly before the run."},
         {"target", choice<&Deck::target>({"exact", "nodal"}),
          "Target of the boundary. exact: the motion of each of its points; nodal: the polynomial through the moved "
          "nodes. Where a boundary slides or is free, the target is always nodal."},

@@ -129,7 +129,6 @@ std::string against_accuracy(const Deck& deck, const Solution& solution) {
 std::string against_cause(const Deck& deck, const Problem& problem, const Solution& solution) {
     switch (solution.al.status) {
         case Status::converged: return against_uncertified(deck, problem, solution);
-        case Status::infeasible:
         case Status::stalled:
         case Status::line_search_failed: return against_distance(deck, problem, solution);
         case Status::overflow: return "a smaller mu0, such as " + shown(AugmentedLagrangianParams().mu0);

@@ -25,19 +25,21 @@ void refuse(const Mesh& mesh, const TargetFaults& faults, const std::string& adv
 }
 
 // What helps against elements all of whose vertices are on the boundary. Where two of its faces are, an element is in a
-// corner or along an edge, and so is one of those that it is split into.
+// corner or along an edge, and so is one of those that it is split into; whether that one is folded too is tried.
 std::string against(const TargetFaults& faults, const CheckedTarget& checked) {
     const Mesh& mesh = checked.mesh;
     if (faults.elements.empty() || !faults.faces.faults.empty()) return "";
+    const bool may_refine = checked.file_degree == 1 && checked.deck.refine < most_refinements;
+    if (may_refine && !checked.folds_when_refined())
+        return concat("\ntry refine = ", checked.deck.refine + 1,
+                      ", so that they are divided, or targets that do not invert them");
     const bool stays = std::any_of(faults.elements.begin(), faults.elements.end(), [&](const DeterminedElement& fault) {
         return std::count(mesh.face_element.begin(), mesh.face_element.end(), fault.element) > 1;
     });
     if (stays)
         return "\ntry targets that do not invert them, or a mesh in which they are divided by a node inside (refine "
                "leaves such an element there)";
-    const std::string refined =
-        checked.file_degree == 1 ? concat("refine = ", checked.deck.refine + 1) : "a finer mesh";
-    return "\ntry " + refined + ", so that they are divided, or targets that do not invert them";
+    return "\ntry a finer mesh, so that they are divided, or targets that do not invert them";
 }
 
 // Scaled Jacobian of elements that the target alone determines up to which they are faults.

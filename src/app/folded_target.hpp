@@ -1,6 +1,7 @@
 // Targets that fold elements by themselves, whatever the nodes inside do: faces of the boundary that are invalid or
 // cross, elements whose nodes are all on it. Found and dealt with before solving, as the key `surface` says.
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct CheckedTarget {
     const std::vector<double>& ideal;  // nodes x dim
     BoundaryTarget& target;
     std::vector<double>& node_target;  // its nodes in units of the file, which change with it
+    std::function<bool()> folds_when_refined;  // whether it folds anything still on the mesh refined once more
 };
 
 // Frees the nodes around faces and elements that the target folds to slide along its surface. Returns a note, empty

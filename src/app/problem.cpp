@@ -334,7 +334,14 @@ Problem make_problem(const Deck& deck) {
 }
 
 CheckedTarget checked_target(const Deck& deck, Problem& problem) {
-    return {deck, problem.base.degree, problem.mesh(), problem.ideal(), problem.target, problem.node_target};
+    const auto folds_when_refined = [&deck, &problem] {
+        PlacedNodes placed = problem.placed;
+        BoundaryTarget target;
+        const auto level = discretise(problem, deck.refine + 1, problem.mesh().degree, placed, target);
+        return !find_faults(level->mesh, level->ideal, target).none();
+    };
+    return {deck,           problem.base.degree, problem.mesh(),     problem.ideal(),
+            problem.target, problem.node_target, folds_when_refined};
 }
 
 Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes,

@@ -74,7 +74,7 @@ std::optional<Status> failure(const std::vector<AlIteration>& rows, const Augmen
     const bool at_floor = row.newton_status == Status::attainable_accuracy;
     const bool solved = at_floor || row.newton_status == Status::converged;
     if (at_floor && constrained) return Status::attainable_accuracy;
-    if (row.newton_status == Status::infeasible) return Status::infeasible;
+    if (row.newton_status == Status::stalled) return Status::stalled;
     if (row.newton_status == Status::interrupted) return Status::interrupted;
     if (constraint_stalls(rows, solved ? 3 : 1, one_squared)) return Status::stalled;
     if (!solved) return row.newton_status;

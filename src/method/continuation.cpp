@@ -1,11 +1,15 @@
 // x_0 = ideal mesh; for t = dt, 2 dt, ..., 1: x_t solves the problem at the fraction t of the motion, from x_{t - dt};
-// where that fails, dt is halved, and at last the whole motion is tried at once, unless it has been.
+// where that fails, dt is halved, and the whole motion is tried at once, unless it has been; at last, from a mesh with
+// the boundary at its target.
 #include "method/continuation.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <optional>
+
+#include "method/comparators.hpp"
 
 namespace almesh {
 namespace {
@@ -66,6 +70,31 @@ Increments solve_increments(const Level& level, Newton& newton, const AugmentedL
     return all;
 }
 
+// Algorithm 1 from the first mesh with the boundary at its target that one of the methods finds, and from which it
+// succeeds. steps: adds all Newton steps.
+std::optional<AlResult> minimise_from_target(const Level& level, Newton& newton, MethodParams params,
+                                             std::initializer_list<MovingMethod> methods, std::vector<double>& x,
+                                             int& steps, const AlObserver& observer) {
+    constexpr int parts = 10;  // of the incremental method
+    if (params.is_start || level.turn > most_at_once || level.energy->delta() > 0) return std::nullopt;
+    const AugmentedLagrangianParams schedule = params.schedule = impatient(params.schedule);
+    for (const MovingMethod method : methods) {
+        x = level.ideal;
+        params.schedule.moving = method;
+        const int increments = method == MovingMethod::incremental ? parts : 1;
+        AlResult result = move_with_boundary(level, newton, params, increments, x);
+        steps += result.newton_iterations + result.earlier_newton_iterations;
+        if (result.status == Status::converged) {
+            AlStart start;
+            start.lambda.assign(level.constraint->multipliers(), 0.0);  // not from the ideal mesh
+            result = minimise(*level.energy, *level.constraint, newton, schedule, x, observer, start);
+            steps += result.newton_iterations;
+        }
+        if (succeeded(result)) return result;
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 void increase_load(double size, double least, const std::function<StageEnd(const Increment&)>& solve) {
@@ -103,19 +132,30 @@ AlResult minimise_in_increments(const Level& level, Newton& newton, const Method
     std::vector<double> x_failed;
     double size = 0.5;
     int steps = 0;
+    const auto with_all_steps = [&](AlResult result) {
+        result.earlier_newton_iterations = steps - result.newton_iterations;
+        return result;
+    };
+    const auto from_target = [&](std::initializer_list<MovingMethod> methods) {
+        return minimise_from_target(level, newton, params, methods, x, steps, observer);
+    };
     if (level.turn > increment_turn && start.lambda.empty()) {
         size = 1 / std::ceil(level.turn / increment_turn);
     } else {
         AlResult result = at_once(impatient(params.schedule));
-        const bool hopeless = result.status == Status::infeasible || result.status == Status::max_al_iterations;
+        const bool stalls_at_once = result.iterations.back().newton_status == Status::stalled;
+        const bool hopeless = (params.is_start && stalls_at_once) || result.status == Status::max_al_iterations;
         if (succeeded(result) || hopeless) return result;
         steps = result.newton_iterations;
         if (result.status != Status::max_newton_iterations) {
             at_once_failed = std::move(result);
             x_failed = x;
         }
+        if (at_once_failed)  // the cheapest where it is valid
+            if (auto found = from_target({MovingMethod::fixed_boundary})) return with_all_steps(std::move(*found));
     }
     Increments all = solve_increments(level, newton, params.schedule, size, steps, x, observer, observe_stage);
+    steps = all.steps;
     AlResult result;
     if (all.ended || (all.last && level.turn > most_at_once)) {  // at once it would go the shorter way
         result = std::move(*all.last);
@@ -123,13 +163,18 @@ AlResult minimise_in_increments(const Level& level, Newton& newton, const Method
     } else if (at_once_failed) {  // with more steps it would end alike
         x = std::move(x_failed);
         result = std::move(*at_once_failed);
-    } else {  // the last resort
+    } else {  // the last resort but one
         x = first;
         result = at_once(params.schedule);
-        all.steps += result.newton_iterations;
+        steps += result.newton_iterations;
     }
-    result.earlier_newton_iterations = all.steps - result.newton_iterations;
-    return result;
+    if (!succeeded(result)) {
+        std::vector<double> x_last = x;
+        using enum MovingMethod;
+        if (auto found = from_target({fixed_boundary, incremental, untangle})) return with_all_steps(std::move(*found));
+        x = std::move(x_last);
+    }
+    return with_all_steps(std::move(result));
 }
 
 }  // namespace almesh

@@ -12,7 +12,7 @@
 // boundary has turned by that part of its angle, so the mesh stays in the homotopy class of the motion.
 //
 // automatic   in increments of at most 90 degrees, by the shorter way; a motion that turns by less at once, and in
-//             halves where that fails, unless the target is infeasible
+//             halves where that fails
 // never       at once
 // always      in increments of at most 90 degrees, also for turns beyond 180: rotate 270 and rotate -90 are different
 #pragma once
@@ -59,6 +59,7 @@ struct MethodParams {
     LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;
     Continuation continuation = Continuation::automatic;
+    bool is_start = false;  // the solution is only where a finer mesh's starts: left where its first subproblem stalls
 };
 
 // A load increment: the motion from one fraction to the next.

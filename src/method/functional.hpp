@@ -33,6 +33,8 @@ struct Functional {
     virtual double energy(const std::vector<double>& x) const = 0;
     // Of the distortion alone. energy: E(x), so that no element need be looked at again.
     virtual double distortion_energy(const std::vector<double>& x, double energy) const = 0;
+    // What no x can lose of it: of a constraint penalty/2 (|c|^2 - |P c|^2).
+    virtual double lost_energy(const std::vector<double>& /*x*/) const { return 0; }
     // How much of a step is valid, in [0, 1]: DistortionEnergy::valid_fraction().
     virtual double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) const = 0;
     virtual void gradient(const std::vector<double>& x, std::vector<double>& g) const = 0;
@@ -93,6 +95,11 @@ struct AugmentedFunctional : Functional {
         distortion.add_hessian(x, kind, H, projection);
         constraint.add_hessian(x, lambda, penalty, kind != HessianKind::full, H);
         fix_nodes(fixed, H);
+    }
+
+    double lost_energy(const std::vector<double>& x) const override {
+        const double c = constraint.norm(x), Pc = constraint.projected_norm(x);
+        return 0.5 * penalty * (c - Pc) * (c + Pc);
     }
 
     // Of the positions at which the constraint is evaluated: small c with large multipliers and penalties are

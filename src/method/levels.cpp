@@ -34,6 +34,7 @@ Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Lev
     const AlStart start = start_from(solution, *level, x);
     MethodParams loose = params;
     loose.schedule = loosened(params.schedule, *level, of_gradient);
+    loose.is_start = true;
     if (level->is_worth_little) {
         loose.schedule.max_newton_iterations = std::min(loose.schedule.max_newton_iterations, few_steps);
         loose.continuation = Continuation::never;

@@ -52,7 +52,7 @@ public:
     double reduction = 1;                             // omega is lowered to this part of |grad E| at the start
     double least_omega = 0;                           // and never below this
     double wall_tolerance = std::numeric_limits<double>::infinity();  // see AugmentedLagrangianParams
-    bool tests_reach = true;                          // whether the first subproblem may find the target infeasible
+    bool tests_reach = true;                          // whether the first subproblem may find the target out of reach
     virtual double penalty() const { return mu; }     // weight of |c_D|^2 / 2 in E
     virtual bool ends(bool constrained, bool stationary) const { return constrained && stationary; }  // not line 7
     // Lines 11-14: lambda has been updated. boundary_error: what wall_tolerance is for.

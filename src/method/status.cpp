@@ -10,9 +10,7 @@ using enum Status;
 
 constexpr StatusRow rows[] = {
     {converged, "converged", "converged", Cause::validity},
-    {infeasible, "infeasible", "infeasible: no valid mesh seems to reach the target", Cause::boundary},
-    {stalled, "stalled", "stalled: the boundary comes no nearer to its target, which may be infeasible",
-     Cause::boundary},
+    {stalled, "stalled", "stalled: the boundary comes no nearer to its target", Cause::boundary},
     {attainable_accuracy, "attainable_accuracy",
      "not converged: |grad E| ended at its attainable accuracy, above omega0", Cause::gradient},
     {ended_as_printed, "ended_as_printed", "not converged: the loop as printed ended with one of its two tests met",

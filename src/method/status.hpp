@@ -5,8 +5,7 @@ namespace almesh {
 
 enum class Status {
     converged,
-    infeasible,             // evidence that no valid mesh reaches the target (stopping_tests.hpp)
-    stalled,                // the constraint stopped falling while the penalty grew
+    stalled,                // the constraint stopped falling while the penalty grew, or all energy is penalty
     attainable_accuracy,    // rounding ended |grad E| above its tolerance; of a run, the constraint holds: above omega0
     ended_as_printed,       // literal: the loop as printed ends when one of its two tests holds, and only one did
     max_al_iterations,

@@ -1,5 +1,5 @@
-// Infeasible: E_before - E < 1e-3 E and distortion < 0.1 E. At the attainable accuracy: g > g_before / 2. Futile, three
-// times in a row: t <= 1e-8 and E_before - E <= 1e-14 E. The last local step: E_before - E <= 1e-3 (E_start - E).
+// Out of reach: E_before - E < 1e-3 E and distortion < 0.1 E. At the attainable accuracy: g > g_before / 2. Futile,
+// three times in a row: t <= 1e-8 and E_before - E <= 1e-14 E. The last local step: E_before - E <= 1e-3 (E_start - E).
 #include "method/stopping_tests.hpp"
 
 #include <cmath>
@@ -18,7 +18,8 @@ bool is_finite(const NewtonResult& at) { return std::isfinite(at.energy) && std:
 
 }  // namespace
 
-bool is_infeasible(double largest_energy, double energy_before, double energy, double step_length, double distortion) {
+bool is_out_of_reach(double largest_energy, double energy_before, double energy, double step_length,
+                     double distortion) {
     return energy > largest_energy && step_length >= 1 && energy_before - energy < 1e-3 * energy &&
            distortion < 0.1 * energy;
 }
@@ -52,10 +53,12 @@ std::optional<Status> StoppingTests::after_step(const NewtonStep& step, const Ne
     futile_steps_ = moves ? 0 : futile_steps_ + 1;
     if (futile_steps_ == most_futile_steps) return Status::line_search_failed;
     if (!is_finite(at)) return Status::overflow;
-    if (at.energy > params_.largest_energy &&
-        is_infeasible(params_.largest_energy, before.energy, at.energy, step.step_length,
-                      E.distortion_energy(x, at.energy)))
-        return Status::infeasible;
+    if (at.energy > params_.largest_energy) {
+        const double lost = E.lost_energy(x);
+        if (is_out_of_reach(params_.largest_energy, before.energy - lost, at.energy - lost, step.step_length,
+                            E.distortion_energy(x, at.energy)))
+            return Status::stalled;
+    }
     if (at_attainable_accuracy(step.by_rounding, before.gradient_norm, at.gradient_norm, at.omega))
         return Status::attainable_accuracy;
     return std::nullopt;

@@ -1,9 +1,9 @@
 // When Newton's method ends, besides at |grad E| <= omega.
 //
-// Infeasibility, of functionals without multipliers: a mesh that meets the target has the energy of its distortion
+// Out of reach, of functionals without multipliers: a mesh that meets the target has the energy of its distortion
 // alone, which is not less than the minimum of E. Where that minimum is above `largest_energy` and nine tenths of it
-// are penalty, only meshes of no use could meet the target, if any. The minimum counts as found to 0.1 % once a full
-// step gains less than that.
+// are penalty, only meshes of no use could meet the target on this way. The minimum counts as found to 0.1 % once a
+// full step gains less than that. What the penalty makes of the best approximation error is in every E, and not counted.
 //
 // Attainable accuracy: with a large penalty, |grad E| cannot fall below some 1e-16 mu, and once the decrease that a
 // step promises is below the rounding error of E, energies can no longer be compared (line_search.hpp). From then on
@@ -23,7 +23,8 @@
 namespace almesh {
 
 // After a step of this length that took E from energy_before to energy; distortion: its part of E now.
-bool is_infeasible(double largest_energy, double energy_before, double energy, double step_length, double distortion);
+bool is_out_of_reach(double largest_energy, double energy_before, double energy, double step_length,
+                     double distortion);
 
 // by_rounding: what the line search says of the step that took |grad E| from g_before to g.
 bool at_attainable_accuracy(bool by_rounding, double g_before, double g, double omega);

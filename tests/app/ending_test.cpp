@@ -145,12 +145,13 @@ TEST_CASE("the boundary node farthest off is named, and how far it has come") {
     }
 }
 
-TEST_CASE("a target out of reach of two layers: infeasible or stalled, at a boundary node, and what to try") {
+TEST_CASE("a target out of reach of two layers: stalled, at a boundary node, and what to try") {
     for (const char* const algorithm : {"algorithm=adaptive", "algorithm=paper"}) {
         const RingDeck ring(ring_mesh(16, 2, 3));
         const Outcome outcome = ring.run({"boundary inner=rotate 175", algorithm});
         CHECK(outcome.code == 3);
         const Stop stop(ring.output, outcome);
+        CHECK(stop.summary.at("status") == "stalled");
         CHECK(stop.kind() == "off_target");
         CHECK(stop.is_on(stop.boundary(), stop.node));
         CHECK(has(outcome.out, "a smaller motion"));

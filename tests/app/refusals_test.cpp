@@ -280,6 +280,17 @@ TEST_CASE("a layer of one element that the target winds too far: code 2, and wha
     CHECK(ring.run({"boundary inner=rotate 120", "refine=1"}).code == 0);
 }
 
+TEST_CASE("a corner that only the coarse faces fold: code 2, and the refinement that is advised succeeds") {
+    const TemporaryFolder folder;
+    folder.write("square.msh", msh_of(square_mesh(4)));
+    const std::string deck =
+        folder.write("square.deck", "mesh = square.msh\noutput = " + folder.path("out") +
+                                        "\nboundary all = expression \"x + 0.3*exp(-100*(y - 0.25)^2)*x^4\""
+                                        " \"y - 0.3*exp(-100*(x - 0.75)^2)*(1 - y)^4\"\n");
+    check_refused(almesh_with({deck}), 2, {"it inverts 1 element:", "try refine = 1, so that they are divided"});
+    CHECK(almesh_with({deck, "refine=1"}).code == 0);
+}
+
 TEST_CASE("a projection that is not defined, or boundaries that are torn apart: code 2") {
     const RingDeck ring;
     check_refused(ring.run({"boundary inner=circle 1 0 1"}), 2, {"boundary inner", "(1, 0)", "not defined"});

@@ -146,7 +146,7 @@ TEST_CASE("a coarser mesh gives one row: its last iteration, all its Newton step
     CHECK(cells["nodes"] == "841");
     CHECK(cells["seconds"] == "1.5");
     CHECK(history.newton_steps == 0);  // they count those on the deck's own mesh
-    stage.status = Status::infeasible;
+    stage.status = Status::stalled;
     history.add(stage);
     CHECK(last_row(history)["update"] == "dropped");
 }
@@ -216,7 +216,7 @@ TEST_CASE("a coarser mesh has a row with its nodes, and says where it was not us
     Report report(file, {2, 1}, "id");
     Stage stage{841, Status::converged, row_after(2), 9};
     report.add(stage);
-    stage.status = Status::infeasible;
+    stage.status = Status::stalled;
     report.add(stage);
     const auto lines = pieces(contents(file), '\n');
     REQUIRE(lines.size() == 3);  // below the header

@@ -45,7 +45,7 @@ std::vector<double> parts_left(const std::vector<AlIteration>& rows) {
 
 }  // namespace
 
-TEST_CASE("a target that no valid mesh reaches is infeasible, or stalls without evidence, and the mesh stays valid") {
+TEST_CASE("a target that no valid mesh reaches: the run stalls, and the mesh stays valid") {
     for (Algorithm algorithm : {Algorithm::adaptive, Algorithm::paper})
         for (Objective objective : objectives) {
             const Minimisation problem(ring_mesh(12, 3, 5), {{"inner", "translate 40 0"}}, objective);
@@ -54,14 +54,14 @@ TEST_CASE("a target that no valid mesh reaches is infeasible, or stalls without 
             CAPTURE(static_cast<int>(algorithm));
             CAPTURE(static_cast<int>(objective));
             CAPTURE(result.newton_iterations);
-            CHECK(result.status == (algorithm == Algorithm::adaptive ? Status::infeasible : Status::stalled));
+            CHECK(result.status == Status::stalled);
             CHECK(certify(problem.mesh, x).valid);
             CHECK(problem.constraint.projected_norm(x) > 1);
             if (algorithm == Algorithm::adaptive) CHECK(result.newton_iterations < 50);
         }
 }
 
-TEST_CASE("a first penalty that is far too weak is no sign of infeasibility") {
+TEST_CASE("a first penalty that is far too weak is no sign that a target is out of reach") {
     for (Objective objective : objectives)
         for (double mu0 : {1e-2, 1e-4, 1e-6}) {
             const Minimisation problem(ring_mesh(12, 3, 6), {{"inner", "translate 2 0"}}, objective);
@@ -73,6 +73,18 @@ TEST_CASE("a first penalty that is far too weak is no sign of infeasibility") {
             CAPTURE(mu0);
             CHECK(std::string(to_string(result.status)) == "converged");
         }
+}
+
+TEST_CASE("what straight faces can never lose to a wavy target is no sign that it is out of reach") {
+    const std::string wave = "(1 + 0.2*cos(12*atan2(y, x)))\"";
+    const Minimisation problem(ring_mesh(12, 3, 6), {{"outer", "expression \"x*" + wave + " \"y*" + wave}},
+                               Objective::deviation);
+    const double lost = problem.constraint.best_approximation_error() * problem.constraint.norm_of_one();
+    CHECK(0.5 * 1e5 * lost * lost > 10 * problem.distortion.uniform(20));  // of the first penalty
+    std::vector<double> x;
+    const AlResult result = problem.solve({}, x);
+    CHECK(result.status == Status::converged);
+    CHECK(certify(problem.mesh, x).valid);
 }
 
 TEST_CASE("limits of iterations end the run with their status") {
@@ -125,10 +137,10 @@ TEST_CASE("as printed, no target counts as out of reach in the first subproblem"
     params.max_iterations = 1;
     params.mu0 = 1e5;
     std::vector<double> x;
-    CHECK(problem.solve(params, x).iterations.back().newton_status == Status::infeasible);
+    CHECK(problem.solve(params, x).iterations.back().newton_status == Status::stalled);
     params.algorithm = Algorithm::literal;
     params.mu0 = std::sqrt(1e5) / problem.constraint.norm_of_one();  // the same weight, mu^2
-    CHECK(problem.solve(params, x).iterations.back().newton_status != Status::infeasible);
+    CHECK(problem.solve(params, x).iterations.back().newton_status != Status::stalled);
 }
 
 TEST_CASE("as printed, the loop ends as soon as one test holds") {
@@ -200,7 +212,7 @@ TEST_CASE("a target counts as out of reach where the penalty costs more than a d
     const AlResult strong = first_subproblem(10, x);
     CHECK(problem.distortion.energy(x) < 0.1 * strong.iterations.back().energy);
     CHECK(strong.iterations.back().energy < problem.distortion.uniform(100));
-    CHECK(strong.status == Status::infeasible);
+    CHECK(strong.status == Status::stalled);
 }
 
 TEST_CASE("no node is farther from its place than wall_tolerance, whatever the norm of the constraint may be") {

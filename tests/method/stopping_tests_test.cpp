@@ -10,9 +10,9 @@
 using namespace almesh;
 using namespace almesh::test;
 
-TEST_CASE("infeasible: a full step gains less than a thousandth, and nine tenths of the energy are penalty") {
+TEST_CASE("out of reach: a full step gains less than a thousandth, and nine tenths of the energy are penalty") {
     const auto found = [](double energy, double gained, double step_length, double distortion) {
-        return is_infeasible(100, energy * (1 + gained), energy, step_length, distortion * energy);
+        return is_out_of_reach(100, energy * (1 + gained), energy, step_length, distortion * energy);
     };
     CHECK(found(101, 0.9e-3, 1, 0.09));
     CHECK(found(101, 0.9e-3, 2, 0.09));
@@ -20,7 +20,7 @@ TEST_CASE("infeasible: a full step gains less than a thousandth, and nine tenths
     CHECK_FALSE(found(101, 1.1e-3, 1, 0.09));
     CHECK_FALSE(found(101, 0.9e-3, 0.5, 0.09));
     CHECK_FALSE(found(101, 0.9e-3, 1, 0.11));
-    CHECK_FALSE(is_infeasible(NewtonParams().largest_energy, 1e300, 1e300, 1, 0));
+    CHECK_FALSE(is_out_of_reach(NewtonParams().largest_energy, 1e300, 1e300, 1, 0));
 }
 
 TEST_CASE("below rounding the iteration goes on while a step halves the gradient, and until it is small enough") {

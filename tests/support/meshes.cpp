@@ -70,19 +70,20 @@ Mesh square_mesh(int k) {
     });
 }
 
-Mesh cube_mesh(int k) {
+Mesh cube_mesh(int k, int cubes) {
+    const int length = cubes * k;
     std::vector<double> x;
     for (int l = 0; l <= k; ++l)
         for (int j = 0; j <= k; ++j)
-            for (int i = 0; i <= k; ++i)
+            for (int i = 0; i <= length; ++i)
                 x.insert(x.end(), {static_cast<double>(i) / k, static_cast<double>(j) / k, static_cast<double>(l) / k});
     // Kuhn's six tetrahedra: the paths from corner 0 to corner 7 along the axes.
     constexpr int paths[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}};
-    const int step[3] = {1, k + 1, (k + 1) * (k + 1)};
+    const int step[3] = {1, length + 1, (length + 1) * (k + 1)};
     std::vector<int> elements;
     for (int l = 0; l < k; ++l)
         for (int j = 0; j < k; ++j)
-            for (int i = 0; i < k; ++i)
+            for (int i = 0; i < length; ++i)
                 for (int path = 0; path < 6; ++path) {
                     int node = l * step[2] + j * step[1] + i;
                     std::array<int, 4> t = {node, 0, 0, 0};

@@ -18,8 +18,8 @@ Mesh linear_mesh(int dim, std::vector<double> x, std::vector<int> elements, cons
 // Unit square, k x k cells of two triangles; boundaries left, right, bottom, top.
 Mesh square_mesh(int k);
 
-// Unit cube, k x k x k cells of six tetrahedra; boundaries bottom, top, sides.
-Mesh cube_mesh(int k);
+// Unit cube, or as many in a row along x, of k x k x k cells of six tetrahedra; boundaries bottom, top, sides.
+Mesh cube_mesh(int k, int cubes = 1);
 
 // Ring 1 <= r <= outer with `around` cells around and `layers` layers of geometric growth; boundaries inner, outer.
 Mesh ring_mesh(int around, int layers, double outer);
