@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <climits>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "io/su2.hpp"
@@ -13,30 +14,29 @@ namespace almesh {
 namespace {
 
 const char* name_of(int type) {
-    switch (type) {
-        case 9: return "quadrilaterals";
-        case 12: return "hexahedra";
-        case 13: return "prisms";
-        case 14: return "pyramids";
-        default: return "elements of this type";
-    }
+    constexpr std::pair<int, const char*> others[] = {
+        {9, "quadrilaterals"}, {12, "hexahedra"}, {13, "prisms"}, {14, "pyramids"}};
+    for (const auto& [vtk_type, name] : others)
+        if (vtk_type == type) return name;
+    return "elements of this type";
 }
 
 struct Su2Reader {
-    TextScanner in;
+    std::string_view text;
+    TextScanner in;  // of the text without comments
     RawMesh mesh{};
     int dim = 0, begun = 0;                         // begun: the zone of the last IZONE
     std::vector<std::string> keywords{};            // of this zone
     std::size_t first_node = 0, first_element = 0;  // of this zone
     int row_line = 0;                               // where the row that is read begins
-    const char* kept = in.at;                       // at the end of the last line that is in mesh.pieces
+    std::size_t kept = 0;                           // the end of the last line that is in mesh.pieces, in `text`
 
     RawMesh read() {
-        if (std::string_view(in.at, in.end).starts_with("% almesh ")) in.rest_of_line();  // of a run before
-        kept = in.at;
+        if (text.starts_with("% almesh ")) in.rest_of_line();  // of a run before
+        kept = in.at - in.start;
         std::string last;  // keyword
-        while (next_line()) {
-            const char* const line = in.at;
+        while (in.next_line()) {
+            const std::size_t line = in.at - in.start;
             const std::string keyword = take_keyword();
             if (keyword.empty() && (last.empty() || is_known(last)))
                 in.fail("expected `KEYWORD= VALUE`, got ", in_backquotes(in.rest_of_line().substr(0, 40)),
@@ -45,7 +45,7 @@ struct Su2Reader {
             if (is_known(keyword)) known(keyword, line);
             in.rest_of_line();
         }
-        keep_lines(in.end);
+        keep_lines(text.size());
         if (begun < mesh.zones && mesh.zones > 1)
             in.fail("NZONE announces ", mesh.zones, " zones, only ", begun, " are there");
         end_zone();
@@ -63,7 +63,7 @@ struct Su2Reader {
         return std::find(keywords.begin(), keywords.end(), keyword) != keywords.end();
     }
 
-    void known(const std::string& keyword, const char* line) {
+    void known(const std::string& keyword, std::size_t line) {
         if (keyword == "IZONE") return begin_zone();
         if (keyword.starts_with("MARKER_")) in.fail(keyword, " outside of NMARK: are there more markers than it says?");
         if (has(keyword))
@@ -78,11 +78,13 @@ struct Su2Reader {
         if (mesh.zones > 1 && begun == 0) in.fail("of several zones each has to begin with IZONE= NUMBER");
         keep_lines(line);
         mesh.pieces.push_back({keyword, std::max(begun, 1)});
-        if (keyword == "NELEM") elements();
+        if (keyword == "NELEM")
+            rows("elements", count_of("the number of elements", 0),
+                 [&](int) { element(dim, mesh.zones > 1 ? begun : 0); });
         else if (keyword == "NPOIN") points();
         else markers();
         in.rest_of_line();
-        kept = in.at;
+        kept = in.at - in.start;
     }
 
     void dimension() {
@@ -102,13 +104,13 @@ struct Su2Reader {
     }
 
     // The lines before `until` that are in no section.
-    void keep_lines(const char* until) {
-        std::string text(kept, until);
-        if (kept != in.start) text.erase(0, 1);
-        if (until != in.end) text.erase(text.rfind('\n') + 1);  // the blanks before a keyword
-        std::erase(text, '\r');
-        if (!text.empty() && text.back() != '\n') text += '\n';
-        if (!text.empty()) mesh.pieces.push_back({std::move(text)});
+    void keep_lines(std::size_t until) {
+        std::string lines(text.substr(kept, until - kept));
+        if (kept) lines.erase(0, 1);
+        if (until != text.size()) lines.erase(lines.rfind('\n') + 1);  // the blanks before a keyword
+        std::erase(lines, '\r');
+        if (!lines.empty() && lines.back() != '\n') lines += '\n';
+        if (!lines.empty()) mesh.pieces.push_back({std::move(lines)});
     }
 
     void end_zone() {
@@ -145,57 +147,51 @@ struct Su2Reader {
             mesh.groups.push_back({dim, zone, concat("zone-", zone)});
     }
 
-    bool next_line() {
-        while (in.next_line()) {
-            if (*in.at != '%') return true;
-            in.rest_of_line();
-        }
-        return false;
-    }
-
-    bool at_line_end() { return in.at_line_end() || *in.at == '%'; }
-
-    void end_of_line() {
-        if (!at_line_end()) in.end_of_line();
-        in.rest_of_line();
-    }
-
     // Up to `=`; "" where the line has none.
     std::string take_keyword() {
         const char* stop = in.at;
-        while (stop != in.end && *stop != '=' && *stop != '\n' && *stop != '%') ++stop;
+        while (stop != in.end && *stop != '=' && *stop != '\n') ++stop;
         if (stop == in.end || *stop != '=') return "";
         const std::string keyword(trim(std::string_view(in.at, stop)));
         in.at = stop + 1;
         return keyword;
     }
 
-    void expect_keyword(const char* expected, const char* value) {
-        const std::string keyword = take_keyword();
-        if (keyword != expected)
-            in.fail("expected ", expected, "= ", value, ", got ",
-                    in_backquotes(keyword.empty() ? in.rest_of_line().substr(0, 40) : keyword));
+    // The next line's.
+    void expect_keyword(const char* expected) {
+        in.next_line();
+        const char* const line = in.at;
+        if (take_keyword() == expected) return;
+        in.at = line;
+        in.fail("expected `", expected, "= VALUE`, got ", in.word());
     }
 
-    void begin_row(const char* what, long long done, long long count) {
-        if (!next_line()) in.fail("the file is cut off: ", count, " ", what, " announced, only ", done, " are there");
-        row_line = in.line;
+    int count_of(const char* what, int lowest) {
+        const int count = in.small_integer(what, lowest);
+        in.rest_of_line();  // the number of points without ghosts may follow
+        return count;
+    }
+
+    template <class Row>
+    void rows(const char* what, int count, const Row& row) {
+        for (int k = 0; k < count; ++k) {
+            if (!in.next_line())
+                in.fail("the file is cut off: ", count, " ", what, " announced, only ", k, " are there");
+            row_line = in.line;
+            row(k);
+        }
     }
 
     // To the next number of a row that has `needed`, in the next line where this one ends before.
     void go_on(int done, int needed) {
-        if (!at_line_end()) return;
-        in.rest_of_line();
-        if (!next_line() || !(is_digit(*in.at) || *in.at == '-' || *in.at == '+' || *in.at == '.'))
+        if (in.at_line_end() && !(in.next_line() && std::string_view("+-.0123456789").find(*in.at) < 13))
             fail_row(done, needed);
     }
-    static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
     // A row that goes on in other lines ends there, with one number more at most.
     void end_row(int needed) {
-        const bool goes_on = in.line != row_line;
         const std::string_view rest = in.rest_of_line();
-        if (goes_on && words(rest.substr(0, rest.find('%'))).size() > 1) fail_row(needed - 1, needed);
+        if (in.line != row_line && words(rest).size() > 1) fail_row(needed - 1, needed);
     }
 
     [[noreturn]] void fail_row(int done, int needed) const {
@@ -204,10 +200,7 @@ struct Su2Reader {
     }
 
     void points() {
-        const long long count = in.integer("the number of points", 1, INT_MAX - static_cast<int>(first_node));
-        in.rest_of_line();  // the number of points without ghosts may follow
-        for (long long k = 0; k < count; ++k) {
-            begin_row("points", k, count);
+        rows("points", count_of("the number of points", 1), [&](int k) {
             RawNode node{static_cast<long long>(mesh.nodes.size()) + 1, {}, row_line};
             for (int a = 0; a < dim; ++a) {
                 go_on(a, dim);
@@ -216,35 +209,25 @@ struct Su2Reader {
             check_number(k);
             end_row(dim);
             mesh.nodes.push_back(node);
-        }
+        });
     }
 
     // Of the point, among the whole numbers after its coordinates, where there are any.
-    void check_number(long long expected) {
+    void check_number(int expected) {
         bool is_there = false, is_other = false;
         const char* const rest = in.at;
-        while (!at_line_end()) {
+        while (!in.at_line_end()) {
             const char* const begin = in.at;
             const double number = in.real("the number of the point");
-            if (std::find(begin, in.at, '.') != in.at) continue;
-            (number == static_cast<double>(expected) ? is_there : is_other) = true;
+            if (std::find(begin, in.at, '.') == in.at) (number == expected ? is_there : is_other) = true;
         }
         in.at = rest;
         if (is_other && !is_there) in.fail("points have to be numbered 0, 1, 2, ... in their order");
     }
 
-    void elements() {
-        const long long count = in.integer("the number of elements", 0, INT_MAX);
-        end_of_line();
-        const int zone = mesh.zones > 1 ? begun : 0;
-        for (long long k = 0; k < count; ++k) {
-            begin_row("elements", k, count);
-            element(in.small_integer("the type of an element"), dim, zone);
-        }
-    }
-
-    // Of dimension n, the rest of its row; tag: of its zone or marker.
-    void element(int type, int n, int tag) {
+    // Of dimension n; tag: of its zone or marker.
+    void element(int n, int tag) {
+        const int type = in.small_integer("the type of an element");
         const CellType* const cell = cell_of_vtk_type(type);
         if (!cell || cell->dim != n)
             in.fail(cell ? cell->plural : name_of(type), " (type ", type, ") are not read: only ", simplex(n).plural,
@@ -259,51 +242,49 @@ struct Su2Reader {
     }
 
     void markers() {
-        const int count = in.small_integer("the number of markers", 0);
-        end_of_line();
         std::vector<FileMarker>& all = mesh.pieces.back().markers;
         const int before = static_cast<int>(mesh.groups.size());
-        for (int k = 0; k < count; ++k) {
-            begin_row("markers", k, count);
-            expect_keyword("MARKER_TAG", "NAME");
-            std::string_view name = in.rest_as_name();
-            if (const auto comment = std::min(name.find(" %"), name.find("\t%")); comment != name.npos)
-                name = trim(name.substr(0, comment));
+        rows("markers", count_of("the number of markers", 0), [&](int) {
+            expect_keyword("MARKER_TAG");
+            const std::string name(in.rest_as_name());
             if (name.empty()) in.fail("a marker without a name");
-            begin_row("markers", k, count);
-            expect_keyword("MARKER_ELEMS", "COUNT");
+            expect_keyword("MARKER_ELEMS");
             auto marker = std::find_if(all.begin(), all.end(), [&](const FileMarker& m) { return m.name == name; });
             const int tag = before + static_cast<int>(marker - all.begin()) + 1;
             if (marker == all.end()) {
-                mesh.groups.push_back({dim - 1, tag, std::string(name)});
-                marker = all.insert(marker, {std::string(name)});
+                mesh.groups.push_back({dim - 1, tag, name});
+                marker = all.insert(marker, {name});
             }
             marker_rows(*marker, tag);
-        }
+        });
     }
 
+    // Faces; rows of points, and the key before these, are kept as they are.
     void marker_rows(FileMarker& marker, int tag) {
-        const long long count = in.integer("the number of elements", 0, INT_MAX);
-        end_of_line();
-        while (next_line() && std::string_view(in.at, in.end).starts_with("SEND_")) keep_line(marker, in.at);
-        for (long long k = 0; k < count; ++k) {
-            begin_row("elements", k, count);
+        const int count = count_of("the number of elements", 0);
+        std::pair end(in.at, in.line);  // of the last line taken
+        for (; in.next_line() && std::string_view(in.at, in.end).starts_with("SEND_"); end = {in.at, in.line})
+            (marker.lines += in.rest_of_line()) += '\n';
+        std::tie(in.at, in.line) = end;
+        rows("elements", count, [&](int) {
             const char* const row = in.at;
-            const int type = in.small_integer("the type of an element");
-            if (type != simplex(0).vtk_types[0]) {
-                element(type, dim - 1, tag);
-                continue;
-            }
-            keep_line(marker, row);
+            const bool is_point = in.small_integer("the type of an element") == simplex(0).vtk_types[0];
+            in.at = row;
+            if (!is_point) return element(dim - 1, tag);
+            (marker.lines += in.rest_of_line()) += '\n';
             ++marker.points;
-        }
-    }
-
-    void keep_line(FileMarker& marker, const char* begin) {
-        in.at = begin;
-        (marker.lines += in.rest_of_line()) += '\n';
+        });
     }
 };
+
+// With blanks in the place of comments, which begin a line or come after a blank or `=`.
+std::string without_comments(std::string_view text) {
+    std::string plain(text);
+    for (std::size_t at = plain.find('%'); at != plain.npos; at = plain.find('%', at + 1))
+        if (at == 0 || std::string_view(" \t\r\n=").find(plain[at - 1]) < 5)
+            std::fill(plain.begin() + at, std::find(plain.begin() + at, plain.end(), '\n'), ' ');
+    return plain;
+}
 
 }  // namespace
 
@@ -318,7 +299,8 @@ bool looks_like_su2(std::string_view text) {
 }
 
 RawMesh parse_su2(std::string_view text, const std::string& path) {
-    Su2Reader reader{TextScanner(text, path)};
+    const std::string plain = without_comments(text);
+    Su2Reader reader{text, TextScanner(plain, path)};
     reader.mesh.path = path;
     reader.mesh.format.kind = FileFormat::Kind::su2;
     return reader.read();

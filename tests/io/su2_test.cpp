@@ -44,9 +44,9 @@ const std::string in_order =
     "% its boundary\n"
     "NMARK= 4\n"
     "MARKER_TAG= wall\nMARKER_ELEMS= 3\n3 0 1\n3 1 2\n3 2 3\n"
-    "MARKER_TAG= nothing\nMARKER_ELEMS= 0\n"
     "MARKER_TAG= inlet\nMARKER_ELEMS= 1\n3 3 0\n"
     "MARKER_TAG= SEND_RECEIVE\nMARKER_ELEMS= 2\nSEND_RECV= 1\n1 0 0\n1 3 0\n"
+    "MARKER_TAG= nothing\nMARKER_ELEMS= 0\n"
     "NPERIODIC= 1\n"
     "PERIODIC_INDEX= 0\n"
     "0.00\t0.00\n"
@@ -268,7 +268,7 @@ TEST_CASE("errors of SU2 meshes name the line and what is wrong") {
     has_error("3 3 0\n", "", "the file is cut off: 1 elements announced, only 0 are there");
     has_error("NMARK= 2\n", "NPOIN= 4\n", "a.su2:12: NPOIN is there twice");
     has_error("NPOIN= 4 4\n", "NDIME= 3\n", "a.su2:6: NDIME is there twice");
-    has_error("MARKER_TAG= inlet", "inlet", "a.su2:18: expected MARKER_TAG= NAME, got `inlet`");
+    has_error("MARKER_TAG= inlet", "inlet", "a.su2:18: expected `MARKER_TAG= VALUE`, got `inlet`");
     has_error("MARKER_TAG= inlet", "MARKER_TAG= in\033let", "a name with control characters");
     has_error("NDIME= 2\n", "", "NDIME has to come first");
     has_error("NDIME= 2\n", "NZONE= 2\nNDIME= 2\n", "a.su2:4: of several zones each has to begin with IZONE= NUMBER");
