@@ -4,6 +4,7 @@
 
 #include "base/error.hpp"
 #include "check/overlap.hpp"
+#include "check/target_check.hpp"
 #include "mesh/build.hpp"
 #include "support/meshes.hpp"
 #include "support/program.hpp"
@@ -250,6 +251,30 @@ TEST_CASE("zones may touch, lie over each other and move through each other; wit
     CHECK(overlapping_elements(mesh, mesh.x) == std::array{-1, -1});
     mesh.file.zones = 1;
     CHECK(overlapping_elements(mesh, mesh.x) != std::array{-1, -1});
+}
+
+TEST_CASE("zones may cross each other, move into each other and meet in a node; parts of one mesh may not") {
+    std::vector<std::string> notes;
+    Mesh mesh = build_mesh(parse_su2(two_zones, "a.su2"), notes);
+    struct Move {
+        double scale, dx, dy;  // of the second zone
+        const char* fault;
+    };
+    for (const auto& [scale, dx, dy, fault] : {Move{1, -1.7, 0.1, "in the target it crosses"},
+                                               Move{0.125, 0.0625, 0.25, "through the one made of"},
+                                               Move{1, -1, 0, "the target puts its node"}}) {
+        std::vector<double> target = mesh.x;
+        for (int i = 3; i < mesh.nodes(); ++i) {
+            target[offset(i, 2)] = scale * mesh.x[offset(i, 2)] + dx;
+            target[offset(i, 2, 1)] = scale * mesh.x[offset(i, 2, 1)] + dy;
+        }
+        mesh.file.zones = 2;
+        CHECK(check_target(mesh, target).faults.empty());
+        mesh.file.zones = 1;
+        const TargetReport report = check_target(mesh, target);
+        REQUIRE(!report.faults.empty());
+        CHECK(has(report.faults[0].why, fault));
+    }
 }
 
 TEST_CASE("errors of SU2 meshes name the line and what is wrong") {
