@@ -1,0 +1,175 @@
+#!/usr/bin/python3
+"""Writes triangles or tetrahedra in Abaqus (.inp), Exodus (.e), Medit (.mesh), VTU or another format of meshio as MSH.
+
+  plot/to_msh.py IN OUT.msh [NAME ...]     NAME: sets that go before smaller ones; for VTU the array of parts' numbers
+
+A cell has the name of its smallest set. A boundary face that is no named cell has the name of its surface or side set,
+else of the smallest node set with all its nodes, else `untagged`. Nodes keep their order. Needs meshio, for Exodus
+netCDF4 (Debian: both with python3-meshio).
+"""
+import re
+import sys
+from collections import Counter, defaultdict
+from pathlib import Path
+
+KINDS = ["vertex|sphere", "line|[tb][23]|bar|beam|edge|truss|vtk_lagrange_curve",  # of cells of dimension 0 to 3
+         "tri|cp[es]|cax|s[36]|stri|[mr]3d|sfm3d|dc2d|vtk_lagrange_tri", "tet|d?c3d(4|10)|vtk_lagrange_tet"]
+MSH_TYPE = {(0, 1): 15, (1, 2): 1, (1, 3): 8, (1, 4): 26, (2, 3): 2, (2, 6): 9, (2, 10): 21,
+            (3, 4): 4, (3, 10): 11, (3, 20): 29}  # by dimension and number of nodes
+MSH_ORDER = {10: [*range(8), 9, 8], 20: [*range(10), 11, 10, 15, 14, 13, 12, 19, 16, 18, 17]}  # of VTK's tetrahedra
+SIDES = {2: [[0, 1, 3], [1, 2, 4], [2, 0, 5]],  # as Exodus numbers them; nodes of degree 2 in VTK's order
+         3: [[0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6], [0, 2, 1, 6, 5, 4]]}
+SIDE_NODES = {(2, 3): 2, (2, 6): 3, (3, 4): 3, (3, 10): 6}
+points, cells = [], []  # a cell: [dimension, nodes in VTK's order, name]
+sets, node_sets, sides = defaultdict(list), defaultdict(list), defaultdict(list)  # by name: cells, nodes, (cell, side)
+
+
+def add(kind, nodes_of_cells, name=None):
+    dim = next((d for d, names in enumerate(KINDS) if re.match(names, kind, re.I)), None)
+    if any((dim, len(nodes)) not in MSH_TYPE for nodes in nodes_of_cells):
+        sys.exit(f"cells `{kind}`: save the mesh with triangles or tetrahedra of degree 1, 2 or 3 alone")
+    if name:
+        sets[name] += range(len(cells), len(cells) + len(nodes_of_cells))
+    cells.extend([dim, nodes, ""] for nodes in nodes_of_cells)
+
+
+def read_abaqus(path):  # meshio gives element sets to wrong elements and leaves surfaces out
+    nodes, elements, internal = {}, {}, set()
+    for section in re.split(r"(?m)^\*", re.sub(r"(?m)^\*\*.*\n", "", path.read_text()))[1:]:
+        head, _, body = section.partition("\n")
+        keyword, *words = [word.strip() for word in head.split(",")]
+        keyword = keyword.upper()
+        option = {key.strip().upper(): value.strip() for key, _, value in (word.partition("=") for word in words)}
+        rows = [re.findall(r"[^,\s]+", row) for row in re.sub(r",\s*\n", ",", body).split("\n") if row.strip()]
+        if keyword == "INCLUDE" or (keyword == "PART" and nodes):
+            sys.exit(f"*{keyword}: save the mesh as one part in one file")
+        if keyword == "NODE":
+            nodes |= {row[0]: len(points) + k for k, row in enumerate(rows)}
+            points.extend([float(x) for x in row[1:4]] for row in rows)
+        elif keyword == "ELEMENT":
+            elements |= {row[0]: len(cells) + k for k, row in enumerate(rows)}
+            add(option["TYPE"], [[nodes[node] for node in row[1:]] for row in rows], option.get("ELSET"))
+        elif keyword in ("ELSET", "NSET"):
+            index, named = (elements, sets) if keyword == "ELSET" else (nodes, node_sets)
+            if "GENERATE" in option:
+                rows = [map(str, range(int(a), int(b) + 1, *map(int, step))) for a, b, *step in rows]
+            for word in [word for row in rows for word in row]:
+                named[option[keyword]] += [index[word]] if word in index else named[word]
+            internal |= {option[keyword]} if "INTERNAL" in option else set()
+        elif keyword == "SURFACE":
+            for of, *side in rows:
+                number = int(re.sub(r"\D", "", "".join(side)) or 1)  # S1 of a tetrahedron is Exodus's side 4
+                for cell in [elements[of]] if of in elements else sets[of]:
+                    sides[option["NAME"]].append((cell, (number - 2) % 4 if cells[cell][0] == 3 else number - 1))
+    for name in internal:
+        sets.pop(name, None)
+
+
+def read_exodus(path):  # meshio leaves side sets and the names of blocks out
+    import netCDF4
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        data = file.variables
+        if any("nod_var" in name or "elem_var" in name for name in data):
+            print("lost: fields and time steps")
+        axes = data["coord"] if "coord" in data else [data[name][:] for name in data if re.match("coord[xyz]", name)]
+        points.extend([float(x) for x in point] for point in zip(*axes))
+        for kind in ("eb", "ss", "ns"):
+            for k, number in enumerate(data.get(f"{kind}_prop1", []), 1):
+                text = b"".join(data[f"{kind}_names"][k - 1]) if f"{kind}_names" in data else b""
+                name = text.split(b"\0")[0].decode().strip() or str(number)
+                if kind == "eb":
+                    add(data[f"connect{k}"].elem_type, (data[f"connect{k}"][:] - 1).tolist(), name)
+                elif kind == "ss":
+                    sides[name] += zip(data[f"elem_ss{k}"][:] - 1, data[f"side_ss{k}"][:] - 1)
+                else:
+                    node_sets[name] += (data[f"node_ns{k}"][:] - 1).tolist()
+
+
+def read_other(path, array):
+    import meshio
+    if path.suffix == ".vtu" and path.read_bytes().count(b"<Piece ") > 1:  # meshio takes the cells of the last one
+        sys.exit(f"{path} is in several pieces: save it as one")
+    mesh = meshio.read(path)
+    points.extend(mesh.points.tolist())
+    for block in mesh.cells:
+        add(block.type, block.data.tolist())
+    whole = [name for name, of in mesh.cell_data.items() if all(a.ndim == 1 and a.dtype.kind in "iu" for a in of)]
+    if array not in [None, *whole] or (not array and len(whole) > 1):
+        sys.exit(f"say which array of whole numbers names the parts: {' or '.join(whole) or 'the cells have none'}")
+    array = array or "".join(whole)
+    for cell, number in enumerate(number for of_block in mesh.cell_data.get(array, []) for number in of_block):
+        sets[str(number)].append(cell)
+    for name in sorted({*mesh.point_data, *mesh.cell_data} - {array, "medit:ref"}):
+        print(f"lost: data {name}")
+
+
+def name_parts(first):
+    """Gives each cell one name, and adds the faces that only a side, a node set or nothing names."""
+    for name, members in sorted(sets.items(), key=lambda item: (item[0] in first, -len(item[1]))):
+        for cell in members:
+            cells[cell][2] = name
+    for name, members in sets.items():
+        if other := Counter(cells[cell][2] for cell in members if cells[cell][2] != name):
+            print(f"lost: name {name} of {sum(other.values())} cells of {', '.join(other)}")
+    dim = max(cell[0] for cell in cells)
+    faces = {cell: [[nodes[k] for k in side[:SIDE_NODES[dim, len(nodes)]]] for side in SIDES[dim]]
+             for cell, (d, nodes, _) in enumerate(cells) if d == dim and (dim, len(nodes)) in SIDE_NODES}
+    every = [face for of_cell in faces.values() for face in of_cell]
+    count = Counter(map(frozenset, every))
+    outer = [face for face in every if count[frozenset(face)] == 1]
+    named = [(name, nodes) for d, nodes, name in cells if d == dim - 1 and name]
+    named += [(name, faces[cell][side] if cell in faces else cells[cell][1])
+              for name, of in sides.items() for cell, side in of]
+    for name, members in sorted(node_sets.items(), key=lambda item: len(item[1])):
+        inside = set(members)
+        named += [(name, face) for face in outer if inside.issuperset(face)]
+    named.sort(key=lambda item: item[0] not in first)
+    named += [("untagged", face) for face in outer if named]
+    ordered = {frozenset(face): face for face in every}  # Abaqus's lines of degree 2 have the middle in the middle
+    cells[:] = [cell for cell in cells if cell[0] != dim - 1]
+    done = set()
+    for name, face in named:
+        key = frozenset(face)
+        if key not in done:
+            cells.append([dim - 1, ordered.get(key, face), name])
+        done.add(key)
+    for name in sorted({*sides, *node_sets} - {name for _, _, name in cells}):
+        print(f"lost: set {name}, as its faces have other names, or no boundary face has only nodes of it")
+
+
+def write(path):
+    tags = {part: k for k, part in enumerate(sorted({(dim, name) for dim, _, name in cells if name}), 1)}
+    rows = [["$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames"], [len(tags)]]
+    rows += [[dim, tag, f'"{name}"'] for (dim, name), tag in tags.items()]
+    rows += [["$EndPhysicalNames\n$Nodes"], [len(points)], *([k, *point, 0.0][:4] for k, point in enumerate(points, 1))]
+    rows += [["$EndNodes\n$Elements"], [len(cells)]]
+    for k, (dim, nodes, name) in enumerate(cells, 1):
+        order = MSH_ORDER.get(len(nodes) * (dim == 3), range(len(nodes)))
+        tag = tags.get((dim, name), 0)
+        rows.append([k, MSH_TYPE[dim, len(nodes)], 2, tag, tag, *(nodes[n] + 1 for n in order)])
+    path.write_text("".join(" ".join(map(str, row)) + "\n" for row in [*rows, ["$EndElements"]]))
+    for (dim, name), number in sorted(Counter((dim, name) for dim, _, name in cells).items()):
+        print(f"{['points', 'curve', 'surface', 'volume'][dim]} {name or 'without a name'}: {number} cells")
+
+
+def main(source, target, *names):
+    try:
+        if source.suffix == ".inp":
+            read_abaqus(source)
+        elif source.suffix in (".e", ".exo", ".ex2", ".g"):
+            read_exodus(source)
+        else:
+            read_other(source, *(names or [None]))
+        name_parts(names)
+    except ImportError as error:
+        sys.exit(f"{error} (Debian: apt-get install python3-meshio, and run with /usr/bin/python3)")
+    except Exception as error:
+        sys.exit(f"{source} is not a mesh of triangles or tetrahedra that can be read: {error!r}")
+    write(target)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    main(Path(sys.argv[1]), Path(sys.argv[2]), *sys.argv[3:])

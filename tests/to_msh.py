@@ -1,0 +1,169 @@
+#!/usr/bin/python3
+"""Tests plot/to_msh.py: two triangles or tetrahedra, of degree 1 and 2, in each of its formats, must come out with the
+same named parts and the nodes in Gmsh's order. Exit code 1 where one does not. Needs Debian's python3-meshio.
+"""
+import itertools
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import meshio
+import netCDF4
+import numpy as np
+
+PROGRAM = Path(__file__).resolve().parent.parent / "plot" / "to_msh.py"
+CORNERS = {2: [[0, 1, 2], [1, 3, 2]], 3: [[0, 1, 2, 3], [1, 4, 2, 3]]}  # of `solid` and `fluid`, which share a side
+EDGES = {1: [(0, 1)], 2: [(0, 1), (1, 2), (2, 0)], 3: [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]}  # VTK's order
+GMSH_EDGES = {**EDGES, 3: [(0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)]}
+ABAQUS_SIDES = {2: [(0, 1), (1, 2), (2, 0)], 3: [(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)]}
+EXODUS_SIDES = {2: ABAQUS_SIDES[2], 3: [(0, 1, 3), (1, 2, 3), (0, 3, 2), (0, 2, 1)]}
+ABAQUS_TYPES = {(1, 1): "T3D2", (1, 2): "T3D3", (2, 1): "CPE3", (2, 2): "CPS6", (3, 1): "C3D4", (3, 2): "C3D10"}
+
+
+class Example:
+    def __init__(self, dim, degree):
+        self.dim, self.degree = dim, degree
+        self.points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]] if dim == 3 else
+                               [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], float)
+        self.middle = {}
+        self.elements = [self.with_middles(corners) for corners in CORNERS[dim]]
+        # A side on the boundary lies in one element. Those of `fluid` are the wall, those of `solid` the inflow.
+        self.faces = {name: [self.with_middles(side) for side in itertools.combinations(CORNERS[dim][k], dim)
+                             if not set(side) <= set(CORNERS[dim][1 - k])] for k, name in enumerate(("inflow", "wall"))}
+
+    def with_middles(self, corners):
+        nodes = list(corners)
+        for a, b in EDGES[len(corners) - 1] if self.degree == 2 else []:
+            edge = frozenset((corners[a], corners[b]))
+            if edge not in self.middle:
+                self.middle[edge] = len(self.points)
+                self.points = np.vstack([self.points, self.points[list(edge)].mean(axis=0)])
+            nodes.append(self.middle[edge])
+        return nodes
+
+    def sides(self, name, table):
+        """(element, side from 1) of the faces of a boundary."""
+        return [(k, s) for k, corners in enumerate(CORNERS[self.dim]) for s, side in enumerate(table[self.dim], 1)
+                if {corners[i] for i in side} in [set(face[:self.dim]) for face in self.faces[name]]]
+
+
+def abaqus(mesh, path, how):
+    def rows(first, cells):
+        return [", ".join(map(str, [10 * (first + k), *[n + 100 for n in nodes]])) for k, nodes in enumerate(cells)]
+    text = ["*Heading", "** a comment", "*Node"]
+    text += [f"{k + 100}, " + ", ".join(map(repr, map(float, point))) for k, point in enumerate(mesh.points)]
+    text += [f"*Element, type={ABAQUS_TYPES[mesh.dim, mesh.degree]}", *rows(1, mesh.elements),
+             "*ELSET, ELSET=all", "10, 20", "*Elset, elset=solid", "10", "*Elset, elset=fluid, generate", "20, 20"]
+    if how == "cells":
+        first = 3
+        for name, faces in mesh.faces.items():
+            faces = [[f[0], f[2], f[1]] if mesh.dim == mesh.degree == 2 else f for f in faces]
+            text += [f"*Element, type={ABAQUS_TYPES[mesh.dim - 1, mesh.degree]}, elset=of_{name}", *rows(first, faces)]
+            for k in range(first, first + len(faces)):
+                text += [f"*Elset, elset={name}", f"{10 * k}"]
+            first += len(faces)
+    elif how == "surfaces":
+        text += ["*Elset, elset=one, internal", "solid"]
+        for name in mesh.faces:
+            text += [f"*Surface, type=ELEMENT, name={name}"]
+            text += [f"{('one', 20)[k]}, S{side}" for k, side in mesh.sides(name, ABAQUS_SIDES)]
+    else:
+        for name, faces in mesh.faces.items():
+            nodes = sorted({node for face in faces for node in face})
+            text += [f"*Nset, nset={name}", ",\n".join(str(node + 100) for node in nodes)]
+    path.write_text("\n".join(text + ["*End Part", ""]))
+
+
+def exodus(mesh, path, how):
+    with netCDF4.Dataset(path, "w") as file:
+        def put(name, values, kind="i4"):
+            values = np.asarray(values)
+            sizes = [f"{name}_{k}" for k in range(values.ndim)]
+            for size, count in zip(sizes, values.shape):
+                file.createDimension(size, count)
+            file.createVariable(name, kind, sizes)[:] = values
+            return file[name]
+
+        def put_names(name, names):
+            put(name, np.array(list(names), "S33").view("S1").reshape(-1, 33), "S1")
+        for k, axis in enumerate("xyz"[:mesh.dim]):
+            put(f"coord{axis}", mesh.points[:, k], "f8")
+        put("eb_prop1", [10, 20])
+        put_names("eb_names", ["solid", "fluid"])
+        for k, nodes in enumerate(mesh.elements, 1):
+            put(f"connect{k}", [np.add(nodes, 1)]).elem_type = ("TRI", "TETRA")[mesh.dim - 2]
+        kind = {"sides": "ss", "nodes": "ns"}[how]
+        put(f"{kind}_prop1", [1, 2])
+        put_names(f"{kind}_names", mesh.faces)
+        for k, (name, faces) in enumerate(mesh.faces.items(), 1):
+            sides = np.array(mesh.sides(name, EXODUS_SIDES))
+            if how == "sides":
+                put(f"elem_ss{k}", sides[:, 0] + 1)
+                put(f"side_ss{k}", sides[:, 1])
+            else:
+                put(f"node_ns{k}", np.unique(faces) + 1)
+
+
+def by_number(mesh, path, how):
+    """Medit and VTU: the parts are 1 to 4."""
+    kinds = [["line", "triangle", "tetra"], ["line3", "triangle6", "tetra10"]][mesh.degree - 1]
+    cells = [(kinds[mesh.dim - 2], faces) for faces in mesh.faces.values()]
+    cells += [(kinds[mesh.dim - 1], [nodes]) for nodes in mesh.elements]
+    parts = [np.full(len(nodes), part) for (_, nodes), part in zip(cells, (1, 2, 3, 4))]
+    meshio.write(path, meshio.Mesh(mesh.points, cells, cell_data={"part": parts}))
+
+
+def parts_of(path):
+    """{(dimension, name): [nodes of cells]} of an MSH file, and its points."""
+    words = [line.split() for line in path.read_text().splitlines()]
+    at = {line[0]: k for k, line in enumerate(words) if line[0][0] == "$"}
+    rows = words[at["$PhysicalNames"] + 2:at["$EndPhysicalNames"]]
+    names = {tag: (int(dim), name.strip(chr(34))) for dim, tag, name in rows}
+    parts = {}
+    for line in words[at["$Elements"] + 2:at["$EndElements"]]:
+        parts.setdefault(names[line[3]], []).append([int(word) - 1 for word in line[5:]])
+    return parts, np.array([line[1:] for line in words[at["$Nodes"] + 2:at["$EndNodes"]]], float)
+
+
+def cell_sets(parts):
+    return {part: sorted(map(sorted, cells)) for part, cells in parts.items()}
+
+
+def failure(mesh, write, suffix, how):
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = Path(folder) / f"in{suffix}", Path(folder) / "out.msh"
+        write(mesh, source, how)
+        run = subprocess.run([sys.executable, PROGRAM, source, target], capture_output=True, text=True)
+        if run.returncode:
+            return run.stdout + run.stderr
+        parts, points = parts_of(target)
+    names = ["inflow", "wall", "solid", "fluid"] if write is not by_number else ["1", "2", "3", "4"]
+    expected = dict(zip([(mesh.dim - 1 + (k > 1), name) for k, name in enumerate(names)],
+                        [*mesh.faces.values(), mesh.elements[:1], mesh.elements[1:]]))
+    if cell_sets(parts) != cell_sets(expected):
+        return f"{parts}\n  instead of {expected}"
+    for (dim, name), cells in parts.items():
+        for nodes in cells:
+            middles = [points[[nodes[a], nodes[b]]].mean(axis=0) for a, b in GMSH_EDGES[dim]]
+            if any((points[node] != middle).any() for node, middle in zip(nodes[dim + 1:], middles)):
+                return f"the nodes {nodes} of {name} are not in Gmsh's order"
+    return ""
+
+
+def main():
+    cases = [(dim, degree, *kind) for dim in (2, 3) for degree in (1, 2) for kind in (
+        (abaqus, ".inp", "cells"), (abaqus, ".inp", "surfaces"), (abaqus, ".inp", "nodes"), (exodus, ".e", "sides"),
+        (exodus, ".e", "nodes"), (by_number, ".vtu", "cells"), (by_number, ".mesh", "cells"))
+        if degree == 1 or kind[1] != ".mesh"]
+    failures = 0
+    for dim, degree, write, suffix, how in cases:
+        if message := failure(Example(dim, degree), write, suffix, how):
+            failures += 1
+            print(f"{suffix}, {how}, {dim}D, degree {degree}: {message}", file=sys.stderr)
+    print(f"{len(cases) - failures} of {len(cases)} files of triangles and tetrahedra come out with their parts")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
