@@ -61,6 +61,9 @@ def read_abaqus(path):  # meshio gives element sets to wrong elements and leaves
                 number = int(re.sub(r"\D", "", "".join(side)) or 1)  # S1 of a tetrahedron is Exodus's side 4
                 for cell in [elements[of]] if of in elements else sets[of]:
                     sides[option["NAME"]].append((cell, (number - 2) % 4 if cells[cell][0] == 3 else number - 1))
+    for name in [name for name in sets if name in node_sets]:  # Abaqus gives elements and nodes, of a face those at it
+        of_cells = {node for cell in sets[name] for node in cells[cell][1]}
+        del (node_sets if of_cells == set(node_sets[name]) else sets)[name]
     for name in internal:
         sets.pop(name, None)
 

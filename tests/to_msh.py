@@ -69,9 +69,9 @@ def abaqus(mesh, path, how):
             text += [f"*Surface, type=ELEMENT, name={name}"]
             text += [f"{('one', 20)[k]}, S{side}" for k, side in mesh.sides(name, ABAQUS_SIDES)]
     else:
-        for name, faces in mesh.faces.items():
-            nodes = sorted({node for face in faces for node in face})
-            text += [f"*Nset, nset={name}", ",\n".join(str(node + 100) for node in nodes)]
+        for name, faces in mesh.faces.items():  # as Abaqus does it, with the elements there
+            nodes = sorted({node + 100 for face in faces for node in face})
+            text += [f"*Elset, elset={name}", "10, 20", f"*Nset, nset={name}", ",\n".join(map(str, nodes))]
     path.write_text("\n".join(text + ["*End Part", ""]))
 
 
