@@ -200,6 +200,7 @@ struct Su2Reader {
     }
 
     void points() {
+        if (mesh.zones > 1) mesh.node_blocks.push_back({mesh.nodes.size(), {dim, begun}});
         rows("points", count_of("the number of points", 1), [&](int k) {
             RawNode node{static_cast<long long>(mesh.nodes.size()) + 1, {}, row_line};
             for (int a = 0; a < dim; ++a) {

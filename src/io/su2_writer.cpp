@@ -59,11 +59,21 @@ struct Su2Writer {
             zone_of(e).elements.push_back(e);
             for (int k = 0; k <= mesh.dim; ++k) element_of[mesh.element(e)[k]] = e;
         }
-        for (int i = 0; i < mesh.nodes(); ++i) {
-            std::vector<int>& nodes = zone_of(element_of[i]).nodes;
-            number[i] = static_cast<int>(nodes.size());
-            nodes.push_back(i);
-        }
+        for (int i = 0; i < mesh.nodes(); ++i) zone_of(element_of[i]).nodes.push_back(i);
+        if (!mesh.file.pieces.empty()) add_loose_nodes();
+        for (const Zone& zone : zones)
+            for (int k = 0; k < static_cast<int>(zone.nodes.size()); ++k)
+                if (zone.nodes[k] >= 0) number[zone.nodes[k]] = k;
+    }
+
+    // Those that the file has without an element keep their numbers, which other lines of it may know.
+    void add_loose_nodes() {
+        const std::vector<LooseNode>& loose = mesh.file.loose;
+        const auto id = [&](int i) { return i < 0 ? loose[-1 - i].id : mesh.file.node_id[i]; };
+        for (int k = 0; k < static_cast<int>(loose.size()); ++k)
+            zones[zones.size() > 1 ? loose[k].entity.tag - 1 : 0].nodes.push_back(-1 - k);
+        for (Zone& zone : zones)
+            std::sort(zone.nodes.begin(), zone.nodes.end(), [&](int i, int j) { return id(i) < id(j); });
     }
 
     // The boundaries, and the tagged faces inside the mesh.
@@ -99,8 +109,10 @@ struct Su2Writer {
     void write_nodes(const Zone& zone) const {
         sink(concat("NPOIN= ", zone.nodes.size(), "\n"));
         append_rows(sink, static_cast<int>(zone.nodes.size()), [&](std::string& text, int i) {
+            const int node = zone.nodes[i];
+            const double* const at = node < 0 ? mesh.file.loose[-1 - node].x.data() : point(x, node, mesh.dim);
             for (int a = 0; a < mesh.dim; ++a) {
-                append(text, x[offset(zone.nodes[i], mesh.dim, a)]);
+                append(text, at[a]);
                 text += ' ';
             }
             append(text, static_cast<long long>(i));

@@ -186,6 +186,18 @@ TEST_CASE("what an SU2 file has besides the mesh is written again word for word,
               "NMARK= 1\nMARKER_TAG= boundary\nMARKER_ELEMS= 4\n3 0 1\n3 3 0\n3 1 2\n3 2 3\nNPERIODIC= 0\n"));
 }
 
+TEST_CASE("nodes that an SU2 file has without an element keep their places in their zones") {
+    std::string text = two_zones;
+    text.replace(text.find("NELEM= 1\n5 0 1 2 0"), 18, "NELEM= 1\n5 0 2 3 0");
+    text.replace(text.find("NPOIN= 3\n0 0 0\n1 0 1\n0 1 2"), 26, "NPOIN= 4\n0 0 0\n9 9 1\n1 0 2\n0 1 3");
+    text.replace(text.find("3 0 1\n3 1 2\n"), 12, "3 0 2\n3 2 3\n");
+    text.replace(text.find("3 2 0\n"), 5, "3 3 0");
+    std::vector<std::string> notes;
+    Mesh mesh = build_mesh(parse_su2(text, "a.su2"), notes);
+    mesh.file.loose = {{2, {9, 9, 0}, {2, 1}}};
+    CHECK(text_of_su2(mesh) == text);
+}
+
 TEST_CASE("the zones of an SU2 file are one mesh, and zones again where it is written") {
     REQUIRE(looks_like_su2(two_zones));
     CHECK(written(two_zones) == two_zones);
