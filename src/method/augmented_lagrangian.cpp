@@ -33,8 +33,10 @@ AlIteration row_of(const AugmentedFunctional& E, const std::vector<double>& x, D
 
 // cold: without multipliers, from the ideal mesh.
 NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule& s, bool cold, bool from_coarser,
-                        const DistortionEnergy& distortion) {
+                        const AugmentedFunctional& E) {
     constexpr double useless_distortion = 20;  // meshes with that everywhere are of no use to anyone
+    constexpr double visible = 1e-6;  // of what E gains from a distortion of 2 everywhere to none
+    const DistortionEnergy& distortion = E.distortion;
     NewtonParams newton;
     newton.omega = s.omega;
     newton.reduction = s.reduction;
@@ -43,6 +45,7 @@ NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule&
     newton.first = HessianKind::full;
     newton.cold_start = cold;
     newton.from_coarser = from_coarser;
+    if (E.constraint.bends_steps()) newton.visible_gain = visible * (distortion.uniform(2) - distortion.uniform(1));
     if (cold && s.tests_reach) newton.largest_energy = distortion.uniform(useless_distortion);
     return newton;
 }
@@ -134,7 +137,7 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
     // The gradient of E is known from the first subproblem on only: row 0 does not end the loop.
     while (rows.size() == 1 || !s->ends(constrained(), stationary())) {                   //  7
         const bool cold = rows.size() == 1 && start.lambda.empty();
-        const NewtonParams wanted = subproblem(params, *s, cold, start.from_coarser, distortion);
+        const NewtonParams wanted = subproblem(params, *s, cold, start.from_coarser, E);
         E.penalty = s->penalty();
         const NewtonResult solved =
             minimise_or_recall(params.checkpoint, newton, E, wanted, x, observe_step);    //  8

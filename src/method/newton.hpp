@@ -39,6 +39,7 @@ struct NewtonParams {
     double omega = 1e-8, reduction = 1, omega_star = 0;
     int max_iterations = 200;
     double largest_energy = std::numeric_limits<double>::infinity();  // above which a target may be out of reach
+    double visible_gain = 0;  // what several steps in a row must decrease E by together; 0: no matter what
     HessianKind first = HessianKind::projected;  // of the first step
     bool cold_start = false;  // nothing is known: damping and local elimination begin anew, the first step is damping's
     bool from_coarser = false;  // x was interpolated from the solution of a coarser mesh or of a lower degree

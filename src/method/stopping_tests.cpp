@@ -12,6 +12,7 @@ namespace {
 
 constexpr double short_step = 1e-8, unchanged = 1e-14;  // unchanged: relative difference of two energies
 constexpr int most_futile_steps = 3;
+constexpr int most_invisible_steps = 10;
 constexpr double part_of_gain = 1e-3;  // of all steps so far: a local step that gains less is not worth another
 
 bool is_finite(const NewtonResult& at) { return std::isfinite(at.energy) && std::isfinite(at.gradient_norm); }
@@ -53,6 +54,9 @@ std::optional<Status> StoppingTests::after_step(const NewtonStep& step, const Ne
     futile_steps_ = moves ? 0 : futile_steps_ + 1;
     if (futile_steps_ == most_futile_steps) return Status::line_search_failed;
     if (!is_finite(at)) return Status::overflow;
+    if (at.iterations % most_invisible_steps == 1) energy_before_ = before.energy;
+    const bool tests_gain = params_.visible_gain > 0 && at.iterations % most_invisible_steps == 0;
+    if (tests_gain && energy_before_ - at.energy < params_.visible_gain) return Status::attainable_accuracy;
     if (at.energy > params_.largest_energy) {
         const double lost = E.lost_energy(x);
         if (is_out_of_reach(params_.largest_energy, before.energy - lost, at.energy - lost, step.step_length,

@@ -12,6 +12,10 @@
 // Futile steps: nodes hang where the surface along which they slide has a kink, or elements are jammed, and several
 // steps in a row are next to none and gain nothing.
 //
+// Invisible steps: where nodes slide along the faces of a mesh, whose curvature jumps from face to face, and nothing
+// else holds the mesh, E has many minima side by side. Of ten steps that together gain less than the numbers of a
+// report can show there is no need for more.
+//
 // Local minimisations (local_elimination.hpp) need no minimum: their last step is one that gains too little for
 // another, or takes them beyond the work that they may do.
 #pragma once
@@ -44,6 +48,7 @@ public:
 private:
     const NewtonParams& params_;
     int futile_steps_ = 0;  // in a row
+    double energy_before_ = 0;  // before the last ten steps, or fewer
 };
 
 }  // namespace almesh

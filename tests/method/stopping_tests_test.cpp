@@ -70,6 +70,31 @@ TEST_CASE("before a step: converged, overflow, or no more steps") {
     CHECK(before_step(4, 1, std::numeric_limits<double>::quiet_NaN()) == Status::overflow);
 }
 
+TEST_CASE("ten steps that together gain less than can be shown are the last") {
+    const Minimisation problem(square_mesh(2), {}, Objective::squared);
+    const AugmentedFunctional E = problem.functional(1);
+    const auto ends_at = [&](double visible_gain, double of_early_step, double of_late_step) {
+        NewtonParams params;
+        params.visible_gain = visible_gain;
+        StoppingTests tests(params);
+        NewtonStep step;
+        step.has_direction = true;
+        step.step_length = 1;
+        NewtonResult at;
+        at.energy = at.gradient_norm = 1;
+        while (at.iterations < 30) {
+            const NewtonResult before = at;
+            at.energy -= ++at.iterations <= 10 ? of_early_step : of_late_step;
+            if (tests.after_step(step, before, at, E, problem.ideal) == Status::attainable_accuracy) break;
+        }
+        return at.iterations;
+    };
+    CHECK(ends_at(1e-6, 0.9e-7, 0.9e-7) == 10);
+    CHECK(ends_at(1e-6, 1.1e-7, 0.9e-7) == 20);
+    CHECK(ends_at(1e-6, 1.1e-7, 1.1e-7) == 30);
+    CHECK(ends_at(0, 0.9e-7, 1e-14) == 30);
+}
+
 TEST_CASE("after a step: failures, and the third in a row that leads nowhere") {
     const Minimisation problem(square_mesh(2), {}, Objective::squared);
     const AugmentedFunctional E = problem.functional(1);
