@@ -73,5 +73,8 @@ torus         3  msh22  3   6078   1020
 sphere-layers  3  msh22  1   1146   6344
 piston        3  msh22  1    366   1291
 bump          2  msh41  3     91     16
+inclusion     2  msh41  1    289    525
+inclusion-3d  3  msh22  1    267    923
+layer         2  msh22  1    318    580
 half-aircraft  3  msh22  1   3541  16590 aircraft -setnumber half 1 -setnumber h_edge 0.03 -setnumber h_body 0.09
 TABLE

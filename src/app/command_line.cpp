@@ -22,7 +22,8 @@ constexpr const char* help =
     "\n"
     "  almesh DECK [key=value ...]   run a deck; keys given here replace those of the deck\n"
     "  almesh info FILE              describe a mesh file in a deck to start from: almesh info FILE > my.deck\n"
-    "  almesh quality FILE           certify and measure any mesh (Gmsh MSH 2.2, 4.0 or 4.1, SU2)\n"
+    "  almesh quality FILE           certify and measure any mesh (Gmsh MSH 1, 2.2, 4.0 or 4.1, SU2)\n"
+    "                                both take keys: almesh quality FILE threads=1\n"
     "  almesh linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] [preconditioner=ilu0|ssor] [threads=N]\n"
     "                 [block=1|2|3] [ordering=nested_dissection|minimum_degree|rcm|natural]\n"
     "                                solve a symmetric system in Matrix Market format and time it\n"
@@ -45,6 +46,13 @@ constexpr const char* help =
     "  4  the run converged, but the mesh is not certified\n"
     "  5  the mesh is certified, but an `expect` line of the deck does not hold\n";
 
+// `info FILE [key=value ...]`, and the same of quality.
+Deck deck_of_mesh(const std::vector<std::string>& arguments) {
+    if (arguments.size() < 2)
+        throw UsageError(arguments[0], " takes a mesh file: almesh ", arguments[0], " FILE [key=value ...]");
+    return parse_deck("", arguments[1], {arguments.begin() + 2, arguments.end()}, arguments[1]);
+}
+
 // Nothing where the first argument is a deck.
 std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, std::FILE* out) {
     const std::string& first = arguments[0];
@@ -56,14 +64,8 @@ std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, 
     if (std::any_of(arguments.begin(), arguments.end(), asks)) return print(help);
     if (first == "--keys") return print(keys_table());
     if (first == "--version") return print(version() + ", commit " + commit() + "\n" + compiler() + "\n");
-    if (first == "quality") {
-        if (arguments.size() != 2) throw UsageError("quality takes one mesh file: almesh quality FILE");
-        return quality(arguments[1], out);
-    }
-    if (first == "info") {
-        if (arguments.size() != 2) throw UsageError("info takes one mesh file: almesh info FILE");
-        return info(arguments[1], out);
-    }
+    if (first == "quality") return quality(deck_of_mesh(arguments), out);
+    if (first == "info") return info(deck_of_mesh(arguments), out);
     if (first == "linsolve") return linsolve({arguments.begin() + 1, arguments.end()}, out);
     if (first.starts_with("-")) throw UsageError("unknown option ", first, "; see almesh --help");
     return std::nullopt;

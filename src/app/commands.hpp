@@ -20,13 +20,13 @@ int command_line(const std::vector<std::string>& arguments, std::FILE* out, std:
 // the user can mend before anything is solved.
 ExitCode run(const Deck& deck, std::FILE* out);
 
-// Certificate and statistics of a mesh file. success: every element is certified valid, else not_certified. Throws
+// Certificate and statistics of the deck's mesh. success: every element is certified valid, else not_certified. Throws
 // InputError for a file that is no mesh.
-ExitCode quality(const std::string& mesh_path, std::FILE* out);
+ExitCode quality(const Deck& deck, std::FILE* out);
 
-// What is in a mesh file, as comments, and a deck to start from, wherever it is put: all boundaries fixed. Throws
-// InputError for a file that is no mesh.
-ExitCode info(const std::string& mesh_path, std::FILE* out);
+// What is in the deck's mesh file, as comments, and a deck to start from, wherever it is put: all boundaries fixed,
+// and the keys that were given. Throws InputError for a file that is no mesh.
+ExitCode info(const Deck& deck, std::FILE* out);
 
 // How many elements the certificate could not prove valid, and the worst ten: id, centre in the file, lower bound of
 // the scaled Jacobian. Prints nothing where all are certified.

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <span>
 
 #include "app/renamed.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "mesh/inner_boundary.hpp"
 
 namespace almesh {
 
@@ -44,7 +46,7 @@ void read_key(Deck& deck, std::string name, std::string value, const std::string
     const DeckKey* const key = find_row(deck_keys(), name);
     if (!key) {
         std::vector<std::string> names = names_of(deck_keys());
-        names.insert(names.begin(), {"boundary", "expect"});
+        names.insert(names.begin(), {"boundary", "volume", "select", "expect"});
         throw UsageError("unknown key ", in_backquotes(name), did_you_mean(name, names));
     }
     if (const auto it = deck.given.find(key->name); it != deck.given.end())
@@ -56,29 +58,59 @@ void read_key(Deck& deck, std::string name, std::string value, const std::string
     }
 }
 
-// Reads and removes `NAME =` at the beginning of `text`.
-std::string take_boundary_name(std::string_view& text) {
+// Reads and removes `NAME =` at the beginning of `text`. kind: boundary, volume or select.
+std::string take_name(std::string_view kind, std::string_view& text) {
+    const std::string_view what = kind == "select" ? "CONDITION" : "MOTION";
     const bool in_quotes = !text.empty() && text[0] == '"';
     const auto close = in_quotes ? closing_quote(text) : std::string_view::npos;
     const auto equals = text.find('=', in_quotes ? std::min(close, text.size()) : 0);
     const std::string_view written = trim(text.substr(0, equals));
     const auto name = without_quotes(written);
     if (equals == std::string_view::npos || !name || name->empty())
-        throw UsageError("expected `boundary NAME = MOTION` or `boundary \"NAME\" = MOTION`");
+        throw UsageError("expected `", kind, " NAME = ", what, "` or `", kind, " \"NAME\" = ", what, "`");
     if (!in_quotes && words(written).size() > 1)
-        throw UsageError("the boundary name ", in_backquotes(*name), " has blanks: put it in double quotes");
+        throw UsageError("the ", kind, " name ", in_backquotes(*name), " has blanks: put it in double quotes");
     text.remove_prefix(equals + 1);
     return *name;
 }
 
-void read_boundary(Deck& deck, std::string_view text, const std::string& where) {
-    const std::string name = take_boundary_name(text), shown = "boundary " + with_quotes(name);
+// kind: boundary or volume.
+void read_boundary(Deck& deck, const std::string& kind, std::string_view text, const std::string& where) {
+    const bool is_volume = kind == "volume";
+    const std::string given = take_name(kind, text), shown = concat(kind, " ", with_quotes(given));
+    const std::string name = is_volume ? volume_group(given) : given;
     Motion motion = with_context(shown, [&] { return parse_motion(text); });
+    if (is_volume && hold_of(motion) != BoundaryHold::prescribed)
+        throw UsageError(shown, ": all nodes of a volume follow its motion: it neither slides nor is free");
     for (MotionStep& step : motion.steps)
         if (!step.file.empty()) step.file = path_from(where, deck, step.file);
     DeckBoundary* const earlier = find_row(deck.boundaries, name);
     if (earlier) check_repeat(shown, earlier->where, where);
-    (earlier ? *earlier : deck.boundaries.emplace_back()) = {name, motion, where};
+    (earlier ? *earlier : deck.boundaries.emplace_back()) = {name, motion, where, is_volume};
+}
+
+void read_selection(Deck& deck, std::string_view text, const std::string& where) {
+    DeckSelection selection;
+    selection.name = take_name("select", text);
+    selection.where = where;
+    selection.text = trim(text);
+    const std::string shown = "select " + with_quotes(selection.name);
+    const std::vector<std::string_view> word = words(text);
+    if (!word.empty() && word[0] == "part") {
+        for (const std::string_view number : std::span(word).subspan(1)) {
+            const auto value = parse_int(number);
+            if (!value || *value < 1) throw UsageError(shown, ": ", in_backquotes(number), " is no number of a part");
+            selection.parts.push_back(*value);
+        }
+        if (selection.parts.empty())
+            throw UsageError(shown, ": expected `part NUMBER`, as almesh info FILE numbers them");
+    } else {
+        selection.condition = with_context(shown, [&] { return Condition(selection.text); });
+    }
+    for (const DeckSelection& earlier : deck.selections)
+        if (earlier.name == selection.name && where != command_line) check_repeat(shown, earlier.where, where);
+    std::erase_if(deck.selections, [&](const DeckSelection& earlier) { return earlier.name == selection.name; });
+    deck.selections.push_back(std::move(selection));
 }
 
 void read_expectation(Deck& deck, std::string_view text, const std::string& where) {
@@ -101,7 +133,9 @@ void read_expectation(Deck& deck, std::string_view text, const std::string& wher
 void read_setting(Deck& deck, std::string_view text, const std::string& where) {
     const std::string_view first = text.substr(0, std::min(text.find_first_of(" \t="), text.size()));
     const std::string_view rest = trim(text.substr(first.size()));
-    if (first == "boundary") return read_boundary(deck, rest, where);
+    if (first == "boundary" || (first == "volume" && !rest.starts_with('=')))
+        return read_boundary(deck, std::string(first), rest, where);
+    if (first == "select" && !rest.starts_with('=')) return read_selection(deck, rest, where);
     if (first == "expect") return read_expectation(deck, rest, where);
     const auto equals = text.find('=');
     if (equals == std::string_view::npos)
@@ -140,8 +174,10 @@ std::string relative_path(const std::string& folder, const std::string& file) {
 
 }  // namespace
 
-Deck parse_deck(std::string_view text, const std::string& path, const std::vector<std::string>& overrides) {
+Deck parse_deck(std::string_view text, const std::string& path, const std::vector<std::string>& overrides,
+                const std::string& mesh) {
     Deck deck;
+    deck.mesh = mesh;
     deck.path = path;
     deck.folder = fs::path(path).parent_path().string();
     deck.name = fs::path(path).stem().string();
@@ -174,23 +210,6 @@ const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary) {
     return nullptr;
 }
 
-void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string>& mesh_boundaries) {
-    const auto check_name = [&](const std::string& name, const std::string& where) {
-        if (std::find(mesh_boundaries.begin(), mesh_boundaries.end(), name) != mesh_boundaries.end()) return;
-        std::string list;
-        for (const std::string& other : mesh_boundaries) list += (list.empty() ? "" : ", ") + with_quotes(other);
-        throw UsageError(where, ": the mesh has no boundary ", with_quotes(name), ", only ", list);
-    };
-    for (const DeckBoundary& boundary : deck.boundaries) {
-        if (boundary.name != "all" && boundary.name != "rest") check_name(boundary.name, boundary.where);
-        with_context(boundary.where + ": boundary " + with_quotes(boundary.name),
-                     [&] { check_dimension(boundary.motion, dim); });
-    }
-    if (deck.wall.empty()) return;
-    const auto it = deck.given.find("wall");
-    check_name(deck.wall, (it == deck.given.end() ? deck.path : it->second) + ": wall");
-}
-
 std::string resolved(const Deck& deck) {
     Deck shown = deck;
     shown.mesh = relative_path(deck.output, deck.mesh);
@@ -200,11 +219,16 @@ std::string resolved(const Deck& deck) {
         for (const std::string& line : wrap("[" + key.value.legal + "] " + key.meaning, 98)) text += "# " + line + "\n";
         text += key.name + " = " + key.value.text(shown) + "\n";
     }
+    if (!deck.selections.empty()) text += "\n# Boundaries that the mesh file does not name.\n";
+    for (const DeckSelection& selection : deck.selections)
+        text += "select " + quoted_where_needed(selection.name, "#=\" \t") + " = " + selection.text + "\n";
     if (!deck.boundaries.empty()) text += "\n# Motions of the boundaries.\n";
     for (DeckBoundary boundary : deck.boundaries) {
         for (MotionStep& step : boundary.motion.steps)
             if (!step.file.empty()) step.file = relative_path(deck.output, step.file);
-        text += "boundary " + quoted_where_needed(boundary.name, "#=\" \t") + " = " + to_string(boundary.motion) + "\n";
+        const std::string kind = boundary.is_volume ? "volume " : "boundary ";
+        const std::string name = boundary.is_volume ? boundary.name.substr(kind.size()) : boundary.name;
+        text += kind + quoted_where_needed(name, "#=\" \t") + " = " + to_string(boundary.motion) + "\n";
     }
     if (!deck.expectations.empty()) text += "\n# Checked at the end of the run.\n";
     for (const Expectation& expectation : deck.expectations) text += "expect " + to_string(expectation) + "\n";

@@ -3,6 +3,8 @@
 //   mesh = meshes/circle.msh        # from the deck's folder
 //   boundary inner = translate 8 0
 //   boundary "outer wall" = fixed
+//   volume solid = rotate 10 about 0 0
+//   select top = z > 0.99 and nz > 0.5
 //   expect relative_quality = 0.9365 +- 0.0005
 //
 // `#` starts a comment. A boundary name with blanks, and a text with a `#` or with blanks at its ends, stands in double
@@ -19,6 +21,7 @@
 
 #include "app/summary.hpp"
 #include "check/certificate.hpp"
+#include "constraint/expression.hpp"
 #include "constraint/target.hpp"
 #include "energy/options.hpp"
 #include "linalg/linear_solver.hpp"
@@ -28,12 +31,21 @@
 namespace almesh {
 
 struct DeckBoundary {
-    std::string name;  // of the mesh's physical group
+    std::string name;  // of the mesh's physical group, "volume NAME" where it is one of elements
     Motion motion;
     std::string where;  // "circle.deck:12" or "command line"
+    bool is_volume = false;
 };
 
 constexpr int most_refinements = 8;
+
+// Outer faces that are a boundary although the file does not name it.
+struct DeckSelection {
+    std::string name, text;              // text: as written
+    std::optional<Condition> condition;  // of the faces' centres and normals; else by the numbers of smooth parts
+    std::vector<int> parts;
+    std::string where;
+};
 
 enum class Start { automatic, identity, coarse };
 enum class Snap { automatic, no, yes };
@@ -76,6 +88,7 @@ struct Deck {
     int threads = 0;
 
     std::vector<DeckBoundary> boundaries;   // in the order written
+    std::vector<DeckSelection> selections;  // in the order written
     std::vector<Expectation> expectations;  // in the order written
 
     std::string path, folder, name;            // of the deck file: inputs/circle.deck, inputs, circle
@@ -88,14 +101,12 @@ struct Deck {
 Deck read_deck(const std::string& path, const std::vector<std::string>& overrides = {});
 
 // The same from text in memory; `path` stands for the file.
-Deck parse_deck(std::string_view text, const std::string& path, const std::vector<std::string>& overrides = {});
+// mesh: what the deck's key would name, where the text has none.
+Deck parse_deck(std::string_view text, const std::string& path, const std::vector<std::string>& overrides = {},
+                const std::string& mesh = "");
 
 // The motion of a boundary of the mesh: its own, or that of `rest` or `all`; null where there is none.
 const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary);
-
-// What cannot be checked without the mesh: throws UsageError where a boundary line or `wall` names no boundary of the
-// mesh, or where a motion does not fit the dimension.
-void check_against_mesh(const Deck& deck, int dim, const std::vector<std::string>& mesh_boundaries);
 
 // Every key with its value, commented, as text of a deck to stand in the output folder. Read from the same current
 // folder it gives the same Deck but for path, folder, name and lines. The mesh is given by its path relative to the

@@ -1,5 +1,7 @@
 #include "app/deck_checks.hpp"
 
+#include <algorithm>
+
 #include "app/results.hpp"
 #include "base/error.hpp"
 #include "io/msh.hpp"
@@ -82,6 +84,17 @@ void check_prescribed(const Deck& deck, const BoundaryTarget& target) {
     const char* const which = target.freed.empty() ? "boundary slides or is free" : "nodes have to slide";
     throw UsageError(deck.given.at("method"), ": this method sets boundary nodes on their targets, but some ", which,
                      ": take method = augmented_lagrangian or penalty");
+}
+
+std::string left_out_sections(const Deck& deck, const Mesh& in_file, const Mesh& of_run) {
+    const std::vector<FileFormat> formats = final_formats(deck.final_format, of_run);
+    const bool same_format = std::find(formats.begin(), formats.end(), in_file.file.format) != formats.end();
+    if (same_format && of_run.file.sections.size() == in_file.file.sections.size()) return "";
+    std::string names;
+    for (const FileSection& section : in_file.file.sections) names += (names.empty() ? "" : ", ") + section.name;
+    if (names.empty()) return "";
+    return concat("not in the final mesh, whose ", same_format ? "elements are others" : "format is another", ": ",
+                  names);
 }
 
 }  // namespace almesh

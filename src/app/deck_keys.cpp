@@ -254,6 +254,13 @@ std::string keys_table() {
                        "Motion of a boundary: its steps, in this order. Each boundary of the mesh has a line; a line "
                        "`boundary rest` is for all that have none."},
                       width);
+    text += table_row({"volume NAME", "", "STEP [; STEP ...]",
+                       "Motion of all nodes of a physical group of elements."},
+                      width);
+    text += table_row({"select NAME", "", "CONDITION | part NUMBER ...",
+                       "Makes a boundary of outer faces, by a condition on x, y, z of their centres and nx, ny, nz of "
+                       "their normals, or by the numbers of smooth parts, which almesh info shows."},
+                      width);
     text += table_row({"expect QUANTITY", "", "<= | >= | = VALUE",
                        "What a quantity of the summary has to be at the end of the run, else the exit code is 5. A "
                        "decimal number after = needs `+- TOLERANCE`."},

@@ -1,9 +1,13 @@
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <numeric>
 #include <sstream>
 
 #include "app/commands.hpp"
+#include "app/deck.hpp"
 #include "base/index.hpp"
+#include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "check/certificate.hpp"
 #include "check/injectivity.hpp"
@@ -11,6 +15,8 @@
 #include "geometry/patch.hpp"
 #include "io/mesh_format.hpp"
 #include "mesh/build.hpp"
+#include "mesh/inner_boundary.hpp"
+#include "mesh/smooth_parts.hpp"
 
 namespace almesh {
 namespace {
@@ -44,17 +50,64 @@ std::vector<BoundaryPart> parts_of(const Mesh& mesh) {
     return parts;
 }
 
+// Points and curves, and faces of no group inside the mesh.
 std::string kept_text(const Mesh& mesh) {
     std::string text;
     for (int dim = 0; dim < mesh.dim; ++dim)
         if (const int count = mesh.kept[dim].count())
             text += concat(text.empty() ? "" : ", ", counted(count, simplex(dim).name),
-                           dim == mesh.dim - 1 ? " inside or without a physical group" : "");
+                           dim == mesh.dim - 1 ? " inside, in no group, or once more" : "");
+    if (const auto count = mesh.file.loose.size())
+        text += concat(text.empty() ? "" : ", ", counted(count, "node"), " without an element");
+    for (const FileSection& section : mesh.file.sections) text += (text.empty() ? "" : ", ") + section.name;
     return text;
 }
 
-std::string validity_of(const Mesh& mesh) {
-    const Certificate certificate = certify(mesh, mesh.x);
+// A line for each group: what, its number of cells, its number of nodes and their box.
+class GroupTable {
+public:
+    GroupTable(const Mesh& mesh, std::FILE* out) : mesh_(mesh), out_(out) {}
+
+    void print(const char* title, const std::string& name, const std::string& cells, std::vector<int> nodes) {
+        if (title != title_) std::fprintf(out_, "#\n# %s:\n", title_ = title);
+        std::sort(nodes.begin(), nodes.end());
+        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+        const auto count = static_cast<int>(nodes.size());
+        std::string box;
+        if (count) box = ", " + box_text(box_of(positions(mesh_, mesh_.x, nodes.data(), count)), mesh_.dim);
+        std::fprintf(out_, "#   %-*s  %s, %d nodes%s\n", width, name.c_str(), cells.c_str(), count, box.c_str());
+    }
+
+    int width = 0;  // of the names
+
+private:
+    const Mesh& mesh_;
+    std::FILE* out_;
+    const char* title_ = "";
+};
+
+// Of lower dimension than the faces: they are carried along.
+void print_other_groups(const Mesh& mesh, GroupTable& table) {
+    for (int dim = 0; dim < mesh.dim - 1; ++dim) {
+        const KeptCells& kept = mesh.kept[dim];
+        const int width = kept.count() ? static_cast<int>(kept.nodes.size()) / kept.count() : 0;
+        std::map<int, std::vector<int>> nodes;
+        std::map<int, int> cells;
+        for (int c = 0; c < kept.count(); ++c) {
+            if (!kept.physical[c]) continue;
+            ++cells[kept.physical[c]];
+            for (int k = 0; k < width; ++k)
+                if (const int node = kept.nodes[offset(c, width, k)]; node >= 0)
+                    nodes[kept.physical[c]].push_back(node);
+        }
+        for (const auto& [tag, count] : cells)
+            table.print(dim == 0 ? "Points (carried along)" : "Curves (carried along)",
+                        group_name(mesh.file.groups, dim, tag), counted(count, simplex(dim).name), nodes[tag]);
+    }
+}
+
+std::string validity_of(const Mesh& mesh, const CertificateParams& params) {
+    const Certificate certificate = certify(mesh, mesh.x, params);
     if (!certificate.valid)
         return counted(certificate.uncertified.size(), "element") + " not certified valid (almesh quality FILE lists "
                "them); a run straightens the mesh first";
@@ -63,43 +116,120 @@ std::string validity_of(const Mesh& mesh) {
                                  : "all elements certified valid, but " + injectivity.reason;
 }
 
-}  // namespace
+// For `select NAME = part NUMBER`.
+void print_parts(const Deck& deck, const Mesh& mesh, std::FILE* out) {
+    const std::vector<int> part = smooth_parts(mesh, deck.feature_angle);
+    const int count = *std::max_element(part.begin(), part.end());
+    std::fprintf(out,
+                 "#\n# Smooth parts of the boundary, cut at angles above %s degrees (select NAME = part NUMBER):\n",
+                 to_text(deck.feature_angle).c_str());
+    constexpr int most = 60;
+    for (int k = 1; k <= std::min(count, most); ++k) {
+        std::vector<int> nodes;
+        Vec<3> normal{};
+        int faces = 0;
+        for (int f = 0; f < mesh.face_count(); ++f) {
+            if (part[f] != k) continue;
+            ++faces;
+            nodes.insert(nodes.end(), mesh.face(f), mesh.face(f) + mesh.face_nodes());
+            normal = normal + unit_normal(mesh, f);
+        }
+        std::fprintf(out, "#   part %d  %s, %s, mean normal (%.3f, %.3f", k, counted(faces, "face").c_str(),
+                     box_text(box_of(positions(mesh, mesh.x, nodes.data(), static_cast<int>(nodes.size()))), mesh.dim)
+                         .c_str(),
+                     normal[0] / faces, normal[1] / faces);
+        if (mesh.dim == 3) std::fprintf(out, ", %.3f", normal[2] / faces);
+        std::fprintf(out, ")\n");
+    }
+    if (count > most) std::fprintf(out, "#   and %d more: a larger feature_angle makes fewer\n", count - most);
+}
 
-ExitCode info(const std::string& mesh_path, std::FILE* out) {
-    std::vector<std::string> notes;
-    const Mesh mesh = build_mesh(read_mesh(mesh_path), notes, Folds::keep);
-    std::vector<int> all(mesh.nodes());
-    for (int i = 0; i < mesh.nodes(); ++i) all[i] = i;
-    const auto box_of_nodes = [&](const std::vector<int>& nodes) {
-        return box_text(box_of(positions(mesh, mesh.x, nodes.data(), static_cast<int>(nodes.size()))), mesh.dim);
-    };
-    const char* const measure = mesh.dim == 2 ? "area" : "volume";
-    std::fprintf(out, "# %s, %s: %d nodes, %d %s of degree %d\n", mesh_path.c_str(),
-                 to_string(mesh.file.format).c_str(), mesh.nodes(), mesh.element_count(), mesh.cell().plural,
-                 mesh.degree);
-    std::fprintf(out, "# %s, %s %.6g with straight sides\n", box_of_nodes(all).c_str(), measure,
-                 volume(mesh, straight_sided(mesh)));
-    if (const std::string kept = kept_text(mesh); !kept.empty())
-        std::fprintf(out, "# carried along with the mesh: %s\n", kept.c_str());
-    for (const std::string& note : notes) std::fprintf(out, "# note: %s\n", note.c_str());
-    std::fprintf(out, "# %s\n#\n# Boundaries:\n", validity_of(mesh).c_str());
-    const std::vector<BoundaryPart> parts = parts_of(mesh);
-    std::size_t width = 0;
-    for (const std::string& name : mesh.boundaries) width = std::max(width, name.size());
-    for (std::size_t b = 0; b < parts.size(); ++b)
-        std::fprintf(out, "#   %-*s  %d faces, %zu nodes, %s\n", static_cast<int>(width), mesh.boundaries[b].c_str(),
-                     parts[b].faces, parts[b].nodes.size(), box_of_nodes(parts[b].nodes).c_str());
-    const std::filesystem::path absolute = std::filesystem::absolute(mesh_path).lexically_normal();
-    const std::string stem = absolute.stem().string();
+double straight_volume(const Mesh& mesh, const std::vector<double>& straight, int e) {
+    double size = 0;
+    with_dimension(mesh.dim, [&](auto n) {
+        size = determinant(straight_jacobian<n>(mesh.element(e), straight)) / mesh.cell().inverse_volume;
+    });
+    return size;
+}
+
+void print_deck(const Deck& deck, const Mesh& mesh, const std::vector<GroupCells>& inner,
+                const std::vector<GroupCells>& volumes, std::FILE* out) {
+    const std::filesystem::path absolute = std::filesystem::absolute(deck.mesh).lexically_normal();
+    const std::string output = deck.given.contains("output") ? deck.output : "outputs/" + absolute.stem().string();
     std::fprintf(out,
                  "#\n# This text is a deck. Change its motions, for instance to `translate %s`, `rotate 30%s` or\n"
                  "# `slide`, and run it from any folder: almesh THIS-FILE. All motions and keys: almesh --keys.\n"
                  "mesh = %s\noutput = %s\n",
                  mesh.dim == 2 ? "1 0" : "1 0 0", mesh.dim == 2 ? " about 0 0" : " axis 0 0 1",
-                 quoted_where_needed(absolute.string(), "#\"").c_str(),
-                 quoted_where_needed("outputs/" + stem, "#\"").c_str());
-    for (const std::string& name : mesh.boundaries)
-        std::fprintf(out, "boundary %s = fixed\n", quoted_where_needed(name, "#=\" \t").c_str());
+                 quoted_where_needed(absolute.string(), "#\"").c_str(), quoted_where_needed(output, "#\"").c_str());
+    for (const DeckKey& key : deck_keys())
+        if (deck.given.contains(key.name) && key.name != "output")
+            std::fprintf(out, "%s = %s\n", key.name.c_str(), key.value.text(deck).c_str());
+    const auto line = [out](const char* what, const std::string& name) {
+        std::fprintf(out, "%s %s = fixed\n", what, quoted_where_needed(name, "#=\" \t").c_str());
+    };
+    for (const std::string& name : mesh.boundaries) line("boundary", name);
+    for (const GroupCells& group : inner) line("# boundary", group.name);
+    for (const GroupCells& group : volumes)
+        if (volumes.size() > 1) line("# volume", group.name);
+}
+
+}  // namespace
+
+ExitCode info(const Deck& deck, std::FILE* out) {
+    set_threads(deck.threads);
+    std::vector<std::string> notes;
+    const Mesh mesh = build_mesh(read_mesh(deck.mesh), notes, Folds::keep);
+    std::vector<int> all(mesh.nodes());
+    std::iota(all.begin(), all.end(), 0);
+    const char* const measure = mesh.dim == 2 ? "area" : "volume";
+    const std::vector<double> straight = straight_sided(mesh);
+    std::fprintf(out, "# %s, %s: %d nodes, %d %s of degree %d\n", deck.mesh.c_str(),
+                 to_string(mesh.file.format).c_str(), mesh.nodes(), mesh.element_count(), mesh.cell().plural,
+                 mesh.degree);
+    std::fprintf(out, "# %s, %s %.6g with straight sides\n",
+                 box_text(box_of(positions(mesh, mesh.x, all.data(), mesh.nodes())), mesh.dim).c_str(), measure,
+                 volume(mesh, straight));
+    if (const std::string kept = kept_text(mesh); !kept.empty())
+        std::fprintf(out, "# carried along with the mesh: %s\n", kept.c_str());
+    for (const std::string& note : notes) std::fprintf(out, "# note: %s\n", note.c_str());
+    std::fprintf(out, "# %s\n", validity_of(mesh, deck.certificate).c_str());
+
+    const std::vector<GroupCells> inner = inner_groups(mesh), volumes = volume_groups(mesh);
+    GroupTable table(mesh, out);
+    const auto widen = [&table](const std::string& name) {
+        table.width = std::max(table.width, static_cast<int>(name.size()));
+    };
+    for (const std::string& name : mesh.boundaries) widen(name);
+    for (const GroupCells& group : inner) widen(group.name);
+    for (const GroupCells& group : volumes) widen(group.name);
+    const std::vector<BoundaryPart> parts = parts_of(mesh);
+    for (std::size_t b = 0; b < parts.size(); ++b)
+        table.print("Boundaries", mesh.boundaries[b], counted(parts[b].faces, "face"), parts[b].nodes);
+    for (const GroupCells& group : inner) {
+        std::vector<int> nodes;
+        const int m = mesh.face_nodes();
+        for (const int c : group.cells)
+            for (int k = 0; k < m; ++k) nodes.push_back(mesh.kept[mesh.dim - 1].nodes[offset(c, m, k)]);
+        table.print("Inside the mesh (free where no line moves them)", group.name,
+                    counted(group.cells.size(), "face"), nodes);
+    }
+    for (const GroupCells& group : volumes) {
+        std::vector<int> nodes;
+        double size = 0;
+        for (const int e : group.cells) {
+            nodes.insert(nodes.end(), mesh.element(e), mesh.element(e) + mesh.element_nodes());
+            size += straight_volume(mesh, straight, e);
+        }
+        std::string cells = concat(counted(group.cells.size(), "element"), ", ", measure, " ");
+        append(cells, size, 6);
+        table.print("Volumes (free where no line moves them)", group.name, cells, nodes);
+    }
+    print_other_groups(mesh, table);
+    const bool has_names = std::none_of(notes.begin(), notes.end(),
+                                        [](const std::string& note) { return note.starts_with("no tagged"); });
+    if (!has_names || deck.given.contains("feature_angle")) print_parts(deck, mesh, out);
+    print_deck(deck, mesh, inner, volumes, out);
     return ExitCode::success;
 }
 

@@ -10,17 +10,23 @@
 #include "base/index.hpp"
 #include "io/mesh_format.hpp"
 #include "io/text_scanner.hpp"
+#include "mesh/inner_boundary.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {
 namespace {
 
-// id -> node, of the boundary.
+// id -> node, of the boundary, which may have outer and inner faces, or of the volume that it stands for.
 std::unordered_map<long long, int> nodes_by_id(const Mesh& mesh, int boundary) {
     std::unordered_map<long long, int> nodes;
+    const auto add = [&](const int* begin, int count) {
+        for (const int* node = begin; node != begin + count; ++node) nodes[mesh.file.node_id[*node]] = *node;
+    };
     for (int f = 0; f < mesh.face_count(); ++f)
-        for (int i = 0; i < mesh.face_nodes() && mesh.face_boundary[f] == boundary; ++i)
-            nodes[mesh.file.node_id[mesh.face(f)[i]]] = mesh.face(f)[i];
+        if (mesh.boundaries[mesh.face_boundary[f]] == mesh.boundaries[boundary]) add(mesh.face(f), mesh.face_nodes());
+    for (const GroupCells& volume : volume_groups(mesh))
+        if (volume_group(volume.name) == mesh.boundaries[boundary])
+            for (const int e : volume.cells) add(mesh.element(e), mesh.element_nodes());
     return nodes;
 }
 

@@ -1,5 +1,6 @@
 #include "app/other_surfaces.hpp"
 
+#include <algorithm>
 #include <map>
 
 #include "base/error.hpp"
@@ -28,11 +29,11 @@ std::shared_ptr<const Mesh> read(const std::string& path, int dim, std::vector<s
     return mesh;
 }
 
-int boundary_of(const Mesh& other, const MotionStep& step, const std::string& own_name) {
+std::vector<char> boundaries_of(const Mesh& other, const MotionStep& step, const std::string& own_name) {
     const bool only_one = step.boundary.empty() && other.boundaries.size() == 1;
     const std::string& name = step.boundary.empty() ? own_name : step.boundary;
-    const int found = only_one ? 0 : other.boundary_index(name);
-    if (found >= 0) return found;
+    const std::vector<char> found = only_one ? std::vector<char>{1} : other.boundaries_in(name);
+    if (std::count(found.begin(), found.end(), 1) > 0) return found;
     std::string list;
     for (const std::string& each : other.boundaries) list += (list.empty() ? "" : ", ") + with_quotes(each);
     throw InputError(step.file, ": no boundary ", with_quotes(name), " there, only ", list,
@@ -53,7 +54,7 @@ std::vector<OtherSurface> read_other_surfaces(const Deck& deck, const Mesh& mesh
             std::shared_ptr<const Mesh>& other = of_path[step->file];
             if (!other) other = read(step->file, mesh.dim, notes);
             surfaces.resize(mesh.boundaries.size());
-            surfaces[b] = {other, boundary_of(*other, *step, name)};
+            surfaces[b] = {other, boundaries_of(*other, *step, name)};
         } catch (const InputError& error) {
             throw InputError(line->where, ": boundary ", with_quotes(name), ": ", error.what());
         }

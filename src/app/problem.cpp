@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "app/boundaries.hpp"
 #include "app/commands.hpp"
 #include "app/deck_checks.hpp"
 #include "app/folded_target.hpp"
@@ -36,32 +37,6 @@ RawMesh read_mesh_file(const Deck& deck, std::string& hash) {
     RawMesh raw;
     parallel_invoke([&] { raw = parse_mesh(text, deck.mesh); }, [&] { hash = hash_of(text); });
     return raw;
-}
-
-// The motion, with `slide` last where it prescribes positions.
-Motion sliding(const Motion& motion) {
-    if (hold_of(motion) != BoundaryHold::prescribed) return motion;
-    const std::string steps = to_string(motion);
-    return parse_motion(steps == "fixed" ? "slide" : steps + "; slide");
-}
-
-// One motion per boundary of the mesh; each must have one in the deck, `all` and `rest` stand for those not named.
-std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
-    check_against_mesh(deck, mesh.dim, mesh.boundaries);
-    std::vector<Motion> motions;
-    std::vector<std::string> missing;
-    for (const std::string& name : mesh.boundaries) {
-        const DeckBoundary* const boundary = motion_for(deck, name);
-        if (!boundary) missing.push_back(name);
-        else if (deck.surface == SurfaceKind::slide) motions.push_back(sliding(boundary->motion));
-        else motions.push_back(boundary->motion);
-    }
-    if (missing.empty()) return motions;
-    std::string lines;
-    for (const std::string& name : missing)
-        lines += "\n  boundary " + quoted_where_needed(name, "#=\" \t") + " = fixed";
-    throw UsageError(deck.path, ": ", counted(missing.size(), "boundary line"),
-                     " missing; add `boundary rest = fixed`, or each of these with its motion:", lines);
 }
 
 // Wherever the results go, on however many threads, and in however many pieces.
@@ -220,6 +195,8 @@ void discretise(const Deck& deck, Problem& problem) {
     problem.placed = problem.level_placed = std::move(targets.placed);
     problem.level = discretise(problem, deck.refine, degree, problem.level_placed, problem.target);
     problem.node_target = problem.target.node;
+    if (const std::string note = left_out_sections(deck, problem.base, problem.mesh()); !note.empty())
+        problem.notes.push_back(note);
     check_final_ids(deck, problem.mesh());
 }
 
@@ -330,6 +307,7 @@ Problem make_problem(const Deck& deck) {
     std::string mesh_hash;
     std::vector<std::string> notes = deck.notes;
     Mesh base = build_mesh(read_mesh_file(deck, mesh_hash), notes);
+    assign_boundaries(deck, base, notes);
     return make_problem(deck, std::move(base), mesh_hash, std::move(notes));
 }
 

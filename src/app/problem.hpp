@@ -15,7 +15,7 @@
 namespace almesh {
 
 struct Problem {
-    Mesh base;                     // as read and mended
+    Mesh base;                     // as read, with the boundaries of the deck
     std::vector<Motion> motions;   // of its boundaries
     std::optional<Mesh> raised;    // and of the degree of the meshes that place its boundaries, where that is higher
     std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in the run's frame

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "app/deck.hpp"
+#include "base/parallel.hpp"
 #include "check/certificate.hpp"
 #include "check/injectivity.hpp"
 #include "check/quality.hpp"
@@ -19,10 +21,11 @@ void print_element(std::FILE* out, const Mesh& mesh, int element, const std::arr
 
 }  // namespace
 
-ExitCode quality(const std::string& mesh_path, std::FILE* out) {
+ExitCode quality(const Deck& deck, std::FILE* out) {
+    set_threads(deck.threads);
     std::vector<std::string> notes;
-    const Mesh mesh = build_mesh(read_mesh(mesh_path), notes, Folds::keep);
-    std::fprintf(out, "%s: %d nodes, %d %s of degree %d\n", mesh_path.c_str(), mesh.nodes(), mesh.element_count(),
+    const Mesh mesh = build_mesh(read_mesh(deck.mesh), notes, Folds::keep);
+    std::fprintf(out, "%s: %d nodes, %d %s of degree %d\n", deck.mesh.c_str(), mesh.nodes(), mesh.element_count(),
                  mesh.cell().plural, mesh.degree);
     for (const std::string& note : notes) std::fprintf(out, "note: %s\n", note.c_str());
 
@@ -32,7 +35,7 @@ ExitCode quality(const std::string& mesh_path, std::FILE* out) {
     std::fprintf(out, "\nworst elements (id, centre, quality):\n");
     for (const WorstElement& worst : shape.worst) print_element(out, mesh, worst.element, worst.centre, worst.quality);
 
-    const Certificate certificate = certify(mesh, mesh.x);
+    const Certificate certificate = certify(mesh, mesh.x, deck.certificate);
     std::fprintf(out, "\nscaled Jacobian >= %s everywhere", rounded_down(certificate.min_scaled_jacobian, 6).c_str());
     std::fprintf(out, certificate.valid ? ": all elements certified valid\n" : "\n");
     print_uncertified(out, mesh, mesh.x, {}, certificate);

@@ -15,6 +15,7 @@
 #include "io/msh.hpp"
 #include "io/su2.hpp"
 #include "io/vtk.hpp"
+#include "mesh/winding.hpp"
 
 namespace almesh {
 namespace {
@@ -43,7 +44,7 @@ void write_volume(const Deck& deck, const Problem& problem, const char* what, co
     std::vector<VtkArray> point_data, cell_data = {{"distortion", 1, distortion}};
     if (!deck.wall.empty())
         point_data.push_back({"wall_distance", 1,
-                              scaled(wall_distance(mesh, x, mesh.boundary_index(deck.wall)), problem.frame.length)});
+                              scaled(wall_distance(mesh, x, mesh.boundaries_in(deck.wall)), problem.frame.length)});
     std::vector<double> quality(distortion.size()), id(distortion.size());
     for (std::size_t e = 0; e < distortion.size(); ++e) {
         quality[e] = 1 / distortion[e];
@@ -160,7 +161,7 @@ std::vector<double> final_positions(const Problem& problem, const std::vector<do
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
     const FileFormat input = mesh.file.format, su2 = {FileFormat::Kind::su2};
     const bool from_su2 = input.kind == FileFormat::Kind::su2;
-    const FileFormat msh = from_su2 ? FileFormat() : input;
+    const FileFormat msh = input.kind == FileFormat::Kind::msh ? input : FileFormat();
     switch (wanted) {
         case FinalFormat::input:
             return {from_su2 && mesh.degree == 1 ? su2 : msh};
@@ -205,9 +206,10 @@ void write_iterate(const Deck& deck, const Problem& problem, int number, const s
 
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {
     const std::vector<double> positions = final_positions(problem, solution.x);
-    for (const FileFormat& format : final_formats(deck.final_format, problem.mesh())) {
-        if (format.kind == FileFormat::Kind::su2) write_su2(deck.output + "/final.su2", problem.mesh(), positions);
-        else write_msh(deck.output + "/final.msh", problem.mesh(), positions, format);
+    const Mesh in_file = as_in_file(problem.mesh());
+    for (const FileFormat& format : final_formats(deck.final_format, in_file)) {
+        if (format.kind == FileFormat::Kind::su2) write_su2(deck.output + "/final.su2", in_file, positions);
+        else write_msh(deck.output + "/final.msh", in_file, positions, format);
     }
     if (deck.vtk == VtkOutput::none) return;
     write_volume(deck, problem, "final", solution.x, positions, solution.al.distortion.element_max,

@@ -11,6 +11,7 @@
 #include "app/results.hpp"
 #include "app/results_folder.hpp"
 #include "app/straightening.hpp"
+#include "app/volumes.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
@@ -200,6 +201,7 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
     if (solution.al.status == Status::linear_solver_failed)
         solution.refused_bytes = newton.linear_solver().refused_bytes();
     solution.reached = report.reached;
+    if (solution.al.status == Status::converged) place_inside_volumes(problem, solution.x);
     if (snaps(deck) && solution.al.status == Status::converged) snap(level, solution);
     return solution;
 }
@@ -251,6 +253,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     if (solution.al.status != Status::interrupted) Checkpoint::remove(checkpoint_folder(deck));
     print_uncertified(out, problem.mesh(), solution.x, problem.frame, solution.certificate);
     print_ending(out, deck, problem, solution, report.fallbacks);
+    print_volumes(out, deck, problem, solution);
 
     const bool expected = expectations_hold(out, deck, summary);
     if (solution.al.status != Status::converged) return ExitCode::not_converged;

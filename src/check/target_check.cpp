@@ -70,9 +70,10 @@ bool folded_flat(const Bernstein& basis, const Patch& f, const Patch& g, const S
     return false;
 }
 
-// Faces that are connected by shared vertices.
+// Faces that are connected by shared vertices, outer ones or inner ones.
 struct ClosedPart {
     int first_face;
+    bool is_inner;  // not closed
     std::string boundaries;  // their names, in the order of their first faces
 };
 
@@ -119,14 +120,16 @@ Check::Check(const Mesh& mesh_, const std::vector<double>& target_)
 }
 
 void Check::find_closed_parts() {
-    DisjointSets connected(mesh.nodes());
+    const int of_inner = mesh.inner.empty() ? 0 : mesh.nodes();  // their vertices are numbered behind all others
+    const auto vertex = [&](int f, int v) { return mesh.face(f)[v] + (mesh.is_inner(f) ? of_inner : 0); };
+    DisjointSets connected(mesh.nodes() + of_inner);
     for (int f = 0; f < mesh.face_count(); ++f)
-        for (int v = 1; v < mesh.dim; ++v) connected.join(mesh.face(f)[0], mesh.face(f)[v]);
+        for (int v = 1; v < mesh.dim; ++v) connected.join(vertex(f, 0), vertex(f, v));
     std::map<int, int> number;
     std::set<std::pair<int, int>> named;  // parts and their boundaries
     for (int f = 0; f < mesh.face_count(); ++f) {
-        const auto [at, is_new] = number.insert({connected.find(mesh.face(f)[0]), static_cast<int>(parts.size())});
-        if (is_new) parts.push_back({f, ""});
+        const auto [at, is_new] = number.insert({connected.find(vertex(f, 0)), static_cast<int>(parts.size())});
+        if (is_new) parts.push_back({f, mesh.is_inner(f), ""});
         part.push_back(at->second);
         if (named.insert({part[f], mesh.face_boundary[f]}).second)
             parts[part[f]].boundaries += (is_new ? "" : ", ") + mesh.boundaries[mesh.face_boundary[f]];
@@ -178,7 +181,7 @@ void Check::check_closed_parts() {
     for (int f = 0; f < mesh.face_count(); ++f)
         size[part[f]] = std::max(size[part[f]], length(after[f][0] - after[parts[part[f]].first_face][0]));
     for (std::size_t k = 0; k < parts.size(); ++k) {
-        if (open_part[k]) continue;
+        if (open_part[k] || parts[k].is_inner) continue;
         const bool flat = std::abs(becomes[k]) <= degenerate * std::pow(size[k], mesh.dim);
         if (!flat && (was[k] > 0) == (becomes[k] > 0)) continue;
         std::ostringstream what;
@@ -244,9 +247,9 @@ void Check::check_pairs() {
         report.crossing.push_back({f, g});
         if (part[f] == part[g]) add_fault(f, what + face_name(mesh, g));
         else if (named.insert(std::minmax(part[f], part[g])).second)
-            add_fault(f, concat(what, face_name(mesh, g), ": the closed boundary made of ",
-                                parts[part[f]].boundaries,
-                                " goes through the one made of ", parts[part[g]].boundaries));
+            add_fault(f, concat(what, face_name(mesh, g), ": the ", parts[part[f]].is_inner ? "inner" : "closed",
+                                " boundary made of ", parts[part[f]].boundaries, " goes through the one made of ",
+                                parts[part[g]].boundaries));
     }
     crossing = std::move(named);
 }
@@ -321,8 +324,8 @@ void Check::check_nesting() {
     for (int k = 0; k < count; ++k)
         for (const auto [f, i] : farthest_corners(k))
             for (int l = 0; l < count; ++l)
-                if (k != l && !open_part[k] && !open_part[l] && !crossing.contains(std::minmax(k, l)) &&
-                    zone(f) == zone(parts[l].first_face))
+                if (k != l && !open_part[k] && !open_part[l] && !parts[l].is_inner &&
+                    !crossing.contains(std::minmax(k, l)) && zone(f) == zone(parts[l].first_face))
                     probes[l].push_back({k, f, i});
     std::vector<std::vector<double>> turns(2 * count);
     parallel_for_uneven(2 * count, [&](int task) {
@@ -340,7 +343,8 @@ void Check::check_nesting() {
         }
     for (const auto& [k, l] : moved)
         add_fault(parts[k].first_face,
-                  concat("the target takes the closed boundary made of ", parts[k].boundaries,
+                  concat("the target takes the ", parts[k].is_inner ? "inner" : "closed", " boundary made of ",
+                         parts[k].boundaries,
                          " through the one made of ", parts[l].boundaries));
 }
 

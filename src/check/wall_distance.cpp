@@ -13,17 +13,17 @@ constexpr double node_work = 1e3;  // simple operations to find the distance of 
 
 }  // namespace
 
-std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x, int boundary) {
+std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x, const std::vector<char>& is_wall) {
     const PatchBasis basis(mesh.dim - 1, mesh.degree);
     std::vector<Patch> patches;
     std::vector<char> on_wall(mesh.nodes(), 0);
     for (int f = 0; f < mesh.face_count(); ++f) {
-        if (mesh.face_boundary[f] != boundary) continue;
+        if (!is_wall[mesh.face_boundary[f]]) continue;
         patches.push_back(face_patch(basis, mesh, x, f));
         for (int i = 0; i < mesh.face_nodes(); ++i) on_wall[mesh.face(f)[i]] = 1;
     }
     if (patches.empty())
-        throw InputError("wall distance: boundary ", mesh.boundaries[boundary], " has no faces; name another one");
+        throw InputError("wall distance: the boundary has no faces; name another one");
     const ClosestPoint wall(basis, patches);
     std::vector<double> distance(mesh.nodes(), 0.0);
     parallel_for(mesh.nodes(), [&](int i) {

@@ -10,8 +10,8 @@
 
 namespace almesh {
 
-// boundary: index into mesh.boundaries. x: node_count x dim positions, finite. Returns node_count distances, exactly 0
+// is_wall: per boundary. x: node_count x dim positions, finite. Returns node_count distances, exactly 0
 // for the nodes of the wall. Throws InputError where the boundary has no faces.
-std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x, int boundary);
+std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x, const std::vector<char>& is_wall);
 
 }  // namespace almesh

@@ -1,5 +1,7 @@
 // Recursive descent, a function per level of precedence; ^ binds from the right and before a sign: -x^2 is -(x^2).
 //
+//     condition = conjunction {or conjunction},  conjunction = comparison {and comparison},
+//     comparison = sum (<|<=|>|>=) sum,
 //     sum = product {(+|-) product},  product = signed {(*|/) signed},  signed = [+|-] signed | power,
 //     power = operand [^ signed],  operand = number | name | function ( sum {, sum} ) | ( sum )
 #include "constraint/expression.hpp"
@@ -17,7 +19,8 @@
 namespace almesh {
 namespace {
 
-using Value = std::function<double(const Vec<3>&)>;
+using Value = std::function<double(const FormulaPoint&)>;
+using Truth = std::function<bool(const FormulaPoint&)>;
 
 struct Function {
     std::string name;
@@ -47,6 +50,7 @@ const std::array<Function, 17> functions = {{
 
 struct Parser {
     std::string_view text;
+    std::vector<std::string> names;  // of the coordinates of a point
     std::size_t at = 0;
     int depth = 0;
 
@@ -69,11 +73,46 @@ struct Parser {
         if (!take(c)) fail(std::string("expected `") + c + "`", at);
     }
 
+    bool take_word(std::string_view word) {
+        skip_blanks();
+        if (!text.substr(at).starts_with(word)) return false;
+        at += word.size();
+        return true;
+    }
+
+    Truth condition() {
+        Truth left = conjunction();
+        while (take_word("or"))
+            left = [a = left, b = conjunction()](const FormulaPoint& x) { return a(x) || b(x); };
+        return left;
+    }
+
+    Truth conjunction() {
+        Truth left = comparison();
+        while (take_word("and"))
+            left = [a = left, b = comparison()](const FormulaPoint& x) { return a(x) && b(x); };
+        return left;
+    }
+
+    Truth comparison() {
+        const Value left = sum();
+        if (take_word("<=")) return [a = left, b = sum()](const FormulaPoint& x) { return a(x) <= b(x); };
+        if (take_word(">=")) return [a = left, b = sum()](const FormulaPoint& x) { return a(x) >= b(x); };
+        if (take('<')) return [a = left, b = sum()](const FormulaPoint& x) { return a(x) < b(x); };
+        if (take('>')) return [a = left, b = sum()](const FormulaPoint& x) { return a(x) > b(x); };
+        fail("expected <, <=, > or >=", at);
+    }
+
+    void end() {
+        skip_blanks();
+        if (at < text.size()) fail("expected an operator or the end", at);
+    }
+
     Value sum() {
         Value left = product();
         for (;;) {
-            if (take('+')) left = [a = left, b = product()](const Vec<3>& x) { return a(x) + b(x); };
-            else if (take('-')) left = [a = left, b = product()](const Vec<3>& x) { return a(x) - b(x); };
+            if (take('+')) left = [a = left, b = product()](const FormulaPoint& x) { return a(x) + b(x); };
+            else if (take('-')) left = [a = left, b = product()](const FormulaPoint& x) { return a(x) - b(x); };
             else return left;
         }
     }
@@ -81,8 +120,8 @@ struct Parser {
     Value product() {
         Value left = with_sign();
         for (;;) {
-            if (take('*')) left = [a = left, b = with_sign()](const Vec<3>& x) { return a(x) * b(x); };
-            else if (take('/')) left = [a = left, b = with_sign()](const Vec<3>& x) { return a(x) / b(x); };
+            if (take('*')) left = [a = left, b = with_sign()](const FormulaPoint& x) { return a(x) * b(x); };
+            else if (take('/')) left = [a = left, b = with_sign()](const FormulaPoint& x) { return a(x) / b(x); };
             else return left;
         }
     }
@@ -91,7 +130,7 @@ struct Parser {
         constexpr int deepest = 100;
         if (++depth > deepest) fail("nested too deeply", at);
         Value value;
-        if (take('-')) value = [a = with_sign()](const Vec<3>& x) { return -a(x); };
+        if (take('-')) value = [a = with_sign()](const FormulaPoint& x) { return -a(x); };
         else if (take('+')) value = with_sign();
         else value = power();
         --depth;
@@ -101,7 +140,7 @@ struct Parser {
     Value power() {
         Value base = operand();
         if (!take('^')) return base;
-        return [a = base, b = with_sign()](const Vec<3>& x) { return std::pow(a(x), b(x)); };
+        return [a = base, b = with_sign()](const FormulaPoint& x) { return std::pow(a(x), b(x)); };
     }
 
     Value operand() {
@@ -123,42 +162,48 @@ struct Parser {
         }
         const auto number = parse_double(text.substr(begin, at - begin));
         if (!number) fail("expected a number, x, y, z, pi, a function or `(`", begin);
-        return [v = *number](const Vec<3>&) { return v; };
+        return [v = *number](const FormulaPoint&) { return v; };
     }
 
     Value named() {
         const std::size_t begin = at;
         while (at < text.size() && std::isalnum(static_cast<unsigned char>(text[at]))) ++at;
         const std::string_view name = text.substr(begin, at - begin);
-        if (name == "pi") return [](const Vec<3>&) { return std::numbers::pi; };
-        for (int a = 0; a < 3; ++a)
-            if (name.size() == 1 && name[0] == "xyz"[a]) return [a](const Vec<3>& x) { return x[a]; };
+        if (name == "pi") return [](const FormulaPoint&) { return std::numbers::pi; };
+        for (std::size_t a = 0; a < names.size(); ++a)
+            if (name == names[a]) return [a](const FormulaPoint& x) { return x[a]; };
         const Function* const function = find_row(functions, name);
         if (!function) {
             std::vector<std::string> known = names_of(functions);
-            known.insert(known.begin(), {"x", "y", "z", "pi"});
+            known.insert(known.begin(), "pi");
+            known.insert(known.begin(), names.begin(), names.end());
             fail("unknown name " + in_backquotes(name) + did_you_mean(name, known), begin);
         }
         expect('(');
         Value first = sum();
         if (function->of_one) {
             expect(')');
-            return [f = function->of_one, a = first](const Vec<3>& x) { return f(a(x)); };
+            return [f = function->of_one, a = first](const FormulaPoint& x) { return f(a(x)); };
         }
         expect(',');
         Value second = sum();
         expect(')');
-        return [f = function->of_two, a = first, b = second](const Vec<3>& x) { return f(a(x), b(x)); };
+        return [f = function->of_two, a = first, b = second](const FormulaPoint& x) { return f(a(x), b(x)); };
     }
 };
 
 }  // namespace
 
 Expression::Expression(std::string_view text) : text_(text) {
-    Parser parser{text};
+    Parser parser{text, {"x", "y", "z"}};
     value_ = parser.sum();
-    parser.skip_blanks();
-    if (parser.at < text.size()) parser.fail("expected an operator or the end", parser.at);
+    parser.end();
+}
+
+Condition::Condition(std::string_view text) {
+    Parser parser{text, {"x", "y", "z", "nx", "ny", "nz"}};
+    holds_ = parser.condition();
+    parser.end();
 }
 
 }  // namespace almesh

@@ -22,7 +22,7 @@ double angle(const Vec<3>& u, const Vec<3>& v) {
     return std::atan2(length(cross(u, v)), dot(u, v)) * 180 / std::numbers::pi;
 }
 
-// The faces of one boundary, moved.
+// The faces of some boundaries, moved.
 struct BoundaryFaces {
     const Mesh& mesh;
     std::vector<int> face;                      // numbers in the mesh
@@ -32,12 +32,13 @@ struct BoundaryFaces {
     std::vector<std::pair<int, int>> side;  // of faces, as places in `face`
     std::vector<double> side_angle;
 
-    BoundaryFaces(const Mesh& mesh_, const PatchBasis& basis, const std::vector<double>& node, int boundary)
+    BoundaryFaces(const Mesh& mesh_, const PatchBasis& basis, const std::vector<double>& node,
+                  const std::vector<char>& chosen)
         : mesh(mesh_) {
         const int m = mesh.face_nodes(), dim = mesh.dim;
         const PatchNormal normal(dim - 1, mesh.degree);
         for (int f = 0; f < mesh.face_count(); ++f) {
-            if (mesh.face_boundary[f] != boundary) continue;
+            if (!chosen[mesh.face_boundary[f]]) continue;
             std::vector<Vec<3>> moved(m, Vec<3>{});
             for (int i = 0; i < m; ++i) std::copy_n(&node[offset(offset(f, m, i), dim)], dim, moved[i].begin());
             face.push_back(f);
@@ -206,7 +207,9 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
                 boundary_.push_back(b);
             }
         };
-        const BoundaryFaces own(base, basis, node, b);
+        std::vector<char> only(base.boundaries.size(), 0);
+        only[b] = 1;
+        const BoundaryFaces own(base, basis, node, only);
         for (std::size_t k = 0; k < own.face.size(); ++k) place_[own.face[k]] = static_cast<int>(k);
         if (other.empty() || !other[b].mesh) {
             add_parts(own, basis);
@@ -217,7 +220,7 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
         faces_[b].before = std::make_unique<ClosestPoint>(basis, before);
         const Mesh& mesh = *other[b].mesh;
         const PatchBasis of_other(dim_ - 1, mesh.degree);
-        const BoundaryFaces others(mesh, of_other, places_of_faces(mesh), other[b].boundary);
+        const BoundaryFaces others(mesh, of_other, places_of_faces(mesh), other[b].boundaries);
         add_parts(others, of_other);
         faces_[b].after = own.position;
         faces_[b].other = std::make_unique<ClosestPoint>(of_other, others.patch);

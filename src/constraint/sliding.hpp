@@ -23,7 +23,7 @@ namespace almesh {
 // A boundary of another mesh, along which one of the run slides.
 struct OtherSurface {
     std::shared_ptr<const Mesh> mesh;  // null: its own
-    int boundary = 0;
+    std::vector<char> boundaries;  // per boundary of it
 };
 
 class SlidingSurfaces {

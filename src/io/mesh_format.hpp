@@ -9,6 +9,7 @@
 #include "base/files.hpp"
 #include "io/msh.hpp"
 #include "io/su2.hpp"
+#include "io/vtk.hpp"
 
 namespace almesh {
 
@@ -21,8 +22,9 @@ struct MeshFormat {
 };
 
 inline constexpr MeshFormat mesh_formats[] = {
-    {"Gmsh MSH 2.2, 4.0 and 4.1, ASCII or binary", ".msh", looks_like_msh, parse_msh, true},
-    {"SU2", ".su2", looks_like_su2, parse_su2}};
+    {"Gmsh MSH 1, 2.2, 4.0 and 4.1, ASCII or binary", ".msh", looks_like_msh, parse_msh, true},
+    {"SU2", ".su2", looks_like_su2, parse_su2},
+    {"legacy VTK", ".vtk", looks_like_vtk, parse_vtk, true}};
 
 // The format that recognises the text, or else has the file's ending. Throws InputError where there is none.
 inline const MeshFormat& find_format(std::span<const MeshFormat> formats, std::string_view text,
@@ -48,6 +50,7 @@ inline RawMesh parse_mesh(std::string_view text, const std::string& path) {
 // "MSH 4.1, binary".
 inline std::string to_string(const FileFormat& format) {
     if (format.kind == FileFormat::Kind::su2) return "SU2";
+    if (format.kind == FileFormat::Kind::vtk) return "legacy VTK";
     return concat("MSH ", format.msh_version / 10, ".", format.msh_version % 10,
                   format.binary ? ", binary" : ", ASCII");
 }

@@ -1,5 +1,5 @@
-// Gmsh mesh files, MSH 2.2, 4.0 and 4.1, ASCII and binary (Gmsh reference manual, "MSH file format"): points, lines,
-// triangles and tetrahedra of Lagrange degree 1 to 7.
+// Gmsh mesh files, MSH 2.2, 4.0 and 4.1, ASCII and binary, and MSH 1, which is read only (Gmsh reference manual, "MSH
+// file format"): points, lines, triangles and tetrahedra of Lagrange degree 1 to 7.
 #pragma once
 #include <string>
 #include <string_view>
@@ -13,9 +13,9 @@ namespace almesh {
 bool looks_like_msh(std::string_view text);
 
 // Reads the contents of the file `path`, binary ones in either order of bytes. Tolerated: blank lines and blanks at
-// line ends, CR LF, any number of element tags, parameters of nodes (left out), sections of other kinds (skipped).
+// line ends, CR LF, any number of element tags, parameters of nodes (left out). Sections of other kinds are kept.
 // Throws InputError "path:line: message", of a binary file "path: $Nodes, byte 812: message": other element types,
-// partitioned meshes, other versions, ids that repeat or are not there, numbers that are not finite, wrong counts, the
+// other versions, ids that repeat or are not there, numbers that are not finite, wrong counts, the
 // end of the file before that of a section. Cost: one pass over the text; memory: a small multiple of it, whatever the
 // counts in it say.
 RawMesh parse_msh(std::string_view text, const std::string& path);

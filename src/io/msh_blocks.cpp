@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <map>
+#include <set>
 
 #include "geometry/box_tree.hpp"
+#include "mesh/inner_boundary.hpp"
+#include "mesh/raw_mesh.hpp"
 #include "mesh/unused_ids.hpp"
 
 namespace almesh {
@@ -68,6 +71,8 @@ struct BlockBuilder {
                     if (of_node.dim < 0) of_node = block.entity;
                 }
         std::map<EntityKey, std::vector<int>> nodes;
+        for (EntityKey& of_node : loose)
+            if (of_node.dim < 0) of_node = blocks.elements.back().entity;
         for (int k = 0; k < static_cast<int>(loose.size()); ++k) nodes[loose[k]].push_back(-1 - k);
         for (int i = 0; i < mesh.nodes(); ++i) nodes[place[i]].push_back(i);
         for (auto& [key, of_entity] : nodes) {
@@ -115,18 +120,55 @@ std::vector<MshCells> msh_cells(const Mesh& mesh) {
         all.push_back(
             {dim, simplex(dim).msh_types[degree - 1], simplex_node_count(dim, degree), nodes, id, physical, entity});
     };
-    for (int dim = 0; dim < mesh.dim; ++dim) {
+    for (int dim = 0; dim <= mesh.dim; ++dim) {
         const KeptCells& kept = mesh.kept[dim];
         append(dim, kept.nodes, kept.id, kept.physical, kept.entity);
     }
-    append(mesh.dim - 1, mesh.faces, file.face_id, file.face_physical, file.face_entity);
+    const std::size_t faces = faces_in_file(mesh);
+    append(mesh.dim - 1, std::span(mesh.faces).first(faces * mesh.face_nodes()), std::span(file.face_id).first(faces),
+           file.face_physical, file.face_entity);
     append(mesh.dim, mesh.elements, file.element_id, file.element_physical, file.element_entity);
     return all;
 }
 
+MshCopies msh_copies(const Mesh& mesh, const std::vector<MshCells>& all) {
+    MshCopies copies;
+    std::vector<long long> ids;
+    std::set<std::array<int, 3>> known;  // dimension, entity and group of cells that are there by themselves
+    for (const MshCells& cells : all) {
+        ids.insert(ids.end(), cells.id.begin(), cells.id.end());
+        for (int c = 0; c < cells.count(); ++c) known.insert({cells.dim, cells.entity[c], cells.physical[c]});
+    }
+    UnusedIds<long long> unused(std::move(ids));
+    for (const MshCells& cells : all) {
+        std::vector<int> nodes, physical, entity;
+        std::vector<long long> id;
+        for (int c = 0; c < cells.count(); ++c) {
+            const FileEntity* const own = find_entity(mesh.file.entities, cells.dim, cells.entity[c]);
+            if (!own || own->physical.empty() || own->physical[0] != cells.physical[c]) continue;
+            for (const int tag : std::span(own->physical).subspan(1)) {
+                if (known.contains({cells.dim, cells.entity[c], tag})) continue;
+                const std::span<const int> of_cell = cells.nodes_of(c);
+                nodes.insert(nodes.end(), of_cell.begin(), of_cell.end());
+                physical.push_back(tag);
+                entity.push_back(cells.entity[c]);
+                id.push_back(unused.next());
+            }
+        }
+        if (id.empty()) continue;
+        copies.nodes.push_back(std::move(nodes));
+        copies.physical.push_back(std::move(physical));
+        copies.entity.push_back(std::move(entity));
+        copies.id.push_back(std::move(id));
+        copies.cells.push_back({cells.dim, cells.type, cells.width, copies.nodes.back(), copies.id.back(),
+                                copies.physical.back(), copies.entity.back()});
+    }
+    return copies;
+}
+
 std::array<double, 3> msh_position(const Mesh& mesh, const std::vector<double>& x, int node) {
     if (node < 0) return mesh.file.loose[-1 - node].x;
-    std::array<double, 3> position{};
+    std::array<double, 3> position = {0, 0, mesh.file.z};
     std::copy_n(point(x, node, mesh.dim), mesh.dim, position.begin());
     return position;
 }

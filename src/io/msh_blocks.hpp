@@ -19,6 +19,15 @@ struct MshCells {
     std::span<const int> nodes_of(int c) const { return nodes.subspan(offset(c, width), width); }
 };
 
+// Cells of entities with several physical groups, which MSH 2.2 has once for each of them: those that are not among
+// msh_cells(). The cells refer to the arrays here.
+struct MshCopies {
+    std::vector<std::vector<int>> nodes, physical, entity;
+    std::vector<std::vector<long long>> id;
+    std::vector<MshCells> cells;
+};
+MshCopies msh_copies(const Mesh& mesh, const std::vector<MshCells>& all);
+
 // All cells of a mesh by ascending dimension: kept ones, boundary faces, elements. No part is empty.
 std::vector<MshCells> msh_cells(const Mesh& mesh);
 

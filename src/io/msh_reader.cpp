@@ -28,30 +28,39 @@ struct MshReader {
         if (!in.version) in.fail("not a Gmsh mesh file: there is no $MeshFormat section");
         if (mesh.nodes.empty()) in.fail("there is no $Nodes section");
         if (mesh.elements.empty()) in.fail("there is no $Elements section");
-        mesh.format = {FileFormat::Kind::msh, in.version, in.binary};
+        mesh.format = {FileFormat::Kind::msh, std::max(in.version, 22), in.binary};  // MSH 1 is written as MSH 2.2
         return std::move(mesh);
     }
 
     void section() {
         const int first_line = in.line;
-        const std::string name(in.rest_of_line()), end = "$End" + name.substr(std::min<std::size_t>(1, name.size()));
+        const char* const begin = in.at;
+        const std::string name(in.rest_of_line()), rest = name.substr(std::min<std::size_t>(1, name.size()));
+        if (name == "$NOD" && !in.version) in.version = 10;
+        const std::string end = (in.version == 10 ? "$END" : "$End") + rest;
         if (!in.version && name != "$MeshFormat" && name != "$Comments")
-            in.fail("not a Gmsh mesh file of version 2.2, 4.0 or 4.1: it has to begin with $MeshFormat");
-        if (name.size() < 2 || name[0] != '$' || name.starts_with("$End"))
+            in.fail("not a Gmsh mesh file of version 1, 2.2, 4.0 or 4.1: it has to begin with $MeshFormat or $NOD");
+        if (name.size() < 2 || name[0] != '$' || name.starts_with("$End") || name.starts_with("$END"))
             in.fail("expected a section such as $Nodes, got `", name.substr(0, 40), "`");
         in.part = name;
         if (name == "$MeshFormat") format();
         else if (name == "$PhysicalNames") physical_names();
         else if (name == "$Entities") entities();
-        else if (name == "$Nodes" || name == "$ParametricNodes") nodes(name);
-        else if (name == "$Elements") elements();
-        else if (name == "$PartitionedEntities") in.fail("a partitioned mesh is not read: save it in one part");
+        else if (name == "$Nodes" || name == "$ParametricNodes" || name == "$NOD") nodes(name);
+        else if (name == "$Elements" || name == "$ELM") elements();
+        else if (name == "$PartitionedEntities") partitioned_entities();
         else skip_section(end);
         if (!in.next_line()) {
             const std::string message = concat("the file is cut off: ", name, " has no ", end);
             in.binary ? in.fail(message) : in.fail_at(first_line, message);
         }
         if (in.rest_of_line() != end) in.fail("expected ", end, ": ", name, " holds more than it announces");
+        const bool is_known = name == "$MeshFormat" || name == "$PhysicalNames" || name == "$Entities" ||
+                              name == "$Comments" || name == "$Nodes" || name == "$ParametricNodes" ||
+                              name == "$NOD" || name == "$Elements" || name == "$ELM";
+        const bool is_as_written = !in.binary || (in.order == std::endian::native && in.size_bytes == 8);
+        if (!is_known && is_as_written)
+            mesh.sections.push_back({name, std::string(begin, in.at) + "\n", mesh.nodes.empty()});
     }
 
     // Goes to the last line of the section, or the end of the file.
@@ -87,7 +96,7 @@ struct MshReader {
         const double version = in.text().real("the format version");
         if (version != 2.2 && version != 4.0 && version != 4.1)
             in.fail("format version ", shown,
-                    ": only 2.2, 4.0 and 4.1 are read (gmsh -0 IN.msh -format msh41 -o OUT.msh)");
+                    ": only 1, 2.2, 4.0 and 4.1 are read (gmsh -0 IN.msh -format msh41 -o OUT.msh)");
         in.version = version == 2.2 ? 22 : version == 4.0 ? 40 : 41;
         const bool binary = in.integer("0 (ASCII) or 1 (binary)", 0, 1) == 1;
         const int bytes = in.integer("the size of a number");
@@ -141,13 +150,51 @@ struct MshReader {
                 begin_record("entities of this dimension", i, count[dim]);
                 mesh.entities.push_back(entity(dim));
             }
+        sort_entities();
+    }
+
+    // MSH 4: the pieces of entities that a partition has, with the physical groups of these.
+    void partitioned_entities() {
+        if (!in_blocks() || !mesh.elements.empty()) in.fail("it belongs into MSH 4, before $Nodes");
+        long long count[4] = {};
+        in.begin_numbers();
+        in.size("the number of partitions", 0, LLONG_MAX);
+        in.end_of_record();
+        begin_record("ghost entities", 0, 1);
+        const long long ghosts = in.size("the number of ghost entities", 0, LLONG_MAX);
+        in.end_of_record();
+        for (long long k = 0; k < ghosts; ++k) {
+            begin_record("ghost entities", k, ghosts);
+            in.integer("the tag of a ghost entity");
+            in.integer("a partition");
+            in.end_of_record();
+        }
+        begin_record("entities", 0, 1);
+        for (long long& c : count) c = in.size("the number of entities", 0, LLONG_MAX);
+        in.end_of_record();
+        for (int dim = 0; dim <= 3; ++dim)
+            for (long long i = 0; i < count[dim]; ++i) {
+                begin_record("entities of this dimension", i, count[dim]);
+                mesh.entities.push_back(entity(dim, true));
+            }
+        sort_entities();
+    }
+
+    void sort_entities() {
         std::stable_sort(mesh.entities.begin(), mesh.entities.end(),
                          [](const FileEntity& a, const FileEntity& b) { return a.key < b.key; });
     }
 
     // A point has a box from version 4.1 on no more.
-    FileEntity entity(int dim) {
+    FileEntity entity(int dim, bool is_partitioned = false) {
         FileEntity entity{{dim, in.integer("the entity tag")}};
+        entity.is_partitioned = is_partitioned;
+        if (is_partitioned) {
+            in.integer("the dimension of the parent");
+            in.integer("the tag of the parent");
+            const long long partitions = in.size("the number of partitions", 0, LLONG_MAX);
+            for (long long k = 0; k < partitions; ++k) in.integer("a partition");
+        }
         const int coordinates = dim == 0 && in.version == 41 ? 3 : 6;
         for (int k = 0; k < coordinates; ++k) entity.box[k] = in.real("a coordinate");
         if (coordinates == 3) std::copy_n(entity.box.begin(), 3, entity.box.begin() + 3);
@@ -312,7 +359,7 @@ struct MshReader {
         }
     }
 
-    // MSH 2.2, ASCII.
+    // MSH 1 and 2.2, ASCII.
     void element_line(long long done, long long count) {
         begin_record("elements", done, count);
         RawElement element{};
@@ -320,7 +367,12 @@ struct MshReader {
         element.id = in.id("an element id");
         read_element_type();
         if (type.dim < 0) add_foreign(1);
-        else read_tags(element, in.integer("the number of tags", 0));
+        else if (in.version > 10) read_tags(element, in.integer("the number of tags", 0));
+        else {
+            read_tags(element, 2);
+            if (in.integer("the number of nodes") != type.nodes)
+                in.fail("an element of this type has ", type.nodes, " nodes");
+        }
         finish_element(element);
     }
 
@@ -370,7 +422,7 @@ struct MshReader {
 
 bool looks_like_msh(std::string_view text) {
     text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
-    return text.starts_with("$MeshFormat") || text.starts_with("$Comments");
+    return text.starts_with("$MeshFormat") || text.starts_with("$Comments") || text.starts_with("$NOD");
 }
 
 RawMesh parse_msh(std::string_view text, const std::string& path) {

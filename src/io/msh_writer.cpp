@@ -23,8 +23,13 @@ struct MshWriter {
     void write() const {
         header();
         physical_names();
-        if (format.msh_version == 22) body_2_2();
-        else body_4();
+        if (format.msh_version == 22) {
+            sections(true);
+            body_2_2();
+        } else {
+            body_4();
+        }
+        sections(false);
         if (!file.comment.empty()) sink("$Comments\n" + file.comment + "\n$EndComments\n");
     }
 
@@ -50,7 +55,9 @@ struct MshWriter {
         append_rows(sink, loose, [&](std::string& part, int k) { append_node(part, -1 - k); });
         sink(numbers.end_section("Nodes"));
 
-        const std::vector<MshCells> all = msh_cells(mesh);
+        std::vector<MshCells> all = msh_cells(mesh);
+        const MshCopies copies = msh_copies(mesh, all);
+        all.insert(all.end(), copies.cells.begin(), copies.cells.end());
         int count = 0;
         for (const MshCells& cells : all) count += cells.count();
         sink(concat("$Elements\n", count, "\n"));
@@ -72,11 +79,14 @@ struct MshWriter {
     void body_4() const {
         const MshBlocks blocks = msh_blocks(mesh, x);
         entities(blocks.entities);
+        sections(true);
         nodes(blocks.nodes);
         elements(blocks.elements);
     }
 
-    void entities(const std::vector<FileEntity>& all) const {
+    void entities(std::vector<FileEntity> all) const {
+        if (has_sections() && !file.sections.empty())
+            std::erase_if(all, [](const FileEntity& entity) { return entity.is_partitioned; });
         std::string text = "$Entities\n";
         for (int dim = 0; dim <= 3; ++dim)
             numbers.size(text, std::count_if(all.begin(), all.end(),
@@ -91,6 +101,14 @@ struct MshWriter {
             numbers.end_record(text);
         }
         sink(text + numbers.end_section("Entities"));
+    }
+
+    // They are in the file's own format: in another one they are left out.
+    bool has_sections() const { return format == file.format; }
+
+    void sections(bool before_nodes) const {
+        for (const FileSection& section : file.sections)
+            if (has_sections() && section.is_before_nodes == before_nodes) sink(section.text);
     }
 
     void append_tags(std::string& text, const std::vector<int>& tags) const {

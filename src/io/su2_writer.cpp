@@ -6,6 +6,7 @@
 #include "base/files.hpp"
 #include "base/text.hpp"
 #include "io/su2.hpp"
+#include "mesh/inner_boundary.hpp"
 
 namespace almesh {
 namespace {
@@ -78,8 +79,10 @@ struct Su2Writer {
 
     // The boundaries, and the tagged faces inside the mesh.
     void fill_markers() {
-        for (int f = 0; f < mesh.face_count(); ++f)
-            zone_of(mesh.face_element[f]).marker(mesh.boundaries[mesh.face_boundary[f]]).faces.push_back(mesh.face(f));
+        for (int f = 0; f < static_cast<int>(faces_in_file(mesh)); ++f)
+            zone_of(mesh.face_element[f])
+                .marker(group_name(mesh.file.groups, mesh.dim - 1, mesh.file.face_physical[f]))
+                .faces.push_back(mesh.face(f));
         const KeptCells& kept = mesh.kept[mesh.dim - 1];
         for (int c = 0; c < kept.count(); ++c)
             if (kept.physical[c])

@@ -1,4 +1,4 @@
-// Writer of legacy VTK files, ASCII or binary: simplices of any degree with point and cell data.
+// Legacy VTK files, ASCII or binary: simplices of any degree with point and cell data, which the reader leaves out.
 //
 // File format: "VTK File Formats" of the VTK User's Guide. Header 3.0 with the body of that version, which ParaView,
 // MFEM and VisIt read; Lagrange cells (types 68, 69, 71) from degree 3 on. ParaView shows curved cells as curved with a
@@ -8,8 +8,11 @@
 // to write and to read, and without rounding.
 #pragma once
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
+
+#include "mesh/raw_mesh.hpp"
 
 namespace almesh {
 
@@ -41,5 +44,12 @@ std::string vtk_text(const VtkGrid& grid, VtkFormat format = VtkFormat::ascii);
 
 // Throws InputError where the file cannot be written.
 void write_vtk(const std::string& path, const VtkGrid& grid, VtkFormat format = VtkFormat::ascii);
+
+// Whether a text begins like a legacy VTK file.
+bool looks_like_vtk(std::string_view text);
+
+// Points and cells of an unstructured grid of simplices; ids are VTK's numbers plus one. Throws InputError
+// "path:line: message": other datasets and cells, cells by offsets (version 5), wrong counts, a file that is cut off.
+RawMesh parse_vtk(std::string_view text, const std::string& path);
 
 }  // namespace almesh

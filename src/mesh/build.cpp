@@ -6,16 +6,19 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 
 #include "base/text.hpp"
 #include "mesh/build_boundary.hpp"
 #include "mesh/build_kept.hpp"
 #include "mesh/lagrange.hpp"
+#include "mesh/winding.hpp"
 
 namespace almesh {
 namespace {
 
-void select(MeshBuild& build) {
+// repeated: indices into raw.elements, ascending.
+void select(MeshBuild& build, const std::vector<int>& repeated) {
     const RawMesh& raw = build.raw;
     int dim = 0;
     for (const RawElement& element : raw.elements) dim = std::max(dim, element.dim);
@@ -24,7 +27,8 @@ void select(MeshBuild& build) {
     for (int i = 0; i < static_cast<int>(raw.elements.size()); ++i) {
         const RawElement& element = raw.elements[i];
         const bool is_face = element.dim == dim - 1 && element.physical != 0;
-        if (element.dim != dim && !is_face) {
+        const bool is_repeated = std::binary_search(repeated.begin(), repeated.end(), i);
+        if (is_repeated || (element.dim != dim && !is_face)) {
             build.kept.push_back(i);
             continue;
         }
@@ -46,13 +50,10 @@ void number_nodes(MeshBuild& build) {
     for (int i : build.elements)
         for (int k = 0; k < mesh.element_nodes(); ++k) build.node[raw.element_nodes[raw.elements[i].first + k]] = 0;
     fill_loose_nodes(build);
-    const RawNode* first_unused = nullptr;
-    std::size_t unused = 0;
     int next = 0;
     auto block = raw.node_blocks.begin();
     for (std::size_t i = 0; i < raw.nodes.size(); ++i) {
         const RawNode& node = raw.nodes[i];
-        if (build.node[i] == -1 && ++unused == 1) first_unused = &node;
         if (build.node[i] < 0) continue;
         build.node[i] = next++;
         mesh.file.node_id.push_back(node.id);
@@ -60,13 +61,10 @@ void number_nodes(MeshBuild& build) {
         while (block != raw.node_blocks.end() && block->first <= i) ++block;
         if (block != raw.node_blocks.begin()) mesh.file.node_entity.push_back(std::prev(block)->entity);
     }
-    if (first_unused)
-        build.notes.push_back(
-            concat(counted(unused, "node"), " without an element dropped, the first with id ", first_unused->id));
 }
 
 // A 2D mesh has to lie in a plane z = constant, up to rounding.
-void check_flat(const MeshBuild& build) {
+void check_flat(MeshBuild& build) {
     const RawNode *low = nullptr, *high = nullptr;
     double size = 0;
     for (std::size_t i = 0; i < build.raw.nodes.size(); ++i) {
@@ -81,8 +79,7 @@ void check_flat(const MeshBuild& build) {
                      high->x[2], " (node ", high->id,
                      "): a 2D mesh lies in a plane z = constant; a 3D mesh has tetrahedra "
                      "(Gmsh writes them only if their volume is in a physical group, or if there are no groups)");
-    if (std::abs(low->x[2]) > 1e-12 * size)
-        build.notes.push_back(concat("the mesh lies in the plane z = ", low->x[2], ", results are written at z = 0"));
+    build.mesh.file.z = low->x[2];
 }
 
 void fill_elements(MeshBuild& build) {
@@ -113,8 +110,9 @@ int orientation(const Mesh& mesh, const int* vertex) {
     return volume > 0 ? 1 : -1;
 }
 
-// Elements whose straight-sided form is negatively oriented. Refuses those without volume.
-std::vector<int> negative_elements(const MeshBuild& build) {
+// Elements whose straight-sided form is negatively oriented. Refuses those without volume; with Folds::keep
+// only those that have a vertex twice.
+std::vector<int> negative_elements(const MeshBuild& build, Folds folds) {
     const Mesh& mesh = build.mesh;
     std::vector<int> flat, negative;
     with_dimension(mesh.dim, [&](auto n) {
@@ -124,6 +122,11 @@ std::vector<int> negative_elements(const MeshBuild& build) {
             if (sign < 0) negative.push_back(e);
         }
     });
+    const auto has_vertex_twice = [&mesh](int e) {
+        const int* const vertex = mesh.element(e);
+        return std::set<int>(vertex, vertex + mesh.dim + 1).size() <= static_cast<std::size_t>(mesh.dim);
+    };
+    if (folds == Folds::keep) std::erase_if(flat, [&](int e) { return !has_vertex_twice(e); });
     if (!flat.empty())
         build.refuse(build.element(flat[0]), "with the vertices ", build.node_ids(mesh.element(flat[0]), mesh.dim + 1),
                      " has no volume, the first of ", counted(flat.size(), "such element"));
@@ -150,7 +153,10 @@ enum class Orientation {
 };
 
 // The mesh, or where elements are folded and oriented by their vertices, no more than its elements and their folds.
-Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds, Orientation orientation) {
+// repeated: elements of the file that have the vertices of earlier ones, as far as they are known.
+Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds, Orientation orientation,
+                   const std::vector<int>& repeated = {}) {
+    const std::size_t told = notes.size();
     MeshBuild build{raw, notes, {}, {}, {}, {}, {}};
     Mesh& mesh = build.mesh;
     mesh.file.groups = raw.groups;
@@ -158,11 +164,12 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
     mesh.file.pieces = raw.pieces;
     mesh.file.zones = raw.zones;
     mesh.file.entities = raw.entities;
-    select(build);
+    mesh.file.sections = raw.sections;
+    select(build, repeated);
     number_nodes(build);
     if (mesh.dim == 2) check_flat(build);
     fill_elements(build);
-    std::vector<int> turned = negative_elements(build);
+    std::vector<int> turned = negative_elements(build, folds);
     if (orientation == Orientation::of_file) {
         const bool are_most = 2 * static_cast<int>(turned.size()) > mesh.element_count();
         turned.resize(are_most ? mesh.element_count() : 0);
@@ -170,6 +177,13 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
     }
     reverse(mesh, turned);
     mesh.folded = fill_boundary(build);
+    if (!build.repeated.empty()) {
+        notes.resize(told);
+        return oriented_mesh(raw, notes, folds, orientation, build.repeated);
+    }
+    if (!repeated.empty())
+        notes.push_back(concat(counted(repeated.size(), "element"), " given more than once, the first is ",
+                               name_of(raw.elements[repeated[0]])));
     if (!mesh.folded.empty() && folds == Folds::refuse)
         build.refuse(build.element(mesh.folded[0][1]), "lies on the same side of their common face as ",
                      name_of(build.element(mesh.folded[0][0])), ", the first of ",
@@ -180,6 +194,7 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
                            "itself here; `almesh quality` tells whether the curved one does. Where another run has "
                            "made it, move the mesh that it started from");
     if (!mesh.folded.empty() && orientation == Orientation::of_vertices) return std::move(build.mesh);
+    set_winding(mesh, turned);
     if (!turned.empty())
         notes.push_back(concat(counted(turned.size(), "element"),
                                " with negative orientation turned, the first is element ",

@@ -1,7 +1,7 @@
 // The faces of all elements and the tagged faces of the file, both called sides here, are sorted by their vertices, for
 // each lowest vertex separately. Sides of equal vertices are then neighbours: two elements on opposite sides of a face
-// inside the mesh, or one element and a tagged face (or several of one tag) on the boundary. All else is an error.
-// Side::number: e * (dim + 1) + k for face k of element e; tagged faces are numbered after these.
+// inside the mesh, or one element and its tagged faces on the boundary. A boundary of the mesh is the faces that have
+// the same groups. Side::number: e * (dim + 1) + k for face k of element e; tagged faces are numbered after these.
 #include "mesh/build_boundary.hpp"
 
 #include <algorithm>
@@ -15,6 +15,7 @@
 #include "mesh/lagrange.hpp"
 #include "mesh/sides.hpp"
 #include "mesh/unused_ids.hpp"
+#include "mesh/winding.hpp"
 
 namespace almesh {
 namespace {
@@ -24,7 +25,19 @@ struct Matched {
     std::vector<int> untagged;               // numbers of boundary sides without a tagged face
     std::vector<std::array<int, 2>> folded;  // elements on the same side of their common face
     std::vector<int> inside;                 // tagged faces inside the mesh
-    int repeated = 0;                        // tagged faces dropped
+    std::vector<int> loose;                  // tagged faces that are the face of no element
+    std::vector<int> repeated;               // elements that have the vertices of one with a lower id
+    std::vector<std::array<int, 2>> copies;  // tagged faces on the boundary: that with the lowest id, and another one
+
+    void append(const Matched& other) {
+        const auto add = [](auto& all, const auto& some) { all.insert(all.end(), some.begin(), some.end()); };
+        add(untagged, other.untagged);
+        add(folded, other.folded);
+        add(inside, other.inside);
+        add(loose, other.loose);
+        add(repeated, other.repeated);
+        add(copies, other.copies);
+    }
 };
 
 struct BoundaryMatcher {
@@ -62,14 +75,19 @@ struct BoundaryMatcher {
         return nodes;
     }
 
-    // Sides of elements that have the same vertices.
+    // Finds elements that have the vertices of others with a lower id among sides that have the same vertices.
+    bool has_repeated(std::span<const Side> equal, std::vector<int>& repeated) const {
+        const std::size_t before = repeated.size();
+        for (const Side& side : equal)
+            if (std::any_of(equal.begin(), equal.end(), [&](const Side& other) {
+                    return opposite_vertex(side) == opposite_vertex(other) &&
+                           element_of(other).id < element_of(side).id;
+                }))
+                repeated.push_back(side.number / corners);
+        return repeated.size() > before;
+    }
+
     void check_elements(std::span<const Side> equal) const {
-        const std::size_t checked = std::min<std::size_t>(equal.size(), 3);  // a bad mesh may have thousands
-        for (std::size_t a = 0; a < checked; ++a)
-            for (std::size_t b = a + 1; b < checked; ++b)
-                if (opposite_vertex(equal[a]) == opposite_vertex(equal[b]))
-                    build.refuse(element_of(equal[b]), "has the vertices of ", name_of(element_of(equal[a])),
-                                 ": an element may be in one ", entity_kind(dim), " and one physical group only");
         if (equal.size() > 2)
             build.refuse(element_of(equal[2]), "is the third at the face with the nodes ",
                          build.node_ids(equal[0].vertex.data(), dim), ", after ", name_of(element_of(equal[0])),
@@ -79,30 +97,10 @@ struct BoundaryMatcher {
                          " share the vertices of a face, but not its other nodes");
     }
 
-    // Tagged faces that have the same vertices.
-    void check_tags(std::span<const Side> equal) const {
-        for (const Side& other : equal) {
-            const RawElement &face = tagged_face(other), &first = tagged_face(equal[0]);
-            if (face.physical != first.physical)
-                build.refuse(face, "with tag ", face.physical, " has the vertices of ", name_of(first), " with tag ",
-                             first.physical, ": a boundary face needs exactly one tag");
-        }
-    }
-
     void check_face(const Side& element, const Side& tagged) const {
-        const RawElement& face = tagged_face(tagged);
-        const FileEntity* entity = find_entity(build.raw.entities, face.dim, face.entity);
-        if (entity && entity->physical.size() > 1)
-            build.refuse(face, "lies on ", entity_kind(face.dim), " ", entity->key.tag, ", which has the tags ",
-                         entity->physical[0], " and ", entity->physical[1], ": a boundary face needs exactly one tag");
         if (nodes_of(tagged.number) != nodes_of(element.number))
-            build.refuse(face, "has the vertices of a face of ", name_of(element_of(element)),
+            build.refuse(tagged_face(tagged), "has the vertices of a face of ", name_of(element_of(element)),
                          ", but not its other nodes");
-    }
-
-    void refuse_without_element(const RawElement& face) const {
-        build.refuse(face, "with tag ", face.physical, " is the face of no ", mesh.cell().name,
-                     ": take it out of its physical group");
     }
 
     // Of sides without a tagged face: tells that some lie on each other, as where parts of a mesh were never joined;
@@ -137,18 +135,14 @@ struct BoundaryMatcher {
                       "join such nodes (in gmsh: Coherence Mesh)");
     }
 
-    void refuse_untagged(const std::vector<int>& untagged) const {
+    // "4 boundary faces without a physical curve are the boundary ...".
+    std::string untagged_text(const std::vector<int>& untagged, const std::string& name) const {
         int vertex[3];
         for (int k = 0; k < dim; ++k) vertex[k] = node_of(*std::min_element(untagged.begin(), untagged.end()), k);
         const std::array<double, 3> mean = centroid(mesh, mesh.x, vertex, dim);
-        std::string centre;
-        for (int a = 0; a < dim; ++a) append(centre += a ? ", " : "", mean[a], 6);
-        const std::string what = entity_kind(dim - 1), doubled = doubled_text(untagged);
-        build.refuse("an untagged boundary: ", counted(untagged.size(), "boundary face"), " without a physical ", what,
-                     ", the first has the nodes ", build.node_ids(vertex, dim), " and the centre (", centre,
-                     "); ", doubled.empty() ? "" : doubled + "; else ", "put every boundary ", what,
-                     " into a Physical ", (dim == 2 ? "Curve" : "Surface"),
-                     " of the .geo file and mesh again, without -save_all");
+        return concat(counted(untagged.size(), "boundary face"), " in no group ", untagged.size() == 1 ? "is" : "are",
+                      " the boundary ", with_quotes(name), ", the first has the nodes ", build.node_ids(vertex, dim),
+                      " and the centre ", position_text(mean.data(), dim));
     }
 
     // Sides that have the same vertices: those of elements first.
@@ -156,9 +150,12 @@ struct BoundaryMatcher {
         const auto is_tagged = [&](const Side& s) { return s.number >= first_tagged; };
         const std::size_t count = std::find_if(equal.begin(), equal.end(), is_tagged) - equal.begin();
         const std::span<const Side> of_elements = equal.first(count), tagged = equal.subspan(count);
-        if (count == 0) refuse_without_element(tagged_face(tagged[0]));
+        if (count == 0) {
+            for (const Side& s : tagged) found.loose.push_back(s.number - first_tagged);
+            return;
+        }
+        if (count > 1 && has_repeated(of_elements, found.repeated)) return;
         check_elements(of_elements);
-        check_tags(tagged);
         if (count == 2) {
             for (const Side& s : tagged) found.inside.push_back(s.number - first_tagged);
             if (equal[0].even == equal[1].even)
@@ -166,9 +163,15 @@ struct BoundaryMatcher {
         } else if (tagged.empty()) {
             found.untagged.push_back(equal[0].number);
         } else {
-            check_face(equal[0], tagged[0]);
-            side_of_face[tagged[0].number - first_tagged] = equal[0].number;
-            found.repeated += static_cast<int>(tagged.size()) - 1;
+            const auto id = [this](const Side& s) { return tagged_face(s).id; };
+            const Side& first = *std::min_element(tagged.begin(), tagged.end(), [&](const Side& a, const Side& b) {
+                return id(a) < id(b);
+            });
+            for (const Side& s : tagged) {
+                check_face(equal[0], s);
+                if (id(s) > id(first)) found.copies.push_back({first.number - first_tagged, s.number - first_tagged});
+            }
+            side_of_face[first.number - first_tagged] = equal[0].number;
         }
     }
 
@@ -178,9 +181,13 @@ struct BoundaryMatcher {
         const int count = first_tagged + static_cast<int>(build.faces.size());
         std::vector<int> lowest(count);
         parallel_for(count, [&](int s) { lowest[s] = side(s).vertex[0]; });
+        Matched all;
         for (int s = first_tagged; s < count; ++s)
-            if (lowest[s] < 0) refuse_without_element(build.face(s - first_tagged));
-        const Groups sorted = sorted_by_group(lowest, mesh.nodes());
+            if (lowest[s] < 0) {
+                all.loose.push_back(s - first_tagged);
+                lowest[s] = mesh.nodes();
+            }
+        const Groups sorted = sorted_by_group(lowest, mesh.nodes() + 1);
 
         std::vector<Matched> found((mesh.nodes() + block - 1) / block);
         parallel_for_throwing(static_cast<int>(found.size()), [&](int b) {
@@ -191,37 +198,65 @@ struct BoundaryMatcher {
                 for_equal_sides(sides, [&](std::span<const Side> equal) { match_equal(equal, found[b]); });
             }
         }, 1000.0 * block);
-        Matched all;
-        for (const Matched& part : found) {
-            all.untagged.insert(all.untagged.end(), part.untagged.begin(), part.untagged.end());
-            all.folded.insert(all.folded.end(), part.folded.begin(), part.folded.end());
-            all.inside.insert(all.inside.end(), part.inside.begin(), part.inside.end());
-            all.repeated += part.repeated;
-        }
-        if (!all.untagged.empty() && !build.faces.empty()) refuse_untagged(all.untagged);
+        for (const Matched& part : found) all.append(part);
+        std::sort(all.loose.begin(), all.loose.end());
         return all;
     }
 };
 
+// The side of an element as a face, as the file has it or not.
+void add_face(const BoundaryMatcher& matcher, int side, int boundary, const RawElement* in_file, Mesh& mesh) {
+    const int m = mesh.face_nodes();
+    for (int k = 0; k < m; ++k) mesh.faces.push_back(matcher.node_of(side, k));
+    mesh.face_element.push_back(side / matcher.corners);
+    mesh.face_boundary.push_back(boundary);
+    mesh.file.face_id.push_back(in_file ? in_file->id : 0);
+    mesh.file.face_physical.push_back(in_file ? in_file->physical : 0);
+    mesh.file.face_entity.push_back(in_file ? in_file->entity : 0);
+    std::array<int, 3> vertex{};
+    for (int k = 0; in_file && k < mesh.dim; ++k) vertex[k] = matcher.build.node_in(*in_file, k);
+    const int* const face = mesh.faces.data() + mesh.faces.size() - m;
+    mesh.file.face_winding.push_back(in_file ? winding(face, vertex.data(), mesh.dim) : 0);
+}
+
+// Tags of the physical groups of a face: those of its entity, or its own.
+const std::vector<int>& tags_of(const RawMesh& raw, const RawElement& face, std::vector<int>& own) {
+    const FileEntity* const entity = find_entity(raw.entities, face.dim, face.entity);
+    if (entity && !entity->physical.empty()) return entity->physical;
+    return own = {face.physical};
+}
+
+// The index of the boundary with the given groups, made where there is none.
+int boundary_of(const std::vector<int>& tags, int dim, Mesh& mesh) {
+    std::vector<std::string> groups;
+    for (const int tag : tags) {
+        const std::string name = group_name(mesh.file.groups, dim, tag);
+        if (std::find(groups.begin(), groups.end(), name) == groups.end()) groups.push_back(name);
+    }
+    const auto same = std::find(mesh.boundary_groups.begin(), mesh.boundary_groups.end(), groups);
+    return same == mesh.boundary_groups.end() ? add_boundary(mesh, groups)
+                                              : static_cast<int>(same - mesh.boundary_groups.begin());
+}
+
 // The boundary faces in file order, with their nodes as their elements see them.
-void fill_faces(const BoundaryMatcher& matcher, const RawMesh& raw, Mesh& mesh) {
-    std::map<int, int> boundary_of;  // by physical tag
-    for (std::size_t f = 0; f < matcher.side_of_face.size(); ++f) {
+void fill_faces(const BoundaryMatcher& matcher, const Matched& matched, const RawMesh& raw, Mesh& mesh) {
+    std::map<int, std::vector<int>> more;  // copies by the first face
+    for (const auto [first, copy] : matched.copies) more[first].push_back(copy);
+    std::map<std::vector<int>, int> boundary_of_tags;
+    std::vector<int> tags, own;
+    for (int f = 0; f < static_cast<int>(matcher.side_of_face.size()); ++f) {
         const int side = matcher.side_of_face[f];
         if (side < 0) continue;
-        const RawElement& face = matcher.build.face(static_cast<int>(f));
-        for (int k = 0; k < mesh.face_nodes(); ++k) mesh.faces.push_back(matcher.node_of(side, k));
-        const auto [boundary, is_new] = boundary_of.try_emplace(face.physical, -1);
-        if (is_new) {
-            const std::string name = group_name(raw.groups, face.dim, face.physical);
-            if (mesh.boundary_index(name) < 0) mesh.boundaries.push_back(name);
-            boundary->second = mesh.boundary_index(name);
-        }
-        mesh.face_element.push_back(side / matcher.corners);
-        mesh.face_boundary.push_back(boundary->second);
-        mesh.file.face_id.push_back(face.id);
-        mesh.file.face_physical.push_back(face.physical);
-        mesh.file.face_entity.push_back(face.entity);
+        const RawElement& face = matcher.build.face(f);
+        tags = tags_of(raw, face, own);
+        if (const auto copies = more.find(f); copies != more.end())
+            for (const int copy : copies->second)
+                for (const int tag : tags_of(raw, matcher.build.face(copy), own))
+                    if (std::find(tags.begin(), tags.end(), tag) == tags.end()) tags.push_back(tag);
+        std::sort(tags.begin(), tags.end());
+        const auto [boundary, is_new] = boundary_of_tags.try_emplace(tags, -1);
+        if (is_new) boundary->second = boundary_of(tags, face.dim, mesh);
+        add_face(matcher, side, boundary->second, &face, mesh);
     }
 }
 
@@ -240,16 +275,17 @@ std::map<std::vector<int>, int> untagged_faces(const MeshBuild& build) {
     return faces;
 }
 
-// The boundary of a mesh without tagged faces: its parts that hang together by vertices, numbered by their lowest
-// nodes.
+// Boundary faces in no group. Beside others that are in one: a boundary of their own. Where there are no others: their
+// parts that hang together by vertices, numbered by their lowest nodes.
 void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides, MeshBuild& build) {
     Mesh& mesh = build.mesh;
     const int dim = mesh.dim;
+    const bool beside_others = !mesh.faces.empty();
     DisjointSets connected(mesh.nodes());
     for (const int side : sides)
         for (int k = 1; k < dim; ++k) connected.join(matcher.node_of(side, 0), matcher.node_of(side, k));
     std::map<int, std::vector<int>> parts;  // by lowest node
-    for (const int side : sides) parts[connected.find(matcher.node_of(side, 0))].push_back(side);
+    for (const int side : sides) parts[beside_others ? 0 : connected.find(matcher.node_of(side, 0))].push_back(side);
     std::vector<long long> ids;
     for (const RawElement& element : build.raw.elements) ids.push_back(element.id);
     UnusedIds<long long> unused_id(std::move(ids));
@@ -257,28 +293,30 @@ void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides
     std::set<int> taken;
     std::vector<int> tags;
     for (const PhysicalGroup& group : mesh.file.groups) tags.push_back(group.tag);
+    for (const RawElement& element : build.raw.elements) tags.push_back(element.physical);
     UnusedIds<int> unused_tag(std::move(tags));
     std::string note;
     for (const auto& [lowest, of_part] : parts) {
-        const int boundary = static_cast<int>(mesh.boundaries.size());
-        mesh.boundaries.push_back(parts.size() == 1 ? "boundary" : concat("boundary-", boundary + 1));
-        const int tag = unused_tag.next();
-        mesh.file.groups.push_back({dim - 1, tag, mesh.boundaries.back()});
-        note += concat(note.empty() ? "" : ", ", mesh.boundaries.back(), " (", counted(of_part.size(), "face"), ")");
+        std::string name = beside_others ? "untagged" : "boundary";
+        if (parts.size() > 1) name += concat("-", mesh.boundaries.size() + 1);
+        while (mesh.boundary_index(name) >= 0) name += "-2";
+        const int tag = unused_tag.next(), boundary = add_boundary(mesh, {name});
+        mesh.file.groups.push_back({dim - 1, tag, name});
+        note += concat(note.empty() ? "" : ", ", name, " (", counted(of_part.size(), "face"), ")");
         for (const int side : of_part) {
-            for (int k = 0; k < mesh.face_nodes(); ++k) mesh.faces.push_back(matcher.node_of(side, k));
-            mesh.face_element.push_back(side / matcher.corners);
-            mesh.face_boundary.push_back(boundary);
             const auto found = of_file.find(matcher.nodes_of(side));
             const RawElement* const own = found == of_file.end() ? nullptr : &build.raw.elements[found->second];
-            mesh.file.face_id.push_back(own ? own->id : unused_id.next());
-            mesh.file.face_physical.push_back(tag);
-            mesh.file.face_entity.push_back(own ? own->entity : tag);
+            add_face(matcher, side, boundary, own, mesh);
+            if (!own) mesh.file.face_id.back() = unused_id.next();
+            if (!own) mesh.file.face_entity.back() = tag;
+            mesh.file.face_physical.back() = tag;
             if (own) taken.insert(found->second);
         }
     }
     std::erase_if(build.kept, [&](int i) { return taken.contains(i); });
-    build.notes.push_back("no tagged boundary faces: the boundary is that of the elements, in parts: " + note);
+    build.notes.push_back(beside_others
+                              ? matcher.untagged_text(sides, mesh.boundaries.back())
+                              : "no tagged boundary faces: the boundary is that of the elements, in parts: " + note);
     if (const std::string doubled = matcher.doubled_text(sides); !doubled.empty())
         build.notes.push_back("of the boundary's faces, " + doubled);
 }
@@ -306,10 +344,19 @@ std::string entity_kind(int dim) { return dim == 1 ? "curve" : dim == 2 ? "surfa
 std::vector<std::array<int, 2>> fill_boundary(MeshBuild& build) {
     BoundaryMatcher matcher(build);
     Matched all = matcher.match();
+    std::sort(all.repeated.begin(), all.repeated.end());
+    all.repeated.erase(std::unique(all.repeated.begin(), all.repeated.end()), all.repeated.end());
+    for (const int e : all.repeated) build.repeated.push_back(build.elements[e]);
+    if (!all.repeated.empty()) return {};
     for (const int f : all.inside) build.kept.push_back(build.faces[f]);
-    if (all.repeated) build.notes.push_back(counted(all.repeated, "repeated boundary face") + " dropped");
-    if (build.faces.empty()) fill_untagged(matcher, all.untagged, build);
-    else fill_faces(matcher, build.raw, build.mesh);
+    for (const auto [first, copy] : all.copies) build.kept.push_back(build.faces[copy]);
+    if (!all.loose.empty())
+        build.notes.push_back(concat(counted(all.loose.size(), "face"), " of physical groups ",
+                                     all.loose.size() == 1 ? "is the face" : "are faces", " of no ",
+                                     build.mesh.cell().name, ", the first is ", name_of(build.face(all.loose[0])),
+                                     ": left out"));
+    fill_faces(matcher, all, build.raw, build.mesh);
+    if (!all.untagged.empty()) fill_untagged(matcher, all.untagged, build);
     return std::move(all.folded);
 }
 

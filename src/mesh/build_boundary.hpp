@@ -17,11 +17,13 @@ struct MeshBuild {
     Mesh mesh;
     std::vector<int> elements, faces;  // elements of the mesh and tagged faces in file order: indices into raw.elements
     std::vector<int> node;             // node of the mesh by raw node, -1: none, below: see fill_loose_nodes()
-    std::vector<int> kept;             // what else there is of lower dimension: indices into raw.elements
+    std::vector<int> kept;             // what else there is: indices into raw.elements
+    std::vector<int> repeated{};       // elements that have the vertices of others: indices into raw.elements
 
     const RawElement& element(int e) const { return raw.elements[elements[e]]; }
     const RawElement& face(int f) const { return raw.elements[faces[f]]; }
     std::string node_ids(const int* nodes, int count) const;  // of nodes of the mesh, separated by commas
+    int node_in(const RawElement& cell, int k) const { return node[raw.element_nodes[cell.first + k]]; }
     EntityKey entity_of(std::size_t raw_node) const;          // as the file says it. Cost: O(log blocks)
 
     // Throw InputError "path: message" and "path:line: element 12 message", without the line of a binary file.
@@ -39,10 +41,11 @@ struct MeshBuild {
 std::string name_of(const RawElement& element);  // "element 12 (line 40)", "element 12" of a binary file
 std::string entity_kind(int dim);                // Gmsh's word: curve, surface or volume
 
-// Fills the faces of the mesh, whose nodes and elements are there already; of a mesh without tagged faces, those of its
-// elements, in connected parts `boundary-1`, ..., with the ids and entities of the file's untagged ones. Tagged faces
-// inside the mesh go to MeshBuild::kept. Returns the pairs of elements that lie on
-// the same side of their common face: none in a valid mesh. Throws InputError where faces, elements and tags are
+// Fills the faces of the mesh, whose nodes and elements are there already. Those in no group are the boundary
+// `untagged`, or where all are, connected parts `boundary-1`, ..., with the ids and entities of the file's untagged
+// ones. Tagged faces inside the mesh, and those that the file has more than once, go to MeshBuild::kept. Returns the
+// pairs of elements that lie on the same side of their common face: none in a valid mesh. Where elements are there more
+// than once, no more is done than to fill MeshBuild::repeated. Throws InputError where faces and elements are
 // inconsistent (see build_mesh()).
 //
 // Faces are matched by their vertices: those with the same lowest vertex are sorted. Cost: O(elements log(elements

@@ -42,13 +42,11 @@ void append(KeptCells& kept, const RawElement& cell, const std::vector<int>& nod
 void fill_loose_nodes(MeshBuild& build) {
     const RawMesh& raw = build.raw;
     std::vector<LooseNode>& loose = build.mesh.file.loose;
-    for (const int i : build.kept) {
-        const int of_point = raw.element_nodes[raw.elements[i].first];
-        if (raw.elements[i].dim > 0 || build.node[of_point] != -1) continue;
-        build.node[of_point] = -2 - static_cast<int>(loose.size());
-        const RawNode& node = raw.nodes[of_point];
-        loose.push_back(
-            {node.id, {node.x[0], node.x[1], build.mesh.dim == 2 ? 0 : node.x[2]}, build.entity_of(of_point)});
+    for (std::size_t i = 0; i < raw.nodes.size(); ++i) {
+        if (build.node[i] >= 0) continue;
+        build.node[i] = -2 - static_cast<int>(loose.size());
+        const RawNode& node = raw.nodes[i];
+        loose.push_back({node.id, {node.x[0], node.x[1], node.x[2]}, build.entity_of(i)});
     }
 }
 

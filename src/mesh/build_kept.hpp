@@ -4,8 +4,8 @@
 
 namespace almesh {
 
-// Nodes without an element that a point of the file has. Call with MeshBuild::node filled; gives them -2 - k there, k
-// their number among the loose ones.
+// Nodes without an element. Call with MeshBuild::node filled; gives them -2 - k there, k their number among the loose
+// ones.
 void fill_loose_nodes(MeshBuild& build);
 
 // Fills Mesh::kept from MeshBuild::kept, once elements and nodes are there. Curves and faces that are not in the mesh

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <compare>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,7 @@ inline std::string group_name(const std::vector<PhysicalGroup>& groups, int dim,
 
 // How a mesh file is written.
 struct FileFormat {
-    enum class Kind { msh, su2 } kind = Kind::msh;
+    enum class Kind { msh, su2, vtk } kind = Kind::msh;
     int msh_version = 22;  // 22, 40 or 41
     bool binary = false;
 
@@ -41,9 +42,17 @@ struct FileEntity {
     std::vector<int> physical{};  // tags of its physical groups
     std::vector<int> bounds{};    // tags of the entities around it, negative where turned
     std::array<double, 6> box{};  // least and greatest coordinates; of a point, its own twice
+    bool is_partitioned = false;  // the piece of an entity in a partition, listed in a section of its own
 };
 
-// A node with a point of the file on it, but without an element, such as the centre of an arc. It does not move.
+// A section of an MSH file that says nothing of the mesh itself: data of its nodes and elements, periodicity, ...
+struct FileSection {
+    std::string name;  // "$NodeData"
+    std::string text;  // word for word, with its first and last line
+    bool is_before_nodes = false;
+};
+
+// A node without an element, such as the centre of an arc. It does not move.
 struct LooseNode {
     long long id;
     std::array<double, 3> x;
@@ -51,8 +60,9 @@ struct LooseNode {
 };
 
 // The cells of one dimension that a file has besides the elements and the boundary faces of its mesh: points, curves
-// of tetrahedra, faces inside the mesh, faces without a physical group. They move with the mesh and are written
-// again; the method does not see them.
+// of tetrahedra, faces inside the mesh, faces without a physical group, elements and boundary faces that are given once
+// more, as those of several groups are in MSH 2.2. They move with the mesh and are written again; the method does not
+// see them.
 struct KeptCells {
     std::vector<int> nodes;    // cells x nodes of a simplex of the mesh's degree, in Gmsh's order; -1 - k: loose[k]
     std::vector<int> element;  // one that has all nodes of the cell; -1: of a loose node
@@ -75,13 +85,18 @@ struct FilePiece {
     std::vector<FileMarker> markers{};
 };
 
+inline constexpr int not_in_file = -1;  // physical tag of faces that are not written
+
 struct FileTags {
     std::vector<long long> node_id, element_id, face_id;
     std::vector<int> element_physical, face_physical;  // tag of the physical group, the first of several; 0: none
     std::vector<int> element_entity, face_entity;      // tag of the elementary entity; 0: none
+    std::vector<std::uint8_t> element_winding, face_winding;  // by the file's order of vertices (winding.hpp); or empty
     std::vector<EntityKey> node_entity;                // of the first nodes; the others are on none that is known
+    double z = 0;                                      // of the plane of a 2D mesh
     std::vector<LooseNode> loose;
     std::vector<FileEntity> entities;  // ascending by key, of MSH 4
+    std::vector<FileSection> sections;  // written again in the same format; empty once elements are others
     std::vector<PhysicalGroup> groups;
     std::vector<FilePiece> pieces;  // of SU2
     int zones = 1;  // of SU2: several are meshes of their own, which may touch and lie over each other

@@ -34,7 +34,7 @@ std::vector<int> Subcells::nodes(int e, const int* vertex, int dim) const {
 
 void raise_kept_cells(Mesh& mesh) {
     const Subcells subcells(mesh);
-    for (int dim = 1; dim < mesh.dim; ++dim) {
+    for (int dim = 1; dim <= mesh.dim; ++dim) {
         KeptCells& kept = mesh.kept[dim];
         const std::vector<int> vertices = std::move(kept.nodes);
         kept.nodes.clear();
@@ -46,7 +46,7 @@ void raise_kept_cells(Mesh& mesh) {
 }
 
 void restrict_kept_cells(const Mesh& mesh, const std::vector<int>& index, Mesh& linear) {
-    for (int dim = 0; dim < mesh.dim; ++dim) {
+    for (int dim = 0; dim <= mesh.dim; ++dim) {
         const KeptCells& from = mesh.kept[dim];
         const int width = simplex_node_count(dim, dim == 0 ? 1 : mesh.degree);
         KeptCells& to = linear.kept[dim] = {};

@@ -13,6 +13,21 @@ int Mesh::boundary_index(const std::string& name) const {
     return it == boundaries.end() ? -1 : static_cast<int>(it - boundaries.begin());
 }
 
+std::vector<char> Mesh::boundaries_in(const std::string& group) const {
+    std::vector<char> in(boundary_groups.size(), 0);
+    for (std::size_t b = 0; b < in.size(); ++b)
+        in[b] = std::find(boundary_groups[b].begin(), boundary_groups[b].end(), group) != boundary_groups[b].end();
+    return in;
+}
+
+int add_boundary(Mesh& mesh, const std::vector<std::string>& groups) {
+    std::string name;
+    for (const std::string& group : groups) name += (name.empty() ? "" : " + ") + group;
+    mesh.boundaries.push_back(name);
+    mesh.boundary_groups.push_back(groups);
+    return static_cast<int>(mesh.boundaries.size()) - 1;
+}
+
 std::vector<double> straight_sided(const Mesh& mesh) {
     std::vector<double> y = mesh.x;
     const LagrangeBasis basis(mesh.dim, mesh.degree);

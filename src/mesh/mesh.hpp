@@ -23,10 +23,12 @@ struct Mesh {
     std::vector<int> faces;            // face_count x face_nodes(): all boundary faces, Gmsh order, oriented outward
     std::vector<int> face_element;     // element each face belongs to
     std::vector<int> face_boundary;    // index into boundaries
-    std::vector<std::string> boundaries;  // physical names (or "tag 7" where the file names none)
+    std::vector<std::string> boundaries;  // physical names (or "tag 7" where the file names none), "inlet + hot" of two
+    std::vector<std::vector<std::string>> boundary_groups;  // per boundary: each of these names
+    std::vector<char> inner;  // per boundary: whether elements are on both sides (inner_boundary.hpp); empty: none
     int cut = -1;  // boundary along which it was cut out of another mesh, where its nodes stay (part.hpp); -1: none
     std::vector<std::array<int, 2>> folded;  // neighbours on the same side of their common face: only of Folds::keep
-    std::array<KeptCells, 3> kept{};      // by dimension, below that of the mesh
+    std::array<KeptCells, 4> kept{};      // by dimension, up to that of the mesh
     FileTags file;
 
     const CellType& cell() const { return simplex(dim); }  // of all elements; the faces are simplex(dim - 1)
@@ -37,8 +39,13 @@ struct Mesh {
     int face_count() const { return static_cast<int>(faces.size()) / face_nodes(); }
     const int* element(int e) const { return elements.data() + offset(e, element_nodes()); }
     const int* face(int f) const { return faces.data() + offset(f, face_nodes()); }
+    bool is_inner(int f) const { return !inner.empty() && inner[face_boundary[f]]; }
     int boundary_index(const std::string& name) const;  // -1 where there is none
+    std::vector<char> boundaries_in(const std::string& group) const;  // per boundary: whether it is part of it
 };
+
+// Appends a boundary with these groups; returns its index.
+int add_boundary(Mesh& mesh, const std::vector<std::string>& groups);
 
 // Node positions (node_count x dim) of the ideal mesh: vertices as in x, the others affine.
 std::vector<double> straight_sided(const Mesh& mesh);

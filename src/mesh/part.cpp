@@ -57,8 +57,10 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
     part.dim = mesh.dim;
     part.degree = mesh.degree;
     part.boundaries = mesh.boundaries;
-    part.boundaries.push_back(cut);
-    part.cut = static_cast<int>(mesh.boundaries.size());
+    part.boundary_groups = mesh.boundary_groups;
+    part.inner = mesh.inner;
+    part.cut = add_boundary(part, {cut});
+    if (!part.inner.empty()) part.inner.push_back(0);
     part.file.groups = mesh.file.groups;
     part.file.format = mesh.file.format;
     part.file.zones = mesh.file.zones;

@@ -42,6 +42,7 @@ struct RawMesh {
     std::vector<FileEntity> entities;       // ascending by key; empty where the format has none
     std::vector<FilePiece> pieces;          // of SU2
     int zones = 1;                          // of SU2: where there are several, the entity of an element is its zone
+    std::vector<FileSection> sections;      // of MSH
 };
 
 // Entity (dim, tag), or nullptr where the file lists none. entities: ascending by key. Cost: O(log entities).

@@ -136,11 +136,13 @@ Values repeated(const Values& from, int times) {
 // The kept cells of a linear mesh split like its elements. Points stay.
 void refine_kept_cells(const Mesh& mesh, Midpoints& midpoint, Mesh& fine) {
     const Subcells subcells(fine);
-    for (int dim = 1; dim < mesh.dim; ++dim) {
+    for (int dim = 1; dim <= mesh.dim; ++dim) {
         const KeptCells& coarse = mesh.kept[dim];
         KeptCells& kept = fine.kept[dim] = {};
         for (int c = 0; c < coarse.count(); ++c)
-            append_children(simplex(dim), &coarse.nodes[offset(c, dim + 1)], midpoint, fine.x, kept.nodes);
+            append_children(simplex(dim),
+                            dim == mesh.dim ? mesh.element(coarse.element[c]) : &coarse.nodes[offset(c, dim + 1)],
+                            midpoint, fine.x, kept.nodes);
         for (std::size_t k = 0; k < kept.nodes.size(); k += dim + 1) {
             int e = coarse.element[(k / (dim + 1)) >> dim] << mesh.dim;
             while (!subcells.has(e, &kept.nodes[k], dim)) ++e;
@@ -188,6 +190,9 @@ Mesh refine_once(const Mesh& mesh) {
             for (int k = 0; k < dim; ++k) fine.faces.push_back(fine.element(e)[local[k]]);
         }
     }
+    fine.file.sections.clear();
+    fine.file.element_winding.clear();
+    fine.file.face_winding.clear();
     fine.face_boundary = repeated(mesh.face_boundary, face_children);
     fine.file.face_physical = repeated(mesh.file.face_physical, face_children);
     fine.file.face_entity = repeated(mesh.file.face_entity, face_children);
@@ -227,6 +232,7 @@ Vec<n> reference_point(const int* vertex, const std::vector<double>& ideal, cons
 Mesh linear_part(const Mesh& mesh) {
     Mesh linear = mesh;
     linear.degree = 1;
+    if (mesh.degree > 1) linear.file.sections.clear();
     linear.x.clear();
     linear.file.node_id.clear();
     linear.file.node_entity.clear();
@@ -271,6 +277,7 @@ Mesh interpolated(const Mesh& mesh, int degree) {
     }
 
     Mesh raised = linear_part(mesh);
+    if (degree > mesh.degree) raised.file.sections = mesh.file.sections;
     const std::vector<int> vertices = raised.elements;  // element_count x (dim + 1), in the new numbering
     raised.degree = degree;
     raised.elements.clear();

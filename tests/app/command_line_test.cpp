@@ -75,7 +75,7 @@ TEST_CASE("wrong command lines end with code 1 and a hint, and print nothing els
          std::vector<std::pair<std::vector<std::string>, std::string>>{{{"--hlep"}, "unknown option --hlep"},
                                                                        {{"-x"}, "unknown option -x"},
                                                                        {{"quality"}, "almesh quality FILE"},
-                                                                       {{"quality", "a", "b"}, "almesh quality FILE"},
+                                                                       {{"quality", "a", "b"}, "expected `key = value`, got `b`"},
                                                                        {{"no/such.deck"}, "no/such.deck"}}) {
         const Outcome outcome = almesh_with(arguments);
         CHECK(outcome.code == 1);

@@ -254,24 +254,6 @@ TEST_CASE("the resolved deck finds the mesh from the output folder") {
     CHECK(mesh_line("a.msh", "../results") == here + "/a.msh");
 }
 
-TEST_CASE("what only the mesh can tell") {
-    const auto message = [](const std::string& text, int dim, const std::vector<std::string>& overrides = {}) {
-        try {
-            check_against_mesh(parsed(text, overrides), dim, {"inner", "outer wall"});
-        } catch (const UsageError& error) {
-            return std::string(error.what());
-        }
-        return std::string();
-    };
-    CHECK(message("boundary inner = translate 8 0\nboundary \"outer wall\" = fixed\nwall = inner", 2) == "");
-    CHECK(message("boundary iner = fixed", 2) ==
-          "inputs/circle.deck:2: the mesh has no boundary \"iner\", only \"inner\", \"outer wall\"");
-    CHECK(has(message("wall = outer", 2), "inputs/circle.deck:2: wall: the mesh has no boundary \"outer\""));
-    CHECK(has(message("", 2, {"wall=x"}), "command line: wall: the mesh has no boundary \"x\""));
-    CHECK(message("boundary inner = translate 8 0", 3) ==
-          "inputs/circle.deck:2: boundary \"inner\": `translate 8 0` needs 3 components in 3D");
-}
-
 TEST_CASE("deck files") {
     const auto message = [](const std::string& path) {
         try {

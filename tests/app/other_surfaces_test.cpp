@@ -144,6 +144,7 @@ TEST_CASE("which boundary of the other mesh: the one named, of the same name, or
     ring.folder.write("cube.msh", msh_of(cube_mesh(1)));
     Mesh one = ring_mesh(24, 2, 6);
     one.boundaries = {"rim"};
+    one.boundary_groups = {{"rim"}};
     for (int& boundary : one.face_boundary) boundary = 0;
     for (int& tag : one.file.face_physical) tag = 1;
     one.file.groups = {{1, 1, "rim"}};

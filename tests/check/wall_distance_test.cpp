@@ -19,10 +19,10 @@ using namespace almesh::test;
 
 namespace {
 
-std::vector<int> nodes_off_wall(const Mesh& mesh, int boundary) {
+std::vector<int> nodes_off_wall(const Mesh& mesh, const std::vector<char>& wall) {
     std::vector<char> on(mesh.nodes(), 0);
     for (int f = 0; f < mesh.face_count(); ++f)
-        if (mesh.face_boundary[f] == boundary)
+        if (wall[mesh.face_boundary[f]])
             for (int i = 0; i < mesh.face_nodes(); ++i) on[mesh.face(f)[i]] = 1;
     std::vector<int> off;
     for (int i = 0; i < mesh.nodes(); ++i)
@@ -68,12 +68,12 @@ TEST_CASE("points at a known offset from curved edges: layers of 1e-9 to 1e-1 on
             p[0] /= r;
             p[1] /= r;
         });
-        const int wall = mesh.boundary_index("inner");
+        const std::vector<char> wall = mesh.boundaries_in("inner");
         std::vector<double> expected(mesh.nodes(), 0.0);
         int k = 0;
         for (int i : nodes_off_wall(mesh, wall)) {
             int face = ++k % mesh.face_count();
-            while (mesh.face_boundary[face] != wall) face = (face + 1) % mesh.face_count();
+            while (!wall[mesh.face_boundary[face]]) face = (face + 1) % mesh.face_count();
             const double xi = 0.05 + 0.9 * fraction(k), d = std::pow(10.0, -1 - k % 9);
             std::array<double, 3> normal, p = face_point(mesh, x, face, &xi, &normal);
             for (int a = 0; a < 2; ++a) x[i * 2 + a] = p[a] + d * normal[a];
@@ -90,12 +90,12 @@ TEST_CASE("points at a known offset from curved triangles") {
     for (int degree : {1, 2, 4}) {
         const Mesh mesh = with_degree(cube_mesh(2), degree);
         std::vector<double> x = mapped(mesh, [](double* p) { p[2] += 0.1 * std::sin(3 * p[0]) * std::cos(2 * p[1]); });
-        const int wall = mesh.boundary_index("bottom");
+        const std::vector<char> wall = mesh.boundaries_in("bottom");
         std::vector<double> expected(mesh.nodes(), 0.0);
         int k = 0;
         for (int i : nodes_off_wall(mesh, wall)) {
             int face = ++k % mesh.face_count();
-            while (mesh.face_boundary[face] != wall) face = (face + 1) % mesh.face_count();
+            while (!wall[mesh.face_boundary[face]]) face = (face + 1) % mesh.face_count();
             double xi[2] = {0.05 + 0.4 * fraction(k), 0.05 + 0.4 * fraction(k + 0.5)};
             const double d = std::pow(10.0, -2 - k % 8);
             std::array<double, 3> normal, p = face_point(mesh, x, face, xi, &normal);
@@ -114,7 +114,7 @@ TEST_CASE("points beyond the rim of a flat wall are measured to its edges and co
         for (int degree : {1, 3}) {
             const Mesh mesh = with_degree(dim == 2 ? square_mesh(3) : cube_mesh(2), degree);
             std::vector<double> x = mesh.x;
-            const int wall = mesh.boundary_index("bottom");
+            const std::vector<char> wall = mesh.boundaries_in("bottom");
             for (int i : nodes_off_wall(mesh, wall))
                 for (int a = 0; a < dim; ++a) x[i * dim + a] = 4 * fraction(7.0 * i + 3.3 * a) - 1.5;
             const std::vector<double> distance = wall_distance(mesh, x, wall);
@@ -134,7 +134,7 @@ TEST_CASE("points beyond the rim of a flat wall are measured to its edges and co
 TEST_CASE("on one triangle the closest point is inside, on a side or at a corner") {
     const auto lowest = [](const double* p) { return p[2] < 0.1 ? "wall" : "rest"; };
     const Mesh mesh = with_degree(linear_mesh(3, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 1, 2, 3}, lowest), 3);
-    const int wall = mesh.boundary_index("wall");
+    const std::vector<char> wall = mesh.boundaries_in("wall");
     const struct {
         std::array<double, 3> x;
         double distance;
@@ -157,7 +157,7 @@ TEST_CASE("degenerate faces are measured as far as they go") {
     const auto lowest = [](const double* p) { return p[2] < 0.1 ? "wall" : "rest"; };
     const Mesh mesh = linear_mesh(3, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 1, 2, 3}, lowest);
     const auto distance_to = [&](const std::vector<double>& x) {
-        return wall_distance(mesh, x, mesh.boundary_index("wall"))[3];
+        return wall_distance(mesh, x, mesh.boundaries_in("wall"))[3];
     };
     CHECK(distance_to({0, 0, 0, 1, 0, 0, 2, 0, 0, 1.5, 3, 0}) == doctest::Approx(3));  // a segment
     CHECK(distance_to({1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 4, 5}) == doctest::Approx(5));    // a point
@@ -167,14 +167,15 @@ TEST_CASE("no point of a strongly curved wall is nearer than the distance found"
     for (int dim = 2; dim <= 3; ++dim) {
         const Mesh mesh = with_degree(dim == 2 ? square_mesh(2) : cube_mesh(1), 5);
         std::vector<double> x = mapped(mesh, [dim](double* p) { p[dim - 1] += 0.15 * std::sin(6 * p[0] + p[1]); });
-        const int wall = mesh.boundary_index("bottom"), steps = dim == 2 ? 2000 : 100;
+        const std::vector<char> wall = mesh.boundaries_in("bottom");
+        const int steps = dim == 2 ? 2000 : 100;
         for (int i : nodes_off_wall(mesh, wall))
             for (int a = 0; a < dim; ++a) x[i * dim + a] = 3 * fraction(5.0 * i + 1.7 * a) - 1;
         std::vector<std::array<double, 3>> samples;
         for (int f = 0; f < mesh.face_count(); ++f)
-            for (const MultiIndex& a : gmsh_node_order(dim - 1, mesh.face_boundary[f] == wall ? steps : 0)) {
+            for (const MultiIndex& a : gmsh_node_order(dim - 1, wall[mesh.face_boundary[f]] ? steps : 0)) {
                 const double xi[2] = {1.0 * a[1] / steps, 1.0 * a[2] / steps};
-                if (mesh.face_boundary[f] == wall) samples.push_back(face_point(mesh, x, f, xi));
+                if (wall[mesh.face_boundary[f]]) samples.push_back(face_point(mesh, x, f, xi));
             }
         const std::vector<double> distance = wall_distance(mesh, x, wall);
         for (int i : nodes_off_wall(mesh, wall)) {
@@ -191,18 +192,18 @@ TEST_CASE("no point of a strongly curved wall is nearer than the distance found"
 TEST_CASE("nodes of the wall are at distance zero, a wall without faces is an error, threads do not matter") {
     Mesh mesh = with_degree(cube_mesh(3), 2);
     const std::vector<double> x = wavy(mesh.x, 3, 0.03);
-    const int wall = mesh.boundary_index("sides");
+    const std::vector<char> wall = mesh.boundaries_in("sides");
     const int before = max_threads();
     set_threads(1);
     const std::vector<double> serial = wall_distance(mesh, x, wall);
     for (int f = 0; f < mesh.face_count(); ++f)
         for (int i = 0; i < mesh.face_nodes(); ++i)
-            if (mesh.face_boundary[f] == wall) CHECK(serial[mesh.face(f)[i]] == 0);
+            if (wall[mesh.face_boundary[f]]) CHECK(serial[mesh.face(f)[i]] == 0);
     for (int threads : {2, 3, 5}) {
         set_threads(threads);
         CHECK(wall_distance(mesh, x, wall) == serial);
     }
     set_threads(before);
-    mesh.boundaries.push_back("nowhere");
-    CHECK_THROWS_AS(wall_distance(mesh, x, mesh.boundary_index("nowhere")), InputError);
+    add_boundary(mesh, {"nowhere"});
+    CHECK_THROWS_AS(wall_distance(mesh, x, mesh.boundaries_in("nowhere")), InputError);
 }

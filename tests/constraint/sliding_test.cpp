@@ -90,7 +90,7 @@ TEST_CASE("along another mesh: its parts, those of faces at a fair angle before 
     const auto other = std::make_shared<const Mesh>(raise_degree(wide, 2));
     const int sides = base.boundary_index("sides");
     std::vector<OtherSurface> others(base.boundaries.size());
-    others[sides] = {other, other->boundary_index("sides")};
+    others[sides] = {other, other->boundaries_in("sides")};
     const BoundaryTarget target = target_of(base, {{"sides", "scale 0.8 1 1; slide"}});
     std::vector<char> slides(base.boundaries.size(), 0);
     slides[sides] = 1;

@@ -7,7 +7,7 @@ namespace {
 // Where the motion takes some points does not matter here.
 void move_points(const Deck& deck, int dim) {
     try {
-        check_against_mesh(deck, dim, {"inner", "outer"});
+        for (const DeckBoundary& line : deck.boundaries) check_dimension(line.motion, dim);
     } catch (const UsageError&) {
         return;
     }

@@ -109,18 +109,32 @@ TEST_CASE("two tags of one name are one boundary") {
     CHECK(mesh.file.face_physical == std::vector<int>{7, 7, 8, 7});
 }
 
-TEST_CASE("a boundary without a tag is refused with what to do") {
+TEST_CASE("boundary faces in no group are a boundary of their own, with a note") {
     RawMesh raw = square();
     raw.elements[1].physical = 0;
-    check_refused(
-        raw,
-        "square.msh: an untagged boundary: 1 boundary face without a physical curve, the first has the "
-        "nodes 2, 3 and the centre (1, 0.5); put every boundary curve into a Physical Curve of the .geo file");
+    raw.groups = {{1, 7, "wall"}};
+    Strings notes;
+    Mesh mesh = build_mesh(raw, notes);
+    CHECK(notes == Strings{"1 boundary face in no group is the boundary \"untagged\", the first has the nodes 2, 3 and "
+                           "the centre (1, 0.5)"});
+    CHECK(mesh.boundaries == Strings{"wall", "untagged"});
+    CHECK(mesh.file.face_id == std::vector<long long>{1, 3, 4, 2});
+    // What is written has them in a group; a name that is taken gets another.
+    raw.groups = {{1, 7, "untagged"}};
+    notes.clear();
+    mesh = build_mesh(raw, notes);
+    CHECK(mesh.boundaries == Strings{"untagged", "untagged-2"});
+    notes.clear();
+    CHECK(build_mesh(parse_msh(msh_text(mesh, mesh.x), "b.msh"), notes).boundaries == mesh.boundaries);
+    CHECK(notes.empty());
+
     raw = SampleMesh(3, 1, 1).raw;
     bool first = true;
     for (RawElement& element : raw.elements)
         if (element.dim == 2 && !std::exchange(first, false)) element.physical = 0;
-    check_refused(raw, "11 boundary faces without a physical surface");
+    build_mesh(raw, notes);
+    REQUIRE(notes.size() == 1);
+    CHECK(notes[0].find("11 boundary faces in no group are the boundary \"untagged\"") == 0);
 }
 
 TEST_CASE("boundary faces that lie on each other because nodes are not joined are told as such") {
@@ -128,40 +142,57 @@ TEST_CASE("boundary faces that lie on each other because nodes are not joined ar
     raw.nodes.push_back({9, {1, 1, 0}, 9});  // node 3 once more, of the second triangle
     raw.element_nodes[raw.elements[5].first + 1] = 4;
     raw.element_nodes[raw.elements[2].first] = 4;
-    check_refused(raw, "the centre (0.5, 0.5); 1 pair lies on each other, as nodes 3, 9 are at one point: unless "
-                       "the mesh is to be cut there, join such nodes (in gmsh: Coherence Mesh); "
-                       "else put every boundary curve");
-    std::erase_if(raw.elements, [](const RawElement& element) { return element.dim == 1; });
-    Strings notes;
-    build_mesh(raw, notes);
-    REQUIRE(notes.size() == 2);
-    CHECK(notes[1] == "of the boundary's faces, 1 pair lies on each other, as nodes 3, 9 are at one point: unless the "
-                      "mesh is to be cut there, join such nodes (in gmsh: Coherence Mesh)");
+    for (const bool tagged : {true, false}) {
+        if (!tagged) std::erase_if(raw.elements, [](const RawElement& element) { return element.dim == 1; });
+        Strings notes;
+        build_mesh(raw, notes);
+        REQUIRE(notes.size() == 2);
+        CHECK(notes[1] == "of the boundary's faces, 1 pair lies on each other, as nodes 3, 9 are at one point: unless "
+                          "the mesh is to be cut there, join such nodes (in gmsh: Coherence Mesh)");
+    }
 }
 
-TEST_CASE("a tagged face of no element is refused") {
+TEST_CASE("a tagged face of no element is left out, with a note") {
     RawMesh raw = square();
     append_element(raw, 1, 7, {1, 3});
-    check_refused(raw, "square.msh:1006: element 7 with tag 7 is the face of no triangle");
-    raw = square();
+    Strings notes;
+    CHECK(build_mesh(raw, notes).face_count() == 4);
+    CHECK(notes == Strings{"1 face of physical groups is the face of no triangle, the first is element 7 (line 1006): "
+                           "left out"});
     raw.nodes.push_back({5, {2, 2, 0}, 9});
     append_element(raw, 1, 7, {4, 3});  // node 5 belongs to no element
-    check_refused(raw, "element 7 with tag 7 is the face of no triangle");
+    notes.clear();
+    CHECK(build_mesh(raw, notes).face_count() == 4);
+    CHECK(notes == Strings{"2 faces of physical groups are faces of no triangle, the first is element 7 (line 1006): "
+                           "left out"});
 }
 
-TEST_CASE("a boundary face has one tag") {
+TEST_CASE("faces in two groups are a boundary of both, and are written as they came") {
     RawMesh raw = square();
-    append_element(raw, 1, 8, {1, 0});
-    check_refused(raw, "square.msh:1006: element 7 with tag 8 has the vertices of element 1 (line 1000) with tag 7");
-    raw.elements.back().physical = 7;
+    append_element(raw, 1, 8, {1, 0});  // edge 1 once more, the other way round
     Strings notes;
-    CHECK(build_mesh(raw, notes).file.face_id == std::vector<long long>{1, 2, 3, 4});
-    CHECK(notes == Strings{"1 repeated boundary face dropped"});
+    Mesh mesh = build_mesh(raw, notes);
+    CHECK(notes.empty());
+    CHECK(mesh.boundaries == Strings{"tag 7 + tag 8", "tag 7"});
+    CHECK(mesh.boundary_groups == std::vector<Strings>{{"tag 7", "tag 8"}, {"tag 7"}});
+    CHECK(mesh.boundaries_in("tag 7") == std::vector<char>{1, 1});
+    CHECK(mesh.boundaries_in("tag 8") == std::vector<char>{1, 0});
+    CHECK(mesh.file.face_id == std::vector<long long>{1, 2, 3, 4});
+    CHECK(mesh.kept[1].nodes == std::vector<int>{1, 0});
+    Mesh again = build_mesh(parse_msh(msh_text(mesh, mesh.x), "b.msh"), notes);
+    CHECK(again.boundary_groups == std::vector<Strings>{{"tag 7", "tag 8"}, {"tag 7"}});
+    CHECK(again.kept[1].id == std::vector<long long>{7});
 
-    raw = square();
+    raw.elements.back().physical = 7;  // the same face twice
+    mesh = build_mesh(raw, notes);
+    CHECK(mesh.boundaries == Strings{"tag 7"});
+    CHECK(mesh.kept[1].id == std::vector<long long>{7});
+
+    raw = square();  // by the curve, as in MSH 4
     raw.elements[3].entity = 4;
     raw.entities = {{{1, 4}, {7, 8}}};
-    check_refused(raw, "square.msh:1003: element 4 lies on curve 4, which has the tags 7 and 8");
+    CHECK(build_mesh(raw, notes).boundary_groups == std::vector<Strings>{{"tag 7"}, {"tag 7", "tag 8"}});
+    CHECK(notes.empty());
 }
 
 TEST_CASE("tagged faces inside the mesh are kept beside its boundary") {
@@ -175,11 +206,29 @@ TEST_CASE("tagged faces inside the mesh are kept beside its boundary") {
     CHECK(notes.empty());
 }
 
-TEST_CASE("elements there twice and faces of three elements are refused") {
+TEST_CASE("elements in two groups are there once, and are written as they came") {
     RawMesh raw = square();
-    append_element(raw, 2, 9, {2, 0, 1});
-    check_refused(raw, "square.msh:1006: element 7 has the vertices of element 5 (line 1004)");
-    raw = square();
+    append_element(raw, 2, 10, {2, 0, 1});
+    append_element(raw, 2, 11, {0, 2, 1});  // turned
+    Strings notes;
+    const Mesh mesh = build_mesh(raw, notes);
+    CHECK(mesh.element_count() == 2);
+    CHECK(notes == Strings{"2 elements given more than once, the first is element 7 (line 1006)"});
+    CHECK(mesh.kept[2].nodes == std::vector<int>{2, 0, 1, 0, 2, 1});
+    CHECK(mesh.kept[2].element == std::vector<int>{0, 0});
+    CHECK(mesh.kept[2].physical == std::vector<int>{10, 11});
+    const Mesh fine = refine(mesh, 1);
+    CHECK(fine.kept[2].count() == 8);
+    CHECK(fine.kept[2].element == std::vector<int>{0, 1, 2, 3, 0, 1, 2, 3});
+    const Mesh curved = raise_degree(mesh, 3);
+    notes.clear();
+    const Mesh again = build_mesh(parse_msh(msh_text(curved, curved.x), "b.msh"), notes);
+    CHECK(again.kept[2].count() == 2);
+    CHECK(again.element_count() == 2);
+}
+
+TEST_CASE("faces of three elements are refused") {
+    RawMesh raw = square();
     raw.nodes.push_back({5, {0.2, 0.8, 0}, 9});
     append_element(raw, 2, 9, {0, 2, 4});
     check_refused(raw,
@@ -206,9 +255,10 @@ TEST_CASE("neighbours and their boundary share all nodes of a face") {
 
 TEST_CASE("large meshes report the same first error, and all there is to count, for any number of threads") {
     const RawMesh good = SampleMesh(3, 1, 9).raw;  // 1000 nodes
-    RawMesh twice = good, untagged = good, inside = good;
+    RawMesh twice = good, third = good, untagged = good, inside = good;
     const auto node = [&good](int tetrahedron) { return &good.element_nodes[good.elements[tetrahedron + 972].first]; };
     for (const int k : {400, 40, 4000}) append_element(twice, 3, 9, {node(k), node(k) + 4});
+    for (const int k : {400, 40, 4000}) append_element(third, 3, 9, {node(k)[0], node(k)[1], node(k)[2], node(k + 90)[3]});
     for (const int k : {1212, 2184, 3156}) append_element(inside, 2, 9, {node(k), node(k) + 3});
     bool first = true;
     for (RawElement& element : untagged.elements)
@@ -216,9 +266,14 @@ TEST_CASE("large meshes report the same first error, and all there is to count, 
     const int before = max_threads();
     for (const int threads : {1, 2, 3, 5}) {
         set_threads(threads);
-        check_refused(twice, "element 5348 has the vertices of element 1013 (line 2012)");
-        check_refused(untagged, "971 boundary faces without a physical surface, the first has the nodes");
+        check_refused(third, "is the third at the face with the nodes");
         Strings notes;
+        CHECK(build_mesh(twice, notes).kept[3].id == std::vector<long long>{5347, 5348, 5349});
+        build_mesh(untagged, notes);
+        REQUIRE(notes.size() == 2);
+        CHECK(notes[0] == "3 elements given more than once, the first is element 5347 (line 6346)");
+        CHECK(notes[1].find("971 boundary faces in no group are the boundary \"untagged\"") == 0);
+        notes.clear();
         CHECK(build_mesh(inside, notes).kept[2].id == std::vector<long long>{5347, 5348, 5349});
         CHECK(notes.empty());
     }

@@ -59,13 +59,6 @@ RawMesh square() {
     return raw;
 }
 
-std::string note_of(const RawMesh& raw) {
-    std::vector<std::string> notes;
-    build_mesh(raw, notes);
-    REQUIRE(notes.size() == 1);
-    return notes[0];
-}
-
 void check_refused(const RawMesh& raw, const char* message) {
     std::vector<std::string> notes;
     CHECK_THROWS_WITH_AS(build_mesh(raw, notes), Contains(message), InputError);
@@ -115,13 +108,14 @@ TEST_CASE("negatively oriented elements are turned with all their nodes") {
         }
 }
 
-TEST_CASE("nodes without an element are dropped") {
+TEST_CASE("nodes without an element are no nodes of the mesh, but written again") {
     RawMesh raw = square();
     raw.nodes.insert(raw.nodes.begin(), {77, {5, 5, 3}, 4});
     for (int& node : raw.element_nodes) ++node;
-    CHECK(note_of(raw) == "1 node without an element dropped, the first with id 77");
-    std::vector<std::string> notes;
-    const Mesh mesh = build_mesh(raw, notes);
+    const Mesh mesh = build_quietly(raw);
+    REQUIRE(mesh.file.loose.size() == 1);
+    CHECK(mesh.file.loose[0].id == 77);
+    CHECK(mesh.file.loose[0].x == std::array<double, 3>{5, 5, 3});
     CHECK(mesh.file.node_id == std::vector<long long>{1, 2, 3, 4});
     CHECK(mesh.x == std::vector<double>{0, 0, 1, 0, 1, 1, 0, 1});
     CHECK(mesh.elements == std::vector<int>{0, 1, 2, 0, 2, 3});
@@ -130,7 +124,7 @@ TEST_CASE("nodes without an element are dropped") {
 TEST_CASE("a 2D mesh lies in a plane z = constant") {
     RawMesh raw = square();
     for (RawNode& node : raw.nodes) node.x[2] = 0.5;
-    CHECK(note_of(raw) == "the mesh lies in the plane z = 0.5, results are written at z = 0");
+    CHECK(build_quietly(raw).file.z == 0.5);
     raw.nodes[2].x[2] = 0.75;
     check_refused(raw, "square.msh: the triangles form a surface in space, z goes from 0.5 (node 1) to 0.75 (node 3)");
 }

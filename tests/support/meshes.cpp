@@ -38,7 +38,7 @@ Mesh linear_mesh(int dim, std::vector<double> x, std::vector<int> elements, cons
         mesh.face_element.push_back(e);
         const std::string boundary = name(centre.data());
         if (mesh.boundary_index(boundary) < 0) {
-            mesh.boundaries.push_back(boundary);
+            add_boundary(mesh, {boundary});
             mesh.file.groups.push_back({dim - 1, static_cast<int>(mesh.boundaries.size()), boundary});
         }
         mesh.face_boundary.push_back(mesh.boundary_index(boundary));

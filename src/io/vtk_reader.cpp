@@ -1,0 +1,186 @@
+// The grid of a legacy VTK file: points, cells and their types. What stands behind them, the data, is left out.
+#include <algorithm>
+#include <climits>
+#include <cstdint>
+#include <cstring>
+#include <map>
+
+#include "base/bytes.hpp"
+#include "io/text_scanner.hpp"
+#include "io/vtk.hpp"
+
+namespace almesh {
+namespace {
+
+struct VtkCell {
+    int dim, degree;
+};
+
+// Of a type with this number of nodes; dim -1: of another kind.
+VtkCell cell_of(int type, int nodes) {
+    if (type == 1 && nodes == 1) return {0, 1};
+    for (int dim = 1; dim <= 3; ++dim)
+        for (int degree = 1; degree <= max_degree; ++degree)
+            if (simplex(dim).vtk_types[std::min(degree, 3) - 1] == type && simplex_node_count(dim, degree) == nodes)
+                return {dim, degree};
+    return {-1, 0};
+}
+
+struct VtkReader {
+    TextScanner in;
+    bool binary = false;
+
+    RawMesh read() {
+        in.next_line();
+        in.rest_of_line();  // # vtk DataFile Version 3.0
+        line();             // the title
+        const std::string encoding = line();
+        if (encoding != "ASCII" && encoding != "BINARY") in.fail("expected ASCII or BINARY, got `", encoding, "`");
+        const std::string dataset = line();
+        if (dataset != "DATASET UNSTRUCTURED_GRID")
+            in.fail("only DATASET UNSTRUCTURED_GRID is read, got `", dataset, "`");
+        binary = encoding == "BINARY";
+        RawMesh mesh;
+        std::vector<int> numbers;  // of each cell its number of nodes, then these
+        long long cells = 0;
+        while (in.next_line()) {
+            const std::string keyword = word();
+            if (keyword == "FIELD") skip_fields();
+            else if (keyword == "POINTS") points(mesh);
+            else if (keyword == "CELLS") numbers = cell_numbers(cells);
+            else if (keyword == "CELL_TYPES") types(numbers, cells, mesh);
+            else if (keyword == "POINT_DATA" || keyword == "CELL_DATA") break;
+            else in.fail("expected POINTS, CELLS, CELL_TYPES or FIELD, got `", keyword.substr(0, 40), "`");
+        }
+        if (mesh.nodes.empty() || mesh.elements.empty()) in.fail("there are no POINTS, or no CELLS with CELL_TYPES");
+        return mesh;
+    }
+
+    std::string line() {
+        if (in.at != in.end) ++in.at, ++in.line;
+        return std::string(in.rest_of_line());
+    }
+
+    std::string word() {
+        in.at_line_end();
+        const char* const begin = in.at;
+        while (in.at != in.end && !std::isspace(static_cast<unsigned char>(*in.at))) ++in.at;
+        return {begin, in.at};
+    }
+
+    void begin_values() {
+        in.rest_of_line();
+        if (binary && in.at != in.end) ++in.at;
+    }
+
+    template <class Number>
+    Number next_in_binary() {
+        if (in.end - in.at < static_cast<std::ptrdiff_t>(sizeof(Number))) in.fail("the file is cut off");
+        const auto value = from_bytes<Number>(in.at, std::endian::big);
+        in.at += sizeof(Number);
+        return value;
+    }
+
+    double real(bool is_float) {
+        if (binary) return is_float ? next_in_binary<float>() : next_in_binary<double>();
+        if (!in.next_line()) in.fail("the file is cut off");
+        return in.real("a coordinate");
+    }
+
+    int integer(const char* what) {
+        if (binary) return next_in_binary<std::int32_t>();
+        if (!in.next_line()) in.fail("the file is cut off");
+        return in.small_integer(what);
+    }
+
+    // Strings that say where the file comes from.
+    void skip_fields() {
+        word();
+        const long long fields = in.integer("the number of fields", 0, INT_MAX);
+        for (long long k = 0; k < fields; ++k) {
+            if (!in.next_line()) in.fail("the file is cut off");
+            word();
+            const long long count = in.integer("the components", 0, INT_MAX) * in.integer("the tuples", 0, INT_MAX);
+            if (const std::string type = word(); type != "string") in.fail("a field of type ", type, " is not read");
+            in.rest_of_line();
+            for (long long i = 0; i < count; ++i) {
+                if (!binary) {
+                    line();
+                    continue;
+                }
+                ++in.at;
+                const int first = next_in_binary<std::uint8_t>();
+                const int size = first >= 0xc0 ? first & 0x3f : (first & 0x3f) << 8 | next_in_binary<std::uint8_t>();
+                if (in.end - in.at < size) in.fail("the file is cut off");
+                in.at += size;
+            }
+        }
+    }
+
+    void points(RawMesh& mesh) {
+        const long long count = in.integer("the number of points", 1, INT_MAX);
+        const std::string type = word();
+        if (type != "double" && type != "float") in.fail("points of type ", type, ": only double and float are read");
+        begin_values();
+        for (long long i = 0; i < count; ++i) {
+            RawNode node{i + 1, {}, binary ? 0 : in.line};
+            for (double& x : node.x) x = real(type == "float");
+            mesh.nodes.push_back(node);
+        }
+    }
+
+    std::vector<int> cell_numbers(long long& cells) {
+        cells = in.integer("the number of cells", 1, INT_MAX);
+        const long long size = in.integer("the size of the list of cells", 1, LLONG_MAX);
+        if (!binary && size > in.end - in.at) in.fail("the file is cut off");
+        begin_values();
+        if (!binary && in.next_line() && *in.at == 'O') in.fail("cells by OFFSETS: save it as version 4.2 or below");
+        std::vector<int> numbers;
+        for (long long k = 0; k < size; ++k) numbers.push_back(integer("the number of a point"));
+        return numbers;
+    }
+
+    void types(const std::vector<int>& numbers, long long cells, RawMesh& mesh) {
+        if (in.integer("the number of types", 0, INT_MAX) != cells) in.fail("not as many types as cells");
+        begin_values();
+        std::map<VtkCell, std::vector<int>, decltype([](const VtkCell& a, const VtkCell& b) {
+                     return a.dim != b.dim ? a.dim < b.dim : a.degree < b.degree;
+                 })> orders;
+        std::size_t at = 0;
+        for (long long c = 0; c < cells; ++c) {
+            const int type = integer("the type of a cell");
+            const int nodes = at < numbers.size() ? numbers[at] : -1;
+            if (nodes < 1 || numbers.size() - at < static_cast<std::size_t>(nodes) + 1)
+                in.fail("the list of cells ends before cell ", c);
+            const VtkCell cell = cell_of(type, nodes);
+            if (cell.dim < 0)
+                in.fail("cell ", c, " of type ", type, " with ", nodes, " nodes: only simplices are read");
+            std::vector<int>& order = orders[cell];
+            if (order.empty()) order = cell.dim ? vtk_node_order(cell.dim, cell.degree) : std::vector<int>{0};
+            mesh.elements.push_back(
+                {c + 1, mesh.element_nodes.size(), binary ? 0 : in.line, cell.dim, cell.degree, 0, 0});
+            mesh.element_nodes.resize(mesh.element_nodes.size() + nodes);
+            for (int k = 0; k < nodes; ++k) {
+                const int node = numbers[at + 1 + k];
+                if (node < 0 || node >= static_cast<int>(mesh.nodes.size()))
+                    in.fail("cell ", c, " has the point ", node, ", of ", mesh.nodes.size());
+                mesh.element_nodes[mesh.elements.back().first + order[k]] = node;
+            }
+            at += nodes + 1;
+        }
+    }
+};
+
+}  // namespace
+
+bool looks_like_vtk(std::string_view text) { return text.starts_with("# vtk DataFile Version"); }
+
+RawMesh parse_vtk(std::string_view text, const std::string& path) {
+    VtkReader reader{TextScanner(text, path)};
+    RawMesh mesh = reader.read();
+    mesh.path = path;
+    mesh.format.kind = FileFormat::Kind::vtk;
+    return mesh;
+}
+
+}  // namespace almesh

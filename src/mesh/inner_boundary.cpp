@@ -1,0 +1,241 @@
+// The sides of all elements, the boundary faces and the wanted kept faces are sorted by their vertices; those with the
+// same vertices are one face, whose groups are those of all of them.
+#include "mesh/inner_boundary.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "mesh/lagrange.hpp"
+#include "mesh/raw_mesh.hpp"
+#include "mesh/sides.hpp"
+#include "mesh/winding.hpp"
+
+namespace almesh {
+namespace {
+
+using Names = std::vector<std::string>;
+
+bool has(const Names& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// Of a cell of the file: of its entity, or its own.
+Names groups_of(const FileTags& file, int dim, int physical, int entity) {
+    Names names;
+    const FileEntity* const listed = find_entity(file.entities, dim, entity);
+    const std::vector<int> own = {physical};
+    for (const int tag : listed && !listed->physical.empty() ? listed->physical : own)
+        if (tag > 0) names.push_back(group_name(file.groups, dim, tag));
+    return names;
+}
+
+void add_cell(const FileTags& file, int dim, int physical, int entity, int cell, std::vector<GroupCells>& groups) {
+    for (const std::string& name : groups_of(file, dim, physical, entity)) {
+        const auto is_it = [&name](const GroupCells& group) { return group.name == name; };
+        const auto same = std::find_if(groups.begin(), groups.end(), is_it);
+        if (same == groups.end()) groups.push_back({name, {cell}});
+        else if (same->cells.back() != cell) same->cells.push_back(cell);
+    }
+}
+
+struct InnerFace {
+    std::array<int, 2> side;  // of the elements on both sides, element * corners + local number; it belongs to the first
+    Names groups;
+    int kept;  // among the kept faces; -1: not in the file
+};
+
+struct InnerBuilder {
+    Mesh& mesh;
+    const Names& groups;
+    const Names& volumes;
+    const int dim = mesh.dim, corners = dim + 1;
+    const KeptCells& kept = mesh.kept[dim - 1];
+    const std::vector<std::vector<int>> face_nodes = LagrangeBasis(dim, mesh.degree).face_nodes();
+    std::vector<Names> volumes_of{};  // per element: of those wanted
+    std::vector<InnerFace> inner{};
+    std::set<int> taken{};            // kept faces that are boundary faces now
+
+    void find_volumes() {
+        volumes_of.resize(mesh.element_count());
+        const auto add = [&](int e, int physical, int entity) {
+            for (const std::string& name : groups_of(mesh.file, dim, physical, entity))
+                if (has(volumes, name) && !has(volumes_of[e], volume_group(name)))
+                    volumes_of[e].push_back(volume_group(name));
+        };
+        for (int e = 0; e < mesh.element_count(); ++e)
+            add(e, mesh.file.element_physical[e], mesh.file.element_entity[e]);
+        const KeptCells& again = mesh.kept[dim];
+        for (int c = 0; c < again.count(); ++c) add(again.element[c], again.physical[c], again.entity[c]);
+    }
+
+    void find_faces() {
+        std::vector<Side> sides;
+        const int first_face = mesh.element_count() * corners, first_kept = first_face + mesh.face_count();
+        for (int e = 0; e < mesh.element_count(); ++e)
+            for (int k = 0; k < corners; ++k)
+                sides.push_back(side_of_simplex(dim, mesh.element(e), k, e * corners + k));
+        for (int f = 0; f < mesh.face_count(); ++f)
+            sides.emplace_back(std::span(mesh.face(f), static_cast<std::size_t>(dim)), first_face + f);
+        for (int c = 0; c < kept.count(); ++c)
+            sides.emplace_back(std::span(&kept.nodes[offset(c, mesh.face_nodes())], static_cast<std::size_t>(dim)),
+                               first_kept + c);
+        for_equal_sides(sides, [&](std::span<const Side> equal) {
+            InnerFace found{{-1, -1}, {}, -1};
+            int face = -1, elements = 0;
+            for (const Side& side : equal) {
+                if (side.number < first_face) {
+                    if (elements < 2) found.side[elements++] = side.number;
+                    for (const std::string& name : volumes_of[side.number / corners])
+                        if (!has(found.groups, name)) found.groups.push_back(name);
+                } else if (side.number < first_kept) {
+                    face = side.number - first_face;
+                } else {
+                    const int c = side.number - first_kept;
+                    for (const std::string& name : groups_of(mesh.file, dim - 1, kept.physical[c], kept.entity[c])) {
+                        if (!has(groups, name) || has(found.groups, name)) continue;
+                        found.groups.push_back(name);
+                        if (found.kept < 0) found.kept = c;
+                    }
+                }
+            }
+            if (found.groups.empty()) return;
+            if (face >= 0) add_groups(face, found.groups);
+            else if (elements == 2) inner.push_back(std::move(found));
+        });
+    }
+
+    int boundary_with(const Names& of, bool is_inner) {
+        for (std::size_t b = 0; b < mesh.boundaries.size(); ++b)
+            if (mesh.boundary_groups[b] == of && (mesh.inner[b] != 0) == is_inner) return static_cast<int>(b);
+        mesh.inner.push_back(is_inner);
+        return add_boundary(mesh, of);
+    }
+
+    void add_groups(int face, const Names& more) {
+        Names of = mesh.boundary_groups[mesh.face_boundary[face]];
+        for (const std::string& name : more)
+            if (!has(of, name)) of.push_back(name);
+        mesh.face_boundary[face] = boundary_with(of, mesh.is_inner(face));
+    }
+
+    // Neighbours of the same groups alike: along the side that they share one goes the other way.
+    void orient() {
+        std::vector<Side> sides;
+        std::vector<int> vertices;
+        for (const InnerFace& face : inner) {
+            const CellFace& local = mesh.cell().faces[face.side[0] % corners];
+            for (int k = 0; k < dim; ++k) vertices.push_back(mesh.element(face.side[0] / corners)[local[k]]);
+        }
+        for (int f = 0; f < static_cast<int>(inner.size()); ++f)
+            for (int k = 0; k < dim; ++k)
+                sides.push_back(side_of_simplex(dim - 1, &vertices[offset(f, dim)], k, f * dim + k));
+        struct Neighbour {
+            int face;
+            bool alike;
+        };
+        std::vector<std::vector<Neighbour>> neighbours(inner.size());
+        for_equal_sides(sides, [&](std::span<const Side> equal) {
+            if (equal.size() != 2) return;
+            const auto direction = [&](const Side& s) { return dim == 2 ? s.number % dim == 0 : s.even; };
+            const int f = equal[0].number / dim, g = equal[1].number / dim;
+            if (inner[f].groups != inner[g].groups) return;
+            const bool alike = direction(equal[0]) != direction(equal[1]);
+            neighbours[f].push_back({g, alike});
+            neighbours[g].push_back({f, alike});
+        });
+        std::vector<char> seen(inner.size(), 0), turned(inner.size(), 0);
+        for (int first = 0; first < static_cast<int>(inner.size()); ++first) {
+            if (seen[first]) continue;
+            std::vector<int> front = {first};
+            seen[first] = 1;
+            while (!front.empty()) {
+                const int f = front.back();
+                front.pop_back();
+                for (const auto [g, alike] : neighbours[f]) {
+                    if (seen[g]) continue;
+                    seen[g] = 1;
+                    turned[g] = alike ? turned[f] : !turned[f];
+                    front.push_back(g);
+                }
+            }
+        }
+        for (std::size_t f = 0; f < inner.size(); ++f)
+            if (turned[f]) std::swap(inner[f].side[0], inner[f].side[1]);
+    }
+
+    void append() {
+        std::stable_sort(inner.begin(), inner.end(),
+                         [](const InnerFace& a, const InnerFace& b) { return (a.kept < 0) < (b.kept < 0); });
+        for (const InnerFace& face : inner) {
+            const int e = face.side[0] / corners, c = face.kept;
+            for (const int k : face_nodes[face.side[0] % corners]) mesh.faces.push_back(mesh.element(e)[k]);
+            mesh.face_element.push_back(e);
+            mesh.face_boundary.push_back(boundary_with(face.groups, true));
+            mesh.file.face_id.push_back(c < 0 ? 0 : kept.id[c]);
+            mesh.file.face_physical.push_back(c < 0 ? not_in_file : kept.physical[c]);
+            mesh.file.face_entity.push_back(c < 0 ? 0 : kept.entity[c]);
+            mesh.file.face_winding.resize(mesh.face_count() - 1);
+            mesh.file.face_winding.push_back(c < 0 ? 0 : winding(mesh.face(mesh.face_count() - 1),
+                                                                 &kept.nodes[offset(c, mesh.face_nodes())], dim));
+            if (c >= 0) taken.insert(c);
+        }
+    }
+
+    void take_out_of_kept() {
+        const KeptCells all = kept;
+        const int width = mesh.face_nodes();
+        KeptCells& rest = mesh.kept[dim - 1] = {};
+        for (int c = 0; c < all.count(); ++c) {
+            if (taken.contains(c)) continue;
+            rest.nodes.insert(rest.nodes.end(), &all.nodes[offset(c, width)], &all.nodes[offset(c, width)] + width);
+            rest.element.push_back(all.element[c]);
+            rest.id.push_back(all.id[c]);
+            rest.physical.push_back(all.physical[c]);
+            rest.entity.push_back(all.entity[c]);
+        }
+    }
+};
+
+}  // namespace
+
+std::vector<GroupCells> inner_groups(const Mesh& mesh) {
+    const KeptCells& kept = mesh.kept[mesh.dim - 1];
+    const auto dim = static_cast<std::size_t>(mesh.dim);
+    std::vector<Side> sides;
+    for (int f = 0; f < mesh.face_count() && kept.count() > 0; ++f)
+        sides.emplace_back(std::span(mesh.face(f), dim), -1);
+    for (int c = 0; c < kept.count(); ++c)
+        sides.emplace_back(std::span(&kept.nodes[offset(c, mesh.face_nodes())], dim), c);
+    std::vector<int> inside;
+    for_equal_sides(sides, [&](std::span<const Side> equal) {
+        for (const Side& side : equal)
+            if (equal[0].number >= 0) inside.push_back(side.number);
+    });
+    std::sort(inside.begin(), inside.end());
+    std::vector<GroupCells> groups;
+    for (const int c : inside) add_cell(mesh.file, mesh.dim - 1, kept.physical[c], kept.entity[c], c, groups);
+    return groups;
+}
+
+std::vector<GroupCells> volume_groups(const Mesh& mesh) {
+    std::vector<GroupCells> groups;
+    for (int e = 0; e < mesh.element_count(); ++e)
+        add_cell(mesh.file, mesh.dim, mesh.file.element_physical[e], mesh.file.element_entity[e], e, groups);
+    const KeptCells& again = mesh.kept[mesh.dim];
+    for (int c = 0; c < again.count(); ++c)
+        add_cell(mesh.file, mesh.dim, again.physical[c], again.entity[c], again.element[c], groups);
+    return groups;
+}
+
+void make_inner_boundaries(Mesh& mesh, const Names& groups, const Names& volumes) {
+    mesh.inner.assign(mesh.boundaries.size(), 0);
+    InnerBuilder builder{mesh, groups, volumes};
+    builder.find_volumes();
+    builder.find_faces();
+    builder.orient();
+    builder.append();
+    builder.take_out_of_kept();
+}
+
+}  // namespace almesh

@@ -1,0 +1,39 @@
+// Surfaces inside a mesh and whole volumes as boundaries: an inner boundary is a set of faces between two elements,
+// each face once, and has a motion like an outer one. Of a volume whose nodes all follow a motion it is every side of
+// its elements.
+#pragma once
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+// Some cells of a mesh, of a physical group.
+struct GroupCells {
+    std::string name;
+    std::vector<int> cells;
+};
+
+// The physical groups that have faces inside the mesh, with these among Mesh::kept, and those of its elements, each
+// with its elements; in the order of their first cells.
+std::vector<GroupCells> inner_groups(const Mesh& mesh);
+std::vector<GroupCells> volume_groups(const Mesh& mesh);
+
+// What stands for a volume among the groups of a boundary.
+inline std::string volume_group(const std::string& name) { return "volume " + name; }
+
+// The first faces of the mesh: those that are written to a file.
+inline std::size_t faces_in_file(const Mesh& mesh) {
+    const std::vector<int>& physical = mesh.file.face_physical;
+    return static_cast<std::size_t>(std::find(physical.begin(), physical.end(), not_in_file) - physical.begin());
+}
+
+// Makes boundaries of the faces inside the mesh that belong to the groups, taken out of Mesh::kept, and of all sides of
+// the elements of the volumes. Sides of these that are on another boundary belong to the volume too. Neighbouring faces
+// of an inner boundary are oriented alike. Behind all other faces stand those that the file does not have, with the
+// physical tag not_in_file. Cost: O(elements log elements).
+void make_inner_boundaries(Mesh& mesh, const std::vector<std::string>& groups, const std::vector<std::string>& volumes);
+
+}  // namespace almesh

@@ -1,0 +1,51 @@
+#include "mesh/smooth_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "base/disjoint_sets.hpp"
+#include "base/index.hpp"
+#include "mesh/sides.hpp"
+
+namespace almesh {
+
+Vec<3> unit_normal(const Mesh& mesh, int f) {
+    const auto edge = [&](int v) {
+        Vec<3> d{};
+        for (int a = 0; a < mesh.dim; ++a)
+            d[a] = point(mesh.x, mesh.face(f)[v], mesh.dim)[a] - point(mesh.x, mesh.face(f)[0], mesh.dim)[a];
+        return d;
+    };
+    const Vec<3> n = mesh.dim == 2 ? Vec<3>{edge(1)[1], -edge(1)[0], 0} : cross(edge(1), edge(2));
+    const double size = std::sqrt(dot(n, n));
+    return size > 0 ? 1 / size * n : n;
+}
+
+std::vector<int> smooth_parts(const Mesh& mesh, double feature_angle) {
+    std::vector<Vec<3>> normal(mesh.face_count());
+    std::vector<Side> sides;
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        normal[f] = unit_normal(mesh, f);
+        for (int k = 0; k < mesh.dim && !mesh.is_inner(f); ++k)
+            sides.push_back(side_of_simplex(mesh.dim - 1, mesh.face(f), k, f));
+    }
+    DisjointSets connected(mesh.face_count());
+    for_equal_sides(sides, [&](std::span<const Side> equal) {
+        for (const Side& other : equal.subspan(1)) {
+            const Vec<3>&a = normal[equal[0].number], &b = normal[other.number];
+            const Vec<3> c = cross(a, b);
+            const double angle = std::atan2(std::sqrt(dot(c, c)), dot(a, b)) * 180 / std::numbers::pi;
+            if (angle <= feature_angle) connected.join(equal[0].number, other.number);
+        }
+    });
+    std::map<int, int> number;
+    std::vector<int> part(mesh.face_count(), 0);
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (!mesh.is_inner(f))
+            part[f] = number.try_emplace(connected.find(f), static_cast<int>(number.size()) + 1).first->second;
+    return part;
+}
+
+}  // namespace almesh

@@ -1,0 +1,62 @@
+#include <doctest/doctest.h>
+
+#include "base/error.hpp"
+#include "io/mesh_format.hpp"
+#include "io/vtk.hpp"
+#include "mesh/build.hpp"
+#include "support/sample_mesh.hpp"
+
+using namespace almesh;
+using doctest::Contains;
+
+namespace {
+
+std::string text_of(const Mesh& mesh, VtkFormat format) {
+    return vtk_text({"a title", mesh.dim, mesh.degree, mesh.x, mesh.elements, mesh.dim, {},
+                     {{"distortion", 1, std::vector<double>(mesh.element_count(), 1.5)}},
+                     {{"program", "almesh of today"}, {"long", std::string(100, 'a')}}},
+                    format);
+}
+
+}  // namespace
+
+TEST_CASE("what is written as VTK is read again") {
+    for (const int dim : {2, 3})
+        for (int degree = 1; degree <= 5; ++degree)
+            for (const VtkFormat format : {VtkFormat::ascii, VtkFormat::binary}) {
+                CAPTURE(dim);
+                CAPTURE(degree);
+                std::vector<std::string> notes;
+                const Mesh mesh = build_mesh(SampleMesh(dim, degree, 2).raw, notes);
+                const std::string text = text_of(mesh, format);
+                CHECK(looks_like_vtk(text));
+                const Mesh read = build_mesh(parse_mesh(text, "final.vtk"), notes);
+                CHECK(read.elements == mesh.elements);
+                CHECK(read.x == mesh.x);
+                CHECK(read.boundaries == std::vector<std::string>{"boundary"});
+                CHECK(to_string(read.file.format) == "legacy VTK");
+            }
+}
+
+TEST_CASE("other VTK files are refused with a sentence") {
+    std::vector<std::string> notes;
+    const std::string good = text_of(build_mesh(SampleMesh(2, 1, 1).raw, notes), VtkFormat::ascii);
+    const auto refused = [&](const std::string& from, const std::string& to, const char* message) {
+        std::string text = good;
+        text.replace(text.find(from), from.size(), to);
+        CHECK_THROWS_WITH_AS(parse_vtk(text, "a.vtk"), Contains(message), InputError);
+    };
+    refused("UNSTRUCTURED_GRID", "POLYDATA", "a.vtk:4: only DATASET UNSTRUCTURED_GRID is read");
+    refused("ASCII", "TEXT", "a.vtk:3: expected ASCII or BINARY");
+    refused("POINTS 4 double", "POINTS 4 int", "points of type int");
+    refused("POINTS 4", "POINTS 9", "expected a coordinate");
+    refused("CELL_TYPES 2", "CELL_TYPES 3", "not as many types as cells");
+    refused("CELL_TYPES 2\n5", "CELL_TYPES 2\n9", "cell 0 of type 9 with 3 nodes: only simplices are read");
+    refused("CELLS 2 8\n3", "CELLS 2 8\n9", "the list of cells ends before cell 0");
+    refused("CELLS 2 8\n3 ", "CELLS 2 8\n3 7", "cell 0 has the point 7");
+    refused("CELLS 2 8\n", "CELLS 2 8\nOFFSETS vtktypeint64\n", "cells by OFFSETS");
+    CHECK_THROWS_WITH_AS(parse_vtk(good.substr(0, good.find("CELLS")), "a.vtk"), Contains("no CELLS"), InputError);
+    const std::string binary = text_of(build_mesh(SampleMesh(2, 1, 1).raw, notes), VtkFormat::binary);
+    for (std::size_t size = 30; size < binary.find("CELL_DATA"); size += 7)
+        CHECK_THROWS_AS(parse_vtk(binary.substr(0, size), "a.vtk"), InputError);
+}
