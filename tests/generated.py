@@ -52,7 +52,8 @@ def msh(x, elements, faces):
     lines = [f"{i + 1} {(0, 1, 2, 4)[len(nodes) - 1]} 2 1 1 " + " ".join(str(n + 1) for n in nodes)
              for i, nodes in enumerate([*faces, *elements])]
     head = f'$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n{dim - 1} 1 "skin"\n$EndPhysicalNames'
-    return "\n".join([head, f"$Nodes\n{len(rows)}", *rows, f"$EndNodes\n$Elements\n{len(lines)}", *lines, "$EndElements\n"])
+    between = f"$EndNodes\n$Elements\n{len(lines)}"
+    return "\n".join([head, f"$Nodes\n{len(rows)}", *rows, between, *lines, "$EndElements\n"])
 
 
 def motions(dim, wound, size):
@@ -113,7 +114,7 @@ def make_case(k, folder):
     (folder / f"{k}.msh").write_text(msh(x, elements, faces))
     (folder / f"{k}.deck").write_text(f"mesh = {k}.msh\nthreads = 1\nvtk = none\nmax_seconds = 120\ndegree = {degree}\n"
                                       f"output = {folder}/{k}\nboundary skin = expression {formulas}\n")
-    return f"{k:3} {dim}D degree {degree} {len(elements):4} elements, {share:4.0%} on the boundary: {name} {strength:.1f}"
+    return f"{k:3} {dim}D degree {degree} {len(elements):4} elements, {share:4.0%} on boundary: {name} {strength:.1f}"
 
 
 def run(almesh, deck, *settings):

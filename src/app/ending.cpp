@@ -93,7 +93,9 @@ std::string against_distance(const Deck& deck, const Problem& problem, const Sol
     if (fixed)
         to_try += concat("boundary ", problem.mesh().boundaries[at.boundary],
                          " = slide or free, if its nodes need not keep their positions; ");
-    if (alpha > 0) to_try += alpha > 0.5 ? "weight_exponent = 0.5 or 0; " : "weight_exponent = 0; ";
+    if (alpha > 0.5) to_try += "weight_exponent = 0.5 or 0; ";
+    if (deck.target == TargetKind::exact && !problem.target.in_trace_space) to_try += "target = nodal; ";
+    if (problem.base.degree == 1 && deck.refine < most_refinements) to_try += concat("refine = ", deck.refine + 1, "; ");
     if (continuation_of(deck) == Continuation::never) to_try += "continuation = always; ";
     return to_try + less_motion(solution);
 }

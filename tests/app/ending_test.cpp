@@ -254,7 +254,7 @@ TEST_CASE("a line search that fails is told at the most distorted element, an ov
     CHECK(solution.diagnosis.element == 40);
     CHECK(has(text, concat("element ", mesh.file.element_id[40])));
     CHECK(has(text, " is the most distorted: eta 12.5, scaled Jacobian >= 1\n"));
-    CHECK(has(text, "try weight_exponent = 0.5 or 0; a smaller motion (0.375 of this one was reached)\n"));
+    CHECK(has(text, "try weight_exponent = 0.5 or 0; refine = 1; a smaller motion (0.375 of this one was reached)\n"));
 
     solution.al.status = Status::stalled;  // all is fixed, but one node is not in its place
     const int outer = mesh.face(mesh.boundary_index("outer") == mesh.face_boundary[0] ? 0 : mesh.face_count() - 1)[0];
