@@ -6,7 +6,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "mesh/inner_boundary.hpp"
-#include "mesh/smooth_parts.hpp"
+#include "geometry/smooth_parts.hpp"
 
 namespace almesh {
 namespace {
@@ -23,10 +23,13 @@ std::string list_of(const Names& names) {
     return list;
 }
 
+std::string plain_name(const DeckBoundary& line) {
+    return line.is_volume ? line.name.substr(volume_group("").size()) : line.name;
+}
+
 // As it stands in the deck.
 std::string shown(const DeckBoundary& line) {
-    constexpr std::size_t prefix = std::string_view("volume ").size();
-    return line.is_volume ? "volume " + with_quotes(line.name.substr(prefix)) : "boundary " + with_quotes(line.name);
+    return (line.is_volume ? "volume " : "boundary ") + with_quotes(plain_name(line));
 }
 
 // Names of the groups of the mesh: of outer faces, of inner faces, and of elements.
@@ -35,30 +38,26 @@ struct MeshGroups {
 
     explicit MeshGroups(const Mesh& mesh)
         : inner(names_of(inner_groups(mesh))), volumes(names_of(volume_groups(mesh))) {
-        for (const Names& of_boundary : mesh.boundary_groups)
-            for (const std::string& name : of_boundary)
-                if (!has(outer, name)) outer.push_back(name);
+        for (const Names& of_boundary : mesh.boundary_groups) add(of_boundary, outer);
     }
 
-    Names faces() const {
-        Names names = outer;
-        for (const std::string& name : inner)
+    static void add(const Names& more, Names& names) {
+        for (const std::string& name : more)
             if (!has(names, name)) names.push_back(name);
-        return names;
     }
 };
 
 void check_names(const Deck& deck, const Mesh& mesh, const MeshGroups& groups) {
-    Names faces = groups.faces();
-    for (const std::string& name : mesh.boundaries)
-        if (!has(faces, name)) faces.push_back(name);
+    Names faces = groups.outer;
+    MeshGroups::add(groups.inner, faces);
+    MeshGroups::add(mesh.boundaries, faces);
     const auto check = [](const std::string& where, const char* kind, const Names& names, const std::string& name) {
         if (!has(names, name))
             throw UsageError(where, ": the mesh has no ", kind, " ", with_quotes(name),
                              names.empty() ? "" : ", only " + list_of(names));
     };
     for (const DeckBoundary& line : deck.boundaries) {
-        if (line.is_volume) check(line.where, "volume", groups.volumes, line.name.substr(volume_group("").size()));
+        if (line.is_volume) check(line.where, "volume", groups.volumes, plain_name(line));
         else if (line.name != "all" && line.name != "rest") check(line.where, "boundary", faces, line.name);
         try {
             check_dimension(line.motion, mesh.dim);
@@ -176,7 +175,7 @@ void assign_boundaries(const Deck& deck, Mesh& mesh, std::vector<std::string>& n
     check_names(deck, mesh, groups);
     Names inner, volumes;
     for (const DeckBoundary& line : deck.boundaries) {
-        if (line.is_volume) volumes.push_back(line.name.substr(volume_group("").size()));
+        if (line.is_volume) volumes.push_back(plain_name(line));
         else if (has(groups.inner, line.name)) inner.push_back(line.name);
     }
     if (!inner.empty() || !volumes.empty()) {

@@ -22,7 +22,7 @@ constexpr const char* help =
     "\n"
     "  almesh DECK [key=value ...]   run a deck; keys given here replace those of the deck\n"
     "  almesh info FILE              describe a mesh file in a deck to start from: almesh info FILE > my.deck\n"
-    "  almesh quality FILE           certify and measure any mesh (Gmsh MSH 1, 2.2, 4.0 or 4.1, SU2)\n"
+    "  almesh quality FILE           certify and measure any mesh (Gmsh MSH 1, 2.2, 4.0, 4.1, SU2, VTK)\n"
     "                                both take keys: almesh quality FILE threads=1\n"
     "  almesh linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] [preconditioner=ilu0|ssor] [threads=N]\n"
     "                 [block=1|2|3] [ordering=nested_dissection|minimum_degree|rcm|natural]\n"

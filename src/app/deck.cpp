@@ -108,7 +108,7 @@ void read_selection(Deck& deck, std::string_view text, const std::string& where)
         selection.condition = with_context(shown, [&] { return Condition(selection.text); });
     }
     for (const DeckSelection& earlier : deck.selections)
-        if (earlier.name == selection.name && where != command_line) check_repeat(shown, earlier.where, where);
+        if (earlier.name == selection.name) check_repeat(shown, earlier.where, where);
     std::erase_if(deck.selections, [&](const DeckSelection& earlier) { return earlier.name == selection.name; });
     deck.selections.push_back(std::move(selection));
 }

@@ -16,7 +16,7 @@
 #include "io/mesh_format.hpp"
 #include "mesh/build.hpp"
 #include "mesh/inner_boundary.hpp"
-#include "mesh/smooth_parts.hpp"
+#include "geometry/smooth_parts.hpp"
 
 namespace almesh {
 namespace {
@@ -144,14 +144,6 @@ void print_parts(const Deck& deck, const Mesh& mesh, std::FILE* out) {
     if (count > most) std::fprintf(out, "#   and %d more: a larger feature_angle makes fewer\n", count - most);
 }
 
-double straight_volume(const Mesh& mesh, const std::vector<double>& straight, int e) {
-    double size = 0;
-    with_dimension(mesh.dim, [&](auto n) {
-        size = determinant(straight_jacobian<n>(mesh.element(e), straight)) / mesh.cell().inverse_volume;
-    });
-    return size;
-}
-
 void print_deck(const Deck& deck, const Mesh& mesh, const std::vector<GroupCells>& inner,
                 const std::vector<GroupCells>& volumes, std::FILE* out) {
     const std::filesystem::path absolute = std::filesystem::absolute(deck.mesh).lexically_normal();
@@ -165,20 +157,25 @@ void print_deck(const Deck& deck, const Mesh& mesh, const std::vector<GroupCells
     for (const DeckKey& key : deck_keys())
         if (deck.given.contains(key.name) && key.name != "output")
             std::fprintf(out, "%s = %s\n", key.name.c_str(), key.value.text(deck).c_str());
-    const auto line = [out](const char* what, const std::string& name) {
-        std::fprintf(out, "%s %s = fixed\n", what, quoted_where_needed(name, "#=\" \t").c_str());
+    // Of the line that was given, else a boundary that stays, as a comment where it may be free.
+    const auto line = [out](const char* what, const std::string& name, const DeckBoundary* given, bool may_be_free) {
+        std::fprintf(out, "%s%s %s = %s\n", may_be_free && !given ? "# " : "", what,
+                     quoted_where_needed(name, "#=\" \t").c_str(),
+                     given ? to_string(given->motion).c_str() : "fixed");
     };
-    for (const std::string& name : mesh.boundaries) line("boundary", name);
-    for (const GroupCells& group : inner) line("# boundary", group.name);
-    for (const GroupCells& group : volumes)
-        if (volumes.size() > 1) line("# volume", group.name);
+    for (const std::string& name : mesh.boundaries) line("boundary", name, motion_for(deck, name), false);
+    for (const GroupCells& group : inner) line("boundary", group.name, find_row(deck.boundaries, group.name), true);
+    for (const GroupCells& group : volumes) {
+        const DeckBoundary* const given = find_row(deck.boundaries, volume_group(group.name));
+        if (given || volumes.size() > 1) line("volume", group.name, given, true);
+    }
 }
 
 }  // namespace
 
 ExitCode info(const Deck& deck, std::FILE* out) {
     set_threads(deck.threads);
-    std::vector<std::string> notes;
+    std::vector<std::string> notes = deck.notes;
     const Mesh mesh = build_mesh(read_mesh(deck.mesh), notes, Folds::keep);
     std::vector<int> all(mesh.nodes());
     std::iota(all.begin(), all.end(), 0);
@@ -219,7 +216,7 @@ ExitCode info(const Deck& deck, std::FILE* out) {
         double size = 0;
         for (const int e : group.cells) {
             nodes.insert(nodes.end(), mesh.element(e), mesh.element(e) + mesh.element_nodes());
-            size += straight_volume(mesh, straight, e);
+            size += volume(mesh, straight, e);
         }
         std::string cells = concat(counted(group.cells.size(), "element"), ", ", measure, " ");
         append(cells, size, 6);

@@ -23,7 +23,7 @@ void print_element(std::FILE* out, const Mesh& mesh, int element, const std::arr
 
 ExitCode quality(const Deck& deck, std::FILE* out) {
     set_threads(deck.threads);
-    std::vector<std::string> notes;
+    std::vector<std::string> notes = deck.notes;
     const Mesh mesh = build_mesh(read_mesh(deck.mesh), notes, Folds::keep);
     std::fprintf(out, "%s: %d nodes, %d %s of degree %d\n", deck.mesh.c_str(), mesh.nodes(), mesh.element_count(),
                  mesh.cell().plural, mesh.degree);

@@ -13,6 +13,8 @@ namespace almesh {
 void place_inside_volumes(const Problem& problem, std::vector<double>& x) {
     const Mesh& mesh = problem.mesh();
     const int dim = mesh.dim;
+    const auto is_volume = [](const std::string& name) { return name.starts_with(volume_group("")); };
+    if (std::none_of(mesh.boundaries.begin(), mesh.boundaries.end(), is_volume)) return;
     const std::vector<double> X = problem.frame.to_file(mesh.x, dim);
     std::vector<char> is_on_face(mesh.nodes(), 0);
     for (const int node : mesh.faces) is_on_face[node] = 1;
@@ -59,8 +61,7 @@ void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, con
     for (const GroupCells& volume : volumes) width = std::max(width, volume.name.size());
     std::fprintf(out, "%-*s  elements     energy         q    max eta  scaled Jacobian\n", static_cast<int>(width),
                  "volume");
-    for (GroupCells volume : volumes) {
-        std::sort(volume.cells.begin(), volume.cells.end());
+    for (const GroupCells& volume : volumes) {
         std::vector<char> chosen(mesh.element_count(), 0);
         double least = 1;
         for (const int e : volume.cells) {

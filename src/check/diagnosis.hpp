@@ -30,7 +30,7 @@ struct Diagnosis {
     int element = -1;   // that element, or of those at the node the one with the largest distortion
     int boundary = -1;  // index into mesh.boundaries: of the node; where it is on none, the boundary nearest to it
     bool on_boundary = false;        // the node, or a vertex of the element alone
-    std::array<double, 3> position{};   // of the node, or the centre of the element alone; in 2D the third is 0
+    std::array<double, 3> position{};  // of the node, or the centre of the element alone; in 2D the third is 0
     std::array<double, 3> target{};  // off_target: of the node
     double distance = 0;             // off_target: from the target
     double heights = 0;              // off_target: the same over the height of the cells at the node

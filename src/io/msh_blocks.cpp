@@ -133,6 +133,7 @@ std::vector<MshCells> msh_cells(const Mesh& mesh) {
 
 MshCopies msh_copies(const Mesh& mesh, const std::vector<MshCells>& all) {
     MshCopies copies;
+    if (mesh.file.entities.empty()) return copies;
     std::vector<long long> ids;
     std::set<std::array<int, 3>> known;  // dimension, entity and group of cells that are there by themselves
     for (const MshCells& cells : all) {

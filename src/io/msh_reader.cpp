@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <climits>
 #include <cstdlib>
+#include <set>
 #include <utility>
 
 #include "io/msh.hpp"
@@ -55,11 +56,10 @@ struct MshReader {
             in.binary ? in.fail(message) : in.fail_at(first_line, message);
         }
         if (in.rest_of_line() != end) in.fail("expected ", end, ": ", name, " holds more than it announces");
-        const bool is_known = name == "$MeshFormat" || name == "$PhysicalNames" || name == "$Entities" ||
-                              name == "$Comments" || name == "$Nodes" || name == "$ParametricNodes" ||
-                              name == "$NOD" || name == "$Elements" || name == "$ELM";
+        static const std::set<std::string> of_mesh = {"$MeshFormat", "$PhysicalNames", "$Entities", "$Comments", "$NOD",
+                                                      "$Nodes", "$ParametricNodes", "$Elements", "$ELM"};
         const bool is_as_written = !in.binary || (in.order == std::endian::native && in.size_bytes == 8);
-        if (!is_known && is_as_written)
+        if (!of_mesh.contains(name) && is_as_written)
             mesh.sections.push_back({name, std::string(begin, in.at) + "\n", mesh.nodes.empty()});
     }
 

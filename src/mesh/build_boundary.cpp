@@ -78,12 +78,11 @@ struct BoundaryMatcher {
     // Finds elements that have the vertices of others with a lower id among sides that have the same vertices.
     bool has_repeated(std::span<const Side> equal, std::vector<int>& repeated) const {
         const std::size_t before = repeated.size();
-        for (const Side& side : equal)
-            if (std::any_of(equal.begin(), equal.end(), [&](const Side& other) {
-                    return opposite_vertex(side) == opposite_vertex(other) &&
-                           element_of(other).id < element_of(side).id;
-                }))
-                repeated.push_back(side.number / corners);
+        for (std::size_t b = 1; b < equal.size(); ++b)
+            for (std::size_t a = 0; a < b; ++a)
+                if (opposite_vertex(equal[a]) == opposite_vertex(equal[b]))
+                    repeated.push_back(
+                        (element_of(equal[a]).id < element_of(equal[b]).id ? equal[b] : equal[a]).number / corners);
         return repeated.size() > before;
     }
 

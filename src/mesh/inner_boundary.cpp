@@ -30,17 +30,36 @@ Names groups_of(const FileTags& file, int dim, int physical, int entity) {
     return names;
 }
 
-void add_cell(const FileTags& file, int dim, int physical, int entity, int cell, std::vector<GroupCells>& groups) {
-    for (const std::string& name : groups_of(file, dim, physical, entity)) {
-        const auto is_it = [&name](const GroupCells& group) { return group.name == name; };
-        const auto same = std::find_if(groups.begin(), groups.end(), is_it);
-        if (same == groups.end()) groups.push_back({name, {cell}});
-        else if (same->cells.back() != cell) same->cells.push_back(cell);
+// Sorts cells of one dimension into their groups; the names are looked up once for each pair of tags.
+class GroupList {
+public:
+    GroupList(const FileTags& file, int dim) : file_(file), dim_(dim) {}
+
+    void add(int physical, int entity, int cell) {
+        const auto [known, is_new] = of_tags_.try_emplace({physical, entity});
+        if (is_new)
+            for (const std::string& name : groups_of(file_, dim_, physical, entity))
+                known->second.push_back(index(name));
+        for (const int g : known->second) groups[g].cells.push_back(cell);
     }
-}
+
+    std::vector<GroupCells> groups;
+
+private:
+    const FileTags& file_;
+    int dim_;
+    std::map<std::array<int, 2>, std::vector<int>> of_tags_;
+
+    int index(const std::string& name) {
+        const auto is_it = [&name](const GroupCells& group) { return group.name == name; };
+        const auto at = static_cast<int>(std::find_if(groups.begin(), groups.end(), is_it) - groups.begin());
+        if (at == static_cast<int>(groups.size())) groups.push_back({name, {}});
+        return at;
+    }
+};
 
 struct InnerFace {
-    std::array<int, 2> side;  // of the elements on both sides, element * corners + local number; it belongs to the first
+    std::array<int, 2> side;  // element * corners + local number, of the one that it belongs to and of the other
     Names groups;
     int kept;  // among the kept faces; -1: not in the file
 };
@@ -58,15 +77,9 @@ struct InnerBuilder {
 
     void find_volumes() {
         volumes_of.resize(mesh.element_count());
-        const auto add = [&](int e, int physical, int entity) {
-            for (const std::string& name : groups_of(mesh.file, dim, physical, entity))
-                if (has(volumes, name) && !has(volumes_of[e], volume_group(name)))
-                    volumes_of[e].push_back(volume_group(name));
-        };
-        for (int e = 0; e < mesh.element_count(); ++e)
-            add(e, mesh.file.element_physical[e], mesh.file.element_entity[e]);
-        const KeptCells& again = mesh.kept[dim];
-        for (int c = 0; c < again.count(); ++c) add(again.element[c], again.physical[c], again.entity[c]);
+        for (const GroupCells& group : volume_groups(mesh))
+            for (const int e : group.cells)
+                if (has(volumes, group.name)) volumes_of[e].push_back(volume_group(group.name));
     }
 
     void find_faces() {
@@ -213,19 +226,22 @@ std::vector<GroupCells> inner_groups(const Mesh& mesh) {
             if (equal[0].number >= 0) inside.push_back(side.number);
     });
     std::sort(inside.begin(), inside.end());
-    std::vector<GroupCells> groups;
-    for (const int c : inside) add_cell(mesh.file, mesh.dim - 1, kept.physical[c], kept.entity[c], c, groups);
-    return groups;
+    GroupList list(mesh.file, mesh.dim - 1);
+    for (const int c : inside) list.add(kept.physical[c], kept.entity[c], c);
+    return std::move(list.groups);
 }
 
 std::vector<GroupCells> volume_groups(const Mesh& mesh) {
-    std::vector<GroupCells> groups;
+    GroupList list(mesh.file, mesh.dim);
     for (int e = 0; e < mesh.element_count(); ++e)
-        add_cell(mesh.file, mesh.dim, mesh.file.element_physical[e], mesh.file.element_entity[e], e, groups);
+        list.add(mesh.file.element_physical[e], mesh.file.element_entity[e], e);
     const KeptCells& again = mesh.kept[mesh.dim];
-    for (int c = 0; c < again.count(); ++c)
-        add_cell(mesh.file, mesh.dim, again.physical[c], again.entity[c], again.element[c], groups);
-    return groups;
+    for (int c = 0; c < again.count(); ++c) list.add(again.physical[c], again.entity[c], again.element[c]);
+    for (GroupCells& group : list.groups) {  // an element may be in a group twice
+        std::sort(group.cells.begin(), group.cells.end());
+        group.cells.erase(std::unique(group.cells.begin(), group.cells.end()), group.cells.end());
+    }
+    return std::move(list.groups);
 }
 
 void make_inner_boundaries(Mesh& mesh, const Names& groups, const Names& volumes) {

@@ -17,7 +17,7 @@ struct GroupCells {
 };
 
 // The physical groups that have faces inside the mesh, with these among Mesh::kept, and those of its elements, each
-// with its elements; in the order of their first cells.
+// with its elements, ascending; in the order of their first cells.
 std::vector<GroupCells> inner_groups(const Mesh& mesh);
 std::vector<GroupCells> volume_groups(const Mesh& mesh);
 

@@ -53,14 +53,15 @@ std::array<double, 3> centroid(const Mesh& mesh, const std::vector<double>& x, c
 }
 
 double volume(const Mesh& mesh, const std::vector<double>& y) {
-    double sum = 0;
-    with_dimension(mesh.dim, [&](auto dimension) {
-        constexpr int n = dimension;
-        sum = deterministic_sum(mesh.element_count(), [&](int e) {
-            return determinant(straight_jacobian<n>(mesh.element(e), y)) / mesh.cell().inverse_volume;
-        });
+    return deterministic_sum(mesh.element_count(), [&](int e) { return volume(mesh, y, e); });
+}
+
+double volume(const Mesh& mesh, const std::vector<double>& y, int e) {
+    double size = 0;
+    with_dimension(mesh.dim, [&](auto n) {
+        size = determinant(straight_jacobian<n>(mesh.element(e), y)) / mesh.cell().inverse_volume;
     });
-    return sum;
+    return size;
 }
 
 }  // namespace almesh

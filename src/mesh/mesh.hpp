@@ -64,8 +64,9 @@ Mat<n> straight_jacobian(const int* vertex, const std::vector<double>& y) {
     return A;
 }
 
-// Volume of the straight-sided mesh with the vertex positions y (node_count x dim).
+// Volume of the straight-sided mesh with the vertex positions y (node_count x dim), and of element e of it.
 double volume(const Mesh& mesh, const std::vector<double>& y);
+double volume(const Mesh& mesh, const std::vector<double>& y, int e);
 
 // The linear mesh on the vertices, straight-sided.
 Mesh linear_part(const Mesh& mesh);

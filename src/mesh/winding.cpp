@@ -32,22 +32,21 @@ void set_winding(Mesh& mesh, const std::vector<int>& turned) {
 }
 
 Mesh as_in_file(Mesh mesh) {
-    if (mesh.file.element_winding.empty() && mesh.file.face_winding.empty()) return mesh;
-    const Mesh here = mesh;
-    const Subcells subcells(here);
-    for (std::size_t f = 0; f < here.file.face_winding.size(); ++f) {
+    const Subcells subcells(mesh);
+    for (std::size_t f = 0; f < mesh.file.face_winding.size(); ++f) {
+        if (mesh.file.face_winding[f] == 0) continue;
         std::array<int, 3> vertex{};
-        const int* const face = here.face(static_cast<int>(f));
-        for (int k = 0; k < here.dim; ++k) vertex[k] = face[windings[here.file.face_winding[f]][k]];
-        const std::vector<int> nodes = subcells.nodes(here.face_element[f], vertex.data(), here.dim - 1);
+        const int* const face = mesh.face(static_cast<int>(f));
+        for (int k = 0; k < mesh.dim; ++k) vertex[k] = face[windings[mesh.file.face_winding[f]][k]];
+        const std::vector<int> nodes = subcells.nodes(mesh.face_element[f], vertex.data(), mesh.dim - 1);
         std::copy(nodes.begin(), nodes.end(), mesh.faces.begin() + static_cast<std::ptrdiff_t>(f * nodes.size()));
     }
-    for (std::size_t e = 0; e < here.file.element_winding.size(); ++e) {
-        if (here.file.element_winding[e] == 0) continue;
+    for (std::size_t e = 0; e < mesh.file.element_winding.size(); ++e) {
+        if (mesh.file.element_winding[e] == 0) continue;
         std::array<int, 4> vertex{};
-        std::copy_n(here.element(static_cast<int>(e)), here.dim + 1, vertex.begin());
-        std::swap(vertex[here.dim - 1], vertex[here.dim]);
-        const std::vector<int> nodes = subcells.nodes(static_cast<int>(e), vertex.data(), here.dim);
+        std::copy_n(mesh.element(static_cast<int>(e)), mesh.dim + 1, vertex.begin());
+        std::swap(vertex[mesh.dim - 1], vertex[mesh.dim]);
+        const std::vector<int> nodes = subcells.nodes(static_cast<int>(e), vertex.data(), mesh.dim);
         std::copy(nodes.begin(), nodes.end(), mesh.elements.begin() + static_cast<std::ptrdiff_t>(e * nodes.size()));
     }
     return mesh;

@@ -165,6 +165,9 @@ TEST_CASE("faces that the file does not name are selected by where they are, how
     CHECK(has(message("select lid = z + 1"), "select \"lid\": `z + 1`, column 6: expected <, <=, > or >="));
     CHECK(has(message("select lid = nq > 1"), "unknown name `nq`"));
     CHECK(has(message("select " + test::cube_mesh(2).boundaries[0] + " = z > 0.5"), "has a boundary of this name already"));
+    CHECK(parsed("select a = z > 1", {"select a=z > 2"}).selections.back().text == "z > 2");
+    CHECK_THROWS_WITH_AS(parsed("", {"select a=z > 1", "select a=z > 2"}),
+                         doctest::Contains("select \"a\" is already set (command line)"), UsageError);
     const std::string text = resolved(parsed("select \"the lid\" = z>0.99  and nz > 0"));
     CHECK(has(text, "select \"the lid\" = z>0.99  and nz > 0\n"));
 }

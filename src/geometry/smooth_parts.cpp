@@ -1,4 +1,4 @@
-#include "mesh/smooth_parts.hpp"
+#include "geometry/smooth_parts.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,20 +6,14 @@
 #include <numbers>
 
 #include "base/disjoint_sets.hpp"
-#include "base/index.hpp"
+#include "geometry/patch.hpp"
 #include "mesh/sides.hpp"
 
 namespace almesh {
 
 Vec<3> unit_normal(const Mesh& mesh, int f) {
-    const auto edge = [&](int v) {
-        Vec<3> d{};
-        for (int a = 0; a < mesh.dim; ++a)
-            d[a] = point(mesh.x, mesh.face(f)[v], mesh.dim)[a] - point(mesh.x, mesh.face(f)[0], mesh.dim)[a];
-        return d;
-    };
-    const Vec<3> n = mesh.dim == 2 ? Vec<3>{edge(1)[1], -edge(1)[0], 0} : cross(edge(1), edge(2));
-    const double size = std::sqrt(dot(n, n));
+    const Vec<3> n = flat_normal(positions(mesh, mesh.x, mesh.face(f), mesh.dim), mesh.dim - 1);
+    const double size = length(n);
     return size > 0 ? 1 / size * n : n;
 }
 
@@ -35,8 +29,7 @@ std::vector<int> smooth_parts(const Mesh& mesh, double feature_angle) {
     for_equal_sides(sides, [&](std::span<const Side> equal) {
         for (const Side& other : equal.subspan(1)) {
             const Vec<3>&a = normal[equal[0].number], &b = normal[other.number];
-            const Vec<3> c = cross(a, b);
-            const double angle = std::atan2(std::sqrt(dot(c, c)), dot(a, b)) * 180 / std::numbers::pi;
+            const double angle = std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
             if (angle <= feature_angle) connected.join(equal[0].number, other.number);
         }
     });
