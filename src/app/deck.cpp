@@ -80,7 +80,7 @@ void read_boundary(Deck& deck, const std::string& kind, std::string_view text, c
     const std::string given = take_name(kind, text), shown = concat(kind, " ", with_quotes(given));
     const std::string name = is_volume ? volume_group(given) : given;
     Motion motion = with_context(shown, [&] { return parse_motion(text); });
-    if (is_volume && hold_of(motion) != BoundaryHold::prescribed)
+    if (is_volume && hold_of_rest(motion) != BoundaryHold::prescribed)
         throw UsageError(shown, ": all nodes of a volume follow its motion: it neither slides nor is free");
     for (MotionStep& step : motion.steps)
         if (!step.file.empty()) step.file = path_from(where, deck, step.file);

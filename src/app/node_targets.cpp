@@ -16,29 +16,35 @@
 namespace almesh {
 namespace {
 
-// id -> node, of the boundary, which may have outer and inner faces, or of the volume that it stands for.
-std::unordered_map<long long, int> nodes_by_id(const Mesh& mesh, int boundary) {
-    std::unordered_map<long long, int> nodes;
-    const auto add = [&](const int* begin, int count) {
-        for (const int* node = begin; node != begin + count; ++node) nodes[mesh.file.node_id[*node]] = *node;
-    };
+// Calls visit(nodes, basis) for the faces of the boundary, which may be outer and inner ones, and for the elements of
+// the volume that it stands for.
+template <class Visit>
+void for_cells(const Mesh& mesh, int boundary, const Visit& visit) {
+    const LagrangeBasis of_face(mesh.dim - 1, mesh.degree), of_element(mesh.dim, mesh.degree);
     for (int f = 0; f < mesh.face_count(); ++f)
-        if (mesh.boundaries[mesh.face_boundary[f]] == mesh.boundaries[boundary]) add(mesh.face(f), mesh.face_nodes());
+        if (mesh.boundaries[mesh.face_boundary[f]] == mesh.boundaries[boundary]) visit(mesh.face(f), of_face);
     for (const GroupCells& volume : volume_groups(mesh))
         if (volume_group(volume.name) == mesh.boundaries[boundary])
-            for (const int e : volume.cells) add(mesh.element(e), mesh.element_nodes());
+            for (const int e : volume.cells) visit(mesh.element(e), of_element);
+}
+
+std::unordered_map<long long, int> nodes_by_id(const Mesh& mesh, int boundary) {
+    std::unordered_map<long long, int> nodes;
+    for_cells(mesh, boundary, [&](const int* node, const LagrangeBasis& basis) {
+        for (int i = 0; i < basis.count; ++i) nodes[mesh.file.node_id[node[i]]] = node[i];
+    });
     return nodes;
 }
 
 void refuse_missing(const Mesh& mesh, int boundary, const std::string& path, const std::vector<char>& known,
-                    const std::unordered_map<long long, int>& nodes) {
+                    const std::unordered_map<long long, int>& nodes, const std::string& advice = "") {
     std::vector<long long> missing;
     for (const auto& [id, node] : nodes)
         if (!known[node]) missing.push_back(id);
     if (missing.empty()) return;
     std::sort(missing.begin(), missing.end());
     throw InputError(path, ": ", counted(missing.size(), "node"), " of boundary ", mesh.boundaries[boundary],
-                     " missing, the first with id ", missing.front());
+                     " missing, the first with id ", missing.front(), advice);
 }
 
 // Commas separate like blanks; `#` starts a comment; a first line of words is a heading.
@@ -51,7 +57,31 @@ std::string without_commas(std::string text) {
     return text;
 }
 
-void read_places(const Mesh& mesh, int boundary, const MotionStep& step, std::vector<double>& positions) {
+// Nodes between vertices, on edges and in faces of a curved mesh, that the file leaves out: they move by the mean of
+// the vertices' displacements, by their barycentric coordinates, and are known then. all: or else only between vertices
+// that the file has.
+void follow_vertices(const Mesh& mesh, int boundary, bool all, std::vector<char>& known,
+                     std::vector<double>& positions) {
+    for_cells(mesh, boundary, [&](const int* node, const LagrangeBasis& basis) {
+        for (int i = basis.dim + 1; i < basis.count; ++i) {
+            double* const x = point(positions, node[i], mesh.dim);
+            bool follows = !known[node[i]];
+            for (int v = 0; v <= basis.dim; ++v)
+                follows = follows && (all || known[node[v]] || basis.nodes[i][v] == 0);
+            for (int v = 0; v <= basis.dim && follows; ++v)
+                for (int a = 0; a < mesh.dim; ++a) {
+                    const std::size_t at = offset(node[v], mesh.dim, a);
+                    x[a] += basis.nodes[i][v] * (positions[at] - mesh.x[at]) / mesh.degree;
+                }
+            if (follows) known[node[i]] = 1;
+        }
+    });
+}
+
+// positions, left_out: of the nodes of the mesh, x dim; left_out is set to 1 at those that slide or are free.
+void read_places(const Mesh& mesh, int boundary, const Motion& motion, std::vector<double>& positions,
+                 std::vector<double>& left_out) {
+    const MotionStep& step = *file_step(motion);
     const auto nodes = nodes_by_id(mesh, boundary);
     const std::string text = without_commas(read_text_file(step.file));
     TextScanner in(text, step.file);
@@ -79,7 +109,13 @@ void read_places(const Mesh& mesh, int boundary, const MotionStep& step, std::ve
         }
         in.end_of_line();
     }
-    refuse_missing(mesh, boundary, step.file, known, nodes);
+    if (!step.rest)
+        refuse_missing(mesh, boundary, step.file, known, nodes,
+                       "; to move only those that it has: `file NAME else fixed`, `else slide` or `else free`");
+    const bool is_fixed = hold_of_rest(motion) == hold_of(motion);
+    follow_vertices(mesh, boundary, is_fixed, known, positions);
+    for (const auto& [id, node] : nodes)
+        for (int a = 0; a < mesh.dim && !known[node] && !is_fixed; ++a) left_out[offset(node, mesh.dim, a)] = 1;
 }
 
 void read_places_of_mesh(const Mesh& mesh, int boundary, const RawMesh& other, std::vector<double>& positions) {
@@ -193,14 +229,17 @@ NodeTargets read_node_targets(const Mesh& mesh, const std::vector<Motion>& motio
         const MotionStep* const step = file_step(motions[b]);
         if (!step) continue;
         if (other.contains(b) && degree > 1) {
-            targets.placed[b] = raised.x;
-            read_faces_of_mesh(raised, b, other[b], targets.placed[b]);
+            targets.placed[b].x = raised.x;
+            read_faces_of_mesh(raised, b, other[b], targets.placed[b].x);
             continue;
         }
-        Mesh moved = mesh;
+        Mesh moved = mesh, left_out = mesh;
+        std::fill(left_out.x.begin(), left_out.x.end(), 0.0);
         if (other.contains(b)) read_places_of_mesh(mesh, b, other[b], moved.x);
-        else read_places(mesh, b, *step, moved.x);
-        targets.placed[b] = raise_degree(moved, degree).x;
+        else read_places(mesh, b, motions[b], moved.x, left_out.x);
+        targets.placed[b].x = raise_degree(moved, degree).x;
+        if (std::count(left_out.x.begin(), left_out.x.end(), 1.0))
+            targets.placed[b].left_out = raise_degree(left_out, degree).x;
     }
     return targets;
 }

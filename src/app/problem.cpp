@@ -55,8 +55,8 @@ Mesh discretised(const Mesh& base, int refinements, int degree) {
     return degree == 1 ? linear_part(refined) : interpolated(refined, degree);
 }
 
-// The positions on the level's mesh of those on the mesh `shape`, which has the same elements but for refinements:
-// between its nodes as the elements have it.
+// The positions (or another field) on the level's mesh of those on the mesh `shape`, which has the same elements but
+// for refinements: between its nodes as the elements have it.
 std::vector<double> on_level(const Mesh& shape, std::vector<double> positions, const Level& level) {
     if (level.mesh.element_count() != shape.element_count())
         return prolong(shape, straight_sided(shape), level.mesh, level.ideal, positions);
@@ -83,7 +83,7 @@ BoundaryTarget target_at(double fraction, const Mesh& mesh, const std::vector<do
                          std::vector<Motion> motions, PlacedNodes placed) {
     for (Motion& motion : motions)
         if (fraction < 1) motion = at_fraction(motion, fraction);
-    for (std::vector<double>& of_boundary : placed) of_boundary = between(ideal, std::move(of_boundary), fraction);
+    for (PlacedBoundary& boundary : placed) boundary.x = between(ideal, std::move(boundary.x), fraction);
     return make_target(mesh, motions, placed);
 }
 
@@ -94,8 +94,9 @@ std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int d
     auto level = std::make_unique<Level>();
     level->mesh = discretised(problem.base, refinements, degree);
     level->ideal = straight_sided(level->mesh);
-    for (std::vector<double>& of_boundary : placed)
-        if (!of_boundary.empty()) of_boundary = on_level(problem.shape(), std::move(of_boundary), *level);
+    for (PlacedBoundary& boundary : placed)
+        for (std::vector<double>* const field : {&boundary.x, &boundary.left_out})
+            if (!field->empty()) *field = on_level(problem.shape(), std::move(*field), *level);
     target = target_at(1, level->mesh, level->ideal, problem.motions, placed);
     prescribe_shared_nodes(level->mesh, target);
     return level;
@@ -143,7 +144,10 @@ std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const Deck& deck, 
     Mesh shape = problem.shape();
     const std::vector<double> straight = straight_sided(shape);
     if (!target.freed.empty()) shape.x = between(straight, std::move(shape.x), fraction);
-    const BoundaryTarget of_shape = target_at(fraction, shape, straight, motions, problem.placed);
+    PlacedNodes placed = problem.placed;
+    for (PlacedBoundary& boundary : placed)  // nodes that a file leaves out slide along the boundary as the mesh has it
+        if (!boundary.left_out.empty()) boundary = {};
+    const BoundaryTarget of_shape = target_at(fraction, shape, straight, motions, std::move(placed));
     return std::make_shared<SlidingSurfaces>(shape, of_shape.node, sliding, deck.feature_angle, problem.frame, other);
 }
 

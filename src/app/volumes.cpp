@@ -23,7 +23,7 @@ void place_inside_volumes(const Problem& problem, std::vector<double>& x) {
         const int boundary = mesh.boundary_index(volume_group(volume.name));
         if (boundary < 0) continue;
         const PlacedNodes& placed = problem.level_placed;
-        const std::vector<double>& from = placed.empty() || placed[boundary].empty() ? X : placed[boundary];
+        const std::vector<double>& from = placed.empty() || placed[boundary].x.empty() ? X : placed[boundary].x;
         for (const int e : volume.cells)
             for (int i = 0; i < mesh.element_nodes(); ++i) {
                 const int node = mesh.element(e)[i];

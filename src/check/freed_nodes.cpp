@@ -20,8 +20,8 @@ TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, con
     const std::vector<double> placed = at_target(mesh, target, ideal);
     TargetFaults faults;
     std::vector<char> open(mesh.face_count());
-    for (int f = 0; f < mesh.face_count(); ++f)
-        open[f] = target.hold_of_face(mesh, f) == BoundaryHold::free || target.slides(mesh, f);
+    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
+        if (target.hold_of_node(mesh, k) != BoundaryHold::prescribed) open[k / mesh.face_nodes()] = 1;
     faults.faces = check_target(mesh, placed, open);
     if (mesh.degree > 1 && !target.in_trace_space) bound = std::min(bound, surely);
     faults.elements = determined_elements(mesh, placed, prescribed_nodes(mesh, target), bound);

@@ -135,9 +135,11 @@ constexpr std::array<MotionForm, 13> forms = {{
          return true;
      }},
 
-    {.name = "file", .form = "file NAME [displacement]",
+    {.name = "file", .form = "file NAME [displacement] [else fixed|slide|free]",
      .meaning = "first step: the file has the positions (or displacements) of the boundary's nodes in rows "
-                "`node-id x y [z]`, separated by blanks or commas; its path starts in the deck's folder",
+                "`node-id x y [z]`, separated by blanks or commas; its path starts in the deck's folder. `else`: nodes "
+                "that it leaves out stay where the mesh has them, slide along the boundary as the mesh has it, or are "
+                "free; the steps that follow move them and that surface too",
      .file = true},
 
     {.name = "mesh", .form = "mesh NAME",
@@ -233,6 +235,12 @@ MotionStep parse_step(std::string_view text) {
             step.displacement = true;
             continue;
         }
+        if (form.file && !form.mesh && written[i] == "else" && !step.rest) {
+            step.rest = i + 1 < written.size() ? find_row(forms, written[++i]) : nullptr;
+            if (!step.rest || step.rest->move || step.rest->file || step.rest->formulas)
+                refuse(form, "`else` needs one of the words fixed, slide, free");
+            continue;
+        }
         if (form.along && (written[i] == "along" || (written[i] == "boundary" && !step.file.empty()))) {
             std::string& name = written[i] == "along" ? step.file : step.boundary;
             if (!name.empty()) refuse(form, in_backquotes(written[i]), " stands twice");
@@ -265,6 +273,7 @@ std::string to_string(Step step) {
     if (!step.file.empty()) text += ' ' + quoted_where_needed(step.file, "#=;\" \t");
     if (!step.boundary.empty()) text += " boundary " + quoted_where_needed(step.boundary, "#=;\" \t");
     if (step.displacement) text += " displacement";
+    if (step.rest) text += concat(" else ", step.rest->name);
     for (const Expression& formula : step.formulas) text += ' ' + with_quotes(formula.text());
     for (double v : step.numbers) text += ' ' + to_text(v);
     if (!step.axis.empty()) text += " axis";
@@ -382,6 +391,11 @@ const MotionStep* surface_step(const Motion& motion) {
 bool is_of_mesh(const MotionStep& file_step) { return file_step.form->mesh; }
 
 BoundaryHold hold_of(const Motion& motion) { return motion.steps.back().form->hold; }
+
+BoundaryHold hold_of_rest(const Motion& motion) {
+    const MotionForm* const rest = motion.steps.front().rest;
+    return rest && hold_of(motion) == BoundaryHold::prescribed ? rest->hold : hold_of(motion);
+}
 
 std::string to_string(const Motion& motion) {
     std::string text;

@@ -34,6 +34,7 @@ struct MotionStep {
     std::string file;                 // of nodes or of a surface: as written, or where the deck has found it
     std::string boundary;             // of that file, along which nodes slide; empty: not written
     bool displacement = false;        // the file has displacements instead of positions
+    const MotionForm* rest = nullptr; // of the nodes that it leaves out: fixed, slide or free; null: it has them all
     std::vector<Expression> formulas; // one for each axis
     double fraction = 1;              // of the way that it takes a point; of a turn always 1
 
@@ -67,6 +68,7 @@ Motion shortest(Motion motion);
 double turn(const Motion& motion);  // sum of the angles of its steps, without sign, in degrees
 
 BoundaryHold hold_of(const Motion& motion);
+BoundaryHold hold_of_rest(const Motion& motion);  // of the nodes that its file leaves out
 
 // The step that takes positions of single nodes from a file: always the first one; null where there is none. apply()
 // passes over it: the points given to it are there already (app/node_targets.hpp).

@@ -120,7 +120,8 @@ void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& slidin
 void smooth_freed(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding) {
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
         const int f = k / mesh.face_nodes(), node = mesh.faces[k];
-        if (!target.is_freed(node) || target.hold_of_face(mesh, f) != BoundaryHold::prescribed) continue;
+        const bool slides = target.hold_of_node(mesh, k) == BoundaryHold::slides;
+        if (!slides || target.hold_of_face(mesh, f) != BoundaryHold::prescribed) continue;
         sliding.add_patch(node, sliding.part(mesh, f), in_space(&target.node[offset(k, mesh.dim)], mesh.dim));
     }
 }
@@ -134,7 +135,6 @@ std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarg
     std::vector<char> prescribed(nodes.size(), 0);
     std::vector<double> size(nodes.size(), 0.0);
     for (int f = 0; f < mesh.face_count(); ++f) {
-        const BoundaryHold hold = target.hold_of_face(mesh, f);
         const std::vector<Vec<3>> corner = positions(mesh, mesh.x, mesh.face(f), dim);
         double longest = 0;
         for (const Vec<3>& x : corner) longest = std::max(longest, length(x - corner[0]));
@@ -142,9 +142,9 @@ std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarg
         for (int i = 0; i < m; ++i) {
             const int t = faces[offset(f, m, i)], node = mesh.face(f)[i];
             size[t] = std::max(size[t], longest);
-            const bool is_prescribed = hold == BoundaryHold::prescribed && !target.is_freed(node);
-            if (is_prescribed) prescribed[t] = 1;
-            if (part < 0 || is_prescribed) continue;
+            const BoundaryHold hold = target.hold_of_node(mesh, f * m + i);
+            if (hold == BoundaryHold::prescribed) prescribed[t] = 1;
+            if (hold != BoundaryHold::slides) continue;
             const int along = sliding->part_or_patch(node, part);
             if (std::find(parts[t].begin(), parts[t].end(), along) == parts[t].end()) parts[t].push_back(along);
         }

@@ -79,7 +79,7 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
     parallel_for(mesh.face_count(), [&](int f) { size[f] = face_size(mesh, f); });
     std::vector<int> first(mesh.nodes(), -1);  // face * m + local node that first gave the target
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
-        if (target.hold_of_face(mesh, k / m) != BoundaryHold::prescribed) continue;
+        if (target.hold_of_node(mesh, k) != BoundaryHold::prescribed) continue;
         int& seen = first[mesh.faces[k]];
         if (seen < 0) seen = k;
         const double* a = &target.node[offset(seen, dim)];
@@ -95,6 +95,22 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
     }
 }
 
+// Face x face node; empty where no file leaves nodes out to slide or to be free.
+std::vector<BoundaryHold> hold_of_nodes(const Mesh& mesh, const std::vector<Motion>& motion,
+                                        const PlacedNodes& placed) {
+    constexpr double rounding = 1e-9;  // of what is interpolated between 0 and 1
+    const auto is_complete = [](const PlacedBoundary& boundary) { return boundary.left_out.empty(); };
+    if (std::all_of(placed.begin(), placed.end(), is_complete)) return {};
+    std::vector<BoundaryHold> hold;
+    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
+        const int b = mesh.face_boundary[k / mesh.face_nodes()];
+        const bool is_left_out = !is_complete(placed[b]) &&
+                                 std::abs(placed[b].left_out[offset(mesh.faces[k], mesh.dim)]) > rounding;
+        hold.push_back(is_left_out ? hold_of_rest(motion[b]) : hold_of(motion[b]));
+    }
+    return hold;
+}
+
 }  // namespace
 
 BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed) {
@@ -103,6 +119,7 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, 
     const LagrangeBasis basis(dim - 1, mesh.degree);
     BoundaryTarget target;
     for (const Motion& each : motion) target.hold.push_back(hold_of(each));
+    target.hold_of_nodes = hold_of_nodes(mesh, motion, placed);
     target.in_trace_space = std::all_of(motion.begin(), motion.end(), is_affine);
     // Exact for N_i N_j. A g_D beyond the trace space needs far more to be integrated to rounding on a fair mesh.
     target.quadrature = simplex_quadrature(dim - 1, 2 * mesh.degree + (target.in_trace_space ? 0 : 10));
@@ -113,8 +130,8 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, 
     target.sample.resize(offset(mesh.face_count(), points * dim));
     parallel_for_throwing(mesh.face_count(), [&](int f) {
         const int boundary = mesh.face_boundary[f];
-        const bool from_file = !placed.empty() && !placed[boundary].empty();
-        const std::vector<double>& from = from_file ? placed[boundary] : mesh.x;
+        const bool from_file = !placed.empty() && !placed[boundary].x.empty();
+        const std::vector<double>& from = from_file ? placed[boundary].x : mesh.x;
         const auto node_position = [&](int i) { return point(from, mesh.face(f)[i], dim); };
         for (int i = 0; i < m; ++i) {
             double* const x = &target.node[offset(offset(f, m, i), dim)];
@@ -182,11 +199,11 @@ void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTa
 }
 
 void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target) {
-    const int dim = mesh.dim, m = mesh.face_nodes();
+    const int dim = mesh.dim;
     std::vector<int> first(mesh.nodes(), -1);
     for (int pass = 0; pass < 2; ++pass)
         for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
-            const bool prescribed = target.hold_of_face(mesh, k / m) == BoundaryHold::prescribed;
+            const bool prescribed = target.hold_of_node(mesh, k) == BoundaryHold::prescribed;
             int& known = first[mesh.faces[k]];
             if (pass == 0 && prescribed && known < 0) known = k;
             if (pass == 1 && !prescribed && known >= 0)
@@ -197,21 +214,23 @@ void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target) {
 std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target) {
     std::vector<char> prescribed(mesh.nodes(), 0);
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
-        if (target.hold_of_face(mesh, k / mesh.face_nodes()) == BoundaryHold::prescribed)
-            prescribed[mesh.faces[k]] = !target.is_freed(mesh.faces[k]);
+        if (target.hold_of_node(mesh, k) == BoundaryHold::prescribed) prescribed[mesh.faces[k]] = 1;
     return prescribed;
 }
 
+BoundaryHold BoundaryTarget::hold_of_node(const Mesh& mesh, int k) const {
+    const BoundaryHold written = hold_of_nodes.empty() ? hold_of_face(mesh, k / mesh.face_nodes()) : hold_of_nodes[k];
+    return written == BoundaryHold::prescribed && is_freed(mesh.faces[k]) ? BoundaryHold::slides : written;
+}
+
 bool BoundaryTarget::slides(const Mesh& mesh, int f) const {
-    const int* const first = mesh.face(f);
-    const BoundaryHold of_face = hold_of_face(mesh, f);
-    return of_face == BoundaryHold::slides ||
-           (of_face == BoundaryHold::prescribed &&
-            std::any_of(first, first + mesh.face_nodes(), [&](int i) { return is_freed(i); }));
+    for (int k = f * mesh.face_nodes(); k < (f + 1) * mesh.face_nodes(); ++k)
+        if (hold_of_node(mesh, k) == BoundaryHold::slides) return true;
+    return false;
 }
 
 bool BoundaryTarget::prescribes_all() const {
-    return freed.empty() &&
+    return freed.empty() && hold_of_nodes.empty() &&
            std::all_of(hold.begin(), hold.end(), [](BoundaryHold h) { return h == BoundaryHold::prescribed; });
 }
 

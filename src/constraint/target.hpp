@@ -14,6 +14,7 @@ enum class TargetKind { exact, nodal };  // of g_D the constraint takes all, or 
 struct BoundaryTarget {
     bool in_trace_space = false;  // all motions are affine: g_D is of the mesh's degree on every face
     std::vector<BoundaryHold> hold;  // per boundary
+    std::vector<BoundaryHold> hold_of_nodes;  // face x face node, where files leave nodes out; empty: `hold`
     std::vector<char> freed;      // per node: whether it slides although its boundary is prescribed; empty: none
     std::vector<char> straight;      // per face: whether it has been made flat, see make_straight(); empty: none
     Quadrature quadrature;        // on the reference face
@@ -21,13 +22,19 @@ struct BoundaryTarget {
     std::vector<double> sample;   // face x quadrature point x dim: g_D at the quadrature points
 
     BoundaryHold hold_of_face(const Mesh& mesh, int f) const { return hold[mesh.face_boundary[f]]; }
+    BoundaryHold hold_of_node(const Mesh& mesh, int k) const;  // k: face * face nodes + local node
     bool is_freed(int i) const { return !freed.empty() && freed[i]; }
-    bool slides(const Mesh& mesh, int f) const;  // all nodes of the face, or those of it that are freed
+    bool slides(const Mesh& mesh, int f) const;  // any node of the face
     bool prescribes_all() const;
 };
 
-// Per boundary: where a file has its nodes, nodes x dim; empty for boundaries without such a file, or altogether.
-using PlacedNodes = std::vector<std::vector<double>>;
+// Where a file has the nodes of a boundary, nodes x dim each.
+struct PlacedBoundary {
+    std::vector<double> x;         // empty: there is no file
+    std::vector<double> left_out;  // not 0 at nodes that it leaves to slide or to be free; empty: at none
+};
+
+using PlacedNodes = std::vector<PlacedBoundary>;  // per boundary, or empty
 
 // motion: one per mesh.boundaries. Throws UsageError where one does not fit the dimension, InputError where a
 // projection is undefined (a node at the centre), or where two boundaries send a node they share to different

@@ -127,7 +127,10 @@ TEST_CASE("all sides of a volume follow its motion") {
     assign_boundaries(parsed("boundary rest = fixed\nvolume domain = rotate 10 about 0.5 0.5"), all, notes);
     for (int f = 0; f < outer_faces; ++f) CHECK(all.boundaries[all.face_boundary[f]] == "volume domain");
     CHECK(has(error_of("volume domain = fixed\nboundary interface = translate 1 0"), "and their motions disagree"));
-    CHECK_THROWS_WITH_AS(parsed("volume domain = slide"), doctest::Contains("neither slides nor is free"), UsageError);
+    for (const std::string motion : {"slide", "file a.csv else slide", "file a.csv else free"})
+        CHECK_THROWS_WITH_AS(parsed("volume domain = " + motion), doctest::Contains("neither slides nor is free"),
+                             UsageError);
+    CHECK_NOTHROW(parsed("volume domain = file a.csv else fixed"));
     CHECK(parsed("volume \"my part\" = fixed").boundaries[0].name == "volume my part");
     CHECK(has(resolved(parsed("volume \"my part\" = translate 1 2")), "volume \"my part\" = translate 1 2\n"));
 }

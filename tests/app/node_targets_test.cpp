@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <functional>
 #include <set>
 #include <sstream>
 
@@ -16,15 +17,21 @@ using namespace almesh::test;
 
 namespace {
 
-// Rows of the nodes of a boundary, moved by dx; as displacements where asked for.
-std::string rows_of(const Mesh& mesh, const std::string& boundary, double dx, bool displacement, const char* comma) {
+std::set<int> nodes_of(const Mesh& mesh, const std::string& boundary) {
     std::set<int> nodes;
     for (int f = 0; f < mesh.face_count(); ++f)
         if (mesh.boundaries[mesh.face_boundary[f]] == boundary)
             nodes.insert(mesh.face(f), mesh.face(f) + mesh.face_nodes());
+    return nodes;
+}
+
+// Rows of the nodes of a boundary, or of those that are chosen, moved by dx; as displacements where asked for.
+std::string rows_of(const Mesh& mesh, const std::string& boundary, double dx, bool displacement, const char* comma,
+                    const std::function<bool(int)>& is_chosen = [](int) { return true; }) {
     std::ostringstream out;
     out.precision(17);
-    for (const int i : nodes) {
+    for (const int i : nodes_of(mesh, boundary)) {
+        if (!is_chosen(i)) continue;
         out << mesh.file.node_id[i];
         for (int a = 0; a < mesh.dim; ++a)
             out << comma << (displacement ? 0 : mesh.x[offset(i, mesh.dim, a)]) + (a == 0 ? dx : 0);
@@ -191,7 +198,8 @@ TEST_CASE("errors of node files name the line, the node and the boundary") {
         }
     };
     const std::string first_row = good.substr(0, good.find('\n') + 1), rest = good.substr(first_row.size());
-    refused(rest, {"nodes.txt: 1 node of boundary inner missing"});
+    refused(rest, {"nodes.txt: 1 node of boundary inner missing",
+                   "`file NAME else fixed`, `else slide` or `else free`"});
     refused(good + first_row, {"nodes.txt:13:", "is here already, in line 1"});
     refused(outer.substr(0, outer.find('\n') + 1) + good, {"nodes.txt:1:", "is not on boundary inner"});
     refused("1 2\n" + good, {"nodes.txt:1: expected a coordinate"});
@@ -201,6 +209,85 @@ TEST_CASE("errors of node files name the line, the node and the boundary") {
     CHECK(ring.run({"boundary inner=file nowhere.txt"}).code == 2);
     const Outcome disagree = ring.run({"boundary outer=mesh " + ring.folder.path("other.msh")});
     CHECK(disagree.code == 2);
+}
+
+TEST_CASE("nodes that a file leaves out stay, slide along the circle that the boundary was, or go where they like") {
+    const RingDeck ring;
+    const Mesh mesh = mesh_of(ring.folder.path("ring.msh"));
+    const auto is_listed = [&](int i) { return mesh.x[offset(i, 2)] > 0.3; };
+    ring.folder.write("nodes.txt", rows_of(mesh, "inner", 0.3, true, " ", is_listed));
+    for (const std::string more : {"degree=1", "degree=3", "refine=1"})
+        for (const std::string word : {"fixed", "slide", "free"}) {
+            CAPTURE(more + ' ' + word);
+            const Outcome outcome = ring.run(
+                {more, "boundary inner=file " + ring.folder.path("nodes.txt") + " displacement else " + word});
+            CAPTURE(outcome.error);
+            REQUIRE(outcome.code == 0);
+            const Mesh moved = mesh_of(ring.output + "/final.msh");
+            double farthest = 0, off_circle = 0;
+            for (const int i : nodes_of(mesh, "inner")) {
+                const double *const x = point(mesh.x, i, 2), *const X = point(moved.x, i, 2);
+                REQUIRE(moved.file.node_id[i] == mesh.file.node_id[i]);
+                if (is_listed(i)) CHECK(std::hypot(X[0] - x[0] - 0.3, X[1] - x[1]) < 1e-15);
+                if (is_listed(i)) continue;
+                farthest = std::max(farthest, std::hypot(X[0] - x[0], X[1] - x[1]));
+                off_circle = std::max(off_circle, std::abs(std::hypot(X[0], X[1]) - 1));
+            }
+            CHECK((farthest > 0.01) == (word != "fixed"));
+            CHECK((off_circle > 0.01) == (word == "free"));
+            CHECK((off_circle < 1e-12) == (word != "free"));
+        }
+}
+
+TEST_CASE("in space: left out on a plane, beside a boundary that keeps the nodes that they share") {
+    const TemporaryFolder folder;
+    const Mesh mesh = cube_mesh(3);
+    folder.write("cube.msh", msh_of(mesh));
+    const auto is_listed = [&](int i) {
+        return std::hypot(mesh.x[i * 3] - 1.0 / 3, mesh.x[i * 3 + 1] - 1.0 / 3) < 0.1;
+    };
+    folder.write("nodes.txt", rows_of(mesh, "bottom", 0.1, true, " ", is_listed));
+    for (const std::string word : {"fixed", "slide", "free"})
+        for (const std::string degree : {"1", "2"}) {
+            CAPTURE(word + degree);
+            const std::string deck =
+                folder.write("a.deck", "mesh = cube.msh\noutput = " + folder.path("out") + "\ndegree = " + degree +
+                                           "\nboundary bottom = file nodes.txt displacement else " + word +
+                                           "; translate 0 0 -0.1\n"
+                                           "boundary sides = expression \"x\" \"y\" \"z - 0.1*(1 - z)\"\n"
+                                           "boundary top = fixed\n");
+            const Outcome outcome = almesh_with({deck});
+            CAPTURE(outcome.error);
+            REQUIRE(outcome.code == 0);
+            const Mesh moved = mesh_of(folder.path("out/final.msh"));
+            double farthest = 0, off_plane = 0;
+            for (const int i : nodes_of(mesh, "bottom")) {
+                const double *const x = point(mesh.x, i, 3), *const X = point(moved.x, i, 3);
+                const bool is_inside = x[0] > 0 && x[0] < 1 && x[1] > 0 && x[1] < 1;
+                if (!is_listed(i)) off_plane = std::max(off_plane, std::abs(X[2] + 0.1));
+                const double away = std::hypot(X[0] - x[0] - 0.1 * is_listed(i), X[1] - x[1]);
+                if (is_inside && !is_listed(i)) farthest = std::max(farthest, away);
+                else CHECK(away < 1e-15);
+            }
+            CHECK((farthest > 1e-3) == (word != "fixed"));
+            CHECK((off_plane > 1e-3) == (word == "free"));
+            CHECK((off_plane < 1e-12) == (word != "free"));
+        }
+}
+
+TEST_CASE("between the vertices that a file has, nodes of a curved mesh that it leaves out go along") {
+    const RingDeck ring(curved_ring(3), "threads = 1\n");
+    const Mesh mesh = mesh_of(ring.folder.path("ring.msh"));
+    const std::string path = ring.folder.write(
+        "nodes.txt", rows_of(mesh, "inner", 0.5, true, " ", [&](int i) { return mesh.file.node_id[i] < 5000; }));
+    for (const std::string word : {"fixed", "slide", "free"}) {
+        const Outcome outcome = ring.run({"boundary inner=file " + path + " displacement else " + word});
+        CAPTURE(outcome.error);
+        REQUIRE(outcome.code == 0);
+        const Mesh moved = mesh_of(ring.output + "/final.msh");
+        for (const int i : nodes_of(mesh, "inner"))
+            CHECK(std::hypot(moved.x[i * 2] - mesh.x[i * 2] - 0.5, moved.x[i * 2 + 1] - mesh.x[i * 2 + 1]) < 1e-12);
+    }
 }
 
 TEST_CASE("all and rest stand for the boundaries that are not named") {

@@ -307,6 +307,21 @@ TEST_CASE("places from a file: the first step, its name with or without quotes")
     CHECK(has(error_of("mesh a.msh displacement"), "is not a number"));
 }
 
+TEST_CASE("nodes that a file leaves out are fixed, slide or are free, as the word after `else` says") {
+    CHECK(to_string(parse_motion("file a.csv else slide displacement")) == "file a.csv displacement else slide");
+    CHECK(hold_of_rest(parse_motion("file a.csv else fixed")) == BoundaryHold::prescribed);
+    CHECK(hold_of_rest(parse_motion("file a.csv else slide; rotate 5")) == BoundaryHold::slides);
+    CHECK(hold_of_rest(parse_motion("file a.csv else free")) == BoundaryHold::free);
+    CHECK(hold_of_rest(parse_motion("file a.csv else free; slide")) == BoundaryHold::slides);  // as all others
+    CHECK(hold_of_rest(parse_motion("file a.csv")) == BoundaryHold::prescribed);
+    CHECK(hold_of(parse_motion("file a.csv else free")) == BoundaryHold::prescribed);
+    for (const std::string text : {"file a.csv else", "file a.csv else rotate", "file a.csv else expression",
+                                   "file a.csv else mesh", "file a.csv else away"})
+        CHECK(has(error_of(text), "`else` needs one of the words fixed, slide, free"));
+    CHECK(has(error_of("file a.csv else free else free"), "`else` is not a number"));
+    CHECK(has(error_of("mesh a.msh else free"), "`else` is not a number"));
+}
+
 TEST_CASE("any turn is two halves of it, one after the other") {
     for (int angle = -720; angle <= 720; angle += 10) {
         const std::string half = "rotate " + std::to_string(angle / 2) + " about 1 2";
