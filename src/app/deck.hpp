@@ -50,6 +50,7 @@ struct DeckSelection {
 enum class Start { automatic, identity, coarse };
 enum class Snap { automatic, no, yes };
 enum class SurfaceKind { automatic, keep, slide, straighten };
+enum class Split { never, automatic };
 enum class VtkOutput { ascii, binary, none };
 // As written in the deck; those of one version of MSH stand from msh22 on.
 enum class FinalFormat { input, msh, su2, both, msh22, msh22_binary, msh40, msh40_binary, msh41, msh41_binary };
@@ -73,6 +74,7 @@ struct Deck {
     int local_repair = 0;
     double feature_angle = 30;  // degrees
     SurfaceKind surface = SurfaceKind::automatic;
+    Split split = Split::never;
     std::optional<double> length_scale;
     LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;

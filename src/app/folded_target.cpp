@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <set>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "check/freed_nodes.hpp"
 
 namespace almesh {
 namespace {
@@ -24,22 +24,34 @@ void refuse(const Mesh& mesh, const TargetFaults& faults, const std::string& adv
     throw InputError(message, counts_of(faults), ":", describe(mesh, faults), advice);
 }
 
-// What helps against elements all of whose vertices are on the boundary. Where two of its faces are, an element is in a
-// corner or along an edge, and so is one of those that it is split into; whether that one is folded too is tried.
-std::string against(const TargetFaults& faults, const CheckedTarget& checked) {
-    const Mesh& mesh = checked.mesh;
-    if (faults.elements.empty() || !faults.faces.faults.empty()) return "";
-    const bool may_refine = checked.file_degree == 1 && checked.deck.refine < most_refinements;
-    if (may_refine && !checked.folds_when_refined())
-        return concat("\ntry refine = ", checked.deck.refine + 1,
-                      ", so that they are divided, or targets that do not invert them");
-    const bool stays = std::any_of(faults.elements.begin(), faults.elements.end(), [&](const DeterminedElement& fault) {
-        return std::count(mesh.face_element.begin(), mesh.face_element.end(), fault.element) > 1;
-    });
-    if (stays)
-        return "\ntry targets that do not invert them, or a mesh in which they are divided by a node inside (refine "
-               "leaves such an element there)";
-    return "\ntry a finer mesh, so that they are divided, or targets that do not invert them";
+template <class Faults>
+bool all_by_curvature(const Faults& faults) {
+    return std::all_of(faults.begin(), faults.end(), [](const auto& fault) { return fault.by_curvature; });
+}
+
+// "\ntry A, B or C": what helps, or may.
+std::string advice(const TargetFaults& faults, const CheckedTarget& checked) {
+    const Deck& deck = checked.deck;
+    const bool can_divide = std::all_of(faults.elements.begin(), faults.elements.end(),
+                                        [](const DeterminedElement& fault) { return !fault.inner.empty(); });
+    std::vector<std::string> to_try;
+    if (deck.surface == SurfaceKind::keep && faults.sliding_may_help())
+        to_try.push_back("surface = auto (nodes slide along the surface there)");
+    if (deck.surface == SurfaceKind::keep && all_by_curvature(faults.faces.faults) && all_by_curvature(faults.elements))
+        to_try.push_back("surface = straighten (faces become flat there)");
+    if (faults.faces.faults.empty()) {
+        if (deck.split == Split::never && can_divide)
+            to_try.push_back("split = auto (a node inside divides just these and those beside them)");
+        if (checked.file_degree == 1 && deck.refine < most_refinements && !checked.folds_when_refined())
+            to_try.push_back(concat("refine = ", deck.refine + 1, " (all elements are divided)"));
+        if (!can_divide)
+            to_try.push_back("a mesh in which each of these has an edge that is on no boundary");
+        to_try.push_back("targets that do not invert them");
+    }
+    std::string text;
+    for (std::size_t k = 0; k < to_try.size(); ++k)
+        text += (k == 0 ? "\ntry " : k + 1 < to_try.size() ? ", " : " or ") + to_try[k];
+    return text;
 }
 
 // Scaled Jacobian of elements that the target alone determines up to which they are faults.
@@ -99,10 +111,11 @@ void straighten_target(const CheckedTarget& checked, std::vector<char> chosen) {
         }
         const TargetFaults faults = faults_of(checked);
         if (faults.none()) return;
+        if (!all_by_curvature(faults.elements)) refuse(mesh, faults, advice(faults, checked));
         chosen = faces_at_fault(mesh, faults, target.straight);
         if (count(chosen) == 0)
             refuse(mesh, faults,
-                   target.straight.empty() ? against(faults, checked)
+                   target.straight.empty() ? advice(faults, checked)
                                            : "\ntry a finer mesh there: its faces cannot be flat");
     }
 }
@@ -116,19 +129,42 @@ std::string straighten_folded(const CheckedTarget& checked) {
                    counted(flat, "face") + (flat == 1 ? " there is" : " there are") + " made flat");
 }
 
+int split_folded(const CheckedTarget& checked, Mesh& base, std::vector<std::string>& notes) {
+    const Deck& deck = checked.deck;
+    if (deck.split == Split::never) return 0;
+    TargetFaults faults = faults_of(checked), faults_in_file;
+    if (!all_by_curvature(faults.faces.faults)) return 0;  // what no element can mend
+    std::vector<int> elements;
+    for (DeterminedElement& fault : faults.elements) {
+        if (deck.surface == SurfaceKind::automatic && fault.sliding_may_help()) continue;
+        fault.element >>= base.dim * deck.refine;  // of the file, which has it or has it as a part
+        if (!elements.empty() && elements.back() == fault.element) continue;
+        elements.push_back(fault.element);
+        faults_in_file.elements.push_back(std::move(fault));
+    }
+    std::set<Simplex> at;
+    for (const std::vector<Simplex>& inner : inner_simplices(base, elements)) at.insert(inner.begin(), inner.end());
+    if (at.empty()) return 0;
+    Mesh divided = split(base, {at.begin(), at.end()});
+    notes.push_back(note_of(faults_in_file, base,
+                            concat("divided by ", counted(at.size(), "node"), " inside, the mesh has ",
+                                   divided.element_count() - base.element_count(), " elements more")));
+    if (divided.file.sections.size() < base.file.sections.size())
+        notes.push_back("not in the final mesh, whose elements are others: $ElementNodeData");
+    base = std::move(divided);
+    return static_cast<int>(elements.size());
+}
+
 std::string free_folded(const CheckedTarget& checked) {
     const Mesh& mesh = checked.mesh;
     BoundaryTarget& target = checked.target;
     const TargetFaults faults = faults_of(checked);
     if (faults.none()) return "";
-    if (!faults.sliding_may_help()) refuse(mesh, faults, against(faults, checked));
-    if (checked.deck.surface == SurfaceKind::keep)
-        refuse(mesh, faults,
-               "\ntry surface = auto (nodes slide along the surface there) or surface = straighten (faces become flat "
-               "there)");
+    if (!faults.sliding_may_help() || checked.deck.surface == SurfaceKind::keep)
+        refuse(mesh, faults, advice(faults, checked));
     target.freed = freed_nodes(mesh, target, faults);
     const TargetFaults left = faults_of(checked);
-    if (!left.none()) refuse(mesh, left, against(left, checked));
+    if (!left.none()) refuse(mesh, left, advice(left, checked));
     return note_of(faults, mesh, counted(count(target.freed), "node") + " around them slide along the surface");
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/deck.hpp"
+#include "check/freed_nodes.hpp"
 #include "constraint/target.hpp"
 
 namespace almesh {
@@ -20,6 +21,10 @@ struct CheckedTarget {
     std::vector<double>& node_target;  // its nodes in units of the file, which change with it
     std::function<bool()> folds_when_refined;  // whether it folds anything still on the mesh refined once more
 };
+
+// With split = auto, divides elements of the base mesh that the target folds, and sliding is not to help, by nodes
+// inside. Returns how many, and adds a note; 0 where there are none. Mesh and target are then those of another base.
+int split_folded(const CheckedTarget& checked, Mesh& base, std::vector<std::string>& notes);
 
 // Frees the nodes around faces and elements that the target folds to slide along its surface. Returns a note, empty
 // where it folds none. Throws InputError where that cannot help, or the deck keeps the surface.

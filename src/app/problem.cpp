@@ -332,7 +332,13 @@ Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, 
     problem.base = std::move(base);
     problem.mesh_hash = mesh_hash;
     problem.notes = std::move(notes);
+    std::vector<std::string> before = problem.notes;
     discretise(deck, problem);
+    while (const int count = split_folded(checked_target(deck, problem), problem.base, before)) {
+        problem.split_elements += count;
+        problem.notes = before;
+        discretise(deck, problem);
+    }
     change_folded_target(deck, problem);
     set_frame(deck, problem);
     const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, whole, problem);
@@ -378,11 +384,12 @@ std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, c
     BoundaryTarget target;
     PlacedNodes placed = problem.placed;
     std::unique_ptr<Level> level = discretise(problem, coarser.refinements, coarser.degree, placed, target);
-    if (level->mesh.degree > 1 && !problem.target.freed.empty()) {
+    if (!problem.target.freed.empty()) {
         const TargetFaults faults = find_faults(level->mesh, level->ideal, target);
         if (faults.sliding_may_help()) target.freed = freed_nodes(level->mesh, target, faults);
         keep_where_unknown(level->mesh, *problem.sliding, target);
-        level->is_worth_little = level->mesh.degree < problem.shape().degree;  // it has not the shape of the file
+        // It has not the shape of the file.
+        level->is_worth_little = level->mesh.degree > 1 && level->mesh.degree < problem.shape().degree;
     }
     const bool has_faces = problem.target.straight.size() == static_cast<std::size_t>(level->mesh.face_count());
     if (level->mesh.degree > 1 && has_faces) make_straight(level->mesh, problem.target.straight, target);

@@ -22,6 +22,7 @@ struct Problem {
     BoundaryTarget target;         // in the run's frame
     std::vector<double> node_target;    // target.node in units of the file,
     std::vector<double> curved_target;  // and before faces were made straight; empty where none was
+    int split_elements = 0;           // of the file: inverted by the target, and divided in the base mesh
     std::vector<double> file_x;       // local_repair = 1: mesh().x in units of the file, nodes x dim
     PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides

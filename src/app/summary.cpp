@@ -31,6 +31,7 @@ struct Run {
     const Diagnosis& at;
     const Frame& frame;
     const std::string& id;
+    int split_elements;
 };
 
 double peak_memory_mb() { return peak_memory() / (1024 * 1024); }
@@ -119,6 +120,8 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.solution.straight_faces); }},
     {{"straightening_distance", "largest distance of a node of the straightened target from the curved one"}, decimal,
      [](R r) { return text(r.solution.straightening_distance, 6); }},
+    {{"split_elements", "elements of the file that the target inverts and nodes inside divide, with split = auto"},
+     count, [](R r) { return text(r.split_elements); }},
     {{"refined_elements", "curved elements that were nearly inverted and got a finer quadrature"}, count,
      [](R r) { return text(r.solution.refined_elements); }},
     {{"min_scaled_jacobian", "lower bound of the scaled Jacobian, everywhere in all elements"}, decimal,
@@ -209,7 +212,8 @@ Summary summarise(const Problem& problem, const Solution& solution) {
     const Run run = {problem.mesh(), solution, solution.al, solution.time, units.of(solution.al.iterations.back()),
                      units.distance(solution.max_boundary_error), units.distance(solution.largest_slide),
                      units.distance(solution.surface_distance), problem.level->energy->power().p,
-                     solution.predicted_bytes, solution.diagnosis, problem.frame, problem.run_id};
+                     solution.predicted_bytes, solution.diagnosis, problem.frame, problem.run_id,
+                     problem.split_elements};
     Summary summary;
     for (const Quantity& quantity : quantities) summary.push_back({quantity.name, quantity.value(run)});
     return summary;

@@ -15,7 +15,7 @@ struct TargetFaults {
     std::vector<DeterminedElement> elements;
 
     bool none() const { return faces.faults.empty() && elements.empty(); }
-    bool sliding_may_help() const;  // by sliding: all are of faces and elements that are folded by their curvature alone
+    bool sliding_may_help() const;  // all are of faces folded by their curvature alone, and of such elements
 };
 
 // ideal: node_count x dim positions. Of elements those whose scaled Jacobian the target makes at most `bound`

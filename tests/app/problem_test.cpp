@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "check/certificate.hpp"
 #include "support/ring_deck.hpp"
@@ -84,6 +85,32 @@ TEST_CASE("a boundary that its nodes fold: refused with surface = keep, else the
         CHECK(number(summary, "largest_slide") < 0.3);
         CHECK(number(summary, "surface_distance") > 0);
         CHECK(number(summary, "surface_distance") < 1e-2);
+    }
+}
+
+TEST_CASE("a layer of one element that a motion of any kind inverts: its nodes slide along the surface of the target") {
+    const Mesh ring = ring_mesh(16, 1, 1.25);
+    const TemporaryFolder folder;
+    std::string turned;
+    const std::vector<int> inner = nodes_of(ring, "inner");
+    for (const int i : std::set<int>(inner.begin(), inner.end()))
+        turned += concat(ring.file.node_id[i], " ", -point(ring.x, i, 2)[1], " ", point(ring.x, i, 2)[0], "\n");
+    const std::string file = folder.write("turned.txt", turned);
+    for (const std::string& motion :
+         {std::string("rotate 120 about 0 0"), std::string("scale 1.1 about 0 0; rotate 60 about 0 0"),
+          std::string("expression \"x*cos(0.9*x)-y*sin(0.9*x)\" \"x*sin(0.9*x)+y*cos(0.9*x)\""),
+          "file " + file}) {
+        CAPTURE(motion);
+        const RingDeck deck(ring);
+        const Outcome outcome = deck.run({"boundary inner=" + motion});
+        CAPTURE(outcome.error);
+        REQUIRE(outcome.code == 0);
+        CHECK(has(outcome.out, "boundary inner slides along: circle of radius 1"));
+        const auto summary = summary_of(deck.output);
+        CHECK(number(summary, "freed_nodes") > 0);
+        CHECK(number(summary, "largest_slide") > 0.1);
+        CHECK(summary.at("nodes_off_target") == "0");
+        CHECK(deck.run({"boundary inner=" + motion, "surface=keep"}).code == 2);
     }
 }
 

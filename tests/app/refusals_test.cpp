@@ -233,12 +233,18 @@ TEST_CASE("a corner that the target folds: code 2, whatever unit, origin, degree
             const DentedSquare square(msh_of(mesh), size, origin);
             const Outcome outcome = square.run({setting});
             check_refused(outcome, 2, {"no valid mesh reaches the target: it inverts 1 element:",
-                                       "refine leaves such an element there"});
+                                       "try split = auto (a node inside divides just these and those beside them) or "
+                                       "targets that do not invert them\n"});
             CHECK(!std::filesystem::exists(square.output));
             const FoldedElement folded(outcome.error, "triangle");
             CHECK(folded.scaled_jacobian < 0);
             const double h = setting == "refine=1" ? 0.125 : 0.25, rounding = 1e-5 * (std::abs(origin) + size);
             REQUIRE(folded.place.size() == 2);
+            const Outcome split = square.run({setting, "split=auto"});
+            CAPTURE(split.error);
+            CHECK(split.code == 0);
+            CHECK(summary_of(square.output).at("split_elements") == "1");
+            std::filesystem::remove_all(square.output);
             CHECK(std::abs(folded.place[0] - origin - size * (1 - h / 3)) < rounding);
             CHECK(std::abs(folded.place[1] - origin - size * h / 3) < rounding);
             if (setting == "refine=1") continue;
@@ -265,7 +271,9 @@ TEST_CASE("a corner of a cube that is pushed through its element: code 2, naming
         "cube.deck", "mesh = cube.msh\noutput = " + folder.path("out") + "\nboundary all = expression \"x - 0.4" + by +
                          " \"y + 0.35" + by + " \"z + 0.3" + by + "\n");
     const Outcome outcome = almesh_with({deck});
-    check_refused(outcome, 2, {"it inverts ", "refine leaves such an element there"});
+    check_refused(outcome, 2, {"it inverts 2 elements:", "try split = auto"});
+    CHECK(almesh_with({deck, "split=auto"}).code == 0);
+    CHECK(number(summary_of(folder.path("out")), "split_elements") == 2);
     const FoldedElement folded(outcome.error, "tetrahedron");
     CHECK(folded.place.size() == 3);
     const auto e = folded.id - mesh.file.element_id[0];
@@ -273,11 +281,33 @@ TEST_CASE("a corner of a cube that is pushed through its element: code 2, naming
     CHECK(std::count(node, node + 4, 2) == 1);  // at (1, 0, 0)
 }
 
+TEST_CASE("an element that no node inside can divide, as its third edge is on an inner boundary: code 2, saying so") {
+    const TemporaryFolder folder;
+    folder.write("square.msh",
+                 "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 1 \"rim\"\n1 2 \"rib\"\n$EndPhysicalNames\n"
+                 "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n$Elements\n7\n1 1 2 1 1 1 2\n"
+                 "2 1 2 1 1 2 3\n3 1 2 1 1 3 4\n4 1 2 1 1 4 1\n5 1 2 2 2 1 3\n6 2 2 9 9 1 2 3\n7 2 2 9 9 1 3 4\n"
+                 "$EndElements\n");
+    const std::string deck = folder.write(
+        "square.deck", "mesh = square.msh\noutput = " + folder.path("out") +
+                           "\nboundary rim = expression \"x - 0.6*x*(1 - y)\" \"y + 0.6*x*(1 - y)\"\n");
+    for (const std::string setting : {"split=never", "split=auto"})
+        check_refused(almesh_with({deck, setting, "boundary rib=fixed"}), 2,
+                      {"it inverts 1 element:\n  triangle 6 at ",
+                       "\ntry a mesh in which each of these has an edge that is on no boundary or targets that do not"});
+    CHECK(almesh_with({deck, "split=auto"}).code == 0);  // the rib is inside, divided like the elements beside it
+}
+
 TEST_CASE("a layer of one element that the target winds too far: code 2, and what is advised succeeds") {
     const RingDeck ring(ring_mesh(16, 1, 3));
-    check_refused(ring.run({"boundary inner=rotate 120"}), 2,
-                  {"it inverts 16 elements:", "\n  ...\n", "try refine = 1, so that they are divided"});
-    CHECK(ring.run({"boundary inner=rotate 120", "refine=1"}).code == 0);
+    check_refused(ring.run({"boundary inner=rotate 120", "surface=keep"}), 2,
+                  {"it inverts 16 elements:", "\n  ...\n",
+                   "try surface = auto (nodes slide along the surface there), split = auto (a node inside divides "
+                   "just these and those beside them), refine = 1 (all elements are divided) or targets that do "});
+    for (const std::string setting : {"surface=auto", "split=auto", "refine=1"}) {
+        CAPTURE(setting);
+        CHECK(ring.run({"boundary inner=rotate 120", setting}).code == 0);
+    }
 }
 
 TEST_CASE("a corner that only the coarse faces fold: code 2, and the refinement that is advised succeeds") {
@@ -287,8 +317,8 @@ TEST_CASE("a corner that only the coarse faces fold: code 2, and the refinement 
         folder.write("square.deck", "mesh = square.msh\noutput = " + folder.path("out") +
                                         "\nboundary all = expression \"x + 0.3*exp(-100*(y - 0.25)^2)*x^4\""
                                         " \"y - 0.3*exp(-100*(x - 0.75)^2)*(1 - y)^4\"\n");
-    check_refused(almesh_with({deck}), 2, {"it inverts 1 element:", "try refine = 1, so that they are divided"});
-    CHECK(almesh_with({deck, "refine=1"}).code == 0);
+    check_refused(almesh_with({deck}), 2, {"it inverts 1 element:", "try split = auto (", ", refine = 1 (all "});
+    for (const std::string setting : {"split=auto", "refine=1"}) CHECK(almesh_with({deck, setting}).code == 0);
 }
 
 TEST_CASE("a projection that is not defined, or boundaries that are torn apart: code 2") {

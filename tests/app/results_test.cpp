@@ -117,6 +117,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "surface_distance",
                                            "straight_faces",
                                            "straightening_distance",
+                                           "split_elements",
                                            "refined_elements",
                                            "min_scaled_jacobian",
                                            "invalid_elements",

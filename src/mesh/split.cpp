@@ -1,0 +1,223 @@
+#include "mesh/split.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
+#include <span>
+
+#include "mesh/kept_cells.hpp"
+#include "mesh/lagrange.hpp"
+#include "mesh/node_key.hpp"
+#include "mesh/sides.hpp"
+
+namespace almesh {
+namespace {
+
+// Those of `parts` of the cell with these vertices, `count` vertices each.
+template <class Part>
+std::vector<Simplex> subsimplices(std::span<const Part> parts, int count, const int* vertex) {
+    std::vector<Simplex> result;
+    for (const Part& part : parts) {
+        Simplex simplex;
+        for (int k = 0; k < count; ++k) simplex.push_back(vertex[part[k]]);
+        std::sort(simplex.begin(), simplex.end());
+        result.push_back(std::move(simplex));
+    }
+    return result;
+}
+
+bool has(std::span<const int> vertices, const Simplex& s) {
+    return std::all_of(s.begin(), s.end(), [&](int v) {
+        return std::find(vertices.begin(), vertices.end(), v) != vertices.end();
+    });
+}
+
+std::vector<long long> all_ids(const Mesh& mesh) {
+    std::vector<long long> ids = mesh.file.element_id;
+    ids.insert(ids.end(), mesh.file.face_id.begin(), mesh.file.face_id.end());
+    for (const KeptCells& kept : mesh.kept) ids.insert(ids.end(), kept.id.begin(), kept.id.end());
+    return ids;
+}
+
+template <class Values>
+void repeat(Values& values, int at) {
+    if (!values.empty()) values.push_back(values[at]);
+}
+
+class Splitting {
+public:
+    Splitting(Mesh& mesh, const std::vector<Simplex>& at)
+        : mesh_(mesh), basis_(mesh.dim, mesh.degree), ids_(all_ids(mesh)), whole_(mesh.element_count()) {
+        std::iota(whole_.begin(), whole_.end(), 0);
+        for (const Simplex& s : at) around_[s[0]];
+        for (const int e : whole_) remember(e);
+    }
+
+    void divide(const Simplex& s) {
+        std::map<NodeKey, int> node_of;
+        const std::vector<int> candidates = around_[s[0]];
+        for (const int e : candidates)
+            if (has(vertices(e), s)) divide_element(e, s, node_of);
+        const int dim_of_s = static_cast<int>(s.size()) - 1;
+        MultiIndex middle{};
+        std::fill_n(middle.begin(), s.size(), mesh_.degree);
+        for (int dim = dim_of_s; dim <= mesh_.dim; ++dim)
+            divide_kept(mesh_.kept[dim], dim, s, node_of.at(key_of(middle, s.data(), dim_of_s)));
+    }
+
+    // What refers to elements, which are in parts now.
+    void finish() {
+        const Subcells subcells(mesh_);
+        for (int f = 0; f < mesh_.face_count(); ++f)
+            mesh_.face_element[f] =
+                part(mesh_.face_element[f], [&](int e) { return side_number(mesh_, e, mesh_.face(f)) >= 0; });
+        for (int dim = 1; dim <= mesh_.dim; ++dim) {
+            KeptCells& kept = mesh_.kept[dim];
+            const int width = simplex_node_count(dim, mesh_.degree);
+            for (int c = 0; c < kept.count(); ++c) {
+                if (!parts_.contains(kept.element[c])) continue;
+                int* const node = &kept.nodes[offset(c, width)];
+                kept.element[c] = part(kept.element[c], [&](int e) { return subcells.has(e, node, dim); });
+                const std::vector<int> nodes = subcells.nodes(kept.element[c], node, dim);
+                std::copy(nodes.begin(), nodes.end(), node);
+            }
+        }
+        append_node_ids(mesh_, mesh_);
+        std::erase_if(mesh_.file.sections, [](const FileSection& s) { return s.name == "$ElementNodeData"; });
+    }
+
+private:
+    Mesh& mesh_;
+    const LagrangeBasis basis_;
+    UnusedIds<long long> ids_;
+    std::vector<int> whole_;                   // per element: of which one it is a part
+    std::map<int, std::vector<int>> parts_;    // of elements that are divided: the others
+    std::map<int, std::vector<int>> around_;   // elements at the first vertices of all simplices
+
+    std::span<const int> vertices(int e) const { return {mesh_.element(e), static_cast<std::size_t>(mesh_.dim) + 1}; }
+
+    void remember(int e) {
+        for (const int v : vertices(e))
+            if (const auto at = around_.find(v); at != around_.end()) at->second.push_back(e);
+    }
+
+    template <class Test>
+    int part(int e, const Test& test) const {
+        const auto others = parts_.find(e);
+        if (others == parts_.end() || test(e)) return e;
+        return *std::find_if(others->second.begin(), others->second.end(), test);
+    }
+
+    int append_copy(int e) {
+        const int copy = mesh_.element_count();
+        for (int i = 0; i < basis_.count; ++i) mesh_.elements.push_back(mesh_.element(e)[i]);
+        FileTags& file = mesh_.file;
+        file.element_id.push_back(ids_.next());
+        repeat(file.element_physical, e);
+        repeat(file.element_entity, e);
+        repeat(file.element_winding, e);
+        whole_.push_back(whole_[e]);
+        parts_[whole_[e]].push_back(copy);
+        return copy;
+    }
+
+    // node_of: nodes by |s| times their barycentric entries.
+    void divide_element(int e, const Simplex& s, std::map<NodeKey, int>& node_of) {
+        const int dim = mesh_.dim, count = static_cast<int>(s.size());
+        const std::vector<int> old(mesh_.element(e), mesh_.element(e) + basis_.count);
+        std::vector<MultiIndex> scaled = basis_.nodes;
+        for (int i = 0; i < basis_.count; ++i) {
+            for (int& entry : scaled[i]) entry *= count;
+            node_of.try_emplace(key_of(scaled[i], old.data(), dim), old[i]);
+        }
+        for (int k = 0; k < count; ++k) {  // the part without vertex k of s
+            const bool is_last = k + 1 == count;
+            const int into = is_last ? e : append_copy(e);
+            const auto local = std::find(old.begin(), old.begin() + dim + 1, s[k]) - old.begin();
+            for (int i = 0; i < basis_.count; ++i) {
+                MultiIndex at = scaled[i];
+                at[local] = 0;
+                for (int j = 0; j <= dim; ++j)
+                    if (std::find(s.begin(), s.end(), old[j]) != s.end()) at[j] += basis_.nodes[i][local];
+                const auto [node, is_new] = node_of.try_emplace(key_of(at, old.data(), dim), mesh_.nodes());
+                if (is_new) append_node(old, at, count);
+                mesh_.elements[offset(into, basis_.count, i)] = node->second;
+            }
+            if (!is_last) remember(into);
+        }
+    }
+
+    void append_node(const std::vector<int>& old, const MultiIndex& at, int count) {
+        double xi[3], N[simplex_node_count(3, max_degree)];
+        for (int k = 0; k < mesh_.dim; ++k) xi[k] = static_cast<double>(at[k + 1]) / (count * mesh_.degree);
+        basis_.values(xi, N);
+        for (int a = 0; a < mesh_.dim; ++a) {
+            double x = 0;
+            for (int j = 0; j < basis_.count; ++j) x += N[j] * mesh_.x[offset(old[j], mesh_.dim, a)];
+            mesh_.x.push_back(x);
+        }
+    }
+
+    // By their vertices; finish() tells the other nodes.
+    void divide_kept(KeptCells& kept, int dim, const Simplex& s, int middle) {
+        const int width = simplex_node_count(dim, mesh_.degree), count = kept.count();
+        for (int c = 0; c < count; ++c) {
+            const std::vector<int> old(&kept.nodes[offset(c, width)], &kept.nodes[offset(c, width)] + width);
+            if (!has(std::span(old).first(dim + 1), s)) continue;
+            for (std::size_t k = 0; k < s.size(); ++k) {
+                std::vector<int> nodes = old;
+                std::replace(nodes.begin(), nodes.begin() + dim + 1, s[k], middle);
+                if (k == 0) {
+                    std::copy(nodes.begin(), nodes.end(), &kept.nodes[offset(c, width)]);
+                    continue;
+                }
+                kept.nodes.insert(kept.nodes.end(), nodes.begin(), nodes.end());
+                kept.id.push_back(ids_.next());
+                repeat(kept.element, c);
+                repeat(kept.physical, c);
+                repeat(kept.entity, c);
+            }
+        }
+    }
+};
+
+}  // namespace
+
+std::vector<std::vector<Simplex>> inner_simplices(const Mesh& mesh, const std::vector<int>& elements) {
+    std::vector<std::vector<Simplex>> inner(elements.size());
+    if (elements.empty()) return inner;
+    std::vector<char> at_element(mesh.nodes(), 0), on_face(mesh.nodes(), 0);
+    for (const int e : elements)
+        for (int k = 0; k <= mesh.dim; ++k) at_element[mesh.element(e)[k]] = 1;
+    std::set<Simplex> known;
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        Simplex face(mesh.face(f), mesh.face(f) + mesh.dim);
+        if (std::none_of(face.begin(), face.end(), [&](int i) { return at_element[i]; })) continue;
+        for (const int i : face) on_face[i] = 1;
+        for (Simplex& edge : subsimplices(simplex(mesh.dim - 1).edges, 2, mesh.face(f))) known.insert(std::move(edge));
+        std::sort(face.begin(), face.end());
+        known.insert(std::move(face));
+    }
+    const auto is_known = [&](const Simplex& s) {
+        return known.contains(s) || !std::all_of(s.begin(), s.end(), [&](int i) { return on_face[i]; });
+    };
+    for (std::size_t k = 0; k < elements.size(); ++k) {
+        const int* const vertex = mesh.element(elements[k]);
+        inner[k] = subsimplices(mesh.cell().edges, 2, vertex);
+        std::erase_if(inner[k], is_known);
+        if (!inner[k].empty() || mesh.dim == 2) continue;
+        inner[k] = subsimplices(mesh.cell().faces, 3, vertex);
+        std::erase_if(inner[k], is_known);
+    }
+    return inner;
+}
+
+Mesh split(Mesh mesh, const std::vector<Simplex>& at) {
+    Splitting splitting(mesh, at);
+    for (const Simplex& s : at) splitting.divide(s);
+    splitting.finish();
+    return mesh;
+}
+
+}  // namespace almesh
