@@ -50,7 +50,7 @@ struct DeckSelection {
 enum class Start { automatic, identity, coarse };
 enum class Snap { automatic, no, yes };
 enum class SurfaceKind { automatic, keep, slide, straighten };
-enum class Split { never, automatic };
+enum class Split { never, automatic, around };
 enum class VtkOutput { ascii, binary, none };
 // As written in the deck; those of one version of MSH stand from msh22 on.
 enum class FinalFormat { input, msh, su2, both, msh22, msh22_binary, msh40, msh40_binary, msh41, msh41_binary };

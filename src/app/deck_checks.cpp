@@ -20,7 +20,7 @@ void check_local_repair(const Deck& deck) {
         if (boundary.motion != parse_motion("fixed")) refuse(boundary.where, "a boundary that is not fixed");
     for (const char* key : {"refine", "degree"})
         if (deck.given.contains(key)) refuse(deck.given.at(key), key);
-    if (deck.split != Split::never) refuse(deck.given.at("split"), "split = auto");
+    if (deck.split != Split::never) refuse(deck.given.at("split"), "split");
     if (sets_boundary(deck.method.moving)) refuse(deck.given.at("method"), "this method");
     if (deck.surface == SurfaceKind::straighten) refuse(deck.given.at("surface"), "surface = straighten");
 }

@@ -167,9 +167,10 @@ const std::vector<DeckKey>& deck_keys() {
          "What is done where no valid mesh has the target as its boundary. auto: the boundary nodes there slide along "
          "the surface; keep: the run is refused; slide: all prescribed boundary nodes slide; straighten: faces there "
          "are made flat, as few as a valid mesh needs."},
-        {"split", choice<&Deck::split>({"never", "auto"}),
-         "auto: elements that the target inverts wherever the nodes inside are, and that sliding does not help, are "
-         "divided by a node inside, with those around it; all other elements, nodes and boundaries stay as they are."},
+        {"split", choice<&Deck::split>({"never", "auto", "around"}),
+         "auto: elements that the target inverts, wherever the nodes inside are, are divided by nodes inside; all others "
+         "stay as they are, and so do the boundaries; around: so are those that share an edge with them and have one "
+         "between boundary nodes. What is left is left to surface."},
         {"mu0", number<&Deck::method, &Method::mu0>(positive),
          "First penalty mu of algorithms paper and literal and of method penalty, in units of |1|^2, the sum of |f|/h "
          "over the boundary faces."},

@@ -158,8 +158,10 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
 
 // What to try, the most promising first.
 std::string remedies(const Deck& deck, const Problem& problem, const Solution& solution) {
-    const std::string to_try = against_cause(deck, problem, solution);
+    std::string to_try = against_cause(deck, problem, solution);
+    if (problem.split_elements > 0 && deck.split == Split::automatic) to_try = "split = around; " + to_try;
     if (problem.target.freed.empty()) return to_try;
+    if (problem.mesh().degree == 1) return to_try + "; split = auto, so that no nodes slide";
     return concat(to_try, "; surface = straighten", deck.local_repair ? " and local_repair = 0" : "",
                   ": faces become flat where nodes now slide");
 }

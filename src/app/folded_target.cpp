@@ -41,7 +41,7 @@ std::string advice(const TargetFaults& faults, const CheckedTarget& checked) {
         to_try.push_back("surface = straighten (faces become flat there)");
     if (faults.faces.faults.empty()) {
         if (deck.split == Split::never && can_divide)
-            to_try.push_back("split = auto (a node inside divides just these and those beside them)");
+            to_try.push_back("split = auto (just these are divided, with the elements at the same edges)");
         if (checked.file_degree == 1 && deck.refine < most_refinements && !checked.folds_when_refined())
             to_try.push_back(concat("refine = ", deck.refine + 1, " (all elements are divided)"));
         if (!can_divide)
@@ -96,6 +96,18 @@ std::vector<char> faces_at_fault(const Mesh& mesh, const TargetFaults& faults, c
     return chosen;
 }
 
+// Elements with two vertices of those that are chosen.
+void add_around(const Mesh& mesh, std::vector<int>& elements) {
+    std::vector<char> is_vertex(mesh.nodes(), 0);
+    for (const int e : elements)
+        for (int k = 0; k <= mesh.dim; ++k) is_vertex[mesh.element(e)[k]] = 1;
+    elements.clear();
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        const int* const node = mesh.element(e);
+        if (std::count_if(node, node + mesh.dim + 1, [&](int i) { return is_vertex[i]; }) > 1) elements.push_back(e);
+    }
+}
+
 }  // namespace
 
 void straighten_target(const CheckedTarget& checked, std::vector<char> chosen) {
@@ -136,12 +148,12 @@ int split_folded(const CheckedTarget& checked, Mesh& base, std::vector<std::stri
     if (!all_by_curvature(faults.faces.faults)) return 0;  // what no element can mend
     std::vector<int> elements;
     for (DeterminedElement& fault : faults.elements) {
-        if (deck.surface == SurfaceKind::automatic && fault.sliding_may_help()) continue;
         fault.element >>= base.dim * deck.refine;  // of the file, which has it or has it as a part
         if (!elements.empty() && elements.back() == fault.element) continue;
         elements.push_back(fault.element);
         faults_in_file.elements.push_back(std::move(fault));
     }
+    if (deck.split == Split::around) add_around(base, elements);
     std::set<Simplex> at;
     for (const std::vector<Simplex>& inner : inner_simplices(base, elements)) at.insert(inner.begin(), inner.end());
     if (at.empty()) return 0;
@@ -152,7 +164,7 @@ int split_folded(const CheckedTarget& checked, Mesh& base, std::vector<std::stri
     if (divided.file.sections.size() < base.file.sections.size())
         notes.push_back("not in the final mesh, whose elements are others: $ElementNodeData");
     base = std::move(divided);
-    return static_cast<int>(elements.size());
+    return static_cast<int>(faults_in_file.elements.size());
 }
 
 std::string free_folded(const CheckedTarget& checked) {

@@ -22,8 +22,8 @@ struct CheckedTarget {
     std::function<bool()> folds_when_refined;  // whether it folds anything still on the mesh refined once more
 };
 
-// With split = auto, divides elements of the base mesh that the target folds, and sliding is not to help, by nodes
-// inside. Returns how many, and adds a note; 0 where there are none. Mesh and target are then those of another base.
+// With split = auto, divides elements of the base mesh that the target folds by nodes inside. Returns how many, and adds
+// a note; 0 where there are none. The mesh and the target are to be made again from the base.
 int split_folded(const CheckedTarget& checked, Mesh& base, std::vector<std::string>& notes);
 
 // Frees the nodes around faces and elements that the target folds to slide along its surface. Returns a note, empty

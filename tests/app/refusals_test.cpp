@@ -233,8 +233,8 @@ TEST_CASE("a corner that the target folds: code 2, whatever unit, origin, degree
             const DentedSquare square(msh_of(mesh), size, origin);
             const Outcome outcome = square.run({setting});
             check_refused(outcome, 2, {"no valid mesh reaches the target: it inverts 1 element:",
-                                       "try split = auto (a node inside divides just these and those beside them) or "
-                                       "targets that do not invert them\n"});
+                                       "try split = auto (just these are divided, with the elements at the same edges) "
+                                       "or targets that do not invert them\n"});
             CHECK(!std::filesystem::exists(square.output));
             const FoldedElement folded(outcome.error, "triangle");
             CHECK(folded.scaled_jacobian < 0);
@@ -302,8 +302,8 @@ TEST_CASE("a layer of one element that the target winds too far: code 2, and wha
     const RingDeck ring(ring_mesh(16, 1, 3));
     check_refused(ring.run({"boundary inner=rotate 120", "surface=keep"}), 2,
                   {"it inverts 16 elements:", "\n  ...\n",
-                   "try surface = auto (nodes slide along the surface there), split = auto (a node inside divides "
-                   "just these and those beside them), refine = 1 (all elements are divided) or targets that do "});
+                   "try surface = auto (nodes slide along the surface there), split = auto (just these are divided, "
+                   "with the elements at the same edges), refine = 1 (all elements are divided) or targets that do "});
     for (const std::string setting : {"surface=auto", "split=auto", "refine=1"}) {
         CAPTURE(setting);
         CHECK(ring.run({"boundary inner=rotate 120", setting}).code == 0);
