@@ -24,11 +24,6 @@ void refuse(const Mesh& mesh, const TargetFaults& faults, const std::string& adv
     throw InputError(message, counts_of(faults), ":", describe(mesh, faults), advice);
 }
 
-template <class Faults>
-bool all_by_curvature(const Faults& faults) {
-    return std::all_of(faults.begin(), faults.end(), [](const auto& fault) { return fault.by_curvature; });
-}
-
 // "\ntry A, B or C": what helps, or may.
 std::string advice(const TargetFaults& faults, const CheckedTarget& checked) {
     const Deck& deck = checked.deck;
@@ -126,9 +121,7 @@ void straighten_target(const CheckedTarget& checked, std::vector<char> chosen) {
         if (!all_by_curvature(faults.elements)) refuse(mesh, faults, advice(faults, checked));
         chosen = faces_at_fault(mesh, faults, target.straight);
         if (count(chosen) == 0)
-            refuse(mesh, faults,
-                   target.straight.empty() ? advice(faults, checked)
-                                           : "\ntry a finer mesh there: its faces cannot be flat");
+            refuse(mesh, faults, "\ntry a finer mesh there: its faces cannot be flat");
     }
 }
 

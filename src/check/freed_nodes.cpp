@@ -9,10 +9,8 @@
 
 namespace almesh {
 bool TargetFaults::sliding_may_help() const {
-    const auto by_curvature = [](const TargetReport::Fault& fault) { return fault.by_curvature; };
     const auto may_help = [](const DeterminedElement& fault) { return fault.sliding_may_help(); };
-    return !none() && std::all_of(faces.faults.begin(), faces.faults.end(), by_curvature) &&
-           std::all_of(elements.begin(), elements.end(), may_help);
+    return !none() && all_by_curvature(faces.faults) && std::all_of(elements.begin(), elements.end(), may_help);
 }
 
 TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,

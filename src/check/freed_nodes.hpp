@@ -1,6 +1,7 @@
 // Targets that fold a face, or an element with several faces on the boundary: as CAD surfaces do where the nodes that
 // are not vertices crowd. No mesh keeps such a target, but one whose nodes slide along the target's surface there may.
 #pragma once
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,11 @@
 #include "constraint/target.hpp"
 
 namespace almesh {
+
+template <class Faults>
+bool all_by_curvature(const Faults& faults) {
+    return std::all_of(faults.begin(), faults.end(), [](const auto& fault) { return fault.by_curvature; });
+}
 
 struct TargetFaults {
     TargetReport faces;

@@ -71,14 +71,14 @@ public:
         const Subcells subcells(mesh_);
         for (int f = 0; f < mesh_.face_count(); ++f)
             mesh_.face_element[f] =
-                part(mesh_.face_element[f], [&](int e) { return side_number(mesh_, e, mesh_.face(f)) >= 0; });
+                part_of(mesh_.face_element[f], [&](int e) { return side_number(mesh_, e, mesh_.face(f)) >= 0; });
         for (int dim = 1; dim <= mesh_.dim; ++dim) {
             KeptCells& kept = mesh_.kept[dim];
             const int width = simplex_node_count(dim, mesh_.degree);
             for (int c = 0; c < kept.count(); ++c) {
                 if (!parts_.contains(kept.element[c])) continue;
                 int* const node = &kept.nodes[offset(c, width)];
-                kept.element[c] = part(kept.element[c], [&](int e) { return subcells.has(e, node, dim); });
+                kept.element[c] = part_of(kept.element[c], [&](int e) { return subcells.has(e, node, dim); });
                 const std::vector<int> nodes = subcells.nodes(kept.element[c], node, dim);
                 std::copy(nodes.begin(), nodes.end(), node);
             }
@@ -91,9 +91,9 @@ private:
     Mesh& mesh_;
     const LagrangeBasis basis_;
     UnusedIds<long long> ids_;
-    std::vector<int> whole_;                   // per element: of which one it is a part
-    std::map<int, std::vector<int>> parts_;    // of elements that are divided: the others
-    std::map<int, std::vector<int>> around_;   // elements at the first vertices of all simplices
+    std::vector<int> whole_;                  // per element: of which one it is a part
+    std::map<int, std::vector<int>> parts_;   // of elements that are divided: the others
+    std::map<int, std::vector<int>> around_;  // elements at the first vertices of all simplices
 
     std::span<const int> vertices(int e) const { return {mesh_.element(e), static_cast<std::size_t>(mesh_.dim) + 1}; }
 
@@ -103,23 +103,21 @@ private:
     }
 
     template <class Test>
-    int part(int e, const Test& test) const {
+    int part_of(int e, const Test& test) const {
         const auto others = parts_.find(e);
         if (others == parts_.end() || test(e)) return e;
         return *std::find_if(others->second.begin(), others->second.end(), test);
     }
 
-    int append_copy(int e) {
-        const int copy = mesh_.element_count();
-        for (int i = 0; i < basis_.count; ++i) mesh_.elements.push_back(mesh_.element(e)[i]);
-        FileTags& file = mesh_.file;
-        file.element_id.push_back(ids_.next());
-        repeat(file.element_physical, e);
-        repeat(file.element_entity, e);
-        repeat(file.element_winding, e);
-        whole_.push_back(whole_[e]);
-        parts_[whole_[e]].push_back(copy);
-        return copy;
+    int append_part(int e) {
+        const int part = mesh_.element_count();
+        mesh_.elements.resize(mesh_.elements.size() + basis_.count);
+        mesh_.file.element_id.push_back(ids_.next());
+        for (std::vector<int>* const of : {&mesh_.file.element_physical, &mesh_.file.element_entity, &whole_})
+            repeat(*of, e);
+        repeat(mesh_.file.element_winding, e);
+        parts_[whole_[e]].push_back(part);
+        return part;
     }
 
     // node_of: nodes by |s| times their barycentric entries.
@@ -132,8 +130,7 @@ private:
             node_of.try_emplace(key_of(scaled[i], old.data(), dim), old[i]);
         }
         for (int k = 0; k < count; ++k) {  // the part without vertex k of s
-            const bool is_last = k + 1 == count;
-            const int into = is_last ? e : append_copy(e);
+            const int part = k == 0 ? e : append_part(e);
             const auto local = std::find(old.begin(), old.begin() + dim + 1, s[k]) - old.begin();
             for (int i = 0; i < basis_.count; ++i) {
                 MultiIndex at = scaled[i];
@@ -142,9 +139,9 @@ private:
                     if (std::find(s.begin(), s.end(), old[j]) != s.end()) at[j] += basis_.nodes[i][local];
                 const auto [node, is_new] = node_of.try_emplace(key_of(at, old.data(), dim), mesh_.nodes());
                 if (is_new) append_node(old, at, count);
-                mesh_.elements[offset(into, basis_.count, i)] = node->second;
+                mesh_.elements[offset(part, basis_.count, i)] = node->second;
             }
-            if (!is_last) remember(into);
+            remember(part);
         }
     }
 
@@ -166,17 +163,14 @@ private:
             const std::vector<int> old(&kept.nodes[offset(c, width)], &kept.nodes[offset(c, width)] + width);
             if (!has(std::span(old).first(dim + 1), s)) continue;
             for (std::size_t k = 0; k < s.size(); ++k) {
-                std::vector<int> nodes = old;
-                std::replace(nodes.begin(), nodes.begin() + dim + 1, s[k], middle);
-                if (k == 0) {
-                    std::copy(nodes.begin(), nodes.end(), &kept.nodes[offset(c, width)]);
-                    continue;
+                const int part = k == 0 ? c : kept.count();
+                if (k > 0) {
+                    kept.nodes.insert(kept.nodes.end(), old.begin(), old.end());
+                    kept.id.push_back(ids_.next());
+                    for (std::vector<int>* const of : {&kept.element, &kept.physical, &kept.entity}) repeat(*of, c);
                 }
-                kept.nodes.insert(kept.nodes.end(), nodes.begin(), nodes.end());
-                kept.id.push_back(ids_.next());
-                repeat(kept.element, c);
-                repeat(kept.physical, c);
-                repeat(kept.entity, c);
+                int* const vertex = &kept.nodes[offset(part, width)];
+                std::replace(vertex, vertex + dim + 1, s[k], middle);
             }
         }
     }
