@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "mesh/split.hpp"
 
 namespace almesh {
 namespace {
@@ -28,7 +29,7 @@ void refuse(const Mesh& mesh, const TargetFaults& faults, const std::string& adv
 std::string advice(const TargetFaults& faults, const CheckedTarget& checked) {
     const Deck& deck = checked.deck;
     const bool can_divide = std::all_of(faults.elements.begin(), faults.elements.end(),
-                                        [](const DeterminedElement& fault) { return !fault.inner.empty(); });
+                                        [](const ElementFault& fault) { return fault.can_be_divided; });
     std::vector<std::string> to_try;
     if (deck.surface == SurfaceKind::keep && faults.sliding_may_help())
         to_try.push_back("surface = auto (nodes slide along the surface there)");
@@ -73,7 +74,7 @@ std::vector<char> faces_at_fault(const Mesh& mesh, const TargetFaults& faults, c
     std::vector<char> chosen(mesh.face_count(), 0), vertex(mesh.nodes(), 0), at_fault(mesh.element_count(), 0);
     for (const TargetReport::Fault& fault : faults.faces.faults) chosen[fault.face] = 1;
     for (const auto& [f, g] : faults.faces.crossing) chosen[f] = chosen[g] = 1;
-    for (const DeterminedElement& fault : faults.elements) {
+    for (const ElementFault& fault : faults.elements) {
         at_fault[fault.element] = 1;
         for (int i = 0; i <= mesh.dim; ++i) vertex[mesh.element(fault.element)[i]] = 1;
     }
@@ -140,11 +141,11 @@ int split_folded(const CheckedTarget& checked, Mesh& base, std::vector<std::stri
     TargetFaults faults = faults_of(checked), faults_in_file;
     if (!all_by_curvature(faults.faces.faults)) return 0;  // what no element can mend
     std::vector<int> elements;
-    for (DeterminedElement& fault : faults.elements) {
+    for (ElementFault& fault : faults.elements) {
         fault.element >>= base.dim * deck.refine;  // of the file, which has it or has it as a part
         if (!elements.empty() && elements.back() == fault.element) continue;
         elements.push_back(fault.element);
-        faults_in_file.elements.push_back(std::move(fault));
+        faults_in_file.elements.push_back(fault);
     }
     if (deck.split == Split::around) add_around(base, elements);
     std::set<Simplex> at;

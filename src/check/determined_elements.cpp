@@ -115,16 +115,10 @@ std::vector<DeterminedElement> determined_elements(const Mesh& mesh, const std::
         }, element_work);
     });
     std::vector<DeterminedElement> found;
-    std::vector<int> elements;
     with_dimension(mesh.dim, [&](auto n) {
-        for (int e = 0; e < mesh.element_count(); ++e) {
-            if (!value[e]) continue;
-            found.push_back({e, *value[e], straight_scaled_jacobian<n>(mesh.element(e), target) > 0, {}});
-            elements.push_back(e);
-        }
+        for (int e = 0; e < mesh.element_count(); ++e)
+            if (value[e]) found.push_back({e, *value[e], straight_scaled_jacobian<n>(mesh.element(e), target) > 0});
     });
-    std::vector<std::vector<Simplex>> inner = inner_simplices(mesh, elements);
-    for (std::size_t k = 0; k < found.size(); ++k) found[k].inner = std::move(inner[k]);
     return found;
 }
 

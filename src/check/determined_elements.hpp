@@ -8,7 +8,7 @@
 #pragma once
 #include <vector>
 
-#include "mesh/split.hpp"
+#include "mesh/mesh.hpp"
 
 namespace almesh {
 
@@ -17,11 +17,6 @@ struct DeterminedElement {
     double scaled_jacobian;  // a value that it has somewhere, at most the bound: det J over |det J| of the straight
                              // element of its vertices in the target; 0 where that has no volume
     bool by_curvature;       // the straight element is valid
-    std::vector<Simplex> inner;  // inner_simplices() of it
-
-    // Whether it may become valid where its nodes slide along their surfaces: with one edge inside, or none, it lies
-    // between faces whose angle is that of the surface.
-    bool sliding_may_help() const { return by_curvature || (inner.size() > 1 && inner[0].size() == 2); }
 };
 
 // Elements whose scaled Jacobian is at most `bound` somewhere where it is determined, ascending in the element.

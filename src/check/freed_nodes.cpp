@@ -6,10 +6,11 @@
 #include "base/index.hpp"
 #include "base/text.hpp"
 #include "geometry/patch.hpp"
+#include "mesh/split.hpp"
 
 namespace almesh {
 bool TargetFaults::sliding_may_help() const {
-    const auto may_help = [](const DeterminedElement& fault) { return fault.sliding_may_help(); };
+    const auto may_help = [](const ElementFault& fault) { return fault.sliding_may_help; };
     return !none() && all_by_curvature(faces.faults) && std::all_of(elements.begin(), elements.end(), may_help);
 }
 
@@ -23,7 +24,19 @@ TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, con
         if (target.hold_of_node(mesh, k) != BoundaryHold::prescribed) open[k / mesh.face_nodes()] = 1;
     faults.faces = check_target(mesh, placed, open);
     if (mesh.degree > 1 && !target.in_trace_space) bound = std::min(bound, surely);
-    faults.elements = determined_elements(mesh, placed, prescribed_nodes(mesh, target), bound);
+    std::vector<int> element;
+    for (const DeterminedElement& fault : determined_elements(mesh, placed, prescribed_nodes(mesh, target), bound)) {
+        faults.elements.push_back({fault});
+        element.push_back(fault.element);
+    }
+    std::vector<char> is_prescribed;
+    for (const BoundaryHold hold : target.hold) is_prescribed.push_back(hold == BoundaryHold::prescribed);
+    const auto inner = inner_simplices(mesh, element), off_prescribed = inner_simplices(mesh, element, is_prescribed);
+    for (std::size_t k = 0; k < element.size(); ++k) {
+        const bool has_edges = off_prescribed[k].size() > 1 && off_prescribed[k][0].size() == 2;
+        faults.elements[k].sliding_may_help = faults.elements[k].by_curvature || has_edges;
+        faults.elements[k].can_be_divided = !inner[k].empty();
+    }
     return faults;
 }
 
@@ -35,7 +48,7 @@ std::string describe(const Mesh& mesh, const TargetFaults& faults) {
         if (++lines <= shown) text += "\n  " + line;
     };
     for (const TargetReport::Fault& fault : faults.faces.faults) add(fault.why);
-    for (const DeterminedElement& fault : faults.elements) {
+    for (const ElementFault& fault : faults.elements) {
         const Vec<3> c = centroid(mesh, mesh.x, mesh.element(fault.element), mesh.dim + 1);
         std::string line = concat(mesh.cell().name, " ", mesh.file.element_id[fault.element], " at ",
                                   position_text(c.data(), mesh.dim), ": its boundary nodes make its scaled Jacobian ");
@@ -87,14 +100,15 @@ std::vector<char> freed_nodes(const Mesh& mesh, const BoundaryTarget& target, co
     std::vector<char> vertex(mesh.nodes(), 0), chosen(mesh.face_count(), 0), freed(mesh.nodes(), 0);
     for (const TargetReport::Fault& fault : faults.faces.faults)
         for (int i = 0; i < mesh.dim; ++i) vertex[mesh.face(fault.face)[i]] = 1;
-    for (const DeterminedElement& fault : faults.elements)
+    for (const ElementFault& fault : faults.elements)
         for (int i = 0; i <= mesh.dim; ++i) vertex[mesh.element(fault.element)[i]] = 1;
     for (int f = 0; f < mesh.face_count(); ++f)
         chosen[f] = std::any_of(mesh.face(f), mesh.face(f) + mesh.dim, [&](int i) { return vertex[i]; });
-    add_coplanar(mesh, target, chosen);
+    if (all_by_curvature(faults.elements)) add_coplanar(mesh, target, chosen);
     for (int f = 0; f < mesh.face_count(); ++f)
         for (int i = 0; i < m && chosen[f]; ++i)
-            freed[mesh.face(f)[i]] = target.hold_of_face(mesh, f) == BoundaryHold::prescribed;
+            freed[mesh.face(f)[i]] = target.hold_of_node(mesh, f * m + i) == BoundaryHold::prescribed &&
+                                     (mesh.degree > 1 || vertex[mesh.face(f)[i]]);
     for (int f = 0; f < mesh.face_count(); ++f)
         for (int i = 0; i < m && mesh.face_boundary[f] == mesh.cut; ++i) freed[mesh.face(f)[i]] = 0;
     return freed;

@@ -16,9 +16,14 @@ bool all_by_curvature(const Faults& faults) {
     return std::all_of(faults.begin(), faults.end(), [](const auto& fault) { return fault.by_curvature; });
 }
 
+struct ElementFault : DeterminedElement {
+    bool sliding_may_help = false;  // by_curvature, or not between two faces, whose angle is that of the surface
+    bool can_be_divided = false;    // by nodes on its inner_simplices()
+};
+
 struct TargetFaults {
     TargetReport faces;
-    std::vector<DeterminedElement> elements;
+    std::vector<ElementFault> elements;
 
     bool none() const { return faces.faults.empty() && elements.empty(); }
     bool sliding_may_help() const;  // all are of faces folded by their curvature alone, and of such elements
@@ -34,7 +39,8 @@ TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, con
 std::string describe(const Mesh& mesh, const TargetFaults& faults);
 
 // Per node of the mesh, whether it is prescribed by the target and on a face that is folded, or at an element that is,
-// or on a face next to these, or in one plane with those.
+// or on a face next to these, or, where elements are folded by their curvature, in one plane with those; in degree 1 it
+// is a vertex of such faces and elements.
 std::vector<char> freed_nodes(const Mesh& mesh, const BoundaryTarget& target, const TargetFaults& faults);
 
 }  // namespace almesh

@@ -178,7 +178,8 @@ private:
 
 }  // namespace
 
-std::vector<std::vector<Simplex>> inner_simplices(const Mesh& mesh, const std::vector<int>& elements) {
+std::vector<std::vector<Simplex>> inner_simplices(const Mesh& mesh, const std::vector<int>& elements,
+                                                  const std::vector<char>& boundaries) {
     std::vector<std::vector<Simplex>> inner(elements.size());
     if (elements.empty()) return inner;
     std::vector<char> at_element(mesh.nodes(), 0), on_face(mesh.nodes(), 0);
@@ -186,6 +187,7 @@ std::vector<std::vector<Simplex>> inner_simplices(const Mesh& mesh, const std::v
         for (int k = 0; k <= mesh.dim; ++k) at_element[mesh.element(e)[k]] = 1;
     std::set<Simplex> known;
     for (int f = 0; f < mesh.face_count(); ++f) {
+        if (!boundaries.empty() && !boundaries[mesh.face_boundary[f]]) continue;
         Simplex face(mesh.face(f), mesh.face(f) + mesh.dim);
         if (std::none_of(face.begin(), face.end(), [&](int i) { return at_element[i]; })) continue;
         for (const int i : face) on_face[i] = 1;

@@ -14,9 +14,10 @@ namespace almesh {
 using Simplex = std::vector<int>;  // an edge or a face by its vertices, ascending
 
 // Of each of the elements, the edges between nodes of faces of the mesh that are on no face; in 3D where it has none,
-// such sides. A node inside that divides them gives every part of the element a vertex that is on no face. Cost:
-// O(faces log faces).
-std::vector<std::vector<Simplex>> inner_simplices(const Mesh& mesh, const std::vector<int>& elements);
+// such sides. A node inside that divides them gives every part of the element a vertex that is on no face. boundaries:
+// those whose faces count; empty: all. Cost: O(faces log faces).
+std::vector<std::vector<Simplex>> inner_simplices(const Mesh& mesh, const std::vector<int>& elements,
+                                                  const std::vector<char>& boundaries = {});
 
 // Divides each of these, which are on no face of the mesh, one after the other. One part of an element takes its place
 // and its id, the others are behind all elements, with new ids; all have its tags. Kept cells are divided alike. Data

@@ -199,3 +199,36 @@ TEST_CASE("ten faults are told, and that there are more") {
     CHECK(std::count(text.begin(), text.end(), '\n') == 11);
     CHECK(text.ends_with("\n  ..."));
 }
+
+TEST_CASE("elements between two boundaries: sliding may help, and their own vertices are released") {
+    const Mesh ring = ring_mesh(16, 1, 1.25);
+    BoundaryTarget target = target_of(
+        ring, {{"inner", "expression \"x*cos(0.9*x)-y*sin(0.9*x)\" \"x*sin(0.9*x)+y*cos(0.9*x)\""}});
+    const TargetFaults faults = find_faults(ring, straight_sided(ring), target);
+    REQUIRE(faults.elements.size() == 6);
+    CHECK(faults.sliding_may_help());
+    std::vector<char> vertices(ring.nodes(), 0);
+    for (const ElementFault& fault : faults.elements) {
+        CHECK(!fault.by_curvature);
+        CHECK(fault.can_be_divided);
+        for (int k = 0; k < 3; ++k) vertices[ring.element(fault.element)[k]] = 1;
+    }
+    target.freed = freed_nodes(ring, target, faults);
+    CHECK(target.freed == vertices);
+    CHECK(find_faults(ring, straight_sided(ring), target).none());
+}
+
+TEST_CASE("elements between two faces of prescribed boundaries: sliding does not help, unless one of them is free") {
+    const Mesh cube = cube_mesh(1);
+    for (const std::string sides : {"expression \"x\" \"y\" \"-z\"", "free"}) {
+        CAPTURE(sides);
+        BoundaryTarget target = target_of(cube, {{"top", "translate 0 0 -2"}, {"sides", sides}});
+        prescribe_shared_nodes(cube, target);
+        const TargetFaults faults = find_faults(cube, straight_sided(cube), target);
+        REQUIRE(!faults.elements.empty());
+        for (const ElementFault& fault : faults.elements) {
+            CHECK(fault.sliding_may_help == (sides == "free"));
+            CHECK(fault.can_be_divided);
+        }
+    }
+}
