@@ -19,6 +19,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/base_mesh.hpp"
 #include "app/summary.hpp"
 #include "check/certificate.hpp"
 #include "constraint/expression.hpp"
@@ -68,6 +69,7 @@ struct Deck {
     std::optional<int> power;
     AugmentedLagrangianParams method;
     std::optional<int> increments;
+    IdealKind ideal = IdealKind::automatic;
     Start start = Start::automatic;
     Continuation continuation = Continuation::automatic;
     Snap snap = Snap::automatic;

@@ -147,6 +147,10 @@ const std::vector<DeckKey>& deck_keys() {
         {"algorithm", choice<&Deck::method, &Method::algorithm>({"adaptive", "paper", "literal"}),
          "Schedule of the augmented Lagrangian method. adaptive: the multipliers are updated after every "
          "minimisation; paper: Algorithm 1 as corrected; literal: Algorithm 1 as printed."},
+        {"ideal", choice<&Deck::ideal>({"auto", "straight", "given"}),
+         "Ideal mesh, whose elements have no distortion. straight: the mesh of the file with straight sides, as in the "
+         "paper; given: as it is in the file, curved elements included; auto: straight, but given where the mesh folds "
+         "with straight sides and is valid with curved ones."},
         {"start", choice<&Deck::start>({"auto", "identity", "coarse"}),
          "First iterate. identity: the ideal mesh; coarse: the solution on the mesh refined less, or of lower degree, "
          "which is found the same way; auto: coarse with algorithm = adaptive, else identity."},

@@ -51,14 +51,14 @@ std::string advice(const TargetFaults& faults, const CheckedTarget& checked) {
 }
 
 // Scaled Jacobian of elements that the target alone determines up to which they are faults.
-double bound_of_faults(const Deck& deck) {
+double bound_of_faults(const CheckedTarget& checked) {
     constexpr double useless = 0.01;  // leaves no element of any use
-    if (deck.distortion.delta > 0) return -std::numeric_limits<double>::infinity();
-    return deck.surface == SurfaceKind::keep ? 0 : useless;
+    if (checked.deck.distortion.delta > 0) return -std::numeric_limits<double>::infinity();
+    return checked.deck.surface == SurfaceKind::keep || checked.is_own_ideal ? 0 : useless;
 }
 
 TargetFaults faults_of(const CheckedTarget& checked) {
-    return find_faults(checked.mesh, checked.ideal, checked.target, bound_of_faults(checked.deck));
+    return find_faults(checked.mesh, checked.ideal, checked.target, bound_of_faults(checked));
 }
 
 std::string note_of(const TargetFaults& faults, const Mesh& mesh, const std::string& what_is_done) {

@@ -20,6 +20,7 @@ struct CheckedTarget {
     BoundaryTarget& target;
     std::vector<double>& node_target;  // its nodes in units of the file, which change with it
     std::function<bool()> folds_when_refined;  // whether it folds anything still on the mesh refined once more
+    bool is_own_ideal;  // the mesh, whose elements are then as good as they need to be
 };
 
 // With split = auto, divides elements of the base mesh that the target folds by nodes inside. Returns how many, and adds

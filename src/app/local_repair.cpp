@@ -91,7 +91,7 @@ Solution repair_locally(const Deck& deck, Problem& problem, const Solve& solve, 
     const auto count = [](const std::vector<char>& some) {
         return static_cast<int>(std::count(some.begin(), some.end(), 1));
     };
-    const int inverted = count(is_inverted);
+    const int inverted = problem.is_own_ideal ? 0 : count(is_inverted);  // that mesh is certified
     const std::vector<char> is_prescribed = prescribed_nodes(mesh, problem.target);
     Solution solution;
     solution.x = problem.mesh().x;
@@ -105,7 +105,7 @@ Solution repair_locally(const Deck& deck, Problem& problem, const Solve& solve, 
         const Deck of_part = deck_of_part(deck, problem.frame.length);
         std::optional<Problem> part;
         try {
-            part = make_problem(of_part, part_of(mesh, chosen, "the rest of the mesh"), problem.mesh_hash, {},
+            part = make_problem(of_part, BaseMesh{part_of(mesh, chosen, "the rest of the mesh")}, problem.mesh_hash, {},
                                   {problem.sliding.get(), boundary_faces(mesh, chosen)});
         } catch (const InputError&) {  // what stays of its boundary folds elements, or surfaces are not known there
             continue;

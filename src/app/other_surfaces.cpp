@@ -5,24 +5,15 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "check/certificate.hpp"
 #include "io/mesh_format.hpp"
-#include "mesh/build.hpp"
 
 namespace almesh {
 namespace {
 
-// A valid curved mesh is taken even if its straight form folds; any other as one that is to be moved, or refused.
-Mesh mesh_of(const RawMesh& raw, std::vector<std::string>& notes) {
-    Mesh mesh = build_mesh(raw, notes, Folds::keep);
-    if (certify(mesh, mesh.x).valid) return mesh;
-    notes.clear();
-    return build_mesh(raw, notes);
-}
-
 std::shared_ptr<const Mesh> read(const std::string& path, int dim, std::vector<std::string>& notes) {
     std::vector<std::string> of_file;
-    const auto mesh = std::make_shared<const Mesh>(mesh_of(read_mesh(path), of_file));
+    const auto mesh =
+        std::make_shared<const Mesh>(build_base_mesh(read_mesh(path), IdealKind::automatic, {}, of_file).mesh);
     if (mesh->dim != dim)
         throw InputError(path, ": a mesh in ", mesh->dim, " dimensions, the one that moves has ", dim);
     for (const std::string& note : of_file) notes.push_back(path + ": " + note);

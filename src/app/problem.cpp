@@ -18,7 +18,6 @@
 #include "constraint/sliding_boundary.hpp"
 #include "energy/vertex_interpolation.hpp"
 #include "io/mesh_format.hpp"
-#include "mesh/build.hpp"
 
 namespace almesh {
 namespace {
@@ -93,7 +92,7 @@ std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int d
                                   BoundaryTarget& target) {
     auto level = std::make_unique<Level>();
     level->mesh = discretised(problem.base, refinements, degree);
-    level->ideal = straight_sided(level->mesh);
+    level->ideal = problem.ideal_of(level->mesh);
     for (PlacedBoundary& boundary : placed)
         for (std::vector<double>* const field : {&boundary.x, &boundary.left_out})
             if (!field->empty()) *field = on_level(problem.shape(), std::move(*field), *level);
@@ -105,7 +104,7 @@ std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int d
 // Of the run, in units of the file: what the deck says, or so that the mesh has the volume 1.
 double unit_of_length(const Deck& deck, double volume, int dim) {
     constexpr double most = 1e50;  // a mesh of that size has volumes, and products of them, within the range of numbers
-    const double size = std::pow(volume, 1.0 / dim), unit = deck.length_scale.value_or(size);
+    const double size = std::pow(std::abs(volume), 1.0 / dim), unit = deck.length_scale.value_or(size);
     if (size / unit >= 1 / most && size / unit <= most) return unit;
     throw UsageError(deck.given.at("length_scale"), ": in units of length_scale = ", unit, " the mesh is ",
                      size / unit, " long, which is beyond the range of numbers: leave the key out");
@@ -142,12 +141,12 @@ std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const Deck& deck, 
     const std::vector<char> sliding = slides(mesh, target);
     if (std::count(sliding.begin(), sliding.end(), 1) == 0) return nullptr;
     Mesh shape = problem.shape();
-    const std::vector<double> straight = straight_sided(shape);
-    if (!target.freed.empty()) shape.x = between(straight, std::move(shape.x), fraction);
+    const std::vector<double> ideal = problem.ideal_of(shape);
+    if (!target.freed.empty()) shape.x = between(ideal, std::move(shape.x), fraction);
     PlacedNodes placed = problem.placed;
     for (PlacedBoundary& boundary : placed)  // nodes that a file leaves out slide along the boundary as the mesh has it
         if (!boundary.left_out.empty()) boundary = {};
-    const BoundaryTarget of_shape = target_at(fraction, shape, straight, motions, std::move(placed));
+    const BoundaryTarget of_shape = target_at(fraction, shape, ideal, motions, std::move(placed));
     return std::make_shared<SlidingSurfaces>(shape, of_shape.node, sliding, deck.feature_angle, problem.frame, other);
 }
 
@@ -198,6 +197,7 @@ void discretise(const Deck& deck, Problem& problem) {
     problem.raised = std::move(targets.raised);
     problem.placed = problem.level_placed = std::move(targets.placed);
     problem.level = discretise(problem, deck.refine, degree, problem.level_placed, problem.target);
+    if (problem.is_own_ideal) check_curved_ideal(deck, problem.base, problem.mesh());
     problem.node_target = problem.target.node;
     if (const std::string note = left_out_sections(deck, problem.base, problem.mesh()); !note.empty())
         problem.notes.push_back(note);
@@ -265,7 +265,9 @@ std::unique_ptr<Constraint> constraint_at(double fraction, const Deck& deck, con
 // target: in the run's frame, placed: in the file's.
 void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
                     Level& level) {
-    level.energy = make_energy(level.mesh, level.ideal, distortion_of(deck));
+    DistortionParams distortion = distortion_of(deck);
+    distortion.curved_ideal = problem.is_own_ideal;
+    level.energy = make_energy(level.mesh, level.ideal, distortion);
     level.energy->order_hessian([&](const BlockCsr& pattern) {
         return sweep_order(pattern, level.mesh.dim, deck.linear, vertex_interpolation(level.mesh));
     });
@@ -310,8 +312,11 @@ Problem make_problem(const Deck& deck) {
     check_local_repair(deck);
     std::string mesh_hash;
     std::vector<std::string> notes = deck.notes;
-    Mesh base = build_mesh(read_mesh_file(deck, mesh_hash), notes);
-    assign_boundaries(deck, base, notes);
+    BaseMesh base = build_base_mesh(read_mesh_file(deck, mesh_hash), deck.ideal, deck.certificate, notes);
+    if (base.is_own_ideal && deck.ideal == IdealKind::automatic)
+        notes.push_back("the straight-sided form of the mesh folds over itself: the curved mesh of the file is the "
+                        "ideal mesh (ideal = given)");
+    assign_boundaries(deck, base.mesh, notes);
     return make_problem(deck, std::move(base), mesh_hash, std::move(notes));
 }
 
@@ -323,13 +328,14 @@ CheckedTarget checked_target(const Deck& deck, Problem& problem) {
         return !find_faults(level->mesh, level->ideal, target).none();
     };
     return {deck,           problem.base.degree, problem.mesh(),     problem.ideal(),
-            problem.target, problem.node_target, folds_when_refined};
+            problem.target, problem.node_target, folds_when_refined, problem.is_own_ideal};
 }
 
-Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes,
+Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash, std::vector<std::string> notes,
                      const SurfacesOfWhole& whole) {
     Problem problem;
-    problem.base = std::move(base);
+    problem.base = std::move(base.mesh);
+    problem.is_own_ideal = base.is_own_ideal;
     problem.mesh_hash = mesh_hash;
     problem.notes = std::move(notes);
     std::vector<std::string> before = problem.notes;
@@ -371,7 +377,7 @@ bool identity_is_near(const Deck& deck, const Problem& problem) {
 
 std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem) {
     std::vector<CoarserMesh> coarser;
-    if (identity_is_near(deck, problem)) return coarser;
+    if (problem.is_own_ideal || identity_is_near(deck, problem)) return coarser;
     for (int refinements = 0; refinements < deck.refine; ++refinements) coarser.push_back({refinements, 1});
     // The file's own curves are known from its degree on; but where nodes slide, they find their way at lower ones.
     const int of_file = problem.target.freed.empty() ? problem.shape().degree : 1;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/base_mesh.hpp"
 #include "app/deck.hpp"
 #include "app/folded_target.hpp"
 #include "base/frame.hpp"
@@ -16,6 +17,7 @@ namespace almesh {
 
 struct Problem {
     Mesh base;                     // as read, with the boundaries of the deck
+    bool is_own_ideal = false;     // it is curved, and itself the ideal mesh
     std::vector<Motion> motions;   // of its boundaries
     std::optional<Mesh> raised;    // and of the degree of the meshes that place its boundaries, where that is higher
     std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in the run's frame
@@ -33,6 +35,7 @@ struct Problem {
     std::vector<std::string> notes;
 
     const Mesh& shape() const { return raised ? *raised : base; }
+    std::vector<double> ideal_of(const Mesh& mesh) const { return is_own_ideal ? mesh.x : straight_sided(mesh); }
     const Mesh& mesh() const { return level->mesh; }
     const std::vector<double>& ideal() const { return level->ideal; }
 };
@@ -49,7 +52,7 @@ struct SurfacesOfWhole {
 
 // The same on a mesh in memory. mesh_hash: of the file that it comes from. whole: freed nodes slide along these
 // surfaces, where there are any.
-Problem make_problem(const Deck& deck, Mesh base, const std::string& mesh_hash, std::vector<std::string> notes = {},
+Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash, std::vector<std::string> notes = {},
                      const SurfacesOfWhole& whole = {});
 
 // The problem's target as folded_target.hpp checks and changes it.
@@ -59,7 +62,7 @@ CheckedTarget checked_target(const Deck& deck, Problem& problem);
 void set_functional(const Deck& deck, const Problem& problem);
 
 // The deck's settings, with those that are `auto` made definite.
-DistortionParams distortion_of(const Deck& deck);
+DistortionParams distortion_of(const Deck& deck);  // but for curved_ideal
 int increments_of(const Deck& deck);
 Continuation continuation_of(const Deck& deck);  // automatic only with algorithm = adaptive
 

@@ -61,6 +61,8 @@ void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, con
     for (const GroupCells& volume : volumes) width = std::max(width, volume.name.size());
     std::fprintf(out, "%-*s  elements     energy         q    max eta  scaled Jacobian\n", static_cast<int>(width),
                  "volume");
+    DistortionParams params = distortion_of(deck);
+    params.curved_ideal = problem.is_own_ideal;
     for (const GroupCells& volume : volumes) {
         std::vector<char> chosen(mesh.element_count(), 0);
         double least = 1;
@@ -70,8 +72,7 @@ void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, con
         }
         const Mesh part = part_of(mesh, chosen, "rest");
         const std::vector<double> x = of_part(part, mesh, volume.cells, solution.x);
-        const auto energy =
-            make_energy(part, of_part(part, mesh, volume.cells, problem.ideal()), distortion_of(deck));
+        const auto energy = make_energy(part, of_part(part, mesh, volume.cells, problem.ideal()), params);
         const DistortionStatistics found = energy->statistics(x);
         std::fprintf(out, "%-*s  %8zu  %9.3e  %8.6f  %9.4g  >= %s\n", static_cast<int>(width), volume.name.c_str(),
                      volume.cells.size(), energy->energy(x), found.relative_quality, found.max_distortion,

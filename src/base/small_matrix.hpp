@@ -85,12 +85,12 @@ template <int n, class T = double>
 }
 
 // m must not be singular: the caller has checked its determinant.
-template <int n>
-Mat<n> inverse(const Mat<n>& m) {
-    const double inv = 1 / determinant(m);
-    Mat<n> r = transpose<n>(cofactor(m));
+template <int n, class T = double>
+Mat<n, T> inverse(const Mat<n, T>& m) {
+    const T inv = 1.0 / determinant(m);
+    Mat<n, T> r = transpose<n>(cofactor(m));
     for (auto& row : r)
-        for (double& v : row) v *= inv;
+        for (T& v : row) v *= inv;
     return r;
 }
 

@@ -22,7 +22,8 @@ TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, con
     std::vector<char> open(mesh.face_count());
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
         if (target.hold_of_node(mesh, k) != BoundaryHold::prescribed) open[k / mesh.face_nodes()] = 1;
-    faults.faces = check_target(mesh, placed, open);
+    const bool is_own_ideal = ideal == mesh.x;
+    faults.faces = check_target(mesh, placed, open, is_own_ideal ? FaceBend::any : FaceBend::usual);
     if (mesh.degree > 1 && !target.in_trace_space) bound = std::min(bound, surely);
     std::vector<int> element;
     for (const DeterminedElement& fault : determined_elements(mesh, placed, prescribed_nodes(mesh, target), bound)) {

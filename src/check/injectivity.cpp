@@ -80,7 +80,7 @@ Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, co
         return {.reason = concat("the elements around node ", id_in_file(mesh.file.node_id, i), " overlap"),
                 .node = i,
                 .position = centroid(mesh, x, &i, 1)};
-    const TargetReport report = check_target(mesh, x);
+    const TargetReport report = check_target(mesh, x, {}, FaceBend::any);
     if (!report.faults.empty()) {
         const int f = report.faults.front().face;
         return {.reason = concat("the boundary overlaps itself at face ",

@@ -27,28 +27,18 @@ Mat<n> regular_simplex() {
     else return {{{1, 0.5, 0.5}, {0, std::sqrt(0.75), std::sqrt(1.0 / 12)}, {0, 0, std::sqrt(2.0 / 3)}}};
 }
 
-// dx/dxi. dN: count x n.
-template <int n>
-Mat<n> jacobian(const int* node, int count, const std::vector<double>& x, const double* dN) {
-    Mat<n> J{};
-    for (int i = 0; i < count; ++i)
-        for (int a = 0; a < n; ++a)
-            for (int k = 0; k < n; ++k) J[a][k] += point(x, node[i], n)[a] * dN[i * n + k];
-    return J;
-}
-
-// Per element: the least value(e, dx/dxi) at its quadrature points, within [0, 1].
+// Per element: the least value(jacobian_of) at its quadrature points, within [0, 1]; jacobian_of(x): dx/dxi there.
 template <int n, class Value>
-std::vector<double> least_at_points(const Mesh& mesh, const std::vector<double>& x, const Value& value) {
+std::vector<double> least_at_points(const Mesh& mesh, const Value& value) {
     const Quadrature quadrature = simplex_quadrature(n, mesh.degree == 1 ? 1 : 2 * mesh.degree);
     const ReferenceElement reference = reference_element(mesh.degree, quadrature);
     std::vector<double> least(mesh.element_count());
     parallel_for(mesh.element_count(), [&](int e) {
         double of_element = 1;
-        for (int q = 0; q < reference.points; ++q) {
-            const double* const dN = &reference.gradients[offset(q, reference.nodes * n)];
-            of_element = std::min(of_element, value(e, jacobian<n>(mesh.element(e), reference.nodes, x, dN)));
-        }
+        for (int q = 0; q < reference.points; ++q)
+            of_element = std::min(of_element, value([&](const std::vector<double>& x) {
+                return jacobian_at<n>(mesh.element(e), x, reference, q);
+            }));
         least[e] = std::max(of_element, 0.0);
     });
     return least;
@@ -63,15 +53,16 @@ double shape(const Mat<n>& J, const Mat<n>& from_regular) {
 template <int n>
 std::vector<double> element_quality(const Mesh& mesh, const std::vector<double>& x) {
     const Mat<n> from_regular = inverse<n>(regular_simplex<n>());
-    return least_at_points<n>(mesh, x, [&](int, const Mat<n>& J) { return shape<n>(J, from_regular); });
+    return least_at_points<n>(mesh, [&](const auto& jacobian_of) { return shape<n>(jacobian_of(x), from_regular); });
 }
 
 template <int n>
 std::vector<double> element_size_skew(const Mesh& mesh, const std::vector<double>& ideal,
                                       const std::vector<double>& x) {
     const Mat<n> from_regular = inverse<n>(regular_simplex<n>());
-    return least_at_points<n>(mesh, x, [&](int e, const Mat<n>& J) {
-        const double ratio = determinant(J) / determinant(straight_jacobian<n>(mesh.element(e), ideal));
+    return least_at_points<n>(mesh, [&](const auto& jacobian_of) {
+        const Mat<n> J = jacobian_of(x);
+        const double ratio = determinant(J) / determinant(jacobian_of(ideal));
         return ratio > 0 ? std::sqrt(std::min(ratio, 1 / ratio)) * shape<n>(J, from_regular) : 0;
     });
 }

@@ -2,7 +2,7 @@
 //
 // No mesh can follow a target on which
 //   - a face is folded or degenerate: its normal n(xi), a polynomial of degree (n - 1)(p - 1) bounded in Bezier form,
-//     turns 90 degrees or more away from its mean over the face (arcs of up to 180 degrees pass);
+//     turns 90 degrees or more away from its mean over the face (arcs of up to 180 degrees pass; FaceBend);
 //   - a closed part of the boundary is mirrored, turned inside out or flattened: the area or volume it encloses, the
 //     integral of x . n / dim, changes sign or vanishes;
 //   - faces cross each other, or neighbours are folded flat onto each other;
@@ -22,6 +22,12 @@
 
 namespace almesh {
 
+// How far the normal of a face may turn.
+enum class FaceBend {
+    usual,  // less than 90 degrees away from its mean
+    any     // as far as it stays in one half-space: a face that elements were found to be valid beside
+};
+
 struct TargetReport {
     struct Fault {
         int face;         // index into the mesh's faces
@@ -36,6 +42,7 @@ struct TargetReport {
 // target: node_count x dim positions, of which those of boundary nodes count (see at_target()), finite. open: faces
 // whose position the target does not tell, because they slide or are free; they and the closed parts that they belong
 // to are passed over. Empty for none.
-TargetReport check_target(const Mesh& mesh, const std::vector<double>& target, const std::vector<char>& open = {});
+TargetReport check_target(const Mesh& mesh, const std::vector<double>& target, const std::vector<char>& open = {},
+                          FaceBend bend = FaceBend::usual);
 
 }  // namespace almesh

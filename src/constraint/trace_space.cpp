@@ -65,7 +65,11 @@ void TraceSpace::measure_heights(const Mesh& mesh, const std::vector<double>& id
     with_dimension(mesh.dim, [&](auto n) {
         for (int f = 0; f < mesh.face_count(); ++f) {
             const double volume = determinant(straight_jacobian<n>(mesh.element(mesh.face_element[f]), ideal));
-            const double of_face = volume / ((mesh.dim - 1) * face_measure(mesh, ideal, f));
+            const double measure = face_measure(mesh, ideal, f);
+            // where a curved ideal element has vertices that span no volume: the size of the face
+            const double of_face = volume > 0        ? volume / ((mesh.dim - 1) * measure)
+                                   : mesh.dim == 2 ? measure
+                                                   : std::sqrt(measure);
             for (int i = 0; i < m; ++i) {
                 double& least = height[faces[offset(f, m, i)]];
                 least = std::min(least, of_face);

@@ -15,6 +15,7 @@
 #include "base/index.hpp"
 #include "energy/density_hessian.hpp"
 #include "energy/gradient_products.hpp"
+#include "energy/ideal_lanes.hpp"
 #include "energy/point_lanes.hpp"
 #include "mesh/quadrature.hpp"
 
@@ -34,7 +35,8 @@ public:
           m_(reference.nodes),
           size_(m_ * n),
           position_(workspace(room())) {
-        gradient_ = position_ + size_;
+        ideal_position_ = position_ + size_;
+        gradient_ = ideal_position_ + size_;
         hessian_ = gradient_ + size_;
         separate_ = hessian_ + stride();
         second_ = separate_ + stride();
@@ -43,29 +45,33 @@ public:
         line_ = barycentric_ + products_.moments * pairs * entries;
     }
 
-    // node: lanes x m nodes of the elements, x: nodes x n. ideal_inverse: A^{-1} of the elements.
-    // node and ideal_inverse are looked at until the next start().
-    void start(const int* node, const std::vector<double>& x, const Mat<n, Lanes>& ideal_inverse) {
+    // node: lanes x m nodes of the elements, x: nodes x n. node is looked at until the next start().
+    void start(const int* node, const std::vector<double>& x, const IdealLanes<n>& ideal) {
         node_ = node;
-        ideal_inverse_ = &ideal_inverse;
-        for (int i = 0; i < m_; ++i)
-            for (int l = 0; l < lanes; ++l) {
-                const double* const xi = &x[offset(node[l * m_ + i], n)];
-                for (int a = 0; a < n; ++a) position_[i * n + a][l] = xi[a];
-            }
-        for (int i = m_ - 1; i >= 0; --i)  // relative to the element's first node: exact differences
-            for (int a = 0; a < n; ++a) position_[i * n + a] -= position_[a];
+        gather(x, position_);
+        ideal_inverse_ = ideal.inverse;
+        share_ = in_all_lanes(1);
+        is_ideal_curved_ = !ideal.curved.empty();
+        if (!is_ideal_curved_) return;
+        gather(ideal.curved, ideal_position_);
+        inverse_mean_ = select(ideal.jacobian > 0, 1.0 / ideal.jacobian, Lanes{});
     }
 
-    Lanes distortion_at(int q) const { return distortion<n>(multiply<n>(jacobian(q), *ideal_inverse_), 0); }
+    Lanes distortion_at(int q) const { return distortion<n>(multiply<n>(jacobian(q), inverse_A(q)), 0); }
+    // det A over its mean: what the point weighs more or less than on a straight ideal element.
+    Lanes share_at(int q) const {
+        inverse_A(q);
+        return share_;
+    }
 
     // Per unit of det A; infinite or nan for an inverted element.
     template <class Density>
     Lanes energy(Density density, double delta, int part = 0) const {
         Lanes sum{};
-        for (int q = part * part_points(); q < (part + 1) * part_points(); ++q)
-            sum += of_.weight[q] * density.f(distortion<n>(multiply<n>(jacobian(q), *ideal_inverse_), delta,
-                                                           typename Density::Measure()));
+        for (int q = part * part_points(); q < (part + 1) * part_points(); ++q) {
+            const Mat<n, Lanes> F = multiply<n>(jacobian(q), inverse_A(q));
+            sum += of_.weight[q] * share_ * density.f(distortion<n>(F, delta, typename Density::Measure()));
+        }
         return sum;
     }
 
@@ -80,12 +86,12 @@ public:
     // The gradient of each element after the other, times `factor`: lanes x whole_registers(nodes x n).
     template <class Density>
     const double* gradient(const Density& density, double delta, Lanes factor) {
-        const Mat<n, Lanes> ideal_inverse_transposed = transpose<n>(*ideal_inverse_);
         sum_of_points(gradient_, size_, [&](int begin, int end) {
             for (int q = begin; q < end; ++q) {
-                const Mat<n, Lanes> F = multiply<n>(jacobian(q), *ideal_inverse_);
-                const Mat<n, Lanes> P = multiply<n>(density_gradient<n>(F, delta, density), ideal_inverse_transposed);
-                const Lanes weight = factor * of_.weight[q];
+                const Mat<n, Lanes> F = multiply<n>(jacobian(q), inverse_A(q));
+                const Mat<n, Lanes> P =
+                    multiply<n>(density_gradient<n>(F, delta, density), transpose<n>(ideal_inverse_));
+                const Lanes weight = factor * of_.weight[q] * share_;
                 const Number* const dN = gradients(q);
                 for (int i = 0; i < m_; ++i)
                     for (int a = 0; a < n; ++a) {
@@ -114,9 +120,11 @@ public:
         sum_of_points(moment_, products_.moments * directions * entries, [&](int begin, int end) {
             for (int q = begin; q < end; q += point_block) {
                 const int count = std::min(point_block, end - q);
-                for (int k = 0; k < count; ++k)
-                    keep_upper(k, density_hessian<n>(jacobian(q + k), *ideal_inverse_, factor * of_.weight[q + k],
+                for (int k = 0; k < count; ++k) {
+                    const Mat<n, Lanes>& of_ideal = inverse_A(q + k);
+                    keep_upper(k, density_hessian<n>(jacobian(q + k), of_ideal, factor * of_.weight[q + k] * share_,
                                                      density, delta, kept_negative));
+                }
                 for (int direction = 0; direction < directions; ++direction) {
                     int c = 0;
                     for (; c + tile_rows <= products_.moments; c += tile_rows)
@@ -149,8 +157,12 @@ private:
     const GradientProducts& products_;
     const int m_, size_;
     const int* node_ = nullptr;
-    const Mat<n, Lanes>* ideal_inverse_ = nullptr;
-    Lanes* const position_;  // m x n, relative to the first node
+    bool is_ideal_curved_ = false;
+    mutable Mat<n, Lanes> ideal_inverse_;  // A^{-1} and share_at() of the elements, or of the last point asked for
+    mutable Lanes share_;
+    Lanes inverse_mean_;      // 1 over the mean det A of curved ideal elements; 0 where they weigh nothing
+    Lanes* const position_;   // m x n, relative to the first node
+    Lanes* ideal_position_;   // the same of curved ideal elements
     Lanes* gradient_;        // m x n
     Lanes* hessian_;         // m x m blocks of n x n
     Lanes* separate_;        // the gradient or Hessian, element after element
@@ -161,7 +173,7 @@ private:
 
     std::size_t room() const {
         const std::size_t blocks = point_block * directions + products_.moments * (directions + pairs) + m_;
-        return 2 * size_ + 2 * stride() + blocks * entries;
+        return 3 * size_ + 2 * stride() + blocks * entries;
     }
     Lanes* block(int i, int j) { return hessian_ + (i * m_ + j) * entries; }
 
@@ -196,13 +208,34 @@ private:
     const Number* gradients(int q) const { return &of_.gradients[offset(q, size_)]; }
     const Number* monomials(int q) const { return &of_.monomials[offset(q, products_.moments)]; }
 
-    Mat<n, Lanes> jacobian(int q) const {
+    // Positions of the elements' nodes, relative to the first node of each: exact differences.
+    void gather(const std::vector<double>& x, Lanes* to) const {
+        for (int i = 0; i < m_; ++i)
+            for (int l = 0; l < lanes; ++l) {
+                const double* const xi = &x[offset(node_[l * m_ + i], n)];
+                for (int a = 0; a < n; ++a) to[i * n + a][l] = xi[a];
+            }
+        for (int i = m_ - 1; i >= 0; --i)
+            for (int a = 0; a < n; ++a) to[i * n + a] -= to[a];
+    }
+
+    Mat<n, Lanes> jacobian(int q) const { return jacobian(position_, q); }
+    Mat<n, Lanes> jacobian(const Lanes* position, int q) const {
         Mat<n, Lanes> J = {};
         const Number* const dN = gradients(q);
         for (int i = 1; i < m_; ++i)  // the first node is the origin
             for (int a = 0; a < n; ++a)
-                for (int k = 0; k < n; ++k) J[a][k] += position_[i * n + a] * dN[i * n + k];
+                for (int k = 0; k < n; ++k) J[a][k] += position[i * n + a] * dN[i * n + k];
         return J;
+    }
+
+    const Mat<n, Lanes>& inverse_A(int q) const {
+        if (is_ideal_curved_) {
+            const Mat<n, Lanes> A = jacobian(ideal_position_, q);
+            ideal_inverse_ = inverse<n>(A);
+            share_ = determinant(A) * inverse_mean_;
+        }
+        return ideal_inverse_;
     }
 
     // The blocks C_kl, k <= l, of the point-th point at hand.

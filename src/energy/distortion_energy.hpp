@@ -2,10 +2,11 @@
 //
 //     E(x) = sum over elements e of  w_e * integral over e of f(eta(D phi(y))) dy,   phi = sum x_i N_i,
 //
-// f one of the densities of densities.hpp, with gradient and Hessian with respect to the node positions x. The ideal
-// elements are straight-sided, so D phi = J A^{-1} with the constant Jacobian A of the ideal element and
-// J = sum x_i (grad N_i)^T. Weights w_e = |e|^(alpha-1), scaled so that sum w_e |e| = |Omega|: alpha = 1 is the paper,
-// smaller alpha protects small elements.
+// f one of the densities of densities.hpp, with gradient and Hessian with respect to the node positions x.
+// D phi = J A^{-1} with J = sum x_i (grad N_i)^T and the Jacobian A of the ideal element: constant where that is
+// straight-sided, as in the paper; sum y_i (grad N_i)^T where it is curved, with node positions y. Weights
+// w_e = |e|^(alpha-1), scaled so that sum w_e |e| = |Omega|: alpha = 1 is the paper, smaller alpha protects small
+// elements.
 //
 // Two implementations: plain_energy.hpp, the textbook assembly, made to be read; simd_energy.hpp, the one that runs
 // use, tested against it. Both integrate each element by the rule that element_rules.hpp has for it.
@@ -93,9 +94,9 @@ public:
     double hessian_work() const;  // in passes of an iterative solver over an entry of a matrix
 
 protected:
-    DistortionEnergy(const DistortionParams& params, const Mesh& mesh);
-    // Of some elements of another one: place[e] is the number there of element e here.
-    DistortionEnergy(const DistortionEnergy& whole, const std::vector<int>& place);
+    DistortionEnergy(const DistortionParams& params, const Mesh& mesh, const std::vector<double>& ideal);
+    // Of some elements of another one: place[e] is the number there of element e here, node[i] that of node i.
+    DistortionEnergy(const DistortionEnergy& whole, const std::vector<int>& place, const std::vector<int>& node);
     const int* element(int e) const { return &nodes_[offset(e, reference_.nodes)]; }
 
     DistortionParams params_;
@@ -103,6 +104,7 @@ protected:
     ElementRules rules_;
     const ReferenceElement& reference_;  // that of most elements
     std::vector<int> nodes_;             // element_count x element nodes, or more
+    std::vector<double> curved_ideal_;   // y, nodes x dim; empty where the ideal elements are straight-sided
     BlockCsr pattern_;                   // of the Hessian, without values
     double volume_ = 0;                  // |Omega|
 
@@ -114,14 +116,16 @@ private:
 std::unique_ptr<DistortionEnergy> make_energy(const Mesh& mesh, const std::vector<double>& ideal,
                                               const DistortionParams& params);
 
-// A straight element of the ideal mesh.
+// An element of the ideal mesh; det A of a curved one is its mean over the element.
 struct IdealElement {
-    std::array<double, 9> inverse;  // dim x dim, A^{-1}
+    std::array<double, 9> inverse;  // dim x dim, A^{-1} of a straight one
     double jacobian;                // det A
     double weight, damping_weight;  // w_e det A and w'_e det A, but for a factor that all elements have in common
 };
 
-IdealElement ideal_element(const Mesh& mesh, int e, const std::vector<double>& ideal, double weight_exponent);
+// reference: the points over which the mean is taken.
+IdealElement ideal_element(const Mesh& mesh, int e, const std::vector<double>& ideal, const DistortionParams& params,
+                           const ReferenceElement& reference);
 
 // Throws the InputError of an element of the ideal mesh whose Jacobian is not positive.
 [[noreturn]] void refuse_ideal_element(const Mesh& mesh, int e);

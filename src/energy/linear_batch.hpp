@@ -12,6 +12,7 @@
 #include "base/index.hpp"
 #include "energy/density_hessian.hpp"
 #include "energy/gradient_products.hpp"
+#include "energy/ideal_lanes.hpp"
 #include "mesh/quadrature.hpp"
 
 namespace almesh {
@@ -23,19 +24,19 @@ public:
 
     LinearBatch(const ReferenceElement& reference, const GradientProducts&) : volume_(reference.weight[0]) {}
 
-    // node: lanes x m nodes of the elements, x: nodes x n. ideal_inverse: A^{-1} of the elements.
-    // node and ideal_inverse are looked at until the next start().
-    void start(const int* node, const std::vector<double>& x, const Mat<n, Lanes>& ideal_inverse) {
+    // node: lanes x m nodes of the elements, x: nodes x n. node and ideal.inverse are looked at until the next start().
+    void start(const int* node, const std::vector<double>& x, const IdealLanes<n>& ideal) {
         node_ = node;
-        ideal_inverse_ = &ideal_inverse;
+        ideal_inverse_ = &ideal.inverse;
         for (int a = 0; a < n; ++a) {
             const Lanes origin = gathered(x.data() + a, node, all_lanes());
             for (int k = 0; k < n; ++k) J_[a][k] = gathered(x.data() + a, node + k + 1, all_lanes()) - origin;
         }
-        F_ = multiply<n>(J_, ideal_inverse);
+        F_ = multiply<n>(J_, ideal.inverse);
     }
 
     Lanes distortion_at(int) const { return distortion<n>(F_, 0); }
+    Lanes share_at(int) const { return in_all_lanes(1); }
 
     // Per unit of det A; infinite or nan for an inverted element.
     template <class Density>

@@ -25,6 +25,7 @@ struct DistortionParams {
     int exactness = 0;           // of the quadrature for p > 1; 0: default_exactness(degree)
     Assembly assembly = Assembly::simd;
     PowerParams power = {};
+    bool curved_ideal = false;  // A of each point of the ideal element, not of its vertices
 };
 
 enum class HessianKind {

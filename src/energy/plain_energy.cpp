@@ -73,12 +73,12 @@ struct ElementPoint {
 }  // namespace
 
 PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
-    : DistortionEnergy(params, mesh) {
+    : DistortionEnergy(params, mesh, ideal) {
     nodes_ = mesh.elements;
     pattern_ = pattern_of_cells(mesh.nodes(), dim_, nodes_, reference_.nodes);
     double jacobians = 0;
     for (int e = 0; e < element_count_; ++e) {
-        ideal_.push_back(ideal_element(mesh, e, ideal, params.weight_exponent));
+        ideal_.push_back(ideal_element(mesh, e, ideal, params, reference_));
         if (!(ideal_[e].jacobian > 0)) refuse_ideal_element(mesh, e);
         jacobians += ideal_[e].jacobian;
     }
@@ -100,20 +100,28 @@ void PlainEnergy::every_point(const std::vector<double>& x, const Body& body) co
         for (int e = 0; e < element_count_; ++e) {
             const IdealElement& ideal = ideal_[e];
             const ElementRule& rule = rules_.of(e);
+            Mat<n> inverse_A;
+            for (int k = 0; k < n; ++k) std::copy_n(&ideal.inverse[k * n], n, inverse_A[k].begin());
+            double share = 1;  // det A over its mean
             for (int q = 0; q < rule.reference.points; ++q) {
+                if (!curved_ideal_.empty()) {
+                    const Mat<n> A = jacobian_at<n>(element(e), curved_ideal_, rule.reference, q);
+                    inverse_A = inverse<n>(A);
+                    share = determinant(A) / ideal.jacobian;
+                }
                 const double* const dN = &rule.reference.gradients[offset(q, m * n)];
                 std::fill(gradient.begin(), gradient.end(), 0.0);
                 Mat<n> F{};
                 for (int i = 0; i < m; ++i)
                     for (int k = 0; k < n; ++k) {
-                        for (int l = 0; l < n; ++l) gradient[i * n + k] += dN[i * n + l] * ideal.inverse[l * n + k];
+                        for (int l = 0; l < n; ++l) gradient[i * n + k] += dN[i * n + l] * inverse_A[l][k];
                         for (int a = 0; a < n; ++a)  // relative to the first node: the gradients' sum is zero
                             F[a][k] += (point(x, element(e)[i], n)[a] - point(x, element(e)[0], n)[a]) *
                                        gradient[i * n + k];
                     }
-                const double weight = rule.reference.weight[q];
+                const double weight = rule.reference.weight[q] * share;
                 body(ElementPoint<n>{e, element(e), gradient.data(), F, ideal.weight * weight,
-                                     ideal.damping_weight * weight, ideal.jacobian * rule.volume[q]});
+                                     ideal.damping_weight * weight, ideal.jacobian * rule.volume[q] * share});
             }
         }
     });
@@ -179,7 +187,8 @@ DistortionStatistics PlainEnergy::statistics(const std::vector<double>& x) {
     return result;
 }
 
-PlainEnergy::PlainEnergy(const PlainEnergy& whole, const SubMesh& part) : DistortionEnergy(whole, part.place) {
+PlainEnergy::PlainEnergy(const PlainEnergy& whole, const SubMesh& part)
+    : DistortionEnergy(whole, part.place, part.node) {
     nodes_ = part.elements;
     pattern_ = pattern_of_cells(static_cast<int>(part.node.size()), dim_, nodes_, reference_.nodes);
     for (const int e : part.place) {

@@ -48,10 +48,10 @@ void add_blocks(const double* part, const int* block, int count, double* values)
 }  // namespace
 
 SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
-    : DistortionEnergy(params, mesh),
+    : DistortionEnergy(params, mesh, ideal),
       products_(std::make_shared<GradientProducts>(dim_, mesh.degree)),
       blocks_(schedule_elements(mesh)) {
-    fill(mesh, [&](int k) { return ideal_element(mesh, blocks_.order[k], ideal, params.weight_exponent); });
+    fill(mesh, [&](int k) { return ideal_element(mesh, blocks_.order[k], ideal, params, reference_); });
     int flat = element_count_;  // first element without volume
     for (int k = 0; k < element_count_; ++k)
         if (!(ideal_jacobian_[k / lanes][k % lanes] > 0)) flat = std::min(flat, blocks_.order[k]);
@@ -62,8 +62,9 @@ SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const
     }
 }
 
-SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, ElementBlocks blocks, const std::vector<int>& place)
-    : DistortionEnergy(whole, place), products_(whole.products_), blocks_(std::move(blocks)) {
+SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, ElementBlocks blocks, const std::vector<int>& place,
+                       const std::vector<int>& node)
+    : DistortionEnergy(whole, place, node), products_(whole.products_), blocks_(std::move(blocks)) {
     fill(part, [&](int k) { return whole.ideal_at(place[k]); });
 }
 
@@ -79,7 +80,7 @@ std::unique_ptr<DistortionEnergy> SimdEnergy::part(const std::vector<double>& x,
     ElementBlocks blocks = schedule_elements(mesh);
     std::vector<int> place;
     for (const int e : blocks.order) place.push_back(chosen.place[e]);
-    return std::unique_ptr<SimdEnergy>(new SimdEnergy(*this, mesh, std::move(blocks), place));
+    return std::unique_ptr<SimdEnergy>(new SimdEnergy(*this, mesh, std::move(blocks), place, node));
 }
 
 // element_of(k): the element blocks_.order[k] of the ideal mesh. What fills up the last batch weighs nothing.
@@ -173,7 +174,8 @@ void SimdEnergy::every_batch(int block, const std::vector<double>& x, const Body
     for (int k = block * blocks_.size; k < end; k += lanes) {
         const int batch = k / lanes;
         elements.start(&nodes_[offset(k, reference_.nodes)], x,
-                       reinterpret_cast<const Mat<n, Lanes>&>(ideal_inverse_[offset(batch, n * n)]));
+                       {reinterpret_cast<const Mat<n, Lanes>&>(ideal_inverse_[offset(batch, n * n)]),
+                        ideal_jacobian_[batch], curved_ideal_});
         body(elements, batch);
     }
 }
@@ -196,7 +198,8 @@ void SimdEnergy::every_refined(const std::vector<double>& x, int size, const Com
                 const int r = order[k];
                 CurvedBatch<n(), PointLanes> element(rules_.refined()[r].rule->lanes, *products_);
                 element.start(singles_[r].nodes.data(), x,
-                              reinterpret_cast<const Mat<n(), Lanes>&>(singles_[r].ideal_inverse.front()));
+                              {reinterpret_cast<const Mat<n(), Lanes>&>(singles_[r].ideal_inverse.front()),
+                               in_all_lanes(singles_[r].ideal.jacobian), curved_ideal_});
                 compute(element, r, &of_refined_[offset(r - first, size)]);
             };
             parallel_for_uneven(end - first, compute_one, 10.0 * points_of(order[0]) * reference_.nodes);
@@ -298,7 +301,7 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
                 Lanes largest{}, squared{};
                 for (int q = 0; q < reference_.points; ++q) {
                     const Lanes eta = elements.distortion_at(q);
-                    squared += reference_.weight[q] * eta * eta;
+                    squared += reference_.weight[q] * eta * eta * elements.share_at(q);
                     largest = max(largest, eta);
                 }
                 // not 0 infinity
@@ -315,7 +318,7 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
         for (int q = 0; q < rule.reference.points; ++q) {
             const auto [pack, lane] = rule.lanes.place_of(q);
             const double eta = element.distortion_at(pack)[lane];
-            squared += rule.volume[q] * eta * eta;
+            squared += rule.volume[q] * eta * eta * element.share_at(pack)[lane];
             largest = std::max(largest, eta);
         }
         to[0] = squared;

@@ -32,7 +32,8 @@ public:
 
 private:
     // The elements `place` of `whole`, as the mesh `part`; both in the order of `blocks`.
-    SimdEnergy(const SimdEnergy& whole, const Mesh& part, ElementBlocks blocks, const std::vector<int>& place);
+    SimdEnergy(const SimdEnergy& whole, const Mesh& part, ElementBlocks blocks, const std::vector<int>& place,
+               const std::vector<int>& node);
 
     // An element with a rule of its own, in all lanes, with the points of the rule in lanes. It has no weight in its
     // batch.

@@ -190,9 +190,7 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
                      counted(mesh.folded.size(), "such pair"),
                      mesh.degree == 1
                          ? ": the mesh folds over itself; `almesh quality` tells where"
-                         : " without their curves: a run starts from the straight form of its mesh, which folds over "
-                           "itself here; `almesh quality` tells whether the curved one does. Where another run has "
-                           "made it, move the mesh that it started from");
+                         : " without their curves: the straight form of the mesh folds over itself");
     if (!mesh.folded.empty() && orientation == Orientation::of_vertices) return std::move(build.mesh);
     set_winding(mesh, turned);
     if (!turned.empty())

@@ -7,6 +7,9 @@
 #pragma once
 #include <vector>
 
+#include "base/index.hpp"
+#include "base/small_matrix.hpp"
+
 namespace almesh {
 
 struct Quadrature {
@@ -37,6 +40,18 @@ struct ReferenceElement {
 Quadrature element_quadrature(int dim, int degree, int exactness);
 
 ReferenceElement reference_element(int degree, const Quadrature& quadrature);
+
+// dx/dxi at point q of the element with these nodes. x: nodes x n.
+template <int n>
+Mat<n> jacobian_at(const int* node, const std::vector<double>& x, const ReferenceElement& reference, int q) {
+    Mat<n> J{};
+    for (int i = 1; i < reference.nodes; ++i)  // relative to the first node: the gradients' sum is zero
+        for (int a = 0; a < n; ++a)
+            for (int k = 0; k < n; ++k)
+                J[a][k] += (x[offset(node[i], n, a)] - x[offset(node[0], n, a)]) *
+                           reference.gradients[offset(q, reference.nodes * n, i * n + k)];
+    return J;
+}
 
 // 2 p + 2 for p > 1: the relative quality then agrees to six digits with that of more points; with fewer points the
 // worst elements get worse. |F|^2 alone needs 2 p - 2.

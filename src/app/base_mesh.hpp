@@ -1,0 +1,27 @@
+// The mesh of a file, and which mesh is the ideal one (ideal = auto | straight | given).
+#pragma once
+#include <string>
+#include <vector>
+
+#include "check/certificate.hpp"
+#include "mesh/mesh.hpp"
+#include "mesh/raw_mesh.hpp"
+
+namespace almesh {
+
+enum class IdealKind {
+    automatic,  // straight, but given where the straight-sided form folds and the mesh as it is in the file is certified
+    straight,   // the straight-sided form of the mesh, as in the paper
+    given       // the mesh as it is in the file, with its curved elements
+};
+
+struct BaseMesh {
+    Mesh mesh;
+    bool is_own_ideal = false;  // it is curved, and itself the ideal mesh
+};
+
+// Throws InputError with the reasons against each mesh that could be the ideal one, and as build_mesh().
+BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateParams& params,
+                         std::vector<std::string>& notes);
+
+}  // namespace almesh
