@@ -145,7 +145,7 @@ std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const Deck& deck, 
     if (!target.freed.empty()) shape.x = between(ideal, std::move(shape.x), fraction);
     PlacedNodes placed = problem.placed;
     for (PlacedBoundary& boundary : placed)  // nodes that a file leaves out slide along the boundary as the mesh has it
-        if (!boundary.left_out.empty()) boundary = {};
+        if (!boundary.left_out.empty()) boundary = {{}, std::vector<double>(shape.x.size(), 1.0)};
     const BoundaryTarget of_shape = target_at(fraction, shape, ideal, motions, std::move(placed));
     return std::make_shared<SlidingSurfaces>(shape, of_shape.node, sliding, deck.feature_angle, problem.frame, other);
 }

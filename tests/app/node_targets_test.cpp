@@ -275,6 +275,31 @@ TEST_CASE("in space: left out on a plane, beside a boundary that keeps the nodes
         }
 }
 
+TEST_CASE("a node that a file leaves out goes where another boundary takes it, unless it is to slide elsewhere") {
+    const TemporaryFolder folder;
+    const Mesh mesh = square_mesh(4);
+    folder.write("square.msh", msh_of(mesh));
+    folder.write("nodes.txt", rows_of(mesh, "bottom", 0.05, true, " ", [&](int i) { return mesh.x[2 * i] == 0.5; }));
+    const auto run = [&](const std::string& word, const std::string& left = "0 0.1") {
+        return almesh_with({folder.write("a.deck", "mesh = square.msh\noutput = " + folder.path("out") +
+                                                       "\nboundary bottom = file nodes.txt displacement else " + word +
+                                                       "\nboundary left = translate " + left +
+                                                       "\nboundary right = fixed\n"
+                                                       "boundary top = free\n")});
+    };
+    const Outcome free = run("free");
+    CAPTURE(free.error);
+    REQUIRE(free.code == 0);
+    const Mesh moved = mesh_of(folder.path("out/final.msh"));
+    for (const int i : nodes_of(mesh, "bottom")) {
+        if (mesh.x[2 * i] == 0) CHECK(std::hypot(moved.x[2 * i], moved.x[2 * i + 1] - 0.1) < 1e-15);
+        if (mesh.x[2 * i] == 1) CHECK(std::hypot(moved.x[2 * i] - 1, moved.x[2 * i + 1]) < 1e-15);
+    }
+    CHECK(has(run("fixed").error, "lies on two boundaries whose motions disagree"));
+    CHECK(has(run("slide").error, "lies on the boundary bottom, which slides, and on another one"));
+    CHECK(run("slide", "-0.1 0").code == 0);  // along the bottom
+}
+
 TEST_CASE("between the vertices that a file has, nodes of a curved mesh that it leaves out go along") {
     const RingDeck ring(curved_ring(3), "threads = 1\n");
     const Mesh mesh = mesh_of(ring.folder.path("ring.msh"));
