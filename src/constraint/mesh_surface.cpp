@@ -28,8 +28,8 @@ Vec<3> value(const Bernstein& basis, const std::vector<Vec<3>>& c, const Barycen
     return sum;
 }
 
-// Cubic faces in place of flat ones, through the same corners and there perpendicular to the mean normals n, so that
-// they meet smoothly, or nearly so: flat ones would hold up nodes at the edges between them (A. Vlachos, J. Peters,
+// In 3D cubic faces in place of flat ones, through the same corners and there perpendicular to the mean normals n, so
+// that they meet smoothly, or nearly so: flat ones would hold up nodes at the edges between them (A. Vlachos, J. Peters,
 // C. Boyd, J. L. Mitchell, Curved PN triangles, I3D 2001). The edge to x_j leaves x_i along v - (v . n_i) n_i,
 // v = x_j - x_i.
 struct CubicFaces {
@@ -65,19 +65,61 @@ struct CubicFaces {
                     next += is_new;
                 }
             }
-            if (m == 2) {
-                patch[cubic.place({1, 1, 1, 0})] = edges + 0.5 * (edges - corners);
-                nodes[cubic.place({1, 1, 1, 0})] = next++;
-            }
+            patch[cubic.place({1, 1, 1, 0})] = edges + 0.5 * (edges - corners);
+            nodes[cubic.place({1, 1, 1, 0})] = next++;
             patches.push_back(std::move(patch));
             node.push_back(std::move(nodes));
         }
     }
 };
 
+// In 2D cubic splines in place of flat faces: through the same corners, with s the length along the chords h, and
+// continuous second derivatives M = X_ss, so that Newton's method sees one smooth curve,
+//
+//     h_f M_f + 2 (h_f + h_g) M + h_g M_g = 6 ((X_f - X) / h_f + (X_g - X) / h_g)
+//
+// at the corner X of the faces f and g, M_f and X_f at the other end of f; solved by the Gauss-Seidel method. Where a
+// curve ends, or has a kink, M is that of the face's other end.
+struct SplineFaces {
+    std::vector<Patch> patches;
+    std::vector<double> chord;
+
+    SplineFaces(const std::vector<Patch>& flat, const std::vector<std::vector<int>>& corner) {
+        constexpr int sweeps = 60;  // each of which halves the error, or more
+        constexpr double kink = 0.5;  // cosine of the angle
+        struct End { int face, corner; };
+        std::map<int, std::vector<End>> ends;  // of faces at a node
+        for (int f = 0; f < static_cast<int>(flat.size()); ++f) {
+            chord.push_back(length(flat[f][1] - flat[f][0]));
+            for (const int end : {0, 1}) ends[corner[f][end]].push_back({f, end});
+        }
+        std::vector<std::array<Vec<3>, 2>> M(flat.size());
+        const auto to_other = [&](const End& at) { return flat[at.face][1 - at.corner] - flat[at.face][at.corner]; };
+        for (int sweep = 0; sweep < sweeps; ++sweep)
+            for (const auto& [node, at] : ends) {
+                for (const End& end : at) M[end.face][end.corner] = M[end.face][1 - end.corner];
+                if (at.size() != 2) continue;
+                const Vec<3> to_f = to_other(at[0]), to_g = to_other(at[1]);
+                const double f = length(to_f), g = length(to_g);
+                if (-dot(to_f, to_g) <= kink * f * g) continue;
+                M[at[0].face][at[0].corner] = M[at[1].face][at[1].corner] =
+                    0.5 / (f + g) * (6 / f * to_f + 6 / g * to_g - f * M[at[0].face][1 - at[0].corner] -
+                                     g * M[at[1].face][1 - at[1].corner]);
+            }
+        for (std::size_t f = 0; f < flat.size(); ++f) {
+            const Vec<3>&X = flat[f][0], &Y = flat[f][1];
+            const double c = chord[f] * chord[f] / 18;
+            patches.push_back({X, Y, X + 1.0 / 3 * (Y - X) - c * (2 * M[f][0] + M[f][1]),
+                               Y - 1.0 / 3 * (Y - X) - c * (M[f][0] + 2 * M[f][1])});
+        }
+    }
+};
+
 class MeshSurface final : public Surface {
 public:
-    MeshSurface(const PatchBasis& basis, const std::vector<Patch>& patches, const std::vector<std::vector<int>>& node);
+    // chord: of splines, per patch; or empty.
+    MeshSurface(const PatchBasis& basis, const std::vector<Patch>& patches, const std::vector<std::vector<int>>& node,
+                const std::vector<double>& chord = {});
     SurfacePoint closest(const Vec<3>& x) const override;
     std::string name() const override { return "the mesh's own faces"; }
 
@@ -111,20 +153,23 @@ private:
 };
 
 MeshSurface::MeshSurface(const PatchBasis& basis, const std::vector<Patch>& patches,
-                         const std::vector<std::vector<int>>& node)
+                         const std::vector<std::vector<int>>& node, const std::vector<double>& chord)
     : m_(basis.bernstein.dim), closest_(basis, patches), lagrange_(m_, basis.bernstein.degree) {
     for (std::size_t f = 0; f < patches.size(); ++f) {
         std::array<int, 3> corners{-1, -1, -1};
         std::copy_n(node[f].begin(), m_ + 1, corners.begin());
         corner_.push_back(corners);
     }
-    average_normals(PatchNormal(m_, basis.bernstein.degree), patches, node);
-    for (const Patch& patch : patches)
+    const PatchNormal normal(m_, basis.bernstein.degree);
+    for (std::size_t f = 0; f < patches.size(); ++f)
         for (const MultiIndex& index : lagrange_.nodes) {
             Barycentric l{};
             for (int k = 0; k <= m_; ++k) l[k] = static_cast<double>(index[k]) / lagrange_.degree;
-            position_.push_back(value(basis.bernstein, patch, l));
+            position_.push_back(value(basis.bernstein, patches[f], l));
+            if (!chord.empty())
+                normal_.push_back(1 / chord[f] * value(normal.basis, normal.coefficients(patches[f]), l));
         }
+    if (chord.empty()) average_normals(normal, patches, node);
     find_neighbours();
 }
 
@@ -296,6 +341,10 @@ std::unique_ptr<Surface> surface_of_faces(const PatchBasis& basis, const std::ve
                                           const std::vector<std::vector<int>>& node) {
     if (basis.bernstein.degree > 1) return std::make_unique<MeshSurface>(basis, patches, node);
     const PatchBasis cubic(basis.bernstein.dim, 3);
+    if (cubic.bernstein.dim == 1) {
+        const SplineFaces faces(patches, node);
+        return std::make_unique<MeshSurface>(cubic, faces.patches, node, faces.chord);
+    }
     const CubicFaces faces(cubic.bernstein, patches, node);
     return std::make_unique<MeshSurface>(cubic, faces.patches, faces.node);
 }
