@@ -56,7 +56,7 @@ public:
 
     // Second-order correction of steps (Nocedal & Wright, sec. 18.3): moves y = x + t d so that c(y) is c(x) + t dc d.
     // Without it, steps along a curved surface leave it by the curvature times their square, and a large penalty keeps
-    // them short (Maratos effect).
+    // them short (Maratos effect). Newton's method lets the inside follow where a bent step is cut.
     virtual bool bends_steps() const { return false; }
     virtual void bend(const std::vector<double>& /*x*/, const std::vector<double>& /*d*/, double /*t*/,
                       std::vector<double>& /*y*/) const {}

@@ -2,10 +2,10 @@
 #include "method/newton.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "linalg/vector_ops.hpp"
 #include "method/functional.hpp"
-#include "method/line_search.hpp"
 #include "method/stopping_tests.hpp"
 
 namespace almesh {
@@ -111,20 +111,74 @@ bool Newton::find_direction(const Functional& E, const std::vector<double>& x, N
     return step.has_direction = (solve.status == SolveStatus::success || truncated) && dot(g_, d_) < 0;
 }
 
-// Moves x along d and takes over the energy there. Nothing changes where no step length is accepted.
+// Moves x along d and takes over the energy there. Nothing changes where no step length is accepted. A bent step that
+// is cut is tried again with the inside bent as well, which takes another linear system: not where these are solved by
+// iterations, whose preconditioners go from one system to the next.
 void Newton::search(const Functional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step) {
-    const TimeAdder adder(time.line_search);
     const auto energy_of = [&E](const std::vector<double>& y) { return E.energy(y); };
     const auto valid_fraction = [&E](const std::vector<double>& y, const std::vector<double>& to) {
         return E.valid_fraction(y, to);
     };
-    const LineSearchResult found = line_search(energy_of, valid_fraction, at.energy, dot(g_, d_), d_, x, trial_,
-                                               E.bend(x, d_), E.rounding_error(x, trial_));
+    const double rounding = E.rounding_error(x, trial_);
+    const auto search_along = [&](const BendFunction& bend, std::vector<double>& from) {
+        const TimeAdder adder(time.line_search);
+        return line_search(energy_of, valid_fraction, at.energy, dot(g_, d_), d_, from, trial_, bend, rounding);
+    };
+    const std::vector<double> start = x;
+    const BendFunction bend = E.bend(start, d_);
+    LineSearchResult found = search_along(bend, x);
+    if (bend && found.step_length < 1 && step.solver == SolverKind::cholesky && !step.fallback) {
+        std::vector<double> y = start;
+        const std::vector<double> w = bend_of_inside(start, bend, at);
+        const BendFunction bend_all = [&](double t, std::vector<double>& z) {
+            for (std::size_t i = 0; i < w.size(); ++i) z[i] += t * t * w[i];
+            bend(t, z);
+        };
+        const LineSearchResult bent = w.empty() ? LineSearchResult() : search_along(bend_all, y);
+        if (bent.step_length > 0 && (found.step_length == 0 || bent.energy < found.energy)) {
+            found = bent;
+            x.swap(y);
+        }
+    }
     if (found.step_length > 0) at.energy = found.energy;
     step.cuts_inverted += found.cuts_inverted;
     step.cuts_decrease += found.cuts_decrease;
     step.step_length = found.step_length;
     step.by_rounding = found.by_rounding;
+}
+
+// The boundary of x + t d is bent by t^2 B, to second order in t, which is measured at a small t. The inside follows by
+// t^2 w, so that cells beside the boundary keep their heights: w = B at nodes that are bent, H w = 0 at the others.
+// Empty where none is bent.
+std::vector<double> Newton::bend_of_inside(const std::vector<double>& x, const BendFunction& bend,
+                                           NewtonResult& at) {
+    constexpr double small_move = 1e-4, flat = 1e-6;  // in units of the run; flat: curvature
+    double longest = 0;
+    for (const double component : d_) longest = std::max(longest, std::abs(component));
+    const double t = std::min(1.0, small_move / longest);
+    std::vector<double> B(x.size()), y(x.size()), w;
+    for (std::size_t i = 0; i < x.size(); ++i) B[i] = y[i] = x[i] + t * d_[i];
+    bend(t, y);
+    std::vector<char> is_bent(x.size() / H_.d, 0);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        B[i] = (y[i] - B[i]) / (t * t);
+        if (std::abs(B[i]) > flat * longest * longest) is_bent[i / H_.d] = 1;
+    }
+    if (std::count(is_bent.begin(), is_bent.end(), 1) == 0) return {};
+    const TimeAdder adder(time.linear);
+    BlockCsr of_inside = H_;
+    to_rows(H_, B, y);
+    std::vector<double> HB(x.size());
+    multiply(H_, y.data(), HB.data());
+    to_nodes(H_, HB, y);
+    for (double& force : y) force = -force;
+    fix_nodes(is_bent, H_.d, y);
+    fix_nodes(is_bent, of_inside);
+    const SolveResult solve = solver_.solve(of_inside, y, w);
+    at.work += solve.work;
+    if (solve.status != SolveStatus::success) return {};
+    for (std::size_t i = 0; i < x.size(); ++i) w[i] += B[i];
+    return w;
 }
 
 // The next Hessian to try where `kind` gave no step; false where there is none.

@@ -8,6 +8,9 @@
 // bad diagonal blocks: no Cholesky factorisation is spent on finding out) or gives no descent direction;
 // the damping alone in the very first step, because the Hessian of (eta - 1)^2 vanishes at the identity.
 //
+// A direction along which nodes slide is a tangent: the step bends its boundary back onto the surface
+// (Constraint::bend()), and where it is cut then, what is inside as well, by the solution of another linear system.
+//
 // Around these lines, each in a file of its own with its formula and source: line_search.hpp, damping.hpp (of the
 // projected Hessian), eigenvalue_filtering.hpp (how much of it is projected), forcing.hpp (tolerance of iterative
 // linear solvers), local_elimination.hpp (of nodes that hold up the others), stopping_tests.hpp.
@@ -24,6 +27,7 @@
 #include "method/damping.hpp"
 #include "method/eigenvalue_filtering.hpp"
 #include "method/forcing.hpp"
+#include "method/line_search.hpp"
 #include "method/local_elimination.hpp"
 #include "method/status.hpp"
 
@@ -142,6 +146,8 @@ private:
     double gradient(const Functional& E, const std::vector<double>& x);
     bool find_direction(const Functional& E, const std::vector<double>& x, NewtonResult& at, NewtonStep& step);
     void search(const Functional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step);
+    std::vector<double> bend_of_inside(const std::vector<double>& x, const BendFunction& bend,
+                                       NewtonResult& at);
     bool weaken(HessianKind& kind);
     void eliminate_locally(const Functional& E, double gained, std::vector<double>& x, NewtonResult& at,
                            NewtonStep& step);
