@@ -134,7 +134,8 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
         case Status::stalled:
         case Status::line_search_failed: return against_distance(deck, problem, solution);
         case Status::overflow: return "a smaller mu0, such as " + shown(AugmentedLagrangianParams().mu0);
-        case Status::attainable_accuracy: return against_accuracy(deck, solution);
+        case Status::attainable_accuracy:
+        case Status::no_visible_gain: return against_accuracy(deck, solution);
         case Status::ended_as_printed: return "algorithm = paper, which goes on until both tests are met";
         case Status::max_al_iterations: return against_iterations(deck, problem, solution);
         case Status::max_newton_iterations:
@@ -252,8 +253,11 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
                  others.c_str(), solution.time.total);
     print_diagnosis(out, deck, problem, solution);
     print_boundary(out, problem, solution);
-    if (solution.al.iterations.back().newton_status == Status::attainable_accuracy)
+    const Status last = solution.al.iterations.back().newton_status;
+    if (last == Status::attainable_accuracy)
         std::fprintf(out, "|grad E| ended at its attainable accuracy, above omega_star\n");
+    if (last == Status::no_visible_gain)
+        std::fprintf(out, "the last steps gained next to nothing; |grad E| is above omega_star\n");
     if (fallbacks)
         std::fprintf(out,
                      "the iterative solver failed in %d Newton step%s; Cholesky solved them (why: history.csv)\n",

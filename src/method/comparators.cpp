@@ -40,8 +40,7 @@ Rule rule_of(MovingMethod method) {
 
 // As Algorithm 1 has it: an attainable accuracy up to omega0 counts as converged.
 Status status_of(const NewtonResult& solved, double omega0) {
-    const bool at_floor = solved.status == Status::attainable_accuracy;
-    return at_floor && solved.gradient_norm <= omega0 ? Status::converged : solved.status;
+    return at_floor(solved.status) && solved.gradient_norm <= omega0 ? Status::converged : solved.status;
 }
 
 // Of the constraint's nodes at a fraction of the motion. Where the motions of boundaries that share nodes do not agree

@@ -7,6 +7,7 @@ enum class Status {
     converged,
     stalled,                // the constraint stopped falling while the penalty grew, or all energy is penalty
     attainable_accuracy,    // rounding ended |grad E| above its tolerance; of a run, the constraint holds: above omega0
+    no_visible_gain,        // the same by steps that gained next to nothing (stopping_tests.hpp)
     ended_as_printed,       // literal: the loop as printed ends when one of its two tests holds, and only one did
     max_al_iterations,
     max_newton_iterations,
@@ -18,6 +19,11 @@ enum class Status {
     inverted,               // the mesh that they came to has inverted elements
     invalid_start           // so has every mesh from which they could minimise
 };
+
+// Whether a minimisation came as far as its numbers tell, though |grad E| is above its tolerance.
+inline bool at_floor(Status status) {
+    return status == Status::attainable_accuracy || status == Status::no_visible_gain;
+}
 
 // What held up a run, and where (check/diagnosis.hpp).
 enum class Cause {

@@ -2,6 +2,7 @@
 // three times in a row: t <= 1e-8 and E_before - E <= 1e-14 E. The last local step: E_before - E <= 1e-3 (E_start - E).
 #include "method/stopping_tests.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/interrupt.hpp"
@@ -12,7 +13,7 @@ namespace {
 
 constexpr double short_step = 1e-8, unchanged = 1e-14;  // unchanged: relative difference of two energies
 constexpr int most_futile_steps = 3;
-constexpr int most_invisible_steps = 10;
+constexpr double most_invisible = 3, shortest_invisible = 0.25;  // together; what a shorter step counts as
 constexpr double part_of_gain = 1e-3;  // of all steps so far: a local step that gains less is not worth another
 
 bool is_finite(const NewtonResult& at) { return std::isfinite(at.energy) && std::isfinite(at.gradient_norm); }
@@ -54,9 +55,10 @@ std::optional<Status> StoppingTests::after_step(const NewtonStep& step, const Ne
     futile_steps_ = moves ? 0 : futile_steps_ + 1;
     if (futile_steps_ == most_futile_steps) return Status::line_search_failed;
     if (!is_finite(at)) return Status::overflow;
-    if (at.iterations % most_invisible_steps == 1) energy_before_ = before.energy;
-    const bool tests_gain = params_.visible_gain > 0 && at.iterations % most_invisible_steps == 0;
-    if (tests_gain && energy_before_ - at.energy < params_.visible_gain) return Status::attainable_accuracy;
+    invisible_gain_ += before.energy - at.energy;
+    invisible_length_ += std::clamp(step.step_length, shortest_invisible, 1.0);
+    if (invisible_gain_ >= params_.visible_gain) invisible_gain_ = invisible_length_ = 0;
+    if (params_.visible_gain > 0 && invisible_length_ >= most_invisible) return Status::no_visible_gain;
     if (at.energy > params_.largest_energy) {
         const double lost = E.lost_energy(x);
         if (is_out_of_reach(params_.largest_energy, before.energy - lost, at.energy - lost, step.step_length,

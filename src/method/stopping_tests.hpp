@@ -12,9 +12,9 @@
 // Futile steps: nodes hang where the surface along which they slide has a kink, or elements are jammed, and several
 // steps in a row are next to none and gain nothing.
 //
-// Invisible steps: where nodes slide along the faces of a mesh, whose curvature jumps from face to face, and nothing
-// else holds the mesh, E has many minima side by side. Of ten steps that together gain less than the numbers of a
-// report can show there is no need for more.
+// Invisible steps: where nodes slide and nothing else holds the mesh, E hardly changes along some directions. A disc
+// turns, and in 2D all conformal maps of it onto itself keep eta. Of three full steps in a row, or twelve short ones,
+// that together gain less than can be seen there is no need for more.
 //
 // Local minimisations (local_elimination.hpp) need no minimum: their last step is one that gains too little for
 // another, or takes them beyond the work that they may do.
@@ -48,7 +48,7 @@ public:
 private:
     const NewtonParams& params_;
     int futile_steps_ = 0;  // in a row
-    double energy_before_ = 0;  // before the last ten steps, or fewer
+    double invisible_gain_ = 0, invisible_length_ = 0;  // of the steps since the last visible gain
 };
 
 }  // namespace almesh

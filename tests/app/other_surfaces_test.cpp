@@ -49,6 +49,28 @@ double largest_distance_from_egg(const Mesh& mesh) {
     return largest;
 }
 
+// A disc of rings of 6, 12, ... cells; its boundary is "rim".
+Mesh disc(int rings) {
+    std::vector<double> x = {0, 0};
+    std::vector<int> triangles;
+    const auto node = [](int ring, int k) { return ring == 0 ? 0 : 1 + 3 * ring * (ring - 1) + k % (6 * ring); };
+    for (int ring = 1; ring <= rings; ++ring)
+        for (int k = 0; k < 6 * ring; ++k) {
+            const double angle = std::numbers::pi * k / (3 * ring), r = static_cast<double>(ring) / rings;
+            x.insert(x.end(), {r * std::cos(angle), r * std::sin(angle)});
+            const int sector = k / ring, inside = k - sector;  // of the ring below: the node before
+            triangles.insert(triangles.end(), {node(ring, k), node(ring, k + 1), node(ring - 1, inside)});
+            if (k % ring != ring - 1)
+                triangles.insert(triangles.end(), {node(ring, k + 1), node(ring - 1, inside + 1), node(ring - 1, inside)});
+        }
+    return linear_mesh(2, x, triangles, [](const double*) { return "rim"; });
+}
+
+void peanut(double* x) {
+    const double angle = std::atan2(x[1], x[0]), factor = 1 + 0.15 * std::cos(2 * angle) + 0.05 * std::sin(3 * angle);
+    x[0] *= factor, x[1] *= factor;
+}
+
 void bump(double* x) { x[2] += 0.15 * (1 - x[2]) * std::sin(2 * x[0] + 0.5) * std::cos(3 * x[1]); }
 
 }  // namespace
@@ -74,6 +96,37 @@ TEST_CASE("a coarse ring along the wall of a finer one, straight or curved, at a
         }
     const Outcome scaled = ring.run({"boundary outer=scale 0.8; slide along " + ring.folder.path("fine.msh")});
     CHECK(scaled.code == 0);
+}
+
+TEST_CASE("a disc that nothing else holds slides onto a closed curve in few steps, however many faces either has") {
+    const TemporaryFolder folder;
+    const auto steps = [&](int rings, int rings_of_other) {
+        folder.write("disc.msh", msh_of(disc(rings)));
+        folder.write("peanut.msh", msh_of(curved(disc(rings_of_other), 1, peanut)));
+        const std::string output = folder.path("out");
+        const std::string deck = folder.write("a.deck", "mesh = disc.msh\noutput = " + output +
+                                                            "\nboundary rim = slide along peanut.msh\n");
+        const Outcome outcome = almesh_with({deck});
+        CAPTURE(outcome.out);
+        CHECK(outcome.code == 0);
+        auto summary = summary_of(output);
+        CHECK(std::stod(summary.at("max_distortion")) < 1.01);
+        CHECK(summary.at("nodes_off_target") == "0");
+        const Mesh mesh = mesh_of(output + "/final.msh");
+        double farthest = 0;
+        for (const int i : nodes_of(mesh, "rim")) {
+            const double angle = std::atan2(mesh.x[2 * i + 1], mesh.x[2 * i]);
+            double on_peanut[2] = {std::cos(angle), std::sin(angle)};
+            peanut(on_peanut);
+            farthest = std::max(farthest, std::hypot(mesh.x[2 * i] - on_peanut[0], mesh.x[2 * i + 1] - on_peanut[1]));
+        }
+        CHECK(farthest < 1e-4);
+        return std::stoi(summary.at("newton_iterations"));
+    };
+    CHECK(steps(10, 10) == 16);
+    CHECK(steps(10, 30) == 19);
+    CHECK(steps(20, 10) == 18);
+    CHECK(steps(20, 30) == 16);
 }
 
 TEST_CASE("another unit and origin lead to the same mesh") {

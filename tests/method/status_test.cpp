@@ -10,6 +10,7 @@ TEST_CASE("every status has a name of its own") {
     CHECK(std::string(to_string(Status::converged)) == "converged");
     CHECK(std::string(to_string(Status::stalled)) == "stalled");
     CHECK(std::string(to_string(Status::attainable_accuracy)) == "attainable_accuracy");
+    CHECK(std::string(to_string(Status::no_visible_gain)) == "no_visible_gain");
     CHECK(std::string(to_string(Status::ended_as_printed)) == "ended_as_printed");
     CHECK(std::string(to_string(Status::max_al_iterations)) == "max_al_iterations");
     CHECK(std::string(to_string(Status::max_newton_iterations)) == "max_newton_iterations");

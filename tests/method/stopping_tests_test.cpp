@@ -70,29 +70,34 @@ TEST_CASE("before a step: converged, overflow, or no more steps") {
     CHECK(before_step(4, 1, std::numeric_limits<double>::quiet_NaN()) == Status::overflow);
 }
 
-TEST_CASE("ten steps that together gain less than can be shown are the last") {
+TEST_CASE("three full steps, or twelve short ones, that together gain less than can be seen are the last") {
     const Minimisation problem(square_mesh(2), {}, Objective::squared);
     const AugmentedFunctional E = problem.functional(1);
-    const auto ends_at = [&](double visible_gain, double of_early_step, double of_late_step) {
+    const auto ends_at = [&](double visible_gain, double step_length, double of_early_step, double of_late_step) {
         NewtonParams params;
         params.visible_gain = visible_gain;
         StoppingTests tests(params);
         NewtonStep step;
         step.has_direction = true;
-        step.step_length = 1;
+        step.step_length = step_length;
         NewtonResult at;
         at.energy = at.gradient_norm = 1;
         while (at.iterations < 30) {
             const NewtonResult before = at;
             at.energy -= ++at.iterations <= 10 ? of_early_step : of_late_step;
-            if (tests.after_step(step, before, at, E, problem.ideal) == Status::attainable_accuracy) break;
+            if (tests.after_step(step, before, at, E, problem.ideal) == Status::no_visible_gain) break;
         }
         return at.iterations;
     };
-    CHECK(ends_at(1e-6, 0.9e-7, 0.9e-7) == 10);
-    CHECK(ends_at(1e-6, 1.1e-7, 0.9e-7) == 20);
-    CHECK(ends_at(1e-6, 1.1e-7, 1.1e-7) == 30);
-    CHECK(ends_at(0, 0.9e-7, 1e-14) == 30);
+    CHECK(ends_at(1e-6, 1, 3e-7, 3e-7) == 3);
+    CHECK(ends_at(1e-6, 4, 3e-7, 3e-7) == 3);
+    CHECK(ends_at(1e-6, 1, 1.1e-6, 3e-7) == 13);   // the first ten are seen one by one,
+    CHECK(ends_at(1e-6, 1, 0.6e-6, 3e-7) == 13);   // or two by two,
+    CHECK(ends_at(1e-6, 1, 0.4e-6, 2e-7) == 12);   // or three by three: one of these and two later ones are not
+    CHECK(ends_at(1e-6, 0.5, 1.1e-6, 1e-7) == 16);
+    CHECK(ends_at(1e-6, 0.01, 1.1e-6, 0.8e-7) == 22);
+    CHECK(ends_at(1e-6, 0.01, 1.1e-6, 0.9e-7) == 30);  // twelve of these are seen
+    CHECK(ends_at(0, 1, 0.9e-7, 1e-14) == 30);
 }
 
 TEST_CASE("after a step: failures, and the third in a row that leads nowhere") {
