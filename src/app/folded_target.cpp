@@ -121,8 +121,7 @@ void straighten_target(const CheckedTarget& checked, std::vector<char> chosen) {
         if (faults.none()) return;
         if (!all_by_curvature(faults.elements)) refuse(mesh, faults, advice(faults, checked));
         chosen = faces_at_fault(mesh, faults, target.straight);
-        if (count(chosen) == 0)
-            refuse(mesh, faults, "\ntry a finer mesh there: its faces cannot be flat");
+        if (count(chosen) == 0) refuse(mesh, faults, "\ntry a finer mesh there: its faces cannot be flat");
     }
 }
 

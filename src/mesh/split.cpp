@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
-#include <set>
 #include <span>
 
 #include "mesh/kept_cells.hpp"
@@ -180,31 +179,27 @@ private:
 
 std::vector<std::vector<Simplex>> inner_simplices(const Mesh& mesh, const std::vector<int>& elements,
                                                   const std::vector<char>& boundaries) {
-    std::vector<std::vector<Simplex>> inner(elements.size());
-    if (elements.empty()) return inner;
-    std::vector<char> at_element(mesh.nodes(), 0), on_face(mesh.nodes(), 0);
+    std::map<int, std::vector<int>> faces_at;  // vertices of the elements
     for (const int e : elements)
-        for (int k = 0; k <= mesh.dim; ++k) at_element[mesh.element(e)[k]] = 1;
-    std::set<Simplex> known;
-    for (int f = 0; f < mesh.face_count(); ++f) {
+        for (int k = 0; k <= mesh.dim; ++k) faces_at[mesh.element(e)[k]];
+    for (int k = 0; k < static_cast<int>(mesh.faces.size()) && !elements.empty(); ++k) {
+        const int f = k / mesh.face_nodes();
         if (!boundaries.empty() && !boundaries[mesh.face_boundary[f]]) continue;
-        Simplex face(mesh.face(f), mesh.face(f) + mesh.dim);
-        if (std::none_of(face.begin(), face.end(), [&](int i) { return at_element[i]; })) continue;
-        for (const int i : face) on_face[i] = 1;
-        for (Simplex& edge : subsimplices(simplex(mesh.dim - 1).edges, 2, mesh.face(f))) known.insert(std::move(edge));
-        std::sort(face.begin(), face.end());
-        known.insert(std::move(face));
+        if (const auto at = faces_at.find(mesh.faces[k]); at != faces_at.end()) at->second.push_back(f);
     }
-    const auto is_known = [&](const Simplex& s) {
-        return known.contains(s) || !std::all_of(s.begin(), s.end(), [&](int i) { return on_face[i]; });
+    const auto is_none = [&](const Simplex& s) {  // on a face, or with a vertex that is on none
+        const auto has_s = [&](int f) { return has(std::span(mesh.face(f), mesh.dim), s); };
+        const std::vector<int>& faces = faces_at.at(s[0]);
+        return std::any_of(faces.begin(), faces.end(), has_s) ||
+               std::any_of(s.begin(), s.end(), [&](int v) { return faces_at.at(v).empty(); });
     };
-    for (std::size_t k = 0; k < elements.size(); ++k) {
-        const int* const vertex = mesh.element(elements[k]);
-        inner[k] = subsimplices(mesh.cell().edges, 2, vertex);
-        std::erase_if(inner[k], is_known);
-        if (!inner[k].empty() || mesh.dim == 2) continue;
-        inner[k] = subsimplices(mesh.cell().faces, 3, vertex);
-        std::erase_if(inner[k], is_known);
+    std::vector<std::vector<Simplex>> inner;
+    for (const int e : elements) {
+        inner.push_back(subsimplices(mesh.cell().edges, 2, mesh.element(e)));
+        std::erase_if(inner.back(), is_none);
+        if (!inner.back().empty() || mesh.dim == 2) continue;
+        inner.back() = subsimplices(mesh.cell().faces, 3, mesh.element(e));
+        std::erase_if(inner.back(), is_none);
     }
     return inner;
 }
