@@ -16,13 +16,14 @@ import numpy as np
 
 METHODS = ["incremental", "fixed_boundary", "untangle", "elasticity", "harmonic"]
 
-def grid(cells, mirrored, closed):
-    """Points and simplices of a grid of unit cells; closed: the last points in x are the first."""
+def grid(cells, mirrored, closed, block):
+    """Points and simplices of a grid of unit cells, one layer but for the first `block` cells in x; closed: the last
+    points in x are the first."""
     shape = np.array(cells) + 1
     points = np.array(list(np.ndindex(*shape)), float)
     node = lambda p: np.ravel_multi_index((p[0] % cells[0] if closed else p[0], *p[1:]), shape)
     elements = []
-    for cell in np.ndindex(*cells):
+    for cell in filter(lambda cell: cell[0] < block or not any(cell[1:]), np.ndindex(*cells)):
         for order in itertools.permutations(range(len(cells))):
             path = np.cumsum(np.vstack([np.zeros(len(cells), int), np.eye(len(cells), dtype=int)[list(order)]]), axis=0)
             flip = [mirrored and c % 2 for c in cell]
@@ -88,11 +89,11 @@ def make_case(k, folder):
     rng = np.random.default_rng(k)
     dim, degree, wound = 2 + k % 2, 1 + k // 2 % 3, 0.0
     most = 5 if dim == 2 else 4 if degree == 1 else 2
-    across = [max(1, int(rng.integers(-1, most + 1))) for _ in range(dim - 1)]
+    across = [int(rng.integers(2, most + 1)) for _ in range(dim - 1)]
     cells = [int(rng.integers(8, 25)) if dim == 2 else int(rng.integers(4, 5 + 2 * most)), *across]
     closed = rng.random() < 0.3
     if closed: cells[0] = 2 * max(4, cells[0] // 2)
-    x, elements = grid(cells, rng.random() < 0.5, closed)
+    x, elements = grid(cells, rng.random() < 0.5, closed, int(rng.integers(0, cells[0] + 1)))
     x += rng.uniform(-0.12, 0.12, x.shape)
     if closed:
         wound = float(rng.uniform(0.5, 1.5)) * cells[0] / (2 * np.pi)
