@@ -35,7 +35,8 @@ AlIteration row_of(const AugmentedFunctional& E, const std::vector<double>& x, D
 NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule& s, bool cold, bool from_coarser,
                         const AugmentedFunctional& E) {
     constexpr double useless_distortion = 20;  // meshes with that everywhere are of no use to anyone
-    constexpr double visible = 3e-7;  // of what E gains from a distortion of 2 everywhere to none
+    constexpr double visible = 3e-7;  // of what E gains from a distortion of 2 everywhere to none,
+    constexpr double visible_of_largest = 1e-3;  // or of the largest eta - 1, of which a power is minimised
     const DistortionEnergy& distortion = E.distortion;
     NewtonParams newton;
     newton.omega = s.omega;
@@ -45,7 +46,9 @@ NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule&
     newton.first = HessianKind::full;
     newton.cold_start = cold;
     newton.from_coarser = from_coarser;
-    if (E.constraint.bends_steps()) newton.visible_gain = visible * (distortion.uniform(2) - distortion.uniform(1));
+    const int p = distortion.power().p;
+    if (E.constraint.bends_steps() && p > 2) newton.visible_part = p * visible_of_largest;
+    else if (E.constraint.bends_steps()) newton.visible_gain = visible * (distortion.uniform(2) - distortion.uniform(1));
     if (cold && s.tests_reach) newton.largest_energy = distortion.uniform(useless_distortion);
     return newton;
 }

@@ -44,6 +44,7 @@ struct NewtonParams {
     int max_iterations = 200;
     double largest_energy = std::numeric_limits<double>::infinity();  // above which a target may be out of reach
     double visible_gain = 0;  // what several steps in a row must decrease E by together; 0: no matter what
+    double visible_part = 0;  // where not 0, the same as a part of the distortion's energy
     HessianKind first = HessianKind::projected;  // of the first step
     bool cold_start = false;  // nothing is known: damping and local elimination begin anew, the first step is damping's
     bool from_coarser = false;  // x was interpolated from the solution of a coarser mesh or of a lower degree

@@ -57,8 +57,10 @@ std::optional<Status> StoppingTests::after_step(const NewtonStep& step, const Ne
     if (!is_finite(at)) return Status::overflow;
     invisible_gain_ += before.energy - at.energy;
     invisible_length_ += std::clamp(step.step_length, shortest_invisible, 1.0);
-    if (invisible_gain_ >= params_.visible_gain) invisible_gain_ = invisible_length_ = 0;
-    if (params_.visible_gain > 0 && invisible_length_ >= most_invisible) return Status::no_visible_gain;
+    const double visible = params_.visible_part > 0 ? params_.visible_part * E.distortion_energy(x, at.energy)
+                                                    : params_.visible_gain;
+    if (invisible_gain_ >= visible) invisible_gain_ = invisible_length_ = 0;
+    if (visible > 0 && invisible_length_ >= most_invisible) return Status::no_visible_gain;
     if (at.energy > params_.largest_energy) {
         const double lost = E.lost_energy(x);
         if (is_out_of_reach(params_.largest_energy, before.energy - lost, at.energy - lost, step.step_length,

@@ -73,9 +73,11 @@ TEST_CASE("before a step: converged, overflow, or no more steps") {
 TEST_CASE("three full steps, or twelve short ones, that together gain less than can be seen are the last") {
     const Minimisation problem(square_mesh(2), {}, Objective::squared);
     const AugmentedFunctional E = problem.functional(1);
+    bool of_power = false;
     const auto ends_at = [&](double visible_gain, double step_length, double of_early_step, double of_late_step) {
         NewtonParams params;
-        params.visible_gain = visible_gain;
+        params.visible_gain = of_power ? 1 : visible_gain;
+        if (of_power) params.visible_part = visible_gain / E.distortion_energy(problem.ideal, 1);
         StoppingTests tests(params);
         NewtonStep step;
         step.has_direction = true;
@@ -98,6 +100,9 @@ TEST_CASE("three full steps, or twelve short ones, that together gain less than 
     CHECK(ends_at(1e-6, 0.01, 1.1e-6, 0.8e-7) == 22);
     CHECK(ends_at(1e-6, 0.01, 1.1e-6, 0.9e-7) == 30);  // twelve of these are seen
     CHECK(ends_at(0, 1, 0.9e-7, 1e-14) == 30);
+    of_power = true;
+    CHECK(ends_at(1e-6, 1, 3e-7, 3e-7) == 3);
+    CHECK(ends_at(1e-6, 1, 1.1e-6, 3e-7) == 13);
 }
 
 TEST_CASE("after a step: failures, and the third in a row that leads nowhere") {
