@@ -46,9 +46,10 @@ NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule&
     newton.first = HessianKind::full;
     newton.cold_start = cold;
     newton.from_coarser = from_coarser;
-    const int p = distortion.power().p;
-    if (E.constraint.bends_steps() && p > 2) newton.visible_part = p * visible_of_largest;
-    else if (E.constraint.bends_steps()) newton.visible_gain = visible * (distortion.uniform(2) - distortion.uniform(1));
+    if (const int p = distortion.power().p; E.constraint.bends_steps()) {
+        if (p > 2) newton.visible_part = p * visible_of_largest;
+        newton.visible_gain = visible * (distortion.uniform(2) - distortion.uniform(1));
+    }
     if (cold && s.tests_reach) newton.largest_energy = distortion.uniform(useless_distortion);
     return newton;
 }
