@@ -97,14 +97,12 @@ const char* axis_fault(const Vec<3>& axis) { return axis == Vec<3>{} ? "the axis
 
 constexpr std::array<MotionForm, 13> forms = {{
     {.name = "fixed", .form = "fixed", .meaning = "the boundary stays as it is in the mesh file"},
-
     {.name = "translate", .form = "translate DX DY [DZ]", .meaning = "shifts the boundary",
      .fewest = 2, .most = 3, .per_axis = true,
      .move = [](Step step, Vec<3>& d) {
          d = d + padded(step.numbers);
          return true;
      }},
-
     {.name = "rotate", .form = "rotate ANGLE [axis AX AY AZ] [about PX PY [PZ]]",
      .meaning = "turns it by degrees, right-handed; the axis in 3D only; default: about the origin",
      .fewest = 1, .most = 1, .axis = true, .about = true, .turns = true,
@@ -113,7 +111,6 @@ constexpr std::array<MotionForm, 13> forms = {{
          rotate(step.axis.empty() ? Vec<3>{0, 0, 1} : unit(padded(step.axis)), step.numbers[0], d);
          return true;
      }},
-
     {.name = "twist", .form = "twist ANGLE-PER-LENGTH axis AX AY AZ [about PX PY PZ]",
      .meaning = "3D: turns each point by this angle in degrees times its distance along the axis from the origin, or "
                 "from `about`; right-handed",
@@ -124,7 +121,6 @@ constexpr std::array<MotionForm, 13> forms = {{
          rotate(u, step.numbers[0] * dot(u, d), d);
          return true;
      }},
-
     {.name = "expression", .form = "expression \"X\" \"Y\" [\"Z\"]",
      .meaning = "moves each point to these formulas of x, y, z: numbers, pi, + - * / ^, parentheses, sin cos tan asin "
                 "acos atan sinh cosh tanh exp log sqrt abs, and with two arguments atan2 min max hypot",
@@ -134,19 +130,15 @@ constexpr std::array<MotionForm, 13> forms = {{
          for (std::size_t a = 0; a < step.formulas.size(); ++a) d[a] = step.formulas[a](x);
          return true;
      }},
-
     {.name = "file", .form = "file NAME [displacement] [else fixed|slide|free]",
      .meaning = "first step: the file has the positions (or displacements) of the boundary's nodes in rows "
                 "`node-id x y [z]`, separated by blanks or commas; its path starts in the deck's folder. `else`: nodes "
-                "that it leaves out stay where the mesh has them, slide along the boundary as the mesh has it, or are "
-                "free; the steps that follow move them and that surface too",
+                "that it leaves out stay where they are, slide along the boundary as the mesh has it, or are free",
      .file = true},
-
     {.name = "mesh", .form = "mesh NAME",
      .meaning = "first step: takes the positions from the nodes with the same ids in this mesh, such as the final.msh "
                 "of another run; of degree 2 or more, the curved faces from those with the same vertices",
      .file = true, .mesh = true},
-
     {.name = "scale", .form = "scale S [about PX PY [PZ]]",
      .meaning = "scales it by one factor > 0, or by one per axis: SX SY [SZ]",
      .fewest = 1, .most = 3, .about = true, .per_axis = true,
@@ -158,15 +150,12 @@ constexpr std::array<MotionForm, 13> forms = {{
          for (std::size_t i = 0; i < 3; ++i) d[i] *= step.numbers[std::min(i, step.numbers.size() - 1)];
          return true;
      }},
-
     {.name = "circle", .form = "circle CX CY R",
      .meaning = "2D: moves each point to the closest point of the circle",
      .fewest = 3, .most = 3, .affine = false, .projection_in = 2, .move = project_from_centre},
-
     {.name = "sphere", .form = "sphere CX CY CZ R",
      .meaning = "3D: moves each point to the closest point of the sphere",
      .fewest = 4, .most = 4, .affine = false, .projection_in = 3, .move = project_from_centre},
-
     {.name = "cylinder", .form = "cylinder PX PY PZ AX AY AZ R",
      .meaning = "3D: moves each point to the closest point of the cylinder about the axis through P along A",
      .fewest = 7, .most = 7, .affine = false, .projection_in = 3,
@@ -175,12 +164,10 @@ constexpr std::array<MotionForm, 13> forms = {{
          const Vec<3> u = unit(cylinder_axis(step));
          return project(dot(u, d) * u, step.numbers.back(), d);
      }},
-
     {.name = "slide", .form = "slide [along FILE [boundary NAME]]",
      .meaning = "last step: the nodes may move along the surface to which the steps before it take the boundary. With "
                 "FILE: along the boundary NAME of that mesh, else the one of the same name, else its only one",
      .along = true, .hold = BoundaryHold::slides},
-
     {.name = "free", .form = "free", .meaning = "the nodes may move anywhere", .hold = BoundaryHold::free},
 }};
 
@@ -237,7 +224,7 @@ MotionStep parse_step(std::string_view text) {
         }
         if (form.file && !form.mesh && written[i] == "else" && !step.rest) {
             step.rest = i + 1 < written.size() ? find_row(forms, written[++i]) : nullptr;
-            if (!step.rest || step.rest->move || step.rest->file || step.rest->formulas)
+            if (!step.rest || step.rest->move || step.rest->file)
                 refuse(form, "`else` needs one of the words fixed, slide, free");
             continue;
         }
@@ -276,10 +263,10 @@ std::string to_string(Step step) {
     if (step.rest) text += concat(" else ", step.rest->name);
     for (const Expression& formula : step.formulas) text += ' ' + with_quotes(formula.text());
     for (double v : step.numbers) text += ' ' + to_text(v);
-    if (!step.axis.empty()) text += " axis";
-    for (double v : step.axis) text += ' ' + to_text(v);
-    if (!step.about.empty()) text += " about";
-    for (double v : step.about) text += ' ' + to_text(v);
+    for (const auto& [word, clause] : {std::pair(" axis", step.axis), std::pair(" about", step.about)}) {
+        if (!clause.empty()) text += word;
+        for (double v : clause) text += ' ' + to_text(v);
+    }
     return text;
 }
 
