@@ -32,10 +32,10 @@ using CellOctahedron = std::array<int, 6>;  // a diagonal (a, b), and the ring o
 
 struct CellType {
     const char *name, *plural;
-    int dim;
-    int inverse_volume;                           // 1 / volume of the reference cell: dim!
+    int dim, vertices;
+    int inverse_volume;                           // 1 / volume of the reference cell: dim! of a simplex
     std::span<const CellEdge> edges;              // in the order of Gmsh's edge nodes
-    std::span<const CellFace> faces;              // face k is opposite vertex k, oriented outward
+    std::span<const CellFace> faces;              // oriented outward; face k of a simplex is opposite vertex k
     std::span<const CellFace> interior_faces;     // in the order of Gmsh's face nodes, each from its first vertex
     std::span<const CellEdge> bisected;           // edges in the order in which refinement numbers their midpoints
     std::span<const CellChild> children;          // of uniform refinement, positively oriented
@@ -44,15 +44,22 @@ struct CellType {
     std::array<int, 3> vtk_types;                 // cell types of VTK: linear, quadratic, Lagrange of any degree
 
     double volume() const { return 1.0 / inverse_volume; }  // of the reference cell
+    bool is_simplex() const { return vertices == dim + 1; }
+    int node_count(int degree) const;
 };
 
 // The simplex of dimension 0 to 3.
 const CellType& simplex(int dim);
+// The reference quadrilateral is [0, 1]^2, its vertices are (0, 0), (1, 0), (1, 1), (0, 1).
+const CellType& quadrilateral();
+std::span<const CellType> cell_types();
 
 // The cell type with this linear cell type of VTK, or nullptr.
 const CellType* cell_of_vtk_type(int type);
 
-using MultiIndex = std::array<int, 4>;  // a_0 .. a_dim, sum = degree; entries beyond dim are zero
+// Of a simplex a_0 .. a_dim, sum = degree; entries beyond dim are zero. Of a quadrilateral those of both coordinates,
+// a_0 + a_1 = a_2 + a_3 = degree.
+using MultiIndex = std::array<int, 4>;
 
 // Nodes of a simplex: binomial(degree + dim, dim). Inline and without a general division: called in inner loops.
 constexpr int simplex_node_count(int dim, int degree) {
@@ -68,5 +75,6 @@ std::vector<MultiIndex> lattice_nodes(int dim, int degree, std::span<const CellE
 
 // The same in Gmsh's order (Gmsh reference manual, "Node ordering"), which is that of all meshes here.
 std::vector<MultiIndex> gmsh_node_order(int dim, int degree);
+std::vector<MultiIndex> gmsh_node_order(const CellType& cell, int degree);
 
 }  // namespace almesh

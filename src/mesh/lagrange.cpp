@@ -27,7 +27,19 @@ double silvester_derivative(int m, double t) {
     return sum;
 }
 
-std::array<double, 4> barycentric(const double* xi, int dim) {
+}  // namespace
+
+LagrangeBasis::LagrangeBasis(int dim_, int degree_) : LagrangeBasis(simplex(dim_), degree_) {}
+
+LagrangeBasis::LagrangeBasis(const CellType& cell_, int degree_)
+    : cell(cell_),
+      dim(cell_.dim),
+      degree(degree_),
+      count(cell_.node_count(degree_)),
+      nodes(gmsh_node_order(cell_, degree_)) {}
+
+std::array<double, 4> LagrangeBasis::coordinates(const double* xi) const {
+    if (!cell.is_simplex()) return {1 - xi[0], xi[0], 1 - xi[1], xi[1]};
     std::array<double, 4> l = {1, 0, 0, 0};
     for (int k = 0; k < dim; ++k) {
         l[k + 1] = xi[k];
@@ -36,29 +48,32 @@ std::array<double, 4> barycentric(const double* xi, int dim) {
     return l;
 }
 
-}  // namespace
-
-LagrangeBasis::LagrangeBasis(int dim_, int degree_)
-    : dim(dim_), degree(degree_), count(simplex_node_count(dim_, degree_)), nodes(gmsh_node_order(dim_, degree_)) {}
+std::array<double, 3> LagrangeBasis::point(int node) const {
+    std::array<double, 3> xi{};
+    for (int k = 0; k < dim; ++k)
+        xi[k] = static_cast<double>(nodes[node][cell.is_simplex() ? k + 1 : 2 * k + 1]) / degree;
+    return xi;
+}
 
 void LagrangeBasis::values(const double* xi, double* N) const {
-    const std::array<double, 4> l = barycentric(xi, dim);
+    const std::array<double, 4> l = coordinates(xi);
     for (int i = 0; i < count; ++i) {
         N[i] = 1;
-        for (int k = 0; k <= dim; ++k) N[i] *= silvester(nodes[i][k], degree * l[k]);
+        for (int k = 0; k < entries(); ++k) N[i] *= silvester(nodes[i][k], degree * l[k]);
     }
 }
 
 void LagrangeBasis::gradients(const double* xi, double* dN) const {
-    const std::array<double, 4> l = barycentric(xi, dim);
+    const std::array<double, 4> l = coordinates(xi);
     for (int i = 0; i < count; ++i) {
-        double dl[4];  // derivatives by the barycentric coordinates, taken as independent
-        for (int k = 0; k <= dim; ++k) {
+        double dl[4];  // derivatives by the coordinates l, taken as independent
+        for (int k = 0; k < entries(); ++k) {
             dl[k] = degree * silvester_derivative(nodes[i][k], degree * l[k]);
-            for (int m = 0; m <= dim; ++m)
+            for (int m = 0; m < entries(); ++m)
                 if (m != k) dl[k] *= silvester(nodes[i][m], degree * l[m]);
         }
-        for (int k = 0; k < dim; ++k) dN[i * dim + k] = dl[k + 1] - dl[0];
+        for (int k = 0; k < dim; ++k)
+            dN[i * dim + k] = cell.is_simplex() ? dl[k + 1] - dl[0] : dl[2 * k + 1] - dl[2 * k];
     }
 }
 
@@ -69,16 +84,17 @@ int LagrangeBasis::find(const MultiIndex& a) const {
 
 int LagrangeBasis::permuted_node(int node, const MultiIndex& permutation) const {
     MultiIndex b{};
-    for (int k = 0; k <= dim; ++k) b[k] = nodes[node][permutation[k]];
+    for (int k = 0; k < entries(); ++k) b[k] = nodes[node][permutation[k]];
     return find(b);
 }
 
-std::vector<int> LagrangeBasis::face_nodes(int opposite) const {
-    const CellFace& vertex = simplex(dim).faces[opposite];
+std::vector<int> LagrangeBasis::face_nodes(int k) const {
+    const CellFace& vertex = cell.faces[k];
     std::vector<int> local;
     for (const MultiIndex& b : gmsh_node_order(dim - 1, degree)) {
-        MultiIndex a{};
-        for (int k = 0; k < dim; ++k) a[vertex[k]] = b[k];
+        MultiIndex a{};  // the mean of the vertices with the weights b
+        for (int v = 0; v < dim; ++v)
+            for (int e = 0; e < entries(); ++e) a[e] += b[v] * nodes[vertex[v]][e] / degree;
         local.push_back(find(a));
     }
     return local;
@@ -86,7 +102,7 @@ std::vector<int> LagrangeBasis::face_nodes(int opposite) const {
 
 std::vector<std::vector<int>> LagrangeBasis::face_nodes() const {
     std::vector<std::vector<int>> of_faces;
-    for (int opposite = 0; opposite <= dim; ++opposite) of_faces.push_back(face_nodes(opposite));
+    for (int k = 0; k < static_cast<int>(cell.faces.size()); ++k) of_faces.push_back(face_nodes(k));
     return of_faces;
 }
 

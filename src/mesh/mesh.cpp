@@ -13,6 +13,13 @@ int Mesh::boundary_index(const std::string& name) const {
     return it == boundaries.end() ? -1 : static_cast<int>(it - boundaries.begin());
 }
 
+int Mesh::most_sides() const {
+    int most = 0;
+    for (const ElementGroup& group : element_groups())
+        most = std::max(most, static_cast<int>(group.cell->faces.size()));
+    return most;
+}
+
 std::vector<char> Mesh::boundaries_in(const std::string& group) const {
     std::vector<char> in(boundary_groups.size(), 0);
     for (std::size_t b = 0; b < in.size(); ++b)
@@ -30,16 +37,24 @@ int add_boundary(Mesh& mesh, const std::vector<std::string>& groups) {
 
 std::vector<double> straight_sided(const Mesh& mesh) {
     std::vector<double> y = mesh.x;
-    const LagrangeBasis basis(mesh.dim, mesh.degree);
-    for (int e = 0; e < mesh.element_count(); ++e) {
-        const int* node = mesh.element(e);
-        for (int i = mesh.dim + 1; i < basis.count; ++i)
-            for (int a = 0; a < mesh.dim; ++a) {
-                double position = 0;
-                for (int v = 0; v <= mesh.dim; ++v)
-                    position += basis.nodes[i][v] * mesh.x[offset(node[v], mesh.dim, a)];
-                y[offset(node[i], mesh.dim, a)] = position / mesh.degree;
+    for (const ElementGroup& group : mesh.element_groups()) {
+        const CellType& cell = *group.cell;
+        const LagrangeBasis basis(cell, mesh.degree), vertices(cell, 1);
+        const double unit = cell.is_simplex() ? mesh.degree : 1;  // of the weights
+        for (int i = cell.vertices; i < basis.count; ++i) {
+            std::vector<double> weight(cell.vertices);
+            vertices.values(basis.point(i).data(), weight.data());
+            for (int v = 0; v < cell.vertices && cell.is_simplex(); ++v) weight[v] = basis.nodes[i][v];
+            for (int e = group.first; e < group.first + group.count; ++e) {
+                const int* const node = mesh.element(e);
+                for (int a = 0; a < mesh.dim; ++a) {
+                    double position = 0;
+                    for (int v = 0; v < cell.vertices; ++v)
+                        position += weight[v] * mesh.x[offset(node[v], mesh.dim, a)];
+                    y[offset(node[i], mesh.dim, a)] = position / unit;
+                }
             }
+        }
     }
     return y;
 }
@@ -57,9 +72,13 @@ double volume(const Mesh& mesh, const std::vector<double>& y) {
 }
 
 double volume(const Mesh& mesh, const std::vector<double>& y, int e) {
+    const int* const node = mesh.element(e);
     double size = 0;
     with_dimension(mesh.dim, [&](auto n) {
-        size = determinant(straight_jacobian<n>(mesh.element(e), y)) / mesh.cell().inverse_volume;
+        size = determinant(straight_jacobian<n>(node, y)) / simplex(n).inverse_volume;
+        if (mesh.cell(e).is_simplex()) return;
+        const int other[] = {node[0], node[2], node[3]};  // the triangle on the other side of the diagonal
+        size += determinant(straight_jacobian<n>(other, y)) / simplex(n).inverse_volume;
     });
     return size;
 }

@@ -15,11 +15,19 @@
 
 namespace almesh {
 
+// Elements of one type: consecutive ones, with their nodes from elements[start] on.
+struct ElementGroup {
+    const CellType* cell;
+    int first, count;
+    std::size_t start;
+};
+
 struct Mesh {
     int dim = 2;     // n, 2 or 3
     int degree = 1;  // p
     std::vector<double> x;             // node_count x dim positions, as read
-    std::vector<int> elements;         // element_count x element_nodes() node indices, Gmsh order, det J > 0
+    std::vector<int> elements;         // element_count x element_nodes(e) node indices, Gmsh order, det J > 0
+    std::vector<ElementGroup> groups;  // of all elements, in their order; empty where all are simplices
     std::vector<int> faces;            // face_count x face_nodes(): all boundary faces, Gmsh order, oriented outward
     std::vector<int> face_element;     // element each face belongs to
     std::vector<int> face_boundary;    // index into boundaries
@@ -31,13 +39,34 @@ struct Mesh {
     std::array<KeptCells, 4> kept{};      // by dimension, up to that of the mesh
     FileTags file;
 
-    const CellType& cell() const { return simplex(dim); }  // of all elements; the faces are simplex(dim - 1)
+    bool is_simplicial() const { return groups.empty(); }
+    const CellType& cell(int e) const { return groups.empty() ? simplex(dim) : *group_of(e).cell; }
     int nodes() const { return static_cast<int>(x.size()) / dim; }
-    int element_nodes() const { return simplex_node_count(dim, degree); }
-    int face_nodes() const { return simplex_node_count(dim - 1, degree); }
-    int element_count() const { return static_cast<int>(elements.size()) / element_nodes(); }
+    int element_nodes(int e = 0) const { return cell(e).node_count(degree); }
+    int face_nodes() const { return simplex_node_count(dim - 1, degree); }  // faces are simplices
+    int element_count() const {
+        if (!groups.empty()) return groups.back().first + groups.back().count;
+        return static_cast<int>(elements.size()) / simplex_node_count(dim, degree);
+    }
     int face_count() const { return static_cast<int>(faces.size()) / face_nodes(); }
-    const int* element(int e) const { return elements.data() + offset(e, element_nodes()); }
+    const int* element(int e) const {
+        if (groups.empty()) return elements.data() + offset(e, simplex_node_count(dim, degree));
+        const ElementGroup& group = group_of(e);
+        return elements.data() + group.start + offset(e - group.first, group.cell->node_count(degree));
+    }
+    const ElementGroup& group_of(int e) const {  // where there are any
+        const ElementGroup* group = groups.data();
+        while (e >= group->first + group->count) ++group;
+        return *group;
+    }
+    // All of them, also where they are simplices.
+    std::vector<ElementGroup> element_groups() const {
+        return groups.empty() ? std::vector{ElementGroup{&simplex(dim), 0, element_count(), 0}} : groups;
+    }
+    // The elements' common type where there is one; of several types, of the first elements.
+    const CellType& cell() const { return cell(0); }
+    std::string elements_name() const { return groups.size() > 1 ? "elements" : cell().plural; }
+    int most_sides() const;  // of an element
     const int* face(int f) const { return faces.data() + offset(f, face_nodes()); }
     bool is_inner(int f) const { return !inner.empty() && inner[face_boundary[f]]; }
     int boundary_index(const std::string& name) const;  // -1 where there is none

@@ -20,9 +20,13 @@ struct RawElement {
     long long id;
     std::size_t first;  // its nodes are element_nodes[first ...), in Gmsh's order
     int line;           // 0: of a binary file
-    int dim, degree;  // of a simplex; a point has dimension 0 and degree 1
+    int dim, degree;  // a point has dimension 0 and degree 1
     int physical;     // tag of its physical group, the first one of several; 0: none
     int entity;       // tag of its elementary entity; 0: none
+    const CellType* type = nullptr;  // none: the simplex of the dimension
+
+    const CellType& cell() const { return type ? *type : simplex(dim); }
+    int node_count() const { return cell().node_count(degree); }
 };
 
 // The nodes from `first` on, up to those of the next block, lie on an elementary entity.
