@@ -1,0 +1,34 @@
+// Simplices that a cell is cut into along its vertices, as curved simplices of a higher degree.
+//
+// The map of a quadrilateral of degree p has degree p in each coordinate. On each of the two triangles of the reference
+// square it is a polynomial of total degree 2 p: the triangle is a curved triangle of that degree, exactly, with nodes
+//
+//     x'_i = sum_j S_ij x_j,   S_ij = N_j(xi_i),   xi_i: its nodes in the reference square.
+//
+// So what is known of curved simplices holds for quadrilaterals (certificates, valid steps). A simplex is the one
+// simplex that it is cut into.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "mesh/cells.hpp"
+
+namespace almesh {
+
+struct SubSimplices {
+    int degree;                            // of the simplices: p of a simplex, 2 p of a quadrilateral
+    int nodes, cell_nodes;                 // of one simplex, of the cell
+    std::vector<CellChild> vertices;       // of each simplex: vertices of the cell, dim + 1 entries, same orientation
+    std::vector<std::vector<double>> map;  // of each simplex: S, nodes x cell_nodes, in Gmsh's order of both
+
+    SubSimplices(const CellType& cell, int degree);
+
+    int count() const { return static_cast<int>(vertices.size()); }
+    // The reference coordinates in the cell of a point of simplex k, with these barycentric coordinates.
+    std::array<double, 3> point(int k, const std::array<double, 4>& barycentric) const;
+
+private:
+    std::vector<std::array<double, 3>> corner_;  // reference coordinates of the cell's vertices
+};
+
+}  // namespace almesh
