@@ -1,9 +1,28 @@
 #include "app/base_mesh.hpp"
 
+#include <utility>
+
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "mesh/build.hpp"
 
 namespace almesh {
+
+namespace {
+
+// That of simplices is valid where it does not fold; other cells with straight sides may be inverted at a corner.
+void check_straight(const Mesh& mesh, const CertificateParams& params) {
+    if (mesh.is_simplicial()) return;
+    const std::vector<double> y = straight_sided(mesh);
+    const Certificate certificate = certify(mesh, y, params);
+    if (certificate.valid) return;
+    const int e = certificate.uncertified[0];
+    throw InputError(mesh.cell(e).name, " ", mesh.file.element_id[e], " at ",
+                     position_text(element_centre(mesh, y, e).data(), mesh.dim), " is inverted with straight sides: ",
+                     counts_of(certificate));
+}
+
+}  // namespace
 
 BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateParams& params,
                          std::vector<std::string>& notes) {
@@ -11,7 +30,9 @@ BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateP
     std::string against_straight;
     if (ideal != IdealKind::given) {
         try {
-            return {build_mesh(raw, notes)};
+            Mesh mesh = build_mesh(raw, notes);
+            check_straight(mesh, params);
+            return {std::move(mesh)};
         } catch (const InputError& error) {
             if (ideal == IdealKind::straight) throw;
             against_straight = error.what();
@@ -19,7 +40,10 @@ BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateP
         notes.resize(told);
     }
     BaseMesh base{build_mesh(raw, notes, Folds::keep), true};
-    if (base.mesh.degree == 1) return {build_mesh(raw, notes)};
+    if (base.mesh.degree == 1) {
+        check_straight(base.mesh, params);
+        return {build_mesh(raw, notes)};
+    }
     const Certificate certificate = certify(base.mesh, base.mesh.x, params);
     if (!certificate.valid)
         throw InputError(against_straight.empty() ? raw.path + ": " : against_straight + "; ",

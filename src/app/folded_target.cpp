@@ -76,7 +76,7 @@ std::vector<char> faces_at_fault(const Mesh& mesh, const TargetFaults& faults, c
     for (const auto& [f, g] : faults.faces.crossing) chosen[f] = chosen[g] = 1;
     for (const ElementFault& fault : faults.elements) {
         at_fault[fault.element] = 1;
-        for (int i = 0; i <= mesh.dim; ++i) vertex[mesh.element(fault.element)[i]] = 1;
+        for (int i = 0; i < mesh.cell(fault.element).vertices; ++i) vertex[mesh.element(fault.element)[i]] = 1;
     }
     for (int f = 0; f < mesh.face_count(); ++f) chosen[f] = chosen[f] || at_fault[mesh.face_element[f]];
     const auto leave_out_straight = [&] {
@@ -96,11 +96,11 @@ std::vector<char> faces_at_fault(const Mesh& mesh, const TargetFaults& faults, c
 void add_around(const Mesh& mesh, std::vector<int>& elements) {
     std::vector<char> is_vertex(mesh.nodes(), 0);
     for (const int e : elements)
-        for (int k = 0; k <= mesh.dim; ++k) is_vertex[mesh.element(e)[k]] = 1;
+        for (int k = 0; k < mesh.cell(e).vertices; ++k) is_vertex[mesh.element(e)[k]] = 1;
     elements.clear();
     for (int e = 0; e < mesh.element_count(); ++e) {
         const int* const node = mesh.element(e);
-        if (std::count_if(node, node + mesh.dim + 1, [&](int i) { return is_vertex[i]; }) > 1) elements.push_back(e);
+        if (std::count_if(node, node + mesh.cell(e).vertices, [&](int i) { return is_vertex[i]; }) > 1) elements.push_back(e);
     }
 }
 

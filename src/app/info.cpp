@@ -181,8 +181,8 @@ ExitCode info(const Deck& deck, std::FILE* out) {
     std::iota(all.begin(), all.end(), 0);
     const char* const measure = mesh.dim == 2 ? "area" : "volume";
     const std::vector<double> straight = straight_sided(mesh);
-    std::fprintf(out, "# %s, %s: %d nodes, %d %s of degree %d\n", deck.mesh.c_str(),
-                 to_string(mesh.file.format).c_str(), mesh.nodes(), mesh.element_count(), mesh.cell().plural,
+    std::fprintf(out, "# %s, %s: %d nodes, %s of degree %d\n", deck.mesh.c_str(),
+                 to_string(mesh.file.format).c_str(), mesh.nodes(), mesh.elements_text().c_str(),
                  mesh.degree);
     std::fprintf(out, "# %s, %s %.6g with straight sides\n",
                  box_text(box_of(positions(mesh, mesh.x, all.data(), mesh.nodes())), mesh.dim).c_str(), measure,
@@ -215,7 +215,7 @@ ExitCode info(const Deck& deck, std::FILE* out) {
         std::vector<int> nodes;
         double size = 0;
         for (const int e : group.cells) {
-            nodes.insert(nodes.end(), mesh.element(e), mesh.element(e) + mesh.element_nodes());
+            nodes.insert(nodes.end(), mesh.element(e), mesh.element(e) + mesh.element_nodes(e));
             size += volume(mesh, straight, e);
         }
         std::string cells = concat(counted(group.cells.size(), "element"), ", ", measure, " ");

@@ -49,7 +49,7 @@ std::vector<double> with_part(const Mesh& mesh, const std::vector<char>& chosen,
     std::vector<double> x = mesh.x;
     for (int e = 0, r = 0; e < mesh.element_count(); ++e) {
         if (!chosen[e]) continue;
-        for (int k = 0; k < mesh.element_nodes(); ++k) {
+        for (int k = 0; k < mesh.element_nodes(e); ++k) {
             const int here = mesh.element(e)[k], there = part.element(r)[k];
             const double* const to = point(found, there, dim);
             if (is_shared[there] && !std::equal(to, to + dim, point(mesh.x, here, dim))) return {};

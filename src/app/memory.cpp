@@ -12,16 +12,16 @@
 namespace almesh {
 namespace {
 
-// Vertices, edges, triangles, tetrahedra, by Euler's formula for a domain without holes.
+// Vertices, edges, triangles, tetrahedra, quadrilaterals, by Euler's formula for a domain without holes.
 struct Entities {
-    double vertices, edges, triangles, tetrahedra;
+    double vertices, edges, triangles, tetrahedra, quadrilaterals = 0;
 };
 
 double vertex_count(const Mesh& mesh) {
     std::vector<char> is_vertex(mesh.nodes(), 0);
     double count = 0;
     for (int e = 0; e < mesh.element_count(); ++e)
-        for (int i = 0; i <= mesh.dim; ++i) {
+        for (int i = 0; i < mesh.cell(e).vertices; ++i) {
             char& known = is_vertex[mesh.element(e)[i]];
             count += !known;
             known = 1;
@@ -31,7 +31,9 @@ double vertex_count(const Mesh& mesh) {
 
 Entities entities_of(const Mesh& mesh) {
     const double V = vertex_count(mesh), C = mesh.element_count(), boundary = mesh.face_count();
-    if (mesh.dim == 2) return {V, (3 * C + boundary) / 2, C, 0};
+    double quadrilaterals = 0;
+    for (const ElementGroup& group : mesh.groups) quadrilaterals += group.cell->is_simplex() ? 0 : group.count;
+    if (mesh.dim == 2) return {V, (3 * C + quadrilaterals + boundary) / 2, C - quadrilaterals, 0, quadrilaterals};
     const double F = (4 * C + boundary) / 2;
     return {V, V + F - C - 1, F, C};
 }
@@ -43,8 +45,10 @@ double coupled_pairs(const Mesh& mesh, int degree) {
     };
     const double P0 = 1, P1 = pairs(1) - 2 * P0, P2 = pairs(2) - 3 * P1 - 3 * P0,
                  P3 = pairs(3) - 4 * P2 - 6 * P1 - 4 * P0;
+    const double in_quadrilateral = quadrilateral().node_count(mesh.degree) * quadrilateral().node_count(degree),
+                 PQ = in_quadrilateral - 4 * P1 - 4 * P0;
     const Entities of = entities_of(mesh);
-    return P0 * of.vertices + P1 * of.edges + P2 * of.triangles + P3 * of.tetrahedra;
+    return PQ * of.quadrilaterals + P0 * of.vertices + P1 * of.edges + P2 * of.triangles + P3 * of.tetrahedra;
 }
 
 }  // namespace
@@ -53,7 +57,7 @@ double hessian_blocks(const Mesh& mesh) { return coupled_pairs(mesh, mesh.degree
 
 double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear) {
     constexpr double number = sizeof(double), single = sizeof(float), index = sizeof(int), program = 8e6;
-    const double d = mesh.dim, m = mesh.element_nodes(), elements = mesh.element_count(), nodes = mesh.nodes(),
+    const double d = mesh.dim, m = mesh.element_nodes(mesh.element_count() - 1), elements = mesh.element_count(), nodes = mesh.nodes(),
                  blocks = hessian_blocks(mesh), unknowns = d * nodes;
     const double of_mesh = elements * m * index + nodes * (d * number + 16), vectors = 14 * unknowns * number;
     const double of_energy = elements * (m * index + d * d * number + 3 * number + m * m * index) + blocks * index;

@@ -12,6 +12,7 @@
 #include "io/text_scanner.hpp"
 #include "mesh/inner_boundary.hpp"
 #include "mesh/lagrange.hpp"
+#include "mesh/sides.hpp"
 
 namespace almesh {
 namespace {
@@ -20,12 +21,13 @@ namespace {
 // the volume that it stands for.
 template <class Visit>
 void for_cells(const Mesh& mesh, int boundary, const Visit& visit) {
-    const LagrangeBasis of_face(mesh.dim - 1, mesh.degree), of_element(mesh.dim, mesh.degree);
+    const LagrangeBasis of_face(mesh.dim - 1, mesh.degree);
+    const std::vector<LagrangeBasis> of_element = bases_of(mesh);
     for (int f = 0; f < mesh.face_count(); ++f)
         if (mesh.boundaries[mesh.face_boundary[f]] == mesh.boundaries[boundary]) visit(mesh.face(f), of_face);
     for (const GroupCells& volume : volume_groups(mesh))
         if (volume_group(volume.name) == mesh.boundaries[boundary])
-            for (const int e : volume.cells) visit(mesh.element(e), of_element);
+            for (const int e : volume.cells) visit(mesh.element(e), of_element[mesh.group_number(e)]);
 }
 
 std::unordered_map<long long, int> nodes_by_id(const Mesh& mesh, int boundary) {
@@ -63,15 +65,16 @@ std::string without_commas(std::string text) {
 void follow_vertices(const Mesh& mesh, int boundary, bool all, std::vector<char>& known,
                      std::vector<double>& positions) {
     for_cells(mesh, boundary, [&](const int* node, const LagrangeBasis& basis) {
-        for (int i = basis.dim + 1; i < basis.count; ++i) {
+        for (int i = basis.cell.vertices; i < basis.count; ++i) {
             double* const x = point(positions, node[i], mesh.dim);
+            const std::vector<double> weight = basis.vertex_weights(i);
             bool follows = !known[node[i]];
-            for (int v = 0; v <= basis.dim; ++v)
-                follows = follows && (all || known[node[v]] || basis.nodes[i][v] == 0);
-            for (int v = 0; v <= basis.dim && follows; ++v)
+            for (int v = 0; v < basis.cell.vertices; ++v)
+                follows = follows && (all || known[node[v]] || weight[v] == 0);
+            for (int v = 0; v < basis.cell.vertices && follows; ++v)
                 for (int a = 0; a < mesh.dim; ++a) {
                     const std::size_t at = offset(node[v], mesh.dim, a);
-                    x[a] += basis.nodes[i][v] * (positions[at] - mesh.x[at]) / mesh.degree;
+                    x[a] += weight[v] * (positions[at] - mesh.x[at]) / mesh.degree;
                 }
             if (follows) known[node[i]] = 1;
         }
@@ -153,13 +156,13 @@ std::map<VertexIds, std::vector<int>> faces_of(const RawMesh& other, int dim, in
     };
     std::vector<int> all(simplex_node_count(dim - 1, degree));
     std::iota(all.begin(), all.end(), 0);
-    const std::vector<std::vector<int>> of_element = LagrangeBasis(dim, degree).face_nodes();
+    const SideNodes side_nodes(dim, degree);
     for (const RawElement& element : other.elements) {
         if (element.degree != degree) continue;
         const int* const node = &other.element_nodes[element.first];
         if (element.dim == dim - 1) add(node, all);
-        if (element.dim == dim)
-            for (const std::vector<int>& local : of_element) add(node, local);
+        for (int k = 0; k < static_cast<int>(element.cell().faces.size()) && element.dim == dim; ++k)
+            add(node, side_nodes.of(element.cell(), k));
     }
     return faces;
 }

@@ -25,8 +25,8 @@ ExitCode quality(const Deck& deck, std::FILE* out) {
     set_threads(deck.threads);
     std::vector<std::string> notes = deck.notes;
     const Mesh mesh = build_mesh(read_mesh(deck.mesh), notes, Folds::keep);
-    std::fprintf(out, "%s: %d nodes, %d %s of degree %d\n", deck.mesh.c_str(), mesh.nodes(), mesh.element_count(),
-                 mesh.cell().plural, mesh.degree);
+    std::fprintf(out, "%s: %d nodes, %s of degree %d\n", deck.mesh.c_str(), mesh.nodes(),
+                 mesh.elements_text().c_str(), mesh.degree);
     for (const std::string& note : notes) std::fprintf(out, "note: %s\n", note.c_str());
 
     const QualityStatistics shape = mesh_quality(mesh, mesh.x);
@@ -54,7 +54,7 @@ void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<doubl
     std::fprintf(out, "NOT certified valid: %s; the worst (id, centre, scaled Jacobian >=):\n",
                  counts_of(certificate).c_str());
     for (std::size_t k = 0; k < bad.size() && k < shown; ++k) {
-        const std::array<double, 3> centre = frame.to_file(centroid(mesh, x, mesh.element(bad[k]), mesh.dim + 1));
+        const std::array<double, 3> centre = frame.to_file(element_centre(mesh, x, bad[k]));
         print_element(out, mesh, bad[k], centre, certificate.lower_bound[bad[k]]);
     }
 }

@@ -34,8 +34,8 @@ constexpr double worth_telling = 0.5e9;  // bytes
 void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double bytes) {
     const Mesh& mesh = problem.mesh();
     if (!deck.title.empty()) std::fprintf(out, "%s\n", deck.title.c_str());
-    std::fprintf(out, "%s: %d nodes, %d %s of degree %d, %d boundary faces; %d thread%s\n", deck.mesh.c_str(),
-                 mesh.nodes(), mesh.element_count(), mesh.cell().plural, mesh.degree,
+    std::fprintf(out, "%s: %d nodes, %s of degree %d, %d boundary faces; %d thread%s\n", deck.mesh.c_str(),
+                 mesh.nodes(), mesh.elements_text().c_str(), mesh.degree,
                  mesh.face_count(), max_threads(), max_threads() == 1 ? "" : "s");
     for (const std::string& note : problem.notes) std::fprintf(out, "note: %s\n", note.c_str());
     if (bytes > worth_telling) std::fprintf(out, "about %.2g GB of memory will be needed\n", bytes / 1e9);

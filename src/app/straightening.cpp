@@ -20,7 +20,7 @@ std::vector<char> around_diagnosis(const Problem& problem, const Solution& solut
     const Constraint& constraint = *problem.level->constraint;
     std::vector<char> at(mesh.nodes(), 0);
     const auto choose_element = [&](int e) {
-        for (int i = 0; i < mesh.element_nodes(); ++i) at[mesh.element(e)[i]] = 1;
+        for (int i = 0; i < mesh.element_nodes(e); ++i) at[mesh.element(e)[i]] = 1;
     };
     for (const int e : certificate.uncertified) choose_element(e);
     if (injectivity.node >= 0) at[injectivity.node] = 1;

@@ -25,7 +25,7 @@ void place_inside_volumes(const Problem& problem, std::vector<double>& x) {
         const PlacedNodes& placed = problem.level_placed;
         const std::vector<double>& from = placed.empty() || placed[boundary].x.empty() ? X : placed[boundary].x;
         for (const int e : volume.cells)
-            for (int i = 0; i < mesh.element_nodes(); ++i) {
+            for (int i = 0; i < mesh.element_nodes(e); ++i) {
                 const int node = mesh.element(e)[i];
                 if (is_on_face[node]) continue;
                 double at[3] = {};
@@ -45,7 +45,7 @@ std::vector<double> of_part(const Mesh& part, const Mesh& whole, const std::vect
                             const std::vector<double>& x) {
     std::vector<double> result(part.x.size());
     for (int e = 0; e < part.element_count(); ++e)
-        for (int i = 0; i < part.element_nodes(); ++i)
+        for (int i = 0; i < part.element_nodes(e); ++i)
             std::copy_n(point(x, whole.element(elements[e])[i], whole.dim), whole.dim,
                         point(result, part.element(e)[i], whole.dim));
     return result;

@@ -11,6 +11,7 @@
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "geometry/element_jacobian.hpp"
+#include "mesh/sub_simplices.hpp"
 
 namespace almesh {
 namespace {
@@ -28,13 +29,22 @@ Bounds bound_straight(const int* vertex, const std::vector<double>& x) {
     return {value, value};
 }
 
+// With `straight` as the determinant of the straight element; S: of the nodes by those of the cell, empty: the same.
 template <int n>
-Bounds bound_curved(const int* node, const std::vector<double>& x, const JacobianBasis& basis,
-                    const CertificateParams& params) {
-    const double straight = std::abs(determinant(straight_jacobian<n>(node, x)));
+Bounds bound_curved(const int* node, const std::vector<double>& x, double straight, const std::vector<double>& S,
+                    const JacobianBasis& basis, const CertificateParams& params) {
     ElementJacobian<n, double> element(basis);
-    for (int i = 0; i < basis.position.bernstein.count; ++i)
-        std::copy_n(point(x, node[i], n), n, element.position(0)[i].begin());
+    for (int i = 0; i < basis.position.bernstein.count; ++i) {
+        Vec<n>& at = element.position(0)[i];
+        if (S.empty()) {
+            std::copy_n(point(x, node[i], n), n, at.begin());
+            continue;
+        }
+        const std::size_t count = S.size() / basis.position.bernstein.count;
+        at = {};
+        for (std::size_t j = 0; j < count; ++j)
+            for (int a = 0; a < n; ++a) at[a] += S[i * count + j] * point(x, node[j], n)[a];
+    }
     element.compute(1);
     const double* const b = element.coefficients(0);
     if (!element.has_frame() || !std::all_of(b, b + basis.jacobian.count, [](double c) { return std::isfinite(c); }))
@@ -44,18 +54,33 @@ Bounds bound_curved(const int* node, const std::vector<double>& x, const Jacobia
     return {scale * (minimum.lower - element.rounding()), scale * minimum.upper};
 }
 
+// The elements of a group. Other cells than simplices are cut into some (SubSimplices).
+template <int n>
+void bound_group(const Mesh& mesh, const ElementGroup& group, const std::vector<double>& x,
+                 const CertificateParams& params, std::vector<Bounds>& bounds) {
+    const bool is_simplex = group.cell->is_simplex();
+    const SubSimplices cut(*group.cell, mesh.degree);
+    std::optional<JacobianBasis> basis;
+    if (cut.degree > 1) basis.emplace(n, cut.degree);
+    parallel_for(group.count, [&](int k) {
+        const int e = group.first + k;
+        const int* const node = mesh.element(e);
+        if (!basis) bounds[e] = bound_straight<n>(node, x);
+        else if (is_simplex)
+            bounds[e] = bound_curved<n>(node, x, std::abs(determinant(straight_jacobian<n>(node, x))), {}, *basis, params);
+        for (int part = 0; part < cut.count() && !is_simplex; ++part) {
+            const Bounds of = bound_curved<n>(node, x, std::abs(volume(mesh, x, e)), cut.map[part], *basis, params);
+            bounds[e] = part == 0 ? of : Bounds{std::min(bounds[e].lower, of.lower), std::min(bounds[e].upper, of.upper)};
+        }
+    }, element_work);
+}
+
 }  // namespace
 
 Certificate certify(const Mesh& mesh, const std::vector<double>& x, const CertificateParams& params) {
-    std::optional<JacobianBasis> basis;
-    if (mesh.degree > 1) basis.emplace(mesh.dim, mesh.degree);
     std::vector<Bounds> bounds(mesh.element_count());
-    with_dimension(mesh.dim, [&](auto n) {
-        parallel_for(mesh.element_count(), [&](int e) {
-            const int* const node = mesh.element(e);
-            bounds[e] = basis ? bound_curved<n>(node, x, *basis, params) : bound_straight<n>(node, x);
-        }, element_work);
-    });
+    for (const ElementGroup& group : mesh.element_groups())
+        with_dimension(mesh.dim, [&](auto n) { bound_group<n()>(mesh, group, x, params, bounds); });
     Certificate certificate{1, true, 0, {}, {}};
     std::vector<double>& lower = certificate.lower_bound;
     std::vector<int>& uncertified = certificate.uncertified;

@@ -2,7 +2,8 @@
 //
 // The vertices of an element span a straight-sided simplex with the affine map J_s. Its scaled Jacobian is
 // det J / |det J_s| (Toulorge et al., J. Comput. Phys. 254, 2013; exactly 1 for a straight-sided element), a polynomial
-// (element_jacobian.hpp); its Bezier coefficients bound it from below; bisection sharpens the bound.
+// (element_jacobian.hpp); its Bezier coefficients bound it from below; bisection sharpens the bound. A quadrilateral is
+// two curved triangles (sub_simplices.hpp), over the area of the straight one.
 //
 // Cost: per element, one product with a matrix of nodes x nodes, and a cross and a dot product of polynomials with
 // vectors as coefficients; few elements of a mesh of good quality need bisection.

@@ -99,6 +99,30 @@ std::optional<double> value_of_curved(const Table& table, const int* node, const
     return least;
 }
 
+// At a corner of a quadrilateral det J is determined by the nodes of its two edges there: the least one, over the
+// lengths of the two tangents.
+std::optional<double> value_at_corners(const LagrangeBasis& basis, const int* node, const std::vector<double>& x,
+                                       const std::vector<char>& prescribed, double bound) {
+    std::optional<double> least;
+    std::vector<double> dN(offset(basis.count, 2));
+    for (int v = 0; v < basis.cell.vertices; ++v) {
+        basis.gradients(basis.point(v).data(), dN.data());
+        Mat<2> J{};
+        bool is_determined = true;
+        for (int i = 0; i < basis.count; ++i) {
+            const bool counts = std::abs(dN[2 * i]) + std::abs(dN[2 * i + 1]) > 1e-12;
+            is_determined = is_determined && (!counts || prescribed[node[i]]);
+            for (int a = 0; a < 2; ++a)
+                for (int k = 0; k < 2; ++k)
+                    J[a][k] += dN[2 * i + k] * (point(x, node[i], 2)[a] - point(x, node[v], 2)[a]);
+        }
+        const double lengths = std::hypot(J[0][0], J[1][0]) * std::hypot(J[0][1], J[1][1]);
+        const double value = lengths > 0 ? determinant(J) / lengths : 0;
+        if (is_determined && value <= bound) least = std::min(value, least.value_or(value));
+    }
+    return least;
+}
+
 }  // namespace
 
 std::vector<DeterminedElement> determined_elements(const Mesh& mesh, const std::vector<double>& target,
@@ -106,9 +130,14 @@ std::vector<DeterminedElement> determined_elements(const Mesh& mesh, const std::
     std::optional<Table> table;
     if (mesh.degree > 1) table.emplace(mesh.dim, mesh.degree);
     std::vector<std::optional<double>> value(mesh.element_count());
+    const std::vector<LagrangeBasis> bases = bases_of(mesh);
     with_dimension(mesh.dim, [&](auto n) {
         parallel_for(mesh.element_count(), [&](int e) {
             const int* const node = mesh.element(e);
+            if (const LagrangeBasis& basis = bases[mesh.group_number(e)]; !basis.cell.is_simplex()) {
+                value[e] = value_at_corners(basis, node, target, prescribed, bound);
+                return;
+            }
             if (!std::all_of(node, node + n + 1, [&](int i) { return prescribed[i]; })) return;
             value[e] = table ? value_of_curved<n>(*table, node, target, prescribed, bound)
                              : up_to(bound, straight_scaled_jacobian<n>(node, target));
@@ -117,7 +146,9 @@ std::vector<DeterminedElement> determined_elements(const Mesh& mesh, const std::
     std::vector<DeterminedElement> found;
     with_dimension(mesh.dim, [&](auto n) {
         for (int e = 0; e < mesh.element_count(); ++e)
-            if (value[e]) found.push_back({e, *value[e], straight_scaled_jacobian<n>(mesh.element(e), target) > 0});
+            if (value[e])
+                found.push_back({e, *value[e], mesh.cell(e).is_simplex() &&
+                                                   straight_scaled_jacobian<n>(mesh.element(e), target) > 0});
     });
     return found;
 }

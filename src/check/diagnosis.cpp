@@ -31,9 +31,9 @@ Diagnosis at_node(const LastMesh& last, DiagnosisKind kind, int node) {
     diagnosis.position = in_space(point(last.x, node, last.mesh.dim), last.mesh.dim);
     diagnosis.on_boundary = boundary[node] >= 0;
     diagnosis.boundary = diagnosis.on_boundary ? boundary[node] : nearest_boundary(last, boundary, diagnosis.position);
-    const int m = last.mesh.element_nodes();
     for (int e = 0; e < last.mesh.element_count(); ++e) {
         const int* const of_element = last.mesh.element(e);
+        const int m = last.mesh.element_nodes(e);
         if (std::find(of_element, of_element + m, node) == of_element + m) continue;
         if (diagnosis.element < 0 || last.distortion[e] > last.distortion[diagnosis.element]) diagnosis.element = e;
     }
@@ -47,8 +47,8 @@ Diagnosis at_element(const LastMesh& last, DiagnosisKind kind, int element) {
     Diagnosis diagnosis;
     diagnosis.kind = kind;
     diagnosis.element = element;
-    diagnosis.position = centroid(last.mesh, last.x, vertex, last.mesh.dim + 1);
-    diagnosis.on_boundary = std::any_of(vertex, vertex + last.mesh.dim + 1, on_boundary);
+    diagnosis.position = element_centre(last.mesh, last.x, element);
+    diagnosis.on_boundary = std::any_of(vertex, vertex + last.mesh.cell(element).vertices, on_boundary);
     diagnosis.boundary = nearest_boundary(last, boundary, diagnosis.position);
     return diagnosis;
 }
@@ -128,10 +128,11 @@ SubMesh neighbourhood(const Mesh& mesh, const Diagnosis& diagnosis, int rings, i
     if (diagnosis.node >= 0)
         reached[diagnosis.node] = 1;
     else
-        for (int i = 0; i < mesh.element_nodes(); ++i) reached[mesh.element(diagnosis.element)[i]] = 1;
+        for (int i = 0; i < mesh.element_nodes(diagnosis.element); ++i)
+            reached[mesh.element(diagnosis.element)[i]] = 1;
     SubMesh found;
     for (int ring = 0; ring < rings; ++ring) {
-        SubMesh next = elements_around(mesh.elements, mesh.element_count(), mesh.element_nodes(), reached);
+        SubMesh next = elements_around(mesh, reached);
         if (ring > 0 && static_cast<int>(next.place.size()) > most) break;
         for (const int i : next.node) reached[i] = 1;
         found = std::move(next);

@@ -28,7 +28,7 @@ TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, con
     std::vector<int> element;
     for (const DeterminedElement& fault : determined_elements(mesh, placed, prescribed_nodes(mesh, target), bound)) {
         faults.elements.push_back({fault});
-        element.push_back(fault.element);
+        if (mesh.is_simplicial()) element.push_back(fault.element);
     }
     std::vector<char> is_prescribed;
     for (const BoundaryHold hold : target.hold) is_prescribed.push_back(hold == BoundaryHold::prescribed);
@@ -50,8 +50,8 @@ std::string describe(const Mesh& mesh, const TargetFaults& faults) {
     };
     for (const TargetReport::Fault& fault : faults.faces.faults) add(fault.why);
     for (const ElementFault& fault : faults.elements) {
-        const Vec<3> c = centroid(mesh, mesh.x, mesh.element(fault.element), mesh.dim + 1);
-        std::string line = concat(mesh.cell().name, " ", mesh.file.element_id[fault.element], " at ",
+        const Vec<3> c = element_centre(mesh, mesh.x, fault.element);
+        std::string line = concat(mesh.cell(fault.element).name, " ", mesh.file.element_id[fault.element], " at ",
                                   position_text(c.data(), mesh.dim), ": its boundary nodes make its scaled Jacobian ");
         append(line, fault.scaled_jacobian, 4);
         add(line + ", wherever the nodes inside are");
@@ -102,7 +102,7 @@ std::vector<char> freed_nodes(const Mesh& mesh, const BoundaryTarget& target, co
     for (const TargetReport::Fault& fault : faults.faces.faults)
         for (int i = 0; i < mesh.dim; ++i) vertex[mesh.face(fault.face)[i]] = 1;
     for (const ElementFault& fault : faults.elements)
-        for (int i = 0; i <= mesh.dim; ++i) vertex[mesh.element(fault.element)[i]] = 1;
+        for (int i = 0; i < mesh.cell(fault.element).vertices; ++i) vertex[mesh.element(fault.element)[i]] = 1;
     for (int f = 0; f < mesh.face_count(); ++f)
         chosen[f] = std::any_of(mesh.face(f), mesh.face(f) + mesh.dim, [&](int i) { return vertex[i]; });
     if (all_by_curvature(faults.elements)) add_coplanar(mesh, target, chosen);

@@ -9,6 +9,7 @@
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
+#include "check/element_patches.hpp"
 #include "check/overlap.hpp"
 #include "check/target_check.hpp"
 #include "geometry/patch.hpp"
@@ -21,31 +22,40 @@ constexpr double corner_work = 200;  // simple operations for the angles of an e
 
 // Sum of the angles of all elements at each vertex, in units of a full one.
 std::vector<double> angle_sums(const Mesh& mesh, const std::vector<double>& x) {
-    const int n = mesh.dim, corners = n + 1, m = mesh.element_nodes();
-    const PatchBasis basis(n, mesh.degree);
-    int next[4][4] = {};
-    for (int i = 0; i < corners; ++i)
-        for (int j = 0; j < corners; ++j)
-            if (j != i) next[i][j] = next_to_corner(basis.bernstein, i, j);
-    std::vector<double> at_corner(offset(mesh.element_count(), corners));
-    parallel_for(
-        mesh.element_count(),
-        [&](int e) {
-            const Patch patch = make_patch(basis, positions(mesh, x, mesh.element(e), m));
-            for (int i = 0; i < corners; ++i) {
-                Vec<3> tangent[3];
-                for (int j = 0, k = 0; j < corners; ++j)
-                    if (j != i) tangent[k++] = patch[next[i][j]] - patch[i];
-                const Vec<3>&u = tangent[0], &v = tangent[1];
-                const double turns = 1 / (2 * std::numbers::pi);
-                at_corner[offset(e, corners, i)] = n == 2 ? turns * std::atan2(length(cross(u, v)), dot(u, v))
-                                                          : 0.5 * turns * std::abs(solid_angle(u, v, tangent[2]));
-            }
-        },
-        corner_work);
+    const int n = mesh.dim, corners = n + 1;
     std::vector<double> sum(mesh.nodes(), 0.0);
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int i = 0; i < corners; ++i) sum[mesh.element(e)[i]] += at_corner[offset(e, corners, i)];
+    for (const ElementGroup& group : mesh.element_groups()) {
+        const ElementPatches patches(mesh, group);
+        const Bernstein& bernstein = patches.basis.bernstein;
+        int next[4][4] = {};
+        for (int i = 0; i < corners; ++i)
+            for (int j = 0; j < corners; ++j)
+                if (j != i) next[i][j] = next_to_corner(bernstein, i, j);
+        const int of_element = patches.count() * corners;
+        std::vector<double> at_corner(offset(group.count, of_element));
+        parallel_for(
+            group.count,
+            [&](int e) {
+                for (int part = 0; part < patches.count(); ++part) {
+                    const Patch patch = patches.of(x, group.first + e, part);
+                    for (int i = 0; i < corners; ++i) {
+                        Vec<3> tangent[3];
+                        for (int j = 0, k = 0; j < corners; ++j)
+                            if (j != i) tangent[k++] = patch[next[i][j]] - patch[i];
+                        const Vec<3>&u = tangent[0], &v = tangent[1];
+                        const double turns = 1 / (2 * std::numbers::pi);
+                        at_corner[offset(e, of_element, part * corners + i)] =
+                            n == 2 ? turns * std::atan2(length(cross(u, v)), dot(u, v))
+                                   : 0.5 * turns * std::abs(solid_angle(u, v, tangent[2]));
+                    }
+                }
+            },
+            corner_work);
+        for (int e = 0; e < group.count; ++e)
+            for (int k = 0; k < of_element; ++k)
+                sum[mesh.element(group.first + e)[patches.cut.vertices[k / corners][k % corners]]] +=
+                    at_corner[offset(e, of_element, k)];
+    }
     return sum;
 }
 
@@ -59,7 +69,7 @@ int overlapped_vertex(const Mesh& mesh, const std::vector<double>& x) {
 
 std::string fold_text(const Mesh& mesh, const std::vector<double>& x) {
     const auto [a, b] = mesh.folded[0];
-    const std::array<double, 3> position = centroid(mesh, x, mesh.element(a), mesh.dim + 1);
+    const std::array<double, 3> position = element_centre(mesh, x, a);
     const std::vector<long long>& id = mesh.file.element_id;
     return concat("elements ", id_in_file(id, a), " and ", id_in_file(id, b),
                   " lie on the same side of their common face at ", position_text(position.data(), mesh.dim),
@@ -93,7 +103,7 @@ Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, co
         return {.reason = concat("elements ", id_in_file(id, e), " and ", id_in_file(id, other),
                                    " lie over each other", mesh.degree == 1 ? "" : ", or are too close to tell"),
                 .node = mesh.element(e)[0],
-                .position = centroid(mesh, x, mesh.element(e), mesh.dim + 1)};
+                .position = element_centre(mesh, x, e)};
     }
     if (report.crossed_before) return {.reason = "the boundary of the initial mesh crosses itself"};
     return {.certified = true, .reason = ""};

@@ -5,7 +5,7 @@
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
-#include "geometry/patch.hpp"
+#include "check/element_patches.hpp"
 #include "mesh/sides.hpp"
 
 namespace almesh {
@@ -14,24 +14,43 @@ namespace {
 constexpr double depth = 1e-4;        // of a point beside a face, over the distance of the face from the centre
 constexpr double element_work = 200;  // simple operations for an element, at least
 
+// Reference coordinates of the point behind side k.
+std::array<double, 3> point_behind(const LagrangeBasis& basis, int k) {
+    const int n = basis.dim;
+    std::array<double, 3> xi{};
+    if (basis.cell.is_simplex()) {  // opposite vertex k
+        std::array<double, 4> lambda;
+        lambda.fill((1 - depth / (n + 1)) / n);
+        lambda[k] = depth / (n + 1);
+        std::copy_n(&lambda[1], n, xi.begin());
+        return xi;
+    }
+    for (int a = 0; a < n; ++a) {
+        for (int v = 0; v < n; ++v) xi[a] += (1 - depth) / n * basis.point(basis.cell.faces[k][v])[a];
+        xi[a] += depth * 0.5;
+    }
+    return xi;
+}
+
 // A point for each boundary face: depth of the way from the centre of the face to that of the element.
 std::vector<Vec<3>> points_behind_faces(const Mesh& mesh, const std::vector<double>& x) {
-    const int n = mesh.dim, m = mesh.element_nodes();
-    const LagrangeBasis basis(n, mesh.degree);
-    std::vector<std::vector<double>> values(n + 1, std::vector<double>(m));  // behind the face opposite vertex k
-    for (int k = 0; k <= n; ++k) {
-        std::vector<double> lambda(n + 1, (1 - depth / (n + 1)) / n);
-        lambda[k] = depth / (n + 1);
-        basis.values(&lambda[1], values[k].data());
-    }
+    const int n = mesh.dim;
     std::vector<Vec<3>> points(mesh.face_count(), Vec<3>{});
+    const std::vector<LagrangeBasis> bases = bases_of(mesh);
+    std::vector<std::vector<std::vector<double>>> values(bases.size());  // by group, behind side k
+    for (std::size_t g = 0; g < bases.size(); ++g)
+        for (int k = 0; k < static_cast<int>(bases[g].cell.faces.size()); ++k) {
+            values[g].emplace_back(bases[g].count);
+            bases[g].values(point_behind(bases[g], k).data(), values[g][k].data());
+        }
     parallel_for(
         mesh.face_count(),
         [&](int f) {
-            const int* const element = mesh.element(mesh.face_element[f]);
-            const int k = side_number(mesh, mesh.face_element[f], mesh.face(f));
-            for (int i = 0; i < m; ++i)
-                for (int a = 0; a < n; ++a) points[f][a] += values[k][i] * point(x, element[i], n)[a];
+            const int e = mesh.face_element[f], g = mesh.group_number(e);
+            const int* const element = mesh.element(e);
+            const std::vector<double>& N = values[g][side_number(mesh, e, mesh.face(f))];
+            for (int i = 0; i < bases[g].count; ++i)
+                for (int a = 0; a < n; ++a) points[f][a] += N[i] * point(x, element[i], n)[a];
         },
         element_work);
     return points;
@@ -41,30 +60,31 @@ std::vector<Vec<3>> points_behind_faces(const Mesh& mesh, const std::vector<doub
 
 std::array<int, 2> overlapping_elements(const Mesh& mesh, const std::vector<double>& x) {
     constexpr int at_once = 512;  // elements
-    const int m = mesh.element_nodes(), blocks = (mesh.element_count() + at_once - 1) / at_once;
     const std::vector<Vec<3>> points = points_behind_faces(mesh, x);
     std::vector<Box> of_points;
     for (const Vec<3>& point : points) of_points.push_back({point, point});
     const BoxTree tree(std::move(of_points));
-    const PatchBasis basis(mesh.dim, mesh.degree);
     std::vector<int> other(mesh.element_count(), -1);
-    parallel_for_uneven(
-        blocks,
-        [&](int b) {
-            const int first = b * at_once, end = std::min(first + at_once, mesh.element_count());
-            std::vector<Patch> patches;
-            std::vector<Box> boxes;
-            for (int e = first; e < end; ++e) {
-                patches.push_back(make_patch(basis, positions(mesh, x, mesh.element(e), m)));
-                boxes.push_back(box_of(patches.back()));
-            }
-            tree.visit_overlapping(boxes, [&](int q, int k) {
-                const int f = tree.items[k], behind = mesh.face_element[f], e = first + q;
-                if (behind == e || mesh.file.zone(behind) != mesh.file.zone(e)) return;
-                if (other[e] < 0 && holds(basis.bernstein, patches[q], points[f])) other[e] = behind;
-            });
-        },
-        at_once * element_work);
+    for (const ElementGroup& group : mesh.element_groups()) {
+        const ElementPatches of(mesh, group);
+        parallel_for_uneven(
+            (group.count + at_once - 1) / at_once,
+            [&](int b) {
+                const int first = group.first + b * at_once, end = std::min(first + at_once, group.first + group.count);
+                std::vector<Patch> patches;
+                std::vector<Box> boxes;
+                for (int k = 0; k < (end - first) * of.count(); ++k) {
+                    patches.push_back(of.of(x, first + k / of.count(), k % of.count()));
+                    boxes.push_back(box_of(patches.back()));
+                }
+                tree.visit_overlapping(boxes, [&](int q, int k) {
+                    const int f = tree.items[k], behind = mesh.face_element[f], e = first + q / of.count();
+                    if (behind == e || mesh.file.zone(behind) != mesh.file.zone(e)) return;
+                    if (other[e] < 0 && holds(of.basis.bernstein, patches[q], points[f])) other[e] = behind;
+                });
+            },
+            at_once * element_work);
+    }
     const auto found = std::find_if(other.begin(), other.end(), [](int e) { return e >= 0; });
     return found == other.end() ? std::array{-1, -1} : std::array{*found, static_cast<int>(found - other.begin())};
 }

@@ -1,4 +1,4 @@
-// The Jacobian of the map from the regular simplex is F = dx/dxi E^{-1}, E the edge vectors of the regular simplex in
+// The Jacobian of the map from the regular cell is F = dx/dxi E^{-1}, E the edge vectors of the regular cell in
 // columns; eta = |F|^2 / (n (det F)^{2/n}) at the points of a quadrature rule of exactness 2 p.
 #include "check/quality.hpp"
 
@@ -20,27 +20,38 @@ namespace {
 constexpr int worst_listed = 10;
 constexpr int bar_length = 50;  // characters of the longest bar
 
-// Edge vectors of the regular simplex of edge length 1, in columns.
+// Edge vectors of the regular cell of edge length 1, in columns: the regular simplex, or the square.
 template <int n>
-Mat<n> regular_simplex() {
+Mat<n> regular_cell(const CellType& cell) {
+    if (!cell.is_simplex()) {
+        Mat<n> I{};
+        for (int k = 0; k < n; ++k) I[k][k] = 1;
+        return I;
+    }
     if constexpr (n == 2) return {{{1, 0.5}, {0, std::sqrt(0.75)}}};
     else return {{{1, 0.5, 0.5}, {0, std::sqrt(0.75), std::sqrt(1.0 / 12)}, {0, 0, std::sqrt(2.0 / 3)}}};
 }
 
-// Per element: the least value(jacobian_of) at its quadrature points, within [0, 1]; jacobian_of(x): dx/dxi there.
+// Per element: the least value(jacobian_of, J_0^-1) at its quadrature points, within [0, 1]; jacobian_of(x): dx/dxi there,
+// J_0: of the regular cell.
 template <int n, class Value>
 std::vector<double> least_at_points(const Mesh& mesh, const Value& value) {
-    const Quadrature quadrature = simplex_quadrature(n, mesh.degree == 1 ? 1 : 2 * mesh.degree);
-    const ReferenceElement reference = reference_element(mesh.degree, quadrature);
     std::vector<double> least(mesh.element_count());
-    parallel_for(mesh.element_count(), [&](int e) {
-        double of_element = 1;
-        for (int q = 0; q < reference.points; ++q)
-            of_element = std::min(of_element, value([&](const std::vector<double>& x) {
-                return jacobian_at<n>(mesh.element(e), x, reference, q);
-            }));
-        least[e] = std::max(of_element, 0.0);
-    });
+    for (const ElementGroup& group : mesh.element_groups()) {
+        const bool is_constant = mesh.degree == 1 && group.cell->is_simplex();  // the Jacobian
+        const Quadrature quadrature = cell_quadrature(*group.cell, is_constant ? 1 : 2 * mesh.degree);
+        const ReferenceElement reference = reference_element(*group.cell, mesh.degree, quadrature);
+        const Mat<n> from_regular = inverse<n>(regular_cell<n>(*group.cell));
+        parallel_for(group.count, [&](int k) {
+            const int e = group.first + k;
+            double of_element = 1;
+            for (int q = 0; q < reference.points; ++q)
+                of_element = std::min(of_element, value([&](const std::vector<double>& x) {
+                    return jacobian_at<n>(mesh.element(e), x, reference, q);
+                }, from_regular));
+            least[e] = std::max(of_element, 0.0);
+        });
+    }
     return least;
 }
 
@@ -52,15 +63,15 @@ double shape(const Mat<n>& J, const Mat<n>& from_regular) {
 
 template <int n>
 std::vector<double> element_quality(const Mesh& mesh, const std::vector<double>& x) {
-    const Mat<n> from_regular = inverse<n>(regular_simplex<n>());
-    return least_at_points<n>(mesh, [&](const auto& jacobian_of) { return shape<n>(jacobian_of(x), from_regular); });
+    return least_at_points<n>(mesh, [&](const auto& jacobian_of, const Mat<n>& from_regular) {
+        return shape<n>(jacobian_of(x), from_regular);
+    });
 }
 
 template <int n>
 std::vector<double> element_size_skew(const Mesh& mesh, const std::vector<double>& ideal,
                                       const std::vector<double>& x) {
-    const Mat<n> from_regular = inverse<n>(regular_simplex<n>());
-    return least_at_points<n>(mesh, [&](const auto& jacobian_of) {
+    return least_at_points<n>(mesh, [&](const auto& jacobian_of, const Mat<n>& from_regular) {
         const Mat<n> J = jacobian_of(x);
         const double ratio = determinant(J) / determinant(jacobian_of(ideal));
         return ratio > 0 ? std::sqrt(std::min(ratio, 1 / ratio)) * shape<n>(J, from_regular) : 0;
@@ -72,7 +83,7 @@ void measure_edges(const Mesh& mesh, const std::vector<double>& x, QualityStatis
     statistics.max_edge = 0;
     for (int e = 0; e < mesh.element_count(); ++e) {
         const int* const node = mesh.element(e);
-        for (const auto& [i, j] : mesh.cell().edges) {
+        for (const auto& [i, j] : mesh.cell(e).edges) {
             double squared = 0;
             for (int a = 0; a < mesh.dim; ++a)
                 squared += std::pow(point(x, node[j], mesh.dim)[a] - point(x, node[i], mesh.dim)[a], 2);
@@ -91,7 +102,7 @@ void list_worst(const Mesh& mesh, const std::vector<double>& x, QualityStatistic
         return std::pair(statistics.quality[a], a) < std::pair(statistics.quality[b], b);
     });
     for (auto e = order.begin(); e != end; ++e)
-        statistics.worst.push_back({*e, statistics.quality[*e], centroid(mesh, x, mesh.element(*e), mesh.dim + 1)});
+        statistics.worst.push_back({*e, statistics.quality[*e], element_centre(mesh, x, *e)});
 }
 
 }  // namespace

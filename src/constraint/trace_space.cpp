@@ -64,7 +64,9 @@ void TraceSpace::measure_heights(const Mesh& mesh, const std::vector<double>& id
     height.assign(nodes.size(), std::numeric_limits<double>::infinity());
     with_dimension(mesh.dim, [&](auto n) {
         for (int f = 0; f < mesh.face_count(); ++f) {
-            const double volume = determinant(straight_jacobian<n>(mesh.element(mesh.face_element[f]), ideal));
+            const int e = mesh.face_element[f];
+            const double volume = mesh.cell(e).is_simplex() ? determinant(straight_jacobian<n>(mesh.element(e), ideal))
+                                                            : almesh::volume(mesh, ideal, e);
             const double measure = face_measure(mesh, ideal, f);
             // where a curved ideal element has vertices that span no volume: the size of the face
             const double of_face = volume > 0        ? volume / ((mesh.dim - 1) * measure)

@@ -1,12 +1,13 @@
-// Energy, gradient and Hessian of `lanes` elements of degree p > 1 at once, each element in its own lane: all arrays
+// Energy, gradient and Hessian of `lanes` elements at once whose F is not constant, each in its own lane: all arrays
 // here are structures of lanes, so that every formula is that of one element. Or of one element with a long rule, which
 // is in all lanes, each lane with its own points; the sum over the lanes is that over the points.
 //
 // Derivatives of the basis are those on the reference element, the same for all elements: the density is differentiated
 // with respect to J = sum x_i (grad N_i)^T = F A instead of F, which costs nothing (density_hessian.hpp). The Hessian's
 // block of nodes i and j is a sum over the points of products of two gradients with the density's second derivatives,
-// made from moments of these (gradient_products.hpp). Points are taken in blocks, so that a tile of moments stays in
-// registers while it gathers a block's share.
+// made from moments of these (gradient_products.hpp); of cells that are no simplices, which have none, that sum itself.
+// Points are taken in blocks, so that a tile of moments, or a block of the Hessian, stays in registers while it gathers
+// a block's share.
 #pragma once
 #include <algorithm>
 #include <type_traits>
@@ -117,7 +118,9 @@ public:
     // by row, both triangles. kept_negative: see density_hessian().
     template <class Density>
     const double* hessian(const Density& density, double delta, double kept_negative, Lanes factor) {
-        sum_of_points(moment_, products_.moments * directions * entries, [&](int begin, int end) {
+        const bool by_moments = products_.moments > 0;
+        const int size = by_moments ? products_.moments * directions * entries : size_ * size_;
+        sum_of_points(by_moments ? moment_ : hessian_, size, [&](int begin, int end) {
             for (int q = begin; q < end; q += point_block) {
                 const int count = std::min(point_block, end - q);
                 for (int k = 0; k < count; ++k) {
@@ -125,21 +128,11 @@ public:
                     keep_upper(k, density_hessian<n>(jacobian(q + k), of_ideal, factor * of_.weight[q + k] * share_,
                                                      density, delta, kept_negative));
                 }
-                for (int direction = 0; direction < directions; ++direction) {
-                    int c = 0;
-                    for (; c + tile_rows <= products_.moments; c += tile_rows)
-                        add_moments<tile_rows>(c, direction, q, count);
-                    for (; c < products_.moments; ++c) add_moments<1>(c, direction, q, count);
-                }
+                if (by_moments) add_moments(q, count);
+                else add_products(q, count);
             }
         });
-        turn_to_barycentric();
-        for (int a = 0, k = 0; a < m_; ++a)
-            for (int b = 0; b <= a; ++b, ++k) {
-                sum_up_terms(k, block(a, b));
-                transpose_block(block(a, b), block(b, a));
-            }
-        turn_to_nodes();
+        if (by_moments) turn_to_hessian();
         for (int i = 0; i < m_; ++i)
             for (int j = 0; j < i; ++j) transpose_block(block(i, j), block(j, i));
         return separate_lanes(hessian_, size_ * size_, separate_);
@@ -245,6 +238,53 @@ private:
             for (int l = k; l < n; ++l)
                 for (int a = 0; a < n; ++a)
                     for (int b = 0; b < n; ++b) *to++ = C[k][l][a][b];
+    }
+
+    // Adds a block of points to the lower triangle of the Hessian.
+    void add_products(int q, int count) {
+        Lanes row[point_block][n][entries];  // sum_k dN_i/dxi_k C_kl
+        for (int i = 0; i < m_; ++i) {
+            for (int point = 0; point < count; ++point) {
+                const Number* const dN = gradients(q + point) + i * n;
+                const auto C = [&](int k, int l) {
+                    return second_ + (point * directions + upper_place(n, k, l)) * entries;
+                };
+                for (int l = 0; l < n; ++l)
+                    for (int e = 0; e < entries; ++e) {
+                        row[point][l][e] = dN[l] * C(l, l)[e];
+                        for (int k = 0; k < l; ++k) row[point][l][e] += dN[k] * C(k, l)[e];
+                        for (int k = l + 1; k < n; ++k) row[point][l][e] += dN[k] * C(l, k)[e % n * n + e / n];
+                    }
+            }
+            for (int j = 0; j <= i; ++j) {
+                Lanes sum[entries];
+                std::copy_n(block(i, j), entries, sum);
+                for (int point = 0; point < count; ++point)
+                    for (int l = 0; l < n; ++l) {
+                        const Number dN = gradients(q + point)[j * n + l];
+                        for (int e = 0; e < entries; ++e) sum[e] += row[point][l][e] * dN;
+                    }
+                std::copy_n(sum, entries, block(i, j));
+            }
+        }
+    }
+
+    // Adds a block of points to the moments, and the Hessian of those.
+    void add_moments(int q, int count) {
+        for (int direction = 0; direction < directions; ++direction) {
+            int c = 0;
+            for (; c + tile_rows <= products_.moments; c += tile_rows) add_moments<tile_rows>(c, direction, q, count);
+            for (; c < products_.moments; ++c) add_moments<1>(c, direction, q, count);
+        }
+    }
+    void turn_to_hessian() {
+        turn_to_barycentric();
+        for (int a = 0, k = 0; a < m_; ++a)
+            for (int b = 0; b <= a; ++b, ++k) {
+                sum_up_terms(k, block(a, b));
+                transpose_block(block(a, b), block(b, a));
+            }
+        turn_to_nodes();
     }
 
     // Adds a block of points to the moments c, ..., c + rows - 1.

@@ -8,8 +8,9 @@
 // w_e = |e|^(alpha-1), scaled so that sum w_e |e| = |Omega|: alpha = 1 is the paper, smaller alpha protects small
 // elements.
 //
-// Two implementations: plain_energy.hpp, the textbook assembly, made to be read; simd_energy.hpp, the one that runs
-// use, tested against it. Both integrate each element by the rule that element_rules.hpp has for it.
+// Elements of one type have an energy of their own (group_energy.hpp), with two implementations: plain_energy.hpp, the
+// textbook assembly, made to be read; simd_energy.hpp, the one that runs use, tested against it. That of a mesh with
+// several types is their sum (mixed_energy.hpp).
 //
 // Damping. Where the Hessian is a bad model, what keeps a step from inverting small elements is the Hessian of the
 // integral of eta^2 with weights w'_e |e| proportional to |e|^{3/(2n)}: linear elasticity, stiffer where the mesh is
@@ -70,64 +71,39 @@ public:
     double mean_slope(double energy) const;
 
     // Another power in the density, or another regularisation, from now on.
-    void set_power(const PowerParams& power) { params_.power = power; }
+    virtual void set_power(const PowerParams& power) { params_.power = power; }
     const PowerParams& power() const { return params_.power; }
-    void set_delta(double delta) { params_.delta = delta; }
+    virtual void set_delta(double delta) { params_.delta = delta; }
     double delta() const { return params_.delta; }
 
     // Valid elements and the quadrature that sees them: element_rules.hpp. With regularisation elements may invert.
-    double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) {
-        return params_.delta > 0 ? 1 : rules_.valid_fraction(nodes_, element_count_, x, to);
-    }
-    bool certified(const std::vector<double>& x) const {
-        return params_.delta > 0 || rules_.certified(nodes_, element_count_, x);
-    }
-    bool refine_quadrature() { return rules_.refine(); }  // whether E has changed, here and below
-    bool take_over_refinements(const DistortionEnergy& part) { return rules_.take_over(part.rules_); }
-    const QuadratureState& quadrature() const { return rules_.state(); }
-    void set_quadrature(const QuadratureState& state) { rules_.set_state(state); }
-    int refined_elements() const { return static_cast<int>(rules_.refined().size()); }
+    virtual double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) = 0;
+    virtual bool certified(const std::vector<double>& x) const = 0;
+    virtual bool refine_quadrature() = 0;  // whether E has changed, here and below
+    virtual bool take_over_refinements(const DistortionEnergy& part) = 0;
+    virtual QuadratureState quadrature() const = 0;
+    virtual void set_quadrature(const QuadratureState& state) = 0;
+    virtual int refined_elements() const = 0;
 
     // What evaluations cost.
-    bool is_curved() const { return reference_.degree > 1; }
-    double nodes_in_elements() const { return static_cast<double>(element_count_) * reference_.nodes; }
-    double hessian_work() const;  // in passes of an iterative solver over an entry of a matrix
+    virtual bool is_curved() const = 0;
+    virtual double nodes_in_elements() const = 0;
+    virtual double hessian_work() const = 0;  // in passes of an iterative solver over an entry of a matrix
 
 protected:
-    DistortionEnergy(const DistortionParams& params, const Mesh& mesh, const std::vector<double>& ideal);
-    // Of some elements of another one: place[e] is the number there of element e here, node[i] that of node i.
-    DistortionEnergy(const DistortionEnergy& whole, const std::vector<int>& place, const std::vector<int>& node);
-    const int* element(int e) const { return &nodes_[offset(e, reference_.nodes)]; }
+    DistortionEnergy(const DistortionParams& params, int dim) : params_(params), dim_(dim) {}
 
     DistortionParams params_;
-    int dim_, element_count_;
-    ElementRules rules_;
-    const ReferenceElement& reference_;  // that of most elements
-    std::vector<int> nodes_;             // element_count x element nodes, or more
-    std::vector<double> curved_ideal_;   // y, nodes x dim; empty where the ideal elements are straight-sided
-    BlockCsr pattern_;                   // of the Hessian, without values
-    double volume_ = 0;                  // |Omega|
+    int dim_;
+    BlockCsr pattern_;   // of the Hessian, without values
+    double volume_ = 0;  // |Omega|
 
 private:
-    virtual void blocks_moved(const LargeVector<int>&) {}  // place[b]: where block b of the pattern is now
+    virtual void blocks_moved(const LargeVector<int>&) = 0;  // place[b]: where block b of the pattern is now
 };
 
 // ideal: node_count x dim positions of the ideal mesh, whose elements must have positive volume: else InputError.
 std::unique_ptr<DistortionEnergy> make_energy(const Mesh& mesh, const std::vector<double>& ideal,
                                               const DistortionParams& params);
-
-// An element of the ideal mesh; det A of a curved one is its mean over the element.
-struct IdealElement {
-    std::array<double, 9> inverse;  // dim x dim, A^{-1} of a straight one
-    double jacobian;                // det A
-    double weight, damping_weight;  // w_e det A and w'_e det A, but for a factor that all elements have in common
-};
-
-// reference: the points over which the mean is taken.
-IdealElement ideal_element(const Mesh& mesh, int e, const std::vector<double>& ideal, const DistortionParams& params,
-                           const ReferenceElement& reference);
-
-// Throws the InputError of an element of the ideal mesh whose Jacobian is not positive.
-[[noreturn]] void refuse_ideal_element(const Mesh& mesh, int e);
 
 }  // namespace almesh

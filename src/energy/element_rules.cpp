@@ -7,8 +7,8 @@
 namespace almesh {
 namespace {
 
-ElementRule whole_element(int degree, const Quadrature& quadrature) {
-    return {reference_element(degree, quadrature), quadrature.weight};
+ElementRule whole_element(const CellType& cell, int degree, const Quadrature& quadrature) {
+    return {reference_element(cell, degree, quadrature), quadrature.weight};
 }
 
 template <class Items>
@@ -18,11 +18,12 @@ auto find_element(Items& items, int element) {
 
 }  // namespace
 
-ElementRules::ElementRules(int dim, int degree, int exactness)
-    : dim_(dim),
-      quadrature_(element_quadrature(dim, degree, exactness)),
-      common_(std::make_shared<ElementRule>(whole_element(degree, quadrature_))),
-      valid_step_(dim, degree) {}
+ElementRules::ElementRules(const CellType& cell, int degree, int exactness)
+    : cell_(&cell),
+      of_pieces_(RefinedRule::of_pieces(cell, degree, exactness)),
+      common_(std::make_shared<ElementRule>(
+          whole_element(cell, degree, element_quadrature(cell, degree, exactness)))),
+      valid_step_(cell, degree) {}
 
 ElementRules ElementRules::part(const std::vector<int>& place) const {
     ElementRules of_part = *this;
@@ -59,9 +60,9 @@ bool ElementRules::certified(const std::vector<int>& nodes, int count, const std
 
 bool ElementRules::refine(const Inversion& inversion) {
     const RefinedQuadrature* const before = find(inversion.element);
-    RefinedRule finer = before ? before->rule : RefinedRule(dim_);
+    RefinedRule finer = before ? before->rule : RefinedRule(*cell_);
     if (!finer.refine(inversion.at, inversion.ratio)) return false;
-    set(inversion.element, std::make_shared<RefinedQuadrature>(std::move(finer), common().degree, quadrature_));
+    set(inversion.element, std::make_shared<RefinedQuadrature>(std::move(finer), common().degree, of_pieces_));
     state_.refinements.push_back(inversion);
     return true;
 }

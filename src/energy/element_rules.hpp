@@ -33,7 +33,7 @@ public:
         std::shared_ptr<const RefinedQuadrature> rule;
     };
 
-    ElementRules(int dim, int degree, int exactness);
+    ElementRules(const CellType& cell, int degree, int exactness);
     // Of some elements: place[e] is the number here of element e there. Nothing has been refined there yet.
     ElementRules part(const std::vector<int>& place) const;
 
@@ -57,8 +57,8 @@ public:
     void set_state(const QuadratureState& state);  // of one that has no refinements or the first of these
 
 private:
-    int dim_;
-    Quadrature quadrature_;
+    const CellType* cell_;
+    Quadrature of_pieces_;
     std::shared_ptr<const ElementRule> common_;
     ValidStep valid_step_;
     std::vector<int> place_in_whole_;  // of a part

@@ -27,7 +27,7 @@ struct GradientProducts {
         double value;
     };
 
-    int nodes, moments, pairs;  // m, powers of degree 2 p - 2, (n + 1) (n + 2) / 2
+    int nodes = 0, moments = 0, pairs = 0;  // m, powers of degree 2 p - 2, (n + 1) (n + 2) / 2
     // Of K'_ab, b <= a: the terms term_start[k] .. term_start[k + 1] - 1, k = a (a + 1) / 2 + b.
     std::vector<int> term_start;
     std::vector<Term> term;
@@ -35,6 +35,7 @@ struct GradientProducts {
     std::vector<int> entry_start;
     std::vector<Entry> entry;
 
+    GradientProducts() = default;  // of cells that are no simplices: none
     // n: dimension, 2 or 3. degree: p >= 1.
     GradientProducts(int n, int degree);
 };

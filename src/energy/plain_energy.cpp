@@ -73,20 +73,28 @@ struct ElementPoint {
 }  // namespace
 
 PlainEnergy::PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
-    : DistortionEnergy(params, mesh, ideal) {
+    : GroupEnergy(params, mesh, ideal) {
     nodes_ = mesh.elements;
     pattern_ = pattern_of_cells(mesh.nodes(), dim_, nodes_, reference_.nodes);
     double jacobians = 0;
     for (int e = 0; e < element_count_; ++e) {
-        ideal_.push_back(ideal_element(mesh, e, ideal, params, reference_));
+        ideal_.push_back(ideal_element(mesh, e, ideal, params_, reference_));
         if (!(ideal_[e].jacobian > 0)) refuse_ideal_element(mesh, e);
         jacobians += ideal_[e].jacobian;
     }
-    volume_ = jacobians * simplex(dim_).volume();
-    for (double IdealElement::*weight : {&IdealElement::weight, &IdealElement::damping_weight}) {
-        double weights = 0;
-        for (const IdealElement& of : ideal_) weights += of.*weight;
-        for (IdealElement& of : ideal_) of.*weight *= jacobians / weights;
+    volume_ = jacobians * reference_.cell->volume();
+    double weights = 0, damping_weights = 0;
+    for (const IdealElement& of : ideal_) {
+        weights += of.weight;
+        damping_weights += of.damping_weight;
+    }
+    normalise_weights({jacobians / weights, jacobians / damping_weights});
+}
+
+void PlainEnergy::scale_weights(const std::array<double, 2>& factor) {
+    for (IdealElement& of : ideal_) {
+        of.weight *= factor[0];
+        of.damping_weight *= factor[1];
     }
 }
 
@@ -188,20 +196,17 @@ DistortionStatistics PlainEnergy::statistics(const std::vector<double>& x) {
 }
 
 PlainEnergy::PlainEnergy(const PlainEnergy& whole, const SubMesh& part)
-    : DistortionEnergy(whole, part.place, part.node) {
+    : GroupEnergy(whole, part.place, part.node) {
     nodes_ = part.elements;
     pattern_ = pattern_of_cells(static_cast<int>(part.node.size()), dim_, nodes_, reference_.nodes);
     for (const int e : part.place) {
         ideal_.push_back(whole.ideal_[e]);
-        volume_ += whole.ideal_[e].jacobian * simplex(dim_).volume();
+        volume_ += whole.ideal_[e].jacobian * reference_.cell->volume();
     }
 }
 
-std::unique_ptr<DistortionEnergy> PlainEnergy::part(const std::vector<double>&, const std::vector<char>& moves,
-                                                    std::vector<int>& node) const {
-    const SubMesh part = elements_around(nodes_, element_count_, reference_.nodes, moves);
-    node = part.node;
-    return std::unique_ptr<PlainEnergy>(new PlainEnergy(*this, part));
+std::unique_ptr<GroupEnergy> PlainEnergy::part(const std::vector<double>&, const SubMesh& chosen) const {
+    return std::unique_ptr<PlainEnergy>(new PlainEnergy(*this, chosen));
 }
 
 void project(int size, double* A, double kept_negative) {

@@ -3,12 +3,11 @@
 // determinant, a general eigensolver for its projection, every block found in its row by bisection. Made to be read,
 // and the reference that simd_energy.hpp is tested against; ten to fifty times slower. One thread.
 #pragma once
-#include "energy/distortion_energy.hpp"
-#include "mesh/part.hpp"
+#include "energy/group_energy.hpp"
 
 namespace almesh {
 
-class PlainEnergy : public DistortionEnergy {
+class PlainEnergy : public GroupEnergy {
 public:
     PlainEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params);
 
@@ -17,8 +16,9 @@ public:
     void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                      const Projection& projection = {}) override;
     DistortionStatistics statistics(const std::vector<double>& x) override;
-    std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
-                                           std::vector<int>& node) const override;
+    using GroupEnergy::part;
+    std::unique_ptr<GroupEnergy> part(const std::vector<double>& x, const SubMesh& chosen) const override;
+    void scale_weights(const std::array<double, 2>& factor) override;
 
 private:
     PlainEnergy(const PlainEnergy& whole, const SubMesh& part);

@@ -3,7 +3,8 @@
 // The integral of the distortion is infinite for an inverted element, its sum over points is not: nothing keeps a
 // minimiser of the sum from inverting the element between them. So where a step would (valid_step.hpp), the element is
 // cut into pieces that get smaller towards that position, with the element's rule on each. The points of the rule at
-// the nodes of a piece make the energy infinite where the element inverts there.
+// the nodes of a piece make the energy infinite where the element inverts there. All pieces are simplices: those of a
+// quadrilateral are cut out of its two triangles, and have a rule of triangles.
 //
 // In 3D a barrier takes more: where det F falls to zero like the distance r from a point, eta^2 grows like r^(-4/3),
 // whose integral over the element is finite. Where small elements weigh little, minimisers do touch such points, and
@@ -16,33 +17,36 @@
 
 #include "energy/element_rules.hpp"
 #include "energy/point_lanes.hpp"
-#include "geometry/bezier.hpp"
 #include "mesh/quadrature.hpp"
 
 namespace almesh {
 
 class RefinedRule {
 public:
-    explicit RefinedRule(int dim);  // one piece: the whole element
+    explicit RefinedRule(const CellType& cell);  // one piece: the whole element; or its two triangles
+
+    // The rule for its pieces, where that of the elements is the usual one of this degree and exactness.
+    static Quadrature of_pieces(const CellType& cell, int degree, int exactness);
 
     // Halves the size of the smallest piece around `at` until it is at most `size`, that of the element being 1, or
     // once for size = 0. False where nothing changes: it is small enough, or there are `most_pieces` already.
-    bool refine(const Barycentric& at, double size);
+    bool refine(const CellPoint& at, double size);
 
-    // The points, with the weights of the barrier in E. rule: of the whole element.
+    // The points, with the weights of the barrier in E. rule: of a piece.
     ElementRule element(int degree, const Quadrature& rule) const;
 
 private:
     static constexpr int most_pieces = 128;
 
     struct Piece {
-        std::array<Barycentric, 4> corner;
+        std::array<CellPoint, 4> corner;
         double volume;  // of the whole
     };
+    const CellType* cell_;
     int dim_;
     std::vector<Piece> pieces_;
 
-    Piece* smallest_around(const Barycentric& at);
+    Piece* smallest_around(const CellPoint& at);
 };
 
 // What elements with such a rule are integrated with, the same for an energy and its parts.
@@ -50,8 +54,8 @@ struct RefinedQuadrature : ElementRule {
     RefinedRule rule;
     PointLanes lanes;  // the points of `reference`
 
-    RefinedQuadrature(RefinedRule refined, int degree, const Quadrature& of_element)
-        : ElementRule(refined.element(degree, of_element)), rule(std::move(refined)), lanes(reference) {}
+    RefinedQuadrature(RefinedRule refined, int degree, const Quadrature& of_piece)
+        : ElementRule(refined.element(degree, of_piece)), rule(std::move(refined)), lanes(reference) {}
 };
 
 }  // namespace almesh

@@ -48,39 +48,41 @@ void add_blocks(const double* part, const int* block, int count, double* values)
 }  // namespace
 
 SimdEnergy::SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params)
-    : DistortionEnergy(params, mesh, ideal),
-      products_(std::make_shared<GradientProducts>(dim_, mesh.degree)),
+    : GroupEnergy(params, mesh, ideal),
+      products_(std::make_shared<GradientProducts>(
+          mesh.cell().is_simplex() ? GradientProducts(dim_, mesh.degree) : GradientProducts())),
       blocks_(schedule_elements(mesh)) {
-    fill(mesh, [&](int k) { return ideal_element(mesh, blocks_.order[k], ideal, params, reference_); });
+    fill(mesh, [&](int k) { return ideal_element(mesh, blocks_.order[k], ideal, params_, reference_); });
     int flat = element_count_;  // first element without volume
     for (int k = 0; k < element_count_; ++k)
         if (!(ideal_jacobian_[k / lanes][k % lanes] > 0)) flat = std::min(flat, blocks_.order[k]);
     if (flat < element_count_) refuse_ideal_element(mesh, flat);
-    for (std::vector<Lanes>* weights : {&weight_, &damping_weight_}) {
-        const double weighted = integral(*weights);
-        for (Lanes& weight : *weights) weight *= volume_ / weighted;
-    }
+    normalise_weights({volume_ / integral(weight_), volume_ / integral(damping_weight_)});
+}
+
+void SimdEnergy::scale_weights(const std::array<double, 2>& factor) {
+    for (Lanes& weight : weight_) weight *= factor[0];
+    for (Lanes& weight : damping_weight_) weight *= factor[1];
 }
 
 SimdEnergy::SimdEnergy(const SimdEnergy& whole, const Mesh& part, ElementBlocks blocks, const std::vector<int>& place,
                        const std::vector<int>& node)
-    : DistortionEnergy(whole, place, node), products_(whole.products_), blocks_(std::move(blocks)) {
+    : GroupEnergy(whole, place, node), products_(whole.products_), blocks_(std::move(blocks)) {
     fill(part, [&](int k) { return whole.ideal_at(place[k]); });
 }
 
-std::unique_ptr<DistortionEnergy> SimdEnergy::part(const std::vector<double>& x, const std::vector<char>& moves,
-                                                   std::vector<int>& node) const {
-    SubMesh chosen = elements_around(nodes_, element_count_, reference_.nodes, moves);
+std::unique_ptr<GroupEnergy> SimdEnergy::part(const std::vector<double>& x, const SubMesh& chosen) const {
     Mesh mesh;
     mesh.dim = dim_;
     mesh.degree = reference_.degree;
-    mesh.elements = std::move(chosen.elements);
-    node = std::move(chosen.node);
-    for (const int i : node) mesh.x.insert(mesh.x.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
+    mesh.elements = chosen.elements;
+    if (!reference_.cell->is_simplex())
+        mesh.groups = {{reference_.cell, 0, static_cast<int>(chosen.place.size()), 0}};
+    for (const int i : chosen.node) mesh.x.insert(mesh.x.end(), point(x, i, dim_), point(x, i, dim_) + dim_);
     ElementBlocks blocks = schedule_elements(mesh);
     std::vector<int> place;
     for (const int e : blocks.order) place.push_back(chosen.place[e]);
-    return std::unique_ptr<SimdEnergy>(new SimdEnergy(*this, mesh, std::move(blocks), place, node));
+    return std::unique_ptr<SimdEnergy>(new SimdEnergy(*this, mesh, std::move(blocks), place, chosen.node));
 }
 
 // element_of(k): the element blocks_.order[k] of the ideal mesh. What fills up the last batch weighs nothing.
@@ -140,7 +142,7 @@ void SimdEnergy::take_refined_out() {
 // Of a function that is constant on each element, times det A: per batch.
 double SimdEnergy::integral(const std::vector<Lanes>& values) const {
     const auto of_element = [&](int k) { return values[k / lanes][k % lanes]; };
-    return simplex(dim_).volume() * deterministic_sum(element_count_, of_element);
+    return reference_.cell->volume() * deterministic_sum(element_count_, of_element);
 }
 
 void SimdEnergy::blocks_moved(const LargeVector<int>& place) {
@@ -159,7 +161,7 @@ void SimdEnergy::dispatch(const Body& body) {
     take_refined_out();
     with_density(params_, [&](auto density) {
         with_dimension(dim_, [&](auto n) {
-            if (reference_.degree == 1) body(std::type_identity<LinearBatch<n()>>(), density);
+            if (is_linear()) body(std::type_identity<LinearBatch<n()>>(), density);
             else body(std::type_identity<CurvedBatch<n()>>(), density);
         });
     });

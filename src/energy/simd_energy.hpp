@@ -4,21 +4,21 @@
 // eigensystem for the projected Hessian (density_hessian.hpp).
 //
 // Cost per quadrature point and element with m nodes: O(m n^2) for the energy, O(M n^4) for the Hessian, M: powers of
-// degree 2 p - 2 (gradient_products.hpp), which are made into its m^2 blocks at about the same cost. Memory per
-// element: 4 m (m + 1) + 8 n^2 + 28 bytes.
+// degree 2 p - 2 (gradient_products.hpp), which are made into its m^2 blocks at about the same cost; O(m^2 n^3)
+// of cells that are no simplices. Memory per element: 4 m (m + 1) + 8 n^2 + 28 bytes.
 #pragma once
 #include <memory>
 #include <vector>
 
 #include "base/lanes.hpp"
 #include "base/large_array.hpp"
-#include "energy/distortion_energy.hpp"
 #include "energy/element_blocks.hpp"
 #include "energy/gradient_products.hpp"
+#include "energy/group_energy.hpp"
 
 namespace almesh {
 
-class SimdEnergy : public DistortionEnergy {
+class SimdEnergy : public GroupEnergy {
 public:
     SimdEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params);
 
@@ -27,8 +27,10 @@ public:
     void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
                      const Projection& projection = {}) override;
     DistortionStatistics statistics(const std::vector<double>& x) override;
-    std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
-                                           std::vector<int>& node) const override;
+    using GroupEnergy::part;
+    std::unique_ptr<GroupEnergy> part(const std::vector<double>& x, const SubMesh& chosen) const override;
+    void scale_weights(const std::array<double, 2>& factor) override;
+    void blocks_moved(const LargeVector<int>& place) override;
 
 private:
     // The elements `place` of `whole`, as the mesh `part`; both in the order of `blocks`.
@@ -48,7 +50,7 @@ private:
     // By place in blocks_.order, as nodes_ and rules_, filled up to whole batches with copies of the last element that
     // weigh nothing:
     LargeVector<int> hessian_block_;     // element x element node x element node: block of the pattern
-    LargeVector<Lanes> ideal_inverse_;   // batch x dim x dim, A^{-1}
+    LargeVector<Lanes> ideal_inverse_;   // batch x dim x dim, A^{-1} where it is constant
     std::vector<Lanes> ideal_jacobian_;  // batch, det A
     std::vector<Lanes> weight_;          // batch, w_e det A
     std::vector<Lanes> damping_weight_;  // batch, w'_e det A
@@ -62,7 +64,6 @@ private:
     void set_ideal(int place, const IdealElement& of);
     IdealElement ideal_at(int place) const;
     double integral(const std::vector<Lanes>& values) const;
-    void blocks_moved(const LargeVector<int>& place) override;
     void take_refined_out();
     template <class Body>
     void dispatch(const Body& body);

@@ -13,6 +13,7 @@
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "geometry/element_jacobian.hpp"
+#include "mesh/sub_simplices.hpp"
 
 namespace almesh {
 namespace {
@@ -88,13 +89,43 @@ double mean(const JacobianBasis& basis, const double* b) {
     return std::accumulate(b, b + basis.jacobian.count, 0.0) / basis.jacobian.count;
 }
 
+// Curved simplices: elements, or the part-th simplices of the elements.
+struct CurvedSimplices {
+    const JacobianBasis& basis;
+    const SubSimplices* parts;  // nullptr: elements
+    int part;
+
+    // position(i) is that of node i of the element. Those of parts are relative to its first node: exact differences.
+    template <int n, class T, class Position>
+    void place(const Position& position, Vec<n, T>* x) const {
+        if (!parts) {
+            for (int i = 0; i < basis.position.bernstein.count; ++i) x[i] = position(i);
+            return;
+        }
+        const std::vector<double>& S = parts->map[part];
+        const Vec<n, T> origin = position(0);
+        std::fill_n(x, parts->nodes, Vec<n, T>{});
+        for (int j = 1; j < parts->cell_nodes; ++j) {
+            const Vec<n, T> y = position(j);
+            for (int i = 0; i < parts->nodes; ++i)
+                for (int a = 0; a < n; ++a) x[i][a] += S[offset(i, parts->cell_nodes, j)] * (y[a] - origin[a]);
+        }
+    }
+
+    CellPoint in_cell(const Barycentric& at) const {
+        if (!parts) return at;
+        const std::array<double, 3> xi = parts->point(part, at);
+        return {1 - xi[0], xi[0], 1 - xi[1], xi[1]};
+    }
+};
+
 // One curved element that needs bisection.
 template <int n>
 class SlowCheck {
 public:
-    SlowCheck(const JacobianBasis& basis, const int* node, const std::vector<double>& from,
+    SlowCheck(const CurvedSimplices& shape, const int* node, const std::vector<double>& from,
               const std::vector<double>& to)
-        : of_(basis), node_(node), from_(from), to_(to) {
+        : shape_(shape), of_(shape.basis), node_(node), from_(from), to_(to) {
         ElementJacobian<n, double> element(of_);
         place(0, element.position(0));
         element.compute(1);
@@ -118,6 +149,7 @@ public:
     std::optional<Inversion> inversion;  // at the end of the step
 
 private:
+    const CurvedSimplices& shape_;
     const JacobianBasis& of_;
     const int* const node_;
     const std::vector<double>& from_;
@@ -125,11 +157,14 @@ private:
     double least_;  // determinant that is wanted everywhere
 
     void place(double s, Vec<n>* x) const {
-        for (int i = 0; i < of_.position.bernstein.count; ++i) {
+        const auto position = [&](int i) {
             const double* const x0 = point(from_, node_[i], n);
             const double* const x1 = point(to_, node_[i], n);
-            for (int a = 0; a < n; ++a) x[i][a] = s == 1 ? x1[a] : x0[a] + s * (x1[a] - x0[a]);
-        }
+            Vec<n> at;
+            for (int a = 0; a < n; ++a) at[a] = s == 1 ? x1[a] : x0[a] + s * (x1[a] - x0[a]);
+            return at;
+        };
+        shape_.place<n, double>(position, x);
     }
 
     bool valid_between(double s0, double s1) {
@@ -151,19 +186,18 @@ private:
     void note_inversion(const double* b, double rounding) {
         if (!std::isfinite(mean(of_, b))) return;
         const PolynomialMinimum least = polynomial_minimum(of_.jacobian, b, 0.5, space_bisections);
-        inversion = {0, least.at, least.upper > rounding ? least.upper / mean(of_, b) : 0};
+        inversion = {0, shape_.in_cell(least.at), least.upper > rounding ? least.upper / mean(of_, b) : 0};
     }
 };
 
 // Lanes that have no coefficient below any bound of what is tested one by one, with twice its margin for rounding.
 template <int n>
-LaneBits cleared(const JacobianBasis& basis, const int* const* node, const std::vector<double>& from,
+LaneBits cleared(const CurvedSimplices& shape, const int* const* node, const std::vector<double>& from,
                  const std::vector<double>& to) {
+    const JacobianBasis& basis = shape.basis;
     ElementJacobian<n, Lanes> elements(basis);
-    for (int i = 0; i < basis.position.bernstein.count; ++i) {
-        elements.position(0)[i] = gathered<n>(node, i, from);
-        elements.position(1)[i] = gathered<n>(node, i, to);
-    }
+    shape.place<n, Lanes>([&](int i) { return gathered<n>(node, i, from); }, elements.position(0));
+    shape.place<n, Lanes>([&](int i) { return gathered<n>(node, i, to); }, elements.position(1));
     elements.compute(2);
     LaneBits clear = elements.has_frame();
     const auto all_above = [&](int k, Lanes bound) {
@@ -181,8 +215,10 @@ LaneBits cleared(const JacobianBasis& basis, const int* const* node, const std::
 
 }  // namespace
 
-ValidStep::ValidStep(int dim, int degree) : dim_(dim), element_nodes_(simplex_node_count(dim, degree)) {
-    if (degree > 1) basis_ = std::make_shared<const JacobianBasis>(dim, degree);
+ValidStep::ValidStep(const CellType& cell, int degree) : dim_(cell.dim), element_nodes_(cell.node_count(degree)) {
+    if (!cell.is_simplex()) parts_ = std::make_shared<const SubSimplices>(cell, degree);
+    const int of_parts = parts_ ? parts_->degree : degree;
+    if (of_parts > 1) basis_ = std::make_shared<const JacobianBasis>(dim_, of_parts);
 }
 
 // node: the nodes of each lane; `first`: number of the first of the `count` elements.
@@ -190,13 +226,16 @@ template <int n>
 double ValidStep::of_batch(const int* const* node, int count, const std::vector<double>& from,
                            const std::vector<double>& to, int first, std::vector<Inversion>& inversions) const {
     if (!basis_) return straight_fraction<n>(node, count, from, to);
-    const LaneBits clear = cleared<n>(*basis_, node, from, to);
     double fraction = 1;
-    for (int l = 0; l < count; ++l) {
-        if (clear[l]) continue;
-        SlowCheck<n> check(*basis_, node[l], from, to);
-        fraction = std::min(fraction, check.until(0, 1, curved_bisections));
-        if (check.inversion) inversions.push_back({first + l, check.inversion->at, check.inversion->ratio});
+    for (int part = 0; part < (parts_ ? parts_->count() : 1); ++part) {
+        const CurvedSimplices shape{*basis_, parts_.get(), part};
+        const LaneBits clear = cleared<n>(shape, node, from, to);
+        for (int l = 0; l < count; ++l) {
+            if (clear[l]) continue;
+            SlowCheck<n> check(shape, node[l], from, to);
+            fraction = std::min(fraction, check.until(0, 1, curved_bisections));
+            if (check.inversion) inversions.push_back({first + l, check.inversion->at, check.inversion->ratio});
+        }
     }
     return fraction;
 }

@@ -6,6 +6,7 @@
 // an inverted element, from one valid mesh to another of another homotopy class, and the mesh that it leads to is
 // certified: everywhere in a curved element, not only at the points of its quadrature. Most elements are cleared by the
 // coefficients of the whole step; the others by bisection in space, and in s.
+// A quadrilateral is checked as the two curved triangles that it is (sub_simplices.hpp).
 //
 // A curved element whose determinant is small somewhere keeps a fifth of the least one in a step, as interior point
 // methods keep a part of the distance to the boundary: it comes near to folding in several steps, between which its
@@ -18,20 +19,26 @@
 #include <memory>
 #include <vector>
 
+#include "mesh/cells.hpp"
+
 namespace almesh {
 
 struct JacobianBasis;
+struct SubSimplices;
+
+// A place in the reference cell: barycentric coordinates, of a quadrilateral (1 - x, x, 1 - y, y).
+using CellPoint = std::array<double, 4>;
 
 // Where an element that a step has been cut for would have its least determinant at the end of the step.
 struct Inversion {
     int element;
-    std::array<double, 4> at;  // barycentric coordinates
+    CellPoint at;
     double ratio;  // of the determinant there to its mean over the element; 0 where it inverts or is not certified
 };
 
 class ValidStep {
 public:
-    ValidStep(int dim, int degree);
+    ValidStep(const CellType& cell, int degree);
 
     // The largest s in [0, 1] found so that every element is valid along (1 - r) x + r x' for 0 <= r <= s, if it is at
     // x. node: count x m. Curved elements that a step is cut for because of what they would be at x' are added to
@@ -41,7 +48,8 @@ public:
 
 private:
     int dim_, element_nodes_;
-    std::shared_ptr<const JacobianBasis> basis_;  // none for straight elements
+    std::shared_ptr<const SubSimplices> parts_;   // none for simplices
+    std::shared_ptr<const JacobianBasis> basis_;  // of the parts; none for straight elements
 
     template <int n>
     double of_batch(const int* const* node, int count, const std::vector<double>& from, const std::vector<double>& to,

@@ -17,12 +17,27 @@
 namespace almesh {
 namespace {
 
+// Elements of one type one after the other, each type in file order. Simplices alone need no groups.
+void group_elements(MeshBuild& build) {
+    const auto type = [&](int i) { return &build.raw.elements[i].cell(); };
+    std::stable_sort(build.elements.begin(), build.elements.end(), [&](int i, int j) { return type(i) < type(j); });
+    Mesh& mesh = build.mesh;
+    std::size_t start = 0;
+    for (int e = 0; e < static_cast<int>(build.elements.size()); ++e) {
+        const CellType* const cell = type(build.elements[e]);
+        if (mesh.groups.empty() || mesh.groups.back().cell != cell) mesh.groups.push_back({cell, e, 0, start});
+        ++mesh.groups.back().count;
+        start += cell->node_count(mesh.degree);
+    }
+    if (mesh.groups.size() == 1 && mesh.groups[0].cell->is_simplex()) mesh.groups.clear();
+}
+
 // repeated: indices into raw.elements, ascending.
 void select(MeshBuild& build, const std::vector<int>& repeated) {
     const RawMesh& raw = build.raw;
     int dim = 0;
     for (const RawElement& element : raw.elements) dim = std::max(dim, element.dim);
-    if (dim < 2) build.refuse("the mesh has no triangles or tetrahedra");
+    if (dim < 2) build.refuse("the mesh has no triangles, quadrilaterals or tetrahedra");
     const RawElement* first = nullptr;
     for (int i = 0; i < static_cast<int>(raw.elements.size()); ++i) {
         const RawElement& element = raw.elements[i];
@@ -40,6 +55,7 @@ void select(MeshBuild& build, const std::vector<int>& repeated) {
     }
     build.mesh.dim = dim;
     build.mesh.degree = first->degree;
+    group_elements(build);
 }
 
 // The nodes of the elements, in file order.
@@ -48,7 +64,8 @@ void number_nodes(MeshBuild& build) {
     Mesh& mesh = build.mesh;
     build.node.assign(raw.nodes.size(), -1);
     for (int i : build.elements)
-        for (int k = 0; k < mesh.element_nodes(); ++k) build.node[raw.element_nodes[raw.elements[i].first + k]] = 0;
+        for (int k = 0; k < raw.elements[i].node_count(); ++k)
+            build.node[raw.element_nodes[raw.elements[i].first + k]] = 0;
     fill_loose_nodes(build);
     int next = 0;
     auto block = raw.node_blocks.begin();
@@ -75,7 +92,7 @@ void check_flat(MeshBuild& build) {
         for (double x : node.x) size = std::max(size, std::abs(x));
     }
     if (high->x[2] - low->x[2] > 1e-12 * size)
-        build.refuse("the triangles form a surface in space, z goes from ", low->x[2], " (node ", low->id, ") to ",
+        build.refuse("the elements form a surface in space, z goes from ", low->x[2], " (node ", low->id, ") to ",
                      high->x[2], " (node ", high->id,
                      "): a 2D mesh lies in a plane z = constant; a 3D mesh has tetrahedra "
                      "(Gmsh writes them only if their volume is in a physical group, or if there are no groups)");
@@ -84,11 +101,11 @@ void check_flat(MeshBuild& build) {
 
 void fill_elements(MeshBuild& build) {
     Mesh& mesh = build.mesh;
-    const int count = mesh.element_nodes();
-    mesh.elements.reserve(build.elements.size() * count);
+    mesh.elements.reserve(build.elements.size() * build.element(0).node_count());
     for (int i : build.elements) {
         const RawElement& element = build.raw.elements[i];
-        for (int k = 0; k < count; ++k) mesh.elements.push_back(build.node[build.raw.element_nodes[element.first + k]]);
+        for (int k = 0; k < element.node_count(); ++k)
+            mesh.elements.push_back(build.node[build.raw.element_nodes[element.first + k]]);
         mesh.file.element_id.push_back(element.id);
         mesh.file.element_physical.push_back(element.physical);
         mesh.file.element_entity.push_back(element.entity);
@@ -97,14 +114,15 @@ void fill_elements(MeshBuild& build) {
 
 // Orientation of the straight-sided element: 1, -1, or 0 where its volume is within the rounding of its coordinates.
 template <int n>
-int orientation(const Mesh& mesh, const int* vertex) {
+int orientation(const Mesh& mesh, int e) {
+    const int* const vertex = mesh.element(e);
     double size = 0, length = 0;
-    for (int v = 0; v <= n; ++v)
+    for (int v = 0; v < mesh.cell(e).vertices; ++v)
         for (int a = 0; a < n; ++a) size = std::max(size, std::abs(mesh.x[offset(vertex[v], n, a)]));
     const Mat<n> A = straight_jacobian<n>(vertex, mesh.x);
     for (const Vec<n>& row : A)
         for (double entry : row) length = std::max(length, std::abs(entry));
-    const double volume = determinant(A);
+    const double volume = mesh.cell(e).is_simplex() ? determinant(A) : almesh::volume(mesh, mesh.x, e);
     const double rounding = 8 * std::numeric_limits<double>::epsilon() * (size + length) * std::pow(length, n - 1);
     if (!(std::abs(volume) > rounding)) return 0;
     return volume > 0 ? 1 : -1;
@@ -117,34 +135,21 @@ std::vector<int> negative_elements(const MeshBuild& build, Folds folds) {
     std::vector<int> flat, negative;
     with_dimension(mesh.dim, [&](auto n) {
         for (int e = 0; e < mesh.element_count(); ++e) {
-            const int sign = orientation<n>(mesh, mesh.element(e));
+            const int sign = orientation<n>(mesh, e);
             if (sign == 0) flat.push_back(e);
             if (sign < 0) negative.push_back(e);
         }
     });
     const auto has_vertex_twice = [&mesh](int e) {
         const int* const vertex = mesh.element(e);
-        return std::set<int>(vertex, vertex + mesh.dim + 1).size() <= static_cast<std::size_t>(mesh.dim);
+        const int count = mesh.cell(e).vertices;
+        return std::set<int>(vertex, vertex + count).size() < static_cast<std::size_t>(count);
     };
     if (folds == Folds::keep) std::erase_if(flat, [&](int e) { return !has_vertex_twice(e); });
     if (!flat.empty())
-        build.refuse(build.element(flat[0]), "with the vertices ", build.node_ids(mesh.element(flat[0]), mesh.dim + 1),
+        build.refuse(build.element(flat[0]), "with the vertices ", build.node_ids(mesh.element(flat[0]), mesh.cell(flat[0]).vertices),
                      " has no volume, the first of ", counted(flat.size(), "such element"));
     return negative;
-}
-
-// Swaps the last two vertices of the given elements, with all nodes that belong to them.
-void reverse(Mesh& mesh, const std::vector<int>& elements) {
-    const LagrangeBasis basis(mesh.dim, mesh.degree);
-    MultiIndex swap = {0, 1, 2, 3};
-    std::swap(swap[mesh.dim - 1], swap[mesh.dim]);
-    std::vector<int> from(basis.count), before(basis.count);
-    for (int i = 0; i < basis.count; ++i) from[i] = basis.permuted_node(i, swap);
-    for (int e : elements) {
-        int* const node = mesh.elements.data() + offset(e, basis.count);
-        std::copy_n(node, basis.count, before.begin());
-        for (int i = 0; i < basis.count; ++i) node[i] = before[from[i]];
-    }
 }
 
 enum class Orientation {

@@ -1,7 +1,8 @@
 // The faces of all elements and the tagged faces of the file, both called sides here, are sorted by their vertices, for
 // each lowest vertex separately. Sides of equal vertices are then neighbours: two elements on opposite sides of a face
 // inside the mesh, or one element and its tagged faces on the boundary. A boundary of the mesh is the faces that have
-// the same groups. Side::number: e * (dim + 1) + k for face k of element e; tagged faces are numbered after these.
+// the same groups. Side::number: e * Mesh::most_sides() + k for side k of element e; tagged faces are numbered after
+// these.
 #include "mesh/build_boundary.hpp"
 
 #include <algorithm>
@@ -45,23 +46,31 @@ struct BoundaryMatcher {
 
     const MeshBuild& build;
     const Mesh& mesh = build.mesh;
-    const int dim = mesh.dim, corners = dim + 1, first_tagged = mesh.element_count() * corners;
-    const std::vector<std::vector<int>> face_nodes = LagrangeBasis(dim, mesh.degree).face_nodes();
+    const int dim = mesh.dim, most_sides = mesh.most_sides(), first_tagged = mesh.element_count() * most_sides;
+    const SideNodes side_nodes{dim, mesh.degree};
     std::vector<int> side_of_face;  // by tagged face: number of its element's side, -1: dropped
 
-    const RawElement& element_of(const Side& side) const { return build.element(side.number / corners); }
+    const RawElement& element_of(const Side& side) const { return build.element(side.number / most_sides); }
     const RawElement& tagged_face(const Side& side) const { return build.face(side.number - first_tagged); }
-    int opposite_vertex(const Side& side) const { return mesh.element(side.number / corners)[side.number % corners]; }
+
+
+    // Of the element of a side, ascending.
+    std::vector<int> vertices_of(const Side& side) const {
+        const int e = side.number / most_sides;
+        std::vector<int> vertices(mesh.element(e), mesh.element(e) + mesh.cell(e).vertices);
+        std::sort(vertices.begin(), vertices.end());
+        return vertices;
+    }
 
     // Node k of a side in Gmsh's order; -1 where a tagged face has a node that no element has.
     int node_of(int number, int k) const {
-        if (number < first_tagged) return mesh.element(number / corners)[face_nodes[number % corners][k]];
+        const int e = number / most_sides;
+        if (number < first_tagged) return mesh.element(e)[side_nodes.of(mesh.cell(e), number % most_sides)[k]];
         return build.node[build.raw.element_nodes[build.face(number - first_tagged).first + k]];
     }
 
     Side side(int number) const {
-        if (number < first_tagged)
-            return side_of_simplex(dim, mesh.element(number / corners), number % corners, number);
+        if (number < first_tagged) return side_of_element(mesh, number / most_sides, number % most_sides, number);
         std::array<int, 3> vertex{};
         for (int k = 0; k < dim; ++k) vertex[k] = node_of(number, k);
         return {std::span(vertex).first(dim), number};
@@ -80,9 +89,10 @@ struct BoundaryMatcher {
         const std::size_t before = repeated.size();
         for (std::size_t b = 1; b < equal.size(); ++b)
             for (std::size_t a = 0; a < b; ++a)
-                if (opposite_vertex(equal[a]) == opposite_vertex(equal[b]))
+                if (vertices_of(equal[a]) == vertices_of(equal[b]))
                     repeated.push_back(
-                        (element_of(equal[a]).id < element_of(equal[b]).id ? equal[b] : equal[a]).number / corners);
+                        (element_of(equal[a]).id < element_of(equal[b]).id ? equal[b] : equal[a]).number /
+                                       most_sides);
         return repeated.size() > before;
     }
 
@@ -158,7 +168,7 @@ struct BoundaryMatcher {
         if (count == 2) {
             for (const Side& s : tagged) found.inside.push_back(s.number - first_tagged);
             if (equal[0].even == equal[1].even)
-                found.folded.push_back({equal[0].number / corners, equal[1].number / corners});
+                found.folded.push_back({equal[0].number / most_sides, equal[1].number / most_sides});
         } else if (tagged.empty()) {
             found.untagged.push_back(equal[0].number);
         } else {
@@ -179,7 +189,11 @@ struct BoundaryMatcher {
         constexpr int block = 256;
         const int count = first_tagged + static_cast<int>(build.faces.size());
         std::vector<int> lowest(count);
-        parallel_for(count, [&](int s) { lowest[s] = side(s).vertex[0]; });
+        parallel_for(count, [&](int s) {
+            const bool is_none = s < first_tagged &&  // of elements with fewer sides than others
+                                 s % most_sides >= static_cast<int>(mesh.cell(s / most_sides).faces.size());
+            lowest[s] = is_none ? mesh.nodes() : side(s).vertex[0];
+        });
         Matched all;
         for (int s = first_tagged; s < count; ++s)
             if (lowest[s] < 0) {
@@ -207,7 +221,7 @@ struct BoundaryMatcher {
 void add_face(const BoundaryMatcher& matcher, int side, int boundary, const RawElement* in_file, Mesh& mesh) {
     const int m = mesh.face_nodes();
     for (int k = 0; k < m; ++k) mesh.faces.push_back(matcher.node_of(side, k));
-    mesh.face_element.push_back(side / matcher.corners);
+    mesh.face_element.push_back(side / matcher.most_sides);
     mesh.face_boundary.push_back(boundary);
     mesh.file.face_id.push_back(in_file ? in_file->id : 0);
     mesh.file.face_physical.push_back(in_file ? in_file->physical : 0);
@@ -352,7 +366,8 @@ std::vector<std::array<int, 2>> fill_boundary(MeshBuild& build) {
     if (!all.loose.empty())
         build.notes.push_back(concat(counted(all.loose.size(), "face"), " of physical groups ",
                                      all.loose.size() == 1 ? "is the face" : "are faces", " of no ",
-                                     build.mesh.cell().name, ", the first is ", name_of(build.face(all.loose[0])),
+                                     build.mesh.groups.size() > 1 ? "element" : build.mesh.cell().name,
+                                     ", the first is ", name_of(build.face(all.loose[0])),
                                      ": left out"));
     fill_faces(matcher, all, build.raw, build.mesh);
     if (!all.untagged.empty()) fill_untagged(matcher, all.untagged, build);

@@ -10,13 +10,15 @@ namespace {
 
 // Elements by their vertices.
 struct ElementsAround {
-    explicit ElementsAround(const Mesh& mesh) : corners(mesh.dim + 1) {
+    explicit ElementsAround(const Mesh& mesh) {
+        for (const ElementGroup& group : mesh.element_groups()) corners = std::max(corners, group.cell->vertices);
         std::vector<int> vertex(offset(mesh.element_count(), corners));
-        for (int e = 0; e < mesh.element_count(); ++e)
-            std::copy_n(mesh.element(e), corners, &vertex[offset(e, corners)]);
+        for (int e = 0; e < mesh.element_count(); ++e)  // the last one of an element with fewer more than once
+            for (int v = 0; v < corners; ++v)
+                vertex[offset(e, corners, v)] = mesh.element(e)[std::min(v, mesh.cell(e).vertices - 1)];
         sorted = sorted_by_group(vertex, mesh.nodes());
     }
-    int corners;
+    int corners = 0;
     Groups sorted;  // items: element * corners + local vertex
 };
 
@@ -62,13 +64,13 @@ void fill_kept(MeshBuild& build) {
     for (const int i : build.kept) {
         const RawElement& cell = raw.elements[i];
         std::vector<int> nodes;
-        for (int k = 0; k < simplex_node_count(cell.dim, cell.degree); ++k)
+        for (int k = 0; k < cell.node_count(); ++k)
             nodes.push_back(build.node[raw.element_nodes[cell.first + k]]);
         if (cell.dim == 0) {
             append(mesh.kept[0], cell, {nodes[0] < 0 ? nodes[0] + 1 : nodes[0]}, -1);
             continue;
         }
-        const bool in_mesh = cell.degree == mesh.degree && *std::min_element(nodes.begin(), nodes.end()) >= 0;
+        const bool in_mesh = cell.degree == mesh.degree && cell.cell().is_simplex() && *std::min_element(nodes.begin(), nodes.end()) >= 0;
         const int element = in_mesh ? element_of(subcells, around, nodes, cell.dim) : -1;
         if (element >= 0) append(mesh.kept[cell.dim], cell, nodes, element);
         else if (++dropped == 1) first_dropped = &cell;

@@ -59,7 +59,7 @@ private:
 };
 
 struct InnerFace {
-    std::array<int, 2> side;  // element * corners + local number, of the one that it belongs to and of the other
+    std::array<int, 2> side;  // element * most_sides + local number, of the one that it belongs to and of the other
     Names groups;
     int kept;  // among the kept faces; -1: not in the file
 };
@@ -68,9 +68,9 @@ struct InnerBuilder {
     Mesh& mesh;
     const Names& groups;
     const Names& volumes;
-    const int dim = mesh.dim, corners = dim + 1;
+    const int dim = mesh.dim, most_sides = mesh.most_sides();
     const KeptCells& kept = mesh.kept[dim - 1];
-    const std::vector<std::vector<int>> face_nodes = LagrangeBasis(dim, mesh.degree).face_nodes();
+    const SideNodes side_nodes{dim, mesh.degree};
     std::vector<Names> volumes_of{};  // per element: of those wanted
     std::vector<InnerFace> inner{};
     std::set<int> taken{};            // kept faces that are boundary faces now
@@ -84,10 +84,8 @@ struct InnerBuilder {
 
     void find_faces() {
         std::vector<Side> sides;
-        const int first_face = mesh.element_count() * corners, first_kept = first_face + mesh.face_count();
-        for (int e = 0; e < mesh.element_count(); ++e)
-            for (int k = 0; k < corners; ++k)
-                sides.push_back(side_of_simplex(dim, mesh.element(e), k, e * corners + k));
+        const int first_face = mesh.element_count() * most_sides, first_kept = first_face + mesh.face_count();
+        for_sides(mesh, [&](int e, int k, int number) { sides.push_back(side_of_element(mesh, e, k, number)); });
         for (int f = 0; f < mesh.face_count(); ++f)
             sides.emplace_back(std::span(mesh.face(f), static_cast<std::size_t>(dim)), first_face + f);
         for (int c = 0; c < kept.count(); ++c)
@@ -99,7 +97,7 @@ struct InnerBuilder {
             for (const Side& side : equal) {
                 if (side.number < first_face) {
                     if (elements < 2) found.side[elements++] = side.number;
-                    for (const std::string& name : volumes_of[side.number / corners])
+                    for (const std::string& name : volumes_of[side.number / most_sides])
                         if (!has(found.groups, name)) found.groups.push_back(name);
                 } else if (side.number < first_kept) {
                     face = side.number - first_face;
@@ -137,8 +135,9 @@ struct InnerBuilder {
         std::vector<Side> sides;
         std::vector<int> vertices;
         for (const InnerFace& face : inner) {
-            const CellFace& local = mesh.cell().faces[face.side[0] % corners];
-            for (int k = 0; k < dim; ++k) vertices.push_back(mesh.element(face.side[0] / corners)[local[k]]);
+            const int e = face.side[0] / most_sides;
+            const CellFace& local = mesh.cell(e).faces[face.side[0] % most_sides];
+            for (int k = 0; k < dim; ++k) vertices.push_back(mesh.element(e)[local[k]]);
         }
         for (int f = 0; f < static_cast<int>(inner.size()); ++f)
             for (int k = 0; k < dim; ++k)
@@ -181,8 +180,9 @@ struct InnerBuilder {
         std::stable_sort(inner.begin(), inner.end(),
                          [](const InnerFace& a, const InnerFace& b) { return (a.kept < 0) < (b.kept < 0); });
         for (const InnerFace& face : inner) {
-            const int e = face.side[0] / corners, c = face.kept;
-            for (const int k : face_nodes[face.side[0] % corners]) mesh.faces.push_back(mesh.element(e)[k]);
+            const int e = face.side[0] / most_sides, c = face.kept;
+            for (const int k : side_nodes.of(mesh.cell(e), face.side[0] % most_sides))
+                mesh.faces.push_back(mesh.element(e)[k]);
             mesh.face_element.push_back(e);
             mesh.face_boundary.push_back(boundary_with(face.groups, true));
             mesh.file.face_id.push_back(c < 0 ? 0 : kept.id[c]);

@@ -2,32 +2,36 @@
 
 #include <algorithm>
 
+#include "mesh/sides.hpp"
+
 namespace almesh {
 
-Subcells::Subcells(const Mesh& mesh) : mesh_(mesh) {
+Subcells::Subcells(const Mesh& mesh) : mesh_(mesh), of_cell_(bases_of(mesh)) {
     for (int dim = 1; dim <= mesh.dim; ++dim) order_[dim] = gmsh_node_order(dim, mesh.degree);
 }
 
 int Subcells::local(int e, int node) const {
     const int* const nodes = mesh_.element(e);
-    return static_cast<int>(std::find(nodes, nodes + mesh_.dim + 1, node) - nodes);
+    return static_cast<int>(std::find(nodes, nodes + mesh_.cell(e).vertices, node) - nodes);
 }
 
 bool Subcells::has(int e, const int* vertex, int dim) const {
     const int* const end = vertex + dim + 1;
-    return std::all_of(vertex, end, [&](const int& node) {
-        return local(e, node) <= mesh_.dim && std::find(&node + 1, end, node) == end;
+    const bool has_vertices = std::all_of(vertex, end, [&](const int& node) {
+        return local(e, node) < mesh_.cell(e).vertices && std::find(&node + 1, end, node) == end;
     });
+    return has_vertices && (mesh_.cell(e).is_simplex() || (dim == mesh_.dim - 1 && side_number(mesh_, e, vertex) >= 0));
 }
 
 std::vector<int> Subcells::nodes(int e, const int* vertex, int dim) const {
-    const std::vector<MultiIndex>& of_element = order_[mesh_.dim];
+    const LagrangeBasis& of_element = of_cell_[mesh_.group_number(e)];
     std::vector<int> nodes;
     for (const MultiIndex& b : order_[dim]) {
-        MultiIndex a{};
-        for (int k = 0; k <= dim; ++k) a[local(e, vertex[k])] = b[k];
-        const auto place = std::find(of_element.begin(), of_element.end(), a);
-        nodes.push_back(mesh_.element(e)[place - of_element.begin()]);
+        MultiIndex a{};  // the mean of the vertices with the weights b
+        for (int k = 0; k <= dim; ++k)
+            for (std::size_t i = 0; i < a.size(); ++i)
+                a[i] += b[k] * of_element.nodes[local(e, vertex[k])][i] / mesh_.degree;
+        nodes.push_back(mesh_.element(e)[of_element.find(a)]);
     }
     return nodes;
 }

@@ -1,6 +1,7 @@
 // Cells of the file that are carried along with a mesh (KeptCells): finding them in its elements, and in those of a
 // mesh that is made from it.
 #pragma once
+#include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {
@@ -10,7 +11,7 @@ class Subcells {
 public:
     explicit Subcells(const Mesh& mesh);  // which must outlive this
 
-    // Whether element e has the vertices: dim + 1 of them, all distinct.
+    // Whether element e has the simplex with these vertices: dim + 1 of them, all distinct.
     bool has(int e, const int* vertex, int dim) const;
 
     // All nodes of the face or edge of element e, in Gmsh's order from these vertices on, which the element has.
@@ -20,6 +21,7 @@ public:
 private:
     const Mesh& mesh_;
     std::array<std::vector<MultiIndex>, 4> order_;  // by dimension
+    std::vector<LagrangeBasis> of_cell_;            // by group of elements
 
     int local(int e, int node) const;  // its number among the vertices of e, or beyond them
 };

@@ -55,6 +55,13 @@ std::array<double, 3> LagrangeBasis::point(int node) const {
     return xi;
 }
 
+std::vector<double> LagrangeBasis::vertex_weights(int node) const {
+    std::vector<double> weight(cell.vertices);
+    LagrangeBasis(cell, 1).values(point(node).data(), weight.data());
+    for (int v = 0; v < cell.vertices; ++v) weight[v] = cell.is_simplex() ? nodes[node][v] : degree * weight[v];
+    return weight;
+}
+
 void LagrangeBasis::values(const double* xi, double* N) const {
     const std::array<double, 4> l = coordinates(xi);
     for (int i = 0; i < count; ++i) {

@@ -8,7 +8,7 @@
 #pragma once
 #include <vector>
 
-#include "mesh/cells.hpp"
+#include "mesh/mesh.hpp"
 
 namespace almesh {
 
@@ -21,6 +21,8 @@ struct LagrangeBasis {
     LagrangeBasis(const CellType& cell, int degree);
 
     std::array<double, 3> point(int node) const;  // its reference coordinates
+    // Of a node between the vertices: by which weights it is the mean of these in the straight-sided cell. Sum: degree.
+    std::vector<double> vertex_weights(int node) const;
 
     // xi: dim coordinates. N: count values. dN: count x dim derivatives with respect to xi. Cost: O(count p) and
     // O(count p^2).
@@ -41,5 +43,12 @@ private:
     int entries() const { return cell.is_simplex() ? dim + 1 : 4; }  // of a multi-index
     std::array<double, 4> coordinates(const double* xi) const;       // l
 };
+
+// Of the groups of elements.
+inline std::vector<LagrangeBasis> bases_of(const Mesh& mesh) {
+    std::vector<LagrangeBasis> bases;
+    for (const ElementGroup& group : mesh.element_groups()) bases.emplace_back(*group.cell, mesh.degree);
+    return bases;
+}
 
 }  // namespace almesh

@@ -4,6 +4,7 @@
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
+#include "base/text.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {
@@ -18,6 +19,14 @@ int Mesh::most_sides() const {
     for (const ElementGroup& group : element_groups())
         most = std::max(most, static_cast<int>(group.cell->faces.size()));
     return most;
+}
+
+std::string Mesh::elements_text() const {
+    std::string text;
+    for (const ElementGroup& group : element_groups())
+        text += concat(text.empty() ? "" : ", ", group.count, " ", group.count == 1 ? group.cell->name
+                                                                                   : group.cell->plural);
+    return text;
 }
 
 std::vector<char> Mesh::boundaries_in(const std::string& group) const {
@@ -38,22 +47,19 @@ int add_boundary(Mesh& mesh, const std::vector<std::string>& groups) {
 std::vector<double> straight_sided(const Mesh& mesh) {
     std::vector<double> y = mesh.x;
     for (const ElementGroup& group : mesh.element_groups()) {
-        const CellType& cell = *group.cell;
-        const LagrangeBasis basis(cell, mesh.degree), vertices(cell, 1);
-        const double unit = cell.is_simplex() ? mesh.degree : 1;  // of the weights
-        for (int i = cell.vertices; i < basis.count; ++i) {
-            std::vector<double> weight(cell.vertices);
-            vertices.values(basis.point(i).data(), weight.data());
-            for (int v = 0; v < cell.vertices && cell.is_simplex(); ++v) weight[v] = basis.nodes[i][v];
-            for (int e = group.first; e < group.first + group.count; ++e) {
-                const int* const node = mesh.element(e);
+        const LagrangeBasis basis(*group.cell, mesh.degree);
+        const int vertices = group.cell->vertices;
+        std::vector<std::vector<double>> weight;
+        for (int i = vertices; i < basis.count; ++i) weight.push_back(basis.vertex_weights(i));
+        for (int e = group.first; e < group.first + group.count; ++e) {
+            const int* const node = mesh.element(e);
+            for (int i = vertices; i < basis.count; ++i)
                 for (int a = 0; a < mesh.dim; ++a) {
                     double position = 0;
-                    for (int v = 0; v < cell.vertices; ++v)
-                        position += weight[v] * mesh.x[offset(node[v], mesh.dim, a)];
-                    y[offset(node[i], mesh.dim, a)] = position / unit;
+                    for (int v = 0; v < vertices; ++v)
+                        position += weight[i - vertices][v] * mesh.x[offset(node[v], mesh.dim, a)];
+                    y[offset(node[i], mesh.dim, a)] = position / mesh.degree;
                 }
-            }
         }
     }
     return y;
@@ -65,6 +71,10 @@ std::array<double, 3> centroid(const Mesh& mesh, const std::vector<double>& x, c
         for (int a = 0; a < mesh.dim; ++a) mean[a] += point(x, nodes[k], mesh.dim)[a];
     for (double& coordinate : mean) coordinate /= count;
     return mean;
+}
+
+std::array<double, 3> element_centre(const Mesh& mesh, const std::vector<double>& x, int e) {
+    return centroid(mesh, x, mesh.element(e), mesh.cell(e).vertices);
 }
 
 double volume(const Mesh& mesh, const std::vector<double>& y) {

@@ -59,13 +59,14 @@ struct Mesh {
         while (e >= group->first + group->count) ++group;
         return *group;
     }
+    int group_number(int e) const { return groups.empty() ? 0 : static_cast<int>(&group_of(e) - groups.data()); }
     // All of them, also where they are simplices.
     std::vector<ElementGroup> element_groups() const {
         return groups.empty() ? std::vector{ElementGroup{&simplex(dim), 0, element_count(), 0}} : groups;
     }
     // The elements' common type where there is one; of several types, of the first elements.
     const CellType& cell() const { return cell(0); }
-    std::string elements_name() const { return groups.size() > 1 ? "elements" : cell().plural; }
+    std::string elements_text() const;  // "18042 triangles, 4800 quadrilaterals"
     int most_sides() const;  // of an element
     const int* face(int f) const { return faces.data() + offset(f, face_nodes()); }
     bool is_inner(int f) const { return !inner.empty() && inner[face_boundary[f]]; }
@@ -81,6 +82,8 @@ std::vector<double> straight_sided(const Mesh& mesh);
 
 // Mean of the positions x (node_count x dim) of `count` nodes; in 2D the third coordinate is 0.
 std::array<double, 3> centroid(const Mesh& mesh, const std::vector<double>& x, const int* nodes, int count);
+
+std::array<double, 3> element_centre(const Mesh& mesh, const std::vector<double>& x, int e);  // of its vertices
 
 // Jacobian A = dy / dxi of the affine map of a straight-sided simplex: column k is the edge from vertex 0 to vertex
 // k + 1. vertex: n + 1 nodes, the first of an element of any degree. y: nodes x n.

@@ -36,6 +36,16 @@ inline NodeKey key_of(const MultiIndex& a, const int* vertex, int dim) {
     return key;
 }
 
+// The same in a quadrilateral with entries (a_0, a_1, b_0, b_1): on an edge by its ends; else by the weights of all
+// vertices, which tell its nodes apart.
+inline NodeKey key_in_quadrilateral(const MultiIndex& a, const int* vertex) {
+    const int degree = a[0] + a[1];
+    const bool on_edge = a[0] * a[1] * a[2] * a[3] == 0;
+    MultiIndex weight = {a[0] * a[2], a[1] * a[2], a[1] * a[3], a[0] * a[3]};
+    for (int& w : weight) w /= on_edge ? degree : 1;
+    return key_of(weight, vertex, 3);
+}
+
 // New nodes get ids that the mesh they come from does not have.
 inline void append_node_ids(const Mesh& from, Mesh& mesh) {
     std::vector<long long> taken = from.file.node_id;

@@ -14,9 +14,18 @@ namespace {
 // The chosen elements and their nodes; number: per node of the mesh, its number in the part or -1.
 void add_elements(const Mesh& mesh, const std::vector<char>& chosen, Mesh& part, std::vector<int>& number) {
     number.assign(mesh.nodes(), -1);
+    for (const ElementGroup& group : mesh.groups) {
+        const int first = part.groups.empty() ? 0 : part.groups.back().first + part.groups.back().count;
+        const auto begin = chosen.begin() + group.first;
+        const auto count = static_cast<int>(std::count(begin, begin + group.count, 1));
+        const std::size_t start = part.groups.empty() ? 0 : part.groups.back().start + offset(
+            part.groups.back().count, part.groups.back().cell->node_count(mesh.degree));
+        if (count) part.groups.push_back({group.cell, first, count, start});
+    }
+    if (part.groups.size() == 1 && part.groups[0].cell->is_simplex()) part.groups.clear();
     for (int e = 0; e < mesh.element_count(); ++e) {
         if (!chosen[e]) continue;
-        for (int k = 0; k < mesh.element_nodes(); ++k) {
+        for (int k = 0; k < mesh.element_nodes(e); ++k) {
             int& node = number[mesh.element(e)[k]];
             if (node < 0) {
                 node = part.nodes();
@@ -32,16 +41,16 @@ void add_elements(const Mesh& mesh, const std::vector<char>& chosen, Mesh& part,
     }
 }
 
-// The sides of the chosen elements that are neither shared by two of them nor boundary faces: element * (dim + 1) + k,
-// ascending.
+// The sides of the chosen elements that are neither shared by two of them nor boundary faces, by their numbers
+// (for_sides()), ascending.
 std::vector<int> cut_sides(const Mesh& mesh, const std::vector<char>& chosen) {
-    const int corners = mesh.dim + 1, boundary = -1;
+    const int boundary = -1;
     std::vector<Side> sides;
     for (int f = 0; f < mesh.face_count(); ++f)
         if (chosen[mesh.face_element[f]]) sides.emplace_back(std::span(mesh.face(f), mesh.dim), boundary);
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int k = 0; k < corners && chosen[e]; ++k)
-            sides.push_back(side_of_simplex(mesh.dim, mesh.element(e), k, e * corners + k));
+    for_sides(mesh, [&](int e, int k, int number) {
+        if (chosen[e]) sides.push_back(side_of_element(mesh, e, k, number));
+    });
     std::vector<int> cut;
     for_equal_sides(sides, [&](std::span<const Side> equal) {
         if (equal.size() == 1) cut.push_back(equal[0].number);
@@ -84,18 +93,18 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
         add_face(mesh.face(f), element[e], mesh.face_boundary[f], mesh.file.face_id[f], mesh.file.face_physical[f],
                  mesh.file.face_entity[f]);
     }
-    const std::vector<std::vector<int>> local = LagrangeBasis(mesh.dim, mesh.degree).face_nodes();
+    const SideNodes side_nodes(mesh.dim, mesh.degree);
     std::vector<int> face(mesh.face_nodes());
     for (const int side : cut_sides(mesh, chosen)) {
-        const int e = side / (mesh.dim + 1);
-        for (int k = 0; k < mesh.face_nodes(); ++k) face[k] = mesh.element(e)[local[side % (mesh.dim + 1)][k]];
+        const int e = side / mesh.most_sides();
+        const std::vector<int>& local = side_nodes.of(mesh.cell(e), side % mesh.most_sides());
+        for (int k = 0; k < mesh.face_nodes(); ++k) face[k] = mesh.element(e)[local[k]];
         add_face(face.data(), element[e], part.cut, 0, 0, 0);
     }
     return part;
 }
 
 std::vector<char> surroundings(const Mesh& mesh, const std::vector<char>& chosen, double reach) {
-    const int vertices = mesh.dim + 1;
     const auto edge_length = [&](int i, int j) {
         double sum = 0;
         for (int a = 0; a < mesh.dim; ++a) {
@@ -117,6 +126,7 @@ std::vector<char> surroundings(const Mesh& mesh, const std::vector<char>& chosen
     std::vector<std::vector<int>> elements_at(mesh.nodes());
     for (int e = 0; e < mesh.element_count(); ++e) {
         const int* const node = mesh.element(e);
+        const int vertices = mesh.cell(e).vertices;
         double longest = 0;
         for (int k = 0; k < vertices; ++k) {
             elements_at[node[k]].push_back(e);
@@ -132,7 +142,7 @@ std::vector<char> surroundings(const Mesh& mesh, const std::vector<char>& chosen
         is_reached[way.vertex] = 1;
         for (const int e : elements_at[way.vertex]) {
             result[e] = 1;
-            for (int k = 0; k < vertices; ++k) {
+            for (int k = 0; k < mesh.cell(e).vertices; ++k) {
                 const int next = mesh.element(e)[k];
                 const double length = way.length + edge_length(way.vertex, next) / way.unit;
                 if (!is_reached[next] && length <= reach) front.push({length, next, way.unit});
@@ -142,24 +152,59 @@ std::vector<char> surroundings(const Mesh& mesh, const std::vector<char>& chosen
     return result;
 }
 
-SubMesh elements_around(const std::vector<int>& elements, int count, int m, const std::vector<char>& moves) {
-    SubMesh part;
-    for (int e = 0; e < count; ++e) {
-        const int* const node = &elements[offset(e, m)];
-        if (std::any_of(node, node + m, [&](int i) { return moves[i]; })) part.place.push_back(e);
-    }
-    std::vector<int> number(moves.size(), -1);  // node of the mesh -> node of the part
-    for (const bool moving : {true, false})
-        for (const int e : part.place)
-            for (int i = 0; i < m; ++i) {
-                const int node = elements[offset(e, m, i)];
-                if (number[node] >= 0 || static_cast<bool>(moves[node]) != moving) continue;
-                number[node] = static_cast<int>(part.node.size());
-                part.node.push_back(node);
-            }
-    for (const int e : part.place)
-        for (int i = 0; i < m; ++i) part.elements.push_back(number[elements[offset(e, m, i)]]);
+Mesh of_one_type(const Mesh& mesh, const ElementGroup& group) {
+    Mesh part;
+    part.dim = mesh.dim;
+    part.degree = mesh.degree;
+    part.x = mesh.x;
+    const auto begin = mesh.elements.begin() + static_cast<std::ptrdiff_t>(group.start);
+    part.elements.assign(begin, begin + static_cast<std::ptrdiff_t>(
+                                            offset(group.count, group.cell->node_count(mesh.degree))));
+    part.groups = {{group.cell, 0, group.count, 0}};
+    const auto id = mesh.file.element_id.begin() + group.first;
+    part.file.element_id.assign(id, id + group.count);
     return part;
+}
+
+std::vector<SubMesh> elements_around(const std::vector<CellNodes>& types, const std::vector<char>& moves) {
+    std::vector<SubMesh> parts(types.size());
+    std::vector<int> number(moves.size(), -1), nodes;  // node of the mesh -> node of the part, and back
+    const auto every_node = [&](std::size_t t, const auto& body) {
+        for (const int e : parts[t].place)
+            for (int i = 0; i < types[t].m; ++i) body(types[t].elements[offset(e, types[t].m, i)]);
+    };
+    for (std::size_t t = 0; t < types.size(); ++t)
+        for (int e = 0; e < types[t].count; ++e) {
+            const int* const node = &types[t].elements[offset(e, types[t].m)];
+            if (std::any_of(node, node + types[t].m, [&](int i) { return moves[i]; })) parts[t].place.push_back(e);
+        }
+    for (const bool moving : {true, false})
+        for (std::size_t t = 0; t < types.size(); ++t)
+            every_node(t, [&](int node) {
+                if (number[node] >= 0 || static_cast<bool>(moves[node]) != moving) return;
+                number[node] = static_cast<int>(nodes.size());
+                nodes.push_back(node);
+            });
+    for (std::size_t t = 0; t < types.size(); ++t) {
+        parts[t].node = nodes;
+        every_node(t, [&](int node) { parts[t].elements.push_back(number[node]); });
+    }
+    return parts;
+}
+
+SubMesh elements_around(const Mesh& mesh, const std::vector<char>& moves) {
+    std::vector<CellNodes> types;
+    for (const ElementGroup& group : mesh.element_groups())
+        types.push_back({&mesh.elements[group.start], group.count, group.cell->node_count(mesh.degree)});
+    const std::vector<SubMesh> parts = elements_around(types, moves);
+    SubMesh all{{}, parts[0].node, {}};
+    int first = 0;
+    for (std::size_t t = 0; t < types.size(); ++t) {
+        for (const int e : parts[t].place) all.place.push_back(first + e);
+        all.elements.insert(all.elements.end(), parts[t].elements.begin(), parts[t].elements.end());
+        first += types[t].count;
+    }
+    return all;
 }
 
 }  // namespace almesh

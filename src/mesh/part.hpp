@@ -17,13 +17,23 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
 // nearest one counts. Lengths are straight, between the vertices in mesh.x.
 std::vector<char> surroundings(const Mesh& mesh, const std::vector<char>& chosen, double reach);
 
+// The elements of one type, with all nodes and no faces.
+Mesh of_one_type(const Mesh& mesh, const ElementGroup& group);
+
+// Elements of one type: count x m node numbers.
+struct CellNodes {
+    const int* elements;
+    int count, m;
+};
+
 struct SubMesh {
     std::vector<int> place;     // of each element among those given
     std::vector<int> node;      // node here -> node of the mesh; those that move come first
-    std::vector<int> elements;  // element x element nodes, numbers of here
+    std::vector<int> elements;  // the nodes of each element, numbers of here
 };
 
-// The elements with a node that moves. elements: count x m node numbers; moves: per node of the mesh.
-SubMesh elements_around(const std::vector<int>& elements, int count, int m, const std::vector<char>& moves);
+// The elements with a node that moves, per type, all with the same numbers of nodes; and all of a mesh. moves: per node.
+std::vector<SubMesh> elements_around(const std::vector<CellNodes>& types, const std::vector<char>& moves);
+SubMesh elements_around(const Mesh& mesh, const std::vector<char>& moves);
 
 }  // namespace almesh

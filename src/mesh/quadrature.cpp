@@ -1,4 +1,4 @@
-// Points and weights: either all permutations of the orbits of a symmetric rule, or the conical product of
+// Points and weights on simplices: either all permutations of the orbits of a symmetric rule, or the conical product of
 // Gauss-Jacobi rules, x_0 = u_0, x_1 = (1 - u_0) u_1, x_2 = (1 - u_0)(1 - u_1) u_2 (Duffy's map), whose Jacobian
 // (1 - u_0)^(n-1) (1 - u_1)^(n-2) is the weight of the rules in u_0 and u_1.
 #include "mesh/quadrature.hpp"
@@ -81,6 +81,18 @@ Quadrature conical_product(int dim, int exactness) {
     return q;
 }
 
+Quadrature square_product(int exactness) {
+    const Line line = gauss_jacobi(exactness / 2 + 1, 0);
+    Quadrature q{2, 0, {}, {}};
+    for (std::size_t j = 0; j < line.x.size(); ++j)
+        for (std::size_t i = 0; i < line.x.size(); ++i) {
+            q.xi.insert(q.xi.end(), {line.x[i], line.x[j]});
+            q.weight.push_back(line.w[i] * line.w[j]);
+        }
+    q.count = static_cast<int>(q.weight.size());
+    return q;
+}
+
 // Barycentric coordinates of one point, ascending.
 std::vector<double> first_point(const Orbit& orbit) {
     const char last = orbit.pattern.back();
@@ -117,8 +129,10 @@ void add_node_points(const LagrangeBasis& basis, Quadrature& quadrature) {
         volume += weight;
         weight *= 1 - node_part;
     }
-    for (const MultiIndex& a : basis.nodes)
-        for (int k = 1; k <= basis.dim; ++k) quadrature.xi.push_back(static_cast<double>(a[k]) / basis.degree);
+    for (int i = 0; i < basis.count; ++i) {
+        const std::array<double, 3> xi = basis.point(i);
+        quadrature.xi.insert(quadrature.xi.end(), xi.begin(), xi.begin() + basis.dim);
+    }
     quadrature.weight.insert(quadrature.weight.end(), basis.count, node_part * volume / basis.count);
     quadrature.count += basis.count;
 }
@@ -130,22 +144,29 @@ Quadrature simplex_quadrature(int dim, int exactness) {
     return rule.empty() ? conical_product(dim, exactness) : all_points(dim, rule);
 }
 
-int default_exactness(int degree) { return degree == 1 ? 0 : 2 * degree + 2; }
+Quadrature cell_quadrature(const CellType& cell, int exactness) {
+    return cell.is_simplex() ? simplex_quadrature(cell.dim, exactness) : square_product(exactness);
+}
 
-Quadrature element_quadrature(int dim, int degree, int exactness) {
-    const bool by_default = exactness == 0 || degree == 1;
-    Quadrature quadrature = simplex_quadrature(dim, by_default ? default_exactness(degree) : exactness);
-    if (degree > 1) add_node_points(LagrangeBasis(dim, degree), quadrature);
+int default_exactness(const CellType& cell, int degree) {
+    return cell.is_simplex() && degree == 1 ? 0 : 2 * degree + 2;
+}
+
+Quadrature element_quadrature(const CellType& cell, int degree, int exactness) {
+    const bool is_linear = cell.is_simplex() && degree == 1, by_default = exactness == 0 || is_linear;
+    Quadrature quadrature = cell_quadrature(cell, by_default ? default_exactness(cell, degree) : exactness);
+    if (!is_linear) add_node_points(LagrangeBasis(cell, degree), quadrature);
     return quadrature;
 }
 
-ReferenceElement reference_element(int degree, const Quadrature& quadrature) {
-    const int dim = quadrature.dim;
-    const LagrangeBasis basis(dim, degree);
-    ReferenceElement element{degree, basis.count, quadrature.count, quadrature.weight, {}, {}};
+ReferenceElement reference_element(const CellType& cell, int degree, const Quadrature& quadrature) {
+    const int dim = cell.dim;
+    const LagrangeBasis basis(cell, degree);
+    ReferenceElement element{&cell, degree, basis.count, quadrature.count, quadrature.weight, {}, {}};
     const std::size_t stride = offset(basis.count, dim);
     element.gradients.resize(stride * quadrature.count);
-    const std::vector<MultiIndex> powers = gmsh_node_order(dim, 2 * degree - 2);
+    std::vector<MultiIndex> powers;
+    if (cell.is_simplex()) powers = gmsh_node_order(dim, 2 * degree - 2);
     for (int q = 0; q < quadrature.count; ++q) {
         const double* const xi = &quadrature.xi[q * dim];
         basis.gradients(xi, &element.gradients[stride * q]);

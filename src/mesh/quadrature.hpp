@@ -1,45 +1,59 @@
-// Quadrature on the reference simplices of dimension 1, 2 and 3: all weights positive, all points inside, any degree of
-// exactness; and the derivatives of the basis at the points, the same for all elements of a mesh.
+// Quadrature on the reference cells, simplices of dimension 1, 2 and 3 and quadrilaterals: all weights positive, all
+// points inside, any degree of exactness; and the derivatives of the basis at the points, the same for all elements of
+// one type.
 //
 // On triangles and tetrahedra the symmetric rules of quadrature_table.hpp as far as they go; beyond them, and on lines,
 // the conical product of Gauss-Jacobi rules (Stroud, Approximate Calculation of Multiple Integrals, 1971, sec. 2.4),
-// which takes about twice the points in 2D, three times in 3D.
+// which takes about twice the points in 2D, three times in 3D. On quadrilaterals the product of two Gauss rules.
 #pragma once
 #include <vector>
 
 #include "base/index.hpp"
 #include "base/small_matrix.hpp"
+#include "mesh/cells.hpp"
 
 namespace almesh {
 
 struct Quadrature {
     int dim = 0, count = 0;
     std::vector<double> xi;      // count x dim reference coordinates
-    std::vector<double> weight;  // sum: volume of the reference simplex, 1 / dim!
+    std::vector<double> weight;  // sum: volume of the reference cell, 1 / dim! of a simplex
 };
 
 // Integrates polynomials of total degree <= exactness without error. One point, the centroid, for exactness 0 and 1;
 // ((exactness + 2) / 2)^dim points where the conical product is used.
 Quadrature simplex_quadrature(int dim, int exactness);
 
-// Linear elements (m = n + 1) have one point: F is constant on them.
+// The same on a cell of any type; on quadrilaterals for degree <= exactness in each coordinate.
+Quadrature cell_quadrature(const CellType& cell, int exactness);
+
+// Linear simplices (m = n + 1) have one point: F is constant on them.
 struct ReferenceElement {
+    const CellType* cell = nullptr;
     int degree = 0;                 // p
     int nodes = 0;                  // m
     int points = 0;
     std::vector<double> weight;     // points
     std::vector<double> gradients;  // points x nodes x dim, dN_i/dxi_k
     // points x simplex_node_count(dim, 2 p - 2): products of powers l_0^a_0 ... l_dim^a_dim of the barycentric
-    // coordinates, a in gmsh_node_order(dim, 2 p - 2). Products of two gradients are sums of these.
+    // coordinates, a in gmsh_node_order(dim, 2 p - 2). Products of two gradients are sums of these. Simplices only.
     std::vector<double> monomials;
 };
 
-// Of elements of degree p. exactness: degree to which it is exact for p > 1; 0: default_exactness(degree). For p > 1 a
-// thousandth of the weight goes to the nodes of the element: it folds at vertices and edges first, where the rules have
-// no points.
-Quadrature element_quadrature(int dim, int degree, int exactness);
+// Of elements of degree p. exactness: degree to which it is exact, but for linear simplices; 0: default_exactness(p).
+// But for these a thousandth of the weight goes to the nodes of the element: it folds at vertices and edges first,
+// where the rules have no points. That of a bilinear quadrilateral has them too: its Jacobian is not constant.
+Quadrature element_quadrature(const CellType& cell, int degree, int exactness);
 
-ReferenceElement reference_element(int degree, const Quadrature& quadrature);
+ReferenceElement reference_element(const CellType& cell, int degree, const Quadrature& quadrature);
+
+// Of simplices.
+inline Quadrature element_quadrature(int dim, int degree, int exactness) {
+    return element_quadrature(simplex(dim), degree, exactness);
+}
+inline ReferenceElement reference_element(int degree, const Quadrature& quadrature) {
+    return reference_element(simplex(quadrature.dim), degree, quadrature);
+}
 
 // dx/dxi at point q of the element with these nodes. x: nodes x n.
 template <int n>
@@ -53,8 +67,9 @@ Mat<n> jacobian_at(const int* node, const std::vector<double>& x, const Referenc
     return J;
 }
 
-// 2 p + 2 for p > 1: the relative quality then agrees to six digits with that of more points; with fewer points the
-// worst elements get worse. |F|^2 alone needs 2 p - 2.
-int default_exactness(int degree);
+// 2 p + 2, on quadrilaterals in each coordinate, but 0 for linear simplices: the relative quality then agrees to six
+// digits with that of more points; with fewer points the worst elements get worse. |F|^2 alone needs 2 p - 2, on
+// quadrilaterals 2 p.
+int default_exactness(const CellType& cell, int degree);
 
 }  // namespace almesh

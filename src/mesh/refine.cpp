@@ -23,6 +23,15 @@
 namespace almesh {
 namespace {
 
+// A new degree or number of vertices: where the nodes of each group begin.
+void start_groups(Mesh& mesh) {
+    std::size_t start = 0;
+    for (ElementGroup& group : mesh.groups) {
+        group.start = start;
+        start += offset(group.count, group.cell->node_count(mesh.degree));
+    }
+}
+
 // Refuses what int cannot number.
 void check_size(double entries, const char* what) {
     if (entries < std::numeric_limits<int>::max()) return;
@@ -57,9 +66,20 @@ public:
         return vertices_ + first_[low];
     }
 
+    // A new node in the middle of a cell.
+    int inside(const int* vertex, int count) {
+        for (int k = 0; k < dim_; ++k) {
+            double sum = 0;
+            for (int v = 0; v < count; ++v) sum += x_[offset(vertex[v], dim_, k)];
+            x_.push_back(sum / count);
+        }
+        edges_.push_back({-1, -1});
+        return vertices_ + static_cast<int>(edges_.size()) - 1;
+    }
+
 private:
     struct Edge {
-        int high, next;  // higher vertex; next edge with the same lower one, -1: none
+        int high, next;  // higher vertex, -1: it is no edge; next edge with the same lower one, -1: none
     };
     int dim_, vertices_;
     std::vector<double>& x_;
@@ -67,15 +87,16 @@ private:
     std::vector<Edge> edges_;
 };
 
-// The children of a cell with the vertices v, appended to `out`. An octahedron is cut along the shortest of its three
+// The children of a cell with the vertices v, appended to `out`. A quadrilateral gets a node in its middle. An octahedron is cut along the shortest of its three
 // diagonals: on general tetrahedra this keeps the shapes better than Bey's fixed one.
 void append_children(const CellType& cell, const int* v, Midpoints& midpoint, const std::vector<double>& x,
                      std::vector<int>& out) {
-    std::array<int, 10> node;  // vertices, then midpoints
-    auto end = std::copy_n(v, cell.dim + 1, node.begin());
+    std::array<int, 10> node;  // vertices, midpoints, the middle
+    auto end = std::copy_n(v, cell.vertices, node.begin());
     for (const auto& [a, b] : cell.bisected) *end++ = midpoint(v[a], v[b]);
+    if (!cell.is_simplex()) *end++ = midpoint.inside(v, cell.vertices);
     const auto append = [&](const std::array<int, 4>& local) {
-        for (int i : std::span(local).first(cell.dim + 1)) out.push_back(node[i]);
+        for (int i : std::span(local).first(cell.vertices)) out.push_back(node[i]);
     };
     for (const CellChild& c : cell.children) append({c[0], c[1], c[2], c[3]});
     if (cell.octahedra.empty()) return;
@@ -142,8 +163,13 @@ Mesh refine_once(const Mesh& mesh) {
     fine.elements.reserve(mesh.elements.size() * children_count);
     fine.x.reserve(mesh.x.size() << dim);
     Midpoints midpoint(dim, fine.x);
+    for (ElementGroup& group : fine.groups) {
+        group.first *= children_count;
+        group.count *= children_count;
+        group.start *= children_count;
+    }
     for (int e = 0; e < mesh.element_count(); ++e)
-        append_children(mesh.cell(), mesh.element(e), midpoint, fine.x, fine.elements);
+        append_children(mesh.cell(e), mesh.element(e), midpoint, fine.x, fine.elements);
     std::vector<int> pieces;
     for (int f = 0; f < mesh.face_count(); ++f) {
         pieces.clear();
@@ -153,7 +179,7 @@ Mesh refine_once(const Mesh& mesh) {
             int e = first;
             while (side_number(fine, e, piece) < 0) ++e;
             fine.face_element.push_back(e);
-            const CellFace& local = mesh.cell().faces[side_number(fine, e, piece)];
+            const CellFace& local = fine.cell(e).faces[side_number(fine, e, piece)];
             for (int k = 0; k < dim; ++k) fine.faces.push_back(fine.element(e)[local[k]]);
         }
     }
@@ -174,24 +200,50 @@ Mesh refine_once(const Mesh& mesh) {
 // For each node the last one of the elements that have it.
 std::vector<int> element_of_nodes(const Mesh& mesh) {
     std::vector<int> element(mesh.nodes());
-    const int count = mesh.element_nodes();
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int i = 0; i < count; ++i) element[mesh.element(e)[i]] = e;
+    for (const ElementGroup& group : mesh.element_groups())
+        for (int e = group.first; e < group.first + group.count; ++e)
+            for (int i = 0; i < group.cell->node_count(mesh.degree); ++i) element[mesh.element(e)[i]] = e;
     return element;
 }
 
 // Reference coordinates of the point y in the straight-sided element with the given vertices, on the lattice of
-// 1/steps.
+// 1/steps; in a quadrilateral by Newton's method.
 template <int n>
-Vec<n> reference_point(const int* vertex, const std::vector<double>& ideal, const double* y, double steps) {
-    const double* const y0 = point(ideal, vertex[0], n);
-    const Mat<n> inverse_A = inverse<n>(straight_jacobian<n>(vertex, ideal));
+Vec<n> reference_point(const CellType& cell, const int* vertex, const std::vector<double>& ideal, const double* y,
+                       double steps) {
+    constexpr int newton_steps = 20;
+    const LagrangeBasis basis(cell, 1);
     Vec<n> xi{};
-    for (int k = 0; k < n; ++k) {
-        for (int a = 0; a < n; ++a) xi[k] += inverse_A[k][a] * (y[a] - y0[a]);
-        xi[k] = std::round(xi[k] * steps) / steps;
+    for (int step = 0; step < (cell.is_simplex() ? 1 : newton_steps); ++step) {
+        Mat<n> A = straight_jacobian<n>(vertex, ideal);
+        Vec<n> rest;
+        for (int a = 0; a < n; ++a) rest[a] = y[a] - point(ideal, vertex[0], n)[a];
+        if (!cell.is_simplex()) {
+            double N[4], dN[4 * n];
+            basis.values(xi.data(), N);
+            basis.gradients(xi.data(), dN);
+            A = {};
+            for (int v = 0; v < cell.vertices; ++v)
+                for (int a = 0; a < n; ++a) {
+                    const double edge = point(ideal, vertex[v], n)[a] - point(ideal, vertex[0], n)[a];
+                    rest[a] -= N[v] * edge;
+                    for (int k = 0; k < n; ++k) A[a][k] += edge * dN[v * n + k];
+                }
+        }
+        const Mat<n> inverse_A = inverse<n>(A);
+        for (int k = 0; k < n; ++k)
+            for (int a = 0; a < n; ++a) xi[k] += inverse_A[k][a] * rest[a];
     }
+    for (double& coordinate : xi) coordinate = std::round(coordinate * steps) / steps;
     return xi;
+}
+
+// The nodes of mesh.elements that are vertices, and their groups.
+void keep_vertices(const Mesh& mesh, const std::vector<int>& index, Mesh& linear) {
+    linear.elements.clear();
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int v = 0; v < mesh.cell(e).vertices; ++v) linear.elements.push_back(index[mesh.element(e)[v]]);
+    start_groups(linear);
 }
 
 }  // namespace
@@ -205,7 +257,7 @@ Mesh linear_part(const Mesh& mesh) {
     linear.file.node_entity.clear();
     std::vector<int> index(mesh.nodes(), -1);
     for (int e = 0; e < mesh.element_count(); ++e)
-        for (int v = 0; v <= mesh.dim; ++v) index[mesh.element(e)[v]] = 0;
+        for (int v = 0; v < mesh.cell(e).vertices; ++v) index[mesh.element(e)[v]] = 0;
     int count = 0;
     for (int i = 0; i < mesh.nodes(); ++i) {
         if (index[i] < 0) continue;
@@ -215,9 +267,7 @@ Mesh linear_part(const Mesh& mesh) {
             linear.file.node_entity.push_back(mesh.file.node_entity[i]);
         for (int a = 0; a < mesh.dim; ++a) linear.x.push_back(mesh.x[offset(i, mesh.dim, a)]);
     }
-    linear.elements.clear();
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int v = 0; v <= mesh.dim; ++v) linear.elements.push_back(index[mesh.element(e)[v]]);
+    keep_vertices(mesh, index, linear);
     linear.faces.clear();
     for (int f = 0; f < mesh.face_count(); ++f)
         for (int v = 0; v < mesh.dim; ++v) linear.faces.push_back(index[mesh.face(f)[v]]);
@@ -234,44 +284,46 @@ Mesh raise_degree(const Mesh& mesh, int degree) {
 Mesh interpolated(const Mesh& mesh, int degree) {
     if (degree == mesh.degree) return mesh;
     const int dim = mesh.dim;
-    const LagrangeBasis coarse(dim, mesh.degree), fine(dim, degree);
-    check_size(static_cast<double>(mesh.element_count()) * fine.count, "degree");
-    std::vector<double> N(offset(fine.count, coarse.count));  // coarse basis at the fine nodes
-    for (int i = 0; i < fine.count; ++i) {
-        double xi[3] = {0, 0, 0};
-        for (int k = 0; k < dim; ++k) xi[k] = static_cast<double>(fine.nodes[i][k + 1]) / degree;
-        coarse.values(xi, &N[offset(i, coarse.count)]);
-    }
-
-    Mesh raised = linear_part(mesh);
+    check_size(static_cast<double>(mesh.element_count()) * mesh.cell().node_count(degree), "degree");
+    const Mesh linear = linear_part(mesh);
+    Mesh raised = linear;
     if (degree > mesh.degree) raised.file.sections = mesh.file.sections;
-    const std::vector<int> vertices = raised.elements;  // element_count x (dim + 1), in the new numbering
     raised.degree = degree;
     raised.elements.clear();
     std::unordered_map<NodeKey, int, NodeKeyHash> node_of;
-    for (int e = 0; e < mesh.element_count(); ++e) {
-        const int* vertex = &vertices[offset(e, dim + 1)];
-        for (int i = 0; i < fine.count; ++i) {
-            if (i <= dim) {
-                raised.elements.push_back(vertex[i]);
-                continue;
-            }
-            const auto [it, is_new] = node_of.try_emplace(key_of(fine.nodes[i], vertex, dim), raised.nodes());
-            raised.elements.push_back(it->second);
-            if (!is_new) continue;
-            for (int a = 0; a < dim; ++a) {
-                double position = 0;
-                for (int j = 0; j < coarse.count; ++j)
-                    position += N[offset(i, coarse.count, j)] * mesh.x[offset(mesh.element(e)[j], dim, a)];
-                raised.x.push_back(position);
+    for (const ElementGroup& group : mesh.element_groups()) {
+        const CellType& cell = *group.cell;
+        const LagrangeBasis coarse(cell, mesh.degree), fine(cell, degree);
+        std::vector<double> N(offset(fine.count, coarse.count));  // coarse basis at the fine nodes
+        for (int i = 0; i < fine.count; ++i) coarse.values(fine.point(i).data(), &N[offset(i, coarse.count)]);
+        for (int e = group.first; e < group.first + group.count; ++e) {
+            const int* vertex = linear.element(e);  // in the new numbering
+            for (int i = 0; i < fine.count; ++i) {
+                if (i < cell.vertices) {
+                    raised.elements.push_back(vertex[i]);
+                    continue;
+                }
+                const NodeKey key = cell.is_simplex() ? key_of(fine.nodes[i], vertex, dim)
+                                                      : key_in_quadrilateral(fine.nodes[i], vertex);
+                const auto [it, is_new] = node_of.try_emplace(key, raised.nodes());
+                raised.elements.push_back(it->second);
+                if (!is_new) continue;
+                for (int a = 0; a < dim; ++a) {
+                    double position = 0;
+                    for (int j = 0; j < coarse.count; ++j)
+                        position += N[offset(i, coarse.count, j)] * mesh.x[offset(mesh.element(e)[j], dim, a)];
+                    raised.x.push_back(position);
+                }
             }
         }
     }
+    start_groups(raised);
     raised.faces.clear();
-    const std::vector<std::vector<int>> face_nodes = fine.face_nodes();
+    const SideNodes side_nodes(dim, degree);
     for (int f = 0; f < mesh.face_count(); ++f) {
         const int e = mesh.face_element[f];
-        for (int k : face_nodes[side_number(mesh, e, mesh.face(f))]) raised.faces.push_back(raised.element(e)[k]);
+        for (int k : side_nodes.of(mesh.cell(e), side_number(mesh, e, mesh.face(f))))
+            raised.faces.push_back(raised.element(e)[k]);
     }
     raise_kept_cells(raised);
     append_node_ids(mesh, raised);
@@ -291,7 +343,7 @@ Mesh refine(const Mesh& mesh, int times) {
 
 std::vector<double> prolong(const Mesh& coarse, const std::vector<double>& coarse_ideal, const Mesh& fine,
                             const std::vector<double>& fine_ideal, const std::vector<double>& field) {
-    const LagrangeBasis basis(coarse.dim, coarse.degree);
+    const std::vector<LagrangeBasis> bases = bases_of(coarse);
     const std::vector<int> element = element_of_nodes(fine);
     const int children = fine.element_count() / coarse.element_count();  // those of e are numbered from e * children
     const double steps = std::round(std::pow(children, 1.0 / coarse.dim)) * fine.degree;
@@ -299,10 +351,12 @@ std::vector<double> prolong(const Mesh& coarse, const std::vector<double>& coars
     with_dimension(coarse.dim, [&](auto dimension) {
         constexpr int n = dimension;
         parallel_for(fine.nodes(), [&](int i) {
-            const int* const node = coarse.element(element[i] / children);
+            const int e = element[i] / children;
+            const int* const node = coarse.element(e);
+            const LagrangeBasis& basis = bases[coarse.group_number(e)];
             const std::size_t at = offset(i, n);
-            const Vec<n> xi = reference_point<n>(node, coarse_ideal, &fine_ideal[at], steps);
-            double N[simplex_node_count(n, max_degree)];
+            const Vec<n> xi = reference_point<n>(basis.cell, node, coarse_ideal, &fine_ideal[at], steps);
+            double N[(max_degree + 1) * (max_degree + 2) * (max_degree + 3) / 6];  // of any cell
             basis.values(xi.data(), N);
             for (int j = 0; j < basis.count; ++j)
                 for (int a = 0; a < n; ++a) result[at + a] += N[j] * field[offset(node[j], n, a)];

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {
@@ -33,12 +34,39 @@ struct Side {
     }
 };
 
+// Local nodes of the sides of cells of one dimension and degree.
+class SideNodes {
+public:
+    SideNodes(int dim, int degree);
+    // In Gmsh's order, oriented outward (LagrangeBasis::face_nodes()).
+    const std::vector<int>& of(const CellType& cell, int side) const { return nodes_[cell.vertices][side]; }
+
+private:
+    std::vector<std::vector<std::vector<int>>> nodes_;  // by the number of vertices of the cell, and side
+};
+
 // Side k of the simplex of the given dimension, opposite its vertex k, with these vertices.
 inline Side side_of_simplex(int dim, const int* vertices, int k, int number) {
     std::array<int, 3> vertex{};
     const CellFace& local = simplex(dim).faces[k];
     for (int i = 0; i < dim; ++i) vertex[i] = vertices[local[i]];
     return {std::span(vertex).first(dim), number};
+}
+
+inline Side side_of_element(const Mesh& mesh, int e, int k, int number) {
+    const CellType& cell = mesh.cell(e);
+    std::array<int, 3> vertex{};
+    for (int i = 0; i < mesh.dim; ++i) vertex[i] = mesh.element(e)[cell.faces[k][i]];
+    return {std::span(vertex).first(mesh.dim), number};
+}
+
+// Calls body(e, k, number) for the sides k of all elements e, ascending: number = e * Mesh::most_sides() + k.
+template <class Body>
+void for_sides(const Mesh& mesh, const Body& body) {
+    const int most = mesh.most_sides();
+    for (const ElementGroup& group : mesh.element_groups())
+        for (int e = group.first; e < group.first + group.count; ++e)
+            for (int k = 0; k < static_cast<int>(group.cell->faces.size()); ++k) body(e, k, e * most + k);
 }
 
 // Sorts the sides and calls body(std::span<const Side>) for each set of equal vertices, ascending.

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "mesh/kept_cells.hpp"
+#include "mesh/lagrange.hpp"
 
 namespace almesh {
 namespace {
@@ -25,6 +26,23 @@ std::uint8_t winding(const int* here, const int* in_file, int count) {
     return w;
 }
 
+void reverse(Mesh& mesh, const std::vector<int>& elements) {
+    for (const ElementGroup& group : mesh.element_groups()) {
+        const LagrangeBasis basis(*group.cell, mesh.degree);
+        MultiIndex swap = {0, 1, 2, 3};
+        if (group.cell->is_simplex()) std::swap(swap[mesh.dim - 1], swap[mesh.dim]);
+        else swap = {2, 3, 0, 1};
+        std::vector<int> from(basis.count), before(basis.count);
+        for (int i = 0; i < basis.count; ++i) from[i] = basis.permuted_node(i, swap);
+        for (int e : elements) {
+            if (e < group.first || e >= group.first + group.count) continue;
+            int* const node = mesh.elements.data() + (mesh.element(e) - mesh.elements.data());
+            std::copy_n(node, basis.count, before.begin());
+            for (int i = 0; i < basis.count; ++i) node[i] = before[from[i]];
+        }
+    }
+}
+
 void set_winding(Mesh& mesh, const std::vector<int>& turned) {
     if (!turned.empty()) mesh.file.element_winding.assign(mesh.element_count(), 0);
     for (const int e : turned) mesh.file.element_winding[e] = 1;
@@ -41,14 +59,12 @@ Mesh as_in_file(Mesh mesh) {
         const std::vector<int> nodes = subcells.nodes(mesh.face_element[f], vertex.data(), mesh.dim - 1);
         std::copy(nodes.begin(), nodes.end(), mesh.faces.begin() + static_cast<std::ptrdiff_t>(f * nodes.size()));
     }
+    std::vector<int> turned;
     for (std::size_t e = 0; e < mesh.file.element_winding.size(); ++e) {
         if (mesh.file.element_winding[e] == 0) continue;
-        std::array<int, 4> vertex{};
-        std::copy_n(mesh.element(static_cast<int>(e)), mesh.dim + 1, vertex.begin());
-        std::swap(vertex[mesh.dim - 1], vertex[mesh.dim]);
-        const std::vector<int> nodes = subcells.nodes(static_cast<int>(e), vertex.data(), mesh.dim);
-        std::copy(nodes.begin(), nodes.end(), mesh.elements.begin() + static_cast<std::ptrdiff_t>(e * nodes.size()));
+        turned.push_back(static_cast<int>(e));
     }
+    reverse(mesh, turned);
     return mesh;
 }
 

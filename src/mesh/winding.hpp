@@ -13,7 +13,11 @@ namespace almesh {
 // Of a cell here, by `count` <= 3 vertices of it, which are also those in the file.
 std::uint8_t winding(const int* here, const int* in_file, int count);
 
-// Records that the last two vertices of these elements were swapped.
+// Swaps the last two vertices of the given simplices (the second and the last one of quadrilaterals), with all nodes
+// that belong to them.
+void reverse(Mesh& mesh, const std::vector<int>& elements);
+
+// Records that these elements were reversed.
 void set_winding(Mesh& mesh, const std::vector<int>& turned);
 
 // The mesh with its elements and faces as the file has them.

@@ -15,7 +15,7 @@ TEST_CASE("a refined rule has the volume of the element, positive weights, and i
     for (const int dim : {2, 3}) {
         const Quadrature rule = element_quadrature(dim, 2, 0);
         const ReferenceElement whole = reference_element(2, rule);
-        RefinedRule refined(dim);
+        RefinedRule refined(simplex(dim));
         REQUIRE(refined.refine({0.7, 0.1, 0.2, 0}, 0));
         REQUIRE(refined.refine({0.72, 0.08, 0.2, 0}, 0));
         REQUIRE(refined.refine({0, 1, 0, 0}, 0));
@@ -38,7 +38,7 @@ TEST_CASE("a refined rule has the volume of the element, positive weights, and i
 // dN_0/dxi_0 of degree 2 is 1 - 4 lambda_0: a point's lambda_0 can be read from it.
 TEST_CASE("points gather where an element folded, and refinement ends") {
     const Quadrature rule = element_quadrature(2, 2, 0);
-    RefinedRule refined(2);
+    RefinedRule refined(simplex(2));
     const auto nearest = [&](double lambda) {
         const ReferenceElement element = refined.element(2, rule).reference;
         double least = 1;
@@ -46,7 +46,7 @@ TEST_CASE("points gather where an element folded, and refinement ends") {
             least = std::min(least, std::abs(0.25 * (1 - element.gradients[q * element.nodes * 2]) - lambda));
         return least;
     };
-    const Barycentric at = {0.9137, 0.0511, 0.0352, 0};
+    const CellPoint at = {0.9137, 0.0511, 0.0352, 0};
     int times = 0;
     double before = nearest(at[0]);
     while (times < 1000 && refined.refine(at, 0)) ++times;
@@ -56,9 +56,9 @@ TEST_CASE("points gather where an element folded, and refinement ends") {
 }
 
 TEST_CASE("a size that is asked for is reached at once, and not beyond") {
-    RefinedRule refined(3);
+    RefinedRule refined(simplex(3));
     const Quadrature rule = element_quadrature(3, 2, 0);
-    const Barycentric corner = {0, 0, 0, 1};
+    const CellPoint corner = {0, 0, 0, 1};
     CHECK(!refined.refine(corner, 1));
     CHECK(refined.refine(corner, 0.3));
     CHECK(refined.element(2, rule).reference.points == 7 * rule.count);
@@ -71,9 +71,9 @@ TEST_CASE("a size that is asked for is reached at once, and not beyond") {
 TEST_CASE("in 3D small pieces weigh more than their volume, so that folding at a point is dear; in 2D their area") {
     for (const int dim : {2, 3}) {
         const Quadrature rule = element_quadrature(dim, 2, 0);
-        RefinedRule refined(dim);
+        RefinedRule refined(simplex(dim));
         for (int times = 1; times <= 5; ++times) {
-            Barycentric corner{};
+            CellPoint corner{};
             corner[dim] = 1;
             REQUIRE(refined.refine(corner, 0));
             const auto [element, volume] = refined.element(2, rule);

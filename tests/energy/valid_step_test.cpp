@@ -17,7 +17,7 @@ namespace {
 
 double fraction(const Mesh& mesh, const std::vector<double>& from, const std::vector<double>& to,
                 std::vector<Inversion>& inversions) {
-    return ValidStep(mesh.dim, mesh.degree).fraction(mesh.elements, mesh.element_count(), from, to, inversions);
+    return ValidStep(mesh.cell(), mesh.degree).fraction(mesh.elements, mesh.element_count(), from, to, inversions);
 }
 
 double fraction(const Mesh& mesh, const std::vector<double>& from, const std::vector<double>& to) {

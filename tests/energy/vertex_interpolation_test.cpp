@@ -39,3 +39,18 @@ TEST_CASE("nodes are interpolated from the vertices of an element: those of an a
 }
 
 TEST_CASE("degree 1 has no lower degree") { CHECK(vertex_interpolation(cube_mesh(1)).columns == 0); }
+
+TEST_CASE("in quadrilaterals a bilinear field is that of its vertices, next to triangles too") {
+    for (int degree = 2; degree <= 4; ++degree) {
+        const Mesh linear = mixed_mesh(4, 0.2), mesh = with_degree(linear, degree);
+        const Interpolation P = vertex_interpolation(mesh);
+        REQUIRE(P.columns == linear.nodes());
+        REQUIRE(P.rows() == mesh.nodes());
+        for (int i = 0; i < mesh.nodes(); ++i)  // vertices come first: column v is node v
+            for (int a = 0; a < 2; ++a) {
+                double x = 0;
+                for (int k = P.row[i]; k < P.row[i + 1]; ++k) x += P.weight[k] * linear.x[2 * P.col[k] + a];
+                CHECK(x == doctest::Approx(mesh.x[2 * i + a]).epsilon(1e-14).scale(1));
+            }
+    }
+}

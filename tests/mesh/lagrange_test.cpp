@@ -102,3 +102,34 @@ TEST_CASE("swapping two vertices maps each node to its mirror image") {
         CHECK(basis.permuted_node(j, {1, 0, 2, 3}) == i);
     }
 }
+
+// Of gmsh 4.8 (getBasisFunctions, Lagrange and GradLagrange of its element types 3, 10, 36, 37, 38, 47, 48) at
+// xi = (0.23, 0.61), the derivatives by the coordinates of [0, 1]^2: sums of (i + 1)^2 times those of function i.
+TEST_CASE("the basis of quadrilaterals is Gmsh's, node by node") {
+    struct OfGmsh {
+        int degree;
+        double N, along_x, along_y;
+    };
+    for (const OfGmsh& of : {OfGmsh{1, 9.437, -3.1, 12.7}, OfGmsh{2, 79.56013816, 42.287984, -21.895088},
+                             OfGmsh{3, 231.124733958, 280.038874508, 96.3249439411},
+                             OfGmsh{4, 535.861289467, 855.523351472, -687.320512088},
+                             OfGmsh{5, 1021.12135722, 2425.4272798, -1418.52299589},
+                             OfGmsh{6, 1780.78381983, 4368.73599854, -2381.10846912},
+                             OfGmsh{7, 2830.85596728, 8366.19528047, -4972.42144163}}) {
+        const LagrangeBasis basis(quadrilateral(), of.degree);
+        std::vector<double> N(basis.count), dN(2 * basis.count);
+        const double xi[2] = {0.23, 0.61};
+        basis.values(xi, N.data());
+        basis.gradients(xi, dN.data());
+        double sum[3] = {};
+        for (int i = 0; i < basis.count; ++i) {
+            const double square = (i + 1.0) * (i + 1);
+            sum[0] += square * N[i];
+            sum[1] += square * dN[2 * i];
+            sum[2] += square * dN[2 * i + 1];
+        }
+        CHECK(sum[0] == doctest::Approx(of.N).epsilon(1e-10));
+        CHECK(sum[1] == doctest::Approx(of.along_x).epsilon(1e-10));
+        CHECK(sum[2] == doctest::Approx(of.along_y).epsilon(1e-10));
+    }
+}

@@ -145,3 +145,28 @@ TEST_CASE("of curved elements a thousandth of the weight is at the nodes, whatev
             CHECK(at_nodes == doctest::Approx(0.001 / factorial(dim)).epsilon(1e-9));
         }
 }
+
+TEST_CASE("on quadrilaterals the rule is exact in each coordinate, and the usual one has points at the nodes") {
+    for (int exactness = 0; exactness <= 12; ++exactness) {
+        const Quadrature rule = cell_quadrature(quadrilateral(), exactness);
+        for (int a = 0; a <= exactness; ++a)
+            for (int b = 0; b <= exactness; ++b) {
+                double sum = 0;
+                for (int q = 0; q < rule.count; ++q)
+                    sum += rule.weight[q] * std::pow(rule.xi[2 * q], a) * std::pow(rule.xi[2 * q + 1], b);
+                CHECK(sum == doctest::Approx(1.0 / ((a + 1) * (b + 1))).epsilon(1e-13));
+            }
+    }
+    for (int degree = 1; degree <= 4; ++degree) {
+        const Quadrature usual = element_quadrature(quadrilateral(), degree, 0);
+        CHECK(usual.count == (degree + 2) * (degree + 2) + (degree + 1) * (degree + 1));
+        double sum = 0, at_nodes = 0;
+        for (int q = 0; q < usual.count; ++q) {
+            sum += usual.weight[q];
+            const double x = degree * usual.xi[2 * q], y = degree * usual.xi[2 * q + 1];
+            if (std::abs(x - std::round(x)) + std::abs(y - std::round(y)) < 1e-14) at_nodes += usual.weight[q];
+        }
+        CHECK(sum == doctest::Approx(1).epsilon(1e-14));
+        CHECK(at_nodes >= 0.001 * 0.999);  // a Gauss point may be at a node in the middle
+    }
+}

@@ -12,23 +12,96 @@
 
 namespace almesh::test {
 
-Mesh linear_mesh(int dim, std::vector<double> x, std::vector<int> elements, const BoundaryName& name) {
+namespace {
+
+std::string side_of_square(const double* p) {
+    return p[0] == 0 ? "left" : p[0] == 1 ? "right" : p[1] == 0 ? "bottom" : "top";
+}
+
+// Columns of cells from `split` on are cut into triangles.
+Mesh mesh_of_square(int k, int split, double amplitude) {
+    std::vector<double> x;
+    for (int j = 0; j <= k; ++j)
+        for (int i = 0; i <= k; ++i) {
+            const double a = static_cast<double>(i) / k, b = static_cast<double>(j) / k;
+            const double moved = i % k == 0 || j % k == 0 ? 0 : amplitude / k;
+            x.insert(x.end(), {a + moved * std::sin(3 + 7.0 * i + 4 * j), b + moved * std::sin(5.0 * i + 11 * j)});
+        }
+    std::vector<int> triangles, squares;
+    for (int j = 0; j < k; ++j)
+        for (int i = 0; i < k; ++i) {
+            const int a = j * (k + 1) + i, b = a + 1, c = a + k + 2, d = a + k + 1;
+            if (i < split) squares.insert(squares.end(), {a, b, c, d});
+            else triangles.insert(triangles.end(), {a, b, c, a, c, d});
+        }
+    const int count = static_cast<int>(triangles.size()) / 3;
+    std::vector<ElementGroup> groups;
+    if (count > 0) groups.push_back({&simplex(2), 0, count, 0});
+    groups.push_back({&quadrilateral(), count, static_cast<int>(squares.size()) / 4, triangles.size()});
+    triangles.insert(triangles.end(), squares.begin(), squares.end());
+    return linear_mesh(2, x, triangles, side_of_square, groups);
+}
+
+}  // namespace
+
+Mesh quad_mesh(int k, double amplitude) { return mesh_of_square(k, k, amplitude); }
+
+Mesh mixed_mesh(int k, double amplitude) { return mesh_of_square(k, k / 2, amplitude); }
+
+Mesh with_degree(const Mesh& linear, int degree) {
+    Mesh mesh;
+    mesh.dim = linear.dim;
+    mesh.degree = degree;
+    mesh.groups = linear.element_groups();
+    mesh.x = linear.x;
+    mesh.file = linear.file;
+    std::map<std::vector<long long>, int> places;  // rounded position -> node
+    const auto node_at = [&](const std::vector<double>& x) {
+        std::vector<long long> key;
+        for (const double coordinate : x) key.push_back(std::llround(1e9 * coordinate));
+        const auto [it, is_new] = places.try_emplace(key, static_cast<int>(places.size()));
+        if (is_new && it->second >= linear.nodes()) mesh.x.insert(mesh.x.end(), x.begin(), x.end());
+        return it->second;
+    };
+    for (int i = 0; i < linear.nodes(); ++i) {
+        const double* const x = point(linear.x, i, mesh.dim);
+        node_at({x, x + mesh.dim});
+    }
+    for (ElementGroup& group : mesh.groups) {
+        group.start = mesh.elements.size();
+        const LagrangeBasis basis(*group.cell, degree), vertices(*group.cell, 1);
+        std::vector<double> N(vertices.count);
+        for (int e = group.first; e < group.first + group.count; ++e)
+            for (int i = 0; i < basis.count; ++i) {
+                vertices.values(basis.point(i).data(), N.data());
+                std::vector<double> x(mesh.dim, 0.0);
+                for (int v = 0; v < vertices.count; ++v)
+                    for (int a = 0; a < mesh.dim; ++a) x[a] += N[v] * linear.x[linear.element(e)[v] * mesh.dim + a];
+                mesh.elements.push_back(i < vertices.count ? linear.element(e)[i] : node_at(x));
+            }
+    }
+    return mesh;
+}
+
+Mesh linear_mesh(int dim, std::vector<double> x, std::vector<int> elements, const BoundaryName& name,
+                 std::vector<ElementGroup> groups) {
     Mesh mesh;
     mesh.dim = dim;
     mesh.degree = 1;
     mesh.x = std::move(x);
     mesh.elements = std::move(elements);
-    std::map<std::set<int>, std::vector<std::pair<int, int>>> uses;  // face vertices -> (element, opposite vertex)
+    mesh.groups = std::move(groups);
+    std::map<std::set<int>, std::vector<std::pair<int, int>>> uses;  // face vertices -> (element, face of it)
     for (int e = 0; e < mesh.element_count(); ++e)
-        for (int v = 0; v <= dim; ++v) {
-            std::set<int> face(mesh.element(e), mesh.element(e) + dim + 1);
-            face.erase(mesh.element(e)[v]);
-            uses[face].push_back({e, v});
+        for (std::size_t f = 0; f < mesh.cell(e).faces.size(); ++f) {
+            std::set<int> face;
+            for (int k = 0; k < dim; ++k) face.insert(mesh.element(e)[mesh.cell(e).faces[f][k]]);
+            uses[face].push_back({e, static_cast<int>(f)});
         }
     for (const auto& [vertices, use] : uses) {
         if (use.size() != 1) continue;
         const auto [e, v] = use[0];
-        const CellFace& local = mesh.cell().faces[v];
+        const CellFace& local = mesh.cell(e).faces[v];
         std::vector<double> centre(dim, 0.0);
         for (int k = 0; k < dim; ++k) {
             const int node = mesh.element(e)[local[k]];
@@ -65,9 +138,7 @@ Mesh square_mesh(int k) {
             const int a = j * (k + 1) + i, b = a + 1, c = a + k + 2, d = a + k + 1;
             elements.insert(elements.end(), {a, b, c, a, c, d});
         }
-    return linear_mesh(2, x, elements, [](const double* p) -> std::string {
-        return p[0] == 0 ? "left" : p[0] == 1 ? "right" : p[1] == 0 ? "bottom" : "top";
-    });
+    return linear_mesh(2, x, elements, side_of_square);
 }
 
 Mesh cube_mesh(int k, int cubes) {

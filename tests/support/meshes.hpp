@@ -13,10 +13,19 @@ namespace almesh::test {
 using BoundaryName = std::function<std::string(const double* centre)>;
 
 // A linear mesh with its boundary faces found and named; ids count from 1.
-Mesh linear_mesh(int dim, std::vector<double> x, std::vector<int> elements, const BoundaryName& name);
+Mesh linear_mesh(int dim, std::vector<double> x, std::vector<int> elements, const BoundaryName& name,
+                 std::vector<ElementGroup> groups = {});
 
 // Unit square, k x k cells of two triangles; boundaries left, right, bottom, top.
 Mesh square_mesh(int k);
+
+// Unit square, k x k squares; boundaries left, right, bottom, top. Inner vertices are moved by `amplitude` / k or less,
+// so that the cells are no parallelograms. mixed_mesh: those in the right half are two triangles, the first elements.
+Mesh quad_mesh(int k, double amplitude = 0);
+Mesh mixed_mesh(int k, double amplitude = 0);
+
+// With elements of degree p, straight or bilinear, without faces.
+Mesh with_degree(const Mesh& linear, int degree);
 
 // Unit cube, or as many in a row along x, of k x k x k cells of six tetrahedra; boundaries bottom, top, sides.
 Mesh cube_mesh(int k, int cubes = 1);

@@ -1,0 +1,98 @@
+#include "energy/group_energy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+
+namespace almesh {
+namespace {
+
+// 0 where it is not positive somewhere.
+template <int n>
+double mean_jacobian(const int* node, const std::vector<double>& y, const ReferenceElement& reference) {
+    double sum = 0;
+    for (int q = 0; q < reference.points; ++q) {
+        const double jacobian = determinant(jacobian_at<n>(node, y, reference, q));
+        if (!(jacobian > 0)) return 0;
+        sum += reference.weight[q] * jacobian;
+    }
+    return sum / reference.cell->volume();
+}
+
+// Of |e| in w_e |e| and w'_e |e|: alpha; and 3/(2n), in 2D and 3D the power 3/2 of the element's size, or alpha if that
+// is less.
+std::array<double, 2> weight_exponents(const DistortionParams& params, int dim) {
+    return {params.weight_exponent, std::min(1.5 / dim, params.weight_exponent)};
+}
+
+}  // namespace
+
+GroupEnergy::GroupEnergy(const DistortionParams& params, const Mesh& mesh, const std::vector<double>& ideal)
+    : DistortionEnergy(params, mesh.dim),
+      element_count_(mesh.element_count()),
+      rules_(mesh.cell(), mesh.degree, params.exactness),
+      reference_(rules_.common()) {
+    params_.curved_ideal = params.curved_ideal || !mesh.cell().is_simplex();
+    if (params_.curved_ideal) curved_ideal_ = ideal;
+}
+
+GroupEnergy::GroupEnergy(const GroupEnergy& whole, const std::vector<int>& place, const std::vector<int>& node)
+    : DistortionEnergy(whole.params_, whole.dim_),
+      element_count_(static_cast<int>(place.size())),
+      rules_(whole.rules_.part(place)),
+      reference_(rules_.common()) {
+    if (whole.curved_ideal_.empty()) return;
+    for (const int i : node) {
+        const double* const y = point(whole.curved_ideal_, i, dim_);
+        curved_ideal_.insert(curved_ideal_.end(), y, y + dim_);
+    }
+}
+
+std::unique_ptr<DistortionEnergy> GroupEnergy::part(const std::vector<double>& x, const std::vector<char>& moves,
+                                                    std::vector<int>& node) const {
+    const SubMesh chosen = elements_around(std::vector{cell_nodes()}, moves)[0];
+    node = chosen.node;
+    return part(x, chosen);
+}
+
+double GroupEnergy::hessian_work() const {
+    constexpr double of_density = 125, of_entry = 0.2;  // at a point
+    const double entries = static_cast<double>(reference_.nodes) * reference_.nodes * dim_ * dim_;
+    double points = static_cast<double>(element_count_) * reference_.points;
+    for (const auto& refined : rules_.refined()) points += rules_.of(refined.element).reference.points;
+    return (of_density + of_entry * entries) * points;
+}
+
+// The weights were det A^a = (|e| / v)^a, v the volume of the reference cell, where |e|^a / v was meant.
+void GroupEnergy::normalise_weights(const std::array<double, 2>& factor) {
+    scale_weights(factor);
+    const std::array<double, 2> exponents = weight_exponents(params_, dim_);
+    for (int k = 0; k < 2; ++k)
+        weight_units_[k] = factor[k] * std::pow(reference_.cell->volume(), 1 - exponents[k]);
+}
+
+void GroupEnergy::use_pattern_of_mesh(const LargeVector<int>& place) {
+    blocks_moved(place);
+    pattern_ = {};
+}
+
+IdealElement ideal_element(const Mesh& mesh, int e, const std::vector<double>& ideal, const DistortionParams& params,
+                           const ReferenceElement& reference) {
+    IdealElement of{};
+    with_dimension(mesh.dim, [&](auto n) {
+        const Mat<n> A = straight_jacobian<n>(mesh.element(e), ideal), inverse_of_A = inverse<n>(A);
+        const std::array<double, 2> exponents = weight_exponents(params, mesh.dim);
+        of.jacobian = params.curved_ideal ? mean_jacobian<n>(mesh.element(e), ideal, reference) : determinant(A);
+        of.weight = std::pow(of.jacobian, exponents[0]);
+        of.damping_weight = std::pow(of.jacobian, exponents[1]);
+        for (int i = 0; i < n; ++i) std::copy_n(inverse_of_A[i].begin(), n(), &of.inverse[i * n]);
+    });
+    return of;
+}
+
+void refuse_ideal_element(const Mesh& mesh, int e) {
+    throw InputError("element ", mesh.file.element_id[e], " of the ideal mesh has no positive volume");
+}
+
+}  // namespace almesh

@@ -1,0 +1,76 @@
+// The energy of a mesh with elements of several types: the sum of those of its groups of elements, each with its own
+// reference element and rules. Gradient and Hessian are added one group after the other.
+//
+// Elements are numbered group after group, in the numbers that these have for their own.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "energy/group_energy.hpp"
+
+namespace almesh {
+
+class MixedEnergy : public DistortionEnergy {
+public:
+    MixedEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params);
+
+    double energy(const std::vector<double>& x) override;
+    void add_gradient(const std::vector<double>& x, std::vector<double>& g) override;
+    void add_hessian(const std::vector<double>& x, HessianKind kind, BlockCsr& H,
+                     const Projection& projection = {}) override;
+    DistortionStatistics statistics(const std::vector<double>& x) override;
+    std::unique_ptr<DistortionEnergy> part(const std::vector<double>& x, const std::vector<char>& moves,
+                                           std::vector<int>& node) const override;
+
+    void set_power(const PowerParams& power) override;
+    void set_delta(double delta) override;
+    double valid_fraction(const std::vector<double>& x, const std::vector<double>& to) override;
+    bool certified(const std::vector<double>& x) const override {
+        return total([&](GroupEnergy& group) { return !group.certified(x); }) == 0;
+    }
+    bool refine_quadrature() override {
+        return total([](GroupEnergy& group) { return group.refine_quadrature(); }) > 0;
+    }
+    bool take_over_refinements(const DistortionEnergy& part) override;
+    QuadratureState quadrature() const override;
+    void set_quadrature(const QuadratureState& state) override;
+    int refined_elements() const override {
+        return static_cast<int>(total([](GroupEnergy& group) { return group.refined_elements(); }));
+    }
+    bool is_curved() const override {
+        return total([](GroupEnergy& group) { return group.is_curved(); }) > 0;
+    }
+    double nodes_in_elements() const override {
+        return total([](GroupEnergy& group) { return group.nodes_in_elements(); });
+    }
+    double hessian_work() const override {
+        return total([](GroupEnergy& group) { return group.hessian_work(); });
+    }
+
+private:
+    // Of some elements of another one: groups[g] of those of groups_[g] there, or none.
+    MixedEnergy(const MixedEnergy& whole, std::vector<std::unique_ptr<GroupEnergy>> groups);
+
+    std::vector<std::unique_ptr<GroupEnergy>> groups_;  // of a part: nullptr where it has none of a group's elements
+
+    void join_patterns();
+    void blocks_moved(const LargeVector<int>& place) override;
+    // body(group, number of its first element) for all that have elements.
+    template <class Body>
+    void every_group(const Body& body) const {
+        int first = 0;
+        for (const auto& group : groups_) {
+            if (!group) continue;
+            body(*group, first);
+            first += group->element_count();
+        }
+    }
+    template <class Value>
+    double total(const Value& value) const {
+        double sum = 0;
+        every_group([&](GroupEnergy& group, int) { sum += value(group); });
+        return sum;
+    }
+};
+
+}  // namespace almesh

@@ -1,0 +1,296 @@
+// The energy on meshes of quadrilaterals, alone and next to triangles.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "base/error.hpp"
+#include "energy/group_energy.hpp"
+#include "energy/mixed_energy.hpp"
+#include "support/meshes.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+constexpr Assembly assemblies[] = {Assembly::simd, Assembly::plain};
+constexpr Objective objectives[] = {Objective::squared, Objective::deviation, Objective::size_shape,
+                                    Objective::minimax};
+
+std::vector<Mesh> meshes() {
+    std::vector<Mesh> meshes;
+    for (int degree = 1; degree <= 4; ++degree)
+        for (const Mesh& linear : {quad_mesh(3, 0.2), mixed_mesh(4, 0.2)})
+            meshes.push_back(with_degree(linear, degree));
+    return meshes;
+}
+
+DistortionParams with(Objective objective, Assembly assembly = Assembly::simd, double alpha = 0.5) {
+    DistortionParams params{.objective = objective, .weight_exponent = alpha, .assembly = assembly};
+    if (objective == Objective::minimax) params.power = {.p = 6, .M = 0.8, .kappa = 0.1};
+    return params;
+}
+
+// 2x in the first direction, then turned: eta = 5/4.
+std::vector<double> stretched(std::vector<double> x) {
+    for (std::size_t i = 0; i < x.size(); i += 2) {
+        const double a = 2 * x[i], b = x[i + 1];
+        x[i] = 0.6 * a - 0.8 * b;
+        x[i + 1] = 0.8 * a + 0.6 * b;
+    }
+    return x;
+}
+
+std::vector<double> gradient(DistortionEnergy& E, const std::vector<double>& x) {
+    std::vector<double> g(x.size(), 0.0);
+    E.add_gradient(x, g);
+    return g;
+}
+
+template <class Values>
+double relative_difference(const Values& a, const Values& b) {
+    REQUIRE(a.size() == b.size());
+    double most = 0, of_b = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        most = std::max(most, std::abs(a[i] - b[i]));
+        of_b = std::max(of_b, std::abs(b[i]));
+    }
+    return most / of_b;
+}
+
+void check_same(DistortionEnergy& a, DistortionEnergy& b, const std::vector<double>& x) {
+    REQUIRE(std::isfinite(b.energy(x)));
+    CHECK(a.energy(x) == doctest::Approx(b.energy(x)).epsilon(1e-12));
+    CHECK(relative_difference(gradient(a, x), gradient(b, x)) <= 1e-12);
+    for (const HessianKind kind : {HessianKind::full, HessianKind::projected, HessianKind::damping}) {
+        BlockCsr A = a.hessian_pattern(), B = b.hessian_pattern();
+        REQUIRE(A.col == B.col);
+        a.add_hessian(x, kind, A, {.damping = 0.2});
+        b.add_hessian(x, kind, B, {.damping = 0.2});
+        CHECK(relative_difference(A.value, B.value) <= 1e-12);
+    }
+    const DistortionStatistics of_a = a.statistics(x), of_b = b.statistics(x);
+    CHECK(of_a.relative_quality == doctest::Approx(of_b.relative_quality).epsilon(1e-13));
+    CHECK(relative_difference(of_a.element_max, of_b.element_max) <= 1e-12);
+    CHECK(a.hessian_work() == b.hessian_work());
+    CHECK(a.refined_elements() == b.refined_elements());
+}
+
+std::vector<double> on_part(const std::vector<double>& x, const std::vector<int>& node) {
+    std::vector<double> y;
+    for (const int i : node) y.insert(y.end(), point(x, i, 2), point(x, i, 2) + 2);
+    return y;
+}
+
+// Steps that fold elements, so that their quadrature gets finer.
+void refine(DistortionEnergy& E, const Mesh& mesh, const std::vector<double>& x) {
+    for (const double amplitude : {0.2, 0.3}) {
+        REQUIRE(E.valid_fraction(x, wavy(mesh.x, 2, amplitude)) < 1);
+        REQUIRE(E.refine_quadrature());
+    }
+    REQUIRE(E.refined_elements() > 0);
+}
+
+}  // namespace
+
+TEST_CASE("quadrilaterals have no distortion where they are, and a stretch has that of its matrix everywhere") {
+    for (const Mesh& mesh : meshes())
+        for (const Assembly assembly : assemblies)
+            for (const double alpha : {1.0, 0.5}) {
+                const auto E = make_energy(mesh, mesh.x, with(Objective::deviation, assembly, alpha));
+                CHECK(E->domain_volume() == doctest::Approx(1).epsilon(1e-14));
+                CHECK(E->energy(mesh.x) < 1e-24);
+                for (const double g : gradient(*E, mesh.x)) CHECK(std::abs(g) < 1e-11);
+                CHECK(make_energy(mesh, mesh.x, with(Objective::size_shape, assembly, alpha))->energy(mesh.x) < 1e-24);
+                const std::vector<double> x = stretched(mesh.x);
+                CHECK(E->energy(x) == doctest::Approx(1.0 / 16).epsilon(1e-12));
+                const DistortionStatistics of = E->statistics(x);
+                CHECK(of.max_distortion == doctest::Approx(1.25).epsilon(1e-12));
+                CHECK(of.relative_quality == doctest::Approx(0.8).epsilon(1e-12));
+                CHECK(static_cast<int>(of.element_max.size()) == mesh.element_count());
+            }
+}
+
+TEST_CASE("both assemblies agree on quadrilaterals, with refined quadratures and in parts") {
+    for (const Mesh& mesh : meshes())
+        for (const Objective objective : objectives) {
+            const std::vector<double> x = wavy(stretched(mesh.x), 2, 0.02);
+            const auto simd = make_energy(mesh, mesh.x, with(objective)),
+                       plain = make_energy(mesh, mesh.x, with(objective, Assembly::plain));
+            check_same(*simd, *plain, x);
+            refine(*simd, mesh, mesh.x);
+            refine(*plain, mesh, mesh.x);
+            check_same(*simd, *plain, x);
+            std::vector<char> moves(mesh.nodes(), 0);
+            for (int i = 1; i < mesh.nodes(); i += 5) moves[i] = 1;
+            std::vector<int> node, other_node;
+            const auto part = simd->part(x, moves, node), other = plain->part(x, moves, other_node);
+            REQUIRE(node == other_node);
+            CHECK(part->refined_elements() == other->refined_elements());
+            CHECK(part->domain_volume() == doctest::Approx(other->domain_volume()).epsilon(1e-13));
+            std::vector<double> y = on_part(x, node);
+            CHECK(part->energy(y) == doctest::Approx(other->energy(y)).epsilon(1e-12));
+            // What the part's nodes that move do to it is what they do to the whole.
+            std::vector<double> moved = x;
+            for (int i = 0; i < mesh.nodes(); ++i) moved[2 * i] += moves[i] ? 1e-3 : 0;
+            CHECK(part->energy(on_part(moved, node)) - part->energy(y) ==
+                  doctest::Approx(simd->energy(moved) - simd->energy(x)).epsilon(1e-8));
+        }
+}
+
+TEST_CASE("gradient and Hessian on quadrilaterals have slope 2") {
+    for (const Mesh& mesh : meshes()) {
+        const std::vector<double> x = wavy(stretched(mesh.x), 2, 0.02);
+        for (const bool refined : {false, true}) {
+            const auto E = make_energy(mesh, mesh.x, with(Objective::squared));
+            if (refined) refine(*E, mesh, mesh.x);
+            std::vector<double> d(x.size()), Hd(x.size()), error[2];
+            for (std::size_t i = 0; i < d.size(); ++i) d[i] = std::sin(1.0 + 7 * static_cast<double>(i));
+            const auto along = [&](double t) {
+                std::vector<double> y = x;
+                for (std::size_t i = 0; i < y.size(); ++i) y[i] += t * d[i];
+                return y;
+            };
+            BlockCsr H = E->hessian_pattern();
+            E->add_hessian(x, HessianKind::full, H);
+            multiply(H, d.data(), Hd.data());
+            const std::vector<double> g = gradient(*E, x);
+            double slope = 0;
+            for (std::size_t i = 0; i < d.size(); ++i) slope += g[i] * d[i];
+            double of_energy[2], of_gradient[2] = {};
+            for (int k = 0; k < 2; ++k) {
+                const double t = k == 0 ? 4e-4 : 2e-4;
+                const std::vector<double> there = gradient(*E, along(t)), back = gradient(*E, along(-t));
+                of_energy[k] = std::abs((E->energy(along(t)) - E->energy(along(-t))) / (2 * t) - slope);
+                for (std::size_t i = 0; i < d.size(); ++i)
+                    of_gradient[k] = std::max(of_gradient[k], std::abs((there[i] - back[i]) / (2 * t) - Hd[i]));
+            }
+            CHECK(std::log2(of_energy[0] / of_energy[1]) == doctest::Approx(2).epsilon(0.1));
+            CHECK(std::log2(of_gradient[0] / of_gradient[1]) == doctest::Approx(2).epsilon(0.1));
+        }
+    }
+}
+
+// phi = (x + a sin(pi y), y): |D phi|^2 = 2 + s^2, det = 1, s = a pi cos(pi y), so eta^2 = (1 + s^2 / 2)^2. With
+// b = (a pi)^2 the integral over the unit square is 1 + b / 2 + 3 b^2 / 32.
+// At degree 4 the error is that of the node points, which have a thousandth of the weight.
+TEST_CASE("the energy of a smooth map converges to the exact one with the degree of quadrilaterals") {
+    const double a = 0.2, b = a * a * std::numbers::pi * std::numbers::pi, exact = 1 + b / 2 + 3 * b * b / 32;
+    for (int degree = 1; degree <= 4; ++degree) {
+        double error[2];
+        for (int level = 0; level < 2; ++level) {
+            const Mesh mesh = with_degree(quad_mesh(4 << level, 0.1), degree);
+            std::vector<double> x = mesh.x;
+            for (std::size_t i = 0; i < x.size(); i += 2) x[i] += a * std::sin(std::numbers::pi * x[i + 1]);
+            error[level] =
+                std::abs(make_energy(mesh, mesh.x, with(Objective::squared, Assembly::simd, 1))->energy(x) - exact);
+        }
+        CHECK(std::log2(error[0] / error[1]) > std::min(degree, 2));
+        CHECK(error[1] < std::pow(0.06, degree + 1));
+    }
+}
+
+TEST_CASE("elements of both types have the weights of their sizes") {
+    // Two squares of area 1 and 1/4 of another size, the second one of two triangles; the first one is stretched.
+    const std::vector<double> x = {0, 0, 1, 0, 1, 1, 0, 1, 3, 0, 3.5, 0, 3.5, 0.5, 3, 0.5};
+    const Mesh mesh = linear_mesh(2, x, {4, 5, 6, 4, 6, 7, 0, 1, 2, 3}, [](const double*) { return "wall"; },
+                                  {{&simplex(2), 0, 2, 0}, {&quadrilateral(), 2, 1, 6}});
+    std::vector<double> moved = x;
+    for (int i = 0; i < 4; ++i) moved[2 * i] *= 2;
+    for (const Assembly assembly : assemblies)
+        for (const double alpha : {1.0, 0.5, 0.25}) {
+            const double of_square = 1, of_triangles = 2 * std::pow(0.125, alpha);
+            const auto E = make_energy(mesh, x, with(Objective::squared, assembly, alpha));
+            const double part = of_square / (of_square + of_triangles);
+            CHECK(E->energy(moved) == doctest::Approx(1.25 * (part * 1.5625 + (1 - part))).epsilon(1e-13));
+            CHECK(E->statistics(moved).relative_quality ==
+                  doctest::Approx(std::sqrt(1.25 / (1.5625 + 0.25))).epsilon(1e-13));
+        }
+}
+
+TEST_CASE("a step that folds a quadrilateral between its vertices is refused, and its quadrature gets finer there") {
+    for (int degree = 1; degree <= 4; ++degree) {
+        const Mesh mesh = with_degree(quad_mesh(1), degree);
+        const auto E = make_energy(mesh, mesh.x, with(Objective::squared));
+        CHECK(E->certified(mesh.x));
+        CHECK(E->valid_fraction(mesh.x, wavy(mesh.x, 2, 0.02)) == 1);
+        CHECK(E->valid_fraction(mesh.x, stretched(mesh.x)) == 1);
+        std::vector<double> folded = mesh.x;
+        if (degree == 1) {  // vertex 2 beyond the diagonal: the two triangles of the other one have positive areas
+            folded[4] = folded[5] = 0.45;
+        } else {  // a node of the first edge goes too far, the vertices stay
+            folded[2 * mesh.element(0)[4] + 1] = 0.8;
+        }
+        CHECK(!E->certified(folded));
+        const double s = E->valid_fraction(mesh.x, folded);
+        CHECK(s < 1);
+        CHECK(s > 0.05);
+        std::vector<double> x = mesh.x;
+        for (std::size_t i = 0; i < x.size(); ++i) x[i] += s * (folded[i] - x[i]);
+        CHECK(E->certified(x));
+        CHECK(std::isfinite(E->energy(x)));
+        REQUIRE(E->refine_quadrature());
+        CHECK(E->refined_elements() == 1);
+        CHECK(std::isfinite(E->energy(x)));
+        CHECK(E->energy(stretched(mesh.x)) == doctest::Approx(1.5625).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("a mixed mesh keeps the state of its quadrature, takes over that of parts, and orders its Hessian") {
+    const Mesh mesh = with_degree(mixed_mesh(4, 0.2), 2);
+    const std::vector<double> x = wavy(mesh.x, 2, 0.02);
+    for (const Assembly assembly : assemblies) {
+        const auto E = make_energy(mesh, mesh.x, with(Objective::deviation, assembly)),
+                   other = make_energy(mesh, mesh.x, with(Objective::deviation, assembly));
+        REQUIRE(dynamic_cast<MixedEnergy*>(E.get()));
+        const double before = E->energy(x);
+        refine(*E, mesh, mesh.x);
+        CHECK(E->energy(x) != before);
+        other->set_quadrature(E->quadrature());
+        CHECK(other->energy(x) == E->energy(x));
+        CHECK(other->refined_elements() == E->refined_elements());
+
+        std::vector<char> moves(mesh.nodes(), 0);
+        moves[mesh.element(0)[0]] = moves[mesh.element(mesh.element_count() - 1)[0]] = 1;
+        std::vector<int> node;
+        const auto whole = make_energy(mesh, mesh.x, with(Objective::deviation, assembly));
+        const auto part = whole->part(x, moves, node);
+        REQUIRE(part->valid_fraction(on_part(x, node), on_part(wavy(mesh.x, 2, 0.3), node)) < 1);
+        REQUIRE(part->refine_quadrature());
+        CHECK(whole->take_over_refinements(*part));
+        CHECK(whole->refined_elements() == part->refined_elements());
+
+        BlockCsr H = E->hessian_pattern();
+        E->add_hessian(x, HessianKind::full, H);
+        std::vector<int> backwards(mesh.nodes());
+        for (int i = 0; i < mesh.nodes(); ++i) backwards[i] = mesh.nodes() - 1 - i;
+        const auto order = std::make_shared<RowOrder>(row_order(backwards));
+        E->order_hessian([&](const BlockCsr&) { return order; });
+        BlockCsr ordered = E->hessian_pattern();
+        E->add_hessian(x, HessianKind::full, ordered);
+        CHECK(relative_difference(ordered.value, reordered(H, *order).value) == 0);
+    }
+}
+
+TEST_CASE("density and regularisation of a mixed mesh change for all of its elements") {
+    const Mesh mesh = mixed_mesh(4, 0.2);
+    const std::vector<double> x = wavy(stretched(mesh.x), 2, 0.02), folded = wavy(mesh.x, 2, 0.4);
+    DistortionParams params = with(Objective::minimax);
+    const auto E = make_energy(mesh, mesh.x, params);
+    params.power = {.p = 16, .M = 0.5, .kappa = 0.2};
+    E->set_power(params.power);
+    CHECK(E->energy(x) == make_energy(mesh, mesh.x, params)->energy(x));
+    REQUIRE(std::isinf(E->energy(folded)));
+    params.delta = 0.5;
+    E->set_delta(params.delta);
+    CHECK(E->energy(folded) == make_energy(mesh, mesh.x, params)->energy(folded));
+    CHECK(E->valid_fraction(mesh.x, folded) == 1);
+}
+
+TEST_CASE("ideal quadrilaterals that are not convex are refused by their number") {
+    Mesh mesh = mixed_mesh(4);
+    point(mesh.x, mesh.element(mesh.element_count() - 1)[0], 2)[0] += 0.4;
+    for (const Assembly assembly : assemblies)
+        CHECK_THROWS_AS(make_energy(mesh, mesh.x, with(Objective::squared, assembly)), InputError);
+}
