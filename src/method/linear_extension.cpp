@@ -6,39 +6,46 @@
 #include <cmath>
 
 #include "base/small_matrix.hpp"
+#include "mesh/part.hpp"
 #include "method/fixed_nodes.hpp"
 
 namespace almesh {
 namespace {
 
-// K times a linear function, on curved elements too: an integral of cofactors of J, of degree n (p - 1).
-int exactness(const Mesh& mesh) {
-    return mesh.degree == 1 ? 0 : std::max(2 * mesh.degree, mesh.dim * (mesh.degree - 1));
+// K times a linear function, on curved elements too: an integral of cofactors of J, of degree n (p - 1); in each
+// coordinate of a quadrilateral that is 2 p - 1.
+int exactness(const CellType& cell, int degree) {
+    return cell.is_simplex() && degree == 1 ? 0 : std::max(2 * degree, cell.dim * (degree - 1));
 }
 
 }  // namespace
 
 LinearExtension::LinearExtension(const Mesh& mesh, BlockCsr pattern, const LinearSolverParams& linear)
-    : mesh_(mesh),
-      reference_(reference_element(mesh.degree, simplex_quadrature(mesh.dim, exactness(mesh)))),
-      blocks_(schedule_elements(mesh)),
-      K_(std::move(pattern)),
-      solver_(mesh.dim, linear) {}
+    : dim_(mesh.dim), K_(std::move(pattern)), solver_(mesh.dim, linear) {
+    for (const ElementGroup& group : mesh.element_groups()) {
+        const CellType& cell = *group.cell;
+        const Quadrature quadrature = cell_quadrature(cell, exactness(cell, mesh.degree));
+        const Mesh& of = groups_.emplace_back(Group{of_one_type(mesh, group), {}, {}}).mesh;
+        groups_.back().reference = reference_element(cell, mesh.degree, quadrature);
+        groups_.back().blocks = schedule_elements(of);
+    }
+}
 
 template <int n>
-void LinearExtension::add_element(StiffnessAt stiffness, const std::vector<double>& x, int e) {
-    const int m = reference_.nodes;
-    const int* const node = mesh_.element(e);
+void LinearExtension::add_element(const Group& of, StiffnessAt stiffness, const std::vector<double>& x, int e) {
+    const ReferenceElement& reference = of.reference;
+    const int m = reference.nodes;
+    const int* const node = of.mesh.element(e);
     std::vector<Vec<n>> g(m);
     std::vector<Mat<n>> block(offset(m, m));
-    for (int q = 0; q < reference_.points; ++q) {
-        const double* const dN = &reference_.gradients[offset(q, m * n)];
+    for (int q = 0; q < reference.points; ++q) {
+        const double* const dN = &reference.gradients[offset(q, m * n)];
         Mat<n> J{};  // dx/dxi
         for (int i = 0; i < m; ++i)
             for (int r = 0; r < n; ++r)
                 for (int k = 0; k < n; ++k)
                     J[r][k] += (point(x, node[i], n)[r] - point(x, node[0], n)[r]) * dN[i * n + k];
-        const double jacobian = std::abs(determinant(J)), weight = reference_.weight[q] * jacobian;
+        const double jacobian = std::abs(determinant(J)), weight = reference.weight[q] * jacobian;
         const Mat<n> inverse_of_J = inverse<n>(J);
         for (int i = 0; i < m; ++i) {
             g[i] = {};
@@ -69,21 +76,23 @@ void LinearExtension::add_element(StiffnessAt stiffness, const std::vector<doubl
 SolveResult LinearExtension::extend(StiffnessAt stiffness, const std::vector<double>& x, const std::vector<char>& fixed,
                                     std::vector<double>& u) {
     std::fill(K_.value.begin(), K_.value.end(), 0.0);
-    with_dimension(mesh_.dim, [&](auto n) {
-        blocks_.in_schedule(true, [&](int block) {
-            const int end = std::min((block + 1) * blocks_.size, mesh_.element_count());
-            for (int k = block * blocks_.size; k < end; ++k) add_element<n()>(stiffness, x, blocks_.order[k]);
+    for (Group& of : groups_)
+        with_dimension(dim_, [&](auto n) {
+            of.blocks.in_schedule(true, [&](int block) {
+                const int end = std::min((block + 1) * of.blocks.size, of.mesh.element_count());
+                for (int k = block * of.blocks.size; k < end; ++k)
+                    add_element<n()>(of, stiffness, x, of.blocks.order[k]);
+            });
         });
-    });
     std::vector<double> in_rows, product(u.size()), b, inside;
     to_rows(K_, u, in_rows);
     multiply(K_, in_rows.data(), product.data());
     to_nodes(K_, product, b);
     for (double& value : b) value = -value;
-    fix_nodes(fixed, mesh_.dim, b);
+    fix_nodes(fixed, dim_, b);
     fix_nodes(fixed, K_);
     const SolveResult result = solver_.solve(K_, b, inside);
-    fix_nodes(fixed, mesh_.dim, inside);  // to the last bit, whatever the solver
+    fix_nodes(fixed, dim_, inside);  // to the last bit, whatever the solver
     for (std::size_t i = 0; i < u.size(); ++i) u[i] += inside[i];
     return result;
 }

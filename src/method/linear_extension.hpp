@@ -25,7 +25,7 @@ using StiffnessAt = Stiffness (*)(double jacobian);
 
 class LinearExtension {
 public:
-    // pattern: of the Hessian of the mesh's energy. The mesh must outlive this.
+    // pattern: of the Hessian of the mesh's energy.
     LinearExtension(const Mesh& mesh, BlockCsr pattern, const LinearSolverParams& linear);
 
     // u: node_count x dim, on entry the displacement of the fixed nodes, zero at all others, on return of all nodes.
@@ -34,14 +34,18 @@ public:
                        std::vector<double>& u);
 
 private:
-    const Mesh& mesh_;
-    ReferenceElement reference_;
-    ElementBlocks blocks_;
+    struct Group {  // elements of one type
+        Mesh mesh;
+        ReferenceElement reference;
+        ElementBlocks blocks;
+    };
+    const int dim_;
+    std::vector<Group> groups_;
     BlockCsr K_;
     LinearSolver solver_;
 
     template <int n>
-    void add_element(StiffnessAt stiffness, const std::vector<double>& x, int e);
+    void add_element(const Group& of, StiffnessAt stiffness, const std::vector<double>& x, int e);
 };
 
 }  // namespace almesh
