@@ -33,10 +33,10 @@ void check_quadrature(const Deck& deck, int degree) {
                      degree, ": take at least ", least, ", or 0");
 }
 
-void check_final_degree(const Deck& deck, int degree) {
-    if (degree == 1 || (deck.final_format != FinalFormat::su2 && deck.final_format != FinalFormat::both)) return;
-    throw UsageError(deck.given.at("final"), ": SU2 has linear elements only, and those of this run have degree ",
-                     degree, ": take final = msh");
+std::string curved_su2(const Deck& deck, const Mesh& mesh) {
+    if (mesh.degree == 1 || final_formats(deck.final_format, mesh).back().kind != FileFormat::Kind::su2) return "";
+    return concat("final.su2 has elements of degree ", mesh.degree,
+                  ", which of SU2 only the high-order solver reads; final = msh writes final.msh");
 }
 
 // Before a run rather than after it.

@@ -225,9 +225,9 @@ const std::vector<DeckKey>& deck_keys() {
          choice<&Deck::final_format>(
              {"input", "msh", "su2", "both", "msh22", "msh22-binary", "msh40", "msh40-binary", "msh41", "msh41-binary"},
              "input | msh | su2 | both | msh22, msh40, msh41 [-binary]"),
-         "Format of the final mesh. input: format, version and encoding of the mesh file, but MSH for a curved mesh "
-         "from an SU2 file; msh: MSH in the version of the mesh file, or 2.2; su2: SU2 (linear elements only); both: "
-         "MSH and SU2; msh22, msh41-binary, ...: MSH in this version."},
+         "Format of the final mesh. input: format, version and encoding of the mesh file, but MSH for a mesh from "
+         "a VTK file; msh: MSH in the version of the mesh file, or 2.2; su2: SU2; both: MSH and SU2; "
+         "msh22, msh41-binary, ...: MSH in this version."},
         {"wall", text<&Deck::wall>("boundary name"),
          "Boundary from which the distance of every node is written to the VTK files; \"\": none."},
         {"max_seconds", number<&Deck::max_seconds>({0, 1e9}),

@@ -188,10 +188,6 @@ void take_to_run(const Frame& frame, Level& level) {
 void discretise(const Deck& deck, Problem& problem) {
     check_quadrature(deck, std::max(deck.degree, problem.base.degree));
     const int degree = deck.degree ? deck.degree : problem.base.degree;
-    check_final_degree(deck, degree);
-    if (degree > 1 && problem.base.file.format.kind == FileFormat::Kind::su2)
-        problem.notes.push_back("SU2 meshes are linear: the mesh of degree " + std::to_string(degree) +
-                                " is written as final.msh");
     problem.motions = motions_of(deck, problem.base);
     NodeTargets targets = read_node_targets(problem.base, problem.motions);
     problem.raised = std::move(targets.raised);
@@ -199,8 +195,9 @@ void discretise(const Deck& deck, Problem& problem) {
     problem.level = discretise(problem, deck.refine, degree, problem.level_placed, problem.target);
     if (problem.is_own_ideal) check_curved_ideal(deck, problem.base, problem.mesh());
     problem.node_target = problem.target.node;
-    if (const std::string note = left_out_sections(deck, problem.base, problem.mesh()); !note.empty())
-        problem.notes.push_back(note);
+    for (const std::string& note :
+         {curved_su2(deck, problem.mesh()), left_out_sections(deck, problem.base, problem.mesh())})
+        if (!note.empty()) problem.notes.push_back(note);
     check_final_ids(deck, problem.mesh());
 }
 

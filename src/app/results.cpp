@@ -55,7 +55,7 @@ void write_volume(const Deck& deck, const Problem& problem, const char* what, co
     cell_data.push_back({"element_id", 1, std::move(id)});
     write_vtk(deck.output + "/" + what + ".vtk",
               {title(deck, what), mesh.dim, mesh.degree, std::move(positions), mesh.elements, mesh.dim,
-               std::move(point_data), std::move(cell_data), provenance(deck, problem)},
+               std::move(point_data), std::move(cell_data), provenance(deck, problem), mesh.groups},
               format_of(deck));
 }
 
@@ -93,6 +93,19 @@ void write_boundary(const Deck& deck, const Problem& problem, const Solution& so
 std::string iterate_name(int number) {
     const std::string digits = std::to_string(number);
     return "iterate-" + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits;
+}
+
+// Of elements of a mesh, which are in its order.
+std::vector<ElementGroup> groups_of(const Mesh& mesh, const std::vector<int>& elements) {
+    std::vector<ElementGroup> groups;
+    std::size_t start = 0;
+    for (int k = 0; k < static_cast<int>(elements.size()); ++k) {
+        const CellType& cell = mesh.cell(elements[k]);
+        if (groups.empty() || groups.back().cell != &cell) groups.push_back({&cell, k, 0, start});
+        ++groups.back().count;
+        start += cell.node_count(mesh.degree);
+    }
+    return groups;
 }
 
 // The elements around the diagnosis, with the way from each node of the boundary to its target.
@@ -139,7 +152,8 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
                 {"min_scaled_jacobian", 1, std::move(scaled_jacobian)},
                 {"element_id", 1, std::move(element_id)},
                 {"diagnosis", 1, std::move(at_element)}},
-               provenance(deck, problem)},
+               provenance(deck, problem),
+               groups_of(mesh, around.place)},
               format_of(deck));
 }
 
@@ -164,7 +178,7 @@ std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
     const FileFormat msh = input.kind == FileFormat::Kind::msh ? input : FileFormat();
     switch (wanted) {
         case FinalFormat::input:
-            return {from_su2 && mesh.degree == 1 ? su2 : msh};
+            return {from_su2 ? su2 : msh};
         case FinalFormat::msh:
             return {msh};
         case FinalFormat::su2:

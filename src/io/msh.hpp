@@ -1,5 +1,5 @@
 // Gmsh mesh files, MSH 2.2, 4.0 and 4.1, ASCII and binary, and MSH 1, which is read only (Gmsh reference manual, "MSH
-// file format"): points, lines, triangles and tetrahedra of Lagrange degree 1 to 7.
+// file format"): the cells of the table of cells, of Lagrange degree 1 to 7.
 #pragma once
 #include <string>
 #include <string_view>

@@ -113,21 +113,24 @@ struct BlockBuilder {
 std::vector<MshCells> msh_cells(const Mesh& mesh) {
     const FileTags& file = mesh.file;
     std::vector<MshCells> all;
-    const auto append = [&](int dim, std::span<const int> nodes, std::span<const long long> id,
+    const auto append = [&](const CellType& cell, std::span<const int> nodes, std::span<const long long> id,
                             std::span<const int> physical, std::span<const int> entity) {
         if (id.empty()) return;
-        const int degree = dim == 0 ? 1 : mesh.degree;
+        const int degree = cell.dim == 0 ? 1 : mesh.degree;
         all.push_back(
-            {dim, simplex(dim).msh_types[degree - 1], simplex_node_count(dim, degree), nodes, id, physical, entity});
+            {cell.dim, cell.msh_types[degree - 1], cell.node_count(degree), nodes, id, physical, entity});
     };
     for (int dim = 0; dim <= mesh.dim; ++dim) {
         const KeptCells& kept = mesh.kept[dim];
-        append(dim, kept.nodes, kept.id, kept.physical, kept.entity);
+        append(simplex(dim), kept.nodes, kept.id, kept.physical, kept.entity);
     }
     const std::size_t faces = faces_in_file(mesh);
-    append(mesh.dim - 1, std::span(mesh.faces).first(faces * mesh.face_nodes()), std::span(file.face_id).first(faces),
-           file.face_physical, file.face_entity);
-    append(mesh.dim, mesh.elements, file.element_id, file.element_physical, file.element_entity);
+    append(simplex(mesh.dim - 1), std::span(mesh.faces).first(faces * mesh.face_nodes()),
+           std::span(file.face_id).first(faces), file.face_physical, file.face_entity);
+    for (const auto& [cell, first, count, start] : mesh.element_groups())
+        append(*cell, std::span(mesh.elements).subspan(start, offset(count, cell->node_count(mesh.degree))),
+               std::span(file.element_id).subspan(first, count), std::span(file.element_physical).subspan(first, count),
+               std::span(file.element_entity).subspan(first, count));
     return all;
 }
 

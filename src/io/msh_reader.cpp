@@ -333,8 +333,8 @@ struct MshReader {
         read_element_type();
         const long long end = done + in.size("the number of elements of this block", 0, count - done);
         in.end_of_record();
-        if (type.dim < 0) add_foreign(end - done);
-        else if (type.dim != dim) in.fail("element type ", type.number, " in an entity of dimension ", dim);
+        if (!type.cell) add_foreign(end - done);
+        else if (type.cell->dim != dim) in.fail("element type ", type.number, " in an entity of dimension ", dim);
         const FileEntity* const listed = find_entity(mesh.entities, dim, element.entity);
         if (listed && !listed->physical.empty()) element.physical = listed->physical.front();
         for (; done < end; ++done) {
@@ -350,7 +350,7 @@ struct MshReader {
         read_element_type();
         const int size = in.integer("the number of elements of this type", 1, static_cast<int>(count - done));
         const int tags = in.integer("the number of tags", 0);
-        if (type.dim < 0) add_foreign(size);
+        if (!type.cell) add_foreign(size);
         for (const long long end = done + size; done < end; ++done) {
             RawElement element{};
             element.id = in.id("an element id");
@@ -366,7 +366,7 @@ struct MshReader {
         element.line = line();
         element.id = in.id("an element id");
         read_element_type();
-        if (type.dim < 0) add_foreign(1);
+        if (!type.cell) add_foreign(1);
         else if (in.version > 10) read_tags(element, in.integer("the number of tags", 0));
         else {
             read_tags(element, 2);
@@ -386,12 +386,13 @@ struct MshReader {
     }
 
     void finish_element(RawElement& element) {
-        if (type.dim < 0) {
+        if (!type.cell) {
             in.rest_of_line();
             return;
         }
         element.first = mesh.element_nodes.size();
-        element.dim = type.dim;
+        element.dim = type.cell->dim;
+        element.type = type.cell;
         element.degree = type.degree;
         append(mesh.elements, element_index, "element", element);
         for (int k = 0; k < type.nodes; ++k) mesh.element_nodes.push_back(read_node_of_element());

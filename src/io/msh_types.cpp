@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/text.hpp"
-#include "mesh/cells.hpp"
+#include "io/foreign_cells.hpp"
 
 namespace almesh {
 
@@ -15,13 +15,13 @@ namespace {
 // What the elements of a type are, with what to do about them.
 const char* foreign_name(int number) {
     static const std::vector<std::pair<const char*, std::vector<std::array<int, 2>>>> foreign = {
-        {"quadrangles (mesh without Recombine)", {{3, 3}, {10, 10}, {16, 16}, {36, 41}, {47, 51}, {57, 61}}},
         {"hexahedra (mesh without Recombine)", {{5, 5}, {12, 12}, {17, 17}, {92, 105}}},
         {"prisms (mesh without Recombine)", {{6, 6}, {13, 13}, {18, 18}, {90, 91}, {106, 117}}},
         {"pyramids (mesh without Recombine)", {{7, 7}, {14, 14}, {19, 19}, {118, 132}}},
         {"incomplete triangles (mesh with Mesh.SecondOrderIncomplete = 0)", {{20, 20}, {22, 22}, {24, 24}, {52, 56}}},
+        {"incomplete quadrilaterals (mesh with Mesh.SecondOrderIncomplete = 0)", {{16, 16}, {39, 41}, {57, 61}}},
         {"incomplete tetrahedra (mesh with Mesh.SecondOrderIncomplete = 0)", {{79, 83}}},
-        {"simplices of a degree above 7 (mesh with a lower Mesh.ElementOrder)", {{44, 46}, {64, 66}, {73, 75}}},
+        {"cells of a degree above 7 (mesh with a lower Mesh.ElementOrder)", {{44, 46}, {49, 51}, {64, 66}, {73, 75}}},
         {"elements of degree 0 (mesh with Mesh.ElementOrder = 1)", {{84, 89}}}};
     for (const auto& [name, ranges] : foreign)
         for (const auto& [first, last] : ranges)
@@ -32,10 +32,9 @@ const char* foreign_name(int number) {
 }  // namespace
 
 MshType msh_type(int number) {
-    for (int dim = 0; dim <= 3; ++dim)
+    for (const CellType& cell : cell_types())
         for (int degree = 1; degree <= max_degree; ++degree)
-            if (simplex(dim).msh_types[degree - 1] == number)
-                return {number, dim, degree, simplex_node_count(dim, degree)};
+            if (cell.msh_types[degree - 1] == number) return {number, &cell, degree, cell.node_count(degree)};
     return {number};
 }
 
@@ -50,7 +49,7 @@ std::string ForeignMshElements::message() const {
     for (const Kind& kind : kinds)
         what += concat(what.empty() ? "" : "; ", kind.count, " ", foreign_name(kind.type), " of type ", kind.type,
                        kind.line ? concat(", the first in line ", kind.line) : "");
-    return what + ": only triangles and tetrahedra of degree 1 to 7 with all their nodes are read";
+    return what + ": only " + readable_cells() + " of degree 1 to 7 with all their nodes are read";
 }
 
 }  // namespace almesh

@@ -3,11 +3,13 @@
 #include <string>
 #include <vector>
 
+#include "mesh/cells.hpp"
+
 namespace almesh {
 
 struct MshType {
     int number;
-    int dim = -1;  // 0 to 3; -1: not a complete simplex of a degree up to max_degree
+    const CellType* cell = nullptr;  // none: not a complete cell of the table of a degree up to max_degree
     int degree = 0, nodes = 0;
 };
 

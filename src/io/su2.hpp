@@ -1,5 +1,5 @@
-// SU2's native mesh format, ASCII (SU2 documentation, "Mesh File"): linear triangles and tetrahedra with markers, in
-// one zone or several.
+// SU2's native mesh format, ASCII (SU2 documentation, "Mesh File"): cells with markers, in one zone or
+// several. Those of a degree above 1 are for its high-order solver.
 #pragma once
 #include <string>
 #include <string_view>
@@ -18,7 +18,7 @@ bool looks_like_su2(std::string_view text);
 // numbers out of range, wrong counts, the end of the file before that of a section.
 RawMesh parse_su2(std::string_view text, const std::string& path);
 
-// x: node_count x dim positions. The mesh is linear. Nodes and elements are numbered from 0 in the mesh's order, those
+// x: node_count x dim positions. Nodes and elements are numbered from 0 in the mesh's order, those
 // of each zone by themselves. Markers are those of the file, the boundaries, and the tagged faces inside the mesh;
 // points and curves of tetrahedra have no place in SU2.
 void write_su2(const std::string& path, const Mesh& mesh, const std::vector<double>& x);

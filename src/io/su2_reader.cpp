@@ -1,12 +1,14 @@
 // KEYWORD= VALUE lines: NDIME, then of each zone, in any order, NELEM, NPOIN and NMARK, each with its rows after it.
 // An element is its VTK type, its nodes, and a number of its own; a point its coordinates and its number, too. What
-// comes after these in a row is not read, and they may be left out. IZONE begins a zone where NZONE announces several.
+// comes after these in a row is not read, and they may be left out. Of degree p the type is greater by 100 (p - 1).
+// IZONE begins a zone where NZONE announces several.
 #include <algorithm>
 #include <climits>
 #include <map>
 #include <tuple>
 #include <utility>
 
+#include "io/foreign_cells.hpp"
 #include "io/su2.hpp"
 #include "io/text_scanner.hpp"
 
@@ -15,7 +17,7 @@ namespace {
 
 const char* name_of(int type) {
     constexpr std::pair<int, const char*> others[] = {
-        {9, "quadrilaterals"}, {12, "hexahedra"}, {13, "prisms"}, {14, "pyramids"}};
+        {12, "hexahedra"}, {13, "prisms"}, {14, "pyramids"}};
     for (const auto& [vtk_type, name] : others)
         if (vtk_type == type) return name;
     return "elements of this type";
@@ -29,6 +31,7 @@ struct Su2Reader {
     std::vector<std::string> keywords{};            // of this zone
     std::size_t first_node = 0, first_element = 0;  // of this zone
     int row_line = 0;                               // where the row that is read begins
+    std::map<std::pair<const CellType*, int>, std::vector<int>> orders{};  // of nodes, by cell and degree
     std::size_t kept = 0;                           // the end of the last line that is in mesh.pieces, in `text`
 
     RawMesh read() {
@@ -119,7 +122,7 @@ struct Su2Reader {
         const int count = static_cast<int>(mesh.nodes.size() - first_node);
         for (; first_element < mesh.elements.size(); ++first_element) {
             const RawElement& element = mesh.elements[first_element];
-            for (int i = 0; i <= element.dim; ++i) {
+            for (int i = 0; i < element.node_count(); ++i) {
                 int& node = mesh.element_nodes[element.first + i];
                 if (node >= count)
                     in.fail_at(element.line, "node ", node, " is not there: the ",
@@ -229,17 +232,23 @@ struct Su2Reader {
     // Of dimension n; tag: of its zone or marker.
     void element(int n, int tag) {
         const int type = in.small_integer("the type of an element");
-        const CellType* const cell = cell_of_vtk_type(type);
-        if (!cell || cell->dim != n)
-            in.fail(cell ? cell->plural : name_of(type), " (type ", type, ") are not read: only ", simplex(n).plural,
-                    ", type ", simplex(n).vtk_types[0]);
-        const long long id = static_cast<long long>(mesh.elements.size()) + 1;
-        mesh.elements.push_back({id, mesh.element_nodes.size(), row_line, n, 1, tag, tag});
-        for (int i = 0; i <= n; ++i) {
-            go_on(i + 1, n + 2);
-            mesh.element_nodes.push_back(in.small_integer("the number of a node", 0));
+        const int degree = type / 100 + 1;
+        const CellType* const cell = cell_of_vtk_type(type % 100);
+        if (!cell || cell->dim != n || (n < dim && !cell->is_simplex()) || degree > max_degree || degree < 1)
+            in.fail(cell ? cell->plural : name_of(type % 100), " (type ", type, ") are not read: only ",
+                    n < dim ? simplex(n).plural : readable_cells(n, n), " of degree 1 to 7");
+        const std::size_t first = mesh.element_nodes.size();
+        mesh.elements.push_back(
+            {static_cast<long long>(mesh.elements.size()) + 1, first, row_line, n, degree, tag, tag, cell});
+        std::vector<int>& order = orders[{cell, degree}];
+        if (order.empty()) order = su2_node_order(*cell, degree);
+        const int nodes = static_cast<int>(order.size());
+        mesh.element_nodes.resize(first + nodes);
+        for (int i = 0; i < nodes; ++i) {
+            go_on(i + 1, nodes + 1);
+            mesh.element_nodes[first + order[i]] = in.small_integer("the number of a node", 0);
         }
-        end_row(n + 2);
+        end_row(nodes + 1);
     }
 
     void markers() {

@@ -2,9 +2,11 @@
 // zone has nodes and elements of its own, numbered from 0.
 #include <algorithm>
 #include <iterator>
+#include <map>
 
 #include "base/files.hpp"
 #include "base/text.hpp"
+#include "io/foreign_cells.hpp"
 #include "io/su2.hpp"
 #include "mesh/inner_boundary.hpp"
 
@@ -33,11 +35,13 @@ struct Su2Writer {
     const std::vector<double>& x;
     std::vector<FilePiece> pieces = mesh.file.pieces;
     std::vector<Zone> zones{};
+    std::map<const CellType*, std::vector<int>> orders{};  // of nodes
     std::vector<int> number = std::vector<int>(mesh.nodes());  // of each node in its zone
 
     void write() {
         if (pieces.empty())
             pieces = {{concat("NDIME= ", mesh.dim, "\n")}, {"NELEM", 1}, {"NPOIN", 1}, {"NMARK", 1}};
+        for (const CellType& cell : cell_types()) orders[&cell] = su2_node_order(cell, mesh.degree);
         zones.resize(mesh.file.zones);
         for (const FilePiece& piece : pieces)
             for (const FileMarker& marker : piece.markers) zones[piece.zone - 1].markers.push_back({marker});
@@ -58,7 +62,7 @@ struct Su2Writer {
         std::vector<int> element_of(mesh.nodes());
         for (int e = 0; e < mesh.element_count(); ++e) {
             zone_of(e).elements.push_back(e);
-            for (int k = 0; k <= mesh.dim; ++k) element_of[mesh.element(e)[k]] = e;
+            for (int k = 0; k < mesh.element_nodes(e); ++k) element_of[mesh.element(e)[k]] = e;
         }
         for (int i = 0; i < mesh.nodes(); ++i) zone_of(element_of[i]).nodes.push_back(i);
         if (!mesh.file.pieces.empty()) add_loose_nodes();
@@ -88,12 +92,12 @@ struct Su2Writer {
             if (kept.physical[c])
                 zone_of(kept.element[c])
                     .marker(group_name(mesh.file.groups, mesh.dim - 1, kept.physical[c]))
-                    .faces.push_back(&kept.nodes[offset(c, mesh.dim)]);
+                    .faces.push_back(&kept.nodes[offset(c, mesh.face_nodes())]);
     }
 
     void append_cell(std::string& text, const CellType& cell, const int* node) const {
-        append(text, static_cast<long long>(cell.vtk_types[0]));
-        for (int i = 0; i <= cell.dim; ++i) {
+        append(text, static_cast<long long>(cell.vtk_types[0] + 100 * (mesh.degree - 1)));
+        for (const int i : orders.at(&cell)) {
             text += ' ';
             append(text, static_cast<long long>(number[node[i]]));
         }
@@ -102,7 +106,7 @@ struct Su2Writer {
     void write_elements(const Zone& zone) const {
         sink(concat("NELEM= ", zone.elements.size(), "\n"));
         append_rows(sink, static_cast<int>(zone.elements.size()), [&](std::string& text, int e) {
-            append_cell(text, mesh.cell(), mesh.element(zone.elements[e]));
+            append_cell(text, mesh.cell(zone.elements[e]), mesh.element(zone.elements[e]));
             text += ' ';
             append(text, static_cast<long long>(e));
             text += '\n';

@@ -10,15 +10,10 @@
 #include "base/files.hpp"
 #include "base/index.hpp"
 #include "base/text.hpp"
-#include "mesh/lagrange.hpp"
+#include "io/foreign_cells.hpp"
 
 namespace almesh {
 namespace {
-
-// VTK's edges and faces of a tetrahedron (vtkLagrangeTetra), each face from the vertex its interior nodes begin at. Its
-// lines and triangles have Gmsh's order.
-constexpr std::array<CellEdge, 6> tetrahedron_edges = {{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
-constexpr std::array<CellFace, 4> tetrahedron_faces = {{{0, 1, 3}, {2, 3, 1}, {0, 3, 2}, {0, 2, 1}}};
 
 // Names and strings: blanks, control characters, quotes and % as %XX.
 std::string encoded(const std::string& text) {
@@ -89,20 +84,33 @@ void append_arrays(const TextSink& sink, const std::string& kind, std::size_t co
     }
 }
 
-void append_cells(const TextSink& sink, const std::vector<int>& cells, int cell_dim, int degree,
+// Groups of the cells of a grid.
+std::vector<ElementGroup> groups_of(const VtkGrid& grid) {
+    if (!grid.groups.empty()) return grid.groups;
+    const CellType& cell = simplex(grid.cell_dim);
+    return {{&cell, 0, static_cast<int>(grid.cells.size()) / cell.node_count(grid.degree), 0}};
+}
+
+void append_cells(const TextSink& sink, const VtkGrid& grid, const std::vector<ElementGroup>& groups,
                   const VtkNumbers& numbers) {
-    const std::vector<int> order = vtk_node_order(cell_dim, degree);
-    const int nodes = static_cast<int>(order.size()), count = static_cast<int>(cells.size() / order.size());
-    sink(concat("CELLS ", count, " ", static_cast<long long>(count) * (nodes + 1), "\n"));
-    append_rows(sink, count, [&](std::string& part, int c) {
-        numbers.integer(part, nodes, ' ');
-        for (int k = 0; k < nodes; ++k)
-            numbers.integer(part, cells[offset(c, nodes, order[k])], k + 1 < nodes ? ' ' : '\n');
-    });
+    const int all = groups.back().first + groups.back().count;
+    sink(concat("CELLS ", all, " ", all + grid.cells.size(), "\n"));
+    for (const ElementGroup& group : groups) {
+        const std::vector<int> order = vtk_node_order(*group.cell, grid.degree);
+        const int nodes = static_cast<int>(order.size());
+        const int* const cells = grid.cells.data() + group.start;
+        append_rows(sink, group.count, [&](std::string& part, int c) {
+            numbers.integer(part, nodes, ' ');
+            for (int k = 0; k < nodes; ++k)
+                numbers.integer(part, cells[offset(c, nodes, order[k])], k + 1 < nodes ? ' ' : '\n');
+        });
+    }
     numbers.end(sink);
-    const int type = simplex(cell_dim).vtk_types[std::min(degree, 3) - 1];
-    sink(concat("CELL_TYPES ", count, "\n"));
-    append_rows(sink, count, [&](std::string& part, int) { numbers.integer(part, type, '\n'); });
+    sink(concat("CELL_TYPES ", all, "\n"));
+    for (const ElementGroup& group : groups) {
+        const int type = group.cell->vtk_types[std::min(grid.degree, 3) - 1];
+        append_rows(sink, group.count, [&](std::string& part, int) { numbers.integer(part, type, '\n'); });
+    }
     numbers.end(sink);
 }
 
@@ -119,22 +127,13 @@ void write_grid(const TextSink& sink, const VtkGrid& grid, const VtkNumbers& num
     const int nodes = static_cast<int>(grid.positions.size()) / grid.dim;
     sink(concat(head, "POINTS ", nodes, " double\n"));
     append_values(sink, grid.positions, grid.dim, 0, numbers);
-    append_cells(sink, grid.cells, grid.cell_dim, grid.degree, numbers);
+    const std::vector<ElementGroup> groups = groups_of(grid);
+    append_cells(sink, grid, groups, numbers);
     append_arrays(sink, "POINT_DATA ", nodes, grid.point_data, numbers);
-    append_arrays(sink, "CELL_DATA ", grid.cells.size() / simplex_node_count(grid.cell_dim, grid.degree),
-                  grid.cell_data, numbers);
+    append_arrays(sink, "CELL_DATA ", groups.back().first + groups.back().count, grid.cell_data, numbers);
 }
 
 }  // namespace
-
-std::vector<int> vtk_node_order(int cell_dim, int degree) {
-    const LagrangeBasis gmsh(cell_dim, degree);
-    std::vector<int> order;
-    for (const MultiIndex& a :
-         cell_dim == 3 ? lattice_nodes(3, degree, tetrahedron_edges, tetrahedron_faces) : gmsh.nodes)
-        order.push_back(gmsh.find(a));
-    return order;
-}
 
 std::string vtk_text(const VtkGrid& grid, VtkFormat format) {
     std::string text;

@@ -1,7 +1,7 @@
-// Legacy VTK files, ASCII or binary: simplices of any degree with point and cell data, which the reader leaves out.
+// Legacy VTK files, ASCII or binary: cells of any degree with point and cell data, which the reader leaves out.
 //
 // File format: "VTK File Formats" of the VTK User's Guide. Header 3.0 with the body of that version, which ParaView,
-// MFEM and VisIt read; Lagrange cells (types 68, 69, 71) from degree 3 on. ParaView shows curved cells as curved with a
+// MFEM and VisIt read; Lagrange cells (types 68 to 71) from degree 3 on. ParaView shows curved cells as curved with a
 // raised Nonlinear Subdivision Level.
 //
 // Binary files hold the same sequence of numbers without separators, as big-endian doubles and 4-byte integers: faster
@@ -24,18 +24,16 @@ struct VtkArray {
     std::vector<double> value;  // count x components
 };
 
-// Node order of a VTK simplex by Gmsh's: node i of the VTK cell is node vtk_node_order(...)[i] of Gmsh's.
-std::vector<int> vtk_node_order(int cell_dim, int degree);
-
-// An unstructured grid of cells of one type.
+// An unstructured grid.
 struct VtkGrid {
     std::string title;                           // its first line, at most 255 characters, is written
     int dim, degree;
     std::vector<double> positions;               // node_count x dim
-    std::vector<int> cells;                      // cell_count x nodes of a simplex of `degree`, Gmsh order
+    std::vector<int> cells;                      // cell_count x nodes of a cell of `degree`, Gmsh order
     int cell_dim;                                // 1, 2, 3
     std::vector<VtkArray> point_data, cell_data;
     std::vector<std::pair<std::string, std::string>> provenance;  // names and texts, kept in the file as field data
+    std::vector<ElementGroup> groups{};          // of the cells; empty: all are simplices
 };
 
 // Data have 9 digits in ASCII. VTK readers turn inf and nan into 0, so +inf and nan are written as 1e300, -inf as
@@ -48,7 +46,7 @@ void write_vtk(const std::string& path, const VtkGrid& grid, VtkFormat format = 
 // Whether a text begins like a legacy VTK file.
 bool looks_like_vtk(std::string_view text);
 
-// Points and cells of an unstructured grid of simplices; ids are VTK's numbers plus one. Throws InputError
+// Points and cells of an unstructured grid; ids are VTK's numbers plus one. Throws InputError
 // "path:line: message": other datasets and cells, cells by offsets (version 5), wrong counts, a file that is cut off.
 RawMesh parse_vtk(std::string_view text, const std::string& path);
 

@@ -6,24 +6,22 @@
 #include <map>
 
 #include "base/bytes.hpp"
+#include "io/foreign_cells.hpp"
 #include "io/text_scanner.hpp"
 #include "io/vtk.hpp"
 
 namespace almesh {
 namespace {
 
-struct VtkCell {
-    int dim, degree;
-};
+using VtkCell = std::pair<const CellType*, int>;  // with its degree
 
-// Of a type with this number of nodes; dim -1: of another kind.
+// Of a type with this number of nodes; nullptr: of another kind.
 VtkCell cell_of(int type, int nodes) {
-    if (type == 1 && nodes == 1) return {0, 1};
-    for (int dim = 1; dim <= 3; ++dim)
+    for (const CellType& cell : cell_types())
         for (int degree = 1; degree <= max_degree; ++degree)
-            if (simplex(dim).vtk_types[std::min(degree, 3) - 1] == type && simplex_node_count(dim, degree) == nodes)
-                return {dim, degree};
-    return {-1, 0};
+            if (cell.vtk_types[std::min(degree, 3) - 1] == type && cell.node_count(degree) == nodes)
+                return {&cell, degree};
+    return {};
 }
 
 struct VtkReader {
@@ -143,22 +141,21 @@ struct VtkReader {
     void types(const std::vector<int>& numbers, long long cells, RawMesh& mesh) {
         if (in.integer("the number of types", 0, INT_MAX) != cells) in.fail("not as many types as cells");
         begin_values();
-        std::map<VtkCell, std::vector<int>, decltype([](const VtkCell& a, const VtkCell& b) {
-                     return a.dim != b.dim ? a.dim < b.dim : a.degree < b.degree;
-                 })> orders;
+        std::map<VtkCell, std::vector<int>> orders;
         std::size_t at = 0;
         for (long long c = 0; c < cells; ++c) {
             const int type = integer("the type of a cell");
             const int nodes = at < numbers.size() ? numbers[at] : -1;
             if (nodes < 1 || numbers.size() - at < static_cast<std::size_t>(nodes) + 1)
                 in.fail("the list of cells ends before cell ", c);
-            const VtkCell cell = cell_of(type, nodes);
-            if (cell.dim < 0)
-                in.fail("cell ", c, " of type ", type, " with ", nodes, " nodes: only simplices are read");
-            std::vector<int>& order = orders[cell];
-            if (order.empty()) order = cell.dim ? vtk_node_order(cell.dim, cell.degree) : std::vector<int>{0};
+            const auto [cell, degree] = cell_of(type, nodes);
+            if (!cell)
+                in.fail("cell ", c, " of type ", type, " with ", nodes, " nodes: only ", readable_cells(), " with all "
+                        "nodes of their degree are read");
+            std::vector<int>& order = orders[{cell, degree}];
+            if (order.empty()) order = vtk_node_order(*cell, degree);
             mesh.elements.push_back(
-                {c + 1, mesh.element_nodes.size(), binary ? 0 : in.line, cell.dim, cell.degree, 0, 0});
+                {c + 1, mesh.element_nodes.size(), binary ? 0 : in.line, cell->dim, degree, 0, 0, cell});
             mesh.element_nodes.resize(mesh.element_nodes.size() + nodes);
             for (int k = 0; k < nodes; ++k) {
                 const int node = numbers[at + 1 + k];

@@ -297,7 +297,7 @@ TEST_CASE("errors of SU2 meshes name the line and what is wrong") {
         CHECK(has(error, expected));
     };
     has_error("NDIME= 2", "NDIME= 4", "a.su2:2: 2 or 3 `4` is out of range");
-    has_error("5 0 1 2 0", "9 0 1 2 3 0", "a.su2:4: quadrilaterals (type 9) are not read");
+    has_error("5 0 1 2 0", "12 0 1 2 3 0 1 2 3 0", "a.su2:4: hexahedra (type 12) are not read");
     has_error("5 0 1 2 0", "5 0 1 7 0", "a.su2:4: node 7 is not there: the file has 4");
     has_error("5 0 1 2 0", "5 0 1", "a.su2:4:");
     has_error("0 1 3\n", "0 1 2\n", "points have to be numbered");
@@ -318,8 +318,11 @@ TEST_CASE("errors of SU2 meshes name the line and what is wrong") {
     has_error("5 0 1 2 0", "5 0 1", "a.su2:4: a row of at least 4 numbers has 3 or less");
     has_error("0 1 3\n", "0\n", "a.su2:11: a row of at least 2 numbers has 1 or less");
     has_error("0 1 3\n", "0 1 x\n", "a.su2:11: expected the number of the point, got `x`");
-    has_error("5 0 1 2 0", "10 0 1 2 3 0", "a.su2:4: tetrahedra (type 10) are not read: only triangles, type 5");
-    has_error("5 0 1 2 0", "205 0 1 2 0", "a.su2:4: elements of this type (type 205) are not read");
+    has_error("5 0 1 2 0", "10 0 1 2 3 0", 
+              "a.su2:4: tetrahedra (type 10) are not read: only triangles and quadrilaterals of degree 1 to 7");
+    has_error("5 0 1 2 0", "705 0 1 2 0", "a.su2:4: triangles (type 705) are not read: only");
+    has_error("5 0 1 2 0", "18 0 1 2 0", "a.su2:4: elements of this type (type 18) are not read");
+    has_error("5 0 1 2 0\n5\t0 2 3\n", "205 0 1 2 0\n5\n", "a.su2:4: a row of at least 11 numbers has 6 or less");
     has_error("NPOIN= 4 4\n0 0 0\n1 0 1\n\n1 1\n0 1 3\n", "", "there is no NPOIN");
     has_error("NELEM= 2\n5 0 1 2 0\n5\t0 2 3\n", "", "there is no NELEM");
 }
@@ -342,7 +345,7 @@ TEST_CASE("errors of SU2 meshes of several zones") {
     has_error("NELEM= 1\n5 0 1 2 0\n", "", "there is no NELEM in zone 1");
 }
 
-TEST_CASE("a run reads SU2 and writes it; not where elements are curved") {
+TEST_CASE("a run reads SU2 and writes it, curved elements as those of its high-order solver") {
     const TemporaryFolder folder;
     const Mesh mesh = ring_mesh(12, 3, 6);
     write_su2(folder.path("ring.su2"), mesh, mesh.x);
@@ -353,17 +356,19 @@ TEST_CASE("a run reads SU2 and writes it; not where elements are curved") {
     CAPTURE(outcome.error);
     REQUIRE(outcome.code == 0);
     CHECK(mesh_of(folder.path("out/final.su2")).x == mesh_of(folder.path("out/final.msh")).x);
-    const Outcome curved = almesh_with({deck, "degree=2"});
-    CHECK(curved.code == 1);
-    CHECK(has(curved.error, "SU2 has linear elements only"));
     std::filesystem::remove_all(folder.path("out"));
     REQUIRE(almesh_with({deck, "final=input"}).code == 0);
     CHECK(mesh_of(folder.path("out/final.su2")).file.format.kind == FileFormat::Kind::su2);
     CHECK(!std::filesystem::exists(folder.path("out/final.msh")));
     const Outcome raised = almesh_with({deck, "final=input", "degree=2"});
     CHECK(raised.code == 0);
-    CHECK(has(raised.out, "note: SU2 meshes are linear: the mesh of degree 2 is written as final.msh"));
-    CHECK(mesh_of(folder.path("out/final.msh")).degree == 2);
+    CHECK(has(raised.out, "note: final.su2 has elements of degree 2, which of SU2 only the high-order solver reads"));
+    REQUIRE(almesh_with({deck, "degree=2"}).code == 0);
+    const Mesh in_su2 = mesh_of(folder.path("out/final.su2")), in_msh = mesh_of(folder.path("out/final.msh"));
+    CHECK(in_su2.degree == 2);
+    CHECK(in_su2.x == in_msh.x);
+    CHECK(in_su2.elements == in_msh.elements);
+    CHECK(in_su2.faces == in_msh.faces);
 }
 
 TEST_CASE("elements and faces have the numbers that VTK gives their shapes") {

@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "io/foreign_cells.hpp"
 #include "mesh/lagrange.hpp"
 
 using namespace almesh;
@@ -33,19 +34,29 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 // As VTK 9.1 evaluates its own cells.
 TEST_CASE("node orders of VTK's tetrahedra") {
-    CHECK(vtk_node_order(3, 1) == std::vector<int>{0, 1, 2, 3});
-    CHECK(vtk_node_order(3, 2) == std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 9, 8});
-    CHECK(vtk_node_order(3, 3) ==
+    CHECK(vtk_node_order(simplex(3), 1) == std::vector<int>{0, 1, 2, 3});
+    CHECK(vtk_node_order(simplex(3), 2) == std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 9, 8});
+    CHECK(vtk_node_order(simplex(3), 3) ==
           std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 10, 15, 14, 13, 12, 17, 19, 18, 16});
-    CHECK(vtk_node_order(3, 4) == std::vector<int>{0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11,
+    CHECK(vtk_node_order(simplex(3), 4) == std::vector<int>{0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11,
                                                    12, 15, 14, 13, 21, 20, 19, 18, 17, 16, 25, 26,
                                                    27, 33, 31, 32, 28, 29, 30, 22, 23, 24, 34});
+}
+
+TEST_CASE("node orders of VTK's quadrilaterals") {
+    CHECK(vtk_node_order(quadrilateral(), 1) == std::vector<int>{0, 1, 2, 3});
+    CHECK(vtk_node_order(quadrilateral(), 2) == std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8});
+    CHECK(vtk_node_order(quadrilateral(), 3) ==
+          std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 9, 8, 11, 10, 12, 13, 15, 14});
+    CHECK(vtk_node_order(quadrilateral(), 4) ==
+          std::vector<int>{0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  12, 11, 10,
+                           15, 14, 13, 16, 20, 17, 23, 24, 21, 19, 22, 18});
 }
 
 TEST_CASE("node orders are Gmsh's for lines and triangles, and permutations for all") {
     for (int dim = 1; dim <= 3; ++dim)
         for (int degree = 1; degree <= 7; ++degree) {
-            std::vector<int> order = vtk_node_order(dim, degree);
+            std::vector<int> order = vtk_node_order(simplex(dim), degree);
             CHECK(order.size() == static_cast<std::size_t>(simplex_node_count(dim, degree)));
             if (dim < 3) CHECK(std::is_sorted(order.begin(), order.end()));
             std::sort(order.begin(), order.end());
