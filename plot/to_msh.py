@@ -1,11 +1,12 @@
 #!/usr/bin/python3
-"""Writes triangles or tetrahedra in Abaqus (.inp), Exodus (.e), Medit (.mesh), VTU or another format of meshio as MSH.
+"""Writes triangles, quadrilaterals or tetrahedra in Abaqus (.inp), Exodus (.e), Medit (.mesh), VTU or another format of
+meshio as MSH.
 
   plot/to_msh.py IN OUT.msh [NAME ...]     NAME: sets that go before smaller ones; for VTU the array of parts' numbers
 
 A cell has the name of its smallest set. A boundary face that is no named cell has the name of its surface or side set,
-else of the smallest node set with all its nodes, else `untagged`. Nodes keep their order. Needs meshio, for Exodus
-netCDF4 (Debian: both with python3-meshio).
+else of the smallest node set with all its nodes, else `untagged`. Nodes keep their order; quadrilaterals of 8 nodes get
+their centres after them. Needs meshio, for Exodus netCDF4 (Debian: both with python3-meshio).
 """
 import re
 import sys
@@ -13,13 +14,18 @@ from collections import Counter, defaultdict
 from pathlib import Path
 
 KINDS = ["vertex|sphere", "line|[tb][23]|bar|beam|edge|truss|vtk_lagrange_curve",  # of cells of dimension 0 to 3
-         "tri|cp[es]|cax|s[36]|stri|[mr]3d|sfm3d|dc2d|vtk_lagrange_tri", "tet|d?c3d(4|10)|vtk_lagrange_tet"]
+         "tri|quad|cp[es]|cax|s[3468]|stri|[mr]3d|sfm3d|dc2d|vtk_lagrange_(tri|quad)",
+         "tet|d?c3d(4|10)|vtk_lagrange_tet"]
 MSH_TYPE = {(0, 1): 15, (1, 2): 1, (1, 3): 8, (1, 4): 26, (2, 3): 2, (2, 6): 9, (2, 10): 21,
+            (2, 4): 3, (2, 8): 10, (2, 9): 10, (2, 16): 36,
             (3, 4): 4, (3, 10): 11, (3, 20): 29}  # by dimension and number of nodes
-MSH_ORDER = {10: [*range(8), 9, 8], 20: [*range(10), 11, 10, 15, 14, 13, 12, 19, 16, 18, 17]}  # of VTK's tetrahedra
-SIDES = {2: [[0, 1, 3], [1, 2, 4], [2, 0, 5]],  # as Exodus numbers them; nodes of degree 2 in VTK's order
-         3: [[0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6], [0, 2, 1, 6, 5, 4]]}
-SIDE_NODES = {(2, 3): 2, (2, 6): 3, (3, 4): 3, (3, 10): 6}
+MSH_ORDER = {(3, 10): [*range(8), 9, 8], (3, 20): [*range(10), 11, 10, 15, 14, 13, 12, 19, 16, 18, 17],
+             (2, 16): [*range(8), 9, 8, 11, 10, 12, 13, 15, 14]}  # of VTK's cells
+SIDES = {(2, 3): [[0, 1, 3], [1, 2, 4], [2, 0, 5]],  # as Exodus numbers them; nodes of degree 2 in VTK's order
+         (2, 4): [[0, 1, 4], [1, 2, 5], [2, 3, 6], [3, 0, 7]],
+         (3, 4): [[0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6], [0, 2, 1, 6, 5, 4]]}
+SIDES |= {(2, 6): SIDES[2, 3], (2, 9): SIDES[2, 4], (3, 10): SIDES[3, 4]}
+SIDE_NODES = {(2, 3): 2, (2, 6): 3, (2, 4): 2, (2, 9): 3, (3, 4): 3, (3, 10): 6}
 points, cells = [], []  # a cell: [dimension, nodes in VTK's order, name]
 sets, node_sets, sides = defaultdict(list), defaultdict(list), defaultdict(list)  # by name: cells, nodes, (cell, side)
 
@@ -27,7 +33,11 @@ sets, node_sets, sides = defaultdict(list), defaultdict(list), defaultdict(list)
 def add(kind, nodes_of_cells, name=None):
     dim = next((d for d, names in enumerate(KINDS) if re.match(names, kind, re.I)), None)
     if any((dim, len(nodes)) not in MSH_TYPE for nodes in nodes_of_cells):
-        sys.exit(f"cells `{kind}`: save the mesh with triangles or tetrahedra of degree 1, 2 or 3 alone")
+        sys.exit(f"cells `{kind}`: save the mesh with triangles, quadrilaterals or tetrahedra of degree 1 to 3 alone")
+    for k, nodes in enumerate(nodes_of_cells):
+        if (dim, len(nodes)) == (2, 8):  # the centre where the other nodes say that it is
+            nodes_of_cells[k] = [*nodes, len(points)]
+            points.append([sum(x[4:]) / 2 - sum(x[:4]) / 4 for x in zip(*(points[node] for node in nodes))])
     if name:
         sets[name] += range(len(cells), len(cells) + len(nodes_of_cells))
     cells.extend([dim, nodes, ""] for nodes in nodes_of_cells)
@@ -116,7 +126,7 @@ def name_parts(first):
         if other := Counter(cells[cell][2] for cell in members if cells[cell][2] != name):
             print(f"lost: name {name} of {sum(other.values())} cells of {', '.join(other)}")
     dim = max(cell[0] for cell in cells)
-    faces = {cell: [[nodes[k] for k in side[:SIDE_NODES[dim, len(nodes)]]] for side in SIDES[dim]]
+    faces = {cell: [[nodes[k] for k in side[:SIDE_NODES[dim, len(nodes)]]] for side in SIDES[dim, len(nodes)]]
              for cell, (d, nodes, _) in enumerate(cells) if d == dim and (dim, len(nodes)) in SIDE_NODES}
     every = [face for of_cell in faces.values() for face in of_cell]
     count = Counter(map(frozenset, every))
@@ -148,7 +158,7 @@ def write(path):
     rows += [["$EndPhysicalNames\n$Nodes"], [len(points)], *([k, *point, 0.0][:4] for k, point in enumerate(points, 1))]
     rows += [["$EndNodes\n$Elements"], [len(cells)]]
     for k, (dim, nodes, name) in enumerate(cells, 1):
-        order = MSH_ORDER.get(len(nodes) * (dim == 3), range(len(nodes)))
+        order = MSH_ORDER.get((dim, len(nodes)), range(len(nodes)))
         tag = tags.get((dim, name), 0)
         rows.append([k, MSH_TYPE[dim, len(nodes)], 2, tag, tag, *(nodes[n] + 1 for n in order)])
     path.write_text("".join(" ".join(map(str, row)) + "\n" for row in [*rows, ["$EndElements"]]))
@@ -168,7 +178,7 @@ def main(source, target, *names):
     except ImportError as error:
         sys.exit(f"{error} (Debian: apt-get install python3-meshio, and run with /usr/bin/python3)")
     except Exception as error:
-        sys.exit(f"{source} is not a mesh of triangles or tetrahedra that can be read: {error!r}")
+        sys.exit(f"{source} is not a mesh of triangles, quadrilaterals or tetrahedra that can be read: {error!r}")
     write(target)
 
 

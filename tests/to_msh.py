@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Tests plot/to_msh.py: two triangles or tetrahedra, of degree 1 and 2, in each of its formats, must come out with the
-same named parts and the nodes in Gmsh's order. Exit code 1 where one does not. Needs Debian's python3-meshio.
+"""Tests plot/to_msh.py: two triangles, quadrilaterals or tetrahedra, of degree 1 and 2, in each of its formats, must
+come out with the same named parts, the nodes in Gmsh's order and quadrilaterals of 8 nodes with a centre. Exit code 1
+where one does not. Needs Debian's python3-meshio.
 """
-import itertools
 import subprocess
 import sys
 import tempfile
@@ -13,28 +13,37 @@ import netCDF4
 import numpy as np
 
 PROGRAM = Path(__file__).resolve().parent.parent / "plot" / "to_msh.py"
-CORNERS = {2: [[0, 1, 2], [1, 3, 2]], 3: [[0, 1, 2, 3], [1, 4, 2, 3]]}  # of `solid` and `fluid`, which share a side
-EDGES = {1: [(0, 1)], 2: [(0, 1), (1, 2), (2, 0)], 3: [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]}  # VTK's order
-GMSH_EDGES = {**EDGES, 3: [(0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)]}
-ABAQUS_SIDES = {2: [(0, 1), (1, 2), (2, 0)], 3: [(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)]}
-EXODUS_SIDES = {2: ABAQUS_SIDES[2], 3: [(0, 1, 3), (1, 2, 3), (0, 3, 2), (0, 2, 1)]}
-ABAQUS_TYPES = {(1, 1): "T3D2", (1, 2): "T3D3", (2, 1): "CPE3", (2, 2): "CPS6", (3, 1): "C3D4", (3, 2): "C3D10"}
+TRIANGLE, QUADRILATERAL, TETRAHEDRON = (2, 3), (2, 4), (3, 4)  # dimension and number of corners
+CORNERS = {TRIANGLE: [[0, 1, 2], [1, 3, 2]], QUADRILATERAL: [[0, 1, 3, 2], [1, 4, 5, 3]],
+           TETRAHEDRON: [[0, 1, 2, 3], [1, 4, 2, 3]]}  # of `solid` and `fluid`, which share a side
+EDGES = {(1, 2): [(0, 1)], TRIANGLE: [(0, 1), (1, 2), (2, 0)], QUADRILATERAL: [(0, 1), (1, 2), (2, 3), (3, 0)],
+         TETRAHEDRON: [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]}  # VTK's order
+GMSH_EDGES = {**EDGES, TETRAHEDRON: [(0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)]}
+ABAQUS_SIDES = {**EDGES, TETRAHEDRON: [(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)]}
+EXODUS_SIDES = {**EDGES, TETRAHEDRON: [(0, 1, 3), (1, 2, 3), (0, 3, 2), (0, 2, 1)]}
+ABAQUS_TYPES = {(1, 2): ("T3D2", "T3D3"), TRIANGLE: ("CPE3", "CPS6"), QUADRILATERAL: ("CPE4R", "CPS8"),
+                TETRAHEDRON: ("C3D4", "C3D10")}
+EXODUS_TYPES = {TRIANGLE: "TRI", QUADRILATERAL: "QUAD", TETRAHEDRON: "TETRA"}
+MESHIO_TYPES = {(1, 2): ("line", "line3"), TRIANGLE: ("triangle", "triangle6"), QUADRILATERAL: ("quad", "quad8"),
+                TETRAHEDRON: ("tetra", "tetra10")}
 
 
 class Example:
-    def __init__(self, dim, degree):
-        self.dim, self.degree = dim, degree
-        self.points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]] if dim == 3 else
-                               [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], float)
+    def __init__(self, kind, degree):
+        self.kind, self.dim, self.degree = kind, kind[0], degree
+        self.side = (self.dim - 1, self.dim)  # the kind of its sides
+        self.points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]] if self.dim == 3 else
+                               [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [2, 0, 0], [2, 1, 0]], float)
         self.middle = {}
-        self.elements = [self.with_middles(corners) for corners in CORNERS[dim]]
+        self.elements = [self.with_middles(corners, kind) for corners in CORNERS[kind]]
         # A side on the boundary lies in one element. Those of `fluid` are the wall, those of `solid` the inflow.
-        self.faces = {name: [self.with_middles(side) for side in itertools.combinations(CORNERS[dim][k], dim)
-                             if not set(side) <= set(CORNERS[dim][1 - k])] for k, name in enumerate(("inflow", "wall"))}
+        self.faces = {name: [self.with_middles([own[i] for i in side], self.side) for side in EXODUS_SIDES[kind]
+                             if not {own[i] for i in side} <= set(CORNERS[kind][1 - k])]
+                      for k, (name, own) in enumerate(zip(("inflow", "wall"), CORNERS[kind]))}
 
-    def with_middles(self, corners):
+    def with_middles(self, corners, kind):
         nodes = list(corners)
-        for a, b in EDGES[len(corners) - 1] if self.degree == 2 else []:
+        for a, b in EDGES[kind] if self.degree == 2 else []:
             edge = frozenset((corners[a], corners[b]))
             if edge not in self.middle:
                 self.middle[edge] = len(self.points)
@@ -44,7 +53,7 @@ class Example:
 
     def sides(self, name, table):
         """(element, side from 1) of the faces of a boundary."""
-        return [(k, s) for k, corners in enumerate(CORNERS[self.dim]) for s, side in enumerate(table[self.dim], 1)
+        return [(k, s) for k, corners in enumerate(CORNERS[self.kind]) for s, side in enumerate(table[self.kind], 1)
                 if {corners[i] for i in side} in [set(face[:self.dim]) for face in self.faces[name]]]
 
 
@@ -53,13 +62,13 @@ def abaqus(mesh, path, how):
         return [", ".join(map(str, [10 * (first + k), *[n + 100 for n in nodes]])) for k, nodes in enumerate(cells)]
     text = ["*Heading", "** a comment", "*Node"]
     text += [f"{k + 100}, " + ", ".join(map(repr, map(float, point))) for k, point in enumerate(mesh.points)]
-    text += [f"*Element, type={ABAQUS_TYPES[mesh.dim, mesh.degree]}", *rows(1, mesh.elements),
+    text += [f"*Element, type={ABAQUS_TYPES[mesh.kind][mesh.degree - 1]}", *rows(1, mesh.elements),
              "*ELSET, ELSET=all", "10, 20", "*Elset, elset=solid", "10", "*Elset, elset=fluid, generate", "20, 20"]
     if how == "cells":
         first = 3
         for name, faces in mesh.faces.items():
             faces = [[f[0], f[2], f[1]] if mesh.dim == mesh.degree == 2 else f for f in faces]
-            text += [f"*Element, type={ABAQUS_TYPES[mesh.dim - 1, mesh.degree]}, elset=of_{name}", *rows(first, faces)]
+            text += [f"*Element, type={ABAQUS_TYPES[mesh.side][mesh.degree - 1]}, elset=of_{name}", *rows(first, faces)]
             for k in range(first, first + len(faces)):
                 text += [f"*Elset, elset={name}", f"{10 * k}"]
             first += len(faces)
@@ -92,7 +101,7 @@ def exodus(mesh, path, how):
         put("eb_prop1", [10, 20])
         put_names("eb_names", ["solid", "fluid"])
         for k, nodes in enumerate(mesh.elements, 1):
-            put(f"connect{k}", [np.add(nodes, 1)]).elem_type = ("TRI", "TETRA")[mesh.dim - 2]
+            put(f"connect{k}", [np.add(nodes, 1)]).elem_type = EXODUS_TYPES[mesh.kind]
         kind = {"sides": "ss", "nodes": "ns"}[how]
         put(f"{kind}_prop1", [1, 2])
         put_names(f"{kind}_names", mesh.faces)
@@ -107,9 +116,8 @@ def exodus(mesh, path, how):
 
 def by_number(mesh, path, how):
     """Medit and VTU: the parts are 1 to 4."""
-    kinds = [["line", "triangle", "tetra"], ["line3", "triangle6", "tetra10"]][mesh.degree - 1]
-    cells = [(kinds[mesh.dim - 2], faces) for faces in mesh.faces.values()]
-    cells += [(kinds[mesh.dim - 1], [nodes]) for nodes in mesh.elements]
+    element, side = (MESHIO_TYPES[kind][mesh.degree - 1] for kind in (mesh.kind, mesh.side))
+    cells = [(side, faces) for faces in mesh.faces.values()] + [(element, [nodes]) for nodes in mesh.elements]
     parts = [np.full(len(nodes), part) for (_, nodes), part in zip(cells, (1, 2, 3, 4))]
     meshio.write(path, meshio.Mesh(mesh.points, cells, cell_data={"part": parts}))
 
@@ -139,29 +147,34 @@ def failure(mesh, write, suffix, how):
             return run.stdout + run.stderr
         parts, points = parts_of(target)
     names = ["inflow", "wall", "solid", "fluid"] if write is not by_number else ["1", "2", "3", "4"]
+    if centred := len(mesh.elements[0]) == 8:
+        mesh.elements = [[*nodes, len(mesh.points) + k] for k, nodes in enumerate(mesh.elements)]
     expected = dict(zip([(mesh.dim - 1 + (k > 1), name) for k, name in enumerate(names)],
                         [*mesh.faces.values(), mesh.elements[:1], mesh.elements[1:]]))
     if cell_sets(parts) != cell_sets(expected):
         return f"{parts}\n  instead of {expected}"
     for (dim, name), cells in parts.items():
         for nodes in cells:
-            middles = [points[[nodes[a], nodes[b]]].mean(axis=0) for a, b in GMSH_EDGES[dim]]
-            if any((points[node] != middle).any() for node, middle in zip(nodes[dim + 1:], middles)):
+            kind = mesh.kind if dim == mesh.dim else mesh.side
+            middles = [points[[nodes[a], nodes[b]]].mean(axis=0) for a, b in GMSH_EDGES[kind]]
+            middles += [points[nodes[:4]].mean(axis=0)] * centred
+            if any((points[node] != middle).any() for node, middle in zip(nodes[kind[1]:], middles)):
                 return f"the nodes {nodes} of {name} are not in Gmsh's order"
     return ""
 
 
 def main():
-    cases = [(dim, degree, *kind) for dim in (2, 3) for degree in (1, 2) for kind in (
+    cases = [(kind, degree, *how) for kind in (TRIANGLE, QUADRILATERAL, TETRAHEDRON) for degree in (1, 2) for how in (
         (abaqus, ".inp", "cells"), (abaqus, ".inp", "surfaces"), (abaqus, ".inp", "nodes"), (exodus, ".e", "sides"),
         (exodus, ".e", "nodes"), (by_number, ".vtu", "cells"), (by_number, ".mesh", "cells"))
-        if degree == 1 or kind[1] != ".mesh"]
+        if degree == 1 or how[1] != ".mesh"]
     failures = 0
-    for dim, degree, write, suffix, how in cases:
-        if message := failure(Example(dim, degree), write, suffix, how):
+    for kind, degree, write, suffix, how in cases:
+        if message := failure(Example(kind, degree), write, suffix, how):
             failures += 1
-            print(f"{suffix}, {how}, {dim}D, degree {degree}: {message}", file=sys.stderr)
-    print(f"{len(cases) - failures} of {len(cases)} files of triangles and tetrahedra come out with their parts")
+            print(f"{suffix}, {how}, {EXODUS_TYPES[kind]}, degree {degree}: {message}", file=sys.stderr)
+    read = f"{len(cases) - failures} of {len(cases)} files of triangles, quadrilaterals and tetrahedra"
+    print(f"{read} come out with their parts")
     return 1 if failures else 0
 
 

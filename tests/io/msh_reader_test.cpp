@@ -106,8 +106,8 @@ TEST_CASE("all degrees of all simplices") {
 TEST_CASE("other element types are refused together, by name, number and line") {
     const std::string text =
         replaced(replaced(in_2_2, "2 1 2 4 11 1 2", "2 7 2 4 11 1 2 5 1 1"), "4 1 2 4 12 5 1", "4 7 2 4 12 5 1 2 2 1");
-    check_refused(text, "a.msh:18: 2 pyramids (mesh without Recombine) of type 7, the first in line 18: only triangles, "
-                        "quadrilaterals and tetrahedra of degree 1 to 7 with all their nodes are read");
+    check_refused(text, "a.msh:18: 2 pyramids (mesh without Recombine) of type 7, the first in line 18: only "
+                        "triangles, quadrilaterals and tetrahedra of degree 1 to 7 with all their nodes are read");
     check_refused(replaced(text, "8 2 2 9 1", "8 20 2 9 1 1 2 5 1 2 5"), "; 1 incomplete triangles");
     check_refused(replaced(in_4_1, "1 12 1 1\n4 5 1", "3 12 5 1\n4 5 1 1 1 1 1 1 1"), "a.msh:34: 1 hexahedra");
     check_refused(replaced(in_2_2, "8 2 2", "8 999 2"), "a.msh:21: 1 elements of an unknown kind of type 999");

@@ -144,8 +144,8 @@ TEST_CASE("SU2's elements of degree 2 and 3 have their nodes row by row") {
     CHECK(su2_node_order(quadrilateral(), 1) == std::vector<int>{0, 1, 2, 3});
     CHECK(su2_node_order(quadrilateral(), 2) == std::vector<int>{0, 4, 1, 7, 8, 5, 3, 6, 2});
     CHECK(su2_node_order(simplex(3), 2) == std::vector<int>{0, 4, 1, 6, 5, 2, 7, 9, 8, 3});
-    const RawMesh raw = parse_su2("NDIME= 2\nNELEM= 1\n109 0 1 2 3 4 5 6 7 8 0\nNPOIN= 9\n0 0\n1 0\n2 0\n0 1\n1 1\n2 1\n"
-                                  "0 2\n1 2\n2 2\nNMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 1\n103 0 1 2\n", "a.su2");
+    const RawMesh raw = parse_su2("NDIME= 2\nNELEM= 1\n109 0 1 2 3 4 5 6 7 8 0\nNPOIN= 9\n0 0\n1 0\n2 0\n0 1\n1 1\n"
+                                  "2 1\n0 2\n1 2\n2 2\nNMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 1\n103 0 1 2\n", "a.su2");
     CHECK(raw.elements[0].degree == 2);
     CHECK(raw.element_nodes == std::vector<int>{0, 2, 8, 6, 1, 5, 7, 3, 4, 0, 2, 1});
 }
