@@ -61,6 +61,26 @@ std::string readable_cells(int lowest, int highest) {
     return text;
 }
 
+void add_centres(RawMesh& mesh) {
+    long long id = 0;
+    for (const RawNode& node : mesh.nodes) id = std::max(id, node.id);
+    const std::size_t before = mesh.nodes.size();
+    for (const RawElement& element : mesh.elements) {
+        int* const node = &mesh.element_nodes[element.first];
+        int& last = node[element.node_count() - 1];
+        if (last >= 0) continue;
+        last = static_cast<int>(mesh.nodes.size());
+        RawNode centre{++id, {}, element.line};
+        for (int k = 0; k < 4; ++k)
+            for (int a = 0; a < 3; ++a)
+                centre.x[a] += mesh.nodes[node[4 + k]].x[a] / 2 - mesh.nodes[node[k]].x[a] / 4;
+        if (!mesh.node_blocks.empty()) mesh.node_blocks.push_back({mesh.nodes.size(), {2, element.entity}});
+        mesh.nodes.push_back(centre);
+    }
+    if (const std::size_t added = mesh.nodes.size() - before)
+        mesh.notes.push_back(counted(added, "quadrilateral") + " of 8 nodes: a ninth one is added in the centre");
+}
+
 void check_cells(const RawMesh& mesh) {
     const auto is_solid = [](const RawElement& element) { return element.dim == 3; };
     const auto is_foreign = [](const RawElement& element) { return element.dim == 2 && !element.cell().is_simplex(); };

@@ -16,6 +16,9 @@ std::vector<int> su2_node_order(const CellType& cell, int degree);
 // "triangles, quadrilaterals and tetrahedra": the cells of the table of these dimensions.
 std::string readable_cells(int lowest = 2, int highest = 3);
 
+// Gives quadrilaterals of degree 2 that have -1 for their centre, as those of 8 nodes, a node there, and a note.
+void add_centres(RawMesh& mesh);
+
 // Throws InputError where a mesh in space has cells that only plane ones may have.
 void check_cells(const RawMesh& mesh);
 

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "io/foreign_cells.hpp"
 #include "io/msh.hpp"
 #include "io/msh_scanner.hpp"
 #include "io/msh_types.hpp"
@@ -29,6 +30,7 @@ struct MshReader {
         if (!in.version) in.fail("not a Gmsh mesh file: there is no $MeshFormat section");
         if (mesh.nodes.empty()) in.fail("there is no $Nodes section");
         if (mesh.elements.empty()) in.fail("there is no $Elements section");
+        add_centres(mesh);
         mesh.format = {FileFormat::Kind::msh, std::max(in.version, 22), in.binary};  // MSH 1 is written as MSH 2.2
         return std::move(mesh);
     }
@@ -396,6 +398,7 @@ struct MshReader {
         element.degree = type.degree;
         append(mesh.elements, element_index, "element", element);
         for (int k = 0; k < type.nodes; ++k) mesh.element_nodes.push_back(read_node_of_element());
+        mesh.element_nodes.resize(element.first + element.node_count(), -1);
         in.end_of_record();
     }
 

@@ -10,7 +10,7 @@ namespace almesh {
 struct MshType {
     int number;
     const CellType* cell = nullptr;  // none: not a complete cell of the table of a degree up to max_degree
-    int degree = 0, nodes = 0;
+    int degree = 0, nodes = 0;  // nodes: in the file
 };
 
 MshType msh_type(int number);

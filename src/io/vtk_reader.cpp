@@ -21,6 +21,7 @@ VtkCell cell_of(int type, int nodes) {
         for (int degree = 1; degree <= max_degree; ++degree)
             if (cell.vtk_types[std::min(degree, 3) - 1] == type && cell.node_count(degree) == nodes)
                 return {&cell, degree};
+    if (type == 23 && nodes == 8) return {&quadrilateral(), 2};  // without its centre
     return {};
 }
 
@@ -50,6 +51,7 @@ struct VtkReader {
             else if (keyword == "POINT_DATA" || keyword == "CELL_DATA") break;
             else in.fail("expected POINTS, CELLS, CELL_TYPES or FIELD, got `", keyword.substr(0, 40), "`");
         }
+        add_centres(mesh);
         if (mesh.nodes.empty() || mesh.elements.empty()) in.fail("there are no POINTS, or no CELLS with CELL_TYPES");
         return mesh;
     }
@@ -156,7 +158,7 @@ struct VtkReader {
             if (order.empty()) order = vtk_node_order(*cell, degree);
             mesh.elements.push_back(
                 {c + 1, mesh.element_nodes.size(), binary ? 0 : in.line, cell->dim, degree, 0, 0, cell});
-            mesh.element_nodes.resize(mesh.element_nodes.size() + nodes);
+            mesh.element_nodes.resize(mesh.element_nodes.size() + order.size(), -1);
             for (int k = 0; k < nodes; ++k) {
                 const int node = numbers[at + 1 + k];
                 if (node < 0 || node >= static_cast<int>(mesh.nodes.size()))

@@ -210,6 +210,7 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
 
 // Elements that are folded by their vertices may be curved so that they are not: what the file says is taken then.
 Mesh build_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds folds) {
+    notes.insert(notes.end(), raw.notes.begin(), raw.notes.end());
     const std::size_t told = notes.size();
     Mesh mesh = oriented_mesh(raw, notes, folds, Orientation::of_vertices);
     if (mesh.folded.empty()) return mesh;

@@ -47,6 +47,7 @@ struct RawMesh {
     std::vector<FilePiece> pieces;          // of SU2
     int zones = 1;                          // of SU2: where there are several, the entity of an element is its zone
     std::vector<FileSection> sections;      // of MSH
+    std::vector<std::string> notes;         // of what the reader has changed
 };
 
 // Entity (dim, tag), or nullptr where the file lists none. entities: ascending by key. Cost: O(log entities).

@@ -150,6 +150,28 @@ TEST_CASE("SU2's elements of degree 2 and 3 have their nodes row by row") {
     CHECK(raw.element_nodes == std::vector<int>{0, 2, 8, 6, 1, 5, 7, 3, 4, 0, 2, 1});
 }
 
+TEST_CASE("quadrilaterals of 8 nodes get a ninth one, with an id of its own") {
+    const std::string nodes[] = {"0 0 0", "2 0 0", "2 2 0", "0 2 0", "1 0.5 0", "2 1 0", "1 2 0", "0 1 0"};
+    std::string msh = "$MeshFormat\n4 0 8\n$EndMeshFormat\n$Nodes\n1 8\n1 1 0 8\n",
+                vtk = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 double\n";
+    for (int k = 0; k < 8; ++k) {
+        msh += concat(11 + k, " ", nodes[k], "\n");
+        vtk += nodes[k] + "\n";
+    }
+    msh += "$EndNodes\n$Elements\n1 1\n5 2 16 1\n1 11 12 13 14 15 16 17 18\n$EndElements\n";
+    vtk += "CELLS 1 9\n8 0 1 2 3 4 5 6 7\nCELL_TYPES 1\n23\n";
+    for (const std::string& text : {msh, vtk}) {
+        const RawMesh raw = parse_mesh(text, "a");
+        CHECK(raw.elements[0].degree == 2);
+        CHECK(raw.element_nodes == std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8});
+        CHECK(raw.nodes[8].id == raw.nodes[7].id + 1);
+        CHECK(raw.nodes[8].x[0] == 1);
+        CHECK(raw.nodes[8].x[1] == 1.25);
+        CHECK(raw.notes == std::vector<std::string>{"1 quadrilateral of 8 nodes: a ninth one is added in the centre"});
+        if (!raw.node_blocks.empty()) CHECK(raw.node_blocks.back().entity == EntityKey{2, 5});
+    }
+}
+
 TEST_CASE("quadrilaterals in space are refused with what is read") {
     const std::string nodes = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n"
                               "5 0 0 1\n$EndNodes\n";
