@@ -64,6 +64,11 @@ struct Su2Writer {
             zone_of(e).elements.push_back(e);
             for (int k = 0; k < mesh.element_nodes(e); ++k) element_of[mesh.element(e)[k]] = e;
         }
+        const std::vector<long long>& id = mesh.file.element_id;
+        for (Zone& zone : zones)  // in the file's order, not that of the groups
+            if (!mesh.is_simplicial())
+                std::stable_sort(zone.elements.begin(), zone.elements.end(),
+                                 [&](int e, int f) { return id[e] < id[f]; });
         for (int i = 0; i < mesh.nodes(); ++i) zone_of(element_of[i]).nodes.push_back(i);
         if (!mesh.file.pieces.empty()) add_loose_nodes();
         for (const Zone& zone : zones)

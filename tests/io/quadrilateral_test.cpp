@@ -138,14 +138,18 @@ TEST_CASE("the numbers of quadrilaterals in files") {
     CHECK(has(vtk, "CELLS 3 13\n3 0 1 2\n3 0 2 3\n4 1 4 5 2\nCELL_TYPES 3\n5\n5\n9\n"));
 }
 
-TEST_CASE("SU2's elements of degree 2 and 3 have their nodes row by row") {
+TEST_CASE("SU2's elements keep the order of the file, and of degree 2 and 3 have their nodes row by row") {
     CHECK(su2_node_order(simplex(2), 2) == std::vector<int>{0, 3, 1, 5, 4, 2});
     CHECK(su2_node_order(simplex(2), 3) == std::vector<int>{0, 3, 4, 1, 8, 9, 5, 7, 6, 2});
     CHECK(su2_node_order(quadrilateral(), 1) == std::vector<int>{0, 1, 2, 3});
     CHECK(su2_node_order(quadrilateral(), 2) == std::vector<int>{0, 4, 1, 7, 8, 5, 3, 6, 2});
     CHECK(su2_node_order(simplex(3), 2) == std::vector<int>{0, 4, 1, 6, 5, 2, 7, 9, 8, 3});
+    MixedMesh mesh(1);
+    mesh.file.element_id = {12, 13, 11};
+    CHECK(has(su2_text(mesh), "NELEM= 3\n9 1 4 5 2 0\n5 0 1 2 1\n5 0 2 3 2\n"));
     const RawMesh raw = parse_su2("NDIME= 2\nNELEM= 1\n109 0 1 2 3 4 5 6 7 8 0\nNPOIN= 9\n0 0\n1 0\n2 0\n0 1\n1 1\n"
-                                  "2 1\n0 2\n1 2\n2 2\nNMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 1\n103 0 1 2\n", "a.su2");
+                                  "2 1\n0 2\n1 2\n2 2\nNMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 1\n103 0 1 2\n",
+                                  "a.su2");
     CHECK(raw.elements[0].degree == 2);
     CHECK(raw.element_nodes == std::vector<int>{0, 2, 8, 6, 1, 5, 7, 3, 4, 0, 2, 1});
 }
