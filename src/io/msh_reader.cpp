@@ -31,6 +31,7 @@ struct MshReader {
         if (mesh.nodes.empty()) in.fail("there is no $Nodes section");
         if (mesh.elements.empty()) in.fail("there is no $Elements section");
         add_centres(mesh);
+        check_cells(mesh);
         mesh.format = {FileFormat::Kind::msh, std::max(in.version, 22), in.binary};  // MSH 1 is written as MSH 2.2
         return std::move(mesh);
     }

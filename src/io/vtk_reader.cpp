@@ -179,6 +179,7 @@ RawMesh parse_vtk(std::string_view text, const std::string& path) {
     RawMesh mesh = reader.read();
     mesh.path = path;
     mesh.format.kind = FileFormat::Kind::vtk;
+    check_cells(mesh);
     return mesh;
 }
 

@@ -45,7 +45,7 @@ struct Contents {
         for (int i = 0; i < mesh.nodes(); ++i)
             position[mesh.file.node_id[i]] = {point(mesh.x, i, mesh.dim), point(mesh.x, i, mesh.dim) + mesh.dim};
         for (int e = 0; e < mesh.element_count(); ++e)
-            element[mesh.file.element_id[e]] = ids(mesh.element(e), mesh.element_nodes());
+            element[mesh.file.element_id[e]] = ids(mesh.element(e), mesh.element_nodes(e));
         for (int f = 0; f < mesh.face_count(); ++f)
             face.emplace(ids(mesh.face(f), mesh.face_nodes()), mesh.boundaries[mesh.face_boundary[f]]);
         for (int dim = 0; dim < mesh.dim; ++dim) {
