@@ -8,6 +8,7 @@
 #include "io/foreign_cells.hpp"
 #include "io/mesh_format.hpp"
 #include "io/msh_samples.hpp"
+#include "mesh/build.hpp"
 #include "mesh/lagrange.hpp"
 #include "support/program.hpp"
 
@@ -109,12 +110,16 @@ TEST_CASE("quadrilaterals, alone or beside triangles, are read as they are writt
     for (int degree = 1; degree <= 7; ++degree)
         for (const bool with_triangles : {false, true}) {
             const MixedMesh mesh(degree, with_triangles);
+            std::vector<std::string> notes;
             CAPTURE(degree);
             for (const int version : {22, 40, 41})
                 for (const bool binary : {false, true}) {
-                    const RawMesh raw = parse_mesh(
-                        msh_text(mesh, mesh.x, {.msh_version = version, .binary = binary}), "a.msh");
+                    const std::string text = msh_text(mesh, mesh.x, {.msh_version = version, .binary = binary});
+                    const RawMesh raw = parse_mesh(text, "a.msh");
                     check_same(raw, mesh);
+                    const Mesh built = build_mesh(raw, notes);
+                    CHECK(notes.empty());
+                    CHECK(msh_text(built, built.x) == text);
                     CHECK(raw.elements.back().id == mesh.file.element_id.back());
                     CHECK(raw.elements.back().physical == 9);
                 }
@@ -146,7 +151,10 @@ TEST_CASE("SU2's elements keep the order of the file, and of degree 2 and 3 have
     CHECK(su2_node_order(simplex(3), 2) == std::vector<int>{0, 4, 1, 6, 5, 2, 7, 9, 8, 3});
     MixedMesh mesh(1);
     mesh.file.element_id = {12, 13, 11};
-    CHECK(has(su2_text(mesh), "NELEM= 3\n9 1 4 5 2 0\n5 0 1 2 1\n5 0 2 3 2\n"));
+    std::vector<std::string> notes;
+    const std::string text = su2_text(mesh);
+    CHECK(su2_text(build_mesh(parse_su2(text, "a.su2"), notes)) == text);
+    CHECK(has(text, "NELEM= 3\n9 1 4 5 2 0\n5 0 1 2 1\n5 0 2 3 2\n"));
     const RawMesh raw = parse_su2("NDIME= 2\nNELEM= 1\n109 0 1 2 3 4 5 6 7 8 0\nNPOIN= 9\n0 0\n1 0\n2 0\n0 1\n1 1\n"
                                   "2 1\n0 2\n1 2\n2 2\nNMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 1\n103 0 1 2\n",
                                   "a.su2");
