@@ -1,56 +1,41 @@
-// Node a of a simplex has the barycentric coordinates a / p, in a quadrilateral a / p are those of both directions:
-// N_v of degree 1 is the product of the ones that are 1 at vertex v.
 #include "energy/vertex_interpolation.hpp"
 
 #include <vector>
 
+#include "mesh/lagrange.hpp"
+
 namespace almesh {
-namespace {
-
-// Per node of the cell and vertex: N_v at the node.
-std::vector<double> vertex_weights(const CellType& cell, int degree) {
-    const std::vector<MultiIndex> vertices = gmsh_node_order(cell, 1);
-    std::vector<double> weights;
-    for (const MultiIndex& a : gmsh_node_order(cell, degree))
-        for (const MultiIndex& vertex : vertices) {
-            double weight = 1;
-            for (int k = 0; k < 4; ++k)
-                if (vertex[k] == 1) weight *= static_cast<double>(a[k]) / degree;
-            weights.push_back(weight);
-        }
-    return weights;
-}
-
-}  // namespace
 
 Interpolation vertex_interpolation(const Mesh& mesh) {
     Interpolation P;
     if (mesh.degree == 1) return P;
-    struct Row {
-        const int* vertex;
-        const double* weight;
-        int count;
+    struct Place {
+        int element, node;
     };
-    const std::vector<ElementGroup> groups = mesh.element_groups();
-    std::vector<std::vector<double>> weights;
-    std::vector<Row> rows(mesh.nodes());
+    std::vector<Place> place(mesh.nodes());
     std::vector<int> column(mesh.nodes(), -1);
-    for (const ElementGroup& group : groups) {
-        weights.push_back(vertex_weights(*group.cell, mesh.degree));
-        const int vertices = group.cell->vertices, m = group.cell->node_count(mesh.degree);
-        for (int e = group.first; e < group.first + group.count; ++e) {
-            const int* const node = mesh.element(e);
-            for (int a = 0; a < m; ++a) rows[node[a]] = {node, &weights.back()[offset(a, vertices)], vertices};
-            for (int v = 0; v < vertices; ++v) column[node[v]] = 0;
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int a = 0; a < mesh.element_nodes(e); ++a) {
+            place[mesh.element(e)[a]] = {e, a};
+            if (a < mesh.cell(e).vertices) column[mesh.element(e)[a]] = 0;
         }
-    }
     for (int& c : column)
         if (c == 0) c = P.columns++;
-    for (const Row& row : rows) {
-        for (int v = 0; v < row.count; ++v) {
-            if (row.weight[v] == 0) continue;
-            P.col.push_back(column[row.vertex[v]]);
-            P.weight.push_back(row.weight[v]);
+    std::vector<std::vector<std::vector<double>>> weights;  // per group and node of its cell: of the vertices
+    const std::vector<ElementGroup> groups = mesh.element_groups();
+    for (const ElementGroup& group : groups) {
+        const LagrangeBasis basis(*group.cell, mesh.degree);
+        weights.emplace_back();
+        for (int a = 0; a < basis.count; ++a) weights.back().push_back(basis.vertex_weights(a));
+    }
+    for (const auto& [e, a] : place) {
+        std::size_t g = 0;
+        while (e >= groups[g].first + groups[g].count) ++g;
+        const std::vector<double>& weight = weights[g][a];
+        for (std::size_t v = 0; v < weight.size(); ++v) {
+            if (weight[v] == 0) continue;
+            P.col.push_back(column[mesh.element(e)[v]]);
+            P.weight.push_back(weight[v] / mesh.degree);
         }
         P.row.push_back(static_cast<int>(P.col.size()));
     }

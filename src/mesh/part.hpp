@@ -32,7 +32,8 @@ struct SubMesh {
     std::vector<int> elements;  // the nodes of each element, numbers of here
 };
 
-// The elements with a node that moves, per type, all with the same numbers of nodes; and all of a mesh. moves: per node.
+// The elements with a node that moves, of each type, with the same numbers of nodes; and those of a mesh. moves: per
+// node of the mesh.
 std::vector<SubMesh> elements_around(const std::vector<CellNodes>& types, const std::vector<char>& moves);
 SubMesh elements_around(const Mesh& mesh, const std::vector<char>& moves);
 
