@@ -22,7 +22,7 @@ std::vector<Mesh> meshes() {
     std::vector<Mesh> meshes;
     for (int degree = 1; degree <= 4; ++degree)
         for (const Mesh& linear : {quad_mesh(3, 0.2), mixed_mesh(4, 0.2)})
-            meshes.push_back(with_degree(linear, degree));
+            meshes.push_back(raise_degree(linear, degree));
     return meshes;
 }
 
@@ -180,7 +180,7 @@ TEST_CASE("the energy of a smooth map converges to the exact one with the degree
     for (int degree = 1; degree <= 4; ++degree) {
         double error[2];
         for (int level = 0; level < 2; ++level) {
-            const Mesh mesh = with_degree(quad_mesh(4 << level, 0.1), degree);
+            const Mesh mesh = raise_degree(quad_mesh(4 << level, 0.1), degree);
             std::vector<double> x = mesh.x;
             for (std::size_t i = 0; i < x.size(); i += 2) x[i] += a * std::sin(std::numbers::pi * x[i + 1]);
             error[level] =
@@ -211,7 +211,7 @@ TEST_CASE("elements of both types have the weights of their sizes") {
 
 TEST_CASE("a step that folds a quadrilateral between its vertices is refused, and its quadrature gets finer there") {
     for (int degree = 1; degree <= 4; ++degree) {
-        const Mesh mesh = with_degree(quad_mesh(1), degree);
+        const Mesh mesh = raise_degree(quad_mesh(1), degree);
         const auto E = make_energy(mesh, mesh.x, with(Objective::squared));
         CHECK(E->certified(mesh.x));
         CHECK(E->valid_fraction(mesh.x, wavy(mesh.x, 2, 0.02)) == 1);
@@ -238,7 +238,7 @@ TEST_CASE("a step that folds a quadrilateral between its vertices is refused, an
 }
 
 TEST_CASE("a mixed mesh keeps the state of its quadrature, takes over that of parts, and orders its Hessian") {
-    const Mesh mesh = with_degree(mixed_mesh(4, 0.2), 2);
+    const Mesh mesh = raise_degree(mixed_mesh(4, 0.2), 2);
     const std::vector<double> x = wavy(mesh.x, 2, 0.02);
     for (const Assembly assembly : assemblies) {
         const auto E = make_energy(mesh, mesh.x, with(Objective::deviation, assembly)),

@@ -42,7 +42,7 @@ TEST_CASE("degree 1 has no lower degree") { CHECK(vertex_interpolation(cube_mesh
 
 TEST_CASE("in quadrilaterals a bilinear field is that of its vertices, next to triangles too") {
     for (int degree = 2; degree <= 4; ++degree) {
-        const Mesh linear = mixed_mesh(4, 0.2), mesh = with_degree(linear, degree);
+        const Mesh linear = mixed_mesh(4, 0.2), mesh = raise_degree(linear, degree);
         const Interpolation P = vertex_interpolation(mesh);
         REQUIRE(P.columns == linear.nodes());
         REQUIRE(P.rows() == mesh.nodes());

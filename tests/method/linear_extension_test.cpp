@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 
+#include "energy/distortion_energy.hpp"
 #include "method/comparators.hpp"
 #include "support/high_order.hpp"
 #include "support/meshes.hpp"
@@ -33,7 +34,7 @@ std::vector<double> values(const Mesh& mesh, const std::vector<double>& x, const
 // The field's values on the boundary, extended inside.
 std::vector<double> extension(StiffnessAt stiffness, const Mesh& mesh, const std::vector<double>& x,
                               const Field& field) {
-    LinearExtension linear(mesh, matrix_of_cells(mesh.nodes(), mesh.dim, mesh.elements, mesh.element_nodes()), {});
+    LinearExtension linear(mesh, make_energy(mesh, straight_sided(mesh), {})->hessian_pattern(), {});
     std::vector<double> u = values(mesh, x, field);
     const std::vector<char> fixed = on_boundary(mesh);
     for (int i = 0; i < mesh.nodes(); ++i)
@@ -54,6 +55,7 @@ std::vector<Mesh> meshes(int degree) {
     std::vector<Mesh> all;
     for (const Mesh& linear : {square_mesh(4), ring_mesh(10, 4, 5), cube_mesh(2)})
         all.push_back(with_degree(linear, degree));
+    for (const Mesh& linear : {quad_mesh(4, 0.2), mixed_mesh(4, 0.2)}) all.push_back(raise_degree(linear, degree));
     return all;
 }
 

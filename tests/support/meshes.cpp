@@ -48,41 +48,6 @@ Mesh quad_mesh(int k, double amplitude) { return mesh_of_square(k, k, amplitude)
 
 Mesh mixed_mesh(int k, double amplitude) { return mesh_of_square(k, k / 2, amplitude); }
 
-Mesh with_degree(const Mesh& linear, int degree) {
-    Mesh mesh;
-    mesh.dim = linear.dim;
-    mesh.degree = degree;
-    mesh.groups = linear.element_groups();
-    mesh.x = linear.x;
-    mesh.file = linear.file;
-    std::map<std::vector<long long>, int> places;  // rounded position -> node
-    const auto node_at = [&](const std::vector<double>& x) {
-        std::vector<long long> key;
-        for (const double coordinate : x) key.push_back(std::llround(1e9 * coordinate));
-        const auto [it, is_new] = places.try_emplace(key, static_cast<int>(places.size()));
-        if (is_new && it->second >= linear.nodes()) mesh.x.insert(mesh.x.end(), x.begin(), x.end());
-        return it->second;
-    };
-    for (int i = 0; i < linear.nodes(); ++i) {
-        const double* const x = point(linear.x, i, mesh.dim);
-        node_at({x, x + mesh.dim});
-    }
-    for (ElementGroup& group : mesh.groups) {
-        group.start = mesh.elements.size();
-        const LagrangeBasis basis(*group.cell, degree), vertices(*group.cell, 1);
-        std::vector<double> N(vertices.count);
-        for (int e = group.first; e < group.first + group.count; ++e)
-            for (int i = 0; i < basis.count; ++i) {
-                vertices.values(basis.point(i).data(), N.data());
-                std::vector<double> x(mesh.dim, 0.0);
-                for (int v = 0; v < vertices.count; ++v)
-                    for (int a = 0; a < mesh.dim; ++a) x[a] += N[v] * linear.x[linear.element(e)[v] * mesh.dim + a];
-                mesh.elements.push_back(i < vertices.count ? linear.element(e)[i] : node_at(x));
-            }
-    }
-    return mesh;
-}
-
 Mesh linear_mesh(int dim, std::vector<double> x, std::vector<int> elements, const BoundaryName& name,
                  std::vector<ElementGroup> groups) {
     Mesh mesh;

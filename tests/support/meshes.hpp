@@ -24,9 +24,6 @@ Mesh square_mesh(int k);
 Mesh quad_mesh(int k, double amplitude = 0);
 Mesh mixed_mesh(int k, double amplitude = 0);
 
-// With elements of degree p, straight or bilinear, without faces.
-Mesh with_degree(const Mesh& linear, int degree);
-
 // Unit cube, or as many in a row along x, of k x k x k cells of six tetrahedra; boundaries bottom, top, sides.
 Mesh cube_mesh(int k, int cubes = 1);
 
