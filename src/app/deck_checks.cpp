@@ -26,8 +26,8 @@ void check_local_repair(const Deck& deck) {
 }
 
 // With fewer points than |F|^2 needs, the energy does not see some motions of the nodes inside an element.
-void check_quadrature(const Deck& deck, int degree) {
-    const int least = 2 * (degree - 1), exactness = deck.distortion.exactness;
+void check_quadrature(const Deck& deck, const Mesh& mesh, int degree) {
+    const int least = mesh.is_simplicial() ? 2 * (degree - 1) : 2 * degree, exactness = deck.distortion.exactness;
     if (exactness == 0 || exactness >= least) return;
     throw UsageError(deck.given.at("quadrature"), ": quadrature = ", exactness, " is too low for elements of degree ",
                      degree, ": take at least ", least, ", or 0");

@@ -15,7 +15,7 @@ void check_local_repair(const Deck& deck);
 std::string curved_su2(const Deck& deck, const Mesh& mesh);  // "" or a note
 // "" where the final mesh has all sections of its file; else a note of those that are left out.
 std::string left_out_sections(const Deck& deck, const Mesh& in_file, const Mesh& of_run);
-void check_quadrature(const Deck& deck, int degree);
+void check_quadrature(const Deck& deck, const Mesh& mesh, int degree);
 void check_final_ids(const Deck& deck, const Mesh& mesh);  // throws InputError
 void check_prescribed(const Deck& deck, const BoundaryTarget& target);
 
