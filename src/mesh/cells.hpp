@@ -1,18 +1,15 @@
 // The cell types of meshes: everything that depends on the shape of a cell, one row of a table for each type.
 //
-// The rows are the simplices of dimension 0 to 3. Quadrilaterals, hexahedra, prisms and pyramids would be further rows.
-// What the program assumes beyond the table holds for simplices only and would have to change with them:
+// The rows are the simplices of dimension 0 to 3 and the quadrilateral. Hexahedra, prisms and pyramids would be further
+// rows. What the program assumes beyond the table would have to change with them:
 //
-//   one cell type per mesh, given by dim and degree             Mesh::element(), build.cpp: select(), flat arrays
-//   a cell has dim + 1 vertices, its first nodes; face k has    CellType::faces, build_boundary.cpp, refine.cpp;
-//   all of them but the opposite vertex k                       centres in check/quality and app/quality
-//   the ideal Jacobian A is constant in an element              straight_jacobian() in mesh.hpp and its callers; A per
-//                                                               element in energy/, one scaling per face in constraint/
-//   nodes are multi-indices, polynomials are in Bernstein form  lattice_nodes(), LagrangeBasis, geometry/bezier,
-//   in barycentric coordinates                                  check/certificate
-//   quadrature in barycentric or collapsed coordinates          quadrature.cpp, quadrature_table.hpp
-//   children have vertices and edge midpoints as vertices       CellType::children, refine.cpp
-//   the best shape is the regular simplex                       check/quality
+//   faces of elements are simplices                             Mesh::faces, constraint/, check/target_check
+//   nodes are multi-indices of a simplex or of two lines        LagrangeBasis, gmsh_node_order()
+//   a cell is cut into simplices along its vertices             sub_simplices.hpp, for certificates and valid steps
+//   quadrature                                                  cell_quadrature()
+//   children have vertices, edge midpoints and the middle as    CellType::children, refine.cpp
+//   vertices
+//   the best shape is the regular simplex or the square         check/quality
 //
 // The reference simplex is {xi >= 0, sum xi <= 1}; its vertex 0 is the origin, vertex k the unit vector k - 1.
 #pragma once

@@ -234,6 +234,7 @@ TEST_CASE("a step that folds a quadrilateral between its vertices is refused, an
         CHECK(E->refined_elements() == 1);
         CHECK(std::isfinite(E->energy(x)));
         CHECK(E->energy(stretched(mesh.x)) == doctest::Approx(1.5625).epsilon(1e-12));
+        CHECK(E->statistics(stretched(mesh.x)).relative_quality == doctest::Approx(0.8).epsilon(1e-12));
     }
 }
 

@@ -126,7 +126,7 @@ TEST_CASE("a 2D mesh lies in a plane z = constant") {
     for (RawNode& node : raw.nodes) node.x[2] = 0.5;
     CHECK(build_quietly(raw).file.z == 0.5);
     raw.nodes[2].x[2] = 0.75;
-    check_refused(raw, "square.msh: the triangles form a surface in space, z goes from 0.5 (node 1) to 0.75 (node 3)");
+    check_refused(raw, "square.msh: the elements form a surface in space, z goes from 0.5 (node 1) to 0.75 (node 3)");
 }
 
 TEST_CASE("stretched elements pass, flat ones do not") {
@@ -153,7 +153,7 @@ TEST_CASE("stretched elements pass, flat ones do not") {
 TEST_CASE("what makes no mesh of one degree is refused") {
     RawMesh raw = square();
     raw.elements.resize(4);
-    check_refused(raw, "square.msh: the mesh has no triangles or tetrahedra");
+    check_refused(raw, "square.msh: the mesh has no triangles, quadrilaterals or tetrahedra");
     raw = SampleMesh(2, 2, 1).raw;
     append_element(raw, 1, 1, {0, 1});
     check_refused(raw, "sample.msh:1006: element 7 has degree 1, element 1 (line 1000) has degree 2");
