@@ -26,7 +26,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 REFERENCE = ROOT / "tests" / "reference" / "summaries.csv"
 QUICK = ["channel-bump", "circle", "circle-literal", "circle-printed", "circle-refined-1", "circle-refined-2",
-         "circle-size-shape", "curving", "curving-printed", "sphere-shell", "cad/torus", "gauntlet/airfoil-layers",
+         "circle-size-shape", "curving", "curving-printed", "sphere-shell", "cad/torus", "cells/airfoil",
+         "cells/circle", "cells/circle-far", "cells/circle-turned", "cells/curving", "gauntlet/airfoil-layers",
          "gauntlet/airfoil-pitched", "gauntlet/airfoil-turned", "gauntlet/block-turned", "gauntlet/circle-moved-worst",
          "gauntlet/circle-quarter-worst", "gauntlet/circle-refined-turned", "gauntlet/circle-turned",
          "gauntlet/circle-turned-worst", "gauntlet/layers-degree-4", "gauntlet/plate-turned", "slide/bump",
