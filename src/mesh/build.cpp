@@ -147,8 +147,8 @@ std::vector<int> negative_elements(const MeshBuild& build, Folds folds) {
     };
     if (folds == Folds::keep) std::erase_if(flat, [&](int e) { return !has_vertex_twice(e); });
     if (!flat.empty())
-        build.refuse(build.element(flat[0]), "with the vertices ", build.node_ids(mesh.element(flat[0]), mesh.cell(flat[0]).vertices),
-                     " has no volume, the first of ", counted(flat.size(), "such element"));
+        build.refuse(build.element(flat[0]), "with the vertices ",
+                     build.node_ids(mesh.element(flat[0]), mesh.cell(flat[0]).vertices), " has no volume, the first of ", counted(flat.size(), "such element"));
     return negative;
 }
 

@@ -70,7 +70,8 @@ void fill_kept(MeshBuild& build) {
             append(mesh.kept[0], cell, {nodes[0] < 0 ? nodes[0] + 1 : nodes[0]}, -1);
             continue;
         }
-        const bool in_mesh = cell.degree == mesh.degree && cell.cell().is_simplex() && *std::min_element(nodes.begin(), nodes.end()) >= 0;
+        const bool in_mesh = cell.degree == mesh.degree && cell.cell().is_simplex() &&
+                             *std::min_element(nodes.begin(), nodes.end()) >= 0;
         const int element = in_mesh ? element_of(subcells, around, nodes, cell.dim) : -1;
         if (element >= 0) append(mesh.kept[cell.dim], cell, nodes, element);
         else if (++dropped == 1) first_dropped = &cell;

@@ -87,8 +87,9 @@ private:
     std::vector<Edge> edges_;
 };
 
-// The children of a cell with the vertices v, appended to `out`. A quadrilateral gets a node in its middle. An octahedron is cut along the shortest of its three
-// diagonals: on general tetrahedra this keeps the shapes better than Bey's fixed one.
+// The children of a cell with the vertices v, appended to `out`. A quadrilateral gets a node in its middle. An octahedron
+// is cut along the shortest of its three diagonals: on general tetrahedra this keeps the shapes better than Bey's fixed
+// one.
 void append_children(const CellType& cell, const int* v, Midpoints& midpoint, const std::vector<double>& x,
                      std::vector<int>& out) {
     std::array<int, 10> node;  // vertices, midpoints, the middle
@@ -212,27 +213,27 @@ template <int n>
 Vec<n> reference_point(const CellType& cell, const int* vertex, const std::vector<double>& ideal, const double* y,
                        double steps) {
     constexpr int newton_steps = 20;
-    const LagrangeBasis basis(cell, 1);
+    const double small = 1e-3 / steps;
     Vec<n> xi{};
     for (int step = 0; step < (cell.is_simplex() ? 1 : newton_steps); ++step) {
+        const Vec<n> before = xi;
         Mat<n> A = straight_jacobian<n>(vertex, ideal);
         Vec<n> rest;
         for (int a = 0; a < n; ++a) rest[a] = y[a] - point(ideal, vertex[0], n)[a];
         if (!cell.is_simplex()) {
-            double N[4], dN[4 * n];
-            basis.values(xi.data(), N);
-            basis.gradients(xi.data(), dN);
-            A = {};
-            for (int v = 0; v < cell.vertices; ++v)
-                for (int a = 0; a < n; ++a) {
-                    const double edge = point(ideal, vertex[v], n)[a] - point(ideal, vertex[0], n)[a];
-                    rest[a] -= N[v] * edge;
-                    for (int k = 0; k < n; ++k) A[a][k] += edge * dN[v * n + k];
-                }
+            for (int a = 0; a < n; ++a) {  // of x_0 + xi u + eta v + xi eta w
+                const double x0 = point(ideal, vertex[0], n)[a];
+                const auto from_first = [&](int k) { return point(ideal, vertex[k], n)[a] - x0; };
+                const double u = from_first(1), v = from_first(3), w = from_first(2) - u - v;
+                A[a][0] = u + xi[1] * w;
+                A[a][1] = v + xi[0] * w;
+                rest[a] -= xi[0] * u + xi[1] * v + xi[0] * xi[1] * w;
+            }
         }
         const Mat<n> inverse_A = inverse<n>(A);
         for (int k = 0; k < n; ++k)
             for (int a = 0; a < n; ++a) xi[k] += inverse_A[k][a] * rest[a];
+        if (std::abs(xi[0] - before[0]) + std::abs(xi[1] - before[1]) < small) break;
     }
     for (double& coordinate : xi) coordinate = std::round(coordinate * steps) / steps;
     return xi;
