@@ -80,6 +80,31 @@ bool flat_holds(const Patch& corner, int m, const Vec<3>& point) {
     return true;
 }
 
+// The edge with the longest control polygon. By its chord, an edge that turns back on itself would be a short one:
+// bisections of the others would leave it whole for ever.
+struct CurvedEdge {
+    int a = 0, b = 1;
+    double length = 0;
+};
+CurvedEdge longest_curve(const Bernstein& basis, const Patch& patch) {
+    CurvedEdge longest;
+    for (int a = 0; a < basis.dim; ++a)
+        for (int b = a + 1; b <= basis.dim; ++b) {
+            double sum = 0;
+            MultiIndex at{};
+            at[a] = basis.degree;
+            for (int last = a; at[a] > 0;) {
+                --at[a];
+                ++at[b];
+                const int next = basis.place(at);
+                sum += length(patch[next] - patch[last]);
+                last = next;
+            }
+            if (sum > longest.length) longest = {a, b, sum};
+        }
+    return longest;
+}
+
 }  // namespace
 
 bool holds(const Bernstein& basis, const Patch& patch, const Vec<3>& point) {
@@ -94,9 +119,9 @@ bool holds(const Bernstein& basis, const Patch& patch, const Vec<3>& point) {
         const Patch piece = std::move(pieces.back());
         pieces.pop_back();
         if (squared_distance(box_of(piece), {}) > 0) continue;
-        const auto [a, b] = longest_edge(piece, basis.dim);
-        if (length(piece[b] - piece[a]) <= smallest) return true;
-        auto [near, far] = bisect(basis, piece, a, b);
+        const CurvedEdge edge = longest_curve(basis, piece);
+        if (edge.length <= smallest) return true;
+        auto [near, far] = bisect(basis, piece, edge.a, edge.b);
         pieces.push_back(std::move(near));
         pieces.push_back(std::move(far));
     }

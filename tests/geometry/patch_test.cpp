@@ -86,11 +86,42 @@ TEST_CASE("a curved patch so far away that its halves have no more digits, or of
     CHECK(holds(basis.bernstein, Patch(6, {1, 1, 0}), {1, 1, 0}));
 }
 
-// A tetrahedron with one edge bent until det J vanishes at its end: far too many pieces are near the points around.
+// A tetrahedron in an oblique plane, 1e-8 high, bent within it: far too many pieces are near the points around.
 TEST_CASE("what is next to a patch that is nearly flat counts as in it where pieces do not tell in time") {
+    const PatchBasis basis(3, 2);
+    const Vec<3> a{0.8, 0.6, 0}, b{-0.36, 0.48, 0.8}, c{0.48, -0.64, 0.6};  // orthonormal
+    Patch flat;
+    for (const MultiIndex& m : basis.bernstein.index) {
+        const double s = 0.5 * m[1], t = 0.5 * m[2], u = 0.5 * m[3];
+        flat.push_back((s + 0.3 * u + 0.4 * s * t) * a + (t + 0.3 * u - 0.4 * t * u) * b + (1e-8 * u) * c);
+    }
+    const auto near = [&](double height) { return 0.4 * a + 0.4 * b + height * c; };
+    CHECK(holds(basis.bernstein, flat, near(2e-8)));
+    CHECK(!holds(basis.bernstein, flat, near(1e-3)));
+}
+
+// A tetrahedron with one edge bent until det J vanishes at its end.
+TEST_CASE("what is next to a patch with a strongly bent edge is told from it") {
     const PatchBasis basis(3, 2);
     const Patch bent = {{0, 0, 0},   {0, 1, 0},     {0, 1, 1},       {1, 1, 1},                         {0, 0.5, 0},
                         {0, 1, 0.5}, {0, 0.5, 0.5}, {0.5, 0.5, 0.5}, {2.1640625, 2.6640625, 2.6640625}, {0.5, 1, 0.5}};
-    CHECK(holds(basis.bernstein, bent, {0.7030981773144, 1.0364231773146, 1.3697481773145}));
+    CHECK(!holds(basis.bernstein, bent, {0.7030981773144, 1.0364231773146, 1.3697481773145}));
     CHECK(!holds(basis.bernstein, bent, {0.5, 0.2, 0.7}));
+    CHECK(holds(basis.bernstein, bent, {0.25, 0.75, 0.6}));
+}
+
+// Half of a stretched bilinear quadrilateral, turned by 45 degrees. The diagonal goes beyond its second end and back.
+TEST_CASE("a patch with an edge that turns back on itself does not hold points beside it") {
+    const PatchBasis basis(2, 2);
+    const auto turned = [](double x, double y) { return Vec<3>{x - y, x + y, 0}; };
+    const Patch patch = interpolated(basis, [&](double s, double t) {
+        const double u = s, v = s + t;  // corners (0, 0), (1, 1), (0, 1) of the unit square
+        return turned(u * v * 0.3 + (1 - u) * v, u * (1 - v) * -0.01 + u * v * -0.009);
+    });
+    for (int i = 1; i < 20; ++i) {
+        CAPTURE(i);
+        const double x = 0.05 * i;
+        CHECK(holds(basis.bernstein, patch, turned(x, -1e-5)));
+        for (const double y : {1e-5, 1e-3, 0.1}) CHECK(!holds(basis.bernstein, patch, turned(x, y)));
+    }
 }
