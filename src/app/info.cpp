@@ -110,7 +110,7 @@ std::string validity_of(const Mesh& mesh, const CertificateParams& params) {
     const Certificate certificate = certify(mesh, mesh.x, params);
     if (!certificate.valid)
         return counted(certificate.uncertified.size(), "element") + " not certified valid (almesh quality FILE lists "
-               "them); a run straightens the mesh first";
+               "them)" + (mesh.degree > 1 ? "; a run straightens the mesh first" : "");
     const Injectivity injectivity = certify_injective(mesh, mesh.x, certificate);
     return injectivity.certified ? "all elements certified valid, none overlap"
                                  : "all elements certified valid, but " + injectivity.reason;

@@ -100,8 +100,9 @@ Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, co
     }
     if (const auto [e, other] = overlapping_elements(mesh, x); e >= 0) {
         const std::vector<long long>& id = mesh.file.element_id;
+        const bool is_exact = mesh.degree == 1 && mesh.is_simplicial();
         return {.reason = concat("elements ", id_in_file(id, e), " and ", id_in_file(id, other),
-                                   " lie over each other", mesh.degree == 1 ? "" : ", or are too close to tell"),
+                                 " lie over each other", is_exact ? "" : ", or are too close to tell"),
                 .node = mesh.element(e)[0],
                 .position = element_centre(mesh, x, e)};
     }
