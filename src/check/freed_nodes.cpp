@@ -26,7 +26,14 @@ TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, con
     faults.faces = check_target(mesh, placed, open, is_own_ideal ? FaceBend::any : FaceBend::usual);
     if (mesh.degree > 1 && !target.in_trace_space) bound = std::min(bound, surely);
     std::vector<int> element;
-    for (const DeterminedElement& fault : determined_elements(mesh, placed, prescribed_nodes(mesh, target), bound)) {
+    const std::vector<char> prescribed = prescribed_nodes(mesh, target);
+    std::vector<double> before(mesh.element_count(), bound);  // of quadrilaterals with a nearly straight corner
+    if (!mesh.is_simplicial())
+        for (const DeterminedElement& of : determined_elements(mesh, ideal, prescribed, bound))
+            before[of.element] = of.scaled_jacobian;
+    for (const DeterminedElement& fault : determined_elements(mesh, placed, prescribed, bound)) {
+        const double value = fault.scaled_jacobian, of_ideal = before[fault.element];
+        if (value > 0 && of_ideal < bound && value >= 0.5 * of_ideal) continue;
         faults.elements.push_back({fault});
         if (mesh.is_simplicial()) element.push_back(fault.element);
     }

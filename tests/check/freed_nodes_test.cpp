@@ -232,3 +232,20 @@ TEST_CASE("elements between two faces of prescribed boundaries: sliding does not
         }
     }
 }
+
+TEST_CASE("a quadrilateral whose corner is nearly straight in the ideal mesh already is at fault where it gets worse") {
+    Mesh mesh = quad_mesh(1);
+    const int corner = node_at(mesh, {1, 1, 0});
+    for (int a = 0; a < 2; ++a) point(mesh.x, corner, 2)[a] = 0.5005;
+    const auto faults = [&](double toward) {
+        BoundaryTarget target = target_of(mesh, {});
+        for (std::size_t k = 0; k < mesh.faces.size(); ++k)
+            for (int a = 0; a < 2 && mesh.faces[k] == corner; ++a) target.node[2 * k + a] -= toward;
+        return find_faults(mesh, mesh.x, target, 0.01).elements;
+    };
+    CHECK(faults(0).empty());
+    CHECK(faults(0.0001).empty());
+    REQUIRE(faults(0.0004).size() == 1);  // a fifth of what it was
+    CHECK(faults(0.0004)[0].scaled_jacobian == doctest::Approx(0.0004).epsilon(0.01));
+    CHECK(faults(0.001).size() == 1);
+}
