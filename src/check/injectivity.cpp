@@ -91,13 +91,13 @@ Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, co
                 .node = i,
                 .position = centroid(mesh, x, &i, 1)};
     const TargetReport report = check_target(mesh, x, {}, FaceBend::any);
-    if (!report.faults.empty()) {
-        const int f = report.faults.front().face;
-        return {.reason = concat("the boundary overlaps itself at face ",
-                                   id_in_file(mesh.file.face_id, f), " of ", mesh.boundaries[mesh.face_boundary[f]]),
-                .face = f,
-                .position = centroid(mesh, x, mesh.face(f), mesh.dim)};
-    }
+    const auto at_face = [&](const std::string& what, int f) {
+        return Injectivity{.reason = concat(what, " at face ", id_in_file(mesh.file.face_id, f), " of ",
+                                            mesh.boundaries[mesh.face_boundary[f]]),
+                           .face = f,
+                           .position = centroid(mesh, x, mesh.face(f), mesh.dim)};
+    };
+    if (!report.faults.empty()) return at_face("the boundary overlaps itself", report.faults.front().face);
     if (const auto [e, other] = overlapping_elements(mesh, x); e >= 0) {
         const std::vector<long long>& id = mesh.file.element_id;
         const bool is_exact = mesh.degree == 1 && mesh.is_simplicial();
@@ -106,7 +106,8 @@ Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, co
                 .node = mesh.element(e)[0],
                 .position = element_centre(mesh, x, e)};
     }
-    if (report.crossed_before) return {.reason = "the boundary of the initial mesh crosses itself"};
+    if (report.crossed_before >= 0)
+        return at_face("the boundary of the initial mesh crosses itself", report.crossed_before);
     return {.certified = true, .reason = ""};
 }
 

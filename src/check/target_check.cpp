@@ -258,7 +258,7 @@ void Check::check_pairs() {
     std::set<std::pair<int, int>> named;
     for (const auto& [f, g, what] : faults) {
         if (what == crossed_before) {
-            report.crossed_before = true;
+            if (report.crossed_before < 0) report.crossed_before = f;
             continue;
         }
         report.crossing.push_back({f, g});

@@ -36,7 +36,7 @@ struct TargetReport {
     };
     std::vector<Fault> faults;
     std::vector<std::array<int, 2>> crossing;  // pairs of faces; of closed parts that cross only one is a fault
-    bool crossed_before = false;  // faces of the initial mesh cross, and do so in the target
+    int crossed_before = -1;  // the first face that crosses another one in the initial mesh, and does so in the target
 };
 
 // target: node_count x dim positions, of which those of boundary nodes count (see at_target()), finite. open: faces
