@@ -87,7 +87,7 @@ double volume(const Mesh& mesh, const std::vector<double>& y, int e) {
     with_dimension(mesh.dim, [&](auto n) {
         size = determinant(straight_jacobian<n>(node, y)) / simplex(n).inverse_volume;
         if (mesh.cell(e).is_simplex()) return;
-        const int other[] = {node[0], node[2], node[3]};  // the triangle on the other side of the diagonal
+        const int other[] = {node[0], node[2], node[3], -1};  // the triangle on the other side of the diagonal
         size += determinant(straight_jacobian<n>(other, y)) / simplex(n).inverse_volume;
     });
     return size;
