@@ -1,25 +1,24 @@
 #include "app/base_mesh.hpp"
 
-#include <utility>
-
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "mesh/build.hpp"
 
 namespace almesh {
-
 namespace {
 
-// That of simplices is valid where it does not fold; other cells with straight sides may be inverted at a corner.
-void check_straight(const Mesh& mesh, const CertificateParams& params) {
-    if (mesh.is_simplicial()) return;
+// Simplices with straight sides are valid where they do not fold; other cells may be inverted at a corner.
+Mesh straight_mesh(const RawMesh& raw, const CertificateParams& params, std::vector<std::string>& notes) {
+    Mesh mesh = build_mesh(raw, notes);
+    if (mesh.is_simplicial()) return mesh;
     const std::vector<double> y = straight_sided(mesh);
     const Certificate certificate = certify(mesh, y, params);
-    if (certificate.valid) return;
+    if (certificate.valid) return mesh;
     const int e = certificate.uncertified[0];
-    throw InputError(mesh.cell(e).name, " ", mesh.file.element_id[e], " at ",
-                     position_text(element_centre(mesh, y, e).data(), mesh.dim), " is inverted with straight sides: ",
-                     counts_of(certificate));
+    throw InputError(raw.path, ": ", mesh.cell(e).name, " ", mesh.file.element_id[e], " at ",
+                     position_text(element_centre(mesh, y, e).data(), mesh.dim), " has with straight sides a corner of "
+                     "180 degrees or more, the worst of ", counted(certificate.uncertified.size(), "such element"),
+                     ": it has to be divided, or its nodes moved");
 }
 
 }  // namespace
@@ -27,26 +26,21 @@ void check_straight(const Mesh& mesh, const CertificateParams& params) {
 BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateParams& params,
                          std::vector<std::string>& notes) {
     const std::size_t told = notes.size();
+    const bool is_linear = degree_of(raw) == 1;
     std::string against_straight;
-    if (ideal != IdealKind::given) {
+    if (ideal != IdealKind::given || is_linear) {
         try {
-            Mesh mesh = build_mesh(raw, notes);
-            check_straight(mesh, params);
-            return {std::move(mesh)};
+            return {straight_mesh(raw, params, notes)};
         } catch (const InputError& error) {
-            if (ideal == IdealKind::straight) throw;
-            against_straight = error.what();
+            if (ideal == IdealKind::straight || is_linear) throw;
+            against_straight = concat(error.what(), "; ");
         }
         notes.resize(told);
     }
     BaseMesh base{build_mesh(raw, notes, Folds::keep), true};
-    if (base.mesh.degree == 1) {
-        check_straight(base.mesh, params);
-        return {build_mesh(raw, notes)};
-    }
     const Certificate certificate = certify(base.mesh, base.mesh.x, params);
     if (!certificate.valid)
-        throw InputError(against_straight.empty() ? raw.path + ": " : against_straight + "; ",
+        throw InputError(against_straight.empty() ? raw.path + ": " : against_straight,
                          "as it is in the file, the mesh is not certified valid: ", counts_of(certificate),
                          ", the worst is element ", base.mesh.file.element_id[certificate.uncertified[0]]);
     return base;

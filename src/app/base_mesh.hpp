@@ -10,7 +10,7 @@
 namespace almesh {
 
 enum class IdealKind {
-    automatic,  // straight, but given where the straight-sided form folds and the mesh as it is in the file is certified
+    automatic,  // straight, but given where the straight-sided form is not valid and the mesh of the file is certified
     straight,   // the straight-sided form of the mesh, as in the paper
     given       // the mesh as it is in the file, with its curved elements
 };

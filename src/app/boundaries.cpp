@@ -5,8 +5,8 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "mesh/inner_boundary.hpp"
 #include "geometry/smooth_parts.hpp"
+#include "mesh/inner_boundary.hpp"
 
 namespace almesh {
 namespace {

@@ -44,11 +44,17 @@ void check_final_ids(const Deck& deck, const Mesh& mesh) {
     for (const FileFormat& format : final_formats(deck.final_format, mesh)) check_ids_fit(mesh, format);
 }
 
+void check_split(const Deck& deck, const Mesh& mesh) {
+    if (deck.split == Split::never || mesh.is_simplicial()) return;
+    throw UsageError(deck.given.at("split"), ": split divides triangles and tetrahedra, but the mesh has ",
+                     mesh.elements_text(), ": leave it out");
+}
+
 // A mesh that is its own ideal mesh has no coarser one, and one of lower degree has another shape.
 void check_curved_ideal(const Deck& deck, const Mesh& in_file, const Mesh& of_run) {
     if (deck.start == Start::coarse)
-        throw UsageError(deck.given.at("start"), ": start = coarse needs a straight-sided ideal mesh; with ideal = given "
-                         "take start = identity");
+        throw UsageError(deck.given.at("start"), ": start = coarse needs a straight-sided ideal mesh; with ideal = "
+                         "given take start = identity");
     if (of_run.degree < in_file.degree && !certify(of_run, of_run.x, deck.certificate).valid)
         throw UsageError(deck.given.at("degree"), ": of degree ", of_run.degree, " the curved mesh, which is the ideal "
                          "one here (ideal = given), is not valid: take degree = ", in_file.degree);

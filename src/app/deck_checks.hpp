@@ -8,6 +8,7 @@
 namespace almesh {
 
 void check_curved_ideal(const Deck& deck, const Mesh& in_file, const Mesh& of_run);
+void check_split(const Deck& deck, const Mesh& mesh);
 void check_start(const Deck& deck);
 void check_resume(const Deck& deck);
 void check_method(const Deck& deck);

@@ -172,9 +172,9 @@ const std::vector<DeckKey>& deck_keys() {
          "the surface; keep: the run is refused; slide: all prescribed boundary nodes slide; straighten: faces there "
          "are made flat, as few as a valid mesh needs."},
         {"split", choice<&Deck::split>({"never", "auto", "around"}),
-         "auto: elements that the target inverts, wherever the nodes inside are, are divided by nodes inside; all others "
-         "stay as they are, and so do the boundaries; around: so are those that share an edge with them and have one "
-         "between boundary nodes. What is left is left to surface."},
+         "auto: triangles and tetrahedra that the target inverts, wherever the nodes inside are, are divided by nodes "
+         "inside; all others stay as they are, and so do the boundaries; around: so are those that share an edge with "
+         "them and have one between boundary nodes. What is left is left to surface."},
         {"mu0", number<&Deck::method, &Method::mu0>(positive),
          "First penalty mu of algorithms paper and literal and of method penalty, in units of |1|^2, the sum of |f|/h "
          "over the boundary faces."},
@@ -209,8 +209,8 @@ const std::vector<DeckKey>& deck_keys() {
         {"gmres_max_iterations", number<&Deck::linear, &Linear::max_iterations>({1, 100000}),
          "Largest number of iterations of cg or gmres for one system."},
         {"quadrature", number<&Deck::distortion, &Distortion::exactness>({0, 40}),
-         "The quadrature is exact for polynomials up to this degree, of quadrilaterals in each coordinate; 0: chosen by "
-         "the degree of the elements. Linear triangles and tetrahedra ignore the key."},
+         "The quadrature is exact for polynomials up to this degree, of quadrilaterals in each coordinate; 0: chosen "
+         "by the degree of the elements. Linear triangles and tetrahedra ignore the key."},
         {"certificate_bisections", number<&Deck::certificate, &CertificateParams::max_bisections>({0, 1000000}),
          "Largest number of bisections of one element to prove it valid."},
         {"write_system", number<&Deck::write_system>({0, 1000000}),

@@ -40,7 +40,8 @@ std::string advice(const TargetFaults& faults, const CheckedTarget& checked) {
             to_try.push_back("split = auto (just these are divided, with the elements at the same edges)");
         if (checked.file_degree == 1 && deck.refine < most_refinements && !checked.folds_when_refined())
             to_try.push_back(concat("refine = ", deck.refine + 1, " (all elements are divided)"));
-        if (!can_divide)
+        if (!checked.mesh.is_simplicial()) to_try.push_back("a mesh with more elements there");
+        else if (!can_divide)
             to_try.push_back("a mesh in which each of these has an edge that is on no boundary");
         to_try.push_back("targets that do not invert them");
     }
@@ -92,15 +93,16 @@ std::vector<char> faces_at_fault(const Mesh& mesh, const TargetFaults& faults, c
     return chosen;
 }
 
-// Elements with two vertices of those that are chosen.
+// Elements with two vertices of those that are chosen; of a mesh of simplices.
 void add_around(const Mesh& mesh, std::vector<int>& elements) {
     std::vector<char> is_vertex(mesh.nodes(), 0);
     for (const int e : elements)
-        for (int k = 0; k < mesh.cell(e).vertices; ++k) is_vertex[mesh.element(e)[k]] = 1;
+        for (int k = 0; k <= mesh.dim; ++k) is_vertex[mesh.element(e)[k]] = 1;
     elements.clear();
     for (int e = 0; e < mesh.element_count(); ++e) {
         const int* const node = mesh.element(e);
-        if (std::count_if(node, node + mesh.cell(e).vertices, [&](int i) { return is_vertex[i]; }) > 1) elements.push_back(e);
+        const auto is_chosen = [&](int i) { return is_vertex[i]; };
+        if (std::count_if(node, node + mesh.dim + 1, is_chosen) > 1) elements.push_back(e);
     }
 }
 

@@ -23,8 +23,8 @@ struct CheckedTarget {
     bool is_own_ideal;  // the mesh, whose elements are then as good as they need to be
 };
 
-// With split = auto, divides elements of the base mesh that the target folds by nodes inside. Returns how many, and adds
-// a note; 0 where there are none. The mesh and the target are to be made again from the base.
+// With split = auto, divides elements of the base mesh that the target folds by nodes inside. Returns how many, and
+// adds a note; 0 where there are none. The mesh and the target are to be made again from the base.
 int split_folded(const CheckedTarget& checked, Mesh& base, std::vector<std::string>& notes);
 
 // Frees the nodes around faces and elements that the target folds to slide along its surface. Returns a note, empty

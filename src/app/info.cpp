@@ -13,10 +13,10 @@
 #include "check/injectivity.hpp"
 #include "geometry/box_tree.hpp"
 #include "geometry/patch.hpp"
+#include "geometry/smooth_parts.hpp"
 #include "io/mesh_format.hpp"
 #include "mesh/build.hpp"
 #include "mesh/inner_boundary.hpp"
-#include "geometry/smooth_parts.hpp"
 
 namespace almesh {
 namespace {

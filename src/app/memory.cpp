@@ -57,8 +57,8 @@ double hessian_blocks(const Mesh& mesh) { return coupled_pairs(mesh, mesh.degree
 
 double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear) {
     constexpr double number = sizeof(double), single = sizeof(float), index = sizeof(int), program = 8e6;
-    const double d = mesh.dim, m = mesh.element_nodes(mesh.element_count() - 1), elements = mesh.element_count(), nodes = mesh.nodes(),
-                 blocks = hessian_blocks(mesh), unknowns = d * nodes;
+    const double d = mesh.dim, elements = mesh.element_count(), nodes = mesh.nodes(), blocks = hessian_blocks(mesh),
+                 unknowns = d * nodes, m = mesh.element_nodes(mesh.element_count() - 1);  // of the largest type
     const double of_mesh = elements * m * index + nodes * (d * number + 16), vectors = 14 * unknowns * number;
     const double of_energy = elements * (m * index + d * d * number + 3 * number + m * m * index) + blocks * index;
     const double hessian = blocks * (d * d * number + index);

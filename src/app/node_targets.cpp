@@ -133,12 +133,6 @@ void read_places_of_mesh(const Mesh& mesh, int boundary, const RawMesh& other, s
     refuse_missing(mesh, boundary, other.path, known, nodes);
 }
 
-int degree_of(const RawMesh& mesh) {
-    int degree = 1;
-    for (const RawElement& element : mesh.elements) degree = std::max(degree, element.degree);
-    return degree;
-}
-
 using VertexIds = std::vector<long long>;  // ascending
 
 // The faces of another mesh all of whose vertices are among those of a boundary: vertices -> nodes in Gmsh's order.

@@ -186,6 +186,7 @@ void take_to_run(const Frame& frame, Level& level) {
 
 // The mesh as the method sees it, and where its boundary is to go.
 void discretise(const Deck& deck, Problem& problem) {
+    check_split(deck, problem.base);
     check_quadrature(deck, problem.base, std::max(deck.degree, problem.base.degree));
     const int degree = deck.degree ? deck.degree : problem.base.degree;
     problem.motions = motions_of(deck, problem.base);

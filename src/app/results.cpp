@@ -95,19 +95,6 @@ std::string iterate_name(int number) {
     return "iterate-" + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits;
 }
 
-// Of elements of a mesh, which are in its order.
-std::vector<ElementGroup> groups_of(const Mesh& mesh, const std::vector<int>& elements) {
-    std::vector<ElementGroup> groups;
-    std::size_t start = 0;
-    for (int k = 0; k < static_cast<int>(elements.size()); ++k) {
-        const CellType& cell = mesh.cell(elements[k]);
-        if (groups.empty() || groups.back().cell != &cell) groups.push_back({&cell, k, 0, start});
-        ++groups.back().count;
-        start += cell.node_count(mesh.degree);
-    }
-    return groups;
-}
-
 // The elements around the diagnosis, with the way from each node of the boundary to its target.
 void write_stop(const Deck& deck, const Problem& problem, const Solution& solution,
                 const std::vector<double>& positions) {
@@ -117,6 +104,7 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
     const std::vector<double> targets = constraint.targets(solution.x);
     const std::vector<int> boundary = boundary_of_nodes(mesh, problem.target);
     const SubMesh around = neighbourhood(mesh, solution.diagnosis);
+    std::vector<const CellType*> types;
     std::vector<double> x, node_id, of_node, at_node, to_target;
     for (const int i : around.node) {
         x.insert(x.end(), point(positions, i, dim), point(positions, i, dim) + dim);
@@ -132,6 +120,7 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
     }
     std::vector<double> element_id, distortion, scaled_jacobian, at_element;
     for (const int e : around.place) {
+        types.push_back(&mesh.cell(e));
         element_id.push_back(static_cast<double>(mesh.file.element_id[e]));
         distortion.push_back(solution.al.distortion.element_max[e]);
         scaled_jacobian.push_back(solution.certificate.lower_bound[e]);
@@ -153,7 +142,7 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
                 {"element_id", 1, std::move(element_id)},
                 {"diagnosis", 1, std::move(at_element)}},
                provenance(deck, problem),
-               groups_of(mesh, around.place)},
+               groups_of(types, mesh.degree)},
               format_of(deck));
 }
 

@@ -29,22 +29,19 @@ Bounds bound_straight(const int* vertex, const std::vector<double>& x) {
     return {value, value};
 }
 
-// With `straight` as the determinant of the straight element; S: of the nodes by those of the cell, empty: the same.
+// Of simplex `part` of an element. straight: the determinant of the straight element.
 template <int n>
-Bounds bound_curved(const int* node, const std::vector<double>& x, double straight, const std::vector<double>& S,
+Bounds bound_curved(const int* node, const std::vector<double>& x, double straight, const SubSimplices& cut, int part,
                     const JacobianBasis& basis, const CertificateParams& params) {
     ElementJacobian<n, double> element(basis);
-    for (int i = 0; i < basis.position.bernstein.count; ++i) {
-        Vec<n>& at = element.position(0)[i];
-        if (S.empty()) {
-            std::copy_n(point(x, node[i], n), n, at.begin());
-            continue;
-        }
-        const std::size_t count = S.size() / basis.position.bernstein.count;
-        at = {};
-        for (std::size_t j = 0; j < count; ++j)
-            for (int a = 0; a < n; ++a) at[a] += S[i * count + j] * point(x, node[j], n)[a];
-    }
+    const auto position = [&](int i) {
+        Vec<n> at;
+        std::copy_n(point(x, node[i], n), n, at.begin());
+        return at;
+    };
+    if (cut.count() > 1) cut.place<n, double>(part, position, element.position(0));
+    else
+        for (int i = 0; i < cut.nodes; ++i) element.position(0)[i] = position(i);
     element.compute(1);
     const double* const b = element.coefficients(0);
     if (!element.has_frame() || !std::all_of(b, b + basis.jacobian.count, [](double c) { return std::isfinite(c); }))
@@ -65,12 +62,15 @@ void bound_group(const Mesh& mesh, const ElementGroup& group, const std::vector<
     parallel_for(group.count, [&](int k) {
         const int e = group.first + k;
         const int* const node = mesh.element(e);
-        if (!basis) bounds[e] = bound_straight<n>(node, x);
-        else if (is_simplex)
-            bounds[e] = bound_curved<n>(node, x, std::abs(determinant(straight_jacobian<n>(node, x))), {}, *basis, params);
-        for (int part = 0; part < cut.count() && !is_simplex; ++part) {
-            const Bounds of = bound_curved<n>(node, x, std::abs(volume(mesh, x, e)), cut.map[part], *basis, params);
-            bounds[e] = part == 0 ? of : Bounds{std::min(bounds[e].lower, of.lower), std::min(bounds[e].upper, of.upper)};
+        if (!basis) {
+            bounds[e] = bound_straight<n>(node, x);
+            return;
+        }
+        const double straight = std::abs(is_simplex ? determinant(straight_jacobian<n>(node, x)) : volume(mesh, x, e));
+        for (int part = 0; part < cut.count(); ++part) {
+            const Bounds of = bound_curved<n>(node, x, straight, cut, part, *basis, params);
+            const Bounds before = part == 0 ? of : bounds[e];
+            bounds[e] = {std::min(before.lower, of.lower), std::min(before.upper, of.upper)};
         }
     }, element_work);
 }

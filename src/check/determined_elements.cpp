@@ -104,9 +104,12 @@ std::optional<double> value_of_curved(const Table& table, const int* node, const
 std::optional<double> value_at_corners(const LagrangeBasis& basis, const int* node, const std::vector<double>& x,
                                        const std::vector<char>& prescribed, double bound) {
     std::optional<double> least;
-    std::vector<double> dN(offset(basis.count, 2));
-    for (int v = 0; v < basis.cell.vertices; ++v) {
-        basis.gradients(basis.point(v).data(), dN.data());
+    double dN[2 * (max_degree + 1) * (max_degree + 1)];
+    const int corners = basis.cell.vertices;
+    for (int v = 0; v < corners; ++v) {
+        if (!prescribed[node[v]] || !prescribed[node[(v + 1) % corners]] || !prescribed[node[(v + 3) % corners]])
+            continue;
+        basis.gradients(basis.point(v).data(), dN);
         Mat<2> J{};
         bool is_determined = true;
         for (int i = 0; i < basis.count; ++i) {

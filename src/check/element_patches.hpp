@@ -22,10 +22,10 @@ struct ElementPatches {
     Patch of(const std::vector<double>& x, int e, int part) const {
         std::vector<Vec<3>> nodes = positions(mesh, x, mesh.element(e), cut.cell_nodes);
         if (count() == 1) return make_patch(basis, std::move(nodes));
-        std::vector<Vec<3>> of_part(cut.nodes, Vec<3>{});
-        for (int i = 0; i < cut.nodes; ++i)
-            for (int j = 0; j < cut.cell_nodes; ++j)
-                of_part[i] = of_part[i] + cut.map[part][offset(i, cut.cell_nodes, j)] * nodes[j];
+        std::vector<Vec<3>> of_part(cut.nodes);
+        cut.place<3, double>(part, [&](int j) { return nodes[j]; }, of_part.data());
+        for (Vec<3>& at : of_part) at = nodes[0] + at;
+        for (int v = 0; v <= mesh.dim; ++v) of_part[v] = nodes[cut.vertices[part][v]];  // to the last bit
         return make_patch(basis, std::move(of_part));
     }
 };

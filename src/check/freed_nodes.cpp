@@ -22,8 +22,8 @@ TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, con
     std::vector<char> open(mesh.face_count());
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
         if (target.hold_of_node(mesh, k) != BoundaryHold::prescribed) open[k / mesh.face_nodes()] = 1;
-    const bool is_own_ideal = ideal == mesh.x;
-    faults.faces = check_target(mesh, placed, open, is_own_ideal ? FaceBend::any : FaceBend::usual);
+    const bool bends_as_ideal = ideal == mesh.x;  // the faces of a mesh that is its own ideal, if they are curved
+    faults.faces = check_target(mesh, placed, open, bends_as_ideal ? FaceBend::any : FaceBend::usual);
     if (mesh.degree > 1 && !target.in_trace_space) bound = std::min(bound, surely);
     std::vector<int> element;
     const std::vector<char> prescribed = prescribed_nodes(mesh, target);

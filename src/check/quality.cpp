@@ -32,8 +32,8 @@ Mat<n> regular_cell(const CellType& cell) {
     else return {{{1, 0.5, 0.5}, {0, std::sqrt(0.75), std::sqrt(1.0 / 12)}, {0, 0, std::sqrt(2.0 / 3)}}};
 }
 
-// Per element: the least value(jacobian_of, J_0^-1) at its quadrature points, within [0, 1]; jacobian_of(x): dx/dxi there,
-// J_0: of the regular cell.
+// Per element: the least value(jacobian_of, J_0^-1) at its quadrature points, within [0, 1]; jacobian_of(x): dx/dxi
+// there, J_0: of the regular cell.
 template <int n, class Value>
 std::vector<double> least_at_points(const Mesh& mesh, const Value& value) {
     std::vector<double> least(mesh.element_count());

@@ -137,21 +137,6 @@ void Check::find_closed_parts() {
     }
 }
 
-// Whether all vectors v have v . d > 0 for some d: the perceptron algorithm (Rosenblatt, Psychol. Rev. 65, 1958).
-bool are_in_half_space(const std::vector<Vec<3>>& vectors) {
-    constexpr int most_steps = 100;
-    Vec<3> d{};
-    for (const Vec<3>& v : vectors) d = d + unit(v);
-    for (int step = 0; step < most_steps; ++step) {
-        const auto least = std::min_element(vectors.begin(), vectors.end(), [&](const Vec<3>& v, const Vec<3>& w) {
-            return dot(unit(v), d) < dot(unit(w), d);
-        });
-        if (dot(unit(*least), d) > smallest_normal * length(d)) return true;
-        d = d + unit(*least);
-    }
-    return false;
-}
-
 const char* Check::fault_of_face(const Patch& patch) const {
     const std::vector<Vec<3>> n = normal.coefficients(patch);
     Vec<3> mean{};  // the mean of a polynomial is that of its Bezier coefficients
@@ -161,7 +146,7 @@ const char* Check::fault_of_face(const Patch& patch) const {
     std::vector<double> along;
     for (const Vec<3>& v : n) along.push_back(dot(v, mean) / dot(mean, mean));
     const double least = polynomial_minimum(normal.basis, along.data(), 0.01, 500).upper;
-    if (least > smallest_normal || (bend == FaceBend::any && are_in_half_space(n))) return nullptr;
+    if (least > smallest_normal || (bend == FaceBend::any && are_in_half_space(n, smallest_normal))) return nullptr;
     return "the target folds the face back on itself";
 }
 

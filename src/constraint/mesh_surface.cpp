@@ -29,8 +29,8 @@ Vec<3> value(const Bernstein& basis, const std::vector<Vec<3>>& c, const Barycen
 }
 
 // In 3D cubic faces in place of flat ones, through the same corners and there perpendicular to the mean normals n, so
-// that they meet smoothly, or nearly so: flat ones would hold up nodes at the edges between them (A. Vlachos, J. Peters,
-// C. Boyd, J. L. Mitchell, Curved PN triangles, I3D 2001). The edge to x_j leaves x_i along v - (v . n_i) n_i,
+// that they meet smoothly, or nearly so: flat ones would hold up nodes at the edges between them (A. Vlachos,
+// J. Peters, C. Boyd, J. L. Mitchell, Curved PN triangles, I3D 2001). The edge to x_j leaves x_i along v - (v . n_i) n_i,
 // v = x_j - x_i.
 struct CubicFaces {
     std::vector<Patch> patches;

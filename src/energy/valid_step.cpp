@@ -95,21 +95,12 @@ struct CurvedSimplices {
     const SubSimplices* parts;  // nullptr: elements
     int part;
 
-    // position(i) is that of node i of the element. Those of parts are relative to its first node: exact differences.
+    // position(i) is that of node i of the element. Those of parts are relative to its first node.
     template <int n, class T, class Position>
     void place(const Position& position, Vec<n, T>* x) const {
-        if (!parts) {
+        if (parts) parts->place<n, T>(part, position, x);
+        else
             for (int i = 0; i < basis.position.bernstein.count; ++i) x[i] = position(i);
-            return;
-        }
-        const std::vector<double>& S = parts->map[part];
-        const Vec<n, T> origin = position(0);
-        std::fill_n(x, parts->nodes, Vec<n, T>{});
-        for (int j = 1; j < parts->cell_nodes; ++j) {
-            const Vec<n, T> y = position(j);
-            for (int i = 0; i < parts->nodes; ++i)
-                for (int a = 0; a < n; ++a) x[i][a] += S[offset(i, parts->cell_nodes, j)] * (y[a] - origin[a]);
-        }
     }
 
     CellPoint in_cell(const Barycentric& at) const {

@@ -12,9 +12,7 @@
 namespace almesh {
 
 Vec<3> unit_normal(const Mesh& mesh, int f) {
-    const Vec<3> n = flat_normal(positions(mesh, mesh.x, mesh.face(f), mesh.dim), mesh.dim - 1);
-    const double size = length(n);
-    return size > 0 ? 1 / size * n : n;
+    return unit(flat_normal(positions(mesh, mesh.x, mesh.face(f), mesh.dim), mesh.dim - 1));
 }
 
 std::vector<int> smooth_parts(const Mesh& mesh, double feature_angle) {

@@ -17,19 +17,13 @@
 namespace almesh {
 namespace {
 
-// Elements of one type one after the other, each type in file order. Simplices alone need no groups.
+// Elements of one type one after the other, each type in file order.
 void group_elements(MeshBuild& build) {
     const auto type = [&](int i) { return &build.raw.elements[i].cell(); };
     std::stable_sort(build.elements.begin(), build.elements.end(), [&](int i, int j) { return type(i) < type(j); });
-    Mesh& mesh = build.mesh;
-    std::size_t start = 0;
-    for (int e = 0; e < static_cast<int>(build.elements.size()); ++e) {
-        const CellType* const cell = type(build.elements[e]);
-        if (mesh.groups.empty() || mesh.groups.back().cell != cell) mesh.groups.push_back({cell, e, 0, start});
-        ++mesh.groups.back().count;
-        start += cell->node_count(mesh.degree);
-    }
-    if (mesh.groups.size() == 1 && mesh.groups[0].cell->is_simplex()) mesh.groups.clear();
+    std::vector<const CellType*> types;
+    for (const int i : build.elements) types.push_back(type(i));
+    build.mesh.groups = groups_of(types, build.mesh.degree);
 }
 
 // repeated: indices into raw.elements, ascending.
@@ -148,7 +142,8 @@ std::vector<int> negative_elements(const MeshBuild& build, Folds folds) {
     if (folds == Folds::keep) std::erase_if(flat, [&](int e) { return !has_vertex_twice(e); });
     if (!flat.empty())
         build.refuse(build.element(flat[0]), "with the vertices ",
-                     build.node_ids(mesh.element(flat[0]), mesh.cell(flat[0]).vertices), " has no volume, the first of ", counted(flat.size(), "such element"));
+                     build.node_ids(mesh.element(flat[0]), mesh.cell(flat[0]).vertices),
+                     " has no volume, the first of ", counted(flat.size(), "such element"));
     return negative;
 }
 

@@ -53,13 +53,12 @@ struct BoundaryMatcher {
     const RawElement& element_of(const Side& side) const { return build.element(side.number / most_sides); }
     const RawElement& tagged_face(const Side& side) const { return build.face(side.number - first_tagged); }
 
-
-    // Of the element of a side, ascending.
-    std::vector<int> vertices_of(const Side& side) const {
-        const int e = side.number / most_sides;
-        std::vector<int> vertices(mesh.element(e), mesh.element(e) + mesh.cell(e).vertices);
-        std::sort(vertices.begin(), vertices.end());
-        return vertices;
+    // Whether two elements have the same vertices.
+    bool are_copies(int e, int f) const {
+        const std::span a(mesh.element(e), mesh.cell(e).vertices), b(mesh.element(f), mesh.cell(f).vertices);
+        return a.size() == b.size() && std::all_of(a.begin(), a.end(), [&](int v) {
+            return std::find(b.begin(), b.end(), v) != b.end();
+        });
     }
 
     // Node k of a side in Gmsh's order; -1 where a tagged face has a node that no element has.
@@ -89,10 +88,8 @@ struct BoundaryMatcher {
         const std::size_t before = repeated.size();
         for (std::size_t b = 1; b < equal.size(); ++b)
             for (std::size_t a = 0; a < b; ++a)
-                if (vertices_of(equal[a]) == vertices_of(equal[b]))
-                    repeated.push_back(
-                        (element_of(equal[a]).id < element_of(equal[b]).id ? equal[b] : equal[a]).number /
-                                       most_sides);
+                if (const int e = equal[a].number / most_sides, f = equal[b].number / most_sides; are_copies(e, f))
+                    repeated.push_back(build.element(e).id < build.element(f).id ? f : e);
         return repeated.size() > before;
     }
 

@@ -60,7 +60,7 @@ void fill_kept(MeshBuild& build) {
     const ElementsAround around(mesh);
     const Subcells subcells(mesh);
     const RawElement* first_dropped = nullptr;
-    std::size_t dropped = 0;
+    std::size_t dropped = 0, copies = 0;  // copies: quadrilaterals that are given again
     for (const int i : build.kept) {
         const RawElement& cell = raw.elements[i];
         std::vector<int> nodes;
@@ -74,8 +74,12 @@ void fill_kept(MeshBuild& build) {
                              *std::min_element(nodes.begin(), nodes.end()) >= 0;
         const int element = in_mesh ? element_of(subcells, around, nodes, cell.dim) : -1;
         if (element >= 0) append(mesh.kept[cell.dim], cell, nodes, element);
+        else if (!cell.cell().is_simplex()) ++copies;
         else if (++dropped == 1) first_dropped = &cell;
     }
+    if (copies)
+        build.notes.push_back(concat(counted(copies, "quadrilateral"), " given again dropped: the groups of what is "
+                                     "given first count"));
     if (dropped)
         build.notes.push_back(concat(counted(dropped, "element"), " of the file that ", dropped == 1 ? "is" : "are",
                                      " no edge or face of the mesh dropped, the first is ", name_of(*first_dropped)));

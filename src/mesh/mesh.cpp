@@ -36,6 +36,18 @@ std::vector<char> Mesh::boundaries_in(const std::string& group) const {
     return in;
 }
 
+std::vector<ElementGroup> groups_of(const std::vector<const CellType*>& types, int degree) {
+    std::vector<ElementGroup> groups;
+    std::size_t start = 0;
+    for (int e = 0; e < static_cast<int>(types.size()); ++e) {
+        if (groups.empty() || groups.back().cell != types[e]) groups.push_back({types[e], e, 0, start});
+        ++groups.back().count;
+        start += types[e]->node_count(degree);
+    }
+    if (groups.size() == 1 && groups[0].cell->is_simplex()) groups.clear();
+    return groups;
+}
+
 int add_boundary(Mesh& mesh, const std::vector<std::string>& groups) {
     std::string name;
     for (const std::string& group : groups) name += (name.empty() ? "" : " + ") + group;

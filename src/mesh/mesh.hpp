@@ -1,4 +1,4 @@
-// A mesh of simplices (triangles in 2D, tetrahedra in 3D) of Lagrange degree p, with its boundary.
+// A mesh of triangles and quadrilaterals in 2D, of tetrahedra in 3D, of Lagrange degree p, with its boundary.
 //
 // The mesh as read may be curved. The ideal mesh of the method is straight-sided: the same vertices, all other nodes
 // at their affine positions (straight_sided()). Plain data: build_mesh() makes and checks it, raise_degree() and
@@ -73,6 +73,9 @@ struct Mesh {
     int boundary_index(const std::string& name) const;  // -1 where there is none
     std::vector<char> boundaries_in(const std::string& group) const;  // per boundary: whether it is part of it
 };
+
+// Of elements of these types, in this order, those of one type together; empty where all are simplices. Degree p.
+std::vector<ElementGroup> groups_of(const std::vector<const CellType*>& types, int degree);
 
 // Appends a boundary with these groups; returns its index.
 int add_boundary(Mesh& mesh, const std::vector<std::string>& groups);

@@ -14,17 +14,10 @@ namespace {
 // The chosen elements and their nodes; number: per node of the mesh, its number in the part or -1.
 void add_elements(const Mesh& mesh, const std::vector<char>& chosen, Mesh& part, std::vector<int>& number) {
     number.assign(mesh.nodes(), -1);
-    for (const ElementGroup& group : mesh.groups) {
-        const int first = part.groups.empty() ? 0 : part.groups.back().first + part.groups.back().count;
-        const auto begin = chosen.begin() + group.first;
-        const auto count = static_cast<int>(std::count(begin, begin + group.count, 1));
-        const std::size_t start = part.groups.empty() ? 0 : part.groups.back().start + offset(
-            part.groups.back().count, part.groups.back().cell->node_count(mesh.degree));
-        if (count) part.groups.push_back({group.cell, first, count, start});
-    }
-    if (part.groups.size() == 1 && part.groups[0].cell->is_simplex()) part.groups.clear();
+    std::vector<const CellType*> types;
     for (int e = 0; e < mesh.element_count(); ++e) {
         if (!chosen[e]) continue;
+        types.push_back(&mesh.cell(e));
         for (int k = 0; k < mesh.element_nodes(e); ++k) {
             int& node = number[mesh.element(e)[k]];
             if (node < 0) {
@@ -39,6 +32,7 @@ void add_elements(const Mesh& mesh, const std::vector<char>& chosen, Mesh& part,
         part.file.element_physical.push_back(mesh.file.element_physical[e]);
         part.file.element_entity.push_back(mesh.file.element_entity[e]);
     }
+    part.groups = groups_of(types, mesh.degree);
 }
 
 // The sides of the chosen elements that are neither shared by two of them nor boundary faces, by their numbers

@@ -58,4 +58,10 @@ inline const FileEntity* find_entity(const std::vector<FileEntity>& entities, in
     return found != entities.end() && found->key == EntityKey{dim, tag} ? &*found : nullptr;
 }
 
+inline int degree_of(const RawMesh& mesh) {
+    int degree = 1;
+    for (const RawElement& element : mesh.elements) degree = std::max(degree, element.degree);
+    return degree;
+}
+
 }  // namespace almesh

@@ -87,9 +87,9 @@ private:
     std::vector<Edge> edges_;
 };
 
-// The children of a cell with the vertices v, appended to `out`. A quadrilateral gets a node in its middle. An octahedron
-// is cut along the shortest of its three diagonals: on general tetrahedra this keeps the shapes better than Bey's fixed
-// one.
+// The children of a cell with the vertices v, appended to `out`. A quadrilateral gets a node in its middle. An
+// octahedron is cut along the shortest of its three diagonals: on general tetrahedra this keeps the shapes better than
+// Bey's fixed one.
 void append_children(const CellType& cell, const int* v, Midpoints& midpoint, const std::vector<double>& x,
                      std::vector<int>& out) {
     std::array<int, 10> node;  // vertices, midpoints, the middle
@@ -239,14 +239,6 @@ Vec<n> reference_point(const CellType& cell, const int* vertex, const std::vecto
     return xi;
 }
 
-// The nodes of mesh.elements that are vertices, and their groups.
-void keep_vertices(const Mesh& mesh, const std::vector<int>& index, Mesh& linear) {
-    linear.elements.clear();
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int v = 0; v < mesh.cell(e).vertices; ++v) linear.elements.push_back(index[mesh.element(e)[v]]);
-    start_groups(linear);
-}
-
 }  // namespace
 
 Mesh linear_part(const Mesh& mesh) {
@@ -268,7 +260,10 @@ Mesh linear_part(const Mesh& mesh) {
             linear.file.node_entity.push_back(mesh.file.node_entity[i]);
         for (int a = 0; a < mesh.dim; ++a) linear.x.push_back(mesh.x[offset(i, mesh.dim, a)]);
     }
-    keep_vertices(mesh, index, linear);
+    linear.elements.clear();
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int v = 0; v < mesh.cell(e).vertices; ++v) linear.elements.push_back(index[mesh.element(e)[v]]);
+    start_groups(linear);
     linear.faces.clear();
     for (int f = 0; f < mesh.face_count(); ++f)
         for (int v = 0; v < mesh.dim; ++v) linear.faces.push_back(index[mesh.face(f)[v]]);
@@ -285,7 +280,8 @@ Mesh raise_degree(const Mesh& mesh, int degree) {
 Mesh interpolated(const Mesh& mesh, int degree) {
     if (degree == mesh.degree) return mesh;
     const int dim = mesh.dim;
-    check_size(static_cast<double>(mesh.element_count()) * mesh.cell().node_count(degree), "degree");
+    const CellType& largest = mesh.cell(mesh.element_count() - 1);
+    check_size(static_cast<double>(mesh.element_count()) * largest.node_count(degree), "degree");
     const Mesh linear = linear_part(mesh);
     Mesh raised = linear;
     if (degree > mesh.degree) raised.file.sections = mesh.file.sections;

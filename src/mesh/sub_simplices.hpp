@@ -8,9 +8,12 @@
 // So what is known of curved simplices holds for quadrilaterals (certificates, valid steps). A simplex is the one
 // simplex that it is cut into.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <vector>
 
+#include "base/index.hpp"
+#include "base/small_matrix.hpp"
 #include "mesh/cells.hpp"
 
 namespace almesh {
@@ -26,6 +29,19 @@ struct SubSimplices {
     int count() const { return static_cast<int>(vertices.size()); }
     // The reference coordinates in the cell of a point of simplex k, with these barycentric coordinates.
     std::array<double, 3> point(int k, const std::array<double, 4>& barycentric) const;
+
+    // x'_i - x_0 of the nodes of simplex k, x_0 the first node of the cell: exact differences. position(j): of node j
+    // of the cell; T: double, or one element per lane.
+    template <int n, class T, class Position>
+    void place(int k, const Position& position, Vec<n, T>* x) const {
+        const Vec<n, T> origin = position(0);
+        std::fill_n(x, nodes, Vec<n, T>{});
+        for (int j = 1; j < cell_nodes; ++j) {
+            const Vec<n, T> y = position(j);
+            for (int i = 0; i < nodes; ++i)
+                for (int a = 0; a < n; ++a) x[i][a] += map[k][offset(i, cell_nodes, j)] * (y[a] - origin[a]);
+        }
+    }
 
 private:
     std::vector<std::array<double, 3>> corner_;  // reference coordinates of the cell's vertices

@@ -124,12 +124,12 @@ void Newton::search(const Functional& E, std::vector<double>& x, NewtonResult& a
         const TimeAdder adder(time.line_search);
         return line_search(energy_of, valid_fraction, at.energy, dot(g_, d_), d_, from, trial_, bend, rounding);
     };
-    const std::vector<double> start = x;
-    const BendFunction bend = E.bend(start, d_);
+    start_ = x;
+    const BendFunction bend = E.bend(start_, d_);
     LineSearchResult found = search_along(bend, x);
     if (bend && found.step_length < 1 && step.solver == SolverKind::cholesky && !step.fallback) {
-        std::vector<double> y = start;
-        const std::vector<double> w = bend_of_inside(start, bend, at);
+        std::vector<double> y = start_;
+        const std::vector<double> w = bend_of_inside(start_, bend, at);
         const BendFunction bend_all = [&](double t, std::vector<double>& z) {
             for (std::size_t i = 0; i < w.size(); ++i) z[i] += t * t * w[i];
             bend(t, z);

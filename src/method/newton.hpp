@@ -132,7 +132,7 @@ public:
 private:
     BlockCsr H_;
     LinearSolver solver_;
-    std::vector<double> g_, minus_g_, d_, trial_;
+    std::vector<double> g_, minus_g_, d_, trial_, start_;
     HessianKind hessian_ = HessianKind::projected;  // of the next step
     ForcingTerm forcing_;
     Damping damping_;                // kept from one subproblem to the next,

@@ -32,8 +32,9 @@ struct Sheared {
 
     explicit Sheared(const Mesh& mesh) {
         folder.write("sheared.msh", msh_of(mesh));
+        const std::string axis = mesh.dim == 3 ? " 0 axis 0 0 1" : "";
         deck = folder.write("sheared.deck", "mesh = sheared.msh\noutput = " + output +
-                                                "\nboundary all = rotate 20 about 0 0" + (mesh.dim == 3 ? " 0 axis 0 0 1" : "") +
+                                                "\nboundary all = rotate 20 about 0 0" + axis +
                                                 "\nobjective = size_shape\n");
     }
     Outcome run(std::vector<std::string> settings = {}) const {
@@ -64,7 +65,7 @@ TEST_CASE("a valid curved mesh whose straight form folds is its own ideal mesh, 
     }
 }
 
-TEST_CASE("ideal = given takes a curved mesh as it is also where its straight form is valid; auto takes the straight one") {
+TEST_CASE("ideal = given takes a curved mesh as it is also where its straight form is valid, auto does not") {
     const Sheared of(sheared(square_mesh(4), 2, 0.05));
     REQUIRE(of.run().code == 0);
     const std::string bits = text_of(of.output + "/final.msh"), eta = summary_of(of.output).at("max_distortion");
@@ -83,7 +84,8 @@ TEST_CASE("what a run has curved and turned can be moved again, with every metho
     REQUIRE(ring.run({"degree=2", "boundary inner=rotate 180 about 0 0"}).code == 0);
     const std::string turned = "mesh=" + ring.folder.write("turned.msh", text_of(ring.output + "/final.msh"));
     for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
-             {}, {"boundary inner=rotate 60 about 0 0"}, {"boundary inner=rotate -180 about 0 0"}, {"objective=minimax"},
+             {}, {"boundary inner=rotate 60 about 0 0"}, {"boundary inner=rotate -180 about 0 0"},
+             {"objective=minimax"},
              {"boundary outer=slide"}, {"boundary outer=free"}, {"method=penalty"}, {"method=incremental"},
              {"continuation=always"}, {"algorithm=paper"}, {"degree=3"}, {"surface=straighten"}}) {
         std::vector<std::string> settings = {turned};
@@ -127,5 +129,46 @@ TEST_CASE("where neither the straight form nor the curved mesh is valid, both re
               (ideal == "auto"));
         CHECK(has(run.error, "proved invalid"));
         CHECK(has(run.error, ", the worst is element "));
+    }
+}
+
+TEST_CASE("a quadrilateral that is inverted at a corner is refused, with file, element, place and what to do") {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.write("arrow.msh",
+                                          "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n"
+                                          "3 0.2 0.2 0\n4 0 1 0\n$EndNodes\n$Elements\n1\n7 3 2 1 1 1 2 3 4\n"
+                                          "$EndElements\n"),
+                      deck = folder.write("arrow.deck", "mesh = arrow.msh\nboundary all = fixed\noutput = " +
+                                                            folder.path("out") + "\n");
+    for (const std::string ideal : {"auto", "straight", "given"}) {
+        const Outcome run = almesh_with({deck, "ideal=" + ideal});
+        CAPTURE(run.error);
+        CHECK(run.code == 2);
+        CHECK(has(run.error, "arrow.msh: quadrilateral 7 at (0.3, 0.3) has with straight sides a corner of 180 degrees "
+                             "or more, the worst of 1 such element: it has to be divided, or its nodes moved"));
+    }
+    const Outcome quality = almesh_with({"quality", mesh});
+    CHECK(quality.code == 4);
+    CHECK(has(quality.out, "NOT certified valid: 1 element proved invalid"));
+}
+
+TEST_CASE("a target that inverts a corner of a quadrilateral is refused, and split with it") {
+    for (const Mesh& mesh : {quad_mesh(4), mixed_mesh(4)}) {
+        const TemporaryFolder folder;
+        folder.write("square.msh", msh_of(mesh));
+        const std::string deck = folder.write(
+            "square.deck", "mesh = square.msh\noutput = " + folder.path("out") +
+                               "\nboundary bottom = fixed\nboundary right = fixed\n"
+                               "boundary left = expression \"x+0.4*max(0,4*y-3)\" \"y-0.4*max(0,4*y-3)\"\n"
+                               "boundary top = expression \"x+0.4*max(0,1-4*x)\" \"y-0.4*max(0,1-4*x)\"\n");
+        const Outcome run = almesh_with({deck}), split = almesh_with({deck, "split=auto"});
+        CAPTURE(run.error + split.error);
+        CHECK(run.code == 2);
+        CHECK(has(run.error, "at (0.125, 0.875): its boundary nodes make its scaled Jacobian -0.75"));
+        CHECK(has(run.error, "\ntry a mesh with more elements there or targets that do not invert them"));
+        CHECK(!has(run.error, "split = auto"));
+        CHECK(split.code == 1);
+        CHECK(has(split.error, "split divides triangles and tetrahedra, but the mesh has "));
+        CHECK(has(split.error, " quadrilaterals: leave it out"));
     }
 }

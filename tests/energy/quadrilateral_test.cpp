@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "energy/group_energy.hpp"
 #include "energy/mixed_energy.hpp"
+#include "support/energy_checks.hpp"
 #include "support/meshes.hpp"
 
 using namespace almesh;
@@ -30,51 +31,6 @@ DistortionParams with(Objective objective, Assembly assembly = Assembly::simd, d
     DistortionParams params{.objective = objective, .weight_exponent = alpha, .assembly = assembly};
     if (objective == Objective::minimax) params.power = {.p = 6, .M = 0.8, .kappa = 0.1};
     return params;
-}
-
-// 2x in the first direction, then turned: eta = 5/4.
-std::vector<double> stretched(std::vector<double> x) {
-    for (std::size_t i = 0; i < x.size(); i += 2) {
-        const double a = 2 * x[i], b = x[i + 1];
-        x[i] = 0.6 * a - 0.8 * b;
-        x[i + 1] = 0.8 * a + 0.6 * b;
-    }
-    return x;
-}
-
-std::vector<double> gradient(DistortionEnergy& E, const std::vector<double>& x) {
-    std::vector<double> g(x.size(), 0.0);
-    E.add_gradient(x, g);
-    return g;
-}
-
-template <class Values>
-double relative_difference(const Values& a, const Values& b) {
-    REQUIRE(a.size() == b.size());
-    double most = 0, of_b = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        most = std::max(most, std::abs(a[i] - b[i]));
-        of_b = std::max(of_b, std::abs(b[i]));
-    }
-    return most / of_b;
-}
-
-void check_same(DistortionEnergy& a, DistortionEnergy& b, const std::vector<double>& x) {
-    REQUIRE(std::isfinite(b.energy(x)));
-    CHECK(a.energy(x) == doctest::Approx(b.energy(x)).epsilon(1e-12));
-    CHECK(relative_difference(gradient(a, x), gradient(b, x)) <= 1e-12);
-    for (const HessianKind kind : {HessianKind::full, HessianKind::projected, HessianKind::damping}) {
-        BlockCsr A = a.hessian_pattern(), B = b.hessian_pattern();
-        REQUIRE(A.col == B.col);
-        a.add_hessian(x, kind, A, {.damping = 0.2});
-        b.add_hessian(x, kind, B, {.damping = 0.2});
-        CHECK(relative_difference(A.value, B.value) <= 1e-12);
-    }
-    const DistortionStatistics of_a = a.statistics(x), of_b = b.statistics(x);
-    CHECK(of_a.relative_quality == doctest::Approx(of_b.relative_quality).epsilon(1e-13));
-    CHECK(relative_difference(of_a.element_max, of_b.element_max) <= 1e-12);
-    CHECK(a.hessian_work() == b.hessian_work());
-    CHECK(a.refined_elements() == b.refined_elements());
 }
 
 std::vector<double> on_part(const std::vector<double>& x, const std::vector<int>& node) {

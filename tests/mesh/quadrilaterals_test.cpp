@@ -117,6 +117,7 @@ TEST_CASE("a quadrilateral that is given twice is one element") {
                            [&](const std::string& note) { return note.find(what) != std::string::npos; });
     };
     CHECK(tells("given more than once"));
+    CHECK(tells("1 quadrilateral given again dropped: the groups of what is given first count"));
 }
 
 TEST_CASE("raised meshes keep their shape, straight or curved, and edges are shared by both kinds of cells") {
@@ -225,6 +226,17 @@ TEST_CASE("the certificate of quadrilaterals agrees with dense samples of det J"
     }
     CHECK(valid > 100);
     CHECK(invalid > 100);
+}
+
+TEST_CASE("the certificate does not depend on where the mesh is") {
+    for (const int degree : {1, 3}) {
+        const Mesh mesh = raise_degree(mesh_of(squares(4, true)), degree);
+        std::vector<double> x = mapped(mesh, 0.05), far = x;
+        for (std::size_t i = 0; i < x.size(); ++i) x[i] = std::round(x[i] * 1048576) / 1048576;  // exact far away, too
+        for (std::size_t i = 0; i < x.size(); ++i) far[i] = x[i] + 1048576;
+        CHECK(certify(mesh, far).lower_bound == certify(mesh, x).lower_bound);
+        CHECK(certify_injective(mesh, far, certify(mesh, far)).certified);
+    }
 }
 
 TEST_CASE("a quadrilateral that is inverted at one corner is not valid, however large it is elsewhere") {
