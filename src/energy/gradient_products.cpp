@@ -27,7 +27,7 @@ GradientProducts::GradientProducts(int n, int degree)
             for (int v = 0; v <= n; ++v)
                 for (int w = 0; w <= n; ++w) {
                     if (a[v] * b[w] == 0) continue;
-                    MultiIndex c;
+                    MultiIndex c{};
                     for (std::size_t k = 0; k < c.size(); ++k) c[k] = a[k] + b[k];
                     --c[v];
                     --c[w];

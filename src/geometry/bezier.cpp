@@ -138,7 +138,7 @@ BezierProduct::BezierProduct(const Bernstein& a, const Bernstein& b, const Berns
     : left(a.multinomial), right(b.multinomial), result(product.multinomial) {
     for (const MultiIndex& i : a.index)
         for (const MultiIndex& j : b.index) {
-            MultiIndex sum;
+            MultiIndex sum{};
             std::transform(i.begin(), i.end(), j.begin(), sum.begin(), std::plus<>());
             place.push_back(product.place(sum));
         }

@@ -13,7 +13,8 @@ namespace {
 // VTK's edges and faces of a tetrahedron (vtkLagrangeTetra), each face from the vertex its interior nodes begin at. Its
 // lines and triangles have Gmsh's order.
 constexpr std::array<CellEdge, 6> tetrahedron_edges = {{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
-constexpr std::array<CellFace, 4> tetrahedron_faces = {{{0, 1, 3}, {2, 3, 1}, {0, 3, 2}, {0, 2, 1}}};
+constexpr std::array<CellFace, 4> tetrahedron_faces = {
+    {{0, 1, 3, -1}, {2, 3, 1, -1}, {0, 3, 2, -1}, {0, 2, 1, -1}}};
 
 std::vector<int> lexicographic_order(const CellType& cell, int degree) {
     const LagrangeBasis gmsh(cell, degree);
@@ -41,7 +42,7 @@ std::vector<int> vtk_node_order(const CellType& cell, int degree) {
         return order;
     }
     for (const MultiIndex& a :
-         cell.dim == 3 ? lattice_nodes(3, degree, tetrahedron_edges, tetrahedron_faces) : gmsh.nodes)
+         cell.dim == 3 ? lattice_nodes(cell, degree, tetrahedron_edges, tetrahedron_faces) : gmsh.nodes)
         order.push_back(gmsh.find(a));
     return order;
 }
@@ -54,7 +55,7 @@ std::string readable_cells(int lowest, int highest) {
     std::vector<std::string> names;
     for (int dim = lowest; dim <= highest; ++dim)
         for (const CellType& cell : cell_types())
-            if (cell.dim == dim) names.push_back(cell.plural);
+            if (cell.dim == dim && (dim < 3 || cell.is_simplex())) names.push_back(cell.plural);
     std::string text;
     for (std::size_t k = 0; k < names.size(); ++k)
         text += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + names[k];

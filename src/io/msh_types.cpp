@@ -34,7 +34,8 @@ const char* foreign_name(int number) {
 MshType msh_type(int number) {
     for (const CellType& cell : cell_types())
         for (int degree = 1; degree <= max_degree; ++degree)
-            if (cell.msh_types[degree - 1] == number) return {number, &cell, degree, cell.node_count(degree)};
+            if (cell.msh_types[degree - 1] == number && (cell.dim < 3 || cell.is_simplex()))
+                return {number, &cell, degree, cell.node_count(degree)};
     if (number == 16) return {number, &quadrilateral(), 2, 8};  // without its centre
     return {number};
 }

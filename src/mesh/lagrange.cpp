@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <array>
 
+#include "base/index.hpp"
+#include "linalg/dense_solve.hpp"
+
 namespace almesh {
 namespace {
 
@@ -27,6 +30,19 @@ double silvester_derivative(int m, double t) {
     return sum;
 }
 
+// B_i of degree m at t, and its derivative; zero for i < 0 and i > m.
+double bernstein(int m, int i, double t) {
+    if (i < 0 || i > m) return 0;
+    double value = 1;
+    for (int k = 0; k < i; ++k) value *= t * (m - k) / (k + 1);
+    for (int k = i; k < m; ++k) value *= 1 - t;
+    return value;
+}
+
+double bernstein_derivative(int m, int i, double t) {
+    return m * (bernstein(m - 1, i - 1, t) - bernstein(m - 1, i, t));
+}
+
 }  // namespace
 
 LagrangeBasis::LagrangeBasis(int dim_, int degree_) : LagrangeBasis(simplex(dim_), degree_) {}
@@ -36,23 +52,63 @@ LagrangeBasis::LagrangeBasis(const CellType& cell_, int degree_)
       dim(cell_.dim),
       degree(degree_),
       count(cell_.node_count(degree_)),
-      nodes(gmsh_node_order(cell_, degree_)) {}
+      nodes(gmsh_node_order(cell_, degree_)) {
+    if (cell.is_collapsed) invert_pyramid();
+}
 
-std::array<double, 4> LagrangeBasis::coordinates(const double* xi) const {
-    if (!cell.is_simplex()) return {1 - xi[0], xi[0], 1 - xi[1], xi[1]};
-    std::array<double, 4> l = {1, 0, 0, 0};
-    for (int k = 0; k < dim; ++k) {
-        l[k + 1] = xi[k];
-        l[0] -= xi[k];
+std::array<double, 6> LagrangeBasis::coordinates(const double* xi) const {
+    std::array<double, 6> l{};
+    for (int f = 0, at = 0; f < 3 && cell.factors[f] > 0; at += cell.factors[f++] + 1) {
+        l[at] = 1;
+        for (int k = 1; k <= cell.factors[f]; ++k) {
+            l[at + k] = *xi++;
+            l[at] -= l[at + k];
+        }
     }
     return l;
 }
 
 std::array<double, 3> LagrangeBasis::point(int node) const {
+    const MultiIndex& a = nodes[node];
+    if (cell.is_collapsed) {
+        const int m = std::max(degree - a[4], 1);
+        return {static_cast<double>(a[1]) / m, static_cast<double>(a[3]) / m, static_cast<double>(a[4]) / degree};
+    }
     std::array<double, 3> xi{};
-    for (int k = 0; k < dim; ++k)
-        xi[k] = static_cast<double>(nodes[node][cell.is_simplex() ? k + 1 : 2 * k + 1]) / degree;
+    for (int f = 0, at = 0, next = 0; f < 3 && cell.factors[f] > 0; at += cell.factors[f++] + 1)
+        for (int k = 1; k <= cell.factors[f]; ++k) xi[next++] = static_cast<double>(a[at + k]) / degree;
     return xi;
+}
+
+void LagrangeBasis::invert_pyramid() {
+    std::vector<double> transposed, column;
+    for (int i = 0; i < count; ++i) {
+        const std::vector<double> row = pyramid_form(point(i).data(), 0);
+        transposed.insert(transposed.end(), row.begin(), row.end());
+    }
+    to_bernstein_.resize(offset(count, count));
+    for (int i = 0; i < count; ++i) {
+        std::vector<double> unit(count);
+        unit[i] = 1;
+        solve_dense(transposed, unit, column);
+        for (int k = 0; k < count; ++k) to_bernstein_[offset(k, count, i)] = column[k];
+    }
+}
+
+std::vector<double> LagrangeBasis::pyramid_form(const double* xi, int d) const {
+    std::vector<double> B;
+    for (const MultiIndex& node : nodes) {
+        const int i = node[1], j = node[3], k = node[4], p = degree, m = p - k;
+        const auto factor = [m](bool along, int index, double t) {
+            return along ? bernstein_derivative(m, index, t) : bernstein(m, index, t);
+        };
+        // m B_k^p(c) / (1 - c) = p B_k^{p-1}(c)
+        const double along_c = d == 0   ? bernstein(p, k, xi[2])
+                               : d == 3 ? bernstein_derivative(p, k, xi[2])
+                                        : bernstein(p - 1, k, xi[2]) * p / std::max(m, 1);
+        B.push_back(factor(d == 1, i, xi[0]) * factor(d == 2, j, xi[1]) * along_c);
+    }
+    return B;
 }
 
 std::vector<double> LagrangeBasis::vertex_weights(int node) const {
@@ -63,7 +119,14 @@ std::vector<double> LagrangeBasis::vertex_weights(int node) const {
 }
 
 void LagrangeBasis::values(const double* xi, double* N) const {
-    const std::array<double, 4> l = coordinates(xi);
+    if (cell.is_collapsed) {
+        std::fill_n(N, count, 0.0);
+        const std::vector<double> B = pyramid_form(xi, 0);
+        for (int k = 0; k < count; ++k)
+            for (int i = 0; i < count; ++i) N[i] += to_bernstein_[offset(k, count, i)] * B[k];
+        return;
+    }
+    const std::array<double, 6> l = coordinates(xi);
     for (int i = 0; i < count; ++i) {
         N[i] = 1;
         for (int k = 0; k < entries(); ++k) N[i] *= silvester(nodes[i][k], degree * l[k]);
@@ -71,16 +134,26 @@ void LagrangeBasis::values(const double* xi, double* N) const {
 }
 
 void LagrangeBasis::gradients(const double* xi, double* dN) const {
-    const std::array<double, 4> l = coordinates(xi);
+    if (cell.is_collapsed) {
+        std::fill_n(dN, 3 * count, 0.0);
+        for (int d = 0; d < 3; ++d) {
+            const std::vector<double> B = pyramid_form(xi, d + 1);
+            for (int k = 0; k < count; ++k)
+                for (int i = 0; i < count; ++i) dN[3 * i + d] += to_bernstein_[offset(k, count, i)] * B[k];
+        }
+        return;
+    }
+    const std::array<double, 6> l = coordinates(xi);
     for (int i = 0; i < count; ++i) {
-        double dl[4];  // derivatives by the coordinates l, taken as independent
+        double dl[6];  // derivatives by the coordinates l, taken as independent
         for (int k = 0; k < entries(); ++k) {
             dl[k] = degree * silvester_derivative(nodes[i][k], degree * l[k]);
             for (int m = 0; m < entries(); ++m)
                 if (m != k) dl[k] *= silvester(nodes[i][m], degree * l[m]);
         }
-        for (int k = 0; k < dim; ++k)
-            dN[i * dim + k] = cell.is_simplex() ? dl[k + 1] - dl[0] : dl[2 * k + 1] - dl[2 * k];
+        double* to = &dN[i * dim];
+        for (int f = 0, at = 0; f < 3 && cell.factors[f] > 0; at += cell.factors[f++] + 1)
+            for (int k = 1; k <= cell.factors[f]; ++k) *to++ = dl[at + k] - dl[at];
     }
 }
 
@@ -97,11 +170,15 @@ int LagrangeBasis::permuted_node(int node, const MultiIndex& permutation) const 
 
 std::vector<int> LagrangeBasis::face_nodes(int k) const {
     const CellFace& vertex = cell.faces[k];
+    const LagrangeBasis face(cell.face_type(k), degree);
     std::vector<int> local;
-    for (const MultiIndex& b : gmsh_node_order(dim - 1, degree)) {
-        MultiIndex a{};  // the mean of the vertices with the weights b
-        for (int v = 0; v < dim; ++v)
-            for (int e = 0; e < entries(); ++e) a[e] += b[v] * nodes[vertex[v]][e] / degree;
+    for (int i = 0; i < face.count; ++i) {
+        const std::vector<double> weight = face.vertex_weights(i);
+        std::array<double, 6> mean{};  // of the vertices' multi-indices
+        for (int v = 0; v < face.cell.vertices; ++v)
+            for (int e = 0; e < entries(); ++e) mean[e] += weight[v] * nodes[vertex[v]][e] / degree;
+        MultiIndex a;
+        std::transform(mean.begin(), mean.end(), a.begin(), [](double m) { return static_cast<int>(m + 0.5); });
         local.push_back(find(a));
     }
     return local;

@@ -1,6 +1,7 @@
 // Points and weights on simplices: either all permutations of the orbits of a symmetric rule, or the conical product of
 // Gauss-Jacobi rules, x_0 = u_0, x_1 = (1 - u_0) u_1, x_2 = (1 - u_0)(1 - u_1) u_2 (Duffy's map), whose Jacobian
-// (1 - u_0)^(n-1) (1 - u_1)^(n-2) is the weight of the rules in u_0 and u_1.
+// (1 - u_0)^(n-1) (1 - u_1)^(n-2) is the weight of the rules in u_0 and u_1. Products of these on the other cells, on a
+// pyramid (cells.hpp) with the weight (1 - c)^2.
 #include "mesh/quadrature.hpp"
 
 #include <algorithm>
@@ -81,15 +82,17 @@ Quadrature conical_product(int dim, int exactness) {
     return q;
 }
 
-Quadrature square_product(int exactness) {
-    const Line line = gauss_jacobi(exactness / 2 + 1, 0);
-    Quadrature q{2, 0, {}, {}};
-    for (std::size_t j = 0; j < line.x.size(); ++j)
-        for (std::size_t i = 0; i < line.x.size(); ++i) {
-            q.xi.insert(q.xi.end(), {line.x[i], line.x[j]});
-            q.weight.push_back(line.w[i] * line.w[j]);
+Quadrature rule_of(const Line& line) { return {1, static_cast<int>(line.x.size()), line.x, line.w}; }
+
+// On the product of two cells, the points of the first one running fastest.
+Quadrature product(const Quadrature& first, const Quadrature& second) {
+    Quadrature q{first.dim + second.dim, first.count * second.count, {}, {}};
+    for (int j = 0; j < second.count; ++j)
+        for (int i = 0; i < first.count; ++i) {
+            q.xi.insert(q.xi.end(), &first.xi[i * first.dim], &first.xi[i * first.dim] + first.dim);
+            q.xi.insert(q.xi.end(), &second.xi[j * second.dim], &second.xi[j * second.dim] + second.dim);
+            q.weight.push_back(first.weight[i] * second.weight[j]);
         }
-    q.count = static_cast<int>(q.weight.size());
     return q;
 }
 
@@ -129,12 +132,17 @@ void add_node_points(const LagrangeBasis& basis, Quadrature& quadrature) {
         volume += weight;
         weight *= 1 - node_part;
     }
+    const auto add = [&](const std::array<double, 3>& xi, double part_of_node) {
+        quadrature.xi.insert(quadrature.xi.end(), xi.begin(), xi.begin() + basis.dim);
+        quadrature.weight.push_back(part_of_node * node_part * volume / basis.count);
+        ++quadrature.count;
+    };
     for (int i = 0; i < basis.count; ++i) {
         const std::array<double, 3> xi = basis.point(i);
-        quadrature.xi.insert(quadrature.xi.end(), xi.begin(), xi.begin() + basis.dim);
+        if (basis.cell.is_collapsed && xi[2] == 1)  // the apex, from each of the edges that end there
+            for (const auto& [a, b] : {std::array{0., 0.}, {1., 0.}, {1., 1.}, {0., 1.}}) add({a, b, 1}, 0.25);
+        else add(xi, 1);
     }
-    quadrature.weight.insert(quadrature.weight.end(), basis.count, node_part * volume / basis.count);
-    quadrature.count += basis.count;
 }
 
 }  // namespace
@@ -145,7 +153,12 @@ Quadrature simplex_quadrature(int dim, int exactness) {
 }
 
 Quadrature cell_quadrature(const CellType& cell, int exactness) {
-    return cell.is_simplex() ? simplex_quadrature(cell.dim, exactness) : square_product(exactness);
+    if (cell.is_simplex()) return simplex_quadrature(cell.dim, exactness);
+    const Quadrature line = rule_of(gauss_jacobi(exactness / 2 + 1, 0));
+    if (cell.is_collapsed) return product(product(line, line), rule_of(gauss_jacobi(exactness / 2 + 1, 2)));
+    const Quadrature first = cell.factors[0] == 1 ? line : simplex_quadrature(cell.factors[0], exactness);
+    const Quadrature both = product(first, line);
+    return cell.factors[2] == 0 ? both : product(both, line);
 }
 
 int default_exactness(const CellType& cell, int degree) {

@@ -1,10 +1,9 @@
-// Quadrature on the reference cells, simplices of dimension 1, 2 and 3 and quadrilaterals: all weights positive, all
-// points inside, any degree of exactness; and the derivatives of the basis at the points, the same for all elements of
-// one type.
+// Quadrature on the reference cells: all weights positive, all points inside, any degree of exactness; and the
+// derivatives of the basis at the points, the same for all elements of one type.
 //
 // On triangles and tetrahedra the symmetric rules of quadrature_table.hpp as far as they go; beyond them, and on lines,
 // the conical product of Gauss-Jacobi rules (Stroud, Approximate Calculation of Multiple Integrals, 1971, sec. 2.4),
-// which takes about twice the points in 2D, three times in 3D. On quadrilaterals the product of two Gauss rules.
+// which takes about twice the points in 2D, three times in 3D. On other cells the product of the rules of their factors.
 #pragma once
 #include <vector>
 
@@ -24,7 +23,7 @@ struct Quadrature {
 // ((exactness + 2) / 2)^dim points where the conical product is used.
 Quadrature simplex_quadrature(int dim, int exactness);
 
-// The same on a cell of any type; on quadrilaterals for degree <= exactness in each coordinate.
+// The same on a cell of any type; on a product of simplices for degree <= exactness in each factor.
 Quadrature cell_quadrature(const CellType& cell, int exactness);
 
 // Linear simplices (m = n + 1) have one point: F is constant on them.
@@ -42,7 +41,7 @@ struct ReferenceElement {
 
 // Of elements of degree p. exactness: degree to which it is exact, but for linear simplices; 0: default_exactness(p).
 // But for these a thousandth of the weight goes to the nodes of the element: it folds at vertices and edges first,
-// where the rules have no points. That of a bilinear quadrilateral has them too: its Jacobian is not constant.
+// where the rules have no points. Linear cells that are no simplices have them too: their Jacobian is not constant.
 Quadrature element_quadrature(const CellType& cell, int degree, int exactness);
 
 ReferenceElement reference_element(const CellType& cell, int degree, const Quadrature& quadrature);
@@ -67,9 +66,9 @@ Mat<n> jacobian_at(const int* node, const std::vector<double>& x, const Referenc
     return J;
 }
 
-// 2 p + 2, on quadrilaterals in each coordinate, but 0 for linear simplices: the relative quality then agrees to six
+// 2 p + 2, on products of simplices in each factor, but 0 for linear simplices: the relative quality then agrees to six
 // digits with that of more points; with fewer points the worst elements get worse. |F|^2 alone needs 2 p - 2, on
-// quadrilaterals 2 p.
+// products of simplices 2 p.
 int default_exactness(const CellType& cell, int degree);
 
 }  // namespace almesh

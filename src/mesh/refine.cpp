@@ -353,7 +353,7 @@ std::vector<double> prolong(const Mesh& coarse, const std::vector<double>& coars
             const LagrangeBasis& basis = bases[coarse.group_number(e)];
             const std::size_t at = offset(i, n);
             const Vec<n> xi = reference_point<n>(basis.cell, node, coarse_ideal, &fine_ideal[at], steps);
-            double N[(max_degree + 1) * (max_degree + 2) * (max_degree + 3) / 6];  // of any cell
+            double N[most_element_nodes];
             basis.values(xi.data(), N);
             for (int j = 0; j < basis.count; ++j)
                 for (int a = 0; a < n; ++a) result[at + a] += N[j] * field[offset(node[j], n, a)];

@@ -29,9 +29,10 @@ std::uint8_t winding(const int* here, const int* in_file, int count) {
 void reverse(Mesh& mesh, const std::vector<int>& elements) {
     for (const ElementGroup& group : mesh.element_groups()) {
         const LagrangeBasis basis(*group.cell, mesh.degree);
-        MultiIndex swap = {0, 1, 2, 3};
-        if (group.cell->is_simplex()) std::swap(swap[mesh.dim - 1], swap[mesh.dim]);
-        else swap = {2, 3, 0, 1};
+        MultiIndex swap = {0, 1, 2, 3, 4, 5};
+        const int first = group.cell->factors[0];
+        if (first > 1) std::swap(swap[first - 1], swap[first]);
+        else swap = {2, 3, 0, 1, 4, 5};
         std::vector<int> from(basis.count), before(basis.count);
         for (int i = 0; i < basis.count; ++i) from[i] = basis.permuted_node(i, swap);
         for (int e : elements) {

@@ -170,3 +170,28 @@ TEST_CASE("on quadrilaterals the rule is exact in each coordinate, and the usual
         CHECK(at_nodes >= 0.001 * 0.999);  // a Gauss point may be at a node in the middle
     }
 }
+
+TEST_CASE("on hexahedra, prisms and pyramids the rule is exact in each factor, and the usual one has points at the nodes") {
+    struct Exact {
+        const CellType& cell;
+        double integral;  // of x^3 y^2 z^4 over the reference cell; of a pyramid over (a, b, c) with (1 - c)^2
+    };
+    for (const Exact& of : {Exact{hexahedron(), 1.0 / 4 / 3 / 5}, {prism(), exact_integral(2, {3, 2, 0}) / 5},
+                            {pyramid(), 1.0 / 4 / 3 * factorial(4) * factorial(2) / factorial(7)}}) {
+        const Quadrature exact = cell_quadrature(of.cell, of.cell.factors[0] == 2 ? 5 : 4);
+        CHECK(integral(exact, {3, 2, 4}) == doctest::Approx(of.integral).epsilon(1e-13));
+        for (int degree = 1; degree <= 3; ++degree) {
+            const Quadrature rule = element_quadrature(of.cell, degree, 0);
+            const LagrangeBasis basis(of.cell, degree);
+            double at_nodes = 0;
+            for (int q = 0; q < rule.count; ++q) {
+                std::vector<double> N(basis.count);
+                basis.values(&rule.xi[3 * q], N.data());
+                if (std::any_of(N.begin(), N.end(), [](double v) { return std::abs(v - 1) < 1e-11; }))
+                    at_nodes += rule.weight[q];
+            }
+            CHECK(integral(rule, {0, 0, 0}) == doctest::Approx(of.cell.volume()).epsilon(1e-13));
+            CHECK(at_nodes >= 0.000999 * of.cell.volume());  // a Gauss point may be at a node in the middle
+        }
+    }
+}
