@@ -1,17 +1,15 @@
 // Per element: the Bezier coefficients of det J (element_jacobian.hpp), bounded from below by bisection
-// (Johnen, Remacle, Geuzaine, J. Comput. Phys. 233, 2013).
+// (Johnen, Remacle, Geuzaine, J. Comput. Phys. 233, 2013); a batch of elements at once, one per lane.
 #include "check/certificate.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "geometry/element_jacobian.hpp"
-#include "mesh/sub_simplices.hpp"
 
 namespace almesh {
 namespace {
@@ -24,63 +22,121 @@ struct Bounds {
 };
 
 template <int n>
-Bounds bound_straight(const int* vertex, const std::vector<double>& x) {
-    const double value = straight_scaled_jacobian<n>(vertex, x);
-    return {value, value};
-}
+class GroupBounds {
+public:
+    GroupBounds(const Mesh& mesh, const ElementGroup& group, const std::vector<double>& x,
+                const CertificateParams& params, std::vector<Bounds>& bounds)
+        : mesh_(mesh), cell_(*group.cell), x_(x), params_(params), bounds_(bounds),
+          basis_(cell_, mesh.degree), straight_(cell_, 1) {}
 
-// Of simplex `part` of an element. straight: the determinant of the straight element.
-template <int n>
-Bounds bound_curved(const int* node, const std::vector<double>& x, double straight, const SubSimplices& cut, int part,
-                    const JacobianBasis& basis, const CertificateParams& params) {
-    ElementJacobian<n, double> element(basis);
-    const auto position = [&](int i) {
-        Vec<n> at;
-        std::copy_n(point(x, node[i], n), n, at.begin());
-        return at;
-    };
-    if (cut.count() > 1) cut.place<n, double>(part, position, element.position(0));
-    else
-        for (int i = 0; i < cut.nodes; ++i) element.position(0)[i] = position(i);
-    element.compute(1);
-    const double* const b = element.coefficients(0);
-    if (!element.has_frame() || !std::all_of(b, b + basis.jacobian.count, [](double c) { return std::isfinite(c); }))
-        return {0, 0};
-    const PolynomialMinimum minimum = polynomial_minimum(basis.jacobian, b, params.tolerance, params.max_bisections);
-    const double scale = std::max(element.unit() / straight, std::numeric_limits<double>::min());
-    return {scale * (minimum.lower - element.rounding()), scale * minimum.upper};
-}
+    // Of some of its elements. sharp: by bisection; else by the coefficients alone.
+    void bound(const std::vector<int>& elements, bool sharp) {
+        if (cell_.is_simplex() && mesh_.degree == 1)
+            return parallel_for(static_cast<int>(elements.size()), [&](int k) {
+                const double value = straight_scaled_jacobian<n>(mesh_.element(elements[k]), x_);
+                bounds_[elements[k]] = {value, value};
+            }, element_work);
+        const int count = static_cast<int>(elements.size());
+        parallel_for_uneven((count + lanes - 1) / lanes, [&](int batch) {
+            const int first = batch * lanes;
+            bound_batch(&elements[first], std::min(lanes, count - first), sharp);
+        }, element_work * lanes);
+    }
 
-// The elements of a group. Other cells than simplices are cut into some (SubSimplices).
+private:
+    const Mesh& mesh_;
+    const CellType& cell_;
+    const std::vector<double>& x_;
+    const CertificateParams& params_;
+    std::vector<Bounds>& bounds_;
+    JacobianBasis basis_, straight_;  // of the elements, and of the straight-sided ones on their vertices
+
+    // The determinant of the straight-sided elements, of other cells than simplices its mean.
+    Lanes straight_determinant(const int* const* node) const {
+        Lanes det{};
+        if (cell_.is_simplex()) {
+            const Vec<n, Lanes> origin = gathered<n>(node, 0, x_);
+            Mat<n, Lanes> J;
+            for (int k = 0; k < n; ++k) {
+                const Vec<n, Lanes> vertex = gathered<n>(node, k + 1, x_);
+                for (int a = 0; a < n; ++a) J[a][k] = vertex[a] - origin[a];
+            }
+            det = determinant(J);
+        } else {
+            ElementJacobian<n, Lanes> elements(straight_);
+            compute(elements, node, cell_.vertices);
+            for (int a = 0; a < straight_.jacobian.count; ++a) det += elements.coefficients(0)[a];
+            det *= elements.unit() / straight_.jacobian.count;
+        }
+        return abs(det);
+    }
+
+    void compute(ElementJacobian<n, Lanes>& elements, const int* const* node, int nodes) const {
+        for (int i = 0; i < nodes; ++i) elements.position(0)[i] = gathered<n>(node, i, x_);
+        elements.compute(1);
+    }
+
+    void bound_batch(const int* element, int count, bool sharp) {
+        const int* node[lanes];
+        for (int l = 0; l < lanes; ++l) node[l] = mesh_.element(element[std::min(l, count - 1)]);
+        const Lanes straight = straight_determinant(node);
+        ElementJacobian<n, Lanes> elements(basis_);
+        compute(elements, node, basis_.position.nodes);
+        const Lanes* const b = elements.coefficients(0);
+        Lanes lower = b[0], upper = in_all_lanes(std::numeric_limits<double>::infinity()), sum{};
+        for (int a = 0; a < basis_.jacobian.count; ++a) {
+            lower = select(b[a] < lower, b[a], lower);
+            sum += b[a];
+        }
+        for (const Bernstein::Corner& corner : basis_.jacobian.corners)
+            upper = select(b[corner.place] < upper, b[corner.place], upper);
+        const Lanes scale = max(elements.unit() / straight, in_all_lanes(std::numeric_limits<double>::min()));
+        const Lanes rounding = elements.rounding();
+        const LaneBits has_frame = elements.has_frame();
+        for (int l = 0; l < count; ++l) {
+            Bounds& of = bounds_[element[l]] = {0, 0};
+            if (!has_frame[l] || !std::isfinite(sum[l])) continue;
+            of = sharp ? sharp_bounds(b, l) : Bounds{lower[l], upper[l]};
+            of = {scale[l] * (of.lower - rounding[l]), scale[l] * of.upper};
+        }
+    }
+
+    Bounds sharp_bounds(const Lanes* b, int lane) const {
+        thread_local std::vector<double> c;
+        c.clear();
+        for (int a = 0; a < basis_.jacobian.count; ++a) c.push_back(b[a][lane]);
+        const PolynomialMinimum minimum =
+            polynomial_minimum(basis_.jacobian, c.data(), params_.tolerance, params_.max_bisections);
+        return {minimum.lower, minimum.upper};
+    }
+};
+
+// First by the coefficients alone, simplices sharply; then sharply where that does not prove an element valid, or where
+// it leaves open what the least value of all is.
 template <int n>
-void bound_group(const Mesh& mesh, const ElementGroup& group, const std::vector<double>& x,
-                 const CertificateParams& params, std::vector<Bounds>& bounds) {
-    const bool is_simplex = group.cell->is_simplex();
-    const SubSimplices cut(*group.cell, mesh.degree);
-    std::optional<JacobianBasis> basis;
-    if (cut.degree > 1) basis.emplace(n, cut.degree);
-    parallel_for(group.count, [&](int k) {
-        const int e = group.first + k;
-        const int* const node = mesh.element(e);
-        if (!basis) {
-            bounds[e] = bound_straight<n>(node, x);
-            return;
+void bound_all(const Mesh& mesh, const std::vector<double>& x, const CertificateParams& params,
+               std::vector<Bounds>& bounds) {
+    for (const bool sharp : {false, true}) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const Bounds& of : bounds) least = std::min(least, of.upper);
+        for (const ElementGroup& group : mesh.element_groups()) {
+            if (sharp && group.cell->is_simplex()) continue;
+            std::vector<int> elements;
+            for (int e = group.first; e < group.first + group.count; ++e) {
+                const Bounds& of = bounds[e];
+                const bool is_open = of.upper - of.lower > params.tolerance * std::abs(of.upper);
+                if (!sharp || (is_open && (of.lower <= 0 || of.lower < least))) elements.push_back(e);
+            }
+            GroupBounds<n>(mesh, group, x, params, bounds).bound(elements, sharp || group.cell->is_simplex());
         }
-        const double straight = std::abs(is_simplex ? determinant(straight_jacobian<n>(node, x)) : volume(mesh, x, e));
-        for (int part = 0; part < cut.count(); ++part) {
-            const Bounds of = bound_curved<n>(node, x, straight, cut, part, *basis, params);
-            const Bounds before = part == 0 ? of : bounds[e];
-            bounds[e] = {std::min(before.lower, of.lower), std::min(before.upper, of.upper)};
-        }
-    }, element_work);
+    }
 }
 
 }  // namespace
 
 Certificate certify(const Mesh& mesh, const std::vector<double>& x, const CertificateParams& params) {
     std::vector<Bounds> bounds(mesh.element_count());
-    for (const ElementGroup& group : mesh.element_groups())
-        with_dimension(mesh.dim, [&](auto n) { bound_group<n()>(mesh, group, x, params, bounds); });
+    with_dimension(mesh.dim, [&](auto n) { bound_all<n()>(mesh, x, params, bounds); });
     Certificate certificate{1, true, 0, {}, {}};
     std::vector<double>& lower = certificate.lower_bound;
     std::vector<int>& uncertified = certificate.uncertified;

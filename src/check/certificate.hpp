@@ -1,9 +1,9 @@
 // A certificate that every element of the mesh is valid everywhere, not only at sample points.
 //
-// The vertices of an element span a straight-sided simplex with the affine map J_s. Its scaled Jacobian is
-// det J / |det J_s| (Toulorge et al., J. Comput. Phys. 254, 2013; exactly 1 for a straight-sided element), a polynomial
-// (element_jacobian.hpp); its Bezier coefficients bound it from below; bisection sharpens the bound. A quadrilateral is
-// two curved triangles (sub_simplices.hpp), over the area of the straight one.
+// The vertices of an element span a straight-sided one with the map J_s. Its scaled Jacobian is det J / |det J_s|
+// (Toulorge et al., J. Comput. Phys. 254, 2013; exactly 1 for a straight-sided simplex), of other cells than simplices
+// over the mean of det J_s; a polynomial (element_jacobian.hpp). Its Bezier coefficients bound it from below; bisection
+// sharpens the bound. This holds for straight-sided hexahedra, prisms and pyramids too: positive corners prove nothing.
 //
 // Cost: per element, one product with a matrix of nodes x nodes, and a cross and a dot product of polynomials with
 // vectors as coefficients; few elements of a mesh of good quality need bisection.
@@ -25,7 +25,9 @@ struct Certificate {
     bool valid = false;               // every element is certified valid: det J > 0 everywhere
     int undecided = 0;                // elements proved neither valid nor invalid
     std::vector<int> uncertified;     // elements that are invalid or undecided, lowest bound first
-    std::vector<double> lower_bound;  // per element; 0 where its vertices span no volume or x is not finite
+    // Per element; 0 where its vertices span no volume or x is not finite. Of simplices to the tolerance, and of other
+    // cells where it is not positive or not above the least scaled Jacobian of all.
+    std::vector<double> lower_bound;
 };
 
 // "3 elements proved invalid, 1 undecided"

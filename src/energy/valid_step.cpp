@@ -1,6 +1,6 @@
 // Batches of elements, one per lane -> least coefficients of b_0, ..., b_n -> bisection for lanes that are not cleared.
 //
-// Straight elements with the Jacobians J and J':  b_0 = det J,  b_1 = cof J : J' / n,  b_n-1 = cof J' : J / n,
+// Straight simplices with the Jacobians J and J':  b_0 = det J,  b_1 = cof J : J' / n,  b_n-1 = cof J' : J / n,
 // b_n = det J'.
 #include "energy/valid_step.hpp"
 
@@ -13,15 +13,14 @@
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "geometry/element_jacobian.hpp"
-#include "mesh/sub_simplices.hpp"
 
 namespace almesh {
 namespace {
 
-constexpr int time_bisections = 10;              // depth, of straight elements,
-constexpr int curved_bisections = 5;             // and of curved ones
+constexpr int time_bisections = 10;              // depth, of straight simplices,
+constexpr int curved_bisections = 5;             // and of other elements
 constexpr int space_bisections = 300;            // of one polynomial
-constexpr int batches_per_task = 64;             // at most, and of curved elements few enough
+constexpr int batches_per_task = 64;             // at most, of others few enough
 constexpr int curved_tasks = 64;                 // for so many tasks: one of them may take long
 constexpr double work = 20, curved_work = 1000;  // of an element, in simple operations
 constexpr double near_inversion = 0.1;           // ratio of the determinant to its mean
@@ -41,15 +40,6 @@ double positive_until(std::array<double, n + 1> b, double bound, double length =
     }
     const double half = 0.5 * length, left = positive_until<n>(b, bound, half, depth - 1);
     return left < half ? left : half + positive_until<n>(right, bound, half, depth - 1);
-}
-
-// The position of node i of each lane.
-template <int n>
-Vec<n, Lanes> gathered(const int* const* node, int i, const std::vector<double>& x) {
-    Vec<n, Lanes> position;
-    for (int l = 0; l < lanes; ++l)
-        for (int a = 0; a < n; ++a) position[a][l] = x[offset(node[l][i], n, a)];
-    return position;
 }
 
 template <int n>
@@ -89,34 +79,13 @@ double mean(const JacobianBasis& basis, const double* b) {
     return std::accumulate(b, b + basis.jacobian.count, 0.0) / basis.jacobian.count;
 }
 
-// Curved simplices: elements, or the part-th simplices of the elements.
-struct CurvedSimplices {
-    const JacobianBasis& basis;
-    const SubSimplices* parts;  // nullptr: elements
-    int part;
-
-    // position(i) is that of node i of the element. Those of parts are relative to its first node.
-    template <int n, class T, class Position>
-    void place(const Position& position, Vec<n, T>* x) const {
-        if (parts) parts->place<n, T>(part, position, x);
-        else
-            for (int i = 0; i < basis.position.bernstein.count; ++i) x[i] = position(i);
-    }
-
-    CellPoint in_cell(const Barycentric& at) const {
-        if (!parts) return at;
-        const std::array<double, 3> xi = parts->point(part, at);
-        return {1 - xi[0], xi[0], 1 - xi[1], xi[1]};
-    }
-};
-
-// One curved element that needs bisection.
+// One element that needs bisection.
 template <int n>
 class SlowCheck {
 public:
-    SlowCheck(const CurvedSimplices& shape, const int* node, const std::vector<double>& from,
+    SlowCheck(const JacobianBasis& basis, const int* node, const std::vector<double>& from,
               const std::vector<double>& to)
-        : shape_(shape), of_(shape.basis), node_(node), from_(from), to_(to) {
+        : of_(basis), node_(node), from_(from), to_(to) {
         ElementJacobian<n, double> element(of_);
         place(0, element.position(0));
         element.compute(1);
@@ -140,7 +109,6 @@ public:
     std::optional<Inversion> inversion;  // at the end of the step
 
 private:
-    const CurvedSimplices& shape_;
     const JacobianBasis& of_;
     const int* const node_;
     const std::vector<double>& from_;
@@ -148,14 +116,11 @@ private:
     double least_;  // determinant that is wanted everywhere
 
     void place(double s, Vec<n>* x) const {
-        const auto position = [&](int i) {
+        for (int i = 0; i < of_.position.nodes; ++i) {
             const double* const x0 = point(from_, node_[i], n);
             const double* const x1 = point(to_, node_[i], n);
-            Vec<n> at;
-            for (int a = 0; a < n; ++a) at[a] = s == 1 ? x1[a] : x0[a] + s * (x1[a] - x0[a]);
-            return at;
-        };
-        shape_.place<n, double>(position, x);
+            for (int a = 0; a < n; ++a) x[i][a] = s == 1 ? x1[a] : x0[a] + s * (x1[a] - x0[a]);
+        }
     }
 
     bool valid_between(double s0, double s1) {
@@ -177,18 +142,19 @@ private:
     void note_inversion(const double* b, double rounding) {
         if (!std::isfinite(mean(of_, b))) return;
         const PolynomialMinimum least = polynomial_minimum(of_.jacobian, b, 0.5, space_bisections);
-        inversion = {0, shape_.in_cell(least.at), least.upper > rounding ? least.upper / mean(of_, b) : 0};
+        inversion = {0, least.at, least.upper > rounding ? least.upper / mean(of_, b) : 0};
     }
 };
 
 // Lanes that have no coefficient below any bound of what is tested one by one, with twice its margin for rounding.
 template <int n>
-LaneBits cleared(const CurvedSimplices& shape, const int* const* node, const std::vector<double>& from,
+LaneBits cleared(const JacobianBasis& basis, const int* const* node, const std::vector<double>& from,
                  const std::vector<double>& to) {
-    const JacobianBasis& basis = shape.basis;
     ElementJacobian<n, Lanes> elements(basis);
-    shape.place<n, Lanes>([&](int i) { return gathered<n>(node, i, from); }, elements.position(0));
-    shape.place<n, Lanes>([&](int i) { return gathered<n>(node, i, to); }, elements.position(1));
+    for (int i = 0; i < basis.position.nodes; ++i) {
+        elements.position(0)[i] = gathered<n>(node, i, from);
+        elements.position(1)[i] = gathered<n>(node, i, to);
+    }
     elements.compute(2);
     LaneBits clear = elements.has_frame();
     const auto all_above = [&](int k, Lanes bound) {
@@ -207,9 +173,7 @@ LaneBits cleared(const CurvedSimplices& shape, const int* const* node, const std
 }  // namespace
 
 ValidStep::ValidStep(const CellType& cell, int degree) : dim_(cell.dim), element_nodes_(cell.node_count(degree)) {
-    if (!cell.is_simplex()) parts_ = std::make_shared<const SubSimplices>(cell, degree);
-    const int of_parts = parts_ ? parts_->degree : degree;
-    if (of_parts > 1) basis_ = std::make_shared<const JacobianBasis>(dim_, of_parts);
+    if (degree > 1 || !cell.is_simplex()) basis_ = std::make_shared<const JacobianBasis>(cell, degree);
 }
 
 // node: the nodes of each lane; `first`: number of the first of the `count` elements.
@@ -218,15 +182,12 @@ double ValidStep::of_batch(const int* const* node, int count, const std::vector<
                            const std::vector<double>& to, int first, std::vector<Inversion>& inversions) const {
     if (!basis_) return straight_fraction<n>(node, count, from, to);
     double fraction = 1;
-    for (int part = 0; part < (parts_ ? parts_->count() : 1); ++part) {
-        const CurvedSimplices shape{*basis_, parts_.get(), part};
-        const LaneBits clear = cleared<n>(shape, node, from, to);
-        for (int l = 0; l < count; ++l) {
-            if (clear[l]) continue;
-            SlowCheck<n> check(shape, node[l], from, to);
-            fraction = std::min(fraction, check.until(0, 1, curved_bisections));
-            if (check.inversion) inversions.push_back({first + l, check.inversion->at, check.inversion->ratio});
-        }
+    const LaneBits clear = cleared<n>(*basis_, node, from, to);
+    for (int l = 0; l < count; ++l) {
+        if (clear[l]) continue;
+        SlowCheck<n> check(*basis_, node[l], from, to);
+        fraction = std::min(fraction, check.until(0, 1, curved_bisections));
+        if (check.inversion) inversions.push_back({first + l, check.inversion->at, check.inversion->ratio});
     }
     return fraction;
 }

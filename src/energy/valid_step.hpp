@@ -2,13 +2,13 @@
 //
 // Every node moves from x to x' on a straight line. The determinant of an element's map is a polynomial in the place in
 // the element and in the fraction s of the step, of degree n in s; its Bernstein coefficients in both bound it from
-// below (element_jacobian.hpp; a straight element has one number for each b_k). So no step of the method passes through
+// below (element_jacobian.hpp; a straight simplex has one number for each b_k). So no step of the method passes through
 // an inverted element, from one valid mesh to another of another homotopy class, and the mesh that it leads to is
 // certified: everywhere in a curved element, not only at the points of its quadrature. Most elements are cleared by the
 // coefficients of the whole step; the others by bisection in space, and in s.
-// A quadrilateral is checked as the two curved triangles that it is (sub_simplices.hpp).
 //
-// A curved element whose determinant is small somewhere keeps a fifth of the least one in a step, as interior point
+// Straight-sided cells of other types count as curved elements here: their determinant is not constant. A curved one
+// whose determinant is small somewhere keeps a fifth of the least one in a step, as interior point
 // methods keep a part of the distance to the boundary: it comes near to folding in several steps, between which its
 // quadrature gets finer there (refined_rule.hpp).
 //
@@ -24,10 +24,9 @@
 namespace almesh {
 
 struct JacobianBasis;
-struct SubSimplices;
 
-// A place in the reference cell: barycentric coordinates, of a quadrilateral (1 - x, x, 1 - y, y).
-using CellPoint = std::array<double, 4>;
+// A place in the reference cell: barycentric coordinates of its factors, of a quadrilateral (1 - x, x, 1 - y, y).
+using CellPoint = std::array<double, 6>;
 
 // Where an element that a step has been cut for would have its least determinant at the end of the step.
 struct Inversion {
@@ -48,8 +47,7 @@ public:
 
 private:
     int dim_, element_nodes_;
-    std::shared_ptr<const SubSimplices> parts_;   // none for simplices
-    std::shared_ptr<const JacobianBasis> basis_;  // of the parts; none for straight elements
+    std::shared_ptr<const JacobianBasis> basis_;  // none for straight simplices
 
     template <int n>
     double of_batch(const int* const* node, int count, const std::vector<double>& from, const std::vector<double>& to,

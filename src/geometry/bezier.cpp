@@ -4,6 +4,7 @@
 #include "geometry/bezier.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -13,11 +14,21 @@ namespace almesh {
 namespace {
 
 double factorial(int n) { return n < 2 ? 1 : n * factorial(n - 1); }
+double binomial(int n, int k) { return k < 0 || k > n ? 0 : factorial(n) / (factorial(k) * factorial(n - k)); }
 
-// The parts of the simplex of one search: the corners of each in barycentric coordinates, in which the whole simplex is
-// regular, its coefficients, and those not yet bisected as a heap of the lower bounds, of equal ones the oldest first.
+// `count` entries from number `first` on, as an index of their own.
+MultiIndex part_of(const MultiIndex& a, int first, int count) {
+    MultiIndex part{};
+    std::copy_n(&a[first], count, part.begin());
+    return part;
+}
+
+// The parts of the domain of one search: the corners of each factor in barycentric coordinates, in which the whole
+// simplex is regular, the coefficients, and those not yet bisected as a heap of the lower bounds, of equal ones the
+// oldest first.
+using PieceCorners = std::array<Barycentric, 6>;
 struct Pieces {
-    std::vector<std::array<Barycentric, 4>> corner;
+    std::vector<PieceCorners> corner;
     std::vector<double> c;  // pieces x count
     std::vector<std::pair<double, int>> queue;
 
@@ -36,15 +47,18 @@ struct Pieces {
 // Until enough(lower, upper) or max_bisections.
 template <class Enough>
 PolynomialMinimum bounded_minimum(const Bernstein& basis, const double* c, int max_bisections, const Enough& enough) {
-    std::array<Barycentric, 4> corner{};
-    for (int k = 0; k <= basis.dim; ++k) corner[k][k] = 1;
-    PolynomialMinimum minimum{*std::min_element(c, c + basis.count), c[0], false, corner[0]};
-    const auto look_at_corners = [&](const std::array<Barycentric, 4>& corners, const double* values) {
-        for (int k = 0; k < std::min(basis.count, basis.dim + 1); ++k)
-            if (values[k] < minimum.upper) {
-                minimum.upper = values[k];
-                minimum.at = corners[k];
-            }
+    PieceCorners corner{};
+    for (int f = 0, first = 0; f < 3; first += basis.entries(f++))  // a factor of degree 0 is a point: not bisected
+        for (int k = 0; k < basis.entries(f); ++k) corner[first + k][first + (basis.degrees[f] > 0 ? k : 0)] = 1;
+    PolynomialMinimum minimum{*std::min_element(c, c + basis.count), INFINITY, false, {}};
+    const auto look_at_corners = [&](const PieceCorners& corners, const double* values) {
+        for (const Bernstein::Corner& of_whole : basis.corners) {
+            if (!(values[of_whole.place] < minimum.upper)) continue;
+            minimum.upper = values[of_whole.place];
+            minimum.at = {};
+            for (const int entry : of_whole.entries)
+                for (std::size_t k = 0; k < minimum.at.size(); ++k) minimum.at[k] += corners[entry][k];
+        }
     };
     look_at_corners(corner, c);
     if (enough(minimum.lower, minimum.upper)) return minimum;
@@ -56,9 +70,9 @@ PolynomialMinimum bounded_minimum(const Bernstein& basis, const double* c, int m
     pieces.push(minimum.lower, 0);
     for (int bisections = 0; bisections < max_bisections && !enough(minimum.lower, minimum.upper); ++bisections) {
         const int near_a = pieces.pop(), near_b = bisections + 1;  // the half near corner a takes the place of both
-        const auto [a, b] = longest_edge(pieces.corner[near_a], basis.dim);
+        const auto [a, b] = longest_edge(pieces.corner[near_a], basis.factors);
         pieces.corner.push_back(pieces.corner[near_a]);
-        for (int k = 0; k <= basis.dim; ++k)
+        for (std::size_t k = 0; k < corner.size(); ++k)
             pieces.corner[near_a][b][k] = pieces.corner[near_b][a][k] =
                 0.5 * (pieces.corner[near_a][a][k] + pieces.corner[near_a][b][k]);
         whole.assign(pieces.c.begin() + static_cast<std::ptrdiff_t>(offset(near_a, basis.count)),
@@ -79,22 +93,59 @@ PolynomialMinimum bounded_minimum(const Bernstein& basis, const double* c, int m
 }  // namespace
 
 Bernstein::Bernstein(int dim_, int degree_)
-    : dim(dim_), degree(degree_), count(simplex_node_count(dim_, degree_)), index(gmsh_node_order(dim_, degree_)) {
-    for (const MultiIndex& a : index) {
-        double value = factorial(degree);
-        for (int k = 0; k <= dim; ++k) value /= factorial(a[k]);
-        multinomial.push_back(value);
-        place_.insert({a, static_cast<int>(place_.size())});
-    }
-    rows_.resize((dim + 1) * (dim + 1));
-    for (int a = 0; a <= dim; ++a)
-        for (int b = a + 1; b <= dim; ++b)
-            for (MultiIndex at : index) {
-                if (at[b] != 0 || at[a] == 0) continue;  // every row once, from its end near corner a
-                std::vector<int> row;
-                for (; at[a] >= 0; --at[a], ++at[b]) row.push_back(place(at));
-                rows_[edge(a, b)].push_back(row);
+    : Bernstein(std::array{dim_, 0, 0}, std::array{degree_, 0, 0}) {}
+
+Bernstein::Bernstein(const std::array<int, 3>& factors_, const std::array<int, 3>& degrees_)
+    : dim(0), degree(0), factors(factors_), degrees(degrees_), index(1), multinomial(1, 1.0), corners(1) {
+    for (int f = 0, first = 0; f < 3 && entries(f) > 0; first += entries(f++)) {
+        dim += factors[f];
+        degree = std::max(degree, degrees[f]);
+        const std::vector<MultiIndex> own = gmsh_node_order(factors[f], degrees[f]);
+        std::vector<MultiIndex> longer;
+        std::vector<double> product;
+        std::vector<Corner> more;
+        for (std::size_t i = 0; i < index.size(); ++i)
+            for (const MultiIndex& a : own) {
+                double value = factorial(degrees[f]);
+                for (int k = 0; k < entries(f); ++k) value /= factorial(a[k]);
+                product.push_back(multinomial[i] * value);
+                longer.push_back(index[i]);
+                std::copy_n(a.begin(), entries(f), &longer.back()[first]);
             }
+        for (const Corner& before : corners)
+            for (int k = 0; k < (degrees[f] > 0 ? entries(f) : 1); ++k) {
+                more.push_back({before.place * static_cast<int>(own.size()) + k, before.entries});
+                more.back().entries.push_back(first + k);
+            }
+        index = longer, multinomial = product, corners = more;
+        std::vector<int>& places = place_in_factor_[f];
+        places.resize(static_cast<std::size_t>(std::pow(degrees[f] + 1, factors[f]) + 0.5));
+        for (std::size_t i = 0; i < own.size(); ++i) places[key(f, own[i].data())] = static_cast<int>(i);
+    }
+    count = static_cast<int>(index.size());
+    rows_.resize(edge(1, 0) * edge(1, 0));
+    for (int f = 0, first = 0; f < 3; first += entries(f++))
+        for (int a = first; a < first + entries(f); ++a)
+            for (int b = a + 1; b < first + entries(f); ++b)
+                for (MultiIndex at : index) {
+                    if (at[b] != 0 || at[a] == 0) continue;  // every row once, from its end near corner a
+                    std::vector<int> row;
+                    for (; at[a] >= 0; --at[a], ++at[b]) row.push_back(place(at));
+                    rows_[edge(a, b)].push_back(row);
+                }
+}
+
+int Bernstein::key(int factor, const int* a) const {
+    int value = 0;
+    for (int k = factors[factor]; k > 0; --k) value = value * (degrees[factor] + 1) + a[k];
+    return value;
+}
+
+int Bernstein::place(const MultiIndex& a) const {
+    int place = 0;
+    for (int f = 0, first = 0; f < 3 && entries(f) > 0; first += entries(f++))
+        place = place * simplex_node_count(factors[f], degrees[f]) + place_in_factor_[f][key(f, &a[first])];
+    return place;
 }
 
 std::vector<int> raised_places(int dim, int degree) {
@@ -109,7 +160,10 @@ std::vector<int> raised_places(int dim, int degree) {
     return places;
 }
 
-std::vector<double> bezier_of_lagrange(const LagrangeBasis& basis) {
+namespace {
+
+// On a simplex.
+std::vector<double> expanded_lagrange(const LagrangeBasis& basis) {
     const Bernstein bernstein(basis.dim, basis.degree);
     std::vector<std::vector<int>> raised;  // by degree
     for (int d = 0; d < basis.degree; ++d) raised.push_back(raised_places(basis.dim, d));
@@ -132,6 +186,55 @@ std::vector<double> bezier_of_lagrange(const LagrangeBasis& basis) {
             M[offset(a, basis.count, i)] = product[a] / (denominator * bernstein.multinomial[a]);
     }
     return M;
+}
+
+// On a product of simplices.
+std::vector<double> product_of_lagrange(const Bernstein& form, const LagrangeBasis& basis) {
+    std::vector<double> M(offset(form.count, basis.count), 1.0);
+    for (int f = 0, first = 0; f < 3 && form.entries(f) > 0; first += form.entries(f++)) {
+        const int entries = form.entries(f);
+        const Bernstein own(form.factors[f], form.degrees[f]);
+        const std::vector<double> of_factor = expanded_lagrange(LagrangeBasis(own.dim, own.degree));
+        for (int a = 0; a < form.count; ++a)
+            for (int i = 0; i < basis.count; ++i)
+                M[offset(a, basis.count, i)] *= of_factor[offset(own.place(part_of(form.index[a], first, entries)),
+                                                                 own.count,
+                                                                 own.place(part_of(basis.nodes[i], first, entries)))];
+    }
+    return M;
+}
+
+// On a pyramid. Entries that are 0 or 1 are so to the last bit.
+std::vector<double> raised_layers(const Bernstein& form, const LagrangeBasis& basis) {
+    const int p = basis.degree;
+    const auto raised = [p](int m, int i, int j) { return binomial(m, i) * binomial(p - m, j - i) / binomial(p, j); };
+    std::vector<double> M(offset(form.count, basis.count));
+    for (int a = 0; a < form.count; ++a) {
+        const MultiIndex& j = form.index[a];
+        double* const row = &M[offset(a, basis.count)];
+        for (int b = 0; b < basis.count; ++b) {
+            const MultiIndex& i = basis.nodes[b];
+            if (i[4] != j[5]) continue;
+            const double share = raised(p - i[4], i[1], j[1]) * raised(p - i[4], i[3], j[3]);
+            for (int node = 0; node < basis.count; ++node)
+                row[node] += share * basis.to_bernstein()[offset(b, basis.count, node)];
+        }
+        for (int node = 0; node < basis.count; ++node)
+            if (std::abs(row[node] - std::round(row[node])) < 1e-12) row[node] = std::round(row[node]);
+    }
+    return M;
+}
+
+}  // namespace
+
+Bernstein position_form(const CellType& cell, int degree) {
+    return {cell.factors, {degree, cell.factors[1] > 0 ? degree : 0, cell.factors[2] > 0 ? degree : 0}};
+}
+
+std::vector<double> bezier_of_lagrange(const LagrangeBasis& basis) {
+    if (basis.cell.is_simplex()) return expanded_lagrange(basis);
+    const Bernstein form = position_form(basis.cell, basis.degree);
+    return basis.cell.is_collapsed ? raised_layers(form, basis) : product_of_lagrange(form, basis);
 }
 
 BezierProduct::BezierProduct(const Bernstein& a, const Bernstein& b, const Bernstein& product)

@@ -1,15 +1,14 @@
-// Polynomials on a simplex in Bernstein-Bezier form,
+// Polynomials in Bernstein-Bezier form, on a simplex
 //
 //     q(l) = sum_a c_a B_a(l),   B_a(l) = d! / (a_0! ... a_m!) l_0^a_0 ... l_m^a_m,   |a| = d,
 //
-// l the barycentric coordinates. The B_a are positive and sum to one, so min c_a <= q <= max c_a, the corner
-// coefficients are values of q, and bisection by de Casteljau's averages closes the gap between the two quadratically
-// (Farin, Curves and Surfaces for CAGD, 2002, ch. 17; for the Jacobian of elements: Johnen, Remacle, Geuzaine,
-// J. Comput. Phys. 233, 2013).
+// l the barycentric coordinates, and on a product of simplices the products of the B_a of its factors, each of a degree
+// of its own. The B_a are positive and sum to one, so min c_a <= q <= max c_a, the corner coefficients are values of q,
+// and bisection by de Casteljau's averages closes the gap between the two quadratically (Farin, Curves and Surfaces for
+// CAGD, 2002, ch. 17; for the Jacobian of elements: Johnen, Remacle, Geuzaine, J. Comput. Phys. 233, 2013).
 #pragma once
 #include <algorithm>
 #include <array>
-#include <map>
 #include <vector>
 
 #include "base/small_matrix.hpp"
@@ -18,17 +17,27 @@
 namespace almesh {
 
 struct Bernstein {
-    int dim, degree, count;
-    std::vector<MultiIndex> index;    // count multi-indices in Gmsh's order: the corners come first
-    std::vector<double> multinomial;  // count: d! / (a_0! ... a_m!)
+    int dim, degree, count;              // degree: the highest of a factor
+    std::array<int, 3> factors, degrees;  // dimensions of the simplices, 0: no more, and the degree in each
+    std::vector<MultiIndex> index;       // count concatenated multi-indices: of a simplex in Gmsh's order, corners first
+    std::vector<double> multinomial;     // count: d! / (a_0! ... a_m!), the product of those of the factors
+
+    // Its coefficient, and for each factor the entry of its index that is not 0. Corners that are one are named once.
+    struct Corner {
+        int place;
+        std::vector<int> entries;
+    };
+    std::vector<Corner> corners;
 
     Bernstein(int dim, int degree);
+    Bernstein(const std::array<int, 3>& factors, const std::array<int, 3>& degrees);
 
-    int place(const MultiIndex& a) const { return place_.at(a); }  // of a coefficient
+    int place(const MultiIndex& a) const;  // of a coefficient
+    int entries(int factor) const { return factor == 0 || factors[factor] > 0 ? factors[factor] + 1 : 0; }
 
     // Coefficients of the same polynomial on the two halves that the midpoint of the edge of the corners a < b cuts
-    // the simplex into; the midpoint replaces corner b in near_a and corner a in near_b. c, near_a, near_b: count
-    // coefficients, double or Vec<3>.
+    // the simplex into, or one factor: a and b are entries of its multi-index. The midpoint replaces corner b in near_a
+    // and corner a in near_b. c, near_a, near_b: count coefficients, double or Vec<3>.
     template <class T>
     void bisect(int a, int b, const T* c, T* near_a, T* near_b) const {
         std::copy(c, c + count, near_a);
@@ -44,9 +53,12 @@ struct Bernstein {
     }
 
 private:
-    std::map<MultiIndex, int> place_;
+    // Of each factor: the place of a multi-index a in its own form, at
+    // a_1 + (d + 1) a_2 + (d + 1)^2 a_3.
+    std::array<std::vector<int>, 3> place_in_factor_;
 
-    int edge(int a, int b) const { return a * (dim + 1) + b; }
+    int key(int factor, const int* a) const;  // there
+    int edge(int a, int b) const { return a * static_cast<int>(MultiIndex().size()) + b; }
 
     // [edge(a, b)]: the rows of coefficients that differ along it only, as places from corner a to corner b.
     std::vector<std::vector<std::vector<int>>> rows_;
@@ -56,9 +68,14 @@ private:
 // that de Casteljau's step averages, and whose differences are the derivatives. simplex_node_count x (dim + 1).
 std::vector<int> raised_places(int dim, int degree);
 
-// count x count matrix M: the coefficients of the polynomial with nodal values v are c = M v. Each Lagrange function
-// is a product of linear factors (p l_k - j (l_0 + ... + l_m)) / (j + 1) and is expanded in them without rounding (the
-// numerators are integers below 2^53 for p <= 10); no system is solved.
+// The form of functions of degree p on a cell: of degree p in each factor, those of a pyramid (cells.hpp) on the cube.
+Bernstein position_form(const CellType& cell, int degree);
+
+// Matrix M, position_form().count x basis.count: the coefficients of the polynomial with nodal values v are c = M v.
+// On a simplex each Lagrange function is a product of linear factors (p l_k - j (l_0 + ... + l_m)) / (j + 1) and is
+// expanded in them without rounding (the numerators are integers below 2^53 for p <= 10); no system is solved. On a
+// product of simplices it is the product of theirs. On a pyramid layer k of the coefficients, of degree m = p - k in a
+// and in b, is raised to degree p: c_j = sum_i binomial(m, i) binomial(p - m, j - i) / binomial(p, j) c_i.
 std::vector<double> bezier_of_lagrange(const LagrangeBasis& basis);
 
 // Products of polynomials. In the scaled form c_a * multinomial_a they are convolutions: all terms have weight one, so
@@ -88,28 +105,37 @@ struct BezierProduct {
     }
 };
 
-// The corners a < b of a simplex that are farthest apart. corner: dim + 1 points or more, of any number of coordinates.
+// The corners a < b of one of these simplices that are farthest apart. corner: those of one simplex after the other,
+// dim + 1 points each or more, of any number of coordinates.
 template <class Points>
-std::array<int, 2> longest_edge(const Points& corner, int dim) {
+std::array<int, 2> longest_edge(const Points& corner, const std::array<int, 3>& dims) {
     std::array<int, 2> longest = {0, 1};
     double best = 0;
-    for (int a = 0; a <= dim; ++a)
-        for (int b = a + 1; b <= dim; ++b) {
-            double squared = 0;
-            for (std::size_t k = 0; k < corner[a].size(); ++k) {
-                const double d = corner[a][k] - corner[b][k];
-                squared += d * d;
+    int first = 0;
+    for (const int dim : dims) {
+        for (int a = first; a <= first + dim; ++a)
+            for (int b = a + 1; b <= first + dim; ++b) {
+                double squared = 0;
+                for (std::size_t k = 0; k < corner[a].size(); ++k) {
+                    const double d = corner[a][k] - corner[b][k];
+                    squared += d * d;
+                }
+                if (squared > best) {
+                    best = squared;
+                    longest = {a, b};
+                }
             }
-            if (squared > best) {
-                best = squared;
-                longest = {a, b};
-            }
-        }
+        first += dim + 1;
+    }
     return longest;
 }
+template <class Points>
+std::array<int, 2> longest_edge(const Points& corner, int dim) {
+    return longest_edge(corner, std::array{dim, 0, 0});
+}
 
-// A point of a simplex: dim + 1 numbers that add up to one, the rest 0.
-using Barycentric = std::array<double, 4>;
+// A point of a product of simplices: of each factor dim + 1 numbers that add up to one, one after the other, the rest 0.
+using Barycentric = std::array<double, 6>;
 
 // lower <= min q <= upper = q(at). tight: the two agree to the tolerance asked for.
 struct PolynomialMinimum {

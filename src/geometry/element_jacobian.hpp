@@ -1,15 +1,28 @@
-// The determinant of the map of a curved element as a polynomial in Bezier form, alone or while its nodes move along
-// straight lines from one position to another.
+// The determinant of the map of an element as a polynomial in Bezier form, alone or while its nodes move along straight
+// lines from one position to another.
 //
-// The nodes are first taken to reference coordinates, relative to vertex 0: there a boundary-layer element of aspect
-// ratio 50000 is of size one like any other. This is done by the inverse of J_c: the Jacobian of the straight-sided
-// simplex of the vertices, or the derivative of the map at the centroid where the former is much smaller, as in a valid
-// element bent so far that its vertices lie nearly on a line. With y = J_c^{-1} (x - x_0)
+// The nodes are first taken to reference coordinates, relative to node 0: there a boundary-layer element of aspect
+// ratio 50000 is of size one like any other. This is done by the inverse of J_c, the derivative of the map at the
+// centre; of simplices the Jacobian of the straight-sided one of the vertices, where it is not much smaller, as in a
+// valid element bent so far that its vertices lie nearly on a line. With y = J_c^{-1} (x - x_0)
 //
 //     det J / det J_c = (dy/dxi_0 x dy/dxi_1) . dy/dxi_2     (n = 2: dy/dxi_0 x dy/dxi_1)
 //
-// is a product of polynomials, of degree n (p - 1). Interpolating det J at the nodes of that degree instead would
-// multiply rounding errors by the condition number of that interpolation, which grows exponentially with the degree.
+// is a product of polynomials, which have in each factor of the cell the degree p, but p - 1 in that of their
+// coordinate (of pyramids, below):
+//
+//     simplex n (p - 1),   quadrilateral (2 p - 1, 2 p - 1),   hexahedron 3 p - 1 in each,   prism (3 p - 2, 3 p - 1).
+//
+// Interpolating det J at the nodes of that degree instead would multiply rounding errors by the condition number of
+// that interpolation, which grows exponentially with the degree.
+//
+// On a pyramid (cells.hpp) the derivatives are the reduced ones. x has degree p - k in a and b in its layer
+// B_k^p(c) = binomial(p, k) c^k (1 - c)^(p - k), so that its derivatives by a and b have no layer k = p, and
+//
+//     B_k^p(c) / (1 - c) = p / (p - k) B_k^{p-1}(c):
+//
+// times their multinomials, coefficients stay what they are. They have the degrees (p - 1, p, p - 1), (p, p - 1, p - 1)
+// and (p, p, p - 1); det J has (3 p - 1, 3 p - 1, 3 p - 3).
 //
 // Along (1 - s) x + s x' the determinant is a polynomial of degree n in s as well. Its Bernstein coefficients b_0, ...,
 // b_n in s, each a polynomial in the reference coordinates, are those products with the derivatives taken from x or x'
@@ -29,36 +42,31 @@
 
 namespace almesh {
 
-// The same for all elements of one dimension and degree > 1.
+// The derivative by one reference coordinate.
+struct TangentBasis {
+    struct Difference {
+        int from, to;   // of these coefficients of the position,
+        double factor;  // times this
+    };
+    Bernstein form;
+    std::vector<Difference> differences;  // of each coefficient
+
+    TangentBasis(const CellType& cell, const Bernstein& position, int coordinate);
+};
+
+// The same for all elements of one type and degree; simplices: of degree > 1.
 struct JacobianBasis {
+    const CellType& cell;
     int dim, degree;
     PatchBasis position;
-    Bernstein tangent, jacobian;                    // of degree p - 1 and n (p - 1)
-    std::vector<int> raised;                        // raised_places(n, p - 1)
-    BezierProduct tangent_tangent, normal_tangent;  // normal_tangent: n = 3 only
-    std::vector<double> centre;                     // nodes x dim: dN_i/dxi_k at the centroid
-    double amplification = 0;                       // infinity norm of position.to_bezier
+    std::vector<TangentBasis> tangent;              // by coordinate
+    Bernstein normal, jacobian;                     // of the product of the first two tangents, and of all
+    BezierProduct tangent_tangent, normal_tangent;  // the latter for n = 3 only
+    std::vector<double> centre;                     // nodes x dim: dN_i/dxi_k at the centre
+    double steepness = 0;                           // largest factor in a tangent
 
-    JacobianBasis(int n, int p)
-        : dim(n),
-          degree(p),
-          position(n, p),
-          tangent(n, p - 1),
-          jacobian(n, n * (p - 1)),
-          raised(raised_places(n, p - 1)),
-          tangent_tangent(tangent, tangent, Bernstein(n, 2 * (p - 1))),
-          normal_tangent(Bernstein(n, n == 3 ? 2 * (p - 1) : 0), Bernstein(n, n == 3 ? p - 1 : 0),
-                         Bernstein(n, n == 3 ? 3 * (p - 1) : 0)) {
-        const int nodes = position.bernstein.count;
-        const double centroid[3] = {1.0 / (n + 1), 1.0 / (n + 1), 1.0 / (n + 1)};
-        centre.resize(offset(nodes, n));
-        LagrangeBasis(n, p).gradients(centroid, centre.data());
-        for (int a = 0; a < nodes; ++a) {
-            double sum = 0;
-            for (int i = 0; i < nodes; ++i) sum += std::abs(position.to_bezier[offset(a, nodes, i)]);
-            amplification = std::max(amplification, sum);
-        }
-    }
+    JacobianBasis(int n, int p) : JacobianBasis(simplex(n), p) {}
+    JacobianBasis(const CellType& cell, int p);
 };
 
 // A determinant of less than this may be zero, for all that rounding tells.
@@ -77,6 +85,15 @@ double straight_scaled_jacobian(const int* vertex, const std::vector<double>& x)
     return det > 0 ? 1 : -1;
 }
 
+// The position of node i in each lane. node: the nodes of each lane's element.
+template <int n>
+Vec<n, Lanes> gathered(const int* const* node, int i, const std::vector<double>& x) {
+    Vec<n, Lanes> position;
+    for (int l = 0; l < lanes; ++l)
+        for (int a = 0; a < n; ++a) position[a][l] = x[offset(node[l][i], n, a)];
+    return position;
+}
+
 // T: double, or Lanes for as many elements at once. Objects of one T share their work space within a thread: one at a
 // time.
 template <int n, class T>
@@ -84,23 +101,23 @@ class ElementJacobian {
 public:
     explicit ElementJacobian(const JacobianBasis& basis)
         : of_(basis),
-          m_(basis.position.bernstein.count),
-          tangents_(basis.tangent.count),
+          m_(basis.position.nodes),
           count_(basis.jacobian.count),
-          normals_(static_cast<int>(basis.tangent_tangent.result.size())) {
-        const int vectors = 2 * m_ + m_ + 2 * n * tangents_ + (n == 3 ? 3 * normals_ : 0);
+          normals_(basis.normal.count) {
+        int vectors = 2 * m_ + basis.position.bernstein.count + (n == 3 ? 3 * normals_ : 0);
+        for (const TangentBasis& t : basis.tangent) vectors += 2 * t.form.count;
         T* next = workspace(vectors * n + (n + 1) * count_);
         const auto take = [&next](int size) { return std::exchange(next, next + size); };
         for (Vec<n, T>*& x : x_) x = reinterpret_cast<Vec<n, T>*>(take(m_ * n));
-        bezier_ = reinterpret_cast<Vec<n, T>*>(take(m_ * n));
+        bezier_ = reinterpret_cast<Vec<n, T>*>(take(basis.position.bernstein.count * n));
         for (auto& of_end : tangent_)
-            for (Vec<n, T>*& t : of_end) t = reinterpret_cast<Vec<n, T>*>(take(tangents_ * n));
+            for (int k = 0; k < n; ++k) of_end[k] = reinterpret_cast<Vec<n, T>*>(take(basis.tangent[k].form.count * n));
         if (n == 3)
             for (Vec<n, T>*& normal : normal_) normal = reinterpret_cast<Vec<n, T>*>(take(normals_ * n));
         for (T*& b : b_) b = take(count_);
     }
 
-    // The m positions x (end 0) and x' (end 1), to be set before compute(), which overwrites them.
+    // The positions x (end 0) and x' (end 1) of the nodes, to be set before compute(), which overwrites them.
     Vec<n, T>* position(int end) { return x_[end]; }
 
     // ends = 1: b_0 alone; 2: all.
@@ -120,7 +137,7 @@ public:
     // First-order effect on them of errors of a few units in the last place of y.
     T rounding() const {
         constexpr double epsilon = std::numeric_limits<double>::epsilon(), factorial = n == 2 ? 2 : 6;
-        const T of_entry = (16 * epsilon * n * of_.degree * of_.amplification) * inverse_norm_ * farthest_;
+        const T of_entry = (16 * epsilon * n * of_.steepness * of_.position.amplification) * inverse_norm_ * farthest_;
         return factorial * n * of_entry * (n == 2 ? largest_ : largest_ * largest_);
     }
 
@@ -130,9 +147,9 @@ public:
 
 private:
     const JacobianBasis& of_;
-    const int m_, tangents_, count_, normals_;
+    const int m_, count_, normals_;
     Vec<n, T>* x_[2];
-    Vec<n, T>* bezier_;         // m, of the end at work
+    Vec<n, T>* bezier_;         // coefficients of the position, of the end at work
     Vec<n, T>* tangent_[2][n];  // derivatives by xi_k of x and x', times their multinomials
     Vec<n, T>* normal_[3];      // n = 3: products of two, by their number of factors from x'
     T* b_[n + 1];
@@ -154,12 +171,14 @@ private:
         for (int i = 1; i < m_; ++i)
             for (int k = 0; k < n; ++k)
                 for (int a = 0; a < n; ++a) Jc[a][k] += of_.centre[i * n + k] * (x[i][a] - x[0][a]);
-        Mat<n, T> Js;
-        for (int k = 0; k < n; ++k)
-            for (int a = 0; a < n; ++a) Js[a][k] = x[k + 1][a] - x[0][a];
-        const auto straight = magnitude(determinant(Js)) > 0.1 * magnitude(determinant(Jc));
-        for (int k = 0; k < n; ++k)
-            for (int a = 0; a < n; ++a) Jc[a][k] = select(straight, Js[a][k], Jc[a][k]);
+        if (of_.cell.is_simplex()) {
+            Mat<n, T> Js;
+            for (int k = 0; k < n; ++k)
+                for (int a = 0; a < n; ++a) Js[a][k] = x[k + 1][a] - x[0][a];
+            const auto straight = magnitude(determinant(Js)) > 0.1 * magnitude(determinant(Jc));
+            for (int k = 0; k < n; ++k)
+                for (int a = 0; a < n; ++a) Jc[a][k] = select(straight, Js[a][k], Jc[a][k]);
+        }
         det_ = determinant(Jc);
         smallest_det_ = straight_rounding<n>(Jc);
         sign_ = select(det_ < 0, T{} - 1, T{} + 1);
@@ -186,23 +205,18 @@ private:
                 for (int b = 0; b < n; ++b) y[i][a] += inverse_[a][b] * d[b];
             }
         }
-        const std::vector<double>& M = of_.position.to_bezier;
-        for (int b = 0; b < m_; ++b) {
-            if (b <= n) {
-                bezier_[b] = y[b];
-                continue;
-            }
-            bezier_[b] = {};
-            for (int i = 0; i < m_; ++i)
-                for (int a = 0; a < n; ++a) bezier_[b][a] += M[offset(b, m_, i)] * y[i][a];
-        }
+        for (int b = 0; b < of_.position.bernstein.count; ++b)
+            bezier_[b] = of_.position.node(b) >= 0 ? y[of_.position.node(b)]
+                                                   : of_.position.template point<Vec<n, T>>(b, [y](int i) {
+                                                         return y[i];
+                                                     });
         for (int k = 0; k < n; ++k)
-            for (int t = 0; t < tangents_; ++t) {
-                const int* const of = &of_.raised[t * (n + 1)];
+            for (int t = 0; t < of_.tangent[k].form.count; ++t) {
+                const TangentBasis::Difference& of = of_.tangent[k].differences[t];
                 for (int a = 0; a < n; ++a) {
-                    const T derivative = of_.degree * (bezier_[of[k + 1]][a] - bezier_[of[0]][a]);
+                    const T derivative = of.factor * (bezier_[of.to][a] - bezier_[of.from][a]);
                     largest_ = larger(largest_, magnitude(derivative));
-                    tangent_[end][k][t][a] = of_.tangent.multinomial[t] * derivative;
+                    tangent_[end][k][t][a] = of_.tangent[k].form.multinomial[t] * derivative;
                 }
             }
     }

@@ -19,15 +19,27 @@ std::vector<Vec<3>> positions(const Mesh& mesh, const std::vector<double>& x, co
     return result;
 }
 
-Patch make_patch(const PatchBasis& basis, std::vector<Vec<3>> nodes) {
-    const int count = basis.bernstein.count;
-    if (count == basis.bernstein.dim + 1) return nodes;
-    Patch patch = nodes;  // the corners are right already
-    for (int b = basis.bernstein.dim + 1; b < count; ++b) {
-        Vec<3> sum{};  // relative to node 0: stretched faces may lie far from the origin
-        for (int i = 0; i < count; ++i) sum = sum + basis.to_bezier[offset(b, count, i)] * (nodes[i] - nodes[0]);
-        patch[b] = sum + nodes[0];
+PatchBasis::PatchBasis(const CellType& cell, int degree)
+    : bernstein(position_form(cell, degree)), nodes(cell.node_count(degree)), start_{0} {
+    const std::vector<double> M = bezier_of_lagrange(LagrangeBasis(cell, degree));
+    for (int b = 0; b < bernstein.count; ++b) {
+        double sum = 0;
+        for (int i = 0; i < nodes; ++i) {
+            const double weight = M[offset(b, nodes, i)];
+            sum += std::abs(weight);
+            if (weight != 0) weights_.push_back({i, weight});
+        }
+        start_.push_back(static_cast<int>(weights_.size()));
+        amplification = std::max(amplification, sum);
     }
+}
+
+Patch make_patch(const PatchBasis& basis, const std::vector<Vec<3>>& nodes) {
+    // Relative to node 0: stretched faces may lie far from the origin.
+    const auto relative = [&nodes](int i) { return nodes[i] - nodes[0]; };
+    Patch patch;
+    for (int b = 0; b < basis.bernstein.count; ++b)
+        patch.push_back(basis.node(b) >= 0 ? nodes[basis.node(b)] : basis.point<Vec<3>>(b, relative) + nodes[0]);
     return patch;
 }
 
@@ -80,28 +92,50 @@ bool flat_holds(const Patch& corner, int m, const Vec<3>& point) {
     return true;
 }
 
-// The edge with the longest control polygon. By its chord, an edge that turns back on itself would be a short one:
-// bisections of the others would leave it whole for ever.
+// Relative to the point, so that halves of pieces are half as large, wherever the patch is. Products of simplices in
+// units of their mean edges along each coordinate: a thin one is as thick as others then.
+Patch seen_from(const Bernstein& basis, const Patch& patch, const Vec<3>& point) {
+    Patch relative = patch;
+    for (Vec<3>& b : relative) b = b - point;
+    if (basis.factors[1] == 0) return relative;
+    Mat<3> J{};
+    J[2][2] = basis.dim == 2;
+    for (const Bernstein::Corner& corner : basis.corners)
+        for (int f = 0, first = 0, k = 0; f < static_cast<int>(corner.entries.size()); first += basis.entries(f++))
+            for (int e = first + 1; e < first + basis.entries(f); ++e, ++k)
+                for (int a = 0; a < 3; ++a)
+                    J[a][k] += ((corner.entries[f] == e) - (corner.entries[f] == first)) * relative[corner.place][a];
+    if (!(std::abs(determinant(J)) > 0)) return relative;
+    const Mat<3> to_edges = inverse<3>(J);
+    for (Vec<3>& b : relative) {
+        const Vec<3> at = b;
+        for (int a = 0; a < 3; ++a) b[a] = to_edges[a][0] * at[0] + to_edges[a][1] * at[1] + to_edges[a][2] * at[2];
+    }
+    return relative;
+}
+
+// The edge with the longest control polygon, of a factor at the corners of the others. By its chord, an edge that turns
+// back on itself would be a short one: bisections of the others would leave it whole for ever.
 struct CurvedEdge {
     int a = 0, b = 1;
     double length = 0;
 };
 CurvedEdge longest_curve(const Bernstein& basis, const Patch& patch) {
     CurvedEdge longest;
-    for (int a = 0; a < basis.dim; ++a)
-        for (int b = a + 1; b <= basis.dim; ++b) {
-            double sum = 0;
-            MultiIndex at{};
-            at[a] = basis.degree;
-            for (int last = a; at[a] > 0;) {
-                --at[a];
-                ++at[b];
-                const int next = basis.place(at);
-                sum += length(patch[next] - patch[last]);
-                last = next;
+    for (const Bernstein::Corner& corner : basis.corners)
+        for (int f = 0, first = 0; f < static_cast<int>(corner.entries.size()); first += basis.entries(f++))
+            for (int a = corner.entries[f], b = a + 1; b < first + basis.entries(f); ++b) {
+                double sum = 0;
+                MultiIndex at = basis.index[corner.place];
+                for (int last = corner.place; at[a] > 0;) {
+                    --at[a];
+                    ++at[b];
+                    const int next = basis.place(at);
+                    sum += length(patch[next] - patch[last]);
+                    last = next;
+                }
+                if (sum > longest.length) longest = {a, b, sum};
             }
-            if (sum > longest.length) longest = {a, b, sum};
-        }
     return longest;
 }
 
@@ -125,10 +159,12 @@ bool are_in_half_space(const std::vector<Vec<3>>& vectors, double least_cosine) 
 bool holds(const Bernstein& basis, const Patch& patch, const Vec<3>& point) {
     constexpr double resolution = 1e-9;
     constexpr int most_pieces = 200000;  // in layers 1:1000 and more a point takes some ten thousand
-    if (basis.degree == 1) return flat_holds(patch, basis.dim, point);
-    const double smallest = resolution * size_of(patch, basis.dim);
-    std::vector<Patch> pieces(1, patch);
-    for (Vec<3>& b : pieces[0]) b = b - point;  // so that halves of pieces are half as large, wherever the patch is
+    if (basis.degree == 1 && basis.factors[1] == 0) return flat_holds(patch, basis.dim, point);
+    std::vector<Patch> pieces = {seen_from(basis, patch, point)};
+    double smallest = 0;
+    for (const Bernstein::Corner& a : basis.corners)
+        for (const Bernstein::Corner& b : basis.corners)
+            smallest = std::max(smallest, resolution * length(pieces[0][a.place] - pieces[0][b.place]));
     for (int tested = 0; !pieces.empty(); ++tested) {
         if (tested == most_pieces) return true;
         const Patch piece = std::move(pieces.back());

@@ -1,6 +1,6 @@
 // Polynomial patches in Bezier form: curves (m = 1 parameter) in the plane, triangles (m = 2) and tetrahedra (m = 3) in
-// space; the faces and elements of a mesh. A patch lies in the convex hull of its Bezier points and has its corners
-// among them (Farin, Curves and Surfaces for CAGD, 2002, ch. 5 and 17).
+// space, and products of these; the faces and elements of a mesh. A patch lies in the convex hull of its Bezier points
+// and has its corners among them (Farin, Curves and Surfaces for CAGD, 2002, ch. 5 and 17).
 #pragma once
 #include <cmath>
 #include <span>
@@ -14,21 +14,45 @@
 
 namespace almesh {
 
-// Bezier points in Gmsh's order: the corners come first. In 2D the third coordinate is 0.
+// Bezier points, those of simplices in Gmsh's order: the corners come first. In 2D the third coordinate is 0.
 using Patch = std::vector<Vec<3>>;
 
 struct PatchBasis {
     Bernstein bernstein;
-    std::vector<double> to_bezier;  // count x count
+    int nodes;
+    double amplification = 0;  // infinity norm of bezier_of_lagrange()
 
-    PatchBasis(int m, int degree) : bernstein(m, degree), to_bezier(bezier_of_lagrange(LagrangeBasis(m, degree))) {}
+    PatchBasis(int m, int degree) : PatchBasis(simplex(m), degree) {}
+    PatchBasis(const CellType& cell, int degree);
+
+    // The node that Bezier point b is, or -1.
+    int node(int b) const { return weights_[start_[b]].weight == 1 ? weights_[start_[b]].node : -1; }
+
+    // Bezier point b of nodal values v(i), vectors of type T.
+    template <class T, class Value>
+    T point(int b, const Value& v) const {
+        T sum{};
+        for (int k = start_[b]; k < start_[b + 1]; ++k) {
+            const T value = v(weights_[k].node);
+            for (std::size_t a = 0; a < sum.size(); ++a) sum[a] += weights_[k].weight * value[a];
+        }
+        return sum;
+    }
+
+private:
+    struct Weight {
+        int node;
+        double weight;
+    };
+    std::vector<int> start_;       // of each row of bezier_of_lagrange()
+    std::vector<Weight> weights_;  // its entries that are not 0
 };
 
 // Positions of `count` nodes, from x: node_count x dim. In 2D the third coordinate is 0.
 std::vector<Vec<3>> positions(const Mesh& mesh, const std::vector<double>& x, const int* nodes, int count);
 
 // nodes: positions in Gmsh's order. Corner Bezier points are the nodes to the bit.
-Patch make_patch(const PatchBasis& basis, std::vector<Vec<3>> nodes);
+Patch make_patch(const PatchBasis& basis, const std::vector<Vec<3>>& nodes);
 Patch face_patch(const PatchBasis& basis, const Mesh& mesh, const std::vector<double>& x, int f);
 
 inline double length(const Vec<3>& v) { return std::sqrt(dot(v, v)); }
@@ -55,8 +79,8 @@ Vec<3> edge_tangent(const Bernstein& basis, const Patch& patch, int i, int j);
 // The halves beside corner a (midpoint in place of corner b) and beside corner b.
 std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a, int b);
 
-// Whether the point is in a patch of as many parameters as the space has coordinates, up to rounding; of a curved one
-// up to 1e-9 of its size, and where it is so nearly flat that 100000 bisections do not tell, yes.
+// Whether the point is in a patch of as many parameters as the space has coordinates, up to rounding; in other ones
+// than straight simplices up to 1e-9 of the size, and where 100000 bisections do not tell, yes.
 bool holds(const Bernstein& basis, const Patch& patch, const Vec<3>& point);
 
 // Whether a vector d has an angle with all of these whose cosine is above least_cosine >= 0: true where one was found.

@@ -90,8 +90,8 @@ void visit(Archive& archive, NewtonStep& s) {
 
 template <class Archive>
 void visit(Archive& archive, Inversion& inversion) {
-    visit_all(archive, inversion.element, inversion.at[0], inversion.at[1], inversion.at[2], inversion.at[3],
-              inversion.ratio);
+    visit_all(archive, inversion.element, inversion.ratio);
+    for (double& coordinate : inversion.at) visit_all(archive, coordinate);
 }
 
 template <class Archive, class Item>
