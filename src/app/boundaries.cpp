@@ -139,7 +139,8 @@ void select_faces(const Deck& deck, Mesh& mesh) {
         const auto is_chosen = [&](int f) {
             if (!selection.condition)
                 return std::find(selection.parts.begin(), selection.parts.end(), part[f]) != selection.parts.end();
-            return (*selection.condition)(centroid(mesh, mesh.x, mesh.face(f), mesh.dim), unit_normal(mesh, f));
+            return (*selection.condition)(centroid(mesh, mesh.x, mesh.face(f), mesh.face_cell(f).vertices),
+                                           unit_normal(mesh, f));
         };
         std::vector<int> chosen;
         for (int f = 0; f < mesh.face_count(); ++f)

@@ -85,10 +85,12 @@ std::vector<char> faces_at_fault(const Mesh& mesh, const TargetFaults& faults, c
         return count(chosen) > 0;
     };
     for (int f = 0; f < mesh.face_count(); ++f)
-        for (int i = 0; i < mesh.dim && chosen[f]; ++i) vertex[mesh.face(f)[i]] = 1;
+        for (const int i : mesh.face_vertices(f)) vertex[i] |= chosen[f];
     if (leave_out_straight()) return chosen;
-    for (int f = 0; f < mesh.face_count(); ++f)
-        chosen[f] = std::any_of(mesh.face(f), mesh.face(f) + mesh.dim, [&](int i) { return vertex[i]; });
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const std::span<const int> vertices = mesh.face_vertices(f);
+        chosen[f] = std::any_of(vertices.begin(), vertices.end(), [&](int i) { return vertex[i]; });
+    }
     leave_out_straight();
     return chosen;
 }

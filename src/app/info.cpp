@@ -17,6 +17,7 @@
 #include "io/mesh_format.hpp"
 #include "mesh/build.hpp"
 #include "mesh/inner_boundary.hpp"
+#include "mesh/kept_cells.hpp"
 
 namespace almesh {
 namespace {
@@ -41,7 +42,7 @@ std::vector<BoundaryPart> parts_of(const Mesh& mesh) {
     for (int f = 0; f < mesh.face_count(); ++f) {
         BoundaryPart& part = parts[mesh.face_boundary[f]];
         ++part.faces;
-        part.nodes.insert(part.nodes.end(), mesh.face(f), mesh.face(f) + mesh.face_nodes());
+        part.nodes.insert(part.nodes.end(), mesh.face(f), mesh.face(f) + mesh.face_nodes(f));
     }
     for (BoundaryPart& part : parts) {
         std::sort(part.nodes.begin(), part.nodes.end());
@@ -53,10 +54,10 @@ std::vector<BoundaryPart> parts_of(const Mesh& mesh) {
 // Points and curves, and faces of no group inside the mesh.
 std::string kept_text(const Mesh& mesh) {
     std::string text;
-    for (int dim = 0; dim < mesh.dim; ++dim)
-        if (const int count = mesh.kept[dim].count())
-            text += concat(text.empty() ? "" : ", ", counted(count, simplex(dim).name),
-                           dim == mesh.dim - 1 ? " inside, in no group, or once more" : "");
+    for (const KeptCells& kept : mesh.kept)
+        if (const CellType& cell = mesh.cell_of(kept); kept.count() && cell.dim < mesh.dim)
+            text += concat(text.empty() ? "" : ", ", counted(kept.count(), cell.name),
+                           cell.dim == mesh.dim - 1 ? " inside, in no group, or once more" : "");
     if (const auto count = mesh.file.loose.size())
         text += concat(text.empty() ? "" : ", ", counted(count, "node"), " without an element");
     for (const FileSection& section : mesh.file.sections) text += (text.empty() ? "" : ", ") + section.name;
@@ -131,7 +132,7 @@ void print_parts(const Deck& deck, const Mesh& mesh, std::FILE* out) {
         for (int f = 0; f < mesh.face_count(); ++f) {
             if (part[f] != k) continue;
             ++faces;
-            nodes.insert(nodes.end(), mesh.face(f), mesh.face(f) + mesh.face_nodes());
+            nodes.insert(nodes.end(), mesh.face(f), mesh.face(f) + mesh.face_nodes(f));
             normal = normal + unit_normal(mesh, f);
         }
         std::fprintf(out, "#   part %d  %s, %s, mean normal (%.3f, %.3f", k, counted(faces, "face").c_str(),
@@ -193,6 +194,7 @@ ExitCode info(const Deck& deck, std::FILE* out) {
     std::fprintf(out, "# %s\n", validity_of(mesh, deck.certificate).c_str());
 
     const std::vector<GroupCells> inner = inner_groups(mesh), volumes = volume_groups(mesh);
+    const std::vector<KeptFace> kept = kept_faces(mesh);
     GroupTable table(mesh, out);
     const auto widen = [&table](const std::string& name) {
         table.width = std::max(table.width, static_cast<int>(name.size()));
@@ -205,9 +207,8 @@ ExitCode info(const Deck& deck, std::FILE* out) {
         table.print("Boundaries", mesh.boundaries[b], counted(parts[b].faces, "face"), parts[b].nodes);
     for (const GroupCells& group : inner) {
         std::vector<int> nodes;
-        const int m = mesh.face_nodes();
         for (const int c : group.cells)
-            for (int k = 0; k < m; ++k) nodes.push_back(mesh.kept[mesh.dim - 1].nodes[offset(c, m, k)]);
+            nodes.insert(nodes.end(), kept[c].nodes, kept[c].nodes + kept[c].cell->node_count(mesh.degree));
         table.print("Inside the mesh (free where no line moves them)", group.name,
                     counted(group.cells.size(), "face"), nodes);
     }

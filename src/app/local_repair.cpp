@@ -44,8 +44,7 @@ std::vector<double> with_part(const Mesh& mesh, const std::vector<char>& chosen,
                                 const std::vector<double>& found) {
     const int dim = mesh.dim;
     std::vector<char> is_shared(part.nodes(), 0);
-    for (std::size_t k = 0; k < part.faces.size(); ++k)
-        is_shared[part.faces[k]] |= part.face_boundary[k / part.face_nodes()] == part.cut;
+    for_face_nodes(part, [&](int f, std::size_t k) { is_shared[part.faces[k]] |= part.face_boundary[f] == part.cut; });
     std::vector<double> x = mesh.x;
     for (int e = 0, r = 0; e < mesh.element_count(); ++e) {
         if (!chosen[e]) continue;

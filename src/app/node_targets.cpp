@@ -21,10 +21,10 @@ namespace {
 // the volume that it stands for.
 template <class Visit>
 void for_cells(const Mesh& mesh, int boundary, const Visit& visit) {
-    const LagrangeBasis of_face(mesh.dim - 1, mesh.degree);
-    const std::vector<LagrangeBasis> of_element = bases_of(mesh);
+    const std::vector<LagrangeBasis> of_face = face_bases_of(mesh), of_element = bases_of(mesh);
     for (int f = 0; f < mesh.face_count(); ++f)
-        if (mesh.boundaries[mesh.face_boundary[f]] == mesh.boundaries[boundary]) visit(mesh.face(f), of_face);
+        if (mesh.boundaries[mesh.face_boundary[f]] == mesh.boundaries[boundary]) 
+            visit(mesh.face(f), of_face[mesh.face_group_number(f)]);
     for (const GroupCells& volume : volume_groups(mesh))
         if (volume_group(volume.name) == mesh.boundaries[boundary])
             for (const int e : volume.cells) visit(mesh.element(e), of_element[mesh.group_number(e)]);
@@ -139,24 +139,24 @@ using VertexIds = std::vector<long long>;  // ascending
 std::map<VertexIds, std::vector<int>> faces_of(const RawMesh& other, int dim, int degree,
                                                const std::unordered_map<long long, int>& of_boundary) {
     std::map<VertexIds, std::vector<int>> faces;
-    const auto add = [&](const int* node, const std::vector<int>& local) {
+    const auto add = [&](const CellType& cell, const int* node, const std::vector<int>& local) {
         VertexIds ids;
-        for (int k = 0; k < dim; ++k) ids.push_back(other.nodes[node[local[k]]].id);
+        for (int k = 0; k < cell.vertices; ++k) ids.push_back(other.nodes[node[local[k]]].id);
         if (!std::all_of(ids.begin(), ids.end(), [&](long long id) { return of_boundary.contains(id); })) return;
         std::sort(ids.begin(), ids.end());
         std::vector<int>& nodes = faces[ids];
         nodes.clear();
         for (const int k : local) nodes.push_back(node[k]);
     };
-    std::vector<int> all(simplex_node_count(dim - 1, degree));
-    std::iota(all.begin(), all.end(), 0);
     const SideNodes side_nodes(dim, degree);
     for (const RawElement& element : other.elements) {
         if (element.degree != degree) continue;
         const int* const node = &other.element_nodes[element.first];
-        if (element.dim == dim - 1) add(node, all);
+        std::vector<int> all(element.node_count());
+        std::iota(all.begin(), all.end(), 0);
+        if (element.dim == dim - 1) add(element.cell(), node, all);
         for (int k = 0; k < static_cast<int>(element.cell().faces.size()) && element.dim == dim; ++k)
-            add(node, side_nodes.of(element.cell(), k));
+            add(element.cell().face_type(k), node, side_nodes.of(element.cell(), k));
     }
     return faces;
 }
@@ -164,18 +164,22 @@ std::map<VertexIds, std::vector<int>> faces_of(const RawMesh& other, int dim, in
 // The positions of the nodes of a face in the other mesh's face with the same vertices: its polynomial there.
 void place_face(const Mesh& mesh, int f, const LagrangeBasis& own, const RawMesh& other,
                 const std::vector<int>& other_face, const LagrangeBasis& of_other, std::vector<double>& positions) {
-    MultiIndex vertex{};  // of the other face, by the vertices of this one
-    for (int k = 0; k < mesh.dim; ++k)
+    std::array<int, 4> vertex{};  // of the other face, by the vertices of this one
+    for (int k = 0; k < own.cell.vertices; ++k)
         while (other.nodes[other_face[vertex[k]]].id != mesh.file.node_id[mesh.face(f)[k]]) ++vertex[k];
     std::vector<double> N(of_other.count);
     for (int i = 0; i < own.count; ++i) {
-        double l[3] = {};
+        const std::array<int, 4> weight = vertex_weights(own.cell, own.nodes[i]);
+        const int sum = own.cell.is_simplex() ? own.degree : own.degree * own.degree;
+        std::array<double, 3> xi{};
         MultiIndex index{};
-        for (int k = 0; k < mesh.dim; ++k) {
-            index[vertex[k]] = own.nodes[i][k];
-            l[vertex[k]] = static_cast<double>(own.nodes[i][k]) / own.degree;
+        for (int k = 0; k < own.cell.vertices; ++k) {
+            for (int a = 0; a < own.dim; ++a)
+                xi[a] += static_cast<double>(weight[k]) / sum * of_other.point(vertex[k])[a];
+            for (std::size_t e = 0; e < index.size(); ++e) index[e] += weight[k] * of_other.nodes[vertex[k]][e];
         }
-        of_other.values(&l[1], N.data());
+        for (int& entry : index) entry /= sum;
+        of_other.values(xi.data(), N.data());
         if (own.degree == of_other.degree) {  // one of its nodes, to the last bit
             std::fill(N.begin(), N.end(), 0.0);
             N[of_other.find(index)] = 1;
@@ -189,17 +193,20 @@ void place_face(const Mesh& mesh, int f, const LagrangeBasis& own, const RawMesh
 
 void read_faces_of_mesh(const Mesh& mesh, int boundary, const RawMesh& other, std::vector<double>& positions) {
     const int degree = degree_of(other);
-    const LagrangeBasis own(mesh.dim - 1, mesh.degree), of_other(mesh.dim - 1, degree);
+    const std::vector<LagrangeBasis> own = face_bases_of(mesh);
+    std::vector<LagrangeBasis> of_other;
+    for (const LagrangeBasis& basis : own) of_other.emplace_back(basis.cell, degree);
     const auto faces = faces_of(other, mesh.dim, degree, nodes_by_id(mesh, boundary));
     std::size_t missing = 0;
     std::string first;
     for (int f = 0; f < mesh.face_count(); ++f) {
         if (mesh.face_boundary[f] != boundary) continue;
         VertexIds ids;
-        for (int k = 0; k < mesh.dim; ++k) ids.push_back(mesh.file.node_id[mesh.face(f)[k]]);
+        for (const int node : mesh.face_vertices(f)) ids.push_back(mesh.file.node_id[node]);
         std::sort(ids.begin(), ids.end());
         if (const auto found = faces.find(ids); found != faces.end())
-            place_face(mesh, f, own, other, found->second, of_other, positions);
+            place_face(mesh, f, own[mesh.face_group_number(f)], other, found->second,
+                       of_other[mesh.face_group_number(f)], positions);
         else if (missing++ == 0)
             for (const long long id : ids) first += (first.empty() ? "" : ", ") + std::to_string(id);
     }

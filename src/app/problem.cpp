@@ -159,8 +159,10 @@ void finish(const Mesh& mesh, const Frame& frame, SlidingSurfaces* sliding, Boun
 
 // Takes back the freedom to slide of nodes on boundaries whose surfaces are not known.
 void keep_where_unknown(const Mesh& mesh, const SlidingSurfaces& sliding, BoundaryTarget& target) {
-    for (int k = 0; k < static_cast<int>(mesh.faces.size()) && !target.freed.empty(); ++k)
-        if (!sliding.knows(mesh.face_boundary[k / mesh.face_nodes()])) target.freed[mesh.faces[k]] = 0;
+    if (target.freed.empty()) return;
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (!sliding.knows(mesh.face_boundary[f])) target.freed[mesh.faces[k]] = 0;
+    });
 }
 
 void note_surfaces(const Deck& deck, const Mesh& mesh, const SlidingSurfaces& sliding,
@@ -367,7 +369,7 @@ bool identity_is_near(const Deck& deck, const Problem& problem) {
     for (int f = 0; f < mesh.face_count(); ++f)
         for (int i = 0; i < mesh.dim; ++i) {
             const double* const from = point(problem.ideal(), mesh.face(f)[i], mesh.dim);
-            const double* const to = &problem.target.node[offset(f, mesh.face_nodes() * mesh.dim, i * mesh.dim)];
+            const double* const to = problem.target.node_of(mesh, f) + i * mesh.dim;
             if (std::hypot(to[0] - from[0], to[1] - from[1]) > rounding) return false;
         }
     return true;

@@ -86,7 +86,8 @@ void write_boundary(const Deck& deck, const Problem& problem, const Solution& so
         {"constraint", dim, scaled(constraint.constraint_field(solution.x), units.constraint(1))}};
     write_vtk(deck.output + "/boundary.vtk",
               {title(deck, "boundary"), dim, mesh.degree, std::move(x), std::move(cells), dim - 1,
-               std::move(point_data), {{"boundary", 1, std::move(boundary)}}, provenance(deck, problem)},
+               std::move(point_data), {{"boundary", 1, std::move(boundary)}}, provenance(deck, problem),
+               mesh.groups_of_faces},
               format_of(deck));
 }
 

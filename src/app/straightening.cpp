@@ -44,7 +44,7 @@ std::vector<char> more_faces(const Mesh& mesh, const BoundaryTarget& target, std
         std::vector<char> chosen(mesh.face_count(), 0);
         for (int f = 0; f < mesh.face_count(); ++f)
             chosen[f] = !flat[f] && target.hold_of_face(mesh, f) == BoundaryHold::prescribed &&
-                        std::any_of(mesh.face(f), mesh.face(f) + mesh.face_nodes(), [&](int i) { return node[i]; });
+                        std::any_of(mesh.face(f), mesh.face(f) + mesh.face_nodes(f), [&](int i) { return node[i]; });
         return chosen;
     };
     const auto are_some = [](const std::vector<char>& chosen) {
@@ -53,7 +53,7 @@ std::vector<char> more_faces(const Mesh& mesh, const BoundaryTarget& target, std
     std::vector<char> chosen = faces();
     if (are_some(chosen)) return chosen;
     for (int f = 0; f < mesh.face_count(); ++f)
-        for (int i = 0; i < mesh.dim && flat[f]; ++i) node[mesh.face(f)[i]] = 1;
+        for (const int i : mesh.face_vertices(f)) node[i] |= flat[f];
     chosen = faces();
     if (are_some(chosen)) return chosen;
     node.assign(mesh.nodes(), 1);

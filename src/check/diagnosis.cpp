@@ -60,7 +60,7 @@ std::vector<int> boundary_of_nodes(const Mesh& mesh, const BoundaryTarget& targe
     std::vector<char> prescribed(mesh.nodes(), 0);
     for (int f = 0; f < mesh.face_count(); ++f) {
         const bool prescribes = target.hold_of_face(mesh, f) == BoundaryHold::prescribed;
-        for (int k = 0; k < mesh.face_nodes(); ++k) {
+        for (int k = 0; k < mesh.face_nodes(f); ++k) {
             const int i = mesh.face(f)[k];
             if (boundary[i] >= 0 && (prescribed[i] || !prescribes)) continue;
             boundary[i] = mesh.face_boundary[f];

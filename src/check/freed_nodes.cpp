@@ -20,8 +20,9 @@ TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, con
     const std::vector<double> placed = at_target(mesh, target, ideal);
     TargetFaults faults;
     std::vector<char> open(mesh.face_count());
-    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
-        if (target.hold_of_node(mesh, k) != BoundaryHold::prescribed) open[k / mesh.face_nodes()] = 1;
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (target.hold_of_node(mesh, f, k) != BoundaryHold::prescribed) open[f] = 1;
+    });
     const bool bends_as_ideal = ideal == mesh.x;  // the faces of a mesh that is its own ideal, if they are curved
     faults.faces = check_target(mesh, placed, open, bends_as_ideal ? FaceBend::any : FaceBend::usual);
     if (mesh.degree > 1 && !target.in_trace_space) bound = std::min(bound, surely);
@@ -71,10 +72,11 @@ namespace {
 
 // The unit normal of the flat face with the same vertices; 0 where these lie on a line.
 Vec<3> flat_unit_normal(const Mesh& mesh, const BoundaryTarget& target, int f) {
-    std::array<Vec<3>, 3> corner{};
-    for (int i = 0; i < mesh.dim; ++i)
-        std::copy_n(&target.node[offset(offset(f, mesh.face_nodes(), i), mesh.dim)], mesh.dim, corner[i].begin());
-    return unit(flat_normal(corner, mesh.dim - 1));
+    std::array<Vec<3>, 4> corner{};
+    const int vertices = mesh.face_cell(f).vertices;
+    for (int i = 0; i < vertices; ++i)
+        std::copy_n(target.node_of(mesh, f) + i * mesh.dim, mesh.dim, corner[i].begin());
+    return unit(flat_normal(corner, mesh.dim - 1, vertices));
 }
 
 // Adds to the chosen faces those of the same boundary that lie in one plane with them.
@@ -82,7 +84,7 @@ void add_coplanar(const Mesh& mesh, const BoundaryTarget& target, std::vector<ch
     constexpr double same_plane = 1e-7;  // sine of the angle between normals
     std::vector<std::vector<int>> at_node(mesh.nodes());
     for (int f = 0; f < mesh.face_count(); ++f)
-        for (int i = 0; i < mesh.dim; ++i) at_node[mesh.face(f)[i]].push_back(f);
+        for (const int i : mesh.face_vertices(f)) at_node[i].push_back(f);
     std::vector<int> front;
     for (int f = 0; f < mesh.face_count(); ++f)
         if (chosen[f]) front.push_back(f);
@@ -90,8 +92,8 @@ void add_coplanar(const Mesh& mesh, const BoundaryTarget& target, std::vector<ch
         const int f = front.back();
         front.pop_back();
         const Vec<3> n = flat_unit_normal(mesh, target, f);
-        for (int i = 0; i < mesh.dim; ++i)
-            for (const int g : at_node[mesh.face(f)[i]]) {
+        for (const int i : mesh.face_vertices(f))
+            for (const int g : at_node[i]) {
                 if (chosen[g] || mesh.face_boundary[g] != mesh.face_boundary[f]) continue;
                 const Vec<3> other = flat_unit_normal(mesh, target, g);
                 if (!(dot(n, other) > 0) || length(cross(n, other)) > same_plane) continue;
@@ -104,21 +106,24 @@ void add_coplanar(const Mesh& mesh, const BoundaryTarget& target, std::vector<ch
 }  // namespace
 
 std::vector<char> freed_nodes(const Mesh& mesh, const BoundaryTarget& target, const TargetFaults& faults) {
-    const int m = mesh.face_nodes();
     std::vector<char> vertex(mesh.nodes(), 0), chosen(mesh.face_count(), 0), freed(mesh.nodes(), 0);
     for (const TargetReport::Fault& fault : faults.faces.faults)
-        for (int i = 0; i < mesh.dim; ++i) vertex[mesh.face(fault.face)[i]] = 1;
+        for (const int i : mesh.face_vertices(fault.face)) vertex[i] = 1;
     for (const ElementFault& fault : faults.elements)
         for (int i = 0; i < mesh.cell(fault.element).vertices; ++i) vertex[mesh.element(fault.element)[i]] = 1;
-    for (int f = 0; f < mesh.face_count(); ++f)
-        chosen[f] = std::any_of(mesh.face(f), mesh.face(f) + mesh.dim, [&](int i) { return vertex[i]; });
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const std::span<const int> vertices = mesh.face_vertices(f);
+        chosen[f] = std::any_of(vertices.begin(), vertices.end(), [&](int i) { return vertex[i]; });
+    }
     if (all_by_curvature(faults.elements)) add_coplanar(mesh, target, chosen);
-    for (int f = 0; f < mesh.face_count(); ++f)
-        for (int i = 0; i < m && chosen[f]; ++i)
-            freed[mesh.face(f)[i]] = target.hold_of_node(mesh, f * m + i) == BoundaryHold::prescribed &&
-                                     (mesh.degree > 1 || vertex[mesh.face(f)[i]]);
-    for (int f = 0; f < mesh.face_count(); ++f)
-        for (int i = 0; i < m && mesh.face_boundary[f] == mesh.cut; ++i) freed[mesh.face(f)[i]] = 0;
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        const int i = mesh.faces[k];
+        if (chosen[f])
+            freed[i] = target.hold_of_node(mesh, f, k) == BoundaryHold::prescribed && (mesh.degree > 1 || vertex[i]);
+    });
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (mesh.face_boundary[f] == mesh.cut) freed[mesh.faces[k]] = 0;
+    });
     return freed;
 }
 

@@ -95,7 +95,7 @@ Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, co
         return Injectivity{.reason = concat(what, " at face ", id_in_file(mesh.file.face_id, f), " of ",
                                             mesh.boundaries[mesh.face_boundary[f]]),
                            .face = f,
-                           .position = centroid(mesh, x, mesh.face(f), mesh.dim)};
+                           .position = centroid(mesh, x, mesh.face(f), mesh.face_cell(f).vertices)};
     };
     if (!report.faults.empty()) return at_face("the boundary overlaps itself", report.faults.front().face);
     if (const auto [e, other] = overlapping_elements(mesh, x); e >= 0) {

@@ -48,7 +48,7 @@ std::vector<Vec<3>> points_behind_faces(const Mesh& mesh, const std::vector<doub
         [&](int f) {
             const int e = mesh.face_element[f], g = mesh.group_number(e);
             const int* const element = mesh.element(e);
-            const std::vector<double>& N = values[g][side_number(mesh, e, mesh.face(f))];
+            const std::vector<double>& N = values[g][side_number(mesh, e, mesh.face_vertices(f))];
             for (int i = 0; i < bases[g].count; ++i)
                 for (int a = 0; a < n; ++a) points[f][a] += N[i] * point(x, element[i], n)[a];
         },

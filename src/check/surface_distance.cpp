@@ -14,14 +14,10 @@ namespace {
 constexpr double face_work = 1e4;  // simple operations for one face
 
 // point x face node: the basis functions at the points of a grid.
-std::vector<double> grid_values(int m, int degree) {
-    const LagrangeBasis basis(m, degree), grid(m, 2 * degree);
+std::vector<double> grid_values(const LagrangeBasis& basis) {
+    const LagrangeBasis grid(basis.cell, 2 * basis.degree);
     std::vector<double> values(offset(grid.count, basis.count));
-    for (int q = 0; q < grid.count; ++q) {
-        double xi[3] = {};
-        for (int k = 0; k < m; ++k) xi[k] = static_cast<double>(grid.nodes[q][k + 1]) / grid.degree;
-        basis.values(xi, &values[offset(q, basis.count)]);
-    }
+    for (int q = 0; q < grid.count; ++q) basis.values(grid.point(q).data(), &values[offset(q, basis.count)]);
     return values;
 }
 
@@ -29,14 +25,15 @@ std::vector<double> grid_values(int m, int degree) {
 
 double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces& sliding,
                               const std::vector<double>& x) {
-    const int m = mesh.face_nodes(), dim = mesh.dim;
-    const std::vector<double> values = grid_values(dim - 1, mesh.degree);
+    std::vector<std::vector<double>> values_of;  // by group of faces
+    for (const LagrangeBasis& basis : face_bases_of(mesh)) values_of.push_back(grid_values(basis));
     std::vector<double> distance(mesh.face_count(), 0.0);
     parallel_for(mesh.face_count(), [&](int f) {
-        const int* const node = mesh.face(f);
         if (!target.slides(mesh, f)) return;
+        const int m = mesh.face_nodes(f);
+        const std::vector<double>& values = values_of[mesh.face_group_number(f)];
         const std::vector<int> part = {sliding.part(mesh, f)};
-        const std::vector<Vec<3>> nodes = positions(mesh, x, node, m);
+        const std::vector<Vec<3>> nodes = positions(mesh, x, mesh.face(f), m);
         for (std::size_t q = 0; q < values.size(); q += m) {
             Vec<3> at{};
             for (int i = 0; i < m; ++i) at = at + values[q + i] * nodes[i];

@@ -356,7 +356,7 @@ void Check::check_nodes() {
     std::vector<double> size(mesh.nodes(), std::numeric_limits<double>::max());  // of its smallest face in the target
     for (int f = 0; f < mesh.face_count(); ++f) {
         const double face_size = box_of(after[f]).longest_side();
-        for (int k = 0; k < mesh.face_nodes(); ++k) {
+        for (int k = 0; k < mesh.face_nodes(f); ++k) {
             const int i = mesh.face(f)[k];
             size[i] = std::min(size[i], face_size);
             if (first_face[i] >= 0 || open[f]) continue;

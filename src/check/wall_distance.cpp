@@ -20,7 +20,7 @@ std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x
     for (int f = 0; f < mesh.face_count(); ++f) {
         if (!is_wall[mesh.face_boundary[f]]) continue;
         patches.push_back(face_patch(basis, mesh, x, f));
-        for (int i = 0; i < mesh.face_nodes(); ++i) on_wall[mesh.face(f)[i]] = 1;
+        for (int i = 0; i < mesh.face_nodes(f); ++i) on_wall[mesh.face(f)[i]] = 1;
     }
     if (patches.empty())
         throw InputError("wall distance: the boundary has no faces; name another one");

@@ -19,9 +19,10 @@ Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const B
     g_h_ = interpolated ? trace_.interpolation(mesh, target) : trace_.projection(mesh, ideal, target);
     if (kind == TargetKind::nodal) return;
     const double squared = deterministic_sum(mesh.face_count(), [&](int f) {  // |g_h - g_D|^2
+        const FaceRule& rule = target.rules[mesh.face_group_number(f)];
         double sum = 0;
-        for (int q = 0; q < target.quadrature.count; ++q)
-            sum += target.quadrature.weight[q] * squared_difference_at(g_h_, trace_.faces, f, q);
+        for (int q = 0; q < rule.quadrature.count; ++q)
+            sum += trace_.weight(rule, f, q) * squared_difference_at(g_h_, trace_.faces, f, q);
         return trace_.face_weight[f] * sum;
     });
     best_approximation_error_ = std::sqrt(squared) / trace_.norm_of_one;
@@ -105,12 +106,13 @@ void Dirichlet::update_multipliers(const std::vector<double>& x, double mu, std:
 // |u - g_D|^2 at a quadrature point of a face, u having the value trace[nodes[face node] x dim] at each face node.
 double Dirichlet::squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face,
                                         int point) const {
-    const int m = mesh_.face_nodes(), points = target_.quadrature.count, dim = trace_.dim;
+    const FaceRule& rule = target_.rules[mesh_.face_group_number(face)];
+    const int m = mesh_.face_nodes(face), dim = trace_.dim;
+    const int* const node = &nodes[mesh_.face_start(face)];
     double squared = 0;
     for (int a = 0; a < dim; ++a) {
-        double d = -target_.sample[offset(offset(face, points, point), dim, a)];
-        for (int i = 0; i < m; ++i)
-            d += trace_.face_values[offset(point, m, i)] * trace[offset(nodes[offset(face, m, i)], dim, a)];
+        double d = -target_.sample[rule.sample(face, point) * dim + a];
+        for (int i = 0; i < m; ++i) d += rule.values[offset(point, m, i)] * trace[offset(node[i], dim, a)];
         squared += d * d;
     }
     return squared;
@@ -127,7 +129,7 @@ double Dirichlet::max_error(const std::vector<double>& x) {
     }
     if (kind_ == TargetKind::exact)
         for (int f = 0; f < mesh_.face_count(); ++f)
-            for (int q = 0; q < target_.quadrature.count; ++q)
+            for (int q = 0; q < target_.rules[mesh_.face_group_number(f)].quadrature.count; ++q)
                 squared = std::max(squared, squared_difference_at(x, mesh_.faces, f, q));
     return std::sqrt(squared);
 }

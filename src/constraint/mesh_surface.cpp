@@ -196,7 +196,7 @@ void MeshSurface::find_neighbours() {
     std::vector<Side> sides;
     for (int f = 0; f < static_cast<int>(corner_.size()); ++f)
         for (int opposite = 0; opposite <= m_; ++opposite)
-            sides.push_back(side_of_simplex(m_, corner_[f].data(), opposite, sides_of_face * f + opposite));
+            sides.push_back(side_of_cell(simplex(m_), corner_[f].data(), opposite, sides_of_face * f + opposite));
     neighbour_.assign(corner_.size(), {-1, -1, -1});
     for_equal_sides(sides, [&](std::span<const Side> equal) {
         const int first = equal[0].number;

@@ -35,12 +35,13 @@ struct BoundaryFaces {
     BoundaryFaces(const Mesh& mesh_, const PatchBasis& basis, const std::vector<double>& node,
                   const std::vector<char>& chosen)
         : mesh(mesh_) {
-        const int m = mesh.face_nodes(), dim = mesh.dim;
+        const int dim = mesh.dim;
         const PatchNormal normal(dim - 1, mesh.degree);
         for (int f = 0; f < mesh.face_count(); ++f) {
             if (!chosen[mesh.face_boundary[f]]) continue;
-            std::vector<Vec<3>> moved(m, Vec<3>{});
-            for (int i = 0; i < m; ++i) std::copy_n(&node[offset(offset(f, m, i), dim)], dim, moved[i].begin());
+            std::vector<Vec<3>> moved(mesh.face_nodes(f), Vec<3>{});
+            for (int i = 0; i < mesh.face_nodes(f); ++i)
+                std::copy_n(&node[(mesh.face_start(f) + i) * dim], dim, moved[i].begin());
             face.push_back(f);
             patch.push_back(make_patch(basis, moved));
             position.push_back(std::move(moved));
@@ -59,8 +60,7 @@ struct BoundaryFaces {
     void find_sides() {
         std::vector<Side> sides;
         for (int k = 0; k < static_cast<int>(face.size()); ++k)
-            for (int opposite = 0; opposite < mesh.dim; ++opposite)
-                sides.push_back(side_of_simplex(mesh.dim - 1, mesh.face(face[k]), opposite, k));
+            append_sides_of_face(mesh, face[k], k, sides);
         for_equal_sides(sides, [&](std::span<const Side> equal) {
             const int f = equal[0].number;
             for (const Side& other : equal.subspan(1)) {
@@ -98,7 +98,7 @@ struct BoundaryFaces {
     std::vector<Vec<3>> points(const std::vector<int>& faces) const {
         std::map<int, Vec<3>> of_node;
         for (const int k : faces)
-            for (int i = 0; i < mesh.face_nodes(); ++i) of_node[mesh.face(face[k])[i]] = position[k][i];
+            for (int i = 0; i < mesh.face_nodes(face[k]); ++i) of_node[mesh.face(face[k])[i]] = position[k][i];
         std::vector<Vec<3>> result;
         for (const auto& [node, x] : of_node) result.push_back(x);
         return result;
@@ -139,7 +139,7 @@ struct BoundaryFaces {
         std::vector<std::vector<int>> nodes;
         for (const int k : faces) {
             patches.push_back(patch[k]);
-            nodes.emplace_back(mesh.face(face[k]), mesh.face(face[k]) + mesh.face_nodes());
+            nodes.emplace_back(mesh.face(face[k]), mesh.face(face[k]) + mesh.face_nodes(face[k]));
         }
         return surface_of_faces(basis, patches, nodes);
     }

@@ -118,31 +118,31 @@ void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& slidin
 }  // namespace
 
 void smooth_freed(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding) {
-    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
-        const int f = k / mesh.face_nodes(), node = mesh.faces[k];
-        const bool slides = target.hold_of_node(mesh, k) == BoundaryHold::slides;
-        if (!slides || target.hold_of_face(mesh, f) != BoundaryHold::prescribed) continue;
-        sliding.add_patch(node, sliding.part(mesh, f), in_space(&target.node[offset(k, mesh.dim)], mesh.dim));
-    }
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        const bool slides = target.hold_of_node(mesh, f, k) == BoundaryHold::slides;
+        if (!slides || target.hold_of_face(mesh, f) != BoundaryHold::prescribed) return;
+        sliding.add_patch(mesh.faces[k], sliding.part(mesh, f), in_space(&target.node[k * mesh.dim], mesh.dim));
+    });
 }
 
 std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarget& target,
                                             const SlidingSurfaces* sliding, const std::vector<int>& nodes,
                                             const std::vector<int>& faces, std::vector<double>& g,
                                             std::vector<char>& fixed) {
-    const int dim = mesh.dim, m = mesh.face_nodes();
+    const int dim = mesh.dim;
     std::vector<std::vector<int>> parts(nodes.size());
     std::vector<char> prescribed(nodes.size(), 0);
     std::vector<double> size(nodes.size(), 0.0);
     for (int f = 0; f < mesh.face_count(); ++f) {
-        const std::vector<Vec<3>> corner = positions(mesh, mesh.x, mesh.face(f), dim);
+        const std::vector<Vec<3>> corner = positions(mesh, mesh.x, mesh.face(f), mesh.face_cell(f).vertices);
         double longest = 0;
         for (const Vec<3>& x : corner) longest = std::max(longest, length(x - corner[0]));
         const int part = target.slides(mesh, f) ? sliding->part(mesh, f) : -1;
-        for (int i = 0; i < m; ++i) {
-            const int t = faces[offset(f, m, i)], node = mesh.face(f)[i];
+        const std::size_t start = mesh.face_start(f);
+        for (std::size_t k = start; k < start + mesh.face_nodes(f); ++k) {
+            const int t = faces[k], node = mesh.faces[k];
             size[t] = std::max(size[t], longest);
-            const BoundaryHold hold = target.hold_of_node(mesh, f * m + i);
+            const BoundaryHold hold = target.hold_of_node(mesh, f, k);
             if (hold == BoundaryHold::prescribed) prescribed[t] = 1;
             if (hold != BoundaryHold::slides) continue;
             const int along = sliding->part_or_patch(node, part);

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/index.hpp"
+#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "geometry/patch.hpp"
@@ -36,7 +37,7 @@ double extent(const Mesh& mesh) {
 }
 
 double face_size(const Mesh& mesh, int f) {
-    const std::vector<Vec<3>> vertex = positions(mesh, mesh.x, mesh.face(f), mesh.dim);
+    const std::vector<Vec<3>> vertex = positions(mesh, mesh.x, mesh.face(f), mesh.face_cell(f).vertices);
     double longest = 0;
     for (const Vec<3>& v : vertex) longest = std::max(longest, length(v - vertex[0]));
     return longest;
@@ -49,50 +50,58 @@ std::vector<double> values_at(const LagrangeBasis& basis, const Quadrature& rule
     return N;
 }
 
-// Of a face's node, given by its multi-index: the mean of the vertices by its barycentric coordinates.
-double on_flat_face(const double* vertices, const MultiIndex& node, int degree, int dim, int a) {
+// Of a face's node, given by its weights of the vertices, of sum `degree`: their mean.
+double on_flat_face(const double* vertices, const std::vector<double>& weight, int degree, int dim, int a) {
     double position = 0;
-    for (int v = 0; v < dim; ++v) position += node[v] * vertices[v * dim + a];
+    for (std::size_t v = 0; v < weight.size(); ++v) position += weight[v] * vertices[v * dim + a];
     return position / degree;
 }
 
 // Number of vertices of the edge or face that the node is inside of.
-int vertices_of(const MultiIndex& node, int dim) {
-    return static_cast<int>(std::count_if(node.begin(), node.begin() + dim, [](int k) { return k > 0; }));
+int vertices_of(const std::vector<double>& weight) {
+    return static_cast<int>(std::count_if(weight.begin(), weight.end(), [](double w) { return w > 0; }));
 }
 
-// Of a shift of an edge's node k in that of node i inside the face: 4 l_a l_b of the middle of the edge between the
-// vertices a and b, which a parabola through it has 3 p / (2 (p + 1)) times as high as its p - 1 nodes on average.
-double share_of_edge(const MultiIndex& i, const MultiIndex& k, int p, int dim) {
-    if (vertices_of(k, dim) != 2) return 0;
-    double share = 6.0 * p / (p * p - 1);
-    for (int v = 0; v < dim; ++v)
-        if (k[v] > 0) share *= static_cast<double>(i[v]) / p;
-    return share;
+// Of a shift of an edge's node k in that of node i inside the face, by their weights: 4 l_a l_b of the middle of the
+// edge between the vertices a and b, which a parabola through it has 3 p / (2 (p + 1)) times as high as its p - 1 nodes
+// on average. On a quadrilateral it falls off linearly from the edge to the one across: 4 l_a l_b / (l_a + l_b).
+double share_of_edge(const std::vector<double>& i, const std::vector<double>& k, int p) {
+    if (vertices_of(k) != 2) return 0;
+    double share = 6.0 * p / (p * p - 1), sum = 0;
+    for (std::size_t v = 0; v < k.size(); ++v) {
+        if (!(k[v] > 0)) continue;
+        share *= i[v] / p;
+        sum += i[v] / p;
+    }
+    return k.size() == 4 ? share / sum : share;
 }
 
 // A node on two boundaries must have one target, to a small part of the faces around it.
 void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
-    const int dim = mesh.dim, m = mesh.face_nodes();
+    const int dim = mesh.dim;
     const double rounding = 1e-14 * extent(mesh);
     std::vector<double> size(mesh.face_count());
     parallel_for(mesh.face_count(), [&](int f) { size[f] = face_size(mesh, f); });
-    std::vector<int> first(mesh.nodes(), -1);  // face * m + local node that first gave the target
-    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
-        if (target.hold_of_node(mesh, k) != BoundaryHold::prescribed) continue;
-        int& seen = first[mesh.faces[k]];
-        if (seen < 0) seen = k;
-        const double* a = &target.node[offset(seen, dim)];
-        const double* b = &target.node[offset(k, dim)];
+    struct First {
+        int face;
+        std::size_t k;
+    };
+    std::vector<First> first(mesh.nodes(), {-1, 0});  // place in `faces` that first gave the target
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (target.hold_of_node(mesh, f, k) != BoundaryHold::prescribed) return;
+        First& seen = first[mesh.faces[k]];
+        if (seen.face < 0) seen = {f, k};
+        const double* a = &target.node[seen.k * dim];
+        const double* b = &target.node[k * dim];
         double difference = 0;
         for (int c = 0; c < dim; ++c) difference = std::max(difference, std::abs(a[c] - b[c]));
-        const double tolerance = 1e-6 * std::min(size[seen / m], size[k / m]);
-        if (difference <= tolerance + rounding) continue;
+        const double tolerance = 1e-6 * std::min(size[seen.face], size[f]);
+        if (difference <= tolerance + rounding) return;
         throw InputError("node ", mesh.file.node_id[mesh.faces[k]], " lies on two boundaries whose motions disagree: ",
-                         mesh.boundaries[mesh.face_boundary[seen / m]], " takes it to ", position_text(a, dim), ", ",
-                         mesh.boundaries[mesh.face_boundary[k / m]], " to ", position_text(b, dim),
+                         mesh.boundaries[mesh.face_boundary[seen.face]], " takes it to ", position_text(a, dim), ", ",
+                         mesh.boundaries[mesh.face_boundary[f]], " to ", position_text(b, dim),
                          "; if one of them is a wall along which the other moves, let it `slide`");
-    }
+    });
 }
 
 // Face x face node; empty where no file leaves nodes out to slide or to be free.
@@ -102,49 +111,60 @@ std::vector<BoundaryHold> hold_of_nodes(const Mesh& mesh, const std::vector<Moti
     const auto is_complete = [](const PlacedBoundary& boundary) { return boundary.left_out.empty(); };
     if (std::all_of(placed.begin(), placed.end(), is_complete)) return {};
     std::vector<BoundaryHold> hold;
-    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
-        const int b = mesh.face_boundary[k / mesh.face_nodes()];
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        const int b = mesh.face_boundary[f];
         const bool is_left_out = !is_complete(placed[b]) &&
                                  std::abs(placed[b].left_out[offset(mesh.faces[k], mesh.dim)]) > rounding;
         hold.push_back(is_left_out ? hold_of_rest(motion[b]) : hold_of(motion[b]));
-    }
+    });
     return hold;
+}
+
+std::vector<FaceRule> rules_of(const Mesh& mesh, int exactness) {
+    std::vector<FaceRule> rules;
+    std::size_t first = 0;
+    for (const ElementGroup& group : mesh.face_groups()) {
+        const Quadrature quadrature = cell_quadrature(*group.cell, exactness);
+        rules.push_back({group, quadrature, values_at(LagrangeBasis(*group.cell, mesh.degree), quadrature), first});
+        first += offset(group.count, quadrature.count);
+    }
+    return rules;
 }
 
 }  // namespace
 
 BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed) {
-    const int dim = mesh.dim, m = mesh.face_nodes();
+    const int dim = mesh.dim;
     for (const Motion& each : motion) check_dimension(each, dim);
-    const LagrangeBasis basis(dim - 1, mesh.degree);
     BoundaryTarget target;
     for (const Motion& each : motion) target.hold.push_back(hold_of(each));
     target.hold_of_nodes = hold_of_nodes(mesh, motion, placed);
     target.in_trace_space = std::all_of(motion.begin(), motion.end(), is_affine);
     // Exact for N_i N_j. A g_D beyond the trace space needs far more to be integrated to rounding on a fair mesh.
-    target.quadrature = simplex_quadrature(dim - 1, 2 * mesh.degree + (target.in_trace_space ? 0 : 10));
-    const int points = target.quadrature.count;
-    const std::vector<double> N = values_at(basis, target.quadrature);
-
+    target.rules = rules_of(mesh, 2 * mesh.degree + (target.in_trace_space ? 0 : 10));
     target.node.resize(mesh.faces.size() * dim);
-    target.sample.resize(offset(mesh.face_count(), points * dim));
-    parallel_for_throwing(mesh.face_count(), [&](int f) {
-        const int boundary = mesh.face_boundary[f];
-        const bool from_file = !placed.empty() && !placed[boundary].x.empty();
-        const std::vector<double>& from = from_file ? placed[boundary].x : mesh.x;
-        const auto node_position = [&](int i) { return point(from, mesh.face(f)[i], dim); };
-        for (int i = 0; i < m; ++i) {
-            double* const x = &target.node[offset(offset(f, m, i), dim)];
-            std::copy_n(node_position(i), dim, x);
-            move(motion[boundary], mesh, boundary, x);
-        }
-        for (int q = 0; q < points; ++q) {
-            double* const x = &target.sample[offset(offset(f, points, q), dim)];
-            for (int i = 0; i < m; ++i)
-                for (int a = 0; a < dim; ++a) x[a] += N[offset(q, m, i)] * node_position(i)[a];
-            move(motion[boundary], mesh, boundary, x);
-        }
-    }, move_work * (m + points));
+    const FaceRule& last = target.rules.back();
+    target.sample.resize(last.sample(last.faces.first + last.faces.count, 0) * dim);
+    for (const FaceRule& rule : target.rules) {
+        const int m = rule.faces.cell->node_count(mesh.degree), points = rule.quadrature.count;
+        parallel_for_throwing(rule.faces.count, [&](int k) {
+            const int f = rule.faces.first + k, boundary = mesh.face_boundary[f];
+            const bool from_file = !placed.empty() && !placed[boundary].x.empty();
+            const std::vector<double>& from = from_file ? placed[boundary].x : mesh.x;
+            const auto node_position = [&](int i) { return point(from, mesh.face(f)[i], dim); };
+            for (int i = 0; i < m; ++i) {
+                double* const x = &target.node[(mesh.face_start(f) + i) * dim];
+                std::copy_n(node_position(i), dim, x);
+                move(motion[boundary], mesh, boundary, x);
+            }
+            for (int q = 0; q < points; ++q) {
+                double* const x = &target.sample[rule.sample(f, q) * dim];
+                for (int i = 0; i < m; ++i)
+                    for (int a = 0; a < dim; ++a) x[a] += rule.values[offset(q, m, i)] * node_position(i)[a];
+                move(motion[boundary], mesh, boundary, x);
+            }
+        }, move_work * (m + points));
+    }
     check_shared_nodes(mesh, target);
     return target;
 }
@@ -155,77 +175,112 @@ std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, st
     return x;
 }
 
+namespace {
+
+// Where the nodes of straight faces go, and how far.
+struct FlatNodes {
+    std::vector<double> position, shift;  // nodes x dim
+    std::vector<char> moves;              // per node
+};
+
+using Weights = std::vector<std::vector<double>>;  // of vertices, of each node of a face
+
+FlatNodes flat_nodes(const Mesh& mesh, const BoundaryTarget& target, const std::vector<Weights>& weights) {
+    const int dim = mesh.dim;
+    FlatNodes flat{std::vector<double>(mesh.x.size()), std::vector<double>(mesh.x.size(), 0.0),
+                   std::vector<char>(mesh.nodes(), 0)};
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        if (!target.straight[f]) continue;
+        const double* const of_face = target.node_of(mesh, f);
+        const Weights& weight = weights[mesh.face_group_number(f)];
+        for (int i = mesh.face_cell(f).vertices; i < mesh.face_nodes(f); ++i) {
+            const int node = mesh.face(f)[i];
+            for (int a = 0; a < dim && !flat.moves[node]; ++a) {
+                point(flat.position, node, dim)[a] = on_flat_face(of_face, weight[i], mesh.degree, dim, a);
+                point(flat.shift, node, dim)[a] = point(flat.position, node, dim)[a] - of_face[i * dim + a];
+            }
+            flat.moves[node] = 1;
+        }
+    }
+    return flat;
+}
+
+// The nodes of a face that has some of these: those themselves, and what its edges do to those inside it.
+void move_nodes(const Mesh& mesh, int f, const Weights& weight, const FlatNodes& flat, double* of_face) {
+    const int dim = mesh.dim, m = mesh.face_nodes(f), vertices = mesh.face_cell(f).vertices;
+    const int* const node = mesh.face(f);
+    for (int i = vertices; i < m; ++i) {
+        if (flat.moves[node[i]]) std::copy_n(point(flat.position, node[i], dim), dim, &of_face[i * dim]);
+        else if (vertices_of(weight[i]) == vertices)
+            for (int k = vertices; k < m; ++k)
+                for (int a = 0; a < dim && flat.moves[node[k]]; ++a)
+                    of_face[i * dim + a] +=
+                        share_of_edge(weight[i], weight[k], mesh.degree) * point(flat.shift, node[k], dim)[a];
+    }
+}
+
+}  // namespace
+
 void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTarget& target) {
-    const int dim = mesh.dim, m = mesh.face_nodes(), p = mesh.degree;
-    const LagrangeBasis basis(dim - 1, p);
+    const int dim = mesh.dim;
     target.straight.resize(mesh.face_count(), 0);
     for (int f = 0; f < mesh.face_count(); ++f)
         if (chosen[f] && target.hold_of_face(mesh, f) == BoundaryHold::prescribed) target.straight[f] = 1;
-    std::vector<double> flat(mesh.x.size()), shift(mesh.x.size(), 0.0);  // of the nodes of straight faces
-    std::vector<char> moves(mesh.nodes(), 0);
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        if (!target.straight[f]) continue;
-        const double* const of_face = &target.node[offset(f, m * dim)];
-        for (int i = dim; i < m; ++i) {
-            const int node = mesh.face(f)[i];
-            for (int a = 0; a < dim && !moves[node]; ++a) {
-                point(flat, node, dim)[a] = on_flat_face(of_face, basis.nodes[i], p, dim, a);
-                point(shift, node, dim)[a] = point(flat, node, dim)[a] - of_face[i * dim + a];
-            }
-            moves[node] = 1;
-        }
+    std::vector<Weights> weights;
+    for (const ElementGroup& group : mesh.face_groups()) {
+        const LagrangeBasis basis(*group.cell, mesh.degree);
+        weights.emplace_back();
+        for (int i = 0; i < basis.count; ++i) weights.back().push_back(basis.vertex_weights(i));
     }
-    const int points = target.quadrature.count;
-    const std::vector<double> N = values_at(basis, target.quadrature);
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        const int* const node = mesh.face(f);
-        if (std::none_of(node + dim, node + m, [&](int i) { return moves[i]; })) continue;
-        double* const of_face = &target.node[offset(f, m * dim)];
-        for (int i = dim; i < m; ++i) {
-            if (moves[node[i]]) std::copy_n(point(flat, node[i], dim), dim, &of_face[i * dim]);
-            else if (vertices_of(basis.nodes[i], dim) == dim)
-                for (int k = dim; k < m; ++k)
-                    for (int a = 0; a < dim && moves[node[k]]; ++a)
-                        of_face[i * dim + a] +=
-                            share_of_edge(basis.nodes[i], basis.nodes[k], p, dim) * point(shift, node[k], dim)[a];
+    const FlatNodes flat = flat_nodes(mesh, target, weights);
+    for (std::size_t g = 0; g < target.rules.size(); ++g) {
+        const FaceRule& rule = target.rules[g];
+        const int m = rule.faces.cell->node_count(mesh.degree), vertices = rule.faces.cell->vertices;
+        for (int f = rule.faces.first; f < rule.faces.first + rule.faces.count; ++f) {
+            const int* const node = mesh.face(f);
+            if (std::none_of(node + vertices, node + m, [&](int i) { return flat.moves[i]; })) continue;
+            double* const of_face = &target.node[mesh.face_start(f) * dim];
+            move_nodes(mesh, f, weights[g], flat, of_face);
+            for (int q = 0; q < rule.quadrature.count; ++q)
+                for (int a = 0; a < dim; ++a) {
+                    double& x = target.sample[rule.sample(f, q) * dim + a];
+                    x = 0;
+                    for (int i = 0; i < m; ++i) x += rule.values[offset(q, m, i)] * of_face[i * dim + a];
+                }
         }
-        for (int q = 0; q < points; ++q)
-            for (int a = 0; a < dim; ++a) {
-                double& x = target.sample[offset(offset(f, points, q), dim, a)];
-                x = 0;
-                for (int i = 0; i < m; ++i) x += N[offset(q, m, i)] * of_face[i * dim + a];
-            }
     }
 }
 
 void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target) {
     const int dim = mesh.dim;
-    std::vector<int> first(mesh.nodes(), -1);
+    std::vector<long long> first(mesh.nodes(), -1);
     for (int pass = 0; pass < 2; ++pass)
-        for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k) {
-            const bool prescribed = target.hold_of_node(mesh, k) == BoundaryHold::prescribed;
-            int& known = first[mesh.faces[k]];
-            if (pass == 0 && prescribed && known < 0) known = k;
+        for_face_nodes(mesh, [&](int f, std::size_t k) {
+            const bool prescribed = target.hold_of_node(mesh, f, k) == BoundaryHold::prescribed;
+            long long& known = first[mesh.faces[k]];
+            if (pass == 0 && prescribed && known < 0) known = static_cast<long long>(k);
             if (pass == 1 && !prescribed && known >= 0)
-                std::copy_n(&target.node[offset(known, dim)], dim, &target.node[offset(k, dim)]);
-        }
+                std::copy_n(&target.node[known * dim], dim, &target.node[k * dim]);
+        });
 }
 
 std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target) {
     std::vector<char> prescribed(mesh.nodes(), 0);
-    for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
-        if (target.hold_of_node(mesh, k) == BoundaryHold::prescribed) prescribed[mesh.faces[k]] = 1;
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (target.hold_of_node(mesh, f, k) == BoundaryHold::prescribed) prescribed[mesh.faces[k]] = 1;
+    });
     return prescribed;
 }
 
-BoundaryHold BoundaryTarget::hold_of_node(const Mesh& mesh, int k) const {
-    const BoundaryHold written = hold_of_nodes.empty() ? hold_of_face(mesh, k / mesh.face_nodes()) : hold_of_nodes[k];
+BoundaryHold BoundaryTarget::hold_of_node(const Mesh& mesh, int f, std::size_t k) const {
+    const BoundaryHold written = hold_of_nodes.empty() ? hold_of_face(mesh, f) : hold_of_nodes[k];
     return written == BoundaryHold::prescribed && is_freed(mesh.faces[k]) ? BoundaryHold::slides : written;
 }
 
 bool BoundaryTarget::slides(const Mesh& mesh, int f) const {
-    for (int k = f * mesh.face_nodes(); k < (f + 1) * mesh.face_nodes(); ++k)
-        if (hold_of_node(mesh, k) == BoundaryHold::slides) return true;
+    const std::size_t first = mesh.face_start(f);
+    for (std::size_t k = first; k < first + mesh.face_nodes(f); ++k)
+        if (hold_of_node(mesh, f, k) == BoundaryHold::slides) return true;
     return false;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <vector>
 
+#include "base/index.hpp"
 #include "constraint/motion.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/quadrature.hpp"
@@ -11,18 +12,31 @@ namespace almesh {
 
 enum class TargetKind { exact, nodal };  // of g_D the constraint takes all, or its values at the nodes
 
+// Of faces of one type: the rule on the reference face, the basis functions at its points.
+struct FaceRule {
+    ElementGroup faces;
+    Quadrature quadrature;
+    std::vector<double> values;  // point x face node
+    std::size_t first_sample;    // of these faces
+
+    std::size_t sample(int f, int q) const {
+        return first_sample + offset(f - faces.first, quadrature.count, q);
+    }
+};
+
 struct BoundaryTarget {
     bool in_trace_space = false;  // all motions are affine: g_D is of the mesh's degree on every face
     std::vector<BoundaryHold> hold;  // per boundary
     std::vector<BoundaryHold> hold_of_nodes;  // face x face node, where files leave nodes out; empty: `hold`
     std::vector<char> freed;      // per node: whether it slides although its boundary is prescribed; empty: none
     std::vector<char> straight;      // per face: whether it has been made flat, see make_straight(); empty: none
-    Quadrature quadrature;        // on the reference face
+    std::vector<FaceRule> rules;  // by type of faces
     std::vector<double> node;     // face x face node x dim: g_D at the nodes of the face
     std::vector<double> sample;   // face x quadrature point x dim: g_D at the quadrature points
 
     BoundaryHold hold_of_face(const Mesh& mesh, int f) const { return hold[mesh.face_boundary[f]]; }
-    BoundaryHold hold_of_node(const Mesh& mesh, int k) const;  // k: face * face nodes + local node
+    const double* node_of(const Mesh& mesh, int f) const { return &node[mesh.face_start(f) * mesh.dim]; }
+    BoundaryHold hold_of_node(const Mesh& mesh, int f, std::size_t k) const;  // of node mesh.faces[k] of face f
     bool is_freed(int i) const { return !freed.empty() && freed[i]; }
     bool slides(const Mesh& mesh, int f) const;  // any node of the face
     bool prescribes_all() const;

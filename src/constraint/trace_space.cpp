@@ -14,7 +14,7 @@ namespace almesh {
 namespace {
 
 // Length of the edge or area of the triangle spanned by the face's vertices.
-double face_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
+double simplex_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
     const auto edge = [&](int v, int a) {
         return ideal[offset(mesh.face(f)[v], mesh.dim, a)] - ideal[offset(mesh.face(f)[0], mesh.dim, a)];
     };
@@ -25,26 +25,55 @@ double face_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
     return 0.5 * std::sqrt(n0 * n0 + n1 * n1 + n2 * n2);
 }
 
+// |dx/da x dx/db| of the bilinear face with the same vertices, at the points of the rule.
+std::vector<double> area_elements(const Mesh& mesh, const std::vector<double>& ideal, int f, const Quadrature& rule) {
+    const LagrangeBasis bilinear(quadrilateral(), 1);
+    std::vector<double> elements;
+    for (int q = 0; q < rule.count; ++q) {
+        double dN[8];
+        bilinear.gradients(&rule.xi[2 * q], dN);
+        Vec<3> along[2] = {};
+        for (int v = 0; v < 4; ++v)
+            for (int k = 0; k < 2; ++k)
+                for (int a = 0; a < 3; ++a)
+                    along[k][a] += dN[2 * v + k] *
+                                   (point(ideal, mesh.face(f)[v], 3)[a] - point(ideal, mesh.face(f)[0], 3)[a]);
+        const Vec<3> normal = cross(along[0], along[1]);
+        elements.push_back(std::sqrt(dot(normal, normal)));
+    }
+    return elements;
+}
+
 }  // namespace
 
 TraceSpace::TraceSpace(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target)
-    : dim(mesh.dim) {
-    const LagrangeBasis basis(mesh.dim - 1, mesh.degree);
-    face_values.resize(offset(target.quadrature.count, basis.count));
-    for (int q = 0; q < target.quadrature.count; ++q)
-        basis.values(&target.quadrature.xi[q * (mesh.dim - 1)], &face_values[offset(q, basis.count)]);
+    : dim(mesh.dim), measure_(mesh.face_count()) {
     face_weight.resize(mesh.face_count());
+    const FaceRule& last = target.rules.back();
+    if (!mesh.groups_of_faces.empty())
+        density_.assign(last.sample(last.faces.first + last.faces.count, 0), 1);
     double one_squared = 0;
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        if (target.hold_of_face(mesh, f) == BoundaryHold::free) continue;
-        const double measure = face_measure(mesh, ideal, f), h = mesh.dim == 2 ? measure : std::sqrt(measure);
-        one_squared += measure / h;
-        face_weight[f] = measure / h * (mesh.dim == 2 ? 1 : 2);
-    }
+    for (const FaceRule& rule : target.rules)
+        for (int f = rule.faces.first; f < rule.faces.first + rule.faces.count; ++f) {
+            measure_[f] = measure(mesh, ideal, rule, f);
+            if (target.hold_of_face(mesh, f) == BoundaryHold::free) continue;
+            const double h = mesh.dim == 2 ? measure_[f] : std::sqrt(measure_[f]);
+            one_squared += measure_[f] / h;
+            face_weight[f] = measure_[f] / h * rule.faces.cell->inverse_volume;
+        }
     norm_of_one = std::sqrt(one_squared);
     number_nodes(mesh);
     measure_heights(mesh, ideal);
-    assemble_mass(mesh, target.quadrature);
+    assemble_mass(mesh, target);
+}
+
+double TraceSpace::measure(const Mesh& mesh, const std::vector<double>& ideal, const FaceRule& rule, int f) {
+    if (rule.faces.cell->is_simplex()) return simplex_measure(mesh, ideal, f);
+    const std::vector<double> elements = area_elements(mesh, ideal, f, rule.quadrature);
+    double area = 0;
+    for (int q = 0; q < rule.quadrature.count; ++q) area += rule.quadrature.weight[q] * elements[q];
+    for (int q = 0; q < rule.quadrature.count; ++q) density_[rule.sample(f, q)] = elements[q] / area;
+    return area;
 }
 
 void TraceSpace::number_nodes(const Mesh& mesh) {
@@ -60,39 +89,59 @@ void TraceSpace::number_nodes(const Mesh& mesh) {
 }
 
 void TraceSpace::measure_heights(const Mesh& mesh, const std::vector<double>& ideal) {
-    const int m = mesh.face_nodes();
     height.assign(nodes.size(), std::numeric_limits<double>::infinity());
     with_dimension(mesh.dim, [&](auto n) {
         for (int f = 0; f < mesh.face_count(); ++f) {
             const int e = mesh.face_element[f];
-            const double volume = mesh.cell(e).is_simplex() ? determinant(straight_jacobian<n>(mesh.element(e), ideal))
-                                                            : almesh::volume(mesh, ideal, e);
-            const double measure = face_measure(mesh, ideal, f);
+            const double volume = mesh.cell(e).is_simplex()
+                                      ? determinant(straight_jacobian<n>(mesh.element(e), ideal)) / (mesh.dim - 1)
+                                      : almesh::volume(mesh, ideal, e);
             // where a curved ideal element has vertices that span no volume: the size of the face
-            const double of_face = volume > 0        ? volume / ((mesh.dim - 1) * measure)
-                                   : mesh.dim == 2 ? measure
-                                                   : std::sqrt(measure);
-            for (int i = 0; i < m; ++i) {
-                double& least = height[faces[offset(f, m, i)]];
+            const double of_face = volume > 0        ? volume / measure_[f]
+                                   : mesh.dim == 2 ? measure_[f]
+                                                   : std::sqrt(measure_[f]);
+            for (int i = 0; i < mesh.face_nodes(f); ++i) {
+                double& least = height[faces[mesh.face_start(f) + i]];
                 least = std::min(least, of_face);
             }
         }
     });
 }
 
-void TraceSpace::assemble_mass(const Mesh& mesh, const Quadrature& quadrature) {
-    const int m = mesh.face_nodes();
-    std::vector<double> reference(m * m, 0.0);  // integrals of N_i N_j over the reference face
-    for (int q = 0; q < quadrature.count; ++q)
+void TraceSpace::assemble_mass(const Mesh& mesh, const BoundaryTarget& target) {
+    std::vector<BlockCsr> patterns;
+    std::vector<LargeVector<int>> place(target.rules.size());  // of each type's blocks in its pattern
+    for (const FaceRule& rule : target.rules) {
+        const int m = rule.faces.cell->node_count(mesh.degree);
+        const auto begin = faces.begin() + static_cast<std::ptrdiff_t>(rule.faces.start);
+        const std::vector<int> cells(begin, begin + static_cast<std::ptrdiff_t>(offset(rule.faces.count, m)));
+        patterns.push_back(pattern_of_cells(static_cast<int>(nodes.size()), 1, cells, m, &place[patterns.size()]));
+    }
+    std::vector<const BlockCsr*> all;
+    for (const BlockCsr& pattern : patterns) all.push_back(&pattern);
+    std::vector<LargeVector<int>> joint;  // of each pattern's blocks in M
+    M = joint_pattern(all, joint);
+    M.value.assign(M.col.size(), 0.0);
+    for (std::size_t g = 0; g < target.rules.size(); ++g) {
+        const FaceRule& rule = target.rules[g];
+        const bool is_affine = rule.faces.cell->is_simplex();
+        const int m = rule.faces.cell->node_count(mesh.degree);
+        std::vector<double> reference;  // integrals of N_i N_j over the reference face, by the area of this one
+        for (int f = rule.faces.first; f < rule.faces.first + rule.faces.count; ++f) {
+            if (!is_affine || f == rule.faces.first) reference = products(rule, f, m);
+            for (int ij = 0; ij < m * m; ++ij)
+                M.value[joint[g][place[g][offset(f - rule.faces.first, m * m, ij)]]] += face_weight[f] * reference[ij];
+        }
+    }
+}
+
+std::vector<double> TraceSpace::products(const FaceRule& rule, int f, int m) const {
+    std::vector<double> integral(m * m, 0.0);
+    for (int q = 0; q < rule.quadrature.count; ++q)
         for (int i = 0; i < m; ++i)
             for (int j = 0; j < m; ++j)
-                reference[i * m + j] +=
-                    quadrature.weight[q] * face_values[offset(q, m, i)] * face_values[offset(q, m, j)];
-    LargeVector<int> place;
-    M = pattern_of_cells(static_cast<int>(nodes.size()), 1, faces, m, &place);
-    M.value.assign(M.col.size(), 0.0);
-    for (int f = 0; f < mesh.face_count(); ++f)
-        for (int ij = 0; ij < m * m; ++ij) M.value[place[offset(f, m * m, ij)]] += face_weight[f] * reference[ij];
+                integral[i * m + j] += weight(rule, f, q) * rule.values[offset(q, m, i)] * rule.values[offset(q, m, j)];
+    return integral;
 }
 
 double TraceSpace::product(const std::vector<double>& u, const std::vector<double>& v) const {
@@ -141,7 +190,6 @@ std::vector<double> TraceSpace::interpolation(const Mesh& mesh, const BoundaryTa
 // Solves M (g_h - y) = (N, g_D - y): relative to the ideal positions y, a boundary that stays has no rounding error.
 std::vector<double> TraceSpace::projection(const Mesh& mesh, const std::vector<double>& ideal,
                                            const BoundaryTarget& target) const {
-    const int m = mesh.face_nodes(), points = target.quadrature.count;
     Cholesky factorisation(M);
     if (factorisation.factor(M).status != SolveStatus::success)
         throw InputError(
@@ -150,13 +198,16 @@ std::vector<double> TraceSpace::projection(const Mesh& mesh, const std::vector<d
     std::vector<double> right(nodes.size()), displacement(nodes.size()), g_h(size());
     for (int a = 0; a < dim; ++a) {
         std::fill(right.begin(), right.end(), 0.0);
-        for (int f = 0; f < mesh.face_count(); ++f) {
-            const int* trace = &faces[offset(f, m)];
-            for (int q = 0; q < points; ++q) {
-                const double* N = &face_values[offset(q, m)];
-                double d = target.sample[offset(offset(f, points, q), dim, a)];
-                for (int i = 0; i < m; ++i) d -= N[i] * ideal_at(trace[i], a);
-                for (int i = 0; i < m; ++i) right[trace[i]] += face_weight[f] * target.quadrature.weight[q] * N[i] * d;
+        for (const FaceRule& rule : target.rules) {
+            const int m = rule.faces.cell->node_count(mesh.degree);
+            for (int f = rule.faces.first; f < rule.faces.first + rule.faces.count; ++f) {
+                const int* trace = &faces[mesh.face_start(f)];
+                for (int q = 0; q < rule.quadrature.count; ++q) {
+                    const double* N = &rule.values[offset(q, m)];
+                    double d = target.sample[rule.sample(f, q) * dim + a];
+                    for (int i = 0; i < m; ++i) d -= N[i] * ideal_at(trace[i], a);
+                    for (int i = 0; i < m; ++i) right[trace[i]] += face_weight[f] * weight(rule, f, q) * N[i] * d;
+                }
             }
         }
         factorisation.solve(right.data(), displacement.data());

@@ -2,8 +2,9 @@
 //
 //     (u, v) = sum over boundary faces f of the integral over f of u . v / h_f = u^T M v,
 //
-// h_f the length (2D) or the square root of the area (3D) of the ideal face. A function is its values at the trace
-// nodes, trace nodes x dim.
+// h_f the length (2D) or the square root of the area (3D) of the ideal face, a straight one: the area of a bilinear
+// quadrilateral and integrals over it are those of the target's quadrature. A function is its values at the trace nodes,
+// trace nodes x dim.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -19,7 +20,6 @@ struct TraceSpace {
     int dim;
     std::vector<int> nodes;            // trace node -> mesh node, ascending
     std::vector<int> faces;            // face x face node: trace nodes
-    std::vector<double> face_values;   // quadrature point x face node: N
     std::vector<double> face_weight;   // |f| / h_f over the measure of the reference face; 0 for faces that are free
     double norm_of_one = 0;            // |1|
     BlockCsr M;                        // trace mass matrix M_ij = (N_i, N_j), d = 1
@@ -30,6 +30,11 @@ struct TraceSpace {
 
     int count() const { return M.n; }
     std::size_t size() const { return nodes.size() * dim; }  // of a function
+
+    // Of a point of a face's rule: of integrals over the reference face, weighted by what they have of the face's area.
+    double weight(const FaceRule& rule, int f, int q) const {
+        return density_.empty() ? rule.quadrature.weight[q] : rule.quadrature.weight[q] * density_[rule.sample(f, q)];
+    }
 
     double product(const std::vector<double>& u, const std::vector<double>& v) const;  // (u, v)
 
@@ -54,9 +59,14 @@ struct TraceSpace {
                                    const BoundaryTarget& target) const;
 
 private:
+    std::vector<double> measure_;  // |f|
+    std::vector<double> density_;  // sample: area element over |f|, 1 on simplices; empty where all faces are simplices
+
+    double measure(const Mesh& mesh, const std::vector<double>& ideal, const FaceRule& rule, int f);
     void number_nodes(const Mesh& mesh);
     void measure_heights(const Mesh& mesh, const std::vector<double>& ideal);
-    void assemble_mass(const Mesh& mesh, const Quadrature& quadrature);
+    void assemble_mass(const Mesh& mesh, const BoundaryTarget& target);
+    std::vector<double> products(const FaceRule& rule, int f, int m) const;
 };
 
 }  // namespace almesh

@@ -7,29 +7,6 @@
 namespace almesh {
 namespace {
 
-// The union of patterns of one size; place[k][b]: where block b of pattern k is in it.
-BlockCsr joint_pattern(const std::vector<const BlockCsr*>& patterns, std::vector<LargeVector<int>>& place) {
-    BlockCsr A;
-    A.n = patterns.front()->n;
-    A.d = patterns.front()->d;
-    A.row.assign(1, 0);
-    for (const BlockCsr* of : patterns) place.emplace_back(of->col.size());
-    for (int i = 0; i < A.n; ++i) {
-        for (const BlockCsr* of : patterns)
-            A.col.insert(A.col.end(), of->col.begin() + of->row[i], of->col.begin() + of->row[i + 1]);
-        const auto begin = A.col.begin() + A.row[i];
-        std::sort(begin, A.col.end());
-        A.col.erase(std::unique(begin, A.col.end()), A.col.end());
-        A.row.push_back(A.blocks());
-        for (std::size_t k = 0; k < patterns.size(); ++k)
-            for (int b = patterns[k]->row[i], c = A.row[i]; b < patterns[k]->row[i + 1]; ++b) {
-                while (A.col[c] < patterns[k]->col[b]) ++c;
-                place[k][b] = c;
-            }
-    }
-    return A;
-}
-
 std::unique_ptr<GroupEnergy> energy_of(const Mesh& group, const std::vector<double>& ideal,
                                        const DistortionParams& params) {
     return std::unique_ptr<GroupEnergy>(static_cast<GroupEnergy*>(make_energy(group, ideal, params).release()));

@@ -44,7 +44,7 @@ Patch make_patch(const PatchBasis& basis, const std::vector<Vec<3>>& nodes) {
 }
 
 Patch face_patch(const PatchBasis& basis, const Mesh& mesh, const std::vector<double>& x, int f) {
-    return make_patch(basis, positions(mesh, x, mesh.face(f), mesh.face_nodes()));
+    return make_patch(basis, positions(mesh, x, mesh.face(f), mesh.face_nodes(f)));
 }
 
 double solid_angle(const Vec<3>& u, const Vec<3>& v, const Vec<3>& w) {

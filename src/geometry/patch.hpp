@@ -62,8 +62,10 @@ inline Vec<3> unit(const Vec<3>& v) { return length(v) > 0 ? 1 / length(v) * v :
 // Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30, 1983).
 double solid_angle(const Vec<3>& u, const Vec<3>& v, const Vec<3>& w);
 
-// Normal of the flat patch with these corners, turned as that of PatchNormal: as long as the curve, or twice the area.
-inline Vec<3> flat_normal(std::span<const Vec<3>> corner, int m) {
+// Normal of the flat patch with these corners, turned as that of PatchNormal: as long as the curve, or twice the area;
+// of a face that begins with these corners, `vertices` of them: of a quadrilateral its mean.
+inline Vec<3> flat_normal(std::span<const Vec<3>> corner, int m, int vertices = 0) {
+    if (vertices == 4) return cross(corner[2] - corner[0], corner[3] - corner[1]);
     const Vec<3> u = corner[1] - corner[0];
     return m == 1 ? Vec<3>{u[1], -u[0], 0} : cross(u, corner[2] - corner[0]);
 }

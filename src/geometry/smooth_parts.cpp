@@ -12,7 +12,8 @@
 namespace almesh {
 
 Vec<3> unit_normal(const Mesh& mesh, int f) {
-    return unit(flat_normal(positions(mesh, mesh.x, mesh.face(f), mesh.dim), mesh.dim - 1));
+    const int vertices = mesh.face_cell(f).vertices;
+    return unit(flat_normal(positions(mesh, mesh.x, mesh.face(f), vertices), mesh.dim - 1, vertices));
 }
 
 std::vector<int> smooth_parts(const Mesh& mesh, double feature_angle) {
@@ -20,8 +21,7 @@ std::vector<int> smooth_parts(const Mesh& mesh, double feature_angle) {
     std::vector<Side> sides;
     for (int f = 0; f < mesh.face_count(); ++f) {
         normal[f] = unit_normal(mesh, f);
-        for (int k = 0; k < mesh.dim && !mesh.is_inner(f); ++k)
-            sides.push_back(side_of_simplex(mesh.dim - 1, mesh.face(f), k, f));
+        if (!mesh.is_inner(f)) append_sides_of_face(mesh, f, f, sides);
     }
     DisjointSets connected(mesh.face_count());
     for_equal_sides(sides, [&](std::span<const Side> equal) {

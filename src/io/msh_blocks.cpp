@@ -120,13 +120,12 @@ std::vector<MshCells> msh_cells(const Mesh& mesh) {
         all.push_back(
             {cell.dim, cell.msh_types[degree - 1], cell.node_count(degree), nodes, id, physical, entity});
     };
-    for (int dim = 0; dim <= mesh.dim; ++dim) {
-        const KeptCells& kept = mesh.kept[dim];
-        append(simplex(dim), kept.nodes, kept.id, kept.physical, kept.entity);
-    }
-    const std::size_t faces = faces_in_file(mesh);
-    append(simplex(mesh.dim - 1), std::span(mesh.faces).first(faces * mesh.face_nodes()),
-           std::span(file.face_id).first(faces), file.face_physical, file.face_entity);
+    for (const KeptCells& kept : mesh.kept)
+        append(mesh.cell_of(kept), kept.nodes, kept.id, kept.physical, kept.entity);
+    for (const auto& [cell, first, count, start] : faces_in_file(mesh))
+        append(*cell, std::span(mesh.faces).subspan(start, offset(count, cell->node_count(mesh.degree))),
+               std::span(file.face_id).subspan(first, count), std::span(file.face_physical).subspan(first, count),
+               std::span(file.face_entity).subspan(first, count));
     for (const auto& [cell, first, count, start] : mesh.element_groups())
         append(*cell, std::span(mesh.elements).subspan(start, offset(count, cell->node_count(mesh.degree))),
                std::span(file.element_id).subspan(first, count), std::span(file.element_physical).subspan(first, count),

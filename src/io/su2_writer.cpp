@@ -3,19 +3,21 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <utility>
 
 #include "base/files.hpp"
 #include "base/text.hpp"
 #include "io/foreign_cells.hpp"
 #include "io/su2.hpp"
 #include "mesh/inner_boundary.hpp"
+#include "mesh/kept_cells.hpp"
 
 namespace almesh {
 namespace {
 
 struct Marker {
     FileMarker of_file;
-    std::vector<const int*> faces{};  // their nodes
+    std::vector<std::pair<const CellType*, const int*>> faces{};  // their types and nodes
 };
 
 struct Zone {
@@ -88,16 +90,16 @@ struct Su2Writer {
 
     // The boundaries, and the tagged faces inside the mesh.
     void fill_markers() {
-        for (int f = 0; f < static_cast<int>(faces_in_file(mesh)); ++f)
-            zone_of(mesh.face_element[f])
-                .marker(group_name(mesh.file.groups, mesh.dim - 1, mesh.file.face_physical[f]))
-                .faces.push_back(mesh.face(f));
-        const KeptCells& kept = mesh.kept[mesh.dim - 1];
-        for (int c = 0; c < kept.count(); ++c)
-            if (kept.physical[c])
-                zone_of(kept.element[c])
-                    .marker(group_name(mesh.file.groups, mesh.dim - 1, kept.physical[c]))
-                    .faces.push_back(&kept.nodes[offset(c, mesh.face_nodes())]);
+        for (const auto& [cell, first, count, start] : faces_in_file(mesh))
+            for (int f = first; f < first + count; ++f)
+                zone_of(mesh.face_element[f])
+                    .marker(group_name(mesh.file.groups, mesh.dim - 1, mesh.file.face_physical[f]))
+                    .faces.push_back({cell, mesh.face(f)});
+        for (const KeptFace& face : kept_faces(mesh))
+            if (face.physical)
+                zone_of(face.element)
+                    .marker(group_name(mesh.file.groups, mesh.dim - 1, face.physical))
+                    .faces.push_back({face.cell, face.nodes});
     }
 
     void append_cell(std::string& text, const CellType& cell, const int* node) const {
@@ -138,7 +140,7 @@ struct Su2Writer {
             sink(concat("MARKER_TAG= ", of_file.name, "\nMARKER_ELEMS= ", faces.size() + of_file.points, "\n"));
             sink(of_file.lines);
             append_rows(sink, static_cast<int>(faces.size()), [&, &nodes = faces](std::string& text, int k) {
-                append_cell(text, simplex(mesh.dim - 1), nodes[k]);
+                append_cell(text, *nodes[k].first, nodes[k].second);
                 text += '\n';
             });
         }

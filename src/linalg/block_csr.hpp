@@ -74,6 +74,9 @@ void with_block_size(int d, const Body& body) {
 BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes,
                           LargeVector<int>* place = nullptr);
 
+// The union of patterns of one size; place[k][b]: where block b of pattern k is in it.
+BlockCsr joint_pattern(const std::vector<const BlockCsr*>& patterns, std::vector<LargeVector<int>>& place);
+
 // The pattern with all values zero.
 BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes);
 

@@ -61,6 +61,11 @@ struct BoundaryMatcher {
         });
     }
 
+    const CellType& cell_of(int number) const {
+        if (number >= first_tagged) return build.face(number - first_tagged).cell();
+        return mesh.cell(number / most_sides).face_type(number % most_sides);
+    }
+
     // Node k of a side in Gmsh's order; -1 where a tagged face has a node that no element has.
     int node_of(int number, int k) const {
         const int e = number / most_sides;
@@ -70,15 +75,16 @@ struct BoundaryMatcher {
 
     Side side(int number) const {
         if (number < first_tagged) return side_of_element(mesh, number / most_sides, number % most_sides, number);
-        std::array<int, 3> vertex{};
-        for (int k = 0; k < dim; ++k) vertex[k] = node_of(number, k);
-        return {std::span(vertex).first(dim), number};
+        std::array<int, 4> vertex{};
+        const int count = cell_of(number).vertices;
+        for (int k = 0; k < count; ++k) vertex[k] = node_of(number, k);
+        return {std::span(vertex).first(count), number};
     }
 
     // All nodes of a side, ascending.
     std::vector<int> nodes_of(int number) const {
         std::vector<int> nodes;
-        for (int k = 0; k < mesh.face_nodes(); ++k) nodes.push_back(node_of(number, k));
+        for (int k = 0; k < cell_of(number).node_count(mesh.degree); ++k) nodes.push_back(node_of(number, k));
         std::sort(nodes.begin(), nodes.end());
         return nodes;
     }
@@ -96,14 +102,20 @@ struct BoundaryMatcher {
     void check_elements(std::span<const Side> equal) const {
         if (equal.size() > 2)
             build.refuse(element_of(equal[2]), "is the third at the face with the nodes ",
-                         build.node_ids(equal[0].vertex.data(), dim), ", after ", name_of(element_of(equal[0])),
-                         " and ", name_of(element_of(equal[1])));
+                         build.node_ids(equal[0].vertex.data(), cell_of(equal[0].number).vertices), ", after ",
+                         name_of(element_of(equal[0])), " and ", name_of(element_of(equal[1])));
+        if (equal.size() == 2 && equal[0].opposite != equal[1].opposite)
+            build.refuse(element_of(equal[1]), "and ", name_of(element_of(equal[0])), " have the vertices ",
+                         build.node_ids(equal[0].vertex.data(), 4), " of a common face in different orders around it");
         if (equal.size() == 2 && mesh.degree > 1 && nodes_of(equal[0].number) != nodes_of(equal[1].number))
             build.refuse(element_of(equal[1]), "and ", name_of(element_of(equal[0])),
                          " share the vertices of a face, but not its other nodes");
     }
 
     void check_face(const Side& element, const Side& tagged) const {
+        if (tagged.opposite != element.opposite)
+            build.refuse(tagged_face(tagged), "has the vertices of a face of ", name_of(element_of(element)),
+                         ", but in another order around it");
         if (nodes_of(tagged.number) != nodes_of(element.number))
             build.refuse(tagged_face(tagged), "has the vertices of a face of ", name_of(element_of(element)),
                          ", but not its other nodes");
@@ -116,15 +128,15 @@ struct BoundaryMatcher {
             const double *const a = point(mesh.x, i, dim), *const b = point(mesh.x, j, dim);
             return std::lexicographical_compare(a, a + dim, b, b + dim);
         };
-        using Vertices = std::array<int, 3>;  // in the order of their positions, then of their numbers
+        using Vertices = std::vector<int>;  // in the order of their positions, then of their numbers
         const auto lies_before = [&](const Vertices& f, const Vertices& g) {
-            return std::lexicographical_compare(f.begin(), f.begin() + dim, g.begin(), g.begin() + dim, is_before);
+            return std::lexicographical_compare(f.begin(), f.end(), g.begin(), g.end(), is_before);
         };
         std::vector<Vertices> faces;
         for (const int side : untagged) {
             Vertices& v = faces.emplace_back();
-            for (int k = 0; k < dim; ++k) v[k] = node_of(side, k);
-            std::sort(v.begin(), v.begin() + dim, is_before);
+            for (int k = 0; k < cell_of(side).vertices; ++k) v.push_back(node_of(side, k));
+            std::sort(v.begin(), v.end(), is_before);
         }
         std::stable_sort(faces.begin(), faces.end(), lies_before);
         std::size_t pairs = 0;
@@ -132,8 +144,8 @@ struct BoundaryMatcher {
         for (std::size_t f = 1; f < faces.size(); ++f) {
             const Vertices &a = faces[f - 1], &b = faces[f];
             if (lies_before(a, b) || ++pairs > 1) continue;
-            const auto [i, j] = std::mismatch(a.begin(), a.begin() + dim, b.begin());
-            if (i != a.begin() + dim) nodes = {*i, *j};
+            const auto [i, j] = std::mismatch(a.begin(), a.end(), b.begin());
+            if (i != a.end()) nodes = {*i, *j};
         }
         if (pairs == 0) return "";
         return concat(counted(pairs, "pair"), pairs == 1 ? " lies" : " lie", " on each other, as nodes ",
@@ -143,11 +155,12 @@ struct BoundaryMatcher {
 
     // "4 boundary faces without a physical curve are the boundary ...".
     std::string untagged_text(const std::vector<int>& untagged, const std::string& name) const {
-        int vertex[3];
-        for (int k = 0; k < dim; ++k) vertex[k] = node_of(*std::min_element(untagged.begin(), untagged.end()), k);
-        const std::array<double, 3> mean = centroid(mesh, mesh.x, vertex, dim);
+        const int first = *std::min_element(untagged.begin(), untagged.end()), count = cell_of(first).vertices;
+        int vertex[4];
+        for (int k = 0; k < count; ++k) vertex[k] = node_of(first, k);
+        const std::array<double, 3> mean = centroid(mesh, mesh.x, vertex, count);
         return concat(counted(untagged.size(), "boundary face"), " in no group ", untagged.size() == 1 ? "is" : "are",
-                      " the boundary ", with_quotes(name), ", the first has the nodes ", build.node_ids(vertex, dim),
+                      " the boundary ", with_quotes(name), ", the first has the nodes ", build.node_ids(vertex, count),
                       " and the centre ", position_text(mean.data(), dim));
     }
 
@@ -214,19 +227,21 @@ struct BoundaryMatcher {
     }
 };
 
-// The side of an element as a face, as the file has it or not.
-void add_face(const BoundaryMatcher& matcher, int side, int boundary, const RawElement* in_file, Mesh& mesh) {
-    const int m = mesh.face_nodes();
-    for (int k = 0; k < m; ++k) mesh.faces.push_back(matcher.node_of(side, k));
+// The side of an element as a face, as the file has it or not; the mesh's types of faces are those of group_faces().
+void add_face(const BoundaryMatcher& matcher, int side, int boundary, const RawElement* in_file, Mesh& mesh,
+              std::vector<const CellType*>& types) {
+    const CellType& cell = matcher.cell_of(side);
+    const std::size_t start = mesh.faces.size();
+    for (int k = 0; k < cell.node_count(mesh.degree); ++k) mesh.faces.push_back(matcher.node_of(side, k));
+    types.push_back(&cell);
     mesh.face_element.push_back(side / matcher.most_sides);
     mesh.face_boundary.push_back(boundary);
     mesh.file.face_id.push_back(in_file ? in_file->id : 0);
     mesh.file.face_physical.push_back(in_file ? in_file->physical : 0);
     mesh.file.face_entity.push_back(in_file ? in_file->entity : 0);
-    std::array<int, 3> vertex{};
-    for (int k = 0; in_file && k < mesh.dim; ++k) vertex[k] = matcher.build.node_in(*in_file, k);
-    const int* const face = mesh.faces.data() + mesh.faces.size() - m;
-    mesh.file.face_winding.push_back(in_file ? winding(face, vertex.data(), mesh.dim) : 0);
+    std::array<int, 4> vertex{};
+    for (int k = 0; in_file && k < cell.vertices; ++k) vertex[k] = matcher.build.node_in(*in_file, k);
+    mesh.file.face_winding.push_back(in_file ? winding(&mesh.faces[start], vertex.data(), cell.vertices) : 0);
 }
 
 // Tags of the physical groups of a face: those of its entity, or its own.
@@ -249,7 +264,8 @@ int boundary_of(const std::vector<int>& tags, int dim, Mesh& mesh) {
 }
 
 // The boundary faces in file order, with their nodes as their elements see them.
-void fill_faces(const BoundaryMatcher& matcher, const Matched& matched, const RawMesh& raw, Mesh& mesh) {
+void fill_faces(const BoundaryMatcher& matcher, const Matched& matched, const RawMesh& raw, Mesh& mesh,
+                std::vector<const CellType*>& types) {
     std::map<int, std::vector<int>> more;  // copies by the first face
     for (const auto [first, copy] : matched.copies) more[first].push_back(copy);
     std::map<std::vector<int>, int> boundary_of_tags;
@@ -266,7 +282,7 @@ void fill_faces(const BoundaryMatcher& matcher, const Matched& matched, const Ra
         std::sort(tags.begin(), tags.end());
         const auto [boundary, is_new] = boundary_of_tags.try_emplace(tags, -1);
         if (is_new) boundary->second = boundary_of(tags, face.dim, mesh);
-        add_face(matcher, side, boundary->second, &face, mesh);
+        add_face(matcher, side, boundary->second, &face, mesh, types);
     }
 }
 
@@ -277,7 +293,7 @@ std::map<std::vector<int>, int> untagged_faces(const MeshBuild& build) {
         const RawElement& face = build.raw.elements[i];
         if (face.dim != build.mesh.dim - 1 || face.degree != build.mesh.degree) continue;
         std::vector<int> nodes;
-        for (int k = 0; k < build.mesh.face_nodes(); ++k)
+        for (int k = 0; k < face.node_count(); ++k)
             nodes.push_back(build.node[build.raw.element_nodes[face.first + k]]);
         std::sort(nodes.begin(), nodes.end());
         faces.emplace(std::move(nodes), i);
@@ -287,13 +303,15 @@ std::map<std::vector<int>, int> untagged_faces(const MeshBuild& build) {
 
 // Boundary faces in no group. Beside others that are in one: a boundary of their own. Where there are no others: their
 // parts that hang together by vertices, numbered by their lowest nodes.
-void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides, MeshBuild& build) {
+void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides, MeshBuild& build,
+                   std::vector<const CellType*>& types) {
     Mesh& mesh = build.mesh;
     const int dim = mesh.dim;
     const bool beside_others = !mesh.faces.empty();
     DisjointSets connected(mesh.nodes());
     for (const int side : sides)
-        for (int k = 1; k < dim; ++k) connected.join(matcher.node_of(side, 0), matcher.node_of(side, k));
+        for (int k = 1; k < matcher.cell_of(side).vertices; ++k)
+            connected.join(matcher.node_of(side, 0), matcher.node_of(side, k));
     std::map<int, std::vector<int>> parts;  // by lowest node
     for (const int side : sides) parts[beside_others ? 0 : connected.find(matcher.node_of(side, 0))].push_back(side);
     std::vector<long long> ids;
@@ -316,7 +334,7 @@ void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides
         for (const int side : of_part) {
             const auto found = of_file.find(matcher.nodes_of(side));
             const RawElement* const own = found == of_file.end() ? nullptr : &build.raw.elements[found->second];
-            add_face(matcher, side, boundary, own, mesh);
+            add_face(matcher, side, boundary, own, mesh, types);
             if (!own) mesh.file.face_id.back() = unused_id.next();
             if (!own) mesh.file.face_entity.back() = tag;
             mesh.file.face_physical.back() = tag;
@@ -366,8 +384,10 @@ std::vector<std::array<int, 2>> fill_boundary(MeshBuild& build) {
                                      build.mesh.groups.size() > 1 ? "element" : build.mesh.cell().name,
                                      ", the first is ", name_of(build.face(all.loose[0])),
                                      ": left out"));
-    fill_faces(matcher, all, build.raw, build.mesh);
-    if (!all.untagged.empty()) fill_untagged(matcher, all.untagged, build);
+    std::vector<const CellType*> types;  // of the faces
+    fill_faces(matcher, all, build.raw, build.mesh, types);
+    if (!all.untagged.empty()) fill_untagged(matcher, all.untagged, build, types);
+    group_faces(build.mesh, types);
     return std::move(all.folded);
 }
 

@@ -23,10 +23,11 @@ struct ElementsAround {
 };
 
 // An element that has the cell with the given nodes, -1: none.
-int element_of(const Subcells& subcells, const ElementsAround& around, const std::vector<int>& nodes, int dim) {
+int element_of(const Subcells& subcells, const ElementsAround& around, const std::vector<int>& nodes,
+               const CellType& cell) {
     for (const int item : around.sorted.of(nodes[0])) {
         const int e = item / around.corners;
-        if (subcells.has(e, nodes.data(), dim) && subcells.nodes(e, nodes.data(), dim) == nodes) return e;
+        if (subcells.has(e, nodes.data(), cell) && subcells.nodes(e, nodes.data(), cell) == nodes) return e;
     }
     return -1;
 }
@@ -60,7 +61,7 @@ void fill_kept(MeshBuild& build) {
     const ElementsAround around(mesh);
     const Subcells subcells(mesh);
     const RawElement* first_dropped = nullptr;
-    std::size_t dropped = 0, copies = 0;  // copies: quadrilaterals that are given again
+    std::size_t dropped = 0, copies = 0;  // copies: other elements than simplices that are given again
     for (const int i : build.kept) {
         const RawElement& cell = raw.elements[i];
         std::vector<int> nodes;
@@ -70,16 +71,17 @@ void fill_kept(MeshBuild& build) {
             append(mesh.kept[0], cell, {nodes[0] < 0 ? nodes[0] + 1 : nodes[0]}, -1);
             continue;
         }
-        const bool in_mesh = cell.degree == mesh.degree && cell.cell().is_simplex() &&
-                             *std::min_element(nodes.begin(), nodes.end()) >= 0;
-        const int element = in_mesh ? element_of(subcells, around, nodes, cell.dim) : -1;
-        if (element >= 0) append(mesh.kept[cell.dim], cell, nodes, element);
-        else if (!cell.cell().is_simplex()) ++copies;
+        const bool is_copy = cell.dim == mesh.dim && !cell.cell().is_simplex();
+        const bool in_mesh =
+            !is_copy && cell.degree == mesh.degree && *std::min_element(nodes.begin(), nodes.end()) >= 0;
+        const int element = in_mesh ? element_of(subcells, around, nodes, cell.cell()) : -1;
+        if (element >= 0) append(mesh.kept[&cell.cell() - cell_types().data()], cell, nodes, element);
+        else if (is_copy) ++copies;
         else if (++dropped == 1) first_dropped = &cell;
     }
     if (copies)
-        build.notes.push_back(concat(counted(copies, "quadrilateral"), " given again dropped: the groups of what is "
-                                     "given first count"));
+        build.notes.push_back(concat(counted(copies, mesh.dim == 2 ? "quadrilateral" : "cell"),
+                                     " given again dropped: the groups of what is given first count"));
     if (dropped)
         build.notes.push_back(concat(counted(dropped, "element"), " of the file that ", dropped == 1 ? "is" : "are",
                                      " no edge or face of the mesh dropped, the first is ", name_of(*first_dropped)));

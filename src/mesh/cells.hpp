@@ -66,6 +66,12 @@ std::span<const CellType> cell_types();
 // The cell type with this linear cell type of VTK, or nullptr.
 const CellType* cell_of_vtk_type(int type);
 
+// Of a face or edge: the weights of its vertices whose mean a node is, of sum p, of a quadrilateral p^2.
+inline std::array<int, 4> vertex_weights(const CellType& cell, const MultiIndex& a) {
+    if (cell.is_simplex()) return {a[0], a[1], a[2], a[3]};
+    return {a[0] * a[2], a[1] * a[2], a[1] * a[3], a[0] * a[3]};
+}
+
 // Nodes of a simplex: binomial(degree + dim, dim). Inline and without a general division: called in inner loops.
 constexpr int simplex_node_count(int dim, int degree) {
     if (dim == 3) return (degree + 1) * (degree + 2) * (degree + 3) / 6;

@@ -59,12 +59,12 @@ struct LooseNode {
     EntityKey entity;
 };
 
-// The cells of one dimension that a file has besides the elements and the boundary faces of its mesh: points, curves
+// The cells of one type that a file has besides the elements and the boundary faces of its mesh: points, curves
 // of tetrahedra, faces inside the mesh, faces without a physical group, elements and boundary faces that are given once
 // more, as those of several groups are in MSH 2.2. They move with the mesh and are written again; the method does not
 // see them.
 struct KeptCells {
-    std::vector<int> nodes;    // cells x nodes of a simplex of the mesh's degree, in Gmsh's order; -1 - k: loose[k]
+    std::vector<int> nodes;    // cells x nodes of the mesh's degree, in Gmsh's order; -1 - k: loose[k]
     std::vector<int> element;  // one that has all nodes of the cell; -1: of a loose node
     std::vector<long long> id;
     std::vector<int> physical, entity;  // tags, as those of FileTags

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "mesh/kept_cells.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/raw_mesh.hpp"
 #include "mesh/sides.hpp"
@@ -69,11 +70,11 @@ struct InnerBuilder {
     const Names& groups;
     const Names& volumes;
     const int dim = mesh.dim, most_sides = mesh.most_sides();
-    const KeptCells& kept = mesh.kept[dim - 1];
+    const std::vector<KeptFace> kept = kept_faces(mesh);
     const SideNodes side_nodes{dim, mesh.degree};
     std::vector<Names> volumes_of{};  // per element: of those wanted
     std::vector<InnerFace> inner{};
-    std::set<int> taken{};            // kept faces that are boundary faces now
+    std::set<std::pair<const CellType*, int>> taken{};  // kept faces that are boundary faces now: KeptFace::place
 
     void find_volumes() {
         volumes_of.resize(mesh.element_count());
@@ -86,11 +87,9 @@ struct InnerBuilder {
         std::vector<Side> sides;
         const int first_face = mesh.element_count() * most_sides, first_kept = first_face + mesh.face_count();
         for_sides(mesh, [&](int e, int k, int number) { sides.push_back(side_of_element(mesh, e, k, number)); });
-        for (int f = 0; f < mesh.face_count(); ++f)
-            sides.emplace_back(std::span(mesh.face(f), static_cast<std::size_t>(dim)), first_face + f);
-        for (int c = 0; c < kept.count(); ++c)
-            sides.emplace_back(std::span(&kept.nodes[offset(c, mesh.face_nodes())], static_cast<std::size_t>(dim)),
-                               first_kept + c);
+        for (int f = 0; f < mesh.face_count(); ++f) sides.emplace_back(mesh.face_vertices(f), first_face + f);
+        for (const KeptFace& face : kept)
+            sides.emplace_back(face.vertices(), first_kept + static_cast<int>(&face - kept.data()));
         for_equal_sides(sides, [&](std::span<const Side> equal) {
             InnerFace found{{-1, -1}, {}, -1};
             int face = -1, elements = 0;
@@ -103,7 +102,7 @@ struct InnerBuilder {
                     face = side.number - first_face;
                 } else {
                     const int c = side.number - first_kept;
-                    for (const std::string& name : groups_of(mesh.file, dim - 1, kept.physical[c], kept.entity[c])) {
+                    for (const std::string& name : groups_of(mesh.file, dim - 1, kept[c].physical, kept[c].entity)) {
                         if (!has(groups, name) || has(found.groups, name)) continue;
                         found.groups.push_back(name);
                         if (found.kept < 0) found.kept = c;
@@ -132,16 +131,16 @@ struct InnerBuilder {
 
     // Neighbours of the same groups alike: along the side that they share one goes the other way.
     void orient() {
+        constexpr int most = 4;  // sides of a face
         std::vector<Side> sides;
-        std::vector<int> vertices;
-        for (const InnerFace& face : inner) {
-            const int e = face.side[0] / most_sides;
-            const CellFace& local = mesh.cell(e).faces[face.side[0] % most_sides];
-            for (int k = 0; k < dim; ++k) vertices.push_back(mesh.element(e)[local[k]]);
+        for (int f = 0; f < static_cast<int>(inner.size()); ++f) {
+            const int e = inner[f].side[0] / most_sides, side = inner[f].side[0] % most_sides;
+            const CellType& cell = mesh.cell(e).face_type(side);
+            int vertices[most];
+            for (int k = 0; k < cell.vertices; ++k) vertices[k] = mesh.element(e)[mesh.cell(e).faces[side][k]];
+            for (int k = 0; k < static_cast<int>(cell.faces.size()); ++k)
+                sides.push_back(side_of_cell(cell, vertices, k, f * most + k));
         }
-        for (int f = 0; f < static_cast<int>(inner.size()); ++f)
-            for (int k = 0; k < dim; ++k)
-                sides.push_back(side_of_simplex(dim - 1, &vertices[offset(f, dim)], k, f * dim + k));
         struct Neighbour {
             int face;
             bool alike;
@@ -149,8 +148,8 @@ struct InnerBuilder {
         std::vector<std::vector<Neighbour>> neighbours(inner.size());
         for_equal_sides(sides, [&](std::span<const Side> equal) {
             if (equal.size() != 2) return;
-            const auto direction = [&](const Side& s) { return dim == 2 ? s.number % dim == 0 : s.even; };
-            const int f = equal[0].number / dim, g = equal[1].number / dim;
+            const auto direction = [&](const Side& s) { return dim == 2 ? s.number % most == 0 : s.even; };
+            const int f = equal[0].number / most, g = equal[1].number / most;
             if (inner[f].groups != inner[g].groups) return;
             const bool alike = direction(equal[0]) != direction(equal[1]);
             neighbours[f].push_back({g, alike});
@@ -179,33 +178,41 @@ struct InnerBuilder {
     void append() {
         std::stable_sort(inner.begin(), inner.end(),
                          [](const InnerFace& a, const InnerFace& b) { return (a.kept < 0) < (b.kept < 0); });
+        std::vector<const CellType*> types;  // of all faces
+        for (int f = 0; f < mesh.face_count(); ++f) types.push_back(&mesh.face_cell(f));
+        if (!inner.empty()) mesh.file.face_winding.resize(mesh.face_count());
         for (const InnerFace& face : inner) {
-            const int e = face.side[0] / most_sides, c = face.kept;
-            for (const int k : side_nodes.of(mesh.cell(e), face.side[0] % most_sides))
-                mesh.faces.push_back(mesh.element(e)[k]);
+            const int e = face.side[0] / most_sides, side = face.side[0] % most_sides, c = face.kept;
+            const CellType& cell = mesh.cell(e).face_type(side);
+            const std::size_t start = mesh.faces.size();
+            for (const int k : side_nodes.of(mesh.cell(e), side)) mesh.faces.push_back(mesh.element(e)[k]);
+            types.push_back(&cell);
             mesh.face_element.push_back(e);
             mesh.face_boundary.push_back(boundary_with(face.groups, true));
-            mesh.file.face_id.push_back(c < 0 ? 0 : kept.id[c]);
-            mesh.file.face_physical.push_back(c < 0 ? not_in_file : kept.physical[c]);
-            mesh.file.face_entity.push_back(c < 0 ? 0 : kept.entity[c]);
-            mesh.file.face_winding.resize(mesh.face_count() - 1);
-            mesh.file.face_winding.push_back(c < 0 ? 0 : winding(mesh.face(mesh.face_count() - 1),
-                                                                 &kept.nodes[offset(c, mesh.face_nodes())], dim));
-            if (c >= 0) taken.insert(c);
+            mesh.file.face_id.push_back(c < 0 ? 0 : kept[c].id);
+            mesh.file.face_physical.push_back(c < 0 ? not_in_file : kept[c].physical);
+            mesh.file.face_entity.push_back(c < 0 ? 0 : kept[c].entity);
+            mesh.file.face_winding.push_back(
+                c < 0 ? 0 : winding(&mesh.faces[start], kept[c].nodes, cell.vertices));
+            if (c >= 0) taken.insert({kept[c].cell, kept[c].place});
         }
+        group_faces(mesh, types);
     }
 
     void take_out_of_kept() {
-        const KeptCells all = kept;
-        const int width = mesh.face_nodes();
-        KeptCells& rest = mesh.kept[dim - 1] = {};
-        for (int c = 0; c < all.count(); ++c) {
-            if (taken.contains(c)) continue;
-            rest.nodes.insert(rest.nodes.end(), &all.nodes[offset(c, width)], &all.nodes[offset(c, width)] + width);
-            rest.element.push_back(all.element[c]);
-            rest.id.push_back(all.id[c]);
-            rest.physical.push_back(all.physical[c]);
-            rest.entity.push_back(all.entity[c]);
+        for (KeptCells& rest : mesh.kept) {
+            const CellType& cell = mesh.cell_of(rest);
+            const KeptCells all = std::move(rest);
+            rest = {};
+            const int width = cell.node_count(mesh.degree);
+            for (int c = 0; c < all.count(); ++c) {
+                if (taken.contains({&cell, c})) continue;
+                rest.nodes.insert(rest.nodes.end(), &all.nodes[offset(c, width)], &all.nodes[offset(c, width)] + width);
+                rest.element.push_back(all.element[c]);
+                rest.id.push_back(all.id[c]);
+                rest.physical.push_back(all.physical[c]);
+                rest.entity.push_back(all.entity[c]);
+            }
         }
     }
 };
@@ -213,13 +220,10 @@ struct InnerBuilder {
 }  // namespace
 
 std::vector<GroupCells> inner_groups(const Mesh& mesh) {
-    const KeptCells& kept = mesh.kept[mesh.dim - 1];
-    const auto dim = static_cast<std::size_t>(mesh.dim);
+    const std::vector<KeptFace> kept = kept_faces(mesh);
     std::vector<Side> sides;
-    for (int f = 0; f < mesh.face_count() && kept.count() > 0; ++f)
-        sides.emplace_back(std::span(mesh.face(f), dim), -1);
-    for (int c = 0; c < kept.count(); ++c)
-        sides.emplace_back(std::span(&kept.nodes[offset(c, mesh.face_nodes())], dim), c);
+    for (int f = 0; f < mesh.face_count() && !kept.empty(); ++f) sides.emplace_back(mesh.face_vertices(f), -1);
+    for (const KeptFace& face : kept) sides.emplace_back(face.vertices(), static_cast<int>(&face - kept.data()));
     std::vector<int> inside;
     for_equal_sides(sides, [&](std::span<const Side> equal) {
         for (const Side& side : equal)
@@ -227,7 +231,7 @@ std::vector<GroupCells> inner_groups(const Mesh& mesh) {
     });
     std::sort(inside.begin(), inside.end());
     GroupList list(mesh.file, mesh.dim - 1);
-    for (const int c : inside) list.add(kept.physical[c], kept.entity[c], c);
+    for (const int c : inside) list.add(kept[c].physical, kept[c].entity, c);
     return std::move(list.groups);
 }
 

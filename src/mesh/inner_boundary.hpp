@@ -16,24 +16,26 @@ struct GroupCells {
     std::vector<int> cells;
 };
 
-// The physical groups that have faces inside the mesh, with these among Mesh::kept, and those of its elements, each
-// with its elements, ascending; in the order of their first cells.
+// The physical groups that have faces inside the mesh, with these among its kept_faces(), and those of its elements,
+// each with its elements, ascending; in the order of their first cells.
 std::vector<GroupCells> inner_groups(const Mesh& mesh);
 std::vector<GroupCells> volume_groups(const Mesh& mesh);
 
 // What stands for a volume among the groups of a boundary.
 inline std::string volume_group(const std::string& name) { return "volume " + name; }
 
-// The first faces of the mesh: those that are written to a file.
-inline std::size_t faces_in_file(const Mesh& mesh) {
-    const std::vector<int>& physical = mesh.file.face_physical;
-    return static_cast<std::size_t>(std::find(physical.begin(), physical.end(), not_in_file) - physical.begin());
+// The faces of the mesh that are written to a file, the first ones of each type.
+inline std::vector<ElementGroup> faces_in_file(const Mesh& mesh) {
+    std::vector<ElementGroup> groups = mesh.face_groups();
+    for (auto& [cell, first, count, start] : groups)
+        while (count > 0 && mesh.file.face_physical[first + count - 1] == not_in_file) --count;
+    return groups;
 }
 
 // Makes boundaries of the faces inside the mesh that belong to the groups, taken out of Mesh::kept, and of all sides of
 // the elements of the volumes. Sides of these that are on another boundary belong to the volume too. Neighbouring faces
-// of an inner boundary are oriented alike. Behind all other faces stand those that the file does not have, with the
-// physical tag not_in_file. Cost: O(elements log elements).
+// of an inner boundary are oriented alike. Behind all other faces of their type stand those that the file does not have,
+// with the physical tag not_in_file. Cost: O(elements log elements).
 void make_inner_boundaries(Mesh& mesh, const std::vector<std::string>& groups, const std::vector<std::string>& volumes);
 
 }  // namespace almesh

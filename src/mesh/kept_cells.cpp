@@ -7,7 +7,7 @@
 namespace almesh {
 
 Subcells::Subcells(const Mesh& mesh) : mesh_(mesh), of_cell_(bases_of(mesh)) {
-    for (int dim = 1; dim <= mesh.dim; ++dim) order_[dim] = gmsh_node_order(dim, mesh.degree);
+    for (const CellType& cell : cell_types()) order_.push_back(gmsh_node_order(cell, mesh.degree));
 }
 
 int Subcells::local(int e, int node) const {
@@ -15,49 +15,70 @@ int Subcells::local(int e, int node) const {
     return static_cast<int>(std::find(nodes, nodes + mesh_.cell(e).vertices, node) - nodes);
 }
 
-bool Subcells::has(int e, const int* vertex, int dim) const {
-    const int* const end = vertex + dim + 1;
+bool Subcells::has(int e, const int* vertex, const CellType& cell) const {
+    const int* const end = vertex + cell.vertices;
     const bool has_vertices = std::all_of(vertex, end, [&](const int& node) {
         return local(e, node) < mesh_.cell(e).vertices && std::find(&node + 1, end, node) == end;
     });
-    return has_vertices && (mesh_.cell(e).is_simplex() || (dim == mesh_.dim - 1 && side_number(mesh_, e, vertex) >= 0));
+    if (!has_vertices || mesh_.cell(e).is_simplex()) return has_vertices;
+    if (cell.dim == mesh_.dim - 1) return side_number(mesh_, e, {vertex, end}) >= 0;
+    const std::span<const CellEdge> edges = mesh_.cell(e).edges;
+    return cell.dim == 1 && std::any_of(edges.begin(), edges.end(), [&](const CellEdge& edge) {
+        return std::minmax(local(e, vertex[0]), local(e, vertex[1])) == std::minmax(edge[0], edge[1]);
+    });
 }
 
-std::vector<int> Subcells::nodes(int e, const int* vertex, int dim) const {
+std::vector<int> Subcells::nodes(int e, const int* vertex, const CellType& cell) const {
     const LagrangeBasis& of_element = of_cell_[mesh_.group_number(e)];
     std::vector<int> nodes;
-    for (const MultiIndex& b : order_[dim]) {
-        MultiIndex a{};  // the mean of the vertices with the weights b
-        for (int k = 0; k <= dim; ++k)
+    for (const MultiIndex& b : order_[&cell - cell_types().data()]) {
+        MultiIndex a{};  // the mean of the vertices with these weights
+        const std::array<int, 4> weight = vertex_weights(cell, b);
+        for (int k = 0; k < cell.vertices; ++k)
             for (std::size_t i = 0; i < a.size(); ++i)
-                a[i] += b[k] * of_element.nodes[local(e, vertex[k])][i] / mesh_.degree;
+                a[i] += weight[k] * of_element.nodes[local(e, vertex[k])][i] / mesh_.degree;
+        if (!cell.is_simplex())
+            for (int& entry : a) entry /= mesh_.degree;
         nodes.push_back(mesh_.element(e)[of_element.find(a)]);
     }
     return nodes;
 }
 
+std::vector<KeptFace> kept_faces(const Mesh& mesh) {
+    std::vector<KeptFace> faces;
+    for (const KeptCells& kept : mesh.kept) {
+        const CellType& cell = mesh.cell_of(kept);
+        for (int c = 0; c < kept.count() && cell.dim == mesh.dim - 1; ++c)
+            faces.push_back({&cell, &kept.nodes[offset(c, cell.node_count(mesh.degree))], c, kept.element[c],
+                             kept.physical[c], kept.entity[c], kept.id[c]});
+    }
+    return faces;
+}
+
 void raise_kept_cells(Mesh& mesh) {
     const Subcells subcells(mesh);
-    for (int dim = 1; dim <= mesh.dim; ++dim) {
-        KeptCells& kept = mesh.kept[dim];
+    for (KeptCells& kept : mesh.kept) {
+        const CellType& cell = mesh.cell_of(kept);
+        if (cell.dim == 0) continue;
         const std::vector<int> vertices = std::move(kept.nodes);
         kept.nodes.clear();
         for (int c = 0; c < kept.count(); ++c) {
-            const std::vector<int> nodes = subcells.nodes(kept.element[c], &vertices[offset(c, dim + 1)], dim);
+            const std::vector<int> nodes = subcells.nodes(kept.element[c], &vertices[offset(c, cell.vertices)], cell);
             kept.nodes.insert(kept.nodes.end(), nodes.begin(), nodes.end());
         }
     }
 }
 
 void restrict_kept_cells(const Mesh& mesh, const std::vector<int>& index, Mesh& linear) {
-    for (int dim = 0; dim <= mesh.dim; ++dim) {
-        const KeptCells& from = mesh.kept[dim];
-        const int width = simplex_node_count(dim, dim == 0 ? 1 : mesh.degree);
-        KeptCells& to = linear.kept[dim] = {};
+    for (std::size_t kind = 0; kind < mesh.kept.size(); ++kind) {
+        const KeptCells& from = mesh.kept[kind];
+        const CellType& cell = mesh.cell_of(from);
+        const int width = cell.node_count(mesh.degree);
+        KeptCells& to = linear.kept[kind] = {};
         for (int c = 0; c < from.count(); ++c) {
             const int* const node = &from.nodes[offset(c, width)];
-            if (dim == 0 && *node >= 0 && index[*node] < 0) continue;
-            for (int v = 0; v <= dim; ++v) to.nodes.push_back(node[v] < 0 ? node[v] : index[node[v]]);
+            if (cell.dim == 0 && *node >= 0 && index[*node] < 0) continue;
+            for (int v = 0; v < cell.vertices; ++v) to.nodes.push_back(node[v] < 0 ? node[v] : index[node[v]]);
             to.element.push_back(from.element[c]);
             to.id.push_back(from.id[c]);
             to.physical.push_back(from.physical[c]);

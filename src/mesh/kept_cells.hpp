@@ -11,20 +11,34 @@ class Subcells {
 public:
     explicit Subcells(const Mesh& mesh);  // which must outlive this
 
-    // Whether element e has the simplex with these vertices: dim + 1 of them, all distinct.
-    bool has(int e, const int* vertex, int dim) const;
+    // Whether element e has the cell with these vertices, all distinct.
+    bool has(int e, const int* vertex, const CellType& cell) const;
 
     // All nodes of the face or edge of element e, in Gmsh's order from these vertices on, which the element has.
     // Cost: O(nodes of the element) each.
-    std::vector<int> nodes(int e, const int* vertex, int dim) const;
+    std::vector<int> nodes(int e, const int* vertex, const CellType& cell) const;
 
 private:
     const Mesh& mesh_;
-    std::array<std::vector<MultiIndex>, 4> order_;  // by dimension
+    std::vector<std::vector<MultiIndex>> order_;  // of each cell type
     std::vector<LagrangeBasis> of_cell_;            // by group of elements
 
     int local(int e, int node) const;  // its number among the vertices of e, or beyond them
 };
+
+// A kept cell of the dimension of faces.
+struct KeptFace {
+    const CellType* cell;
+    const int* nodes;
+    int place;  // in the KeptCells of its type
+    int element, physical, entity;
+    long long id;
+
+    std::span<const int> vertices() const { return {nodes, static_cast<std::size_t>(cell->vertices)}; }
+};
+
+// All of them, those of one type together.
+std::vector<KeptFace> kept_faces(const Mesh& mesh);
 
 // Gives kept cells of degree 1 the degree of their mesh, whose elements have it already.
 void raise_kept_cells(Mesh& mesh);

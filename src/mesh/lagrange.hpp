@@ -62,4 +62,11 @@ inline std::vector<LagrangeBasis> bases_of(const Mesh& mesh) {
     return bases;
 }
 
+// Of the groups of faces.
+inline std::vector<LagrangeBasis> face_bases_of(const Mesh& mesh) {
+    std::vector<LagrangeBasis> bases;
+    for (const ElementGroup& group : mesh.face_groups()) bases.emplace_back(*group.cell, mesh.degree);
+    return bases;
+}
+
 }  // namespace almesh

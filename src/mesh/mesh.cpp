@@ -1,6 +1,7 @@
 #include "mesh/mesh.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
@@ -46,6 +47,31 @@ std::vector<ElementGroup> groups_of(const std::vector<const CellType*>& types, i
     }
     if (groups.size() == 1 && groups[0].cell->is_simplex()) groups.clear();
     return groups;
+}
+
+void group_faces(Mesh& mesh, const std::vector<const CellType*>& types) {
+    std::vector<int> order(types.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int f, int g) { return types[f] < types[g]; });
+    std::vector<std::size_t> start = {0};
+    for (const CellType* const type : types) start.push_back(start.back() + type->node_count(mesh.degree));
+    const auto sort = [&order](auto& values) {
+        const auto before = values;
+        for (std::size_t k = 0; k < values.size(); ++k) values[k] = before[order[k]];
+    };
+    const std::vector<int> before = std::move(mesh.faces);
+    mesh.faces.clear();
+    std::vector<const CellType*> sorted;
+    for (const int f : order) {
+        sorted.push_back(types[f]);
+        mesh.faces.insert(mesh.faces.end(), &before[start[f]], &before[start[f]] + (start[f + 1] - start[f]));
+    }
+    mesh.groups_of_faces = groups_of(sorted, mesh.degree);
+    for (std::vector<int>* const of : {&mesh.face_element, &mesh.face_boundary, &mesh.file.face_physical,
+                                       &mesh.file.face_entity})
+        sort(*of);
+    sort(mesh.file.face_id);
+    sort(mesh.file.face_winding);
 }
 
 int add_boundary(Mesh& mesh, const std::vector<std::string>& groups) {

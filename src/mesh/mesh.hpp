@@ -5,6 +5,7 @@
 // refine() make others of it, and prolong() carries fields over to those.
 #pragma once
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@
 
 namespace almesh {
 
-// Elements of one type: consecutive ones, with their nodes from elements[start] on.
+// Elements of one type, or faces: consecutive ones, with their nodes from elements[start] or faces[start] on.
 struct ElementGroup {
     const CellType* cell;
     int first, count;
@@ -28,7 +29,8 @@ struct Mesh {
     std::vector<double> x;             // node_count x dim positions, as read
     std::vector<int> elements;         // element_count x element_nodes(e) node indices, Gmsh order, det J > 0
     std::vector<ElementGroup> groups;  // of all elements, in their order; empty where all are simplices
-    std::vector<int> faces;            // face_count x face_nodes(): all boundary faces, Gmsh order, oriented outward
+    std::vector<int> faces;            // face_count x face_nodes(f): all boundary faces, Gmsh order, oriented outward
+    std::vector<ElementGroup> groups_of_faces;  // of all faces, in their order; empty where all are simplices
     std::vector<int> face_element;     // element each face belongs to
     std::vector<int> face_boundary;    // index into boundaries
     std::vector<std::string> boundaries;  // physical names (or "tag 7" where the file names none), "inlet + hot" of two
@@ -36,29 +38,23 @@ struct Mesh {
     std::vector<char> inner;  // per boundary: whether elements are on both sides (inner_boundary.hpp); empty: none
     int cut = -1;  // boundary along which it was cut out of another mesh, where its nodes stay (part.hpp); -1: none
     std::vector<std::array<int, 2>> folded;  // neighbours on the same side of their common face: only of Folds::keep
-    std::array<KeptCells, 4> kept{};      // by dimension, up to that of the mesh
+    std::array<KeptCells, 5> kept{};  // simplices by dimension, up to that of the mesh, and in 3D quadrilaterals
     FileTags file;
 
     bool is_simplicial() const { return groups.empty(); }
     const CellType& cell(int e) const { return groups.empty() ? simplex(dim) : *group_of(e).cell; }
     int nodes() const { return static_cast<int>(x.size()) / dim; }
     int element_nodes(int e = 0) const { return cell(e).node_count(degree); }
-    int face_nodes() const { return simplex_node_count(dim - 1, degree); }  // faces are simplices
     int element_count() const {
         if (!groups.empty()) return groups.back().first + groups.back().count;
         return static_cast<int>(elements.size()) / simplex_node_count(dim, degree);
     }
-    int face_count() const { return static_cast<int>(faces.size()) / face_nodes(); }
     const int* element(int e) const {
         if (groups.empty()) return elements.data() + offset(e, simplex_node_count(dim, degree));
         const ElementGroup& group = group_of(e);
         return elements.data() + group.start + offset(e - group.first, group.cell->node_count(degree));
     }
-    const ElementGroup& group_of(int e) const {  // where there are any
-        const ElementGroup* group = groups.data();
-        while (e >= group->first + group->count) ++group;
-        return *group;
-    }
+    const ElementGroup& group_of(int e) const { return group_of(groups, e); }  // where there are any
     int group_number(int e) const { return groups.empty() ? 0 : static_cast<int>(&group_of(e) - groups.data()); }
     // All of them, also where they are simplices.
     std::vector<ElementGroup> element_groups() const {
@@ -68,14 +64,61 @@ struct Mesh {
     const CellType& cell() const { return cell(0); }
     std::string elements_text() const;  // "18042 triangles, 4800 quadrilaterals"
     int most_sides() const;  // of an element
-    const int* face(int f) const { return faces.data() + offset(f, face_nodes()); }
+
+    // The same of faces.
+    const CellType& face_cell(int f) const {
+        return groups_of_faces.empty() ? simplex(dim - 1) : *group_of(groups_of_faces, f).cell;
+    }
+    int face_nodes(int f) const { return face_cell(f).node_count(degree); }
+    int face_count() const {
+        if (!groups_of_faces.empty()) return groups_of_faces.back().first + groups_of_faces.back().count;
+        return static_cast<int>(faces.size()) / simplex_node_count(dim - 1, degree);
+    }
+    std::size_t face_start(int f) const {  // of its nodes, in `faces`
+        if (groups_of_faces.empty()) return offset(f, simplex_node_count(dim - 1, degree));
+        const ElementGroup& group = group_of(groups_of_faces, f);
+        return group.start + offset(f - group.first, group.cell->node_count(degree));
+    }
+    const int* face(int f) const { return faces.data() + face_start(f); }
+    std::span<const int> face_vertices(int f) const {
+        return {face(f), static_cast<std::size_t>(face_cell(f).vertices)};
+    }
+    int face_group_number(int f) const {
+        return groups_of_faces.empty() ? 0
+                                       : static_cast<int>(&group_of(groups_of_faces, f) - groups_of_faces.data());
+    }
+    std::vector<ElementGroup> face_groups() const {
+        return groups_of_faces.empty() ? std::vector{ElementGroup{&simplex(dim - 1), 0, face_count(), 0}}
+                                       : groups_of_faces;
+    }
+    const CellType& cell_of(const KeptCells& some) const { return cell_types()[&some - kept.data()]; }
     bool is_inner(int f) const { return !inner.empty() && inner[face_boundary[f]]; }
     int boundary_index(const std::string& name) const;  // -1 where there is none
     std::vector<char> boundaries_in(const std::string& group) const;  // per boundary: whether it is part of it
+
+private:
+    static const ElementGroup& group_of(const std::vector<ElementGroup>& of, int cell) {
+        const ElementGroup* group = of.data();
+        while (cell >= group->first + group->count) ++group;
+        return *group;
+    }
 };
 
 // Of elements of these types, in this order, those of one type together; empty where all are simplices. Degree p.
 std::vector<ElementGroup> groups_of(const std::vector<const CellType*>& types, int degree);
+
+// Calls body(f, k) for all nodes faces[k] of all faces f, k ascending.
+template <class Body>
+void for_face_nodes(const Mesh& mesh, const Body& body) {
+    std::size_t k = 0;
+    for (const ElementGroup& group : mesh.face_groups())
+        for (int f = group.first; f < group.first + group.count; ++f)
+            for (int i = 0; i < group.cell->node_count(mesh.degree); ++i, ++k) body(f, k);
+}
+
+// Where the faces have been appended in this order, with all that there is of each: brings those of one type together,
+// each type in this order.
+void group_faces(Mesh& mesh, const std::vector<const CellType*>& types);
 
 // Appends a boundary with these groups; returns its index.
 int add_boundary(Mesh& mesh, const std::vector<std::string>& groups);

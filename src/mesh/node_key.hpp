@@ -41,8 +41,9 @@ inline NodeKey key_of(const MultiIndex& a, const int* vertex, int dim) {
 inline NodeKey key_in_quadrilateral(const MultiIndex& a, const int* vertex) {
     const int degree = a[0] + a[1];
     const bool on_edge = a[0] * a[1] * a[2] * a[3] == 0;
-    MultiIndex weight = {a[0] * a[2], a[1] * a[2], a[1] * a[3], a[0] * a[3]};
-    for (int& w : weight) w /= on_edge ? degree : 1;
+    MultiIndex weight{};
+    const std::array<int, 4> weights = vertex_weights(quadrilateral(), a);
+    for (int k = 0; k < 4; ++k) weight[k] = weights[k] / (on_edge ? degree : 1);
     return key_of(weight, vertex, 3);
 }
 

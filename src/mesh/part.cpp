@@ -41,7 +41,7 @@ std::vector<int> cut_sides(const Mesh& mesh, const std::vector<char>& chosen) {
     const int boundary = -1;
     std::vector<Side> sides;
     for (int f = 0; f < mesh.face_count(); ++f)
-        if (chosen[mesh.face_element[f]]) sides.emplace_back(std::span(mesh.face(f), mesh.dim), boundary);
+        if (chosen[mesh.face_element[f]]) sides.emplace_back(mesh.face_vertices(f), boundary);
     for_sides(mesh, [&](int e, int k, int number) {
         if (chosen[e]) sides.push_back(side_of_element(mesh, e, k, number));
     });
@@ -73,8 +73,11 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
     for (int e = 0, next = 0; e < mesh.element_count(); ++e)
         if (chosen[e]) element[e] = next++;
 
-    const auto add_face = [&](const int* face, int of_element, int boundary, long long id, int physical, int entity) {
-        for (int k = 0; k < mesh.face_nodes(); ++k) part.faces.push_back(number[face[k]]);
+    std::vector<const CellType*> types;  // of the faces
+    const auto add_face = [&](const CellType& cell, const int* face, int of_element, int boundary, long long id,
+                              int physical, int entity) {
+        types.push_back(&cell);
+        for (int k = 0; k < cell.node_count(mesh.degree); ++k) part.faces.push_back(number[face[k]]);
         part.face_element.push_back(of_element);
         part.face_boundary.push_back(boundary);
         part.file.face_id.push_back(id);
@@ -84,17 +87,18 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
     for (int f = 0; f < mesh.face_count(); ++f) {
         const int e = mesh.face_element[f];
         if (!chosen[e]) continue;
-        add_face(mesh.face(f), element[e], mesh.face_boundary[f], mesh.file.face_id[f], mesh.file.face_physical[f],
-                 mesh.file.face_entity[f]);
+        add_face(mesh.face_cell(f), mesh.face(f), element[e], mesh.face_boundary[f], mesh.file.face_id[f],
+                 mesh.file.face_physical[f], mesh.file.face_entity[f]);
     }
     const SideNodes side_nodes(mesh.dim, mesh.degree);
-    std::vector<int> face(mesh.face_nodes());
+    std::vector<int> face;
     for (const int side : cut_sides(mesh, chosen)) {
-        const int e = side / mesh.most_sides();
-        const std::vector<int>& local = side_nodes.of(mesh.cell(e), side % mesh.most_sides());
-        for (int k = 0; k < mesh.face_nodes(); ++k) face[k] = mesh.element(e)[local[k]];
-        add_face(face.data(), element[e], part.cut, 0, 0, 0);
+        const int e = side / mesh.most_sides(), k = side % mesh.most_sides();
+        face.clear();
+        for (const int i : side_nodes.of(mesh.cell(e), k)) face.push_back(mesh.element(e)[i]);
+        add_face(mesh.cell(e).face_type(k), face.data(), element[e], part.cut, 0, 0, 0);
     }
+    group_faces(part, types);
     return part;
 }
 

@@ -24,11 +24,11 @@ namespace almesh {
 namespace {
 
 // A new degree or number of vertices: where the nodes of each group begin.
-void start_groups(Mesh& mesh) {
+void start_groups(std::vector<ElementGroup>& groups, int degree) {
     std::size_t start = 0;
-    for (ElementGroup& group : mesh.groups) {
+    for (ElementGroup& group : groups) {
         group.start = start;
-        start += offset(group.count, group.cell->node_count(mesh.degree));
+        start += offset(group.count, group.cell->node_count(degree));
     }
 }
 
@@ -125,20 +125,21 @@ Values repeated(const Values& from, int times) {
 // The kept cells of a linear mesh split like its elements. Points stay.
 void refine_kept_cells(const Mesh& mesh, Midpoints& midpoint, Mesh& fine) {
     const Subcells subcells(fine);
-    for (int dim = 1; dim <= mesh.dim; ++dim) {
-        const KeptCells& coarse = mesh.kept[dim];
-        KeptCells& kept = fine.kept[dim] = {};
+    for (const KeptCells& coarse : mesh.kept) {
+        const CellType& cell = mesh.cell_of(coarse);
+        if (cell.dim == 0) continue;
+        KeptCells& kept = fine.kept[&coarse - mesh.kept.data()] = {};
         for (int c = 0; c < coarse.count(); ++c)
-            append_children(simplex(dim),
-                            dim == mesh.dim ? mesh.element(coarse.element[c]) : &coarse.nodes[offset(c, dim + 1)],
+            append_children(cell, cell.dim == mesh.dim ? mesh.element(coarse.element[c])
+                                                       : &coarse.nodes[offset(c, cell.vertices)],
                             midpoint, fine.x, kept.nodes);
-        for (std::size_t k = 0; k < kept.nodes.size(); k += dim + 1) {
-            int e = coarse.element[(k / (dim + 1)) >> dim] << mesh.dim;
-            while (!subcells.has(e, &kept.nodes[k], dim)) ++e;
+        for (std::size_t k = 0; k < kept.nodes.size(); k += cell.vertices) {
+            int e = coarse.element[(k / cell.vertices) >> cell.dim] << mesh.dim;
+            while (!subcells.has(e, &kept.nodes[k], cell)) ++e;
             kept.element.push_back(e);
         }
-        kept.physical = repeated(coarse.physical, 1 << dim);
-        kept.entity = repeated(coarse.entity, 1 << dim);
+        kept.physical = repeated(coarse.physical, 1 << cell.dim);
+        kept.entity = repeated(coarse.entity, 1 << cell.dim);
         kept.id.resize(kept.physical.size());
     }
 }
@@ -164,24 +165,29 @@ Mesh refine_once(const Mesh& mesh) {
     fine.elements.reserve(mesh.elements.size() * children_count);
     fine.x.reserve(mesh.x.size() << dim);
     Midpoints midpoint(dim, fine.x);
-    for (ElementGroup& group : fine.groups) {
-        group.first *= children_count;
-        group.count *= children_count;
-        group.start *= children_count;
-    }
+    const auto grow = [](std::vector<ElementGroup>& groups, int times) {
+        for (ElementGroup& group : groups) {
+            group.first *= times;
+            group.count *= times;
+            group.start *= times;
+        }
+    };
+    grow(fine.groups, children_count);
+    grow(fine.groups_of_faces, face_children);
     for (int e = 0; e < mesh.element_count(); ++e)
         append_children(mesh.cell(e), mesh.element(e), midpoint, fine.x, fine.elements);
     std::vector<int> pieces;
     for (int f = 0; f < mesh.face_count(); ++f) {
         pieces.clear();
-        append_children(simplex(dim - 1), mesh.face(f), midpoint, fine.x, pieces);
-        const int first = mesh.face_element[f] * children_count;
-        for (const int* piece = pieces.data(); piece != pieces.data() + pieces.size(); piece += dim) {
-            int e = first;
+        append_children(mesh.face_cell(f), mesh.face(f), midpoint, fine.x, pieces);
+        const std::size_t vertices = mesh.face_cell(f).vertices;
+        for (std::size_t first = 0; first < pieces.size(); first += vertices) {
+            const std::span<const int> piece(&pieces[first], vertices);
+            int e = mesh.face_element[f] * children_count;
             while (side_number(fine, e, piece) < 0) ++e;
             fine.face_element.push_back(e);
             const CellFace& local = fine.cell(e).faces[side_number(fine, e, piece)];
-            for (int k = 0; k < dim; ++k) fine.faces.push_back(fine.element(e)[local[k]]);
+            for (std::size_t k = 0; k < vertices; ++k) fine.faces.push_back(fine.element(e)[local[k]]);
         }
     }
     fine.file.sections.clear();
@@ -263,10 +269,11 @@ Mesh linear_part(const Mesh& mesh) {
     linear.elements.clear();
     for (int e = 0; e < mesh.element_count(); ++e)
         for (int v = 0; v < mesh.cell(e).vertices; ++v) linear.elements.push_back(index[mesh.element(e)[v]]);
-    start_groups(linear);
+    start_groups(linear.groups, 1);
+    start_groups(linear.groups_of_faces, 1);
     linear.faces.clear();
     for (int f = 0; f < mesh.face_count(); ++f)
-        for (int v = 0; v < mesh.dim; ++v) linear.faces.push_back(index[mesh.face(f)[v]]);
+        for (const int node : mesh.face_vertices(f)) linear.faces.push_back(index[node]);
     restrict_kept_cells(mesh, index, linear);
     return linear;
 }
@@ -314,12 +321,13 @@ Mesh interpolated(const Mesh& mesh, int degree) {
             }
         }
     }
-    start_groups(raised);
+    start_groups(raised.groups, degree);
+    start_groups(raised.groups_of_faces, degree);
     raised.faces.clear();
     const SideNodes side_nodes(dim, degree);
     for (int f = 0; f < mesh.face_count(); ++f) {
         const int e = mesh.face_element[f];
-        for (int k : side_nodes.of(mesh.cell(e), side_number(mesh, e, mesh.face(f))))
+        for (int k : side_nodes.of(mesh.cell(e), side_number(mesh, e, mesh.face_vertices(f))))
             raised.faces.push_back(raised.element(e)[k]);
     }
     raise_kept_cells(raised);

@@ -10,12 +10,17 @@ SideNodes::SideNodes(int dim, int degree) {
     }
 }
 
-int side_number(const Mesh& mesh, int e, const int* vertex) {
-    const int* const node = mesh.element(e);
+int side_number(const Mesh& mesh, int e, std::span<const int> vertices) {
     const CellType& cell = mesh.cell(e);
-    const auto has = [&](int v) { return std::find(vertex, vertex + mesh.dim, node[v]) != vertex + mesh.dim; };
-    for (int k = 0; k < static_cast<int>(cell.faces.size()); ++k)
-        if (std::all_of(cell.faces[k].begin(), cell.faces[k].begin() + mesh.dim, has)) return k;
+    const int* const node = mesh.element(e);
+    for (int k = 0; k < static_cast<int>(cell.faces.size()); ++k) {
+        const int count = cell.face_type(k).vertices;
+        if (count == static_cast<int>(vertices.size()) &&
+            std::all_of(cell.faces[k].begin(), cell.faces[k].begin() + count, [&](int v) {
+                return std::find(vertices.begin(), vertices.end(), node[v]) != vertices.end();
+            }))
+            return k;
+    }
     return -1;
 }
 

@@ -1,6 +1,6 @@
-// The sides of cells by their vertices: the edges of triangles, the faces of tetrahedra. Two cells are neighbours where
-// they have sides with the same vertices; a side whose vertices no other one has is on the boundary. Cells of both
-// kinds may be the elements of a mesh or its boundary faces, whose sides are edges (3D) or vertices (2D).
+// The sides of cells by their vertices: the edges of triangles, the faces of tetrahedra and hexahedra. Two cells are
+// neighbours where they have sides with the same vertices; a side whose vertices no other one has is on the boundary.
+// Cells of both kinds may be the elements of a mesh or its boundary faces, whose sides are edges (3D) or vertices (2D).
 #pragma once
 #include <algorithm>
 #include <array>
@@ -17,7 +17,8 @@ namespace almesh {
 struct Side {
     std::array<int, 4> vertex;  // ascending; those that it does not have are beyond all others
     int number;                 // chosen by the caller: for sides of all cells, cell * (sides of a cell) + local number
-    bool even = true;           // whether sorting was an even permutation: cells on opposite sides of a face differ
+    bool even = true;           // whether they go around as these: cells on opposite sides of a face differ
+    signed char opposite = 0;   // which of them is across the lowest one in a quadrilateral; 0: it is none
 
     Side(std::span<const int> vertices, int of) : number(of) {
         vertex.fill(std::numeric_limits<int>::max());
@@ -28,6 +29,13 @@ struct Side {
                 even = !even;
             }
         }
+        if (vertices.size() < 4) return;
+        const auto around = [&](int k) {
+            const auto lowest = std::find(vertices.begin(), vertices.end(), vertex[0]) - vertices.begin();
+            return vertices[(lowest + k) % 4];
+        };
+        even = around(1) < around(3);
+        opposite = static_cast<signed char>(std::find(vertex.begin(), vertex.end(), around(2)) - vertex.begin());
     }
     bool operator<(const Side& other) const {  // by vertices, then by number
         return vertex != other.vertex ? vertex < other.vertex : number < other.number;
@@ -45,19 +53,23 @@ private:
     std::vector<std::vector<std::vector<int>>> nodes_;  // by the number of vertices of the cell, and side
 };
 
-// Side k of the simplex of the given dimension, opposite its vertex k, with these vertices.
-inline Side side_of_simplex(int dim, const int* vertices, int k, int number) {
-    std::array<int, 3> vertex{};
-    const CellFace& local = simplex(dim).faces[k];
-    for (int i = 0; i < dim; ++i) vertex[i] = vertices[local[i]];
-    return {std::span(vertex).first(dim), number};
+// Side k of the cell with these vertices.
+inline Side side_of_cell(const CellType& cell, const int* vertices, int k, int number) {
+    std::array<int, 4> vertex{};
+    const int count = cell.face_type(k).vertices;
+    for (int i = 0; i < count; ++i) vertex[i] = vertices[cell.faces[k][i]];
+    return {std::span(vertex).first(count), number};
 }
 
 inline Side side_of_element(const Mesh& mesh, int e, int k, int number) {
-    const CellType& cell = mesh.cell(e);
-    std::array<int, 3> vertex{};
-    for (int i = 0; i < mesh.dim; ++i) vertex[i] = mesh.element(e)[cell.faces[k][i]];
-    return {std::span(vertex).first(mesh.dim), number};
+    return side_of_cell(mesh.cell(e), mesh.element(e), k, number);
+}
+
+// The sides of boundary face f, with the given number each.
+inline void append_sides_of_face(const Mesh& mesh, int f, int number, std::vector<Side>& sides) {
+    const CellType& cell = mesh.face_cell(f);
+    for (int k = 0; k < static_cast<int>(cell.faces.size()); ++k)
+        sides.push_back(side_of_cell(cell, mesh.face(f), k, number));
 }
 
 // Calls body(e, k, number) for the sides k of all elements e, ascending: number = e * Mesh::most_sides() + k.
@@ -80,7 +92,7 @@ void for_equal_sides(std::vector<Side>& sides, const Body& body) {
     }
 }
 
-// Local number of the side of element e that has the given vertices (dim of them), -1: none.
-int side_number(const Mesh& mesh, int e, const int* vertex);
+// Local number of the side of element e that has the given vertices, -1: none.
+int side_number(const Mesh& mesh, int e, std::span<const int> vertices);
 
 }  // namespace almesh

@@ -69,16 +69,17 @@ public:
     void finish() {
         const Subcells subcells(mesh_);
         for (int f = 0; f < mesh_.face_count(); ++f)
-            mesh_.face_element[f] =
-                part_of(mesh_.face_element[f], [&](int e) { return side_number(mesh_, e, mesh_.face(f)) >= 0; });
+            mesh_.face_element[f] = part_of(mesh_.face_element[f], [&](int e) {
+                return side_number(mesh_, e, mesh_.face_vertices(f)) >= 0;
+            });
         for (int dim = 1; dim <= mesh_.dim; ++dim) {
             KeptCells& kept = mesh_.kept[dim];
             const int width = simplex_node_count(dim, mesh_.degree);
             for (int c = 0; c < kept.count(); ++c) {
                 if (!parts_.contains(kept.element[c])) continue;
                 int* const node = &kept.nodes[offset(c, width)];
-                kept.element[c] = part_of(kept.element[c], [&](int e) { return subcells.has(e, node, dim); });
-                const std::vector<int> nodes = subcells.nodes(kept.element[c], node, dim);
+                kept.element[c] = part_of(kept.element[c], [&](int e) { return subcells.has(e, node, simplex(dim)); });
+                const std::vector<int> nodes = subcells.nodes(kept.element[c], node, simplex(dim));
                 std::copy(nodes.begin(), nodes.end(), node);
             }
         }
@@ -182,13 +183,13 @@ std::vector<std::vector<Simplex>> inner_simplices(const Mesh& mesh, const std::v
     std::map<int, std::vector<int>> faces_at;  // vertices of the elements
     for (const int e : elements)
         for (int k = 0; k <= mesh.dim; ++k) faces_at[mesh.element(e)[k]];
-    for (int k = 0; k < static_cast<int>(mesh.faces.size()) && !elements.empty(); ++k) {
-        const int f = k / mesh.face_nodes();
+    for (int f = 0; f < mesh.face_count() && !elements.empty(); ++f) {
         if (!boundaries.empty() && !boundaries[mesh.face_boundary[f]]) continue;
-        if (const auto at = faces_at.find(mesh.faces[k]); at != faces_at.end()) at->second.push_back(f);
+        for (const int node : mesh.face_vertices(f))
+            if (const auto at = faces_at.find(node); at != faces_at.end()) at->second.push_back(f);
     }
     const auto is_none = [&](const Simplex& s) {  // on a face, or with a vertex that is on none
-        const auto has_s = [&](int f) { return has(std::span(mesh.face(f), mesh.dim), s); };
+        const auto has_s = [&](int f) { return has(mesh.face_vertices(f), s); };
         const std::vector<int>& faces = faces_at.at(s[0]);
         return std::any_of(faces.begin(), faces.end(), has_s) ||
                std::any_of(s.begin(), s.end(), [&](int v) { return faces_at.at(v).empty(); });

@@ -9,8 +9,10 @@
 namespace almesh {
 namespace {
 
-// The identity first; those of two vertices are the first two.
-constexpr std::array<int, 3> windings[] = {{0, 1, 2}, {1, 0, 2}, {0, 2, 1}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+// The identity first. Of two vertices the first two, of three those that leave the last one, then those of four.
+constexpr std::array<int, 4> windings[] = {{0, 1, 2, 3}, {1, 0, 2, 3}, {0, 2, 1, 3}, {1, 2, 0, 3}, {2, 0, 1, 3},
+                                           {2, 1, 0, 3}, {1, 2, 3, 0}, {2, 3, 0, 1}, {3, 0, 1, 2}, {0, 3, 2, 1},
+                                           {1, 0, 3, 2}, {3, 2, 1, 0}};
 
 bool is_identity(const std::vector<std::uint8_t>& winding) {
     return std::all_of(winding.begin(), winding.end(), [](std::uint8_t w) { return w == 0; });
@@ -54,11 +56,12 @@ Mesh as_in_file(Mesh mesh) {
     const Subcells subcells(mesh);
     for (std::size_t f = 0; f < mesh.file.face_winding.size(); ++f) {
         if (mesh.file.face_winding[f] == 0) continue;
-        std::array<int, 3> vertex{};
-        const int* const face = mesh.face(static_cast<int>(f));
-        for (int k = 0; k < mesh.dim; ++k) vertex[k] = face[windings[mesh.file.face_winding[f]][k]];
-        const std::vector<int> nodes = subcells.nodes(mesh.face_element[f], vertex.data(), mesh.dim - 1);
-        std::copy(nodes.begin(), nodes.end(), mesh.faces.begin() + static_cast<std::ptrdiff_t>(f * nodes.size()));
+        std::array<int, 4> vertex{};
+        const CellType& cell = mesh.face_cell(static_cast<int>(f));
+        const std::size_t start = mesh.face_start(static_cast<int>(f));
+        for (int k = 0; k < cell.vertices; ++k) vertex[k] = mesh.faces[start + windings[mesh.file.face_winding[f]][k]];
+        const std::vector<int> nodes = subcells.nodes(mesh.face_element[f], vertex.data(), cell);
+        std::copy(nodes.begin(), nodes.end(), mesh.faces.begin() + static_cast<std::ptrdiff_t>(start));
     }
     std::vector<int> turned;
     for (std::size_t e = 0; e < mesh.file.element_winding.size(); ++e) {

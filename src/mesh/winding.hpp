@@ -10,7 +10,7 @@
 
 namespace almesh {
 
-// Of a cell here, by `count` <= 3 vertices of it, which are also those in the file.
+// Of a cell here, by `count` <= 4 vertices of it, which are also those in the file.
 std::uint8_t winding(const int* here, const int* in_file, int count);
 
 // Swaps the last two vertices of the given simplices (the second and the last one of quadrilaterals), with all nodes

@@ -84,7 +84,7 @@ struct Stop {
     bool is_on(const std::string& name, int i) const {
         for (int f = 0; f < mesh.face_count(); ++f)
             if (mesh.boundaries[mesh.face_boundary[f]] == name &&
-                std::count(mesh.face(f), mesh.face(f) + mesh.face_nodes(), i))
+                std::count(mesh.face(f), mesh.face(f) + mesh.face_nodes(0), i))
                 return true;
         return false;
     }

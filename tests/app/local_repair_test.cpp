@@ -18,7 +18,7 @@ Mesh with_bump(const Mesh& linear, double height) {
     const int last = mesh.dim - 1;
     std::vector<char> on_bottom(mesh.nodes(), 0);
     for (std::size_t k = 0; k < mesh.faces.size(); ++k)
-        on_bottom[mesh.faces[k]] |= mesh.boundaries[mesh.face_boundary[k / mesh.face_nodes()]] == "bottom";
+        on_bottom[mesh.faces[k]] |= mesh.boundaries[mesh.face_boundary[k / mesh.face_nodes(0)]] == "bottom";
     for (int i = 0; i < mesh.nodes(); ++i) {
         double* const x = point(mesh.x, i, mesh.dim);
         if (on_bottom[i]) x[last] += height * std::exp(-80 * std::pow(x[0] - 0.25, 2));

@@ -21,7 +21,7 @@ std::set<int> nodes_of(const Mesh& mesh, const std::string& boundary) {
     std::set<int> nodes;
     for (int f = 0; f < mesh.face_count(); ++f)
         if (mesh.boundaries[mesh.face_boundary[f]] == boundary)
-            nodes.insert(mesh.face(f), mesh.face(f) + mesh.face_nodes());
+            nodes.insert(mesh.face(f), mesh.face(f) + mesh.face_nodes(0));
     return nodes;
 }
 
@@ -70,7 +70,7 @@ double largest_distance(const Mesh& mesh, const std::string& boundary, const Mes
     const ClosestPoint closest(basis, faces);
     double largest = 0;
     for (int f = 0; f < mesh.face_count(); ++f)
-        for (int i = 0; i < mesh.face_nodes() && mesh.boundaries[mesh.face_boundary[f]] == boundary; ++i) {
+        for (int i = 0; i < mesh.face_nodes(0) && mesh.boundaries[mesh.face_boundary[f]] == boundary; ++i) {
             const Vec<3> x = positions(mesh, mesh.x, &mesh.face(f)[i], 1)[0];
             largest = std::max(largest, length(closest.find(x).position - x));
         }

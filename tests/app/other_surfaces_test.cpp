@@ -16,7 +16,7 @@ namespace {
 std::vector<int> nodes_of(const Mesh& mesh, const std::string& boundary) {
     std::vector<int> nodes;
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
-        if (mesh.boundaries[mesh.face_boundary[k / mesh.face_nodes()]] == boundary) nodes.push_back(mesh.faces[k]);
+        if (mesh.boundaries[mesh.face_boundary[k / mesh.face_nodes(0)]] == boundary) nodes.push_back(mesh.faces[k]);
     return nodes;
 }
 

@@ -65,7 +65,7 @@ std::vector<char> nodes_of(const Mesh& mesh, const std::vector<std::string>& bou
     std::vector<char> flag(mesh.nodes(), 0);
     for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
         for (const std::string& name : boundaries)
-            if (mesh.boundaries[mesh.face_boundary[k / mesh.face_nodes()]] == name) flag[mesh.faces[k]] = 1;
+            if (mesh.boundaries[mesh.face_boundary[k / mesh.face_nodes(0)]] == name) flag[mesh.faces[k]] = 1;
     return flag;
 }
 

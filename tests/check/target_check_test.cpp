@@ -77,7 +77,7 @@ TEST_CASE("faces that span arcs of up to 150 degrees are accepted") {
         const std::vector<MultiIndex> order = gmsh_node_order(1, degree);
         for (int f = 0; f < mesh.face_count(); ++f) {
             const double from = 150 * mesh.face(f)[0], span = mesh.face(f)[0] == 2 ? 60 : 150;
-            for (int i = 0; i < mesh.face_nodes(); ++i) {
+            for (int i = 0; i < mesh.face_nodes(0); ++i) {
                 const double angle = (from + span * order[i][1] / degree) * degree_of_arc;
                 target[2 * mesh.face(f)[i]] = std::cos(angle);
                 target[2 * mesh.face(f)[i] + 1] = std::sin(angle);
@@ -212,7 +212,7 @@ TEST_CASE("a corner between the faces of a curved boundary and their chords is i
         for (std::size_t k = 0; k < ring.faces.size(); ++k) {
             const double* const from = &ring.x[2 * ring.faces[k]];
             double* const to = &x[2 * ring.faces[k]];
-            const double* const vertex = &ring.x[2 * ring.face(static_cast<int>(k) / ring.face_nodes())[0]];
+            const double* const vertex = &ring.x[2 * ring.face(static_cast<int>(k) / ring.face_nodes(0))[0]];
             const bool is_outer = std::hypot(vertex[0], vertex[1]) > 1.1;
             const double angle = std::atan2(from[1], from[0]) + (is_outer ? 0 : turn);
             const double r = is_outer ? radius : std::hypot(from[0], from[1]);

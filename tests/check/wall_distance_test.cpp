@@ -23,7 +23,7 @@ std::vector<int> nodes_off_wall(const Mesh& mesh, const std::vector<char>& wall)
     std::vector<char> on(mesh.nodes(), 0);
     for (int f = 0; f < mesh.face_count(); ++f)
         if (wall[mesh.face_boundary[f]])
-            for (int i = 0; i < mesh.face_nodes(); ++i) on[mesh.face(f)[i]] = 1;
+            for (int i = 0; i < mesh.face_nodes(0); ++i) on[mesh.face(f)[i]] = 1;
     std::vector<int> off;
     for (int i = 0; i < mesh.nodes(); ++i)
         if (!on[i]) off.push_back(i);
@@ -197,7 +197,7 @@ TEST_CASE("nodes of the wall are at distance zero, a wall without faces is an er
     set_threads(1);
     const std::vector<double> serial = wall_distance(mesh, x, wall);
     for (int f = 0; f < mesh.face_count(); ++f)
-        for (int i = 0; i < mesh.face_nodes(); ++i)
+        for (int i = 0; i < mesh.face_nodes(0); ++i)
             if (wall[mesh.face_boundary[f]]) CHECK(serial[mesh.face(f)[i]] == 0);
     for (int threads : {2, 3, 5}) {
         set_threads(threads);

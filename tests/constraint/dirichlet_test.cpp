@@ -136,12 +136,12 @@ TEST_CASE("the exact norm is the integral of |phi - g_D|^2, by Pythagoras from p
         std::vector<double> N(basis.count);
         double squared = 0;  // |f| / h = 1 in 2D
         for (int f = 0; f < c.mesh.face_count(); ++f)
-            for (int q = 0; q < c.target.quadrature.count; ++q) {
-                basis.values(&c.target.quadrature.xi[q], N.data());
+            for (int q = 0; q < c.target.rules[0].quadrature.count; ++q) {
+                basis.values(&c.target.rules[0].quadrature.xi[q], N.data());
                 for (int a = 0; a < 2; ++a) {
-                    double d = -c.target.sample[(f * c.target.quadrature.count + q) * 2 + a];
+                    double d = -c.target.sample[(f * c.target.rules[0].quadrature.count + q) * 2 + a];
                     for (int i = 0; i < basis.count; ++i) d += N[i] * x[c.mesh.face(f)[i] * 2 + a];
-                    squared += c.target.quadrature.weight[q] * d * d;
+                    squared += c.target.rules[0].quadrature.weight[q] * d * d;
                 }
             }
         CHECK(c.constraint.norm(x) == doctest::Approx(std::sqrt(squared) / c.constraint.norm_of_one()).epsilon(1e-12));

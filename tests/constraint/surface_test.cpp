@@ -222,7 +222,7 @@ TEST_CASE("the projection on a mesh's own faces: along the normal, its slope the
         for (int f = 0; f < mesh.face_count(); ++f) {
             if (mesh.boundaries[mesh.face_boundary[f]] != (dim == 2 ? "outer" : "bottom")) continue;
             patches.push_back(face_patch(basis, mesh, mesh.x, f));
-            nodes.emplace_back(mesh.face(f), mesh.face(f) + mesh.face_nodes());
+            nodes.emplace_back(mesh.face(f), mesh.face(f) + mesh.face_nodes(0));
         }
         const auto faces = surface_of_faces(basis, patches, nodes);
         for (int k = 0; k < 40; ++k) {

@@ -29,14 +29,14 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 // body(position in the mesh file, target) for every node and every quadrature point of the boundary's faces.
 template <class Body>
 void for_points(const Mesh& mesh, const BoundaryTarget& target, const std::string& boundary, const Body& body) {
-    const int dim = mesh.dim, m = mesh.face_nodes(), points = target.quadrature.count;
+    const int dim = mesh.dim, m = mesh.face_nodes(0), points = target.rules[0].quadrature.count;
     const LagrangeBasis basis(dim - 1, mesh.degree);
     std::vector<double> N(m);
     for (int f = 0; f < mesh.face_count(); ++f) {
         if (mesh.boundaries[mesh.face_boundary[f]] != boundary) continue;
         for (int i = 0; i < m; ++i) body(&mesh.x[mesh.face(f)[i] * dim], &target.node[(f * m + i) * dim]);
         for (int q = 0; q < points; ++q) {
-            basis.values(&target.quadrature.xi[q * (dim - 1)], N.data());
+            basis.values(&target.rules[0].quadrature.xi[q * (dim - 1)], N.data());
             double x[3] = {};
             for (int i = 0; i < m; ++i)
                 for (int a = 0; a < dim; ++a) x[a] += N[i] * mesh.x[mesh.face(f)[i] * dim + a];
@@ -65,7 +65,8 @@ TEST_CASE("each boundary goes where its own motion takes it, at nodes and quadra
         const Mesh mesh = raise_degree(ring_mesh(7, 2, 4), degree);
         const BoundaryTarget target = target_of(mesh, {{"inner", "translate 8 -1"}, {"outer", "circle 0 0 6"}});
         REQUIRE(target.node.size() == mesh.faces.size() * 2);
-        REQUIRE(target.sample.size() == static_cast<std::size_t>(mesh.face_count()) * target.quadrature.count * 2);
+        REQUIRE(target.sample.size() ==
+                static_cast<std::size_t>(mesh.face_count()) * target.rules[0].quadrature.count * 2);
         for_points(mesh, target, "inner", [](const double* x, const double* g) {
             CHECK(std::hypot(g[0] - x[0] - 8, g[1] - x[1] + 1) < 1e-14);
         });
@@ -111,8 +112,8 @@ TEST_CASE("the target is in the trace space, and takes few quadrature points, un
     const BoundaryTarget projected = target_of(mesh, {{"outer", "circle 0 0 6"}});
     CHECK(affine.in_trace_space);
     CHECK(!projected.in_trace_space);
-    CHECK(affine.quadrature.count == mesh.degree + 1);
-    CHECK(projected.quadrature.count == mesh.degree + 6);
+    CHECK(affine.rules[0].quadrature.count == mesh.degree + 1);
+    CHECK(projected.rules[0].quadrature.count == mesh.degree + 6);
 }
 
 TEST_CASE("two boundaries that send a shared node to different places are refused by id and name") {
@@ -159,7 +160,7 @@ TEST_CASE("flat faces: their nodes between the vertices, faces beside them follo
     for (const int degree : {2, 3, 4})
         for (const Mesh& linear : {square_mesh(4), cube_mesh(2)}) {
             Mesh mesh = raise_degree(linear, degree);
-            const int dim = mesh.dim, m = mesh.face_nodes();
+            const int dim = mesh.dim, m = mesh.face_nodes(0);
             // By a quadratic map, whose faces are all parabolic: in its middle each follows its edges exactly.
             const std::vector<double> straight = mesh.x;
             for (int i = 0; i < mesh.nodes(); ++i) {
@@ -190,10 +191,10 @@ TEST_CASE("flat faces: their nodes between the vertices, faces beside them follo
                     }
                     for (int a = 0; a < dim && i < dim; ++a) CHECK(now[a] == was[a]);
                 }
-                const int points = target.quadrature.count;
+                const int points = target.rules[0].quadrature.count;
                 std::vector<double> N(m);
                 for (int q = 0; q < points; ++q) {
-                    basis.values(&target.quadrature.xi[q * (dim - 1)], N.data());
+                    basis.values(&target.rules[0].quadrature.xi[q * (dim - 1)], N.data());
                     for (int a = 0; a < dim; ++a) {
                         double x = 0;
                         for (int i = 0; i < m; ++i) x += N[i] * target.node[(f * m + i) * dim + a];

@@ -47,7 +47,7 @@ struct Contents {
         for (int e = 0; e < mesh.element_count(); ++e)
             element[mesh.file.element_id[e]] = ids(mesh.element(e), mesh.element_nodes(e));
         for (int f = 0; f < mesh.face_count(); ++f)
-            face.emplace(ids(mesh.face(f), mesh.face_nodes()), mesh.boundaries[mesh.face_boundary[f]]);
+            face.emplace(ids(mesh.face(f), mesh.face_nodes(0)), mesh.boundaries[mesh.face_boundary[f]]);
         for (int dim = 0; dim < mesh.dim; ++dim) {
             const int count = simplex_node_count(dim, mesh.degree);
             for (int k = 0; k < mesh.kept[dim].count(); ++k)

@@ -67,7 +67,7 @@ TEST_CASE("boundary faces look outward, whatever way the file turns them") {
                 CHECK(volume_behind(mesh, f, centre) > 0);
                 sum += volume_behind(mesh, f, centre);
                 const int* element = mesh.element(mesh.face_element[f]);
-                for (int i = 0; i < mesh.face_nodes(); ++i) {
+                for (int i = 0; i < mesh.face_nodes(0); ++i) {
                     CHECK(std::count(element, element + mesh.element_nodes(), mesh.face(f)[i]) == 1);
                     for (int a = 0; a < dim; ++a) {
                         double difference = position(mesh, mesh.face(f)[i])[a];
@@ -93,7 +93,7 @@ TEST_CASE("faces keep ids, tags and names") {
             CHECK(mesh.file.face_id[f] == f + 1);
             CHECK(mesh.file.face_physical[f] == (left ? 1 : 2));
             CHECK(mesh.file.face_entity[f] == (left ? 21 : 22));
-            for (int i = 0; i < mesh.face_nodes(); ++i)
+            for (int i = 0; i < mesh.face_nodes(0); ++i)
                 if (left) CHECK(position(mesh, mesh.face(f)[i])[0] == 0);
         }
     }

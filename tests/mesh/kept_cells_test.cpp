@@ -85,13 +85,13 @@ TEST_CASE("points, curves and faces inside survive refinement and higher degrees
                 }
                 const KeptCells& faces = mesh.kept[dim - 1];
                 CHECK(faces.physical == std::vector<int>(std::size_t{1} << (refinements * (dim - 1)), 6));
-                CHECK(faces.nodes.size() == offset(faces.count(), mesh.face_nodes()));
+                CHECK(faces.nodes.size() == offset(faces.count(), mesh.face_nodes(0)));
                 for (const int node : faces.nodes) CHECK(coordinate(mesh, node, 0) == 0.5);
                 const Subcells subcells(mesh);
                 for (int c = 0; c < faces.count(); ++c) {
-                    const auto first = faces.nodes.begin() + c * mesh.face_nodes();
-                    CHECK(subcells.nodes(faces.element[c], &*first, dim - 1) ==
-                          std::vector<int>(first, first + mesh.face_nodes()));
+                    const auto first = faces.nodes.begin() + c * mesh.face_nodes(0);
+                    CHECK(subcells.nodes(faces.element[c], &*first, simplex(dim - 1)) ==
+                          std::vector<int>(first, first + mesh.face_nodes(0)));
                 }
                 check_ids_are_unique(mesh);
             }

@@ -57,7 +57,7 @@ TEST_CASE("the boundary of a part is closed and oriented outward: its own faces,
             for (int f = 0; f < part.face_count(); ++f) {
                 const int* const element = part.element(part.face_element[f]);
                 CHECK(std::any_of(local.begin(), local.end(), [&](const std::vector<int>& nodes) {
-                    for (int k = 0; k < part.face_nodes(); ++k)
+                    for (int k = 0; k < part.face_nodes(0); ++k)
                         if (element[nodes[k]] != part.face(f)[k]) return false;
                     return true;
                 }));

@@ -33,7 +33,7 @@ void check_faces(const Mesh& mesh) {
         for (int opposite = 0; opposite <= mesh.dim; ++opposite) {
             const std::vector<int> local = basis.face_nodes(opposite);
             bool same = true;
-            for (int i = 0; i < mesh.face_nodes(); ++i)
+            for (int i = 0; i < mesh.face_nodes(0); ++i)
                 same = same && mesh.element(mesh.face_element[f])[local[i]] == mesh.face(f)[i];
             found = found || same;
         }

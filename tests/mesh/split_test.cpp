@@ -75,7 +75,7 @@ void check_conforming(const Mesh& mesh) {
     std::vector<Side> sides;
     for (int e = 0; e < mesh.element_count(); ++e)
         for (int k = 0; k <= mesh.dim; ++k)
-            sides.push_back(side_of_simplex(mesh.dim, mesh.element(e), k, e * (mesh.dim + 1) + k));
+            sides.push_back(side_of_cell(simplex(mesh.dim), mesh.element(e), k, e * (mesh.dim + 1) + k));
     int outer = 0;
     for_equal_sides(sides, [&](std::span<const Side> equal) {
         CHECK(equal.size() <= 2);
@@ -85,9 +85,9 @@ void check_conforming(const Mesh& mesh) {
     const auto of_face = LagrangeBasis(mesh.dim, mesh.degree).face_nodes();
     for (int f = 0; f < mesh.face_count(); ++f) {
         const int* const element = mesh.element(mesh.face_element[f]);
-        const int side = side_number(mesh, mesh.face_element[f], mesh.face(f));
+        const int side = side_number(mesh, mesh.face_element[f], mesh.face_vertices(f));
         REQUIRE(side >= 0);
-        std::set<int> in_element, in_face(mesh.face(f), mesh.face(f) + mesh.face_nodes());
+        std::set<int> in_element, in_face(mesh.face(f), mesh.face(f) + mesh.face_nodes(0));
         for (const int k : of_face[side]) in_element.insert(element[k]);
         CHECK(in_element == in_face);
     }

@@ -109,7 +109,7 @@ public:
     Sliding(const Mesh& mesh, const std::vector<double>& ideal, const Circle& circle) : ideal_(ideal) {
         std::vector<int> boundary(mesh.nodes(), -1);
         for (int k = 0; k < static_cast<int>(mesh.faces.size()); ++k)
-            boundary[mesh.faces[k]] = mesh.face_boundary[k / mesh.face_nodes()];
+            boundary[mesh.faces[k]] = mesh.face_boundary[k / mesh.face_nodes(0)];
         for (int i = 0; i < mesh.nodes(); ++i) {
             if (boundary[i] < 0) continue;
             nodes_.push_back(i);
