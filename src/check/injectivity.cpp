@@ -1,5 +1,7 @@
 // The boundary by check_target(), with the positions that were reached as target; the angles of elements between the
-// tangents of their edges, which are the differences of Bezier points at the vertex.
+// tangents of their edges, which are the differences of Bezier points at the vertex and depend on the edges' nodes
+// alone. They span the cone of a valid element there: at the apex of a pyramid the layer of its map next to the apex is
+// bilinear, so that the sides of the cone are flat; its four edges have the angles of two tetrahedra.
 #include "check/injectivity.hpp"
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
-#include "check/element_patches.hpp"
 #include "check/overlap.hpp"
 #include "check/target_check.hpp"
 #include "geometry/patch.hpp"
@@ -20,41 +21,61 @@ namespace {
 
 constexpr double corner_work = 200;  // simple operations for the angles of an element, at least
 
+// The edges of a cell of degree p, by their vertices.
+class VertexEdges {
+public:
+    VertexEdges(const CellType& cell, int degree) : cell_(cell), degree_(degree), line_(1, degree), at_(cell.vertices) {
+        for (std::size_t k = 0; k < cell.edges.size(); ++k)
+            for (const int v : cell.edges[k]) at_[v].push_back(static_cast<int>(k));
+    }
+
+    // The angle of an element at vertex v in units of a full one. node: those of the element.
+    double angle(const int* node, int v, const std::vector<double>& x, int n) const {
+        Vec<3> tangent[4];
+        const std::vector<int>& edges = at_[v];
+        for (std::size_t k = 0; k < edges.size(); ++k) tangent[k] = tangent_of(node, edges[k], v, x, n);
+        const double turns = 1 / (2 * std::numbers::pi);
+        const Vec<3>&u = tangent[0], &w = tangent[1];
+        if (n == 2) return turns * std::atan2(length(cross(u, w)), dot(u, w));
+        double sum = 0;
+        for (std::size_t k = 2; k < edges.size(); ++k) sum += solid_angle(u, tangent[k - 1], tangent[k]);
+        return 0.5 * turns * std::abs(sum);
+    }
+
+private:
+    const CellType& cell_;
+    int degree_;
+    PatchBasis line_;
+    std::vector<std::vector<int>> at_;  // of each vertex: its edges
+
+    Vec<3> tangent_of(const int* node, int edge, int v, const std::vector<double>& x, int n) const {
+        const std::array<int, 2>& ends = cell_.edges[edge];
+        const int end = ends[1] == v;
+        return line_.point<Vec<3>>(next_to_corner(line_.bernstein, end, 1 - end), [&](int i) {
+            const int local = i < 2 ? ends[i] : cell_.vertices + edge * (degree_ - 1) + i - 2;
+            Vec<3> from_vertex{};
+            for (int a = 0; a < n; ++a) from_vertex[a] = point(x, node[local], n)[a] - point(x, node[v], n)[a];
+            return from_vertex;
+        });
+    }
+};
+
 // Sum of the angles of all elements at each vertex, in units of a full one.
 std::vector<double> angle_sums(const Mesh& mesh, const std::vector<double>& x) {
-    const int n = mesh.dim, corners = n + 1;
     std::vector<double> sum(mesh.nodes(), 0.0);
     for (const ElementGroup& group : mesh.element_groups()) {
-        const ElementPatches patches(mesh, group);
-        const Bernstein& bernstein = patches.basis.bernstein;
-        int next[4][4] = {};
-        for (int i = 0; i < corners; ++i)
-            for (int j = 0; j < corners; ++j)
-                if (j != i) next[i][j] = next_to_corner(bernstein, i, j);
-        const int of_element = patches.count() * corners;
-        std::vector<double> at_corner(offset(group.count, of_element));
+        const VertexEdges edges(*group.cell, mesh.degree);
+        const int corners = group.cell->vertices;
+        std::vector<double> angle(offset(group.count, corners));
         parallel_for(
             group.count,
             [&](int e) {
-                for (int part = 0; part < patches.count(); ++part) {
-                    const Patch patch = patches.of(x, group.first + e, part);
-                    for (int i = 0; i < corners; ++i) {
-                        Vec<3> tangent[3];
-                        for (int j = 0, k = 0; j < corners; ++j)
-                            if (j != i) tangent[k++] = patch[next[i][j]] - patch[i];
-                        const Vec<3>&u = tangent[0], &v = tangent[1];
-                        const double turns = 1 / (2 * std::numbers::pi);
-                        at_corner[offset(e, of_element, part * corners + i)] =
-                            n == 2 ? turns * std::atan2(length(cross(u, v)), dot(u, v))
-                                   : 0.5 * turns * std::abs(solid_angle(u, v, tangent[2]));
-                    }
-                }
+                for (int v = 0; v < corners; ++v)
+                    angle[offset(e, corners, v)] = edges.angle(mesh.element(group.first + e), v, x, mesh.dim);
             },
             corner_work);
         for (int e = 0; e < group.count; ++e)
-            for (int k = 0; k < of_element; ++k)
-                sum[mesh.element(group.first + e)[patches.cut.vertices[k / corners][k % corners]]] +=
-                    at_corner[offset(e, of_element, k)];
+            for (int v = 0; v < corners; ++v) sum[mesh.element(group.first + e)[v]] += angle[offset(e, corners, v)];
     }
     return sum;
 }

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
-#include "check/element_patches.hpp"
+#include "geometry/patch.hpp"
 #include "mesh/sides.hpp"
 
 namespace almesh {
@@ -13,6 +14,22 @@ namespace {
 
 constexpr double depth = 1e-4;        // of a point beside a face, over the distance of the face from the centre
 constexpr double element_work = 200;  // simple operations for an element, at least
+
+// Mean of the vertices with these numbers in the reference cell, -1: none. In a pyramid of the places, not of their
+// collapsed coordinates.
+template <class Vertices>
+std::array<double, 3> mean_vertex(const LagrangeBasis& basis, const Vertices& vertices) {
+    std::array<double, 3> mean{};
+    const double count = std::count_if(vertices.begin(), vertices.end(), [](int v) { return v >= 0; });
+    for (const int v : vertices) {
+        if (v < 0) continue;
+        const std::array<double, 3> xi = basis.point(v);
+        for (int a = 0; a < basis.dim; ++a)
+            mean[a] += (basis.cell.is_collapsed && a < 2 ? 1 - xi[2] : 1) * xi[a] / count;
+    }
+    for (int a = 0; a < 2 && basis.cell.is_collapsed; ++a) mean[a] /= 1 - mean[2];
+    return mean;
+}
 
 // Reference coordinates of the point behind side k.
 std::array<double, 3> point_behind(const LagrangeBasis& basis, int k) {
@@ -25,10 +42,10 @@ std::array<double, 3> point_behind(const LagrangeBasis& basis, int k) {
         std::copy_n(&lambda[1], n, xi.begin());
         return xi;
     }
-    for (int a = 0; a < n; ++a) {
-        for (int v = 0; v < n; ++v) xi[a] += (1 - depth) / n * basis.point(basis.cell.faces[k][v])[a];
-        xi[a] += depth * 0.5;
-    }
+    std::vector<int> all(basis.cell.vertices);
+    std::iota(all.begin(), all.end(), 0);
+    const std::array<double, 3> of_face = mean_vertex(basis, basis.cell.faces[k]), of_cell = mean_vertex(basis, all);
+    for (int a = 0; a < n; ++a) xi[a] = (1 - depth) * of_face[a] + depth * of_cell[a];
     return xi;
 }
 
@@ -66,21 +83,21 @@ std::array<int, 2> overlapping_elements(const Mesh& mesh, const std::vector<doub
     const BoxTree tree(std::move(of_points));
     std::vector<int> other(mesh.element_count(), -1);
     for (const ElementGroup& group : mesh.element_groups()) {
-        const ElementPatches of(mesh, group);
+        const PatchBasis of(*group.cell, mesh.degree);
         parallel_for_uneven(
             (group.count + at_once - 1) / at_once,
             [&](int b) {
                 const int first = group.first + b * at_once, end = std::min(first + at_once, group.first + group.count);
                 std::vector<Patch> patches;
                 std::vector<Box> boxes;
-                for (int k = 0; k < (end - first) * of.count(); ++k) {
-                    patches.push_back(of.of(x, first + k / of.count(), k % of.count()));
+                for (int e = first; e < end; ++e) {
+                    patches.push_back(make_patch(of, positions(mesh, x, mesh.element(e), of.nodes)));
                     boxes.push_back(box_of(patches.back()));
                 }
                 tree.visit_overlapping(boxes, [&](int q, int k) {
-                    const int f = tree.items[k], behind = mesh.face_element[f], e = first + q / of.count();
+                    const int f = tree.items[k], behind = mesh.face_element[f], e = first + q;
                     if (behind == e || mesh.file.zone(behind) != mesh.file.zone(e)) return;
-                    if (other[e] < 0 && holds(of.basis.bernstein, patches[q], points[f])) other[e] = behind;
+                    if (other[e] < 0 && holds(of.bernstein, patches[q], points[f])) other[e] = behind;
                 });
             },
             at_once * element_work);

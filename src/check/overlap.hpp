@@ -6,7 +6,7 @@
 // be in no other element. Parts that touch along faces are in order, and so are zones of a file (FileTags) that lie
 // over each other.
 //
-// In straight elements by their barycentric coordinates; in curved ones by bisection of their Bezier patches.
+// In straight simplices by their barycentric coordinates; in other elements by bisection of their Bezier patches.
 #pragma once
 #include <array>
 #include <vector>

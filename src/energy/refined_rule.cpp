@@ -6,40 +6,46 @@
 
 #include "geometry/bezier.hpp"
 #include "linalg/dense_solve.hpp"
-#include "mesh/sub_simplices.hpp"
 
 namespace almesh {
 namespace {
 
 double barrier_weight(double volume, int dim) { return dim == 3 ? std::pow(volume, 4.0 / 9) : volume; }
 
-// The least of the barycentric coordinates c of `at` with respect to a piece that was made by bisections, which is
-// negative outside: sum_k c_k corner_k = at. The first dim + 1 entries determine it, which are 1 - x, x, 1 - y in a
-// quadrilateral. 0 for one so small that its corners are one point to rounding.
-double inside(const std::array<CellPoint, 4>& corner, int dim, const CellPoint& at) {
-    std::vector<double> A, c;
-    for (int i = 0; i <= dim; ++i)
-        for (int k = 0; k <= dim; ++k) A.push_back(corner[k][i]);
-    const bool solved = solve_dense(std::move(A), {at.begin(), at.begin() + dim + 1}, c, 0);
-    return solved ? *std::min_element(c.begin(), c.end()) : 0;
-}
-
 }  // namespace
 
-RefinedRule::RefinedRule(const CellType& cell) : cell_(&cell), dim_(cell.dim) {
-    const SubSimplices parts(cell, 1);
-    const std::vector<MultiIndex> vertices = gmsh_node_order(cell, 1);
-    for (const CellChild& of_part : parts.vertices) {
-        Piece& piece = pieces_.emplace_back(Piece{{}, 1.0 / parts.count()});
-        for (int k = 0; k <= dim_; ++k) std::copy_n(vertices[of_part[k]].begin(), 4, piece.corner[k].begin());
-    }
+RefinedRule::RefinedRule(const CellType& cell) : cell_(&cell), dim_(cell.dim), pieces_{{{}, 1}} {
+    for (std::size_t k = 0; k < pieces_[0].corner.size(); ++k) pieces_[0].corner[k][k] = 1;
 }
 
-// Of quadrilaterals: with points at their nodes, and at p = 1, where triangles have none, at those of degree 2; exact
-// to a total degree of 4 p, since |F|^2 has 4 p - 2.
 Quadrature RefinedRule::of_pieces(const CellType& cell, int degree, int exactness) {
-    if (cell.is_simplex()) return element_quadrature(cell, degree, exactness);
-    return element_quadrature(simplex(cell.dim), std::max(degree, 2), exactness == 0 ? 4 * degree : exactness);
+    if (!cell.is_collapsed) return element_quadrature(cell, degree, exactness);
+    return element_quadrature(hexahedron(), degree, 2 + (exactness == 0 ? default_exactness(cell, degree) : exactness));
+}
+
+// The least of the barycentric coordinates of `at` with respect to a piece that was made by bisections, which is
+// negative outside: sum_k c_k corner_k = at in each factor. 0 for one so small that its corners are one point to
+// rounding.
+double RefinedRule::inside(const Piece& piece, const CellPoint& at) const {
+    double least = 1;
+    int first = 0;
+    for (const int m : cell_->factors) {
+        if (m == 0) break;
+        std::vector<double> A, c;
+        for (int i = 0; i <= m; ++i)
+            for (int k = 0; k <= m; ++k) A.push_back(piece.corner[first + k][first + i]);
+        const bool solved = solve_dense(std::move(A), {&at[first], &at[first] + m + 1}, c, 0);
+        least = std::min(least, solved ? *std::min_element(c.begin(), c.end()) : 0);
+        first += m + 1;
+    }
+    return least;
+}
+
+// Of a pyramid: the mean of 3 (1 - c)^2, which is 1 for the whole.
+double RefinedRule::mean_measure(const Piece& piece) const {
+    if (!cell_->is_collapsed) return 1;
+    const double a = 1 - piece.corner[4][5], b = 1 - piece.corner[5][5];
+    return a * a + a * b + b * b;
 }
 
 // The first of those.
@@ -47,7 +53,7 @@ RefinedRule::Piece* RefinedRule::smallest_around(const CellPoint& at) {
     constexpr double on_side = -1e-9;
     Piece* smallest = nullptr;
     for (Piece& piece : pieces_)
-        if ((!smallest || piece.volume < smallest->volume) && inside(piece.corner, dim_, at) >= on_side)
+        if ((!smallest || piece.volume < smallest->volume) && inside(piece, at) >= on_side)
             smallest = &piece;
     return smallest;
 }
@@ -61,11 +67,11 @@ bool RefinedRule::refine(const CellPoint& at, double size) {
         std::vector<Piece> others;
         for (int times = 0; times < dim_; ++times) {
             Piece other = half;
-            const auto [a, b] = longest_edge(half.corner, dim_);
-            for (int k = 0; k < 4; ++k)
+            const auto [a, b] = longest_edge(half.corner, cell_->factors);
+            for (std::size_t k = 0; k < half.corner.size(); ++k)
                 half.corner[b][k] = other.corner[a][k] = 0.5 * (half.corner[a][k] + half.corner[b][k]);
             half.volume = other.volume = 0.5 * half.volume;
-            if (inside(other.corner, dim_, at) > inside(half.corner, dim_, at)) std::swap(half, other);
+            if (inside(other, at) > inside(half, at)) std::swap(half, other);
             others.push_back(other);
         }
         *around = half;
@@ -76,23 +82,31 @@ bool RefinedRule::refine(const CellPoint& at, double size) {
     return changed;
 }
 
+// At the apex of a pyramid, where the measure is 0, a point weighs as much as on average.
 ElementRule RefinedRule::element(int degree, const Quadrature& rule) const {
     Quadrature all{dim_, 0, {}, {}};
     std::vector<double> volume;
-    const double unit = cell_->volume() / simplex(dim_).volume();
     for (const Piece& piece : pieces_) {
-        const double weight = unit * barrier_weight(piece.volume, dim_);
+        const double mean = mean_measure(piece), part = mean * piece.volume;
         for (int q = 0; q < rule.count; ++q) {
-            double rest = 1;
-            for (int k = 0; k < dim_; ++k) rest -= rule.xi[q * dim_ + k];
-            for (int i = 1; i <= dim_; ++i) {
-                const int entry = cell_->is_simplex() ? i : 2 * i - 1;
-                double xi = rest * piece.corner[0][entry];
-                for (int k = 0; k < dim_; ++k) xi += rule.xi[q * dim_ + k] * piece.corner[k + 1][entry];
-                all.xi.push_back(xi);
+            const double* of_factor = &rule.xi[q * dim_];
+            int first = 0;
+            for (const int m : cell_->factors) {
+                double rest = 1;
+                for (int k = 0; k < m; ++k) rest -= of_factor[k];
+                for (int i = first + 1; i <= first + m; ++i) {
+                    double xi = rest * piece.corner[first][i];
+                    for (int k = 0; k < m; ++k) xi += of_factor[k] * piece.corner[first + k + 1][i];
+                    all.xi.push_back(xi);
+                }
+                of_factor += m;
+                first += m + 1;
             }
-            all.weight.push_back(weight * rule.weight[q]);
-            volume.push_back(unit * piece.volume * rule.weight[q]);
+            double weight = rule.weight[q];
+            if (const double above = 1 - all.xi.back(); cell_->is_collapsed)
+                weight *= cell_->volume() * (above > 0 ? 3 * above * above / mean : 1);
+            all.weight.push_back(barrier_weight(part, dim_) * weight);
+            volume.push_back(part * weight);
             ++all.count;
         }
     }

@@ -3,8 +3,8 @@
 // The integral of the distortion is infinite for an inverted element, its sum over points is not: nothing keeps a
 // minimiser of the sum from inverting the element between them. So where a step would (valid_step.hpp), the element is
 // cut into pieces that get smaller towards that position, with the element's rule on each. The points of the rule at
-// the nodes of a piece make the energy infinite where the element inverts there. All pieces are simplices: those of a
-// quadrilateral are cut out of its two triangles, and have a rule of triangles.
+// the nodes of a piece make the energy infinite where the element inverts there. Pieces are products of simplices as
+// the cell is; those of a pyramid are boxes in its collapsed coordinates, with the rule of a hexahedron and (1 - c)^2.
 //
 // In 3D a barrier takes more: where det F falls to zero like the distance r from a point, eta^2 grows like r^(-4/3),
 // whose integral over the element is finite. Where small elements weigh little, minimisers do touch such points, and
@@ -23,7 +23,7 @@ namespace almesh {
 
 class RefinedRule {
 public:
-    explicit RefinedRule(const CellType& cell);  // one piece: the whole element; or its two triangles
+    explicit RefinedRule(const CellType& cell);  // one piece: the whole element
 
     // The rule for its pieces, where that of the elements is the usual one of this degree and exactness.
     static Quadrature of_pieces(const CellType& cell, int degree, int exactness);
@@ -39,14 +39,16 @@ private:
     static constexpr int most_pieces = 128;
 
     struct Piece {
-        std::array<CellPoint, 4> corner;
-        double volume;  // of the whole
+        std::array<CellPoint, 6> corner;  // of each factor of the cell, one after the other
+        double volume;                    // of the whole, in reference coordinates
     };
     const CellType* cell_;
     int dim_;
     std::vector<Piece> pieces_;
 
     Piece* smallest_around(const CellPoint& at);
+    double inside(const Piece& piece, const CellPoint& at) const;
+    double mean_measure(const Piece& piece) const;
 };
 
 // What elements with such a rule are integrated with, the same for an energy and its parts.

@@ -17,10 +17,10 @@
 namespace almesh {
 
 struct Bernstein {
-    int dim, degree, count;              // degree: the highest of a factor
+    int dim, degree, count;               // degree: the highest of a factor
     std::array<int, 3> factors, degrees;  // dimensions of the simplices, 0: no more, and the degree in each
-    std::vector<MultiIndex> index;       // count concatenated multi-indices: of a simplex in Gmsh's order, corners first
-    std::vector<double> multinomial;     // count: d! / (a_0! ... a_m!), the product of those of the factors
+    std::vector<MultiIndex> index;        // count concatenated multi-indices: on a simplex in Gmsh's order
+    std::vector<double> multinomial;      // count: d! / (a_0! ... a_m!), the product of those of the factors
 
     // Its coefficient, and for each factor the entry of its index that is not 0. Corners that are one are named once.
     struct Corner {
@@ -134,7 +134,7 @@ std::array<int, 2> longest_edge(const Points& corner, int dim) {
     return longest_edge(corner, std::array{dim, 0, 0});
 }
 
-// A point of a product of simplices: of each factor dim + 1 numbers that add up to one, one after the other, the rest 0.
+// A point of a product of simplices: dim + 1 numbers for each, which add up to one; the rest 0.
 using Barycentric = std::array<double, 6>;
 
 // lower <= min q <= upper = q(at). tight: the two agree to the tolerance asked for.

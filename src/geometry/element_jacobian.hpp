@@ -137,7 +137,8 @@ public:
     // First-order effect on them of errors of a few units in the last place of y.
     T rounding() const {
         constexpr double epsilon = std::numeric_limits<double>::epsilon(), factorial = n == 2 ? 2 : 6;
-        const T of_entry = (16 * epsilon * n * of_.steepness * of_.position.amplification) * inverse_norm_ * farthest_;
+        const T norm = of_.cell.is_simplex() ? inverse_norm_ : T{} + 1;
+        const T of_entry = (16 * epsilon * n * of_.steepness * of_.position.amplification) * norm * farthest_;
         return factorial * n * of_entry * (n == 2 ? largest_ : largest_ * largest_);
     }
 
@@ -154,7 +155,9 @@ private:
     Vec<n, T>* normal_[3];      // n = 3: products of two, by their number of factors from x'
     T* b_[n + 1];
     Mat<n, T> inverse_;
-    T det_, smallest_det_, sign_, inverse_norm_, farthest_, largest_;
+    T det_, smallest_det_, sign_, inverse_norm_, largest_;
+    T farthest_;  // of the nodes from the first one, but for simplices of the y
+    T is_cut_;    // 1: the inverse
 
     static T larger(T a, T b) { return select(a < b, b, a); }
     static T magnitude(T v) { return select(v < 0, -v, v); }
@@ -181,7 +184,6 @@ private:
         }
         det_ = determinant(Jc);
         smallest_det_ = straight_rounding<n>(Jc);
-        sign_ = select(det_ < 0, T{} - 1, T{} + 1);
         const Mat<n, T> C = cofactor(Jc);
         inverse_norm_ = farthest_ = T{};
         for (int a = 0; a < n; ++a)
@@ -189,10 +191,33 @@ private:
                 inverse_[a][b] = C[b][a] / det_;
                 inverse_norm_ = larger(inverse_norm_, magnitude(inverse_[a][b]));
             }
+        if (!of_.cell.is_simplex()) cut_inverse();
+        sign_ = select(det_ < 0, T{} - 1, T{} + 1);
     }
 
-    void set_tangents(int end) {
-        Vec<n, T>* const y = x_[end];
+    // To 25 digits of the largest of each row, where that changes little: any matrix near the inverse will do.
+    void cut_inverse() {
+        Mat<n, T> rough;
+        for (int a = 0; a < n; ++a) {
+            T largest{};
+            for (int b = 0; b < n; ++b) largest = larger(largest, magnitude(inverse_[a][b]));
+            for (int b = 0; b < n; ++b) rough[a][b] = leading_digits(inverse_[a][b], largest);
+        }
+        const T change = magnitude(determinant(rough) * det_ - 1);
+        is_cut_ = select(change < 0.5, T{} + 1, T{});
+        for (int a = 0; a < n; ++a)
+            for (int b = 0; b < n; ++b) inverse_[a][b] = select(change < 0.5, rough[a][b], inverse_[a][b]);
+        det_ = 1 / determinant(inverse_);
+    }
+
+    // As a multiple of about largest / 2^25.
+    static T leading_digits(T value, T largest) {
+        const T shift = 0x1.8p28 * largest;
+        return (value + shift) - shift;
+    }
+
+    // y = J_c^{-1} (x - x_0) in place of x.
+    void to_frame(Vec<n, T>* y) {
         const Vec<n, T> origin = y[0];
         for (int i = 0; i < m_; ++i) {
             Vec<n, T> d;
@@ -205,6 +230,41 @@ private:
                 for (int b = 0; b < n; ++b) y[i][a] += inverse_[a][b] * d[b];
             }
         }
+    }
+
+    // The same with twice the digits: else a thin element loses those of its aspect ratio, times the amplification of
+    // its degree, which is the product of those of the factors. x - x_0 = high + low, and products of high with the
+    // entries of the inverse, both of 25 digits, are added up exactly (T. J. Dekker, Numer. Math. 18, 1971).
+    void to_frame_precisely(Vec<n, T>* y) {
+        const Vec<n, T> origin = y[0];
+        T farthest{}, largest{};
+        for (int i = 0; i < m_; ++i)
+            for (int a = 0; a < n; ++a) farthest = larger(farthest, magnitude(y[i][a] - origin[a]));
+        for (int i = 0; i < m_; ++i) {
+            Vec<n, T> high, low;
+            for (int a = 0; a < n; ++a) {
+                const T d = y[i][a] - origin[a], back = d - y[i][a];
+                high[a] = leading_digits(d, farthest);
+                low[a] = (d - high[a]) + ((y[i][a] - (d - back)) - (origin[a] + back));
+            }
+            for (int a = 0; a < n; ++a) {
+                T of_high{}, of_low{};
+                for (int b = 0; b < n; ++b) {
+                    of_high += inverse_[a][b] * high[b];
+                    of_low += inverse_[a][b] * low[b];
+                }
+                y[i][a] = of_high + of_low;
+                largest = larger(largest, magnitude(y[i][a]));
+            }
+        }
+        const T lost = select(is_cut_ > 0, 0x1p-24 * inverse_norm_, inverse_norm_) * farthest;
+        farthest_ = larger(farthest_, largest + lost);
+    }
+
+    void set_tangents(int end) {
+        Vec<n, T>* const y = x_[end];
+        if (of_.cell.is_simplex()) to_frame(y);
+        else to_frame_precisely(y);
         for (int b = 0; b < of_.position.bernstein.count; ++b)
             bezier_[b] = of_.position.node(b) >= 0 ? y[of_.position.node(b)]
                                                    : of_.position.template point<Vec<n, T>>(b, [y](int i) {
