@@ -99,27 +99,30 @@ std::optional<double> value_of_curved(const Table& table, const int* node, const
     return least;
 }
 
-// At a corner of a quadrilateral det J is determined by the nodes of its two edges there: the least one, over the
-// lengths of the two tangents.
+// At a corner of a cell that is no simplex det J is determined by the nodes of its edges there: the least one, over the
+// lengths of the tangents. At the apex of a pyramid no corner's edges determine it.
+template <int n>
 std::optional<double> value_at_corners(const LagrangeBasis& basis, const int* node, const std::vector<double>& x,
                                        const std::vector<char>& prescribed, double bound) {
     std::optional<double> least;
-    double dN[2 * (max_degree + 1) * (max_degree + 1)];
-    const int corners = basis.cell.vertices;
+    std::array<double, n * most_element_nodes> dN;
+    const int corners = basis.cell.vertices - basis.cell.is_collapsed;
     for (int v = 0; v < corners; ++v) {
-        if (!prescribed[node[v]] || !prescribed[node[(v + 1) % corners]] || !prescribed[node[(v + 3) % corners]])
-            continue;
-        basis.gradients(basis.point(v).data(), dN);
-        Mat<2> J{};
+        if (!prescribed[node[v]]) continue;
+        basis.gradients(basis.point(v).data(), dN.data());
+        Mat<n> J{};
         bool is_determined = true;
         for (int i = 0; i < basis.count; ++i) {
-            const bool counts = std::abs(dN[2 * i]) + std::abs(dN[2 * i + 1]) > 1e-12;
-            is_determined = is_determined && (!counts || prescribed[node[i]]);
-            for (int a = 0; a < 2; ++a)
-                for (int k = 0; k < 2; ++k)
-                    J[a][k] += dN[2 * i + k] * (point(x, node[i], 2)[a] - point(x, node[v], 2)[a]);
+            double size = 0;
+            for (int k = 0; k < n; ++k) size += std::abs(dN[n * i + k]);
+            is_determined = is_determined && (size <= 1e-12 || prescribed[node[i]]);
+            for (int a = 0; a < n; ++a)
+                for (int k = 0; k < n; ++k)
+                    J[a][k] += dN[n * i + k] * (point(x, node[i], n)[a] - point(x, node[v], n)[a]);
         }
-        const double lengths = std::hypot(J[0][0], J[1][0]) * std::hypot(J[0][1], J[1][1]);
+        double lengths = 1;
+        for (int k = 0; k < n; ++k)
+            lengths *= n == 2 ? std::hypot(J[0][k], J[1][k]) : std::hypot(J[0][k], J[1][k], J[n - 1][k]);
         const double value = lengths > 0 ? determinant(J) / lengths : 0;
         if (is_determined && value <= bound) least = std::min(value, least.value_or(value));
     }
@@ -138,7 +141,7 @@ std::vector<DeterminedElement> determined_elements(const Mesh& mesh, const std::
         parallel_for(mesh.element_count(), [&](int e) {
             const int* const node = mesh.element(e);
             if (const LagrangeBasis& basis = bases[mesh.group_number(e)]; !basis.cell.is_simplex()) {
-                value[e] = value_at_corners(basis, node, target, prescribed, bound);
+                value[e] = value_at_corners<n>(basis, node, target, prescribed, bound);
                 return;
             }
             if (!std::all_of(node, node + n + 1, [&](int i) { return prescribed[i]; })) return;

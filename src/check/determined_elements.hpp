@@ -16,7 +16,7 @@ struct DeterminedElement {
     int element;
     double scaled_jacobian;  // a value that it has somewhere, at most the bound: det J over |det J| of the straight
                              // element of its vertices in the target; 0 where that has no volume. At a corner of
-                             // a quadrilateral over the lengths of the two tangents
+                             // a cell that is no simplex over the lengths of the tangents
     bool by_curvature;       // the straight element is valid
 };
 

@@ -28,7 +28,7 @@ TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, con
     if (mesh.degree > 1 && !target.in_trace_space) bound = std::min(bound, surely);
     std::vector<int> element;
     const std::vector<char> prescribed = prescribed_nodes(mesh, target);
-    std::vector<double> before(mesh.element_count(), bound);  // of quadrilaterals with a nearly straight corner
+    std::vector<double> before(mesh.element_count(), bound);  // of other cells than simplices with a nearly flat corner
     if (!mesh.is_simplicial())
         for (const DeterminedElement& of : determined_elements(mesh, ideal, prescribed, bound))
             before[of.element] = of.scaled_jacobian;

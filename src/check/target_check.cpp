@@ -1,4 +1,4 @@
-// The faces are Bezier patches, in the initial mesh and in the target.
+// The faces are Bezier patches, in the initial mesh and in the target; of a quadrilateral two.
 //   folded, collapsed   n . m / |m|^2 <= 0 somewhere, m the mean of n, from the Bezier coefficients of n (patch.hpp)
 //   mirrored, flattened the sum of the cones from one apex to the faces of a closed part, (1 / dim) int (x - apex) . n
 //   crossing            pairs of faces whose boxes overlap, by patch_contact()
@@ -13,13 +13,14 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <span>
 #include <sstream>
 
 #include "base/disjoint_sets.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
-#include "geometry/patch.hpp"
+#include "geometry/face_patches.hpp"
 #include "mesh/unused_ids.hpp"
 
 namespace almesh {
@@ -32,23 +33,30 @@ constexpr double same_place = 1e-9;       // distance of two nodes over the size
 constexpr double face_work = 1000;        // simple operations that a check of one face takes
 
 std::string face_name(const Mesh& mesh, int f) {
-    const Vec<3> centre = centroid(mesh, mesh.x, mesh.face(f), mesh.dim);
+    const Vec<3> centre = centroid(mesh, mesh.x, mesh.face(f), mesh.face_cell(f).vertices);
     return concat("face ", id_in_file(mesh.file.face_id, f), " of ",
                   mesh.boundaries[mesh.face_boundary[f]], " at ", position_text(centre.data(), mesh.dim));
 }
 
-// Pairs (index in f, index in g) of the corners that two faces share.
+// Pairs (index in f, index in g) of the corners that two patches share.
 struct SharedCorners {
     std::array<std::array<int, 2>, 3> pair;
     int count = 0;
 };
 
-SharedCorners shared_corners(const Mesh& mesh, int f, int g) {
+SharedCorners shared_corners(const FacePatches& faces, int f, int g) {
     SharedCorners shared;
-    for (int i = 0; i < mesh.dim; ++i)
-        for (int j = 0; j < mesh.dim; ++j)
-            if (mesh.face(f)[i] == mesh.face(g)[j]) shared.pair[shared.count++] = {i, j};
+    for (int i = 0; i < faces.mesh.dim; ++i)
+        for (int j = 0; j < faces.mesh.dim; ++j)
+            if (faces.corner(f, i) == faces.corner(g, j)) shared.pair[shared.count++] = {i, j};
     return shared;
+}
+
+int shared_vertices(const Mesh& mesh, int f, int g) {
+    const std::span<const int> a = mesh.face_vertices(f), b = mesh.face_vertices(g);
+    return static_cast<int>(std::count_if(a.begin(), a.end(), [&](int i) {
+        return std::find(b.begin(), b.end(), i) != b.end();
+    }));
 }
 
 // Direction in which the face leaves what it shares with its neighbour: its corner i (2D), or the middle of its side
@@ -80,9 +88,10 @@ struct ClosedPart {
 struct Check {
     const Mesh& mesh;
     const std::vector<double>& target;  // node_count x dim; only boundary nodes are meaningful
-    PatchBasis basis;
+    FacePatches faces;
+    const PatchBasis& basis = faces.basis;
     PatchNormal normal;
-    std::vector<Patch> before, after;   // per face: in the initial mesh and in the target
+    std::vector<Patch> before, after;   // of the faces: in the initial mesh and in the target
     std::vector<const char*> bad;       // per face: what is wrong with it alone; later checks pass over such faces
     std::vector<ClosedPart> parts;
     std::vector<int> part;              // per face
@@ -100,8 +109,14 @@ struct Check {
     void check_nodes();
 
     int zone(int f) const { return mesh.file.zone(mesh.face_element[f]); }
-    const char* fault_of_face(const Patch& patch) const;
-    const char* fault_of_pair(int f, int g) const;
+    std::span<const Patch> patches_of(const std::vector<Patch>& patches, int f) const {
+        return std::span(patches).subspan(faces.first[f], faces.cut(f).count());
+    }
+    Vec<3> corner(const std::vector<double>& x, int f, int i) const {
+        return positions(mesh, x, &mesh.face(f)[i], 1)[0];
+    }
+    const char* fault_of_face(std::span<const Patch> patches) const;
+    const char* fault_of_pair(int patch, int other) const;
     std::vector<double> windings(const std::vector<Patch>& patches, int around,
                                  const std::vector<Vec<3>>& points) const;
     std::vector<std::array<int, 2>> farthest_corners(int of_part) const;
@@ -112,11 +127,12 @@ struct Check {
 };
 
 Check::Check(const Mesh& mesh_, const std::vector<double>& target_)
-    : mesh(mesh_), target(target_), basis(mesh.dim - 1, mesh.degree),
-      normal(mesh.dim - 1, mesh.degree), before(mesh.face_count()), after(before), bad(before.size(), nullptr) {
+    : mesh(mesh_), target(target_), faces(mesh), normal(mesh.dim - 1, basis.bernstein.degree), before(faces.count()),
+      after(before), bad(mesh.face_count(), nullptr) {
     parallel_for(mesh.face_count(), [&](int f) {
-        before[f] = face_patch(basis, mesh, mesh.x, f);
-        after[f] = face_patch(basis, mesh, target, f);
+        std::vector<Patch> was = faces.of(f, mesh.x), becomes = faces.of(f, target);
+        std::move(was.begin(), was.end(), before.begin() + faces.first[f]);
+        std::move(becomes.begin(), becomes.end(), after.begin() + faces.first[f]);
     }, face_work);
 }
 
@@ -125,7 +141,7 @@ void Check::find_closed_parts() {
     const auto vertex = [&](int f, int v) { return mesh.face(f)[v] + (mesh.is_inner(f) ? of_inner : 0); };
     DisjointSets connected(mesh.nodes() + of_inner);
     for (int f = 0; f < mesh.face_count(); ++f)
-        for (int v = 1; v < mesh.dim; ++v) connected.join(vertex(f, 0), vertex(f, v));
+        for (int v = 1; v < mesh.face_cell(f).vertices; ++v) connected.join(vertex(f, 0), vertex(f, v));
     std::map<int, int> number;
     std::set<std::pair<int, int>> named;  // parts and their boundaries
     for (int f = 0; f < mesh.face_count(); ++f) {
@@ -137,32 +153,42 @@ void Check::find_closed_parts() {
     }
 }
 
-const char* Check::fault_of_face(const Patch& patch) const {
-    const std::vector<Vec<3>> n = normal.coefficients(patch);
+const char* Check::fault_of_face(std::span<const Patch> patches) const {
+    std::vector<Vec<3>> n;
+    Box box = box_of(patches[0]);
+    for (const Patch& patch : patches) {
+        const std::vector<Vec<3>> of_patch = normal.coefficients(patch);
+        n.insert(n.end(), of_patch.begin(), of_patch.end());
+        box.include(box_of(patch));
+    }
     Vec<3> mean{};  // the mean of a polynomial is that of its Bezier coefficients
     for (const Vec<3>& v : n) mean = mean + (1.0 / n.size()) * v;
-    if (!(length(mean) > degenerate * std::pow(box_of(patch).longest_side(), normal.basis.dim)))
+    if (!(length(mean) > degenerate * std::pow(box.longest_side(), normal.basis.dim)))
         return "the target collapses the face";
     std::vector<double> along;
     for (const Vec<3>& v : n) along.push_back(dot(v, mean) / dot(mean, mean));
-    const double least = polynomial_minimum(normal.basis, along.data(), 0.01, 500).upper;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < along.size(); k += normal.basis.count)
+        least = std::min(least, polynomial_minimum(normal.basis, &along[k], 0.01, 500).upper);
     if (least > smallest_normal || (bend == FaceBend::any && are_in_half_space(n, smallest_normal))) return nullptr;
     return "the target folds the face back on itself";
 }
 
-// Whether the flat face with the same corners is one.
-bool has_corners_apart(const Patch& patch, int m) {
-    return length(flat_normal(patch, m)) > degenerate * std::pow(box_of(patch).longest_side(), m);
+// Whether the flat patches with the same corners are ones.
+bool have_corners_apart(std::span<const Patch> patches, int m) {
+    return std::all_of(patches.begin(), patches.end(), [m](const Patch& patch) {
+        return length(flat_normal(patch, m)) > degenerate * std::pow(box_of(patch).longest_side(), m);
+    });
 }
 
 constexpr char not_told[] = "";
 
 void Check::check_faces() {
-    parallel_for(mesh.face_count(), [&](int f) { bad[f] = open[f] ? not_told : fault_of_face(after[f]); }, face_work);
+    parallel_for(mesh.face_count(), [&](int f) { bad[f] = open[f] ? not_told : fault_of_face(patches_of(after, f)); }, face_work);
     for (int f = 0; f < mesh.face_count(); ++f)
         if (bad[f] && !open[f]) {
             add_fault(f, bad[f]);
-            report.faults.back().by_curvature = has_corners_apart(after[f], mesh.dim - 1);
+            report.faults.back().by_curvature = have_corners_apart(patches_of(after, f), mesh.dim - 1);
         }
 }
 
@@ -171,7 +197,8 @@ void Check::check_faces() {
 std::vector<double> Check::enclosed(const std::vector<Patch>& patches) const {
     std::vector<double> cone(mesh.face_count()), sum(parts.size(), 0.0);
     parallel_for(mesh.face_count(), [&](int f) {
-        cone[f] = normal.cone(patches[f], patches[parts[part[f]].first_face][0]);
+        for (const Patch& patch : patches_of(patches, f))
+            cone[f] += normal.cone(patch, patches[faces.first[parts[part[f]].first_face]][0]);
     }, face_work);
     for (int f = 0; f < mesh.face_count(); ++f) sum[part[f]] += cone[f];
     return sum;
@@ -181,7 +208,8 @@ void Check::check_closed_parts() {
     const std::vector<double> was = enclosed(before), becomes = enclosed(after);
     std::vector<double> size(parts.size(), 0.0);
     for (int f = 0; f < mesh.face_count(); ++f)
-        size[part[f]] = std::max(size[part[f]], length(after[f][0] - after[parts[part[f]].first_face][0]));
+        size[part[f]] =
+            std::max(size[part[f]], length(corner(target, f, 0) - corner(target, parts[part[f]].first_face, 0)));
     for (std::size_t k = 0; k < parts.size(); ++k) {
         if (open_part[k] || parts[k].is_inner) continue;
         const bool flat = std::abs(becomes[k]) <= degenerate * std::pow(size[k], mesh.dim);
@@ -196,13 +224,13 @@ void Check::check_closed_parts() {
 
 constexpr char crossed_before[] = "";
 
-// Of two faces that come close in the target and are not bad themselves; null for none, crossed_before where they cross
+// Of patches of two faces that come close in the target and are not bad themselves; null for none, crossed_before where they cross
 // in the initial mesh already. In 3D, neighbours are not tested for crossing: they touch along a curve, which no
 // bisection decides.
 const char* Check::fault_of_pair(int f, int g) const {
     const Bernstein& bernstein = basis.bernstein;
-    const SharedCorners shared = shared_corners(mesh, f, g);
-    const bool neighbours = shared.count >= mesh.dim - 1;
+    const SharedCorners shared = shared_corners(faces, f, g);
+    const bool neighbours = shared_vertices(mesh, faces.face[f], faces.face[g]) >= mesh.dim - 1;
     if (neighbours && folded_flat(bernstein, after[f], after[g], shared))
         return folded_flat(bernstein, before[f], before[g], shared) ? crossed_before
                                                                     : "the target folds it flat onto ";
@@ -225,21 +253,23 @@ void Check::check_pairs() {
     for (const Patch& patch : after) boxes.push_back(box_of(patch));
     const BoxTree tree(std::move(boxes));
     constexpr int at_once = 256;  // faces that are beside each other in the tree
-    std::vector<std::vector<FaultOfPair>> found((mesh.face_count() + at_once - 1) / at_once);
+    std::vector<std::vector<FaultOfPair>> found((faces.count() + at_once - 1) / at_once);
     parallel_for_uneven(static_cast<int>(found.size()), [&](int block) {
-        const int first = block * at_once, end = std::min(first + at_once, mesh.face_count());
+        const int first = block * at_once, end = std::min(first + at_once, faces.count());
         std::vector<Box> queries;
         for (int k = first; k < end; ++k) queries.push_back(tree.boxes[tree.items[k]]);
         tree.visit_overlapping(queries, [&](int q, int k) {
-            const int f = std::min(tree.items[first + q], tree.items[k]);
-            const int g = std::max(tree.items[first + q], tree.items[k]);
-            if (k <= first + q || bad[f] || bad[g] || zone(f) != zone(g)) return;
-            if (const char* const what = fault_of_pair(f, g)) found[block].push_back({f, g, what});
+            const auto [a, b] = std::minmax(tree.items[first + q], tree.items[k]);
+            const int f = faces.face[a], g = faces.face[b];
+            if (k <= first + q || f == g || bad[f] || bad[g] || zone(f) != zone(g)) return;
+            if (const char* const what = fault_of_pair(a, b)) found[block].push_back({f, g, what});
         }, first);
     }, at_once * face_work);
     std::vector<FaultOfPair> faults;
     for (const std::vector<FaultOfPair>& some : found) faults.insert(faults.end(), some.begin(), some.end());
-    std::sort(faults.begin(), faults.end());
+    std::stable_sort(faults.begin(), faults.end());
+    const auto same = [](const FaultOfPair& a, const FaultOfPair& b) { return a.f == b.f && a.g == b.g; };
+    faults.erase(std::unique(faults.begin(), faults.end(), same), faults.end());  // of several patches
     std::set<std::pair<int, int>> named;
     for (const auto& [f, g, what] : faults) {
         if (what == crossed_before) {
@@ -261,16 +291,18 @@ void Check::check_pairs() {
 // flat pieces of the faces.
 std::vector<double> Check::windings(const std::vector<Patch>& patches, int around,
                                     const std::vector<Vec<3>>& points) const {
-    const int m = mesh.dim - 1, depth = mesh.degree == 1 ? 0 : 3 * m;
+    const int m = mesh.dim - 1, depth = basis.bernstein.degree == 1 ? 0 : 3 * m;
     const int count = static_cast<int>(points.size());
     std::vector<int> near, far;  // the points, by number
-    Box whole = box_of(patches[parts[around].first_face]);
+    Box whole = box_of(patches[faces.first[parts[around].first_face]]);
     std::vector<char> is_near(count, 0);
     for (int f = 0; f < mesh.face_count(); ++f) {
         if (part[f] != around) continue;
-        const Box box = box_of(patches[f]);
-        whole.include(box);
-        for (int i = 0; i < count; ++i) is_near[i] |= squared_distance(box, points[i]) == 0;
+        for (const Patch& patch : patches_of(patches, f)) {
+            const Box box = box_of(patch);
+            whole.include(box);
+            for (int i = 0; i < count; ++i) is_near[i] |= squared_distance(box, points[i]) == 0;
+        }
     }
     for (int i = 0; i < count; ++i)
         if (squared_distance(whole, points[i]) == 0) (is_near[i] ? near : far).push_back(i);
@@ -290,8 +322,10 @@ std::vector<double> Check::windings(const std::vector<Patch>& patches, int aroun
     };
     for (int f = 0; f < mesh.face_count(); ++f) {
         if (part[f] != around) continue;
-        add(add, patches[f], far, 0);
-        if (!near.empty()) add(add, patches[f], near, depth);
+        for (const Patch& patch : patches_of(patches, f)) {
+            add(add, patch, far, 0);
+            if (!near.empty()) add(add, patch, near, depth);
+        }
     }
     for (double& turns : sum) turns /= 2 * std::numbers::pi;
     return sum;
@@ -300,10 +334,10 @@ std::vector<double> Check::windings(const std::vector<Patch>& patches, int aroun
 // Corners of its faces in which the closed part reaches farthest in the target, in each direction of each axis: (face,
 // corner).
 std::vector<std::array<int, 2>> Check::farthest_corners(int of_part) const {
-    const auto coordinate = [&](std::array<int, 2> at, int axis) { return after[at[0]][at[1]][axis]; };
+    const auto coordinate = [&](std::array<int, 2> at, int axis) { return corner(target, at[0], at[1])[axis]; };
     std::vector<std::array<int, 2>> farthest(2 * mesh.dim, {parts[of_part].first_face, 0});
     for (int f = 0; f < mesh.face_count(); ++f)
-        for (int i = 0; i < mesh.dim && part[f] == of_part; ++i)
+        for (int i = 0; i < mesh.face_cell(f).vertices && part[f] == of_part; ++i)
             for (int axis = 0; axis < mesh.dim; ++axis) {
                 std::array<int, 2>&least = farthest[2 * axis], &most = farthest[2 * axis + 1];
                 if (coordinate({f, i}, axis) < coordinate(least, axis)) least = {f, i};
@@ -333,7 +367,7 @@ void Check::check_nesting() {
     parallel_for_uneven(2 * count, [&](int task) {
         const std::vector<Patch>& patches = task % 2 == 0 ? before : after;
         std::vector<Vec<3>> points;
-        for (const Probe& probe : probes[task / 2]) points.push_back(patches[probe.face][probe.corner]);
+        for (const Probe& probe : probes[task / 2]) points.push_back(corner(task % 2 == 0 ? mesh.x : target, probe.face, probe.corner));
         turns[task] = windings(patches, task / 2, points);
     }, face_work * mesh.face_count());
     std::set<std::pair<int, int>> moved;
@@ -355,7 +389,9 @@ void Check::check_nodes() {
     std::vector<int> nodes, first_face(mesh.nodes(), -1);
     std::vector<double> size(mesh.nodes(), std::numeric_limits<double>::max());  // of its smallest face in the target
     for (int f = 0; f < mesh.face_count(); ++f) {
-        const double face_size = box_of(after[f]).longest_side();
+        Box box = box_of(after[faces.first[f]]);
+        for (const Patch& patch : patches_of(after, f)) box.include(box_of(patch));
+        const double face_size = box.longest_side();
         for (int k = 0; k < mesh.face_nodes(f); ++k) {
             const int i = mesh.face(f)[k];
             size[i] = std::min(size[i], face_size);

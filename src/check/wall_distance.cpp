@@ -1,10 +1,12 @@
 #include "check/wall_distance.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "geometry/closest_point.hpp"
+#include "geometry/face_patches.hpp"
 
 namespace almesh {
 namespace {
@@ -14,17 +16,17 @@ constexpr double node_work = 1e3;  // simple operations to find the distance of 
 }  // namespace
 
 std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x, const std::vector<char>& is_wall) {
-    const PatchBasis basis(mesh.dim - 1, mesh.degree);
+    const FacePatches faces(mesh);
     std::vector<Patch> patches;
     std::vector<char> on_wall(mesh.nodes(), 0);
     for (int f = 0; f < mesh.face_count(); ++f) {
         if (!is_wall[mesh.face_boundary[f]]) continue;
-        patches.push_back(face_patch(basis, mesh, x, f));
+        for (Patch& patch : faces.of(f, x)) patches.push_back(std::move(patch));
         for (int i = 0; i < mesh.face_nodes(f); ++i) on_wall[mesh.face(f)[i]] = 1;
     }
     if (patches.empty())
         throw InputError("wall distance: the boundary has no faces; name another one");
-    const ClosestPoint wall(basis, patches);
+    const ClosestPoint wall(faces.basis, patches);
     std::vector<double> distance(mesh.nodes(), 0.0);
     parallel_for(mesh.nodes(), [&](int i) {
         if (!on_wall[i]) distance[i] = std::sqrt(wall.squared_distance(positions(mesh, x, &i, 1)[0]));

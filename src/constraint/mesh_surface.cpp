@@ -208,7 +208,7 @@ void MeshSurface::find_neighbours() {
 }
 
 MeshSurface::Expansion MeshSurface::expand(int patch, const double* xi) const {
-    constexpr int most = simplex_node_count(2, max_degree);
+    constexpr int most = simplex_node_count(2, 2 * max_degree);
     double N[most], dN[2 * most];
     lagrange_.values(xi, N);
     lagrange_.gradients(xi, dN);

@@ -6,11 +6,13 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "base/disjoint_sets.hpp"
 #include "base/index.hpp"
 #include "constraint/height_patch.hpp"
 #include "constraint/quadric.hpp"
+#include "geometry/face_patches.hpp"
 #include "mesh/sides.hpp"
 
 namespace almesh {
@@ -25,36 +27,53 @@ double angle(const Vec<3>& u, const Vec<3>& v) {
 // The faces of some boundaries, moved.
 struct BoundaryFaces {
     const Mesh& mesh;
+    FacePatches patches;
+    FacePatches of_surface;                     // bilinear faces are rounded like flat ones: as two triangles
     std::vector<int> face;                      // numbers in the mesh
     std::vector<std::vector<Vec<3>>> position;  // of their nodes
-    std::vector<Patch> patch;
     std::vector<std::vector<Vec<3>>> corner_normal;
     std::vector<std::pair<int, int>> side;  // of faces, as places in `face`
     std::vector<double> side_angle;
 
-    BoundaryFaces(const Mesh& mesh_, const PatchBasis& basis, const std::vector<double>& node,
-                  const std::vector<char>& chosen)
-        : mesh(mesh_) {
+    BoundaryFaces(const Mesh& mesh_, const std::vector<double>& node, const std::vector<char>& chosen)
+        : mesh(mesh_), patches(mesh_), of_surface(mesh.degree == 1 ? FacePatches(mesh, 1) : patches) {
         const int dim = mesh.dim;
-        const PatchNormal normal(dim - 1, mesh.degree);
+        const PatchNormal normal(dim - 1, patches.basis.bernstein.degree);
         for (int f = 0; f < mesh.face_count(); ++f) {
             if (!chosen[mesh.face_boundary[f]]) continue;
             std::vector<Vec<3>> moved(mesh.face_nodes(f), Vec<3>{});
             for (int i = 0; i < mesh.face_nodes(f); ++i)
                 std::copy_n(&node[(mesh.face_start(f) + i) * dim], dim, moved[i].begin());
             face.push_back(f);
-            patch.push_back(make_patch(basis, moved));
             position.push_back(std::move(moved));
-            const std::vector<Vec<3>> n = normal.coefficients(patch.back());  // corners first
-            std::vector<Vec<3>> at_corner;
-            const Vec<3> flat = flat_normal(position.back(), dim - 1);
-            for (int k = 0; k < dim; ++k) {
-                const Vec<3>& at = n[n.size() == 1 ? 0 : k];
-                at_corner.push_back(dot(at, flat) > 0 ? at : flat);  // of a face that is folded there
+            const Vec<3> flat = flat_of(static_cast<int>(face.size()) - 1);
+            std::vector<Vec<3>> at_corner(mesh.face_cell(f).vertices, Vec<3>{});
+            const std::vector<Patch> of_face = patches.of(f, position.back());
+            for (std::size_t part = 0; part < of_face.size(); ++part) {
+                const std::vector<Vec<3>> n = normal.coefficients(of_face[part]);  // corners first
+                for (int k = 0; k < dim; ++k) {
+                    const Vec<3>& at = n[n.size() == 1 ? 0 : k];
+                    at_corner[patches.cut(f).vertices[part][k]] =
+                        dot(at, flat) > 0 ? at : flat;  // of a face that is folded there
+                }
             }
             corner_normal.push_back(std::move(at_corner));
         }
         find_sides();
+    }
+
+    // The normal of the flat face with the same corners.
+    Vec<3> flat_of(int k) const { return flat_normal(position[k], mesh.dim - 1, mesh.face_cell(face[k]).vertices); }
+
+    // The patches of all faces, and of which each is one, as places in `face`.
+    std::vector<Patch> all_patches(std::vector<int>& of_face) const {
+        std::vector<Patch> all;
+        for (std::size_t k = 0; k < face.size(); ++k)
+            for (Patch& patch : patches.of(face[k], position[k])) {
+                all.push_back(std::move(patch));
+                of_face.push_back(static_cast<int>(k));
+            }
+        return all;
     }
 
     void find_sides() {
@@ -75,8 +94,8 @@ struct BoundaryFaces {
     }
 
     Vec<3> normal_at(int k, int node) const {
-        const int* const corner = mesh.face(face[k]);
-        return corner_normal[k][std::find(corner, corner + mesh.dim, node) - corner];
+        const std::span<const int> corner = mesh.face_vertices(face[k]);
+        return corner_normal[k][std::find(corner.begin(), corner.end(), node) - corner.begin()];
     }
 
     // `faces` joined across sides at angles up to `limit`.
@@ -118,8 +137,9 @@ struct BoundaryFaces {
         const auto quadric = fit_quadric(mesh.dim, points(faces), tolerance);
         return quadric && std::all_of(faces.begin(), faces.end(), [&](int k) {
             Vec<3> n{};
-            for (int c = 0; c < mesh.dim; ++c) n = n + quadric->closest(position[k][c]).normal;
-            const Vec<3> flat = flat_normal(position[k], mesh.dim - 1);
+            for (int c = 0; c < mesh.face_cell(face[k]).vertices; ++c)
+                n = n + quadric->closest(position[k][c]).normal;
+            const Vec<3> flat = flat_of(k);
             return std::abs(dot(n, flat)) > least_cosine * length(n) * length(flat);
         });
     }
@@ -134,14 +154,14 @@ struct BoundaryFaces {
         return result;
     }
 
-    std::unique_ptr<Surface> own(const PatchBasis& basis, const std::vector<int>& faces) const {
-        std::vector<Patch> patches;
-        std::vector<std::vector<int>> nodes;
+    std::unique_ptr<Surface> own(const std::vector<int>& faces) const {
+        std::vector<int> numbers;
+        std::vector<Patch> all;
         for (const int k : faces) {
-            patches.push_back(patch[k]);
-            nodes.emplace_back(mesh.face(face[k]), mesh.face(face[k]) + mesh.face_nodes(face[k]));
+            numbers.push_back(face[k]);
+            for (Patch& patch : of_surface.of(face[k], position[k])) all.push_back(std::move(patch));
         }
-        return surface_of_faces(basis, patches, nodes);
+        return surface_of_faces(of_surface.basis, all, of_surface.nodes_of(numbers));
     }
 };
 
@@ -151,7 +171,7 @@ struct SurfaceOfFaces {
     bool of_mesh;  // the mesh's own faces
 };
 
-std::vector<SurfaceOfFaces> surfaces_of(const BoundaryFaces& faces, const PatchBasis& basis, double feature_angle) {
+std::vector<SurfaceOfFaces> surfaces_of(const BoundaryFaces& faces, double feature_angle) {
     std::vector<SurfaceOfFaces> result;
     const auto add = [&result](std::unique_ptr<Surface> surface, const std::vector<int>& of, bool of_mesh = false) {
         if (!surface) return false;
@@ -171,7 +191,7 @@ std::vector<SurfaceOfFaces> surfaces_of(const BoundaryFaces& faces, const PatchB
                 for (const std::vector<int>& entity : entities)
                     if (entities.size() == 1 || !add(faces.fitted(entity), entity))
                         rest.insert(rest.end(), entity.begin(), entity.end());
-                if (!rest.empty()) add(faces.own(basis, rest), rest, true);
+                if (!rest.empty()) add(faces.own(rest), rest, true);
             }
         }
     }
@@ -190,14 +210,14 @@ std::vector<double> places_of_faces(const Mesh& mesh) {
 
 SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& node, const std::vector<char>& slides,
                                  double feature_angle, const Frame& frame, const std::vector<OtherSurface>& other)
-    : dim_(base.dim), place_(base.face_count(), -1), frame_(frame), basis_(base.dim - 1, base.degree),
+    : dim_(base.dim), place_(base.face_count(), -1), frame_(frame),
+      basis_(base.dim - 1, base.groups_of_faces.empty() ? base.degree : 2 * base.degree),
       faces_(base.boundaries.size()) {
-    const PatchBasis basis(dim_ - 1, base.degree);
     for (int b = 0; b < static_cast<int>(base.boundaries.size()); ++b) {
         if (!slides[b]) continue;
-        const auto add_parts = [&](const BoundaryFaces& faces, const PatchBasis& of_mesh) {
+        const auto add_parts = [&](const BoundaryFaces& faces) {
             faces_[b].part.resize(faces.face.size());
-            for (auto& [surface, of, is_of_mesh] : surfaces_of(faces, of_mesh, feature_angle)) {
+            for (auto& [surface, of, is_of_mesh] : surfaces_of(faces, feature_angle)) {
                 for (const int k : of) faces_[b].part[k] = parts();
                 points_.emplace_back();
                 if (is_of_mesh) points_.back().position = faces.points(of);
@@ -209,22 +229,29 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
         };
         std::vector<char> only(base.boundaries.size(), 0);
         only[b] = 1;
-        const BoundaryFaces own(base, basis, node, only);
+        const BoundaryFaces own(base, node, only);
         for (std::size_t k = 0; k < own.face.size(); ++k) place_[own.face[k]] = static_cast<int>(k);
         if (other.empty() || !other[b].mesh) {
-            add_parts(own, basis);
+            add_parts(own);
             continue;
         }
-        std::vector<Patch> before;
-        for (const int f : own.face) before.push_back(face_patch(basis, base, base.x, f));
-        faces_[b].before = std::make_unique<ClosestPoint>(basis, before);
         const Mesh& mesh = *other[b].mesh;
-        const PatchBasis of_other(dim_ - 1, mesh.degree);
-        const BoundaryFaces others(mesh, of_other, places_of_faces(mesh), other[b].boundaries);
-        add_parts(others, of_other);
-        faces_[b].after = own.position;
-        faces_[b].other = std::make_unique<ClosestPoint>(of_other, others.patch);
-        for (const Patch& patch : others.patch) faces_[b].other_normal.push_back(flat_normal(patch, dim_ - 1));
+        const BoundaryFaces others(mesh, places_of_faces(mesh), other[b].boundaries);
+        add_parts(others);
+        Faces& faces = faces_[b];
+        std::vector<Patch> before;
+        for (std::size_t k = 0; k < own.face.size(); ++k) {
+            const SubSimplices& cut = own.patches.cut(own.face[k]);
+            for (int part = 0; part < cut.count(); ++part) {
+                faces.after.push_back(nodes_of_part(cut, own.position[k], part));
+                faces.face.push_back(static_cast<int>(k));
+            }
+            for (Patch& patch : own.patches.of(own.face[k], base.x)) before.push_back(std::move(patch));
+        }
+        faces.before = std::make_unique<ClosestPoint>(own.patches.basis, before);
+        const std::vector<Patch> of_other = others.all_patches(faces.other_face);
+        faces.other = std::make_unique<ClosestPoint>(others.patches.basis, of_other);
+        for (const Patch& patch : of_other) faces.other_normal.push_back(flat_normal(patch, dim_ - 1));
     }
 }
 
@@ -240,9 +267,10 @@ int SlidingSurfaces::part(const Mesh& mesh, int f) const {
     const Faces& faces = faces_[mesh.face_boundary[f]];
     const int of_base = place_[f / (mesh.face_count() / static_cast<int>(place_.size()))];
     if (!faces.other) return faces.part[of_base];
-    const Vec<3> centre = frame_.to_file(centroid(mesh, mesh.x, mesh.face(f), dim_));
-    const ClosestPoint::Place place = faces.before->find(centre, [=](int k) { return k == of_base; });
-    const std::vector<Vec<3>>& node = faces.after[of_base];
+    const Vec<3> centre = frame_.to_file(centroid(mesh, mesh.x, mesh.face(f), mesh.face_cell(f).vertices));
+    const ClosestPoint::Place place =
+        faces.before->find(centre, [&](int patch) { return faces.face[patch] == of_base; });
+    const std::vector<Vec<3>>& node = faces.after[place.patch];
     std::vector<double> N(basis_.count);
     basis_.values(&place.at[1], N.data());
     Vec<3> after{};
@@ -252,7 +280,7 @@ int SlidingSurfaces::part(const Mesh& mesh, int f) const {
         const double between = angle(normal, faces.other_normal[k]);
         return between < surely_sharp || between > 180 - surely_sharp;
     }).patch;
-    return faces.part[nearest >= 0 ? nearest : faces.other->find(after).patch];
+    return faces.part[faces.other_face[nearest >= 0 ? nearest : faces.other->find(after).patch]];
 }
 
 void SlidingSurfaces::add_patch(int node, int part, const Vec<3>& x) {

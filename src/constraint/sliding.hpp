@@ -67,17 +67,19 @@ private:
 
     // Of a boundary that slides.
     struct Faces {
-        std::unique_ptr<ClosestPoint> before;    // before the motion; null where there is no other mesh
-        std::vector<std::vector<Vec<3>>> after;  // face, node: after it
-        std::unique_ptr<ClosestPoint> other;     // those of another mesh; null where there is none
+        std::unique_ptr<ClosestPoint> before;    // their patches before the motion; null where there is no other mesh
+        std::vector<int> face;                   // of each patch
+        std::vector<std::vector<Vec<3>>> after;  // patch, node: after it
+        std::unique_ptr<ClosestPoint> other;     // patches of another mesh; null where there is none
         std::vector<Vec<3>> other_normal;
-        std::vector<int> part;                   // of each, of the other mesh where there is one
+        std::vector<int> other_face;
+        std::vector<int> part;                   // of each face, of the other mesh where there is one
     };
 
     int dim_;
     std::vector<int> place_;  // per face of the base: which of its boundary's it is
     Frame frame_;
-    LagrangeBasis basis_;                   // of the faces
+    LagrangeBasis basis_;                   // of the patches
     std::vector<Points> points_;            // per part: of its nodes, where it is the mesh's own faces
     std::map<std::array<int, 2>, int> patch_;  // node, part -> part
     std::vector<std::shared_ptr<const Surface>> surface_;

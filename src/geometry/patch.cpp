@@ -43,10 +43,6 @@ Patch make_patch(const PatchBasis& basis, const std::vector<Vec<3>>& nodes) {
     return patch;
 }
 
-Patch face_patch(const PatchBasis& basis, const Mesh& mesh, const std::vector<double>& x, int f) {
-    return make_patch(basis, positions(mesh, x, mesh.face(f), mesh.face_nodes(f)));
-}
-
 double solid_angle(const Vec<3>& u, const Vec<3>& v, const Vec<3>& w) {
     const double a = length(u), b = length(v), c = length(w);
     return 2 * std::atan2(dot(u, cross(v, w)), a * b * c + dot(u, v) * c + dot(v, w) * a + dot(w, u) * b);

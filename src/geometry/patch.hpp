@@ -53,7 +53,6 @@ std::vector<Vec<3>> positions(const Mesh& mesh, const std::vector<double>& x, co
 
 // nodes: positions in Gmsh's order. Corner Bezier points are the nodes to the bit.
 Patch make_patch(const PatchBasis& basis, const std::vector<Vec<3>>& nodes);
-Patch face_patch(const PatchBasis& basis, const Mesh& mesh, const std::vector<double>& x, int f);
 
 inline double length(const Vec<3>& v) { return std::sqrt(dot(v, v)); }
 inline Vec<3> unit(const Vec<3>& v) { return length(v) > 0 ? 1 / length(v) * v : v; }

@@ -13,6 +13,7 @@
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "linalg/ordering/graph.hpp"
+#include "mesh/hanging_faces.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/sides.hpp"
 #include "mesh/unused_ids.hpp"
@@ -388,6 +389,7 @@ std::vector<std::array<int, 2>> fill_boundary(MeshBuild& build) {
     fill_faces(matcher, all, build.raw, build.mesh, types);
     if (!all.untagged.empty()) fill_untagged(matcher, all.untagged, build, types);
     group_faces(build.mesh, types);
+    refuse_hanging_faces(build);
     return std::move(all.folded);
 }
 

@@ -8,9 +8,13 @@
 namespace almesh {
 
 SubSimplices::SubSimplices(const CellType& cell, int cell_degree)
-    : degree(cell.is_simplex() ? cell_degree : 2 * cell_degree),
+    : SubSimplices(cell, cell_degree, cell.is_simplex() ? cell_degree : 2 * cell_degree) {}
+
+SubSimplices::SubSimplices(const CellType& cell, int cell_degree, int degree_)
+    : degree(degree_),
       nodes(simplex_node_count(cell.dim, degree)),
-      cell_nodes(cell.node_count(cell_degree)) {
+      cell_nodes(cell.node_count(cell_degree)),
+      corners(cell.dim + 1) {
     if (cell.is_simplex()) vertices = {{0, 1, 2, 3}};
     else vertices = {{0, 1, 2, -1}, {0, 2, 3, -1}};
     const LagrangeBasis basis(cell, cell_degree);

@@ -20,13 +20,15 @@ namespace almesh {
 
 struct SubSimplices {
     int degree;                            // of the simplices: p of a simplex, 2 p of a quadrilateral
-    int nodes, cell_nodes;                 // of one simplex, of the cell
+    int nodes, cell_nodes, corners;        // of one simplex, of the cell; corners of a simplex
     std::vector<CellChild> vertices;       // of each simplex: vertices of the cell, dim + 1 entries, same orientation
     std::vector<std::vector<double>> map;  // of each simplex: S, nodes x cell_nodes, in Gmsh's order of both
 
-    SubSimplices(const CellType& cell, int degree);
+    SubSimplices(const CellType& cell, int cell_degree);
+    SubSimplices(const CellType& cell, int cell_degree, int degree);  // of a lower degree they interpolate the cell
 
     int count() const { return static_cast<int>(vertices.size()); }
+    bool is_cell() const { return count() == 1 && nodes == cell_nodes; }  // the cell itself, node by node
     // The reference coordinates in the cell of a point of simplex k, with these barycentric coordinates.
     std::array<double, 3> point(int k, const std::array<double, 4>& barycentric) const;
 

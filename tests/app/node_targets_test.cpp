@@ -9,6 +9,7 @@
 
 #include "base/index.hpp"
 #include "geometry/closest_point.hpp"
+#include "geometry/face_patches.hpp"
 #include "support/high_order.hpp"
 #include "support/ring_deck.hpp"
 
@@ -66,7 +67,8 @@ double largest_distance(const Mesh& mesh, const std::string& boundary, const Mes
     const PatchBasis basis(mesh.dim - 1, other.degree);
     std::vector<Patch> faces;
     for (int f = 0; f < other.face_count(); ++f)
-        if (other.boundaries[other.face_boundary[f]] == boundary) faces.push_back(face_patch(basis, other, other.x, f));
+        if (other.boundaries[other.face_boundary[f]] == boundary)
+            faces.push_back(FacePatches(other).of(f, other.x)[0]);
     const ClosestPoint closest(basis, faces);
     double largest = 0;
     for (int f = 0; f < mesh.face_count(); ++f)

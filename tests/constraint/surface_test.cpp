@@ -6,6 +6,7 @@
 #include <random>
 #include <string>
 
+#include "geometry/face_patches.hpp"
 #include "support/meshes.hpp"
 
 using namespace almesh;
@@ -111,7 +112,7 @@ TEST_CASE("along a mesh's own faces: a point on them, with normals that turn con
     std::vector<std::vector<int>> nodes;
     for (int f = 0; f < mesh.face_count(); ++f) {
         if (mesh.boundaries[mesh.face_boundary[f]] != "outer") continue;
-        patches.push_back(face_patch(basis, mesh, mesh.x, f));
+        patches.push_back(FacePatches(mesh).of(f, mesh.x)[0]);
         nodes.emplace_back(mesh.face(f), mesh.face(f) + 2);
     }
     const auto faces = surface_of_faces(basis, patches, nodes);
@@ -143,7 +144,7 @@ TEST_CASE("flat faces are rounded: through their corners, and far nearer to the 
             std::vector<std::vector<int>> nodes;
             for (int f = 0; f < mesh.face_count(); ++f) {
                 if (mesh.boundaries[mesh.face_boundary[f]] != "bottom") continue;
-                patches.push_back(face_patch(basis, mesh, mesh.x, f));
+                patches.push_back(FacePatches(mesh).of(f, mesh.x)[0]);
                 nodes.emplace_back(mesh.face(f), mesh.face(f) + dim);
             }
             const auto faces = surface_of_faces(basis, patches, nodes);
@@ -221,7 +222,7 @@ TEST_CASE("the projection on a mesh's own faces: along the normal, its slope the
         std::vector<std::vector<int>> nodes;
         for (int f = 0; f < mesh.face_count(); ++f) {
             if (mesh.boundaries[mesh.face_boundary[f]] != (dim == 2 ? "outer" : "bottom")) continue;
-            patches.push_back(face_patch(basis, mesh, mesh.x, f));
+            patches.push_back(FacePatches(mesh).of(f, mesh.x)[0]);
             nodes.emplace_back(mesh.face(f), mesh.face(f) + mesh.face_nodes(0));
         }
         const auto faces = surface_of_faces(basis, patches, nodes);
