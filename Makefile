@@ -56,7 +56,7 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-examples cholmod paper gauntlet generated defaults run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
+.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-examples cholmod paper gauntlet generated certificates defaults run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
         figures meshes lessons readmes check-lessons animation clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -234,6 +234,9 @@ paper: almesh ## run the paper's decks, compare with its tables: outputs/paper/t
 gauntlet: almesh ## run the decks of large motions, inputs/gauntlet/, and compare: outputs/gauntlet/table.md
 	@for deck in inputs/gauntlet/*.deck; do ./almesh $$deck vtk=none; echo; done
 	$(PYTHON) plot/gauntlet.py
+
+certificates: $(BUILD)/almesh-tests ## the certificate beside dense samples of ten thousand random elements of each cell and degree (ELEMENTS=100000)
+	ALMESH_ELEMENTS=$(or $(ELEMENTS),10000) $(BUILD)/almesh-tests -sf='*certificate_samples_test.cpp'
 
 generated: almesh python ## run a hundred generated cases, twisted, bent, squeezed: a table (ONLY=17,23)
 	$(PYTHON) tests/generated.py --almesh ./almesh $(if $(ONLY),--only $(ONLY))

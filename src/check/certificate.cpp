@@ -53,22 +53,25 @@ private:
 
     // The determinant of the straight-sided elements, of other cells than simplices its mean.
     Lanes straight_determinant(const int* const* node) const {
-        Lanes det{};
-        if (cell_.is_simplex()) {
-            const Vec<n, Lanes> origin = gathered<n>(node, 0, x_);
-            Mat<n, Lanes> J;
-            for (int k = 0; k < n; ++k) {
-                const Vec<n, Lanes> vertex = gathered<n>(node, k + 1, x_);
-                for (int a = 0; a < n; ++a) J[a][k] = vertex[a] - origin[a];
-            }
-            det = determinant(J);
-        } else {
+        if (!cell_.is_simplex()) {
             ElementJacobian<n, Lanes> elements(straight_);
             compute(elements, node, cell_.vertices);
-            for (int a = 0; a < straight_.jacobian.count; ++a) det += elements.coefficients(0)[a];
-            det *= elements.unit() / straight_.jacobian.count;
+            return mean_determinant(elements, straight_);
         }
-        return abs(det);
+        const Vec<n, Lanes> origin = gathered<n>(node, 0, x_);
+        Mat<n, Lanes> J;
+        for (int k = 0; k < n; ++k) {
+            const Vec<n, Lanes> vertex = gathered<n>(node, k + 1, x_);
+            for (int a = 0; a < n; ++a) J[a][k] = vertex[a] - origin[a];
+        }
+        return abs(determinant(J));
+    }
+
+    // Of straight-sided elements. In a pyramid they have no layers, over which the mean would be weighted.
+    static Lanes mean_determinant(const ElementJacobian<n, Lanes>& elements, const JacobianBasis& basis) {
+        Lanes sum{};
+        for (int a = 0; a < basis.jacobian.count; ++a) sum += elements.coefficients(0)[a];
+        return abs(elements.unit() / basis.jacobian.count * sum);
     }
 
     void compute(ElementJacobian<n, Lanes>& elements, const int* const* node, int nodes) const {
@@ -79,7 +82,7 @@ private:
     void bound_batch(const int* element, int count, bool sharp) {
         const int* node[lanes];
         for (int l = 0; l < lanes; ++l) node[l] = mesh_.element(element[std::min(l, count - 1)]);
-        const Lanes straight = straight_determinant(node);
+        const Lanes of_vertices = mesh_.degree > 1 ? straight_determinant(node) : Lanes{};
         ElementJacobian<n, Lanes> elements(basis_);
         compute(elements, node, basis_.position.nodes);
         const Lanes* const b = elements.coefficients(0);
@@ -90,6 +93,7 @@ private:
         }
         for (const Bernstein::Corner& corner : basis_.jacobian.corners)
             upper = select(b[corner.place] < upper, b[corner.place], upper);
+        const Lanes straight = mesh_.degree > 1 ? of_vertices : mean_determinant(elements, basis_);
         const Lanes scale = max(elements.unit() / straight, in_all_lanes(std::numeric_limits<double>::min()));
         const Lanes rounding = elements.rounding();
         const LaneBits has_frame = elements.has_frame();

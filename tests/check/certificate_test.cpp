@@ -202,3 +202,36 @@ TEST_CASE("bounds have the same bits for any number of threads") {
     }
     set_threads(before);
 }
+
+// All eight corners have det J > 4.5; on the edge from vertex 0 to 1 it falls to -5 between them.
+TEST_CASE("a hexahedron that is folded along an edge between positive corners is invalid") {
+    Mesh mesh;
+    mesh.dim = 3;
+    mesh.x = {1.2, 0.6, 1.3, 1.9, -1.0, -1.0, 2.0, 2.0, -0.9, -0.8, -0.9, -1.0,
+              -1.0, 1.0, 0.7, 1.6, -1.0, 2.0, 2.0, -0.1, 1.7, 0.7, 2.0, 2.0};
+    for (int i = 0; i < 8; ++i) mesh.elements.push_back(i);
+    mesh.groups = groups_of({&hexahedron()}, 1);
+    const LagrangeBasis basis(hexahedron(), 1);
+    for (int i = 0; i < 8; ++i) CHECK(determinant_at<3>(basis, mesh.element(0), mesh.x, basis.point(i).data()) > 4.5);
+    const double middle[3] = {0.5, 0, 0};
+    CHECK(determinant_at<3>(basis, mesh.element(0), mesh.x, middle) < -4);
+    for (const int degree : {1, 2, 3}) {
+        std::vector<double> x;  // the same element
+        const LagrangeBasis higher(hexahedron(), degree);
+        mesh.degree = degree;
+        mesh.elements.clear();
+        for (int i = 0; i < higher.count; ++i) {
+            double N[8];
+            basis.values(higher.point(i).data(), N);
+            for (int a = 0; a < 3; ++a) {
+                x.push_back(0);
+                for (int v = 0; v < 8; ++v) x.back() += N[v] * mesh.x[3 * v + a];
+            }
+            mesh.elements.push_back(i);
+        }
+        mesh.groups = groups_of({&hexahedron()}, degree);
+        const Certificate c = certify(mesh, x);
+        CHECK(!c.valid);
+        CHECK(c.undecided == 0);
+    }
+}

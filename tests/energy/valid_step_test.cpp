@@ -3,9 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "mesh/lagrange.hpp"
+#include "mesh/quadrature.hpp"
 #include "support/determinant.hpp"
 #include "support/meshes.hpp"
 #include "support/targets.hpp"
@@ -174,4 +176,96 @@ TEST_CASE("a curved element keeps a fifth of its least determinant in a step, or
     CHECK(step(2e-6, 1.2e-6) == 1);
     CHECK(step(2e-6, 0.8e-6) < 1);
     CHECK(step(0.5e-6, 0.5e-6) == 1);
+}
+
+// Straight and curved cells of every type, which tumble and fold on the way: no s up to the fraction has a determinant
+// that is not positive at a lattice of points, and just after it there is one near zero.
+TEST_CASE("steps of every cell end before it folds anywhere, and not long before") {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> any(-1, 1);
+    for (const CellType& cell : cell_types()) {
+        if (cell.dim < 2) continue;
+        const Quadrature points = element_quadrature(cell, 3, 6);
+        int cut = 0, close = 0, trials = 0;
+        for (const int degree : {1, 2, 3}) {
+            const LagrangeBasis basis(cell, degree);
+            const ValidStep valid_step(cell, degree);
+            std::vector<int> node(basis.count);
+            std::iota(node.begin(), node.end(), 0);
+            const auto least = [&](const std::vector<double>& x) {
+                double value = std::numeric_limits<double>::infinity();
+                for (int q = 0; q < points.count; ++q) {
+                    const double* const xi = &points.xi[q * cell.dim];
+                    value = std::min(value, cell.dim == 2 ? determinant_at<2>(basis, node.data(), x, xi)
+                                                          : determinant_at<3>(basis, node.data(), x, xi));
+                }
+                return value;
+            };
+            for (int trial = 0; trial < 8; ++trial) {
+                std::vector<double> from, to;
+                for (int i = 0; i < basis.count; ++i) {
+                    std::array<double, 3> xi = basis.point(i);
+                    for (int k = 0; k < 2 && cell.is_collapsed; ++k) xi[k] *= 1 - xi[2];
+                    for (int k = 0; k < cell.dim; ++k) {
+                        from.push_back(xi[k]);
+                        to.push_back(xi[k] + 0.7 / degree * any(random));
+                    }
+                }
+                std::vector<Inversion> inversions;
+                const double s = valid_step.fraction(node, 1, from, to, inversions);
+                for (int k = 0; k <= 10; ++k) CHECK(least(between(from, to, s * k / 10)) > 0);
+                ++trials;
+                if (least(to) <= 0) CHECK(s < 1);
+                if (s == 1) continue;
+                ++cut;
+                for (int k = 1; k <= 10; ++k)
+                    if (least(between(from, to, std::min(1.0, s + 0.01 * k))) < 0.1) {
+                        ++close;
+                        break;
+                    }
+            }
+        }
+        CAPTURE(cell.vertices);
+        CHECK(cut > trials / 4);
+        CHECK(close > 0.8 * cut);
+    }
+}
+
+// Turned by 180 degrees about an edge, on straight lines: at both ends it is the unit cube, halfway it has no volume.
+TEST_CASE("a hexahedron that is turned through itself is stopped though both ends are valid; a shift passes") {
+    const LagrangeBasis basis(hexahedron(), 1);
+    std::vector<int> node(8);
+    std::iota(node.begin(), node.end(), 0);
+    std::vector<double> from, turned, shifted;
+    for (int i = 0; i < 8; ++i)
+        for (int a = 0; a < 3; ++a) {
+            const double v = basis.point(i)[a];
+            from.push_back(v);
+            turned.push_back(a == 2 ? v : -v);
+            shifted.push_back(v + 5);
+        }
+    std::vector<Inversion> inversions;
+    const ValidStep valid_step(hexahedron(), 1);
+    const double s = valid_step.fraction(node, 1, from, turned, inversions);
+    CHECK(s < 0.5);
+    CHECK(s > 0.3);
+    CHECK(valid_step.fraction(node, 1, from, shifted, inversions) == 1);
+}
+
+// From the cube to a hexahedron with eight positive corners that is folded along an edge between them.
+TEST_CASE("a step that folds a hexahedron along an edge between positive corners is cut, and the place is told") {
+    const LagrangeBasis basis(hexahedron(), 1);
+    std::vector<int> node(8);
+    std::iota(node.begin(), node.end(), 0);
+    const std::vector<double> to = {1.2, 0.6, 1.3, 1.9, -1.0, -1.0, 2.0, 2.0, -0.9, -0.8, -0.9, -1.0,
+                                    -1.0, 1.0, 0.7, 1.6, -1.0, 2.0, 2.0, -0.1, 1.7, 0.7, 2.0, 2.0};
+    std::vector<double> from;
+    for (int i = 0; i < 8; ++i)
+        for (int a = 0; a < 3; ++a) from.push_back(basis.point(i)[a]);
+    std::vector<Inversion> inversions;
+    CHECK(ValidStep(hexahedron(), 1).fraction(node, 1, from, to, inversions) < 1);
+    REQUIRE(inversions.size() == 1);
+    CHECK(inversions[0].ratio == 0);
+    const double xi[3] = {inversions[0].at[1], inversions[0].at[3], inversions[0].at[5]};
+    CHECK(determinant_at<3>(basis, node.data(), to, xi) < 0);
 }
