@@ -1,20 +1,43 @@
 #include "io/foreign_cells.hpp"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
+#include <span>
 
-#include "base/error.hpp"
 #include "base/text.hpp"
 #include "mesh/lagrange.hpp"
 
 namespace almesh {
 namespace {
 
-// VTK's edges and faces of a tetrahedron (vtkLagrangeTetra), each face from the vertex its interior nodes begin at. Its
-// lines and triangles have Gmsh's order.
+// VTK's edges and faces, each face from the vertex at which its nodes begin (vtkLagrangeTetra,
+// vtkHigherOrderQuadrilateral, vtkHigherOrderHexahedron, vtkHigherOrderWedge, vtkQuadraticPyramid). Its lines and
+// triangles have Gmsh's order.
 constexpr std::array<CellEdge, 6> tetrahedron_edges = {{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}};
 constexpr std::array<CellFace, 4> tetrahedron_faces = {
     {{0, 1, 3, -1}, {2, 3, 1, -1}, {0, 3, 2, -1}, {0, 2, 1, -1}}};
+constexpr std::array<CellEdge, 12> hexahedron_edges = {
+    {{0, 1}, {1, 2}, {3, 2}, {0, 3}, {4, 5}, {5, 6}, {7, 6}, {4, 7}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}};
+constexpr std::array<CellFace, 6> hexahedron_faces = {
+    {{0, 3, 7, 4}, {1, 2, 6, 5}, {0, 1, 5, 4}, {3, 2, 6, 7}, {0, 1, 2, 3}, {4, 5, 6, 7}}};
+constexpr std::array<CellEdge, 9> prism_edges = {
+    {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}};
+constexpr std::array<CellFace, 5> prism_faces = {
+    {{0, 1, 2, -1}, {3, 4, 5, -1}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}}};
+constexpr std::array<CellEdge, 8> pyramid_edges = {{{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
+
+struct VtkCell {
+    std::span<const CellEdge> edges;
+    std::span<const CellFace> faces;
+};
+
+VtkCell vtk_cell(const CellType& cell) {
+    if (&cell == &quadrilateral()) return {std::span(hexahedron_edges).first(4), {}};
+    if (&cell == &hexahedron()) return {hexahedron_edges, hexahedron_faces};
+    if (&cell == &prism()) return {prism_edges, prism_faces};
+    return {pyramid_edges, {}};
+}
 
 std::vector<int> lexicographic_order(const CellType& cell, int degree) {
     const LagrangeBasis gmsh(cell, degree);
@@ -27,23 +50,96 @@ std::vector<int> lexicographic_order(const CellType& cell, int degree) {
     return order;
 }
 
+// Gives cells of degree 2 the nodes that they lack: those in the middle of quadrilaterals, and of hexahedra.
+class Completion {
+public:
+    explicit Completion(RawMesh& mesh) : mesh_(mesh) {
+        for (const RawNode& node : mesh.nodes) last_id_ = std::max(last_id_, node.id);
+    }
+
+    void complete(const RawElement& element) {
+        const CellType& cell = element.cell();
+        constexpr std::array<CellFace, 1> itself = {{{0, 1, 2, 3}}};
+        const bool is_plane = &cell == &quadrilateral();
+        int* node = &mesh_.element_nodes[element.first];
+        int* next = node + cell.vertices + cell.edges.size();
+        for (const CellFace& face : is_plane ? std::span<const CellFace>(itself) : cell.interior_faces)
+            if (face[3] >= 0) middle_of_face(element, node, face, *next++);
+        if (&cell == &hexahedron()) place(element, cell, {node, 8}, {node + 8, 12}, *next);
+    }
+
+private:
+    RawMesh& mesh_;
+    long long last_id_ = 0;
+    std::map<std::array<int, 4>, int> middle_{};  // of quadrilaterals by their vertices, ascending
+
+    void middle_of_face(const RawElement& element, const int* node, const CellFace& face, int& middle) {
+        const CellType& cell = element.cell();
+        std::array<int, 4> vertices, edges;
+        for (int k = 0; k < 4; ++k) {
+            vertices[k] = node[face[k]];
+            const auto edge = std::find_if(cell.edges.begin(), cell.edges.end(), [&](const CellEdge& e) {
+                return std::minmax(e[0], e[1]) == std::minmax(face[k], face[(k + 1) % 4]);
+            });
+            edges[k] = node[cell.vertices + (edge - cell.edges.begin())];
+        }
+        std::array<int, 4> key = vertices;
+        std::sort(key.begin(), key.end());
+        if (const auto known = middle_.find(key); known != middle_.end() && middle < 0) middle = known->second;
+        place(element, quadrilateral(), vertices, edges, middle);
+        middle_.emplace(key, middle);
+    }
+
+    // At the centre of the serendipity map: on a quadrilateral half the nodes of the edges less a quarter of the
+    // vertices, in a hexahedron a quarter of each.
+    void place(const RawElement& element, const CellType& cell, std::span<const int> vertices,
+               std::span<const int> edges, int& middle) {
+        if (middle >= 0) return;
+        middle = static_cast<int>(mesh_.nodes.size());
+        RawNode centre{++last_id_, {}, element.line};
+        for (int a = 0; a < 3; ++a) {
+            for (const int i : edges) centre.x[a] += mesh_.nodes[i].x[a] / (cell.dim == 2 ? 2 : 4);
+            for (const int i : vertices) centre.x[a] -= mesh_.nodes[i].x[a] / 4;
+        }
+        if (!mesh_.node_blocks.empty())
+            mesh_.node_blocks.push_back({mesh_.nodes.size(), {element.dim, element.entity}});
+        mesh_.nodes.push_back(centre);
+    }
+};
+
 }  // namespace
 
 std::vector<int> vtk_node_order(const CellType& cell, int degree) {
     const LagrangeBasis gmsh(cell, degree);
     std::vector<int> order;
-    if (!cell.is_simplex()) {  // edges against Gmsh's where a coordinate falls along these, the inside lexicographic
-        const int inside = 4 * degree;
-        for (int i = 0; i < inside; ++i) order.push_back(i);
-        for (int k = 2; k < 4; ++k)
-            std::reverse(order.begin() + 4 + k * (degree - 1), order.begin() + 4 + (k + 1) * (degree - 1));
-        const std::vector<int> all = lexicographic_order(cell, degree);
-        std::copy_if(all.begin(), all.end(), std::back_inserter(order), [&](int i) { return i >= inside; });
+    if (cell.is_simplex()) {
+        for (const MultiIndex& a :
+             cell.dim == 3 ? lattice_nodes(cell, degree, tetrahedron_edges, tetrahedron_faces) : gmsh.nodes)
+            order.push_back(gmsh.find(a));
         return order;
     }
-    for (const MultiIndex& a :
-         cell.dim == 3 ? lattice_nodes(cell, degree, tetrahedron_edges, tetrahedron_faces) : gmsh.nodes)
-        order.push_back(gmsh.find(a));
+    // The faces of VTK's prisms up to degree 2 are oriented outward where vertices 1 and 2 change places.
+    constexpr std::array<int, 8> same = {0, 1, 2, 3, 4, 5, 6, 7}, mirrored = {0, 2, 1, 3, 5, 4};
+    const std::array<int, 8>& vertex = &cell == &prism() && degree < 3 ? mirrored : same;
+    const auto append = [&](int a, int b, int c, int u, int v) {  // a + (u (b - a) + v (c - a)) / degree
+        MultiIndex index{};
+        for (std::size_t k = 0; k < index.size(); ++k)
+            index[k] = (degree - u - v) * cell.corners[vertex[a]][k] + u * cell.corners[vertex[b]][k] +
+                       v * cell.corners[vertex[c]][k];
+        order.push_back(gmsh.find(index));
+    };
+    const VtkCell vtk = vtk_cell(cell);
+    for (int v = 0; v < cell.vertices; ++v) append(v, v, v, 0, 0);
+    for (const auto& [from, to] : vtk.edges)
+        for (int u = 1; u < degree; ++u) append(from, to, to, u, 0);
+    for (const CellFace& face : vtk.faces)  // row by row
+        for (int v = 1; v < degree; ++v)
+            for (int u = 1; u < (face[3] < 0 ? degree - v : degree); ++u)
+                append(face[0], face[1], face[face[3] < 0 ? 2 : 3], u, v);
+    std::vector<bool> is_there(gmsh.count);
+    for (const int i : order) is_there[i] = true;
+    const std::vector<int> all = lexicographic_order(cell, degree);
+    std::copy_if(all.begin(), all.end(), std::back_inserter(order), [&](int i) { return !is_there[i]; });
     return order;
 }
 
@@ -55,42 +151,40 @@ std::string readable_cells(int lowest, int highest) {
     std::vector<std::string> names;
     for (int dim = lowest; dim <= highest; ++dim)
         for (const CellType& cell : cell_types())
-            if (cell.dim == dim && (dim < 3 || cell.is_simplex())) names.push_back(cell.plural);
+            if (cell.dim == dim) names.push_back(cell.plural);
     std::string text;
     for (std::size_t k = 0; k < names.size(); ++k)
         text += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + names[k];
     return text;
 }
 
-void add_centres(RawMesh& mesh) {
-    long long id = 0;
-    for (const RawNode& node : mesh.nodes) id = std::max(id, node.id);
-    const std::size_t before = mesh.nodes.size();
-    for (const RawElement& element : mesh.elements) {
-        int* const node = &mesh.element_nodes[element.first];
-        int& last = node[element.node_count() - 1];
-        if (last >= 0) continue;
-        last = static_cast<int>(mesh.nodes.size());
-        RawNode centre{++id, {}, element.line};
-        for (int k = 0; k < 4; ++k)
-            for (int a = 0; a < 3; ++a)
-                centre.x[a] += mesh.nodes[node[4 + k]].x[a] / 2 - mesh.nodes[node[k]].x[a] / 4;
-        if (!mesh.node_blocks.empty()) mesh.node_blocks.push_back({mesh.nodes.size(), {2, element.entity}});
-        mesh.nodes.push_back(centre);
-    }
-    if (const std::size_t added = mesh.nodes.size() - before)
-        mesh.notes.push_back(counted(added, "quadrilateral") + " of 8 nodes: a ninth one is added in the centre");
+std::span<const SerendipityCell> serendipity_cells() {
+    static const SerendipityCell cells[] = {
+        {&quadrilateral(), 16, 23}, {&hexahedron(), 17, 25}, {&prism(), 18, 26}, {&pyramid(), 19, 27}};
+    return cells;
 }
 
-void check_cells(const RawMesh& mesh) {
-    const auto is_solid = [](const RawElement& element) { return element.dim == 3; };
-    const auto is_foreign = [](const RawElement& element) { return element.dim == 2 && !element.cell().is_simplex(); };
-    const auto first = std::find_if(mesh.elements.begin(), mesh.elements.end(), is_foreign);
-    if (first == mesh.elements.end() || std::none_of(mesh.elements.begin(), mesh.elements.end(), is_solid)) return;
-    throw InputError(mesh.path, first->line ? concat(":", first->line) : "", ": ",
-                     std::count_if(mesh.elements.begin(), mesh.elements.end(), is_foreign), " ", first->cell().plural,
-                     " beside ", std::find_if(mesh.elements.begin(), mesh.elements.end(), is_solid)->cell().plural,
-                     ": a mesh is read that has ", readable_cells(2, 2), ", or tetrahedra with triangles");
+void complete_serendipity(RawMesh& mesh) {
+    const auto is_complete = [&](const RawElement& element) {
+        return mesh.element_nodes[element.first + element.node_count() - 1] >= 0;
+    };
+    if (std::all_of(mesh.elements.begin(), mesh.elements.end(), is_complete)) return;
+    Completion completion(mesh);
+    std::vector<const RawElement*> elements, incomplete;
+    for (const RawElement& element : mesh.elements)
+        if (element.degree == 2) (is_complete(element) ? elements : incomplete).push_back(&element);
+    // Nodes of the file first; on a boundary those of its faces, so that they lie on its entity.
+    std::stable_sort(incomplete.begin(), incomplete.end(),
+                     [](const RawElement* a, const RawElement* b) { return a->dim < b->dim; });
+    elements.insert(elements.end(), incomplete.begin(), incomplete.end());
+    for (const RawElement* element : elements) completion.complete(*element);
+    for (const SerendipityCell& kind : serendipity_cells())
+        if (const auto count = std::count_if(incomplete.begin(), incomplete.end(), [&](const RawElement* element) {
+                return element->type == kind.cell;
+            }))
+            mesh.notes.push_back(concat(count, " ", count == 1 ? kind.cell->name : kind.cell->plural, " of ",
+                                        kind.nodes(), " nodes: completed to ", kind.cell->node_count(2),
+                                        " each, by nodes in the middle of faces and cells"));
 }
 
 }  // namespace almesh

@@ -1,5 +1,6 @@
 // Cells in the files of programs other than Gmsh: their orders of nodes, and what is read of them.
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,10 +17,17 @@ std::vector<int> su2_node_order(const CellType& cell, int degree);
 // "triangles, quadrilaterals and tetrahedra": the cells of the table of these dimensions.
 std::string readable_cells(int lowest = 2, int highest = 3);
 
-// Gives quadrilaterals of degree 2 that have -1 for their centre, as those of 8 nodes, a node there, and a note.
-void add_centres(RawMesh& mesh);
+// Cells of degree 2 that have nodes at their vertices and on their edges alone, with their types in files.
+struct SerendipityCell {
+    const CellType* cell;
+    int msh_type, vtk_type;
 
-// Throws InputError where a mesh in space has cells that only plane ones may have.
-void check_cells(const RawMesh& mesh);
+    int nodes() const { return cell->vertices + static_cast<int>(cell->edges.size()); }
+};
+std::span<const SerendipityCell> serendipity_cells();
+
+// Gives these the other nodes of their degree, where they have -1 for them: in the middle of a quadrilateral one node of
+// all cells there, that of a complete cell where there is one. Adds a note.
+void complete_serendipity(RawMesh& mesh);
 
 }  // namespace almesh

@@ -30,8 +30,7 @@ struct MshReader {
         if (!in.version) in.fail("not a Gmsh mesh file: there is no $MeshFormat section");
         if (mesh.nodes.empty()) in.fail("there is no $Nodes section");
         if (mesh.elements.empty()) in.fail("there is no $Elements section");
-        add_centres(mesh);
-        check_cells(mesh);
+        complete_serendipity(mesh);
         mesh.format = {FileFormat::Kind::msh, std::max(in.version, 22), in.binary};  // MSH 1 is written as MSH 2.2
         return std::move(mesh);
     }

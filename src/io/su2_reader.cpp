@@ -15,14 +15,6 @@
 namespace almesh {
 namespace {
 
-const char* name_of(int type) {
-    constexpr std::pair<int, const char*> others[] = {
-        {12, "hexahedra"}, {13, "prisms"}, {14, "pyramids"}};
-    for (const auto& [vtk_type, name] : others)
-        if (vtk_type == type) return name;
-    return "elements of this type";
-}
-
 struct Su2Reader {
     std::string_view text;
     TextScanner in;  // of the text without comments
@@ -234,9 +226,9 @@ struct Su2Reader {
         const int type = in.small_integer("the type of an element");
         const int degree = type / 100 + 1;
         const CellType* const cell = cell_of_vtk_type(type % 100);
-        if (!cell || cell->dim != n || (n < dim && !cell->is_simplex()) || degree > max_degree || degree < 1)
-            in.fail(cell ? cell->plural : name_of(type % 100), " (type ", type, ") are not read: only ",
-                    n < dim ? simplex(n).plural : readable_cells(n, n), " of degree 1 to 7");
+        if (!cell || cell->dim != n || degree > max_degree || degree < 1)
+            in.fail(cell ? cell->plural : "elements of this type", " (type ", type, ") are not read ",
+                    n < dim ? "as faces: only " : "here: only ", readable_cells(n, n), " of degree 1 to 7");
         const std::size_t first = mesh.element_nodes.size();
         mesh.elements.push_back(
             {static_cast<long long>(mesh.elements.size()) + 1, first, row_line, n, degree, tag, tag, cell});

@@ -84,6 +84,20 @@ void append_arrays(const TextSink& sink, const std::string& kind, std::size_t co
     }
 }
 
+// What VTK has for a cell: its type, and which nodes, in its order. It has no Lagrange pyramids: those of degree 2 are
+// written without the node in the middle of the base, others by their vertices.
+struct VtkKind {
+    int type;
+    std::vector<int> nodes;
+};
+
+VtkKind vtk_kind(const CellType& cell, int degree) {
+    if (cell.is_collapsed && degree > 2) degree = 1;
+    VtkKind kind = {cell.vtk_types[std::min(degree, 3) - 1], vtk_node_order(cell, degree)};
+    if (cell.is_collapsed && degree == 2) kind.nodes.pop_back();
+    return kind;
+}
+
 // Groups of the cells of a grid.
 std::vector<ElementGroup> groups_of(const VtkGrid& grid) {
     if (!grid.groups.empty()) return grid.groups;
@@ -94,21 +108,28 @@ std::vector<ElementGroup> groups_of(const VtkGrid& grid) {
 void append_cells(const TextSink& sink, const VtkGrid& grid, const std::vector<ElementGroup>& groups,
                   const VtkNumbers& numbers) {
     const int all = groups.back().first + groups.back().count;
-    sink(concat("CELLS ", all, " ", all + grid.cells.size(), "\n"));
+    std::vector<VtkKind> kinds;
+    std::size_t size = all, k = 0;
     for (const ElementGroup& group : groups) {
-        const std::vector<int> order = vtk_node_order(*group.cell, grid.degree);
-        const int nodes = static_cast<int>(order.size());
+        kinds.push_back(vtk_kind(*group.cell, grid.degree));
+        size += group.count * kinds.back().nodes.size();
+    }
+    sink(concat("CELLS ", all, " ", size, "\n"));
+    for (const ElementGroup& group : groups) {
+        const std::vector<int>& order = kinds[k++].nodes;
+        const int nodes = static_cast<int>(order.size()), stride = group.cell->node_count(grid.degree);
         const int* const cells = grid.cells.data() + group.start;
         append_rows(sink, group.count, [&](std::string& part, int c) {
             numbers.integer(part, nodes, ' ');
-            for (int k = 0; k < nodes; ++k)
-                numbers.integer(part, cells[offset(c, nodes, order[k])], k + 1 < nodes ? ' ' : '\n');
+            for (int i = 0; i < nodes; ++i)
+                numbers.integer(part, cells[offset(c, stride, order[i])], i + 1 < nodes ? ' ' : '\n');
         });
     }
     numbers.end(sink);
     sink(concat("CELL_TYPES ", all, "\n"));
+    k = 0;
     for (const ElementGroup& group : groups) {
-        const int type = group.cell->vtk_types[std::min(grid.degree, 3) - 1];
+        const int type = kinds[k++].type;
         append_rows(sink, group.count, [&](std::string& part, int) { numbers.integer(part, type, '\n'); });
     }
     numbers.end(sink);

@@ -21,7 +21,8 @@ VtkCell cell_of(int type, int nodes) {
         for (int degree = 1; degree <= max_degree; ++degree)
             if (cell.vtk_types[std::min(degree, 3) - 1] == type && cell.node_count(degree) == nodes)
                 return {&cell, degree};
-    if (type == 23 && nodes == 8) return {&quadrilateral(), 2};  // without its centre
+    for (const SerendipityCell& kind : serendipity_cells())
+        if (kind.vtk_type == type && kind.nodes() == nodes) return {kind.cell, 2};
     return {};
 }
 
@@ -51,7 +52,7 @@ struct VtkReader {
             else if (keyword == "POINT_DATA" || keyword == "CELL_DATA") break;
             else in.fail("expected POINTS, CELLS, CELL_TYPES or FIELD, got `", keyword.substr(0, 40), "`");
         }
-        add_centres(mesh);
+        complete_serendipity(mesh);
         if (mesh.nodes.empty() || mesh.elements.empty()) in.fail("there are no POINTS, or no CELLS with CELL_TYPES");
         return mesh;
     }
@@ -179,7 +180,6 @@ RawMesh parse_vtk(std::string_view text, const std::string& path) {
     RawMesh mesh = reader.read();
     mesh.path = path;
     mesh.format.kind = FileFormat::Kind::vtk;
-    check_cells(mesh);
     return mesh;
 }
 

@@ -131,9 +131,7 @@ const CellType& CellType::face_type(int k) const {
 
 const CellType* cell_of_vtk_type(int type) {
     const auto cell = std::find_if(std::begin(cells), std::end(cells),
-                                   [&](const CellType& c) {
-        return c.vtk_types[0] == type && (c.dim < 3 || c.is_simplex());
-    });
+                                   [&](const CellType& c) { return c.vtk_types[0] == type; });
     return cell == std::end(cells) ? nullptr : cell;
 }
 

@@ -254,8 +254,9 @@ TEST_CASE("damage in a binary file is named with its place") {
     std::string nan;
     append_bytes(nan, std::numeric_limits<double>::quiet_NaN(), std::endian::little);
     begins(error_of(with_bytes(file, nodes + 4, nan)), place("$Nodes", nodes + 4) + "a coordinate nan is not a finite");
-    begins(error_of(with_bytes(file, elements, int_bytes(5))),
-           place("$Elements", elements + 12) + "1 hexahedra (mesh without Recombine) of type 5: only triangles");
+    begins(error_of(with_bytes(file, elements, int_bytes(20))),
+           place("$Elements", elements + 12) +
+               "1 incomplete triangles (mesh with Mesh.SecondOrderIncomplete = 0) of type 20: only triangles");
     begins(error_of(with_bytes(file, elements + 4, int_bytes(6))),
            place("$Elements", elements + 4) + "the number of elements of this type 6 is out of range");
     begins(error_of(with_bytes(file, elements + 24, int_bytes(4))),

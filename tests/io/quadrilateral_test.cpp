@@ -3,7 +3,6 @@
 
 #include <map>
 
-#include "base/error.hpp"
 #include "base/index.hpp"
 #include "io/foreign_cells.hpp"
 #include "io/mesh_format.hpp"
@@ -179,20 +178,8 @@ TEST_CASE("quadrilaterals of 8 nodes get a ninth one, with an id of its own") {
         CHECK(raw.nodes[8].id == raw.nodes[7].id + 1);
         CHECK(raw.nodes[8].x[0] == 1);
         CHECK(raw.nodes[8].x[1] == 1.25);
-        CHECK(raw.notes == std::vector<std::string>{"1 quadrilateral of 8 nodes: a ninth one is added in the centre"});
+        CHECK(raw.notes == std::vector<std::string>{"1 quadrilateral of 8 nodes: completed to 9 each, by nodes in the "
+                                                    "middle of faces and cells"});
         if (!raw.node_blocks.empty()) CHECK(raw.node_blocks.back().entity == EntityKey{2, 5});
     }
-}
-
-TEST_CASE("quadrilaterals in space are refused with what is read") {
-    const std::string nodes = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n"
-                              "5 0 0 1\n$EndNodes\n";
-    const std::string text = nodes + "$Elements\n3\n1 4 2 1 1 1 2 4 5\n2 3 2 1 1 1 2 3 4\n3 3 2 1 1 1 2 3 4\n"
-                                     "$EndElements\n";
-    CHECK_THROWS_WITH_AS(parse_mesh(text, "a.msh"),
-                         "a.msh:15: 2 quadrilaterals beside tetrahedra: a mesh is read that has triangles and "
-                         "quadrilaterals, or tetrahedra with triangles", InputError);
-    CHECK_THROWS_WITH_AS(parse_mesh("NDIME= 3\nNELEM= 0\nNPOIN= 1\n0 0 0\nNMARK= 1\nMARKER_TAG= wall\n"
-                                    "MARKER_ELEMS= 1\n9 0 1 2 3\n", "a.su2"),
-                         "a.su2:8: quadrilaterals (type 9) are not read: only triangles of degree 1 to 7", InputError);
 }

@@ -4,12 +4,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <numeric>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/text.hpp"
 #include "io/foreign_cells.hpp"
 #include "mesh/lagrange.hpp"
 
@@ -53,6 +55,39 @@ TEST_CASE("node orders of VTK's quadrilaterals") {
                            15, 14, 13, 16, 20, 17, 23, 24, 21, 19, 22, 18});
 }
 
+// VTK's points by their reference coordinates times the degree, as vtkLagrangeHexahedron::PointIndexFromIJK and that of
+// vtkLagrangeWedge number them. Points of vtkTriQuadraticHexahedron and vtkQuadraticPyramid as VTK evaluates these.
+TEST_CASE("node orders of VTK's hexahedra, prisms and pyramids") {
+    const auto order = [](const CellType& cell, int degree) {
+        const LagrangeBasis gmsh(cell, degree);
+        std::string text;
+        for (const int node : vtk_node_order(cell, degree)) {
+            text += text.empty() ? "" : " ";
+            for (const double coordinate : gmsh.point(node)) text += concat(std::lround(degree * coordinate));
+        }
+        return text;
+    };
+    CHECK(order(hexahedron(), 1) == "000 100 110 010 001 101 111 011");
+    CHECK(order(hexahedron(), 2) == "000 200 220 020 002 202 222 022 100 210 120 010 102 212 122 012 001 201 221 021 "
+                                    "011 211 101 121 110 112 111");
+    CHECK(order(hexahedron(), 3) ==
+          "000 300 330 030 003 303 333 033 100 200 310 320 130 230 010 020 103 203 313 323 133 233 013 023 001 002 301 "
+          "302 331 332 031 032 011 021 012 022 311 321 312 322 101 201 102 202 131 231 132 232 110 210 120 220 113 213 "
+          "123 223 111 211 121 221 112 212 122 222");
+    CHECK(order(prism(), 3) ==
+          "000 300 030 003 303 033 100 200 210 120 020 010 103 203 213 123 023 013 001 002 301 302 031 032 110 113 101 "
+          "201 102 202 211 121 212 122 021 011 022 012 111 112");
+    CHECK(order(prism(), 4) ==
+          "000 400 040 004 404 044 100 200 300 310 220 130 030 020 010 104 204 304 314 224 134 034 024 014 001 002 003 "
+          "401 402 403 041 042 043 110 210 120 114 214 124 101 201 301 102 202 302 103 203 303 311 221 131 312 222 132 "
+          "313 223 133 031 021 011 032 022 012 033 023 013 111 211 121 112 212 122 113 213 123");
+    // vtkWedge and vtkBiQuadraticQuadraticWedge, whose faces VTK orients outward for the mirror image.
+    CHECK(order(prism(), 1) == "000 010 100 001 011 101");
+    CHECK(order(prism(), 2) == "000 020 200 002 022 202 010 110 100 012 112 102 001 021 201 011 111 101");
+    CHECK(order(pyramid(), 1) == "000 100 110 010 001");
+    CHECK(order(pyramid(), 2) == "000 200 220 020 002 100 210 120 010 001 201 221 021 110");
+}
+
 TEST_CASE("node orders are Gmsh's for lines and triangles, and permutations for all") {
     for (int dim = 1; dim <= 3; ++dim)
         for (int degree = 1; degree <= 7; ++degree) {
@@ -62,6 +97,31 @@ TEST_CASE("node orders are Gmsh's for lines and triangles, and permutations for 
             std::sort(order.begin(), order.end());
             for (std::size_t i = 0; i < order.size(); ++i) CHECK(order[i] == static_cast<int>(i));
         }
+}
+
+TEST_CASE("node orders are permutations for all cells and degrees") {
+    for (const CellType& cell : cell_types())
+        for (int degree = 1; degree <= max_degree && cell.dim > 0; ++degree)
+            for (std::vector<int> order : {vtk_node_order(cell, degree), su2_node_order(cell, degree)}) {
+                std::sort(order.begin(), order.end());
+                REQUIRE(static_cast<int>(order.size()) == cell.node_count(degree));
+                for (std::size_t i = 0; i < order.size(); ++i) CHECK(order[i] == static_cast<int>(i));
+            }
+}
+
+TEST_CASE("pyramids of degree 2 have no node in the middle of their base in VTK, others have their vertices") {
+    const int nodes[] = {5, 13, 5, 5}, types[] = {14, 27, 14, 14};
+    for (int degree = 1; degree <= 4; ++degree) {
+        std::vector<int> cells(2 * pyramid().node_count(degree));
+        std::iota(cells.begin(), cells.end(), 0);
+        const int second = pyramid().node_count(degree);
+        const std::string text =
+            vtk_text({"", 3, degree, std::vector<double>(3 * cells.size(), 0.0), cells, 3, {}, {}, {},
+                      {{&pyramid(), 0, 2, 0}}});
+        CHECK(contains(text, concat("\nCELLS 2 ", 2 * nodes[degree - 1] + 2, "\n", nodes[degree - 1], " 0 1 2 3 4")));
+        CHECK(contains(text, concat("\n", nodes[degree - 1], " ", second, " ", second + 1, " ")));
+        CHECK(contains(text, concat("\nCELL_TYPES 2\n", types[degree - 1], "\n", types[degree - 1], "\n")));
+    }
 }
 
 TEST_CASE("cell types by dimension and degree") {
