@@ -14,7 +14,8 @@
 namespace almesh {
 namespace {
 
-constexpr double element_work = 500;  // simple operations for one element, at least
+constexpr double element_work = 500;   // simple operations for one element, at least
+constexpr double plainly_valid = 0.1;  // scaled Jacobian
 
 // Of the scaled Jacobian: lower <= minimum <= upper. upper <= 0 proves the element invalid.
 struct Bounds {
@@ -115,8 +116,8 @@ private:
     }
 };
 
-// First by the coefficients alone, simplices sharply; then sharply where that does not prove an element valid, or where
-// it leaves open what the least value of all is.
+// First by the coefficients alone, simplices sharply; then sharply where that does not prove an element plainly valid,
+// or where it leaves open what the least value of all is.
 template <int n>
 void bound_all(const Mesh& mesh, const std::vector<double>& x, const CertificateParams& params,
                std::vector<Bounds>& bounds) {
@@ -129,7 +130,7 @@ void bound_all(const Mesh& mesh, const std::vector<double>& x, const Certificate
             for (int e = group.first; e < group.first + group.count; ++e) {
                 const Bounds& of = bounds[e];
                 const bool is_open = of.upper - of.lower > params.tolerance * std::abs(of.upper);
-                if (!sharp || (is_open && (of.lower <= 0 || of.lower < least))) elements.push_back(e);
+                if (!sharp || (is_open && (of.lower < plainly_valid || of.lower < least))) elements.push_back(e);
             }
             GroupBounds<n>(mesh, group, x, params, bounds).bound(elements, sharp || group.cell->is_simplex());
         }

@@ -25,8 +25,8 @@ struct Certificate {
     bool valid = false;               // every element is certified valid: det J > 0 everywhere
     int undecided = 0;                // elements proved neither valid nor invalid
     std::vector<int> uncertified;     // elements that are invalid or undecided, lowest bound first
-    // Per element; 0 where its vertices span no volume or x is not finite. Of simplices to the tolerance, and of other
-    // cells where it is not positive or not above the least scaled Jacobian of all.
+    // Per element; 0 where its vertices span no volume or x is not finite. To the tolerance, but for cells other than
+    // simplices where it is above 0.1 and above the least scaled Jacobian of all.
     std::vector<double> lower_bound;
 };
 

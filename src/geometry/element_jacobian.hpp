@@ -123,7 +123,8 @@ public:
     // ends = 1: b_0 alone; 2: all.
     void compute(int ends) {
         set_frame();
-        largest_ = T{} + 1;
+        tangent_size_ = {};
+        y_size_ = {};
         for (int end = 0; end < ends; ++end) set_tangents(end);
         if (ends == 1) product_at_rest();
         else products_along();
@@ -134,12 +135,26 @@ public:
     // of_.jacobian.count coefficients of b_k, in units of |det J_c|.
     const T* coefficients(int k) const { return b_[k]; }
 
-    // First-order effect on them of errors of a few units in the last place of y.
+    // First-order effect on them of errors of a few units in the last place of y. Thin elements that are bent are large
+    // in one coordinate of the frame only: so but for simplices each coordinate has an error of its own, e_a, and
+    // a product of tangents that of its factors, whatever their signs.
     T rounding() const {
         constexpr double epsilon = std::numeric_limits<double>::epsilon(), factorial = n == 2 ? 2 : 6;
-        const T norm = of_.cell.is_simplex() ? inverse_norm_ : T{} + 1;
-        const T of_entry = (16 * epsilon * n * of_.steepness * of_.position.amplification) * norm * farthest_;
-        return factorial * n * of_entry * (n == 2 ? largest_ : largest_ * largest_);
+        const double of_one = 16 * epsilon * n * of_.steepness * of_.position.amplification;
+        if (of_.cell.is_simplex()) {
+            T largest = T{} + 1;
+            for (const auto& of_tangents : tangent_size_)
+                for (const T& size : of_tangents) largest = larger(largest, size);
+            const T of_entry = of_one * inverse_norm_ * farthest_;
+            return factorial * n * of_entry * (n == 2 ? largest : largest * largest);
+        }
+        T sum{};
+        for (int k = 0; k < n; ++k) {
+            Mat<n, T> sizes = tangent_size_;
+            for (int a = 0; a < n; ++a) sizes[a][k] = of_one * y_size_[a];
+            sum += permanent(sizes);
+        }
+        return sum;
     }
 
     // |det J_c|, and whether it is far enough from zero, to rounding, for the above to mean anything. Per lane.
@@ -155,12 +170,20 @@ private:
     Vec<n, T>* normal_[3];      // n = 3: products of two, by their number of factors from x'
     T* b_[n + 1];
     Mat<n, T> inverse_;
-    T det_, smallest_det_, sign_, inverse_norm_, largest_;
-    T farthest_;  // of the nodes from the first one, but for simplices of the y
-    T is_cut_;    // 1: the inverse
+    T det_, smallest_det_, sign_;
+    T inverse_norm_, farthest_;  // of simplices: its largest entry, and the largest coordinate of a node from the first
+    Vec<n, T> lost_;             // of others: what y loses by rounding, over x and in units of the last place
+    Vec<n, T> y_size_;           // the largest of each coordinate, with what it loses
+    Mat<n, T> tangent_size_;     // [a][k]: largest coefficient of coordinate a of the derivative by xi_k
 
     static T larger(T a, T b) { return select(a < b, b, a); }
     static T magnitude(T v) { return select(v < 0, -v, v); }
+    static T permanent(const Mat<n, T>& m) {
+        if constexpr (n == 2) return m[0][0] * m[1][1] + m[0][1] * m[1][0];
+        else return m[0][0] * (m[1][1] * m[2][2] + m[1][2] * m[2][1]) +
+                    m[0][1] * (m[1][0] * m[2][2] + m[1][2] * m[2][0]) +
+                    m[0][2] * (m[1][0] * m[2][1] + m[1][1] * m[2][0]);
+    }
 
     static T* workspace(std::size_t size) {
         thread_local std::vector<T> values;
@@ -198,15 +221,16 @@ private:
     // To 25 digits of the largest of each row, where that changes little: any matrix near the inverse will do.
     void cut_inverse() {
         Mat<n, T> rough;
+        lost_ = {};
         for (int a = 0; a < n; ++a) {
-            T largest{};
-            for (int b = 0; b < n; ++b) largest = larger(largest, magnitude(inverse_[a][b]));
-            for (int b = 0; b < n; ++b) rough[a][b] = leading_digits(inverse_[a][b], largest);
+            for (int b = 0; b < n; ++b) lost_[a] = larger(lost_[a], magnitude(inverse_[a][b]));
+            for (int b = 0; b < n; ++b) rough[a][b] = leading_digits(inverse_[a][b], lost_[a]);
         }
         const T change = magnitude(determinant(rough) * det_ - 1);
-        is_cut_ = select(change < 0.5, T{} + 1, T{});
-        for (int a = 0; a < n; ++a)
+        for (int a = 0; a < n; ++a) {
+            lost_[a] = select(change < 0.5, 0x1p-24 * lost_[a], lost_[a]);
             for (int b = 0; b < n; ++b) inverse_[a][b] = select(change < 0.5, rough[a][b], inverse_[a][b]);
+        }
         det_ = 1 / determinant(inverse_);
     }
 
@@ -237,7 +261,7 @@ private:
     // entries of the inverse, both of 25 digits, are added up exactly (T. J. Dekker, Numer. Math. 18, 1971).
     void to_frame_precisely(Vec<n, T>* y) {
         const Vec<n, T> origin = y[0];
-        T farthest{}, largest{};
+        T farthest{};
         for (int i = 0; i < m_; ++i)
             for (int a = 0; a < n; ++a) farthest = larger(farthest, magnitude(y[i][a] - origin[a]));
         for (int i = 0; i < m_; ++i) {
@@ -254,11 +278,9 @@ private:
                     of_low += inverse_[a][b] * low[b];
                 }
                 y[i][a] = of_high + of_low;
-                largest = larger(largest, magnitude(y[i][a]));
+                y_size_[a] = larger(y_size_[a], magnitude(y[i][a]) + lost_[a] * farthest);
             }
         }
-        const T lost = select(is_cut_ > 0, 0x1p-24 * inverse_norm_, inverse_norm_) * farthest;
-        farthest_ = larger(farthest_, largest + lost);
     }
 
     void set_tangents(int end) {
@@ -275,7 +297,7 @@ private:
                 const TangentBasis::Difference& of = of_.tangent[k].differences[t];
                 for (int a = 0; a < n; ++a) {
                     const T derivative = of.factor * (bezier_[of.to][a] - bezier_[of.from][a]);
-                    largest_ = larger(largest_, magnitude(derivative));
+                    tangent_size_[a][k] = larger(tangent_size_[a][k], magnitude(derivative));
                     tangent_[end][k][t][a] = of_.tangent[k].form.multinomial[t] * derivative;
                 }
             }
