@@ -41,6 +41,10 @@ constexpr std::array<CellEdge, 12> hexahedron_edges = {
     {{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 5}, {2, 3}, {2, 6}, {3, 7}, {4, 5}, {4, 7}, {5, 6}, {6, 7}}};
 constexpr std::array<CellFace, 6> hexahedron_faces = {
     {{0, 3, 2, 1}, {0, 1, 5, 4}, {0, 4, 7, 3}, {1, 2, 6, 5}, {2, 3, 7, 6}, {4, 5, 6, 7}}};
+constexpr std::array<CellChild, 8> hexahedron_children = {
+    {{0, 8, 20, 9, 10, 21, 26, 22}, {8, 1, 11, 20, 21, 12, 23, 26}, {20, 11, 2, 13, 26, 23, 14, 24},
+     {9, 20, 13, 3, 22, 26, 24, 15}, {10, 21, 26, 22, 4, 16, 25, 17}, {21, 12, 23, 26, 16, 5, 18, 25},
+     {26, 23, 14, 24, 25, 18, 6, 19}, {22, 26, 24, 15, 17, 25, 19, 7}}};
 
 constexpr std::array<MultiIndex, 6> prism_corners = {
     {{1, 0, 0, 1, 0}, {0, 1, 0, 1, 0}, {0, 0, 1, 1, 0}, {1, 0, 0, 0, 1}, {0, 1, 0, 0, 1}, {0, 0, 1, 0, 1}}};
@@ -48,12 +52,21 @@ constexpr std::array<CellEdge, 9> prism_edges = {
     {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 4}, {2, 5}, {3, 4}, {3, 5}, {4, 5}}};
 constexpr std::array<CellFace, 5> prism_faces = {
     {{0, 2, 1, -1}, {3, 4, 5, -1}, {0, 1, 4, 3}, {0, 3, 5, 2}, {1, 2, 5, 4}}};
+constexpr std::array<CellChild, 8> prism_children = {
+    {{0, 6, 7, 8, 15, 16}, {6, 1, 9, 15, 10, 17}, {7, 9, 2, 16, 17, 11}, {6, 9, 7, 15, 17, 16},
+     {8, 15, 16, 3, 12, 13}, {15, 10, 17, 12, 4, 14}, {16, 17, 11, 13, 14, 5}, {15, 17, 16, 12, 14, 13}}};
 
 constexpr std::array<MultiIndex, 5> pyramid_corners = {
     {{1, 0, 1, 0, 0}, {0, 1, 1, 0, 0}, {0, 1, 0, 1, 0}, {1, 0, 0, 1, 0}, {0, 0, 0, 0, 1}}};
 constexpr std::array<CellEdge, 8> pyramid_edges = {{{0, 1}, {0, 3}, {0, 4}, {1, 2}, {1, 4}, {2, 3}, {2, 4}, {3, 4}}};
 constexpr std::array<CellFace, 5> pyramid_faces = {
     {{0, 1, 4, -1}, {3, 0, 4, -1}, {1, 2, 4, -1}, {2, 3, 4, -1}, {0, 3, 2, 1}}};
+// Six pyramids, and a tetrahedron at each edge of the base.
+constexpr std::array<CellChild, 10> pyramid_children = {
+    {{0, 5, 13, 6, 7, -1, -1, -1}, {5, 1, 8, 13, 9, -1, -1, -1}, {13, 8, 2, 10, 11, -1, -1, -1},
+     {6, 13, 10, 3, 12, -1, -1, -1}, {7, 9, 11, 12, 4, -1, -1, -1}, {7, 12, 11, 9, 13, -1, -1, -1},
+     {5, 13, 7, 9, -1, -1, -1, -1}, {8, 13, 9, 11, -1, -1, -1, -1}, {10, 13, 11, 12, -1, -1, -1, -1},
+     {6, 13, 12, 7, -1, -1, -1, -1}}};
 
 constexpr std::span<const MultiIndex> corners_of_simplex(int dim) { return std::span(simplex_corners).first(dim + 1); }
 
@@ -70,11 +83,11 @@ constexpr CellType cells[] = {
      quadrilateral_faces, {}, quadrilateral_edges, quadrilateral_children, {}, {3, 10, 36, 37, 38, 47, 48},
      {9, 28, 70}},
     {"hexahedron", "hexahedra", 3, 8, {1, 1, 1}, false, 1, hexahedron_corners, hexahedron_edges, hexahedron_faces,
-     hexahedron_faces, {}, {}, {}, {5, 12, 92, 93, 94, 95, 96}, {12, 29, 72}},
-    {"prism", "prisms", 3, 6, {2, 1}, false, 2, prism_corners, prism_edges, prism_faces, prism_faces, {}, {}, {},
-     {6, 13, 90, 91, 106, 107, 108}, {13, 32, 73}},
-    {"pyramid", "pyramids", 3, 5, {1, 1, 1}, true, 3, pyramid_corners, pyramid_edges, pyramid_faces, pyramid_faces, {},
-     {}, {}, {7, 14, 118, 119, 120, 121, 122}, {14, 27, 0}}};
+     hexahedron_faces, hexahedron_edges, hexahedron_children, {}, {5, 12, 92, 93, 94, 95, 96}, {12, 29, 72}},
+    {"prism", "prisms", 3, 6, {2, 1}, false, 2, prism_corners, prism_edges, prism_faces, prism_faces, prism_edges,
+     prism_children, {}, {6, 13, 90, 91, 106, 107, 108}, {13, 32, 73}},
+    {"pyramid", "pyramids", 3, 5, {1, 1, 1}, true, 3, pyramid_corners, pyramid_edges, pyramid_faces, pyramid_faces,
+     pyramid_edges, pyramid_children, {}, {7, 14, 118, 119, 120, 121, 122}, {14, 27, 0}}};
 
 // a + (u (b - a) + v (c - a)) / degree
 MultiIndex affine(const MultiIndex& a, const MultiIndex& b, const MultiIndex& c, int u, int v, int degree) {
@@ -123,6 +136,10 @@ int CellType::entries() const {
     int sum = 1 + factors[0];
     for (int k = 1; k < 3; ++k) sum += factors[k] > 0 ? factors[k] + 1 : 0;
     return sum;
+}
+
+const CellType& CellType::child_type(const CellChild& child) const {
+    return is_collapsed && child[4] < 0 ? simplex(3) : *this;
 }
 
 const CellType& CellType::face_type(int k) const {

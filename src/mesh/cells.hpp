@@ -22,10 +22,11 @@ namespace almesh {
 
 inline constexpr int max_degree = 7;  // the highest that Gmsh has element types for
 
-// Local vertices. In children and octahedra, numbers from dim + 1 on stand for the midpoints of `bisected`.
+// Local vertices. In children and octahedra, numbers beyond those stand for the midpoints of `bisected`, then for the
+// middles of quadrilateral faces in the order of `faces` and of quadrilaterals and hexahedra themselves.
 using CellEdge = std::array<int, 2>;
 using CellFace = std::array<int, 4>;        // a triangle in 3D: the last entry is -1; an edge in 2D: the last two
-using CellChild = std::array<int, 4>;       // dim + 1 entries
+using CellChild = std::array<int, 8>;       // the last entries -1 of a tetrahedron in a pyramid
 using CellOctahedron = std::array<int, 6>;  // a diagonal (a, b), and the ring of the other four vertices around it
 
 // Of a node: the barycentric indices of each factor one after the other, those of each with the sum `degree`; entries
@@ -53,6 +54,7 @@ struct CellType {
     int node_count(int degree) const;
     int entries() const;  // of a multi-index
     const CellType& face_type(int k) const;
+    const CellType& child_type(const CellChild& child) const;
 };
 
 // The simplex of dimension 0 to 3.

@@ -7,6 +7,7 @@
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "mesh/lagrange.hpp"
+#include "mesh/quadrature.hpp"
 
 namespace almesh {
 
@@ -115,6 +116,23 @@ std::array<double, 3> element_centre(const Mesh& mesh, const std::vector<double>
     return centroid(mesh, x, mesh.element(e), mesh.cell(e).vertices);
 }
 
+namespace {
+
+// With a rule that is exact for det J of straight-sided cells: of degree 2 in each factor.
+const ReferenceElement& linear_reference(const CellType& cell) {
+    static const std::vector<ReferenceElement> of_types = [] {
+        std::vector<ReferenceElement> references;
+        for (const CellType& type : cell_types()) {
+            references.emplace_back();
+            if (type.dim > 1) references.back() = reference_element(type, 1, cell_quadrature(type, 2));
+        }
+        return references;
+    }();
+    return of_types[&cell - cell_types().data()];
+}
+
+}  // namespace
+
 double volume(const Mesh& mesh, const std::vector<double>& y) {
     return deterministic_sum(mesh.element_count(), [&](int e) { return volume(mesh, y, e); });
 }
@@ -125,6 +143,13 @@ double volume(const Mesh& mesh, const std::vector<double>& y, int e) {
     with_dimension(mesh.dim, [&](auto n) {
         size = determinant(straight_jacobian<n>(node, y)) / simplex(n).inverse_volume;
         if (mesh.cell(e).is_simplex()) return;
+        if constexpr (n() == 3) {
+            size = 0;
+            const ReferenceElement& reference = linear_reference(mesh.cell(e));
+            for (int q = 0; q < reference.points; ++q)
+                size += reference.weight[q] * determinant(jacobian_at<3>(node, y, reference, q));
+            return;
+        }
         const int other[] = {node[0], node[2], node[3], -1};  // the triangle on the other side of the diagonal
         size += determinant(straight_jacobian<n>(other, y)) / simplex(n).inverse_volume;
     });

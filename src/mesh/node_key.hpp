@@ -1,11 +1,13 @@
 // How elements that are made of others find the nodes that they share, and the ids of new nodes.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
 #include "base/index.hpp"
+#include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/unused_ids.hpp"
 
@@ -36,15 +38,26 @@ inline NodeKey key_of(const MultiIndex& a, const int* vertex, int dim) {
     return key;
 }
 
-// The same in a quadrilateral with entries (a_0, a_1, b_0, b_1): on an edge by its ends; else by the weights of all
-// vertices, which tell its nodes apart.
-inline NodeKey key_in_quadrilateral(const MultiIndex& a, const int* vertex) {
-    const int degree = a[0] + a[1];
-    const bool on_edge = a[0] * a[1] * a[2] * a[3] == 0;
-    MultiIndex weight{};
-    const std::array<int, 4> weights = vertex_weights(quadrilateral(), a);
-    for (int k = 0; k < 4; ++k) weight[k] = weights[k] / (on_edge ? degree : 1);
-    return key_of(weight, vertex, 3);
+// The same in a cell of any type, for each node: its vertices by which it is found and their weights, the barycentric
+// entries on an edge or a triangle, products of two on a quadrilateral. Empty for a node that no other element has.
+inline std::vector<std::vector<std::pair<int, int>>> shared_weights(const LagrangeBasis& basis) {
+    std::vector<std::vector<std::pair<int, int>>> of_nodes(basis.count);
+    for (int i = 0; i < basis.count; ++i) {
+        const std::vector<double> weight = basis.vertex_weights(i);
+        const auto others = std::count_if(weight.begin(), weight.end(), [](double w) { return w > 1e-9; });
+        const int unit = others == 4 && !basis.cell.is_simplex() ? basis.degree : 1;
+        for (int v = 0; v < basis.cell.vertices && others <= 4; ++v)
+            if (weight[v] > 1e-9) of_nodes[i].push_back({v, static_cast<int>(unit * weight[v] + 0.5)});
+    }
+    return of_nodes;
+}
+
+inline NodeKey key_of(const std::vector<std::pair<int, int>>& weights, const int* vertex) {
+    NodeKey key;
+    key.fill({-1, 0});
+    for (std::size_t k = 0; k < weights.size(); ++k) key[k] = {vertex[weights[k].first], weights[k].second};
+    std::sort(key.begin(), key.begin() + weights.size());
+    return key;
 }
 
 // New nodes get ids that the mesh they come from does not have.

@@ -9,11 +9,15 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numeric>
 #include <string>
 #include <unordered_map>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "linalg/ordering/graph.hpp"
 #include "mesh/kept_cells.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
@@ -49,7 +53,7 @@ bool is_straight(const Mesh& mesh) {
     return difference <= 1e-12 * size;
 }
 
-// Midpoint nodes by edge, appended to x. The edges of a vertex that has the lower number of their two form a linked
+// Middles of edges, quadrilaterals and hexahedra, appended to x. The edges of a vertex that has the lower number of their two form a linked
 // list: in most meshes a few of them, so that the search is faster than hashing.
 class Midpoints {
 public:
@@ -66,6 +70,18 @@ public:
         return vertices_ + first_[low];
     }
 
+    // Of a quadrilateral, found again from its other side: by its lowest vertex and the one opposite.
+    int of_quadrilateral(const std::array<int, 4>& v) {
+        const auto low = static_cast<int>(std::min_element(v.begin(), v.end()) - v.begin());
+        const int marked = -2 - v[(low + 2) % 4];
+        for (int k = first_[v[low]]; k >= 0; k = edges_[k].next)
+            if (edges_[k].high == marked) return vertices_ + k;
+        const int middle = inside(v.data(), 4);
+        edges_.back() = {marked, first_[v[low]]};
+        first_[v[low]] = middle - vertices_;
+        return middle;
+    }
+
     // A new node in the middle of a cell.
     int inside(const int* vertex, int count) {
         for (int k = 0; k < dim_; ++k) {
@@ -79,7 +95,7 @@ public:
 
 private:
     struct Edge {
-        int high, next;  // higher vertex, -1: it is no edge; next edge with the same lower one, -1: none
+        int high, next;  // higher vertex, below 0: it is no edge; next edge with the same lower one, -1: none
     };
     int dim_, vertices_;
     std::vector<double>& x_;
@@ -87,19 +103,28 @@ private:
     std::vector<Edge> edges_;
 };
 
-// The children of a cell with the vertices v, appended to `out`. A quadrilateral gets a node in its middle. An
-// octahedron is cut along the shortest of its three diagonals: on general tetrahedra this keeps the shapes better than
-// Bey's fixed one.
-void append_children(const CellType& cell, const int* v, Midpoints& midpoint, const std::vector<double>& x,
-                     std::vector<int>& out) {
-    std::array<int, 10> node;  // vertices, midpoints, the middle
+// Calls child(type, vertices) for the children of a cell with the vertices v. An octahedron is cut along the shortest
+// of its three diagonals: on general tetrahedra this keeps the shapes better than Bey's fixed one.
+template <class Child>
+void for_children(const CellType& cell, const int* v, Midpoints& midpoint, const std::vector<double>& x,
+                  const Child& child) {
+    std::array<int, 27> node;  // vertices, midpoints, middles
     auto end = std::copy_n(v, cell.vertices, node.begin());
     for (const auto& [a, b] : cell.bisected) *end++ = midpoint(v[a], v[b]);
-    if (!cell.is_simplex()) *end++ = midpoint.inside(v, cell.vertices);
-    const auto append = [&](const std::array<int, 4>& local) {
-        for (int i : std::span(local).first(cell.vertices)) out.push_back(node[i]);
+    const auto middle_of = [&](const CellFace& face) {
+        return midpoint.of_quadrilateral({v[face[0]], v[face[1]], v[face[2]], v[face[3]]});
     };
-    for (const CellChild& c : cell.children) append({c[0], c[1], c[2], c[3]});
+    for (const CellFace& face : cell.faces)
+        if (face[3] >= 0) *end++ = middle_of(face);
+    if (&cell == &quadrilateral()) *end++ = middle_of({0, 1, 2, 3});
+    if (&cell == &hexahedron()) *end++ = midpoint.inside(v, cell.vertices);
+    const auto append = [&](const CellChild& local) {
+        const CellType& type = cell.child_type(local);
+        std::array<int, 8> vertex;
+        for (int k = 0; k < type.vertices; ++k) vertex[k] = node[local[k]];
+        child(type, vertex.data());
+    };
+    for (const CellChild& of_child : cell.children) append(of_child);
     if (cell.octahedra.empty()) return;
     const auto diagonal = [&](const CellOctahedron& o) {  // squared length
         double s = 0;
@@ -114,6 +139,42 @@ void append_children(const CellType& cell, const int* v, Midpoints& midpoint, co
     for (int k = 0; k < 4; ++k) append({o[0], o[1], o[2 + k], o[2 + (k + 1) % 4]});
 }
 
+// Those of the cell's own type.
+void append_children(const CellType& cell, const int* v, Midpoints& midpoint, const std::vector<double>& x,
+                     std::vector<int>& out) {
+    for_children(cell, v, midpoint, x, [&](const CellType& type, const int* vertex) {
+        if (&type == &cell) out.insert(out.end(), vertex, vertex + type.vertices);
+    });
+}
+
+// The elements after refining some once: of each type those of the elements in their order, those of one together.
+struct RefinedElements {
+    std::vector<ElementGroup> groups;
+    std::vector<int> parent;           // per new element
+
+    explicit RefinedElements(const std::vector<ElementGroup>& of) {
+        std::vector<const CellType*> types;
+        for (const CellType& type : cell_types())
+            for (const ElementGroup& group : of)
+                for (int e = group.first; e < group.first + group.count; ++e) {
+                    const int count = children_of(*group.cell, type);
+                    types.insert(types.end(), count, &type);
+                    parent.insert(parent.end(), count, e);
+                }
+        groups = groups_of(types, 1);
+        if (groups.empty()) groups = {{types[0], 0, static_cast<int>(types.size()), 0}};
+    }
+
+private:
+    static int children_of(const CellType& cell, const CellType& type) {
+        const int inside_octahedron = cell.octahedra.empty() || &cell != &type ? 0 : 4;
+        return inside_octahedron +
+               static_cast<int>(std::count_if(cell.children.begin(), cell.children.end(), [&](const CellChild& child) {
+                   return &cell.child_type(child) == &type;
+               }));
+    }
+};
+
 template <class Values>
 Values repeated(const Values& from, int times) {
     Values to;
@@ -123,7 +184,7 @@ Values repeated(const Values& from, int times) {
 }
 
 // The kept cells of a linear mesh split like its elements. Points stay.
-void refine_kept_cells(const Mesh& mesh, Midpoints& midpoint, Mesh& fine) {
+void refine_kept_cells(const Mesh& mesh, const Groups& children, Midpoints& midpoint, Mesh& fine) {
     const Subcells subcells(fine);
     for (const KeptCells& coarse : mesh.kept) {
         const CellType& cell = mesh.cell_of(coarse);
@@ -134,9 +195,9 @@ void refine_kept_cells(const Mesh& mesh, Midpoints& midpoint, Mesh& fine) {
                                                        : &coarse.nodes[offset(c, cell.vertices)],
                             midpoint, fine.x, kept.nodes);
         for (std::size_t k = 0; k < kept.nodes.size(); k += cell.vertices) {
-            int e = coarse.element[(k / cell.vertices) >> cell.dim] << mesh.dim;
-            while (!subcells.has(e, &kept.nodes[k], cell)) ++e;
-            kept.element.push_back(e);
+            const auto of = children.of(coarse.element[(k / cell.vertices) >> cell.dim]);
+            kept.element.push_back(*std::find_if(
+                of.begin(), of.end(), [&](int e) { return subcells.has(e, &kept.nodes[k], cell); }));
         }
         kept.physical = repeated(coarse.physical, 1 << cell.dim);
         kept.entity = repeated(coarse.entity, 1 << cell.dim);
@@ -157,38 +218,42 @@ void number_cells(Mesh& mesh) {
 }
 
 Mesh refine_once(const Mesh& mesh) {
-    const int dim = mesh.dim, children_count = 1 << dim, face_children = 1 << (dim - 1);
+    const int dim = mesh.dim, face_children = 1 << (dim - 1);
+    const RefinedElements refined(mesh.element_groups());
+    const Groups children = sorted_by_group(refined.parent, mesh.element_count());
     Mesh fine = mesh;
+    if (!mesh.is_simplicial()) fine.groups = refined.groups;
     fine.elements.clear();
     fine.faces.clear();
     fine.face_element.clear();
-    fine.elements.reserve(mesh.elements.size() * children_count);
+    fine.elements.reserve(mesh.elements.size() << dim);
     fine.x.reserve(mesh.x.size() << dim);
     Midpoints midpoint(dim, fine.x);
-    const auto grow = [](std::vector<ElementGroup>& groups, int times) {
-        for (ElementGroup& group : groups) {
-            group.first *= times;
-            group.count *= times;
-            group.start *= times;
-        }
-    };
-    grow(fine.groups, children_count);
-    grow(fine.groups_of_faces, face_children);
+    for (ElementGroup& group : fine.groups_of_faces) {
+        group.first *= face_children;
+        group.count *= face_children;
+        group.start *= face_children;
+    }
+    std::map<const CellType*, std::vector<int>> of_type;  // tetrahedra among the children of pyramids
     for (int e = 0; e < mesh.element_count(); ++e)
-        append_children(mesh.cell(e), mesh.element(e), midpoint, fine.x, fine.elements);
-    std::vector<int> pieces;
+        for_children(mesh.cell(e), mesh.element(e), midpoint, fine.x, [&](const CellType& type, const int* vertex) {
+            std::vector<int>& elements = fine.groups.size() < 2 ? fine.elements : of_type[&type];
+            elements.insert(elements.end(), vertex, vertex + type.vertices);
+        });
+    for (const ElementGroup& group : fine.groups) {
+        const std::vector<int>& elements = of_type[group.cell];
+        fine.elements.insert(fine.elements.end(), elements.begin(), elements.end());
+    }
     for (int f = 0; f < mesh.face_count(); ++f) {
-        pieces.clear();
-        append_children(mesh.face_cell(f), mesh.face(f), midpoint, fine.x, pieces);
-        const std::size_t vertices = mesh.face_cell(f).vertices;
-        for (std::size_t first = 0; first < pieces.size(); first += vertices) {
-            const std::span<const int> piece(&pieces[first], vertices);
-            int e = mesh.face_element[f] * children_count;
-            while (side_number(fine, e, piece) < 0) ++e;
-            fine.face_element.push_back(e);
+        const auto candidates = children.of(mesh.face_element[f]);
+        for_children(mesh.face_cell(f), mesh.face(f), midpoint, fine.x, [&](const CellType& type, const int* vertex) {
+            const std::span<const int> piece(vertex, type.vertices);
+            const int e = *std::find_if(candidates.begin(), candidates.end(),
+                                        [&](int child) { return side_number(fine, child, piece) >= 0; });
             const CellFace& local = fine.cell(e).faces[side_number(fine, e, piece)];
-            for (std::size_t k = 0; k < vertices; ++k) fine.faces.push_back(fine.element(e)[local[k]]);
-        }
+            fine.face_element.push_back(e);
+            for (int k = 0; k < type.vertices; ++k) fine.faces.push_back(fine.element(e)[local[k]]);
+        });
     }
     fine.file.sections.clear();
     fine.file.element_winding.clear();
@@ -196,9 +261,12 @@ Mesh refine_once(const Mesh& mesh) {
     fine.face_boundary = repeated(mesh.face_boundary, face_children);
     fine.file.face_physical = repeated(mesh.file.face_physical, face_children);
     fine.file.face_entity = repeated(mesh.file.face_entity, face_children);
-    fine.file.element_physical = repeated(mesh.file.element_physical, children_count);
-    fine.file.element_entity = repeated(mesh.file.element_entity, children_count);
-    refine_kept_cells(mesh, midpoint, fine);
+    for (std::vector<int>* const tags : {&fine.file.element_physical, &fine.file.element_entity}) {
+        const std::vector<int> coarse = std::exchange(*tags, {});
+        for (const int e : refined.parent)
+            if (!coarse.empty()) tags->push_back(coarse[e]);
+    }
+    refine_kept_cells(mesh, children, midpoint, fine);
     number_cells(fine);
     append_node_ids(mesh, fine);
     return fine;
@@ -214,33 +282,49 @@ std::vector<int> element_of_nodes(const Mesh& mesh) {
 }
 
 // Reference coordinates of the point y in the straight-sided element with the given vertices, on the lattice of
-// 1/steps; in a quadrilateral by Newton's method.
+// 1/steps; where that is no simplex by Newton's method, on a pyramid for a (1 - c), b (1 - c) and c, and not on the
+// lattice, since the children of one whose base is no parallelogram are not its images of their place in it.
 template <int n>
 Vec<n> reference_point(const CellType& cell, const int* vertex, const std::vector<double>& ideal, const double* y,
                        double steps) {
     constexpr int newton_steps = 20;
-    const double small = 1e-3 / steps;
-    Vec<n> xi{};
+    const double small = cell.is_collapsed ? 1e-13 : 1e-3 / steps;
+    const int vertices = cell.vertices;
+    const LagrangeBasis linear(cell, 1);
+    double N[8], dN[8 * n];
+    Vec<n> at{}, xi{};
     for (int step = 0; step < (cell.is_simplex() ? 1 : newton_steps); ++step) {
-        const Vec<n> before = xi;
         Mat<n> A = straight_jacobian<n>(vertex, ideal);
         Vec<n> rest;
         for (int a = 0; a < n; ++a) rest[a] = y[a] - point(ideal, vertex[0], n)[a];
         if (!cell.is_simplex()) {
-            for (int a = 0; a < n; ++a) {  // of x_0 + xi u + eta v + xi eta w
-                const double x0 = point(ideal, vertex[0], n)[a];
-                const auto from_first = [&](int k) { return point(ideal, vertex[k], n)[a] - x0; };
-                const double u = from_first(1), v = from_first(3), w = from_first(2) - u - v;
-                A[a][0] = u + xi[1] * w;
-                A[a][1] = v + xi[0] * w;
-                rest[a] -= xi[0] * u + xi[1] * v + xi[0] * xi[1] * w;
-            }
+            linear.values(xi.data(), N);
+            linear.gradients(xi.data(), dN);
+            A = {};
+            for (int v = 1; v < vertices; ++v)
+                for (int a = 0; a < n; ++a) {
+                    const double from_first = point(ideal, vertex[v], n)[a] - point(ideal, vertex[0], n)[a];
+                    rest[a] -= N[v] * from_first;
+                    for (int k = 0; k < n; ++k) A[a][k] += dN[v * n + k] * from_first;
+                }
         }
         const Mat<n> inverse_A = inverse<n>(A);
+        Vec<n> change{};
         for (int k = 0; k < n; ++k)
-            for (int a = 0; a < n; ++a) xi[k] += inverse_A[k][a] * rest[a];
-        if (std::abs(xi[0] - before[0]) + std::abs(xi[1] - before[1]) < small) break;
+            for (int a = 0; a < n; ++a) change[k] += inverse_A[k][a] * rest[a];
+        if (cell.is_collapsed)
+            for (int k = 0; k < 2; ++k) change[k] -= xi[k] * change[n - 1];
+        double length = 0;
+        for (int k = 0; k < n; ++k) {
+            at[k] += change[k];
+            length += std::abs(change[k]);
+        }
+        xi = at;
+        if (cell.is_collapsed)
+            for (int k = 0; k < 2; ++k) xi[k] = std::clamp(at[k] / std::max(1 - at[n - 1], small), 0.0, 1.0);
+        if (length < small) break;
     }
+    if (cell.is_collapsed) return xi;
     for (double& coordinate : xi) coordinate = std::round(coordinate * steps) / steps;
     return xi;
 }
@@ -287,8 +371,10 @@ Mesh raise_degree(const Mesh& mesh, int degree) {
 Mesh interpolated(const Mesh& mesh, int degree) {
     if (degree == mesh.degree) return mesh;
     const int dim = mesh.dim;
-    const CellType& largest = mesh.cell(mesh.element_count() - 1);
-    check_size(static_cast<double>(mesh.element_count()) * largest.node_count(degree), "degree");
+    double entries = 0;
+    for (const ElementGroup& group : mesh.element_groups())
+        entries += static_cast<double>(group.count) * group.cell->node_count(degree);
+    check_size(entries, "degree");
     const Mesh linear = linear_part(mesh);
     Mesh raised = linear;
     if (degree > mesh.degree) raised.file.sections = mesh.file.sections;
@@ -298,6 +384,7 @@ Mesh interpolated(const Mesh& mesh, int degree) {
     for (const ElementGroup& group : mesh.element_groups()) {
         const CellType& cell = *group.cell;
         const LagrangeBasis coarse(cell, mesh.degree), fine(cell, degree);
+        const auto weights = shared_weights(fine);
         std::vector<double> N(offset(fine.count, coarse.count));  // coarse basis at the fine nodes
         for (int i = 0; i < fine.count; ++i) coarse.values(fine.point(i).data(), &N[offset(i, coarse.count)]);
         for (int e = group.first; e < group.first + group.count; ++e) {
@@ -307,11 +394,11 @@ Mesh interpolated(const Mesh& mesh, int degree) {
                     raised.elements.push_back(vertex[i]);
                     continue;
                 }
-                const NodeKey key = cell.is_simplex() ? key_of(fine.nodes[i], vertex, dim)
-                                                      : key_in_quadrilateral(fine.nodes[i], vertex);
-                const auto [it, is_new] = node_of.try_emplace(key, raised.nodes());
-                raised.elements.push_back(it->second);
-                if (!is_new) continue;
+                const int next = raised.nodes();
+                const int node =
+                    weights[i].empty() ? next : node_of.try_emplace(key_of(weights[i], vertex), next).first->second;
+                raised.elements.push_back(node);
+                if (node < next) continue;
                 for (int a = 0; a < dim; ++a) {
                     double position = 0;
                     for (int j = 0; j < coarse.count; ++j)
@@ -340,7 +427,10 @@ Mesh refine(const Mesh& mesh, int times) {
     if (!is_straight(mesh))
         throw InputError("refine: the mesh is curved; only straight-sided meshes are refined (drop `refine` or give "
                          "the linear mesh)");
-    check_size(mesh.element_count() * std::pow(1 << mesh.dim, times) * mesh.element_nodes(), "refine");
+    double entries = 0;
+    for (const ElementGroup& group : mesh.element_groups())
+        entries += static_cast<double>(group.count) * group.cell->node_count(mesh.degree);
+    check_size(entries * std::pow(1 << mesh.dim, times), "refine");
     Mesh fine = linear_part(mesh);
     for (int k = 0; k < times; ++k) fine = refine_once(fine);
     return raise_degree(fine, mesh.degree);
@@ -350,13 +440,20 @@ std::vector<double> prolong(const Mesh& coarse, const std::vector<double>& coars
                             const std::vector<double>& fine_ideal, const std::vector<double>& field) {
     const std::vector<LagrangeBasis> bases = bases_of(coarse);
     const std::vector<int> element = element_of_nodes(fine);
-    const int children = fine.element_count() / coarse.element_count();  // those of e are numbered from e * children
-    const double steps = std::round(std::pow(children, 1.0 / coarse.dim)) * fine.degree;
+    std::vector<int> parent(coarse.element_count());  // element of `coarse` that each one of `fine` is in
+    std::iota(parent.begin(), parent.end(), 0);
+    double steps = fine.degree;
+    for (auto groups = coarse.element_groups(); static_cast<int>(parent.size()) < fine.element_count(); steps *= 2) {
+        RefinedElements refined(groups);
+        for (int& e : refined.parent) e = parent[e];
+        parent = std::move(refined.parent);
+        groups = std::move(refined.groups);
+    }
     std::vector<double> result(fine_ideal.size());
     with_dimension(coarse.dim, [&](auto dimension) {
         constexpr int n = dimension;
         parallel_for(fine.nodes(), [&](int i) {
-            const int e = element[i] / children;
+            const int e = parent[element[i]];
             const int* const node = coarse.element(e);
             const LagrangeBasis& basis = bases[coarse.group_number(e)];
             const std::size_t at = offset(i, n);

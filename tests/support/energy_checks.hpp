@@ -57,4 +57,31 @@ inline void check_same(DistortionEnergy& a, DistortionEnergy& b, const std::vect
     CHECK(a.refined_elements() == b.refined_elements());
 }
 
+// Gradient and Hessian against central differences of energy and gradient.
+inline void check_slopes(DistortionEnergy& E, const std::vector<double>& x) {
+    std::vector<double> d(x.size()), Hd(x.size());
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] = std::sin(1.0 + 7 * static_cast<double>(i));
+    const auto along = [&](double t) {
+        std::vector<double> y = x;
+        for (std::size_t i = 0; i < y.size(); ++i) y[i] += t * d[i];
+        return y;
+    };
+    BlockCsr H = E.hessian_pattern();
+    E.add_hessian(x, HessianKind::full, H);
+    multiply(H, d.data(), Hd.data());
+    const std::vector<double> g = gradient(E, x);
+    double slope = 0;
+    for (std::size_t i = 0; i < d.size(); ++i) slope += g[i] * d[i];
+    double of_energy[2], of_gradient[2] = {};
+    for (int k = 0; k < 2; ++k) {
+        const double t = k == 0 ? 4e-4 : 2e-4;
+        const std::vector<double> there = gradient(E, along(t)), back = gradient(E, along(-t));
+        of_energy[k] = std::abs((E.energy(along(t)) - E.energy(along(-t))) / (2 * t) - slope);
+        for (std::size_t i = 0; i < d.size(); ++i)
+            of_gradient[k] = std::max(of_gradient[k], std::abs((there[i] - back[i]) / (2 * t) - Hd[i]));
+    }
+    CHECK(std::log2(of_energy[0] / of_energy[1]) == doctest::Approx(2).epsilon(0.1));
+    CHECK(std::log2(of_gradient[0] / of_gradient[1]) == doctest::Approx(2).epsilon(0.1));
+}
+
 }  // namespace almesh::test
