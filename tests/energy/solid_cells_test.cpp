@@ -23,8 +23,8 @@ std::vector<Mesh> meshes() {
     std::vector<Mesh> meshes;
     for (const Mesh& linear : solid_meshes())
         for (int degree = 1; degree <= 2; ++degree) meshes.push_back(raise_degree(linear, degree));
-    for (const char* const layers : {"h", "p", "d"})
-        for (int degree = 3; degree <= 4; ++degree) meshes.push_back(raise_degree(solid_mesh(1, layers), degree));
+    for (const char* const layers : {"h", "p", "d"}) meshes.push_back(raise_degree(solid_mesh(1, layers), 3));
+    meshes.push_back(raise_degree(solid_mesh(1, "p"), 4));
     return meshes;
 }
 
@@ -55,10 +55,10 @@ TEST_CASE("both assemblies agree on solid cells") {
         for (const Objective objective : objectives)
             check_same(*make_energy(mesh, mesh.x, with(objective)),
                        *make_energy(mesh, mesh.x, with(objective, Assembly::plain)),
-                       wavy(stretched(mesh.x, 3), 3, 0.02));
+                       wavy(stretched(mesh.x, 3), 3, 0.01));
 }
 
 TEST_CASE("gradient and Hessian on solid cells have slope 2") {
     for (const Mesh& mesh : meshes())
-        check_slopes(*make_energy(mesh, mesh.x, with(Objective::squared)), wavy(stretched(mesh.x, 3), 3, 0.02));
+        check_slopes(*make_energy(mesh, mesh.x, with(Objective::squared)), wavy(stretched(mesh.x, 3), 3, 0.01));
 }
