@@ -18,6 +18,7 @@
 #include "constraint/sliding_boundary.hpp"
 #include "energy/vertex_interpolation.hpp"
 #include "io/mesh_format.hpp"
+#include "io/vtk.hpp"
 
 namespace almesh {
 namespace {
@@ -352,6 +353,9 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
     finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
     problem.sliding = sliding;
     take_to_run(problem.frame, *problem.level);
+    if (const std::string loss = vtk_loss(problem.mesh().groups, problem.mesh().degree);
+        deck.vtk != VtkOutput::none && !loss.empty())
+        problem.notes.push_back(loss);
     problem.run_id = run_id(deck, problem.mesh_hash);
     problem.level->mesh.file.comment = concat(version(), ", run ", problem.run_id);
     return problem;

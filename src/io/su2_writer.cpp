@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <utility>
 
 #include "base/files.hpp"
 #include "base/text.hpp"
@@ -15,9 +14,15 @@
 namespace almesh {
 namespace {
 
+struct MarkerFace {
+    long long id;
+    const CellType* cell;
+    const int* nodes;
+};
+
 struct Marker {
     FileMarker of_file;
-    std::vector<std::pair<const CellType*, const int*>> faces{};  // their types and nodes
+    std::vector<MarkerFace> faces{};
 };
 
 struct Zone {
@@ -94,12 +99,17 @@ struct Su2Writer {
             for (int f = first; f < first + count; ++f)
                 zone_of(mesh.face_element[f])
                     .marker(group_name(mesh.file.groups, mesh.dim - 1, mesh.file.face_physical[f]))
-                    .faces.push_back({cell, mesh.face(f)});
+                    .faces.push_back({mesh.file.face_id[f], cell, mesh.face(f)});
         for (const KeptFace& face : kept_faces(mesh))
             if (face.physical)
                 zone_of(face.element)
                     .marker(group_name(mesh.file.groups, mesh.dim - 1, face.physical))
-                    .faces.push_back({face.cell, face.nodes});
+                    .faces.push_back({face.id, face.cell, face.nodes});
+        if (mesh.groups_of_faces.empty()) return;
+        for (Zone& zone : zones)  // in the file's order
+            for (Marker& marker : zone.markers)
+                std::stable_sort(marker.faces.begin(), marker.faces.end(),
+                                 [](const MarkerFace& a, const MarkerFace& b) { return a.id < b.id; });
     }
 
     void append_cell(std::string& text, const CellType& cell, const int* node) const {
@@ -140,7 +150,7 @@ struct Su2Writer {
             sink(concat("MARKER_TAG= ", of_file.name, "\nMARKER_ELEMS= ", faces.size() + of_file.points, "\n"));
             sink(of_file.lines);
             append_rows(sink, static_cast<int>(faces.size()), [&, &nodes = faces](std::string& text, int k) {
-                append_cell(text, *nodes[k].first, nodes[k].second);
+                append_cell(text, *nodes[k].cell, nodes[k].nodes);
                 text += '\n';
             });
         }

@@ -156,6 +156,14 @@ void write_grid(const TextSink& sink, const VtkGrid& grid, const VtkNumbers& num
 
 }  // namespace
 
+std::string vtk_loss(const std::vector<ElementGroup>& groups, int degree) {
+    const auto pyramids = std::find_if(groups.begin(), groups.end(),
+                                       [](const ElementGroup& group) { return group.cell->is_collapsed; });
+    if (degree < 3 || pyramids == groups.end()) return "";
+    return concat("VTK has no pyramids of degree ", degree, ": in VTK files ", counted(pyramids->count, "pyramid"),
+                  pyramids->count == 1 ? " is linear" : " are linear");
+}
+
 std::string vtk_text(const VtkGrid& grid, VtkFormat format) {
     std::string text;
     write_grid([&](std::string_view piece) { text += piece; }, grid, {format == VtkFormat::binary});

@@ -1,7 +1,7 @@
 // Legacy VTK files, ASCII or binary: cells of any degree with point and cell data, which the reader leaves out.
 //
 // File format: "VTK File Formats" of the VTK User's Guide. Header 3.0 with the body of that version, which ParaView,
-// MFEM and VisIt read; Lagrange cells (types 68 to 71) from degree 3 on. ParaView shows curved cells as curved with a
+// MFEM and VisIt read; Lagrange cells (types 68 to 73) from degree 3 on. ParaView shows curved cells as curved with a
 // raised Nonlinear Subdivision Level.
 //
 // Binary files hold the same sequence of numbers without separators, as big-endian doubles and 4-byte integers: faster
@@ -39,6 +39,9 @@ struct VtkGrid {
 // Data have 9 digits in ASCII. VTK readers turn inf and nan into 0, so +inf and nan are written as 1e300, -inf as
 // -1e300.
 std::string vtk_text(const VtkGrid& grid, VtkFormat format = VtkFormat::ascii);
+
+// What a grid of such cells loses in the file; "": nothing.
+std::string vtk_loss(const std::vector<ElementGroup>& groups, int degree);
 
 // Throws InputError where the file cannot be written.
 void write_vtk(const std::string& path, const VtkGrid& grid, VtkFormat format = VtkFormat::ascii);
