@@ -7,7 +7,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "mesh/build.hpp"
 #include "support/meshes.hpp"
+#include "support/solids.hpp"
 
 using namespace almesh;
 using namespace almesh::test;
@@ -68,6 +70,74 @@ Mesh cylinder(int around) {
             }
         }
     return linear_mesh(3, x, elements, [](const double*) { return "wall"; });
+}
+
+RawMesh raw_mesh(const std::vector<double>& x) {
+    RawMesh raw;
+    raw.path = "made.msh";
+    raw.groups = {{2, 1, "wall"}, {3, 2, "all"}};
+    for (std::size_t i = 0; i < x.size(); i += 3)
+        raw.nodes.push_back({static_cast<long long>(i / 3) + 1, {x[i], x[i + 1], x[i + 2]}, 0});
+    return raw;
+}
+
+void add(RawMesh& raw, const CellType& cell, const std::vector<int>& nodes) {
+    raw.elements.push_back({static_cast<long long>(raw.elements.size()) + 1, raw.element_nodes.size(), 0, cell.dim, 1,
+                            cell.dim - 1, 0, &cell});
+    raw.element_nodes.insert(raw.element_nodes.end(), nodes.begin(), nodes.end());
+}
+
+Mesh built(const RawMesh& raw) {
+    std::vector<std::string> notes;
+    return build_mesh(raw, notes);
+}
+
+// Two layers of prisms over the disc, or one of pyramids and tetrahedra around the middle of its axis, the last node.
+Mesh round_block(int around, bool of_prisms) {
+    const Mesh flat = disc(around);
+    const int nodes = flat.nodes(), layers = of_prisms ? 2 : 1;
+    std::vector<double> x;
+    for (int layer = 0; layer <= layers; ++layer)
+        for (int i = 0; i < nodes; ++i)
+            x.insert(x.end(), {flat.x[2 * i], flat.x[2 * i + 1], 1.0 * layer / layers});
+    const int middle = static_cast<int>(x.size()) / 3, top = layers * nodes;
+    if (!of_prisms) x.insert(x.end(), {0, 0, 0.5});
+    RawMesh raw = raw_mesh(x);
+    for (int e = 0; e < around; ++e) {
+        const int* const v = flat.element(e);
+        for (int layer = 0; layer < layers; ++layer) {
+            const int low = layer * nodes, up = low + nodes;
+            add(raw, quadrilateral(), {v[1] + low, v[2] + low, v[2] + up, v[1] + up});
+            if (of_prisms) add(raw, prism(), {v[0] + low, v[1] + low, v[2] + low, v[0] + up, v[1] + up, v[2] + up});
+            else add(raw, pyramid(), {v[1], v[1] + up, v[2] + up, v[2], middle});
+        }
+        add(raw, simplex(2), {v[0], v[2], v[1]});
+        add(raw, simplex(2), {v[0] + top, v[1] + top, v[2] + top});
+        if (of_prisms) continue;
+        add(raw, simplex(3), {v[0], v[1], v[2], middle});
+        add(raw, simplex(3), {v[0] + top, v[2] + top, v[1] + top, middle});
+    }
+    return built(raw);
+}
+
+// A block of solids, and once more, scaled and moved.
+Mesh two_blocks(const std::string& layers, double scale, const Vec<3>& shift) {
+    const RawMesh block = solid_block(1, layers);
+    RawMesh both = block;
+    for (RawNode node : block.nodes) {
+        for (int a = 0; a < 3; ++a) node.x[a] = scale * node.x[a] + shift[a];
+        node.id += static_cast<long long>(block.nodes.size());
+        both.nodes.push_back(node);
+    }
+    for (const RawElement& element : block.elements) {
+        both.elements.push_back(element);
+        both.elements.back().id += static_cast<long long>(block.elements.size());
+        both.elements.back().first = both.element_nodes.size();
+        for (int i = 0; i < element.node_count(); ++i)
+            both.element_nodes.push_back(block.element_nodes[element.first + i] +
+                                         static_cast<int>(block.nodes.size()));
+    }
+    return built(both);
 }
 
 }  // namespace
@@ -196,4 +266,42 @@ TEST_CASE("a face of the initial mesh that crosses another one is named, with it
     CHECK(mentions(found, "the boundary of the initial mesh crosses itself at face "));
     REQUIRE(found.face >= 0);
     CHECK(found.position[0] + found.position[1] == doctest::Approx(1));
+}
+
+TEST_CASE("hexahedra, prisms, pyramids and all of them are certified, curved too") {
+    for (const Mesh& linear : solid_meshes(0.1))
+        for (const int degree : {1, 2, 3}) {
+            CAPTURE(degree);
+            CAPTURE(linear.elements_text());
+            const Mesh mesh = raise_degree(linear, degree);
+            CHECK(judge(mesh, mesh.x).certified);
+            CHECK(judge(mesh, wavy(mesh.x, 3, 0.01)).certified);
+        }
+}
+
+TEST_CASE("a node that prisms or pyramids go around twice is found though all of them are valid") {
+    for (const bool of_prisms : {true, false}) {
+        const Mesh block = round_block(12, of_prisms);
+        CHECK(judge(block, block.x).certified);
+        const std::string node = of_prisms ? "14" : "27";
+        CHECK(mentions(judge(block, wound_twice(block, 0)), "the elements around node " + node + " overlap"));
+    }
+}
+
+TEST_CASE("blocks of other cells that lie over each other are not certified, others are") {
+    for (const std::string layers : {"h", "p", "du"})
+        for (const int degree : {1, 2}) {
+            CAPTURE(layers);
+            CAPTURE(degree);
+            const auto certified = [&](double scale, double dx, double dy, double dz) {
+                const Mesh both = raise_degree(two_blocks(layers, scale, {dx, dy, dz}), degree);
+                return certify_injective(both, both.x, certify(both, both.x)).certified;
+            };
+            CHECK(!certified(1, 0.5, 0, 0));        // their boundaries lie on each other, but do not cross
+            CHECK(!certified(0.5, 0.2, 0.2, 0.2));  // inside
+            CHECK(!certified(1, 0, 0, 0));          // the same twice
+            CHECK(certified(1, 3, 0, 0));
+            CHECK(certified(1, 1, 0, 0));  // in contact
+            CHECK(!certified(1, 0.999, 0, 0));
+        }
 }

@@ -125,3 +125,41 @@ TEST_CASE("a patch with an edge that turns back on itself does not hold points b
         for (const double y : {1e-5, 1e-3, 0.1}) CHECK(!holds(basis.bernstein, patch, turned(x, y)));
     }
 }
+
+// Cells of every type, in layers stretched 1 : 50000, turned by an odd angle, and bent in degree 2.
+TEST_CASE("cells hold what is in them and not what is next to them, thin ones too") {
+    for (const CellType& cell : cell_types()) {
+        if (cell.dim < 2 || cell.is_simplex()) continue;
+        for (const int degree : {1, 2}) {
+            CAPTURE(cell.vertices);
+            CAPTURE(degree);
+            const PatchBasis basis(cell, degree);
+            const LagrangeBasis lagrange(cell, degree);
+            const int up = cell.dim - 1;
+            const auto placed = [&](Vec<3> p) {
+                p[up] += degree == 2 ? 3 * p[0] * (1 - p[0]) : 0;
+                p[up] *= 2e-5;
+                const double c = std::cos(0.7), s = std::sin(0.7);
+                return Vec<3>{1 + c * p[0] - s * p[up], s * p[0] + c * p[up], cell.dim == 3 ? p[1] : 0};
+            };
+            std::vector<Vec<3>> nodes;
+            Vec<3> centre{};
+            for (int i = 0; i < lagrange.count; ++i) {
+                Vec<3> xi = lagrange.point(i);
+                for (int k = 0; k < 2 && cell.is_collapsed; ++k) xi[k] *= 1 - xi[2];
+                nodes.push_back(placed(xi));
+                if (i < cell.vertices) centre = centre + 1.0 / cell.vertices * xi;
+            }
+            const Patch patch = make_patch(basis, nodes);
+            const auto is_held = [&](double height) {
+                Vec<3> at = centre;
+                at[up] += height;
+                return holds(basis.bernstein, patch, placed(at));
+            };
+            CHECK(is_held(0));
+            CHECK(is_held(0.1));
+            CHECK(is_held(-0.15));
+            for (const double height : {1.0, 0.9, -0.6, -1.0, 100.0}) CHECK(!is_held(height));
+        }
+    }
+}
