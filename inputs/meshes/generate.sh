@@ -20,7 +20,7 @@ echo "gmsh $version (the committed meshes are from 4.8.4; others may count diffe
 counts() {
   awk -v dim="$2" '
     BEGIN {
-      split("2 9 21 3 10 36", t2); split("4 11 29", t3)
+      split("2 9 21 3 10 36", t2); split("4 11 29 5 6 7", t3)
       for (i in t2) of_type[t2[i]] = 2
       for (i in t3) of_type[t3[i]] = 3
     }
@@ -79,5 +79,8 @@ layer         2  msh22  1    318    580
 circle-quads  2  msh22  1    815    795
 curving-quads  2  msh22  1   697    864
 airfoil-quads  2  msh41  1  1044   1414
+rotor         3  msh41  1   1168    780
+sphere-prisms  3  msh22  1  1146   2804 sphere-layers -setnumber prisms 1
 half-aircraft  3  msh22  1   3541  16590 aircraft -setnumber half 1 -setnumber h_edge 0.03 -setnumber h_body 0.09
 TABLE
+python3 solids.py

@@ -8,12 +8,13 @@
 // from the sphere: 220 first layers, more than the lower eleven together.
 //
 // Other layers by -setnumber first 1e-4 -setnumber layers 18, a finer or coarser
-// wall by -setnumber edges 6: edges on a quarter of a great circle.
+// wall by -setnumber edges 6: edges on a quarter of a great circle. Layers of prisms by
+// -setnumber prisms 1: sphere-prisms.msh.
 //
 // Expected with gmsh 4.8.4: 1146 nodes, 6344 tetrahedra, wall 118, farfield 100 faces.
 
 SetFactory("Built-in");
-DefineConstant[ first = 3e-4, ratio = 1.5, layers = 15, edges = 3, far = 6 ];
+DefineConstant[ first = 3e-4, ratio = 1.5, layers = 15, edges = 3, far = 6, prisms = 0 ];
 r = 1;  R = 10;
 
 Point(1) = {0, 0, 0};
@@ -56,7 +57,11 @@ For k In {1 : layers}
   n[] += 1;
   d[] += first*(ratio^k - 1)/(ratio - 1);
 EndFor
-e[] = Extrude{ Surface{1:8}; Layers{ n[], d[] }; Using Index[0]; };
+If (prisms)
+  e[] = Extrude{ Surface{1:8}; Layers{ n[], d[] }; Recombine; Using Index[0]; };
+Else
+  e[] = Extrude{ Surface{1:8}; Layers{ n[], d[] }; Using Index[0]; };
+EndIf
 top[] = {};  cells[] = {};
 For i In {0 : 7}
   top[] += e[5*i];
