@@ -28,15 +28,17 @@ constexpr std::array<CellFace, 5> prism_faces = {
 constexpr std::array<CellEdge, 8> pyramid_edges = {{{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}};
 
 struct VtkCell {
-    std::span<const CellEdge> edges;
+    std::vector<CellEdge> edges;
     std::span<const CellFace> faces;
 };
 
-VtkCell vtk_cell(const CellType& cell) {
-    if (&cell == &quadrilateral()) return {std::span(hexahedron_edges).first(4), {}};
-    if (&cell == &hexahedron()) return {hexahedron_edges, hexahedron_faces};
-    if (&cell == &prism()) return {prism_edges, prism_faces};
-    return {pyramid_edges, {}};
+VtkCell vtk_cell(const CellType& cell, int degree) {
+    if (&cell == &prism()) return {{prism_edges.begin(), prism_edges.end()}, prism_faces};
+    if (cell.is_collapsed) return {{pyramid_edges.begin(), pyramid_edges.end()}, {}};
+    VtkCell vtk = {{hexahedron_edges.begin(), hexahedron_edges.end()}, hexahedron_faces};
+    if (&cell == &quadrilateral()) vtk = {{vtk.edges.begin(), vtk.edges.begin() + 4}, {}};
+    else if (degree > 2) std::swap(vtk.edges[10], vtk.edges[11]);  // in files before version 5, Lagrange cells of VTK 8
+    return vtk;
 }
 
 std::vector<int> lexicographic_order(const CellType& cell, int degree) {
@@ -128,7 +130,7 @@ std::vector<int> vtk_node_order(const CellType& cell, int degree) {
                        v * cell.corners[vertex[c]][k];
         order.push_back(gmsh.find(index));
     };
-    const VtkCell vtk = vtk_cell(cell);
+    const VtkCell vtk = vtk_cell(cell, degree);
     for (int v = 0; v < cell.vertices; ++v) append(v, v, v, 0, 0);
     for (const auto& [from, to] : vtk.edges)
         for (int u = 1; u < degree; ++u) append(from, to, to, u, 0);

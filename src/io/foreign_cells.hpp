@@ -8,13 +8,13 @@
 
 namespace almesh {
 
-// Node i of a cell of VTK is node vtk_node_order(...)[i] of Gmsh's. Up to degree 2 also in the other formats.
+// Node i of a cell of a legacy VTK file is node vtk_node_order(...)[i] of Gmsh's.
 std::vector<int> vtk_node_order(const CellType& cell, int degree);
 
 // The same of a cell of SU2: vertices in VTK's order, from degree 2 on lexicographic, the first coordinate fastest.
 std::vector<int> su2_node_order(const CellType& cell, int degree);
 
-// "triangles, quadrilaterals and tetrahedra": the cells of the table of these dimensions.
+// "triangles and quadrilaterals": the cells of the table of these dimensions.
 std::string readable_cells(int lowest = 2, int highest = 3);
 
 // Cells of degree 2 that have nodes at their vertices and on their edges alone, with their types in files.
