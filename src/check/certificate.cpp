@@ -132,6 +132,7 @@ void bound_all(const Mesh& mesh, const std::vector<double>& x, const Certificate
                 const bool is_open = of.upper - of.lower > params.tolerance * std::abs(of.upper);
                 if (!sharp || (is_open && (of.lower < plainly_valid || of.lower < least))) elements.push_back(e);
             }
+            if (elements.empty()) continue;
             GroupBounds<n>(mesh, group, x, params, bounds).bound(elements, sharp || group.cell->is_simplex());
         }
     }

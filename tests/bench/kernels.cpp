@@ -2,10 +2,12 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 
 #include "base/parallel.hpp"
 #include "bench/newton_system.hpp"
 #include "bench/timing.hpp"
+#include "check/certificate.hpp"
 #include "energy/plain_energy.hpp"
 #include "linalg/direct/cholesky.hpp"
 #include "linalg/krylov/krylov.hpp"
@@ -166,6 +168,39 @@ void measure_assembly(const std::string& name, NewtonSystem& system, const Machi
     time_assembly(name + " plain", plain, system, 1, table, serial);
 }
 
+// -------------------------------------------------------------------------------------------------------- certificate
+
+// k x k x k hexahedra, none of them a parallelepiped.
+Mesh hexahedra(int k) {
+    Mesh mesh;
+    mesh.dim = 3;
+    const auto node = [k](int i, int j, int l) { return i + (k + 1) * (j + (k + 1) * l); };
+    for (int n = 0; n < node(0, 0, k + 1); ++n) {
+        const double place[] = {1.0 * (n % (k + 1)), 1.0 * (n / (k + 1) % (k + 1)), 1.0 * (n / (k + 1) / (k + 1))};
+        for (int a = 0; a < 3; ++a) mesh.x.push_back((place[a] + 0.1 * std::sin(n * (a + 1.3))) / k);
+    }
+    for (int l = 0; l < k; ++l)
+        for (int j = 0; j < k; ++j)
+            for (int i = 0; i < k; ++i)
+                for (const int up : {0, 1})
+                    mesh.elements.insert(mesh.elements.end(), {node(i, j, l + up), node(i + 1, j, l + up),
+                                                               node(i + 1, j + 1, l + up), node(i, j + 1, l + up)});
+    mesh.groups = groups_of(std::vector<const CellType*>(mesh.elements.size() / 8, &hexahedron()), 1);
+    return mesh;
+}
+
+void measure_certificate(const Machine& machine, Table& table) {
+    const Mesh mesh = hexahedra(100);
+    for (const int threads : machine.threads) {
+        set_threads(threads);
+        const double seconds = best_seconds(budget, [&] {
+            if (!certify(mesh, mesh.x).valid) std::printf("the hexahedra are not valid\n");
+        });
+        table.add("certificate", "linear hexahedra", threads, "elements", mesh.element_count() / seconds / 1e6, "M/s");
+    }
+    table.print("certificate", "Certificate of elements that are all plainly valid");
+}
+
 struct Case {
     const char *name, *deck;
     std::vector<std::string> settings;
@@ -177,6 +212,8 @@ struct Case {
 void measure_kernels(const Machine& machine, bool quick, Table& table) {
     for (const auto& [m, k] : {std::pair{256, 256}, {2048, 256}, {2048, 2048}}) measure_front(m, k, machine, table);
     table.print("dense", "Dense fronts, against the peak");
+
+    measure_certificate(machine, table);
 
     const std::vector<Case> cases = {{"circle level 3", "circle", {"refine=2"}, true},
                                      {"circle level 5", "circle", {"refine=4"}, false},
