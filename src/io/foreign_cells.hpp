@@ -26,8 +26,8 @@ struct SerendipityCell {
 };
 std::span<const SerendipityCell> serendipity_cells();
 
-// Gives these the other nodes of their degree, where they have -1 for them: in the middle of a quadrilateral one node of
-// all cells there, that of a complete cell where there is one. Adds a note.
+// Gives these the other nodes of their degree, where they have -1 for them: in the middle of a quadrilateral one node
+// of all cells there, that of a complete cell where there is one. Adds a note.
 void complete_serendipity(RawMesh& mesh);
 
 }  // namespace almesh

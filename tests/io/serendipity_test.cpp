@@ -53,7 +53,8 @@ RawMesh from_vtk(const SerendipityCell& kind) {
 }  // namespace
 
 TEST_CASE("cells of degree 2 without nodes in the middle get them where their edges put them, from MSH and VTK") {
-    const char* const notes[] = {"1 quadrilateral of 8 nodes: completed to 9", "1 hexahedron of 20 nodes: completed to 27",
+    const char* const notes[] = {"1 quadrilateral of 8 nodes: completed to 9",
+                                 "1 hexahedron of 20 nodes: completed to 27",
                                  "1 prism of 15 nodes: completed to 18", "1 pyramid of 13 nodes: completed to 14"};
     for (std::size_t k = 0; k < serendipity_cells().size(); ++k)
         for (const bool is_vtk : {false, true}) {
@@ -79,7 +80,7 @@ TEST_CASE("cells of degree 2 without nodes in the middle get them where their ed
 }
 
 // Two hexahedra side by side, the second one complete or not, with the common side once as a face of a group.
-TEST_CASE("the middle of a face is one node of its cells and of the boundary, that of a complete cell where there is one") {
+TEST_CASE("the middle of a face is one node of its cells and of the boundary, that of a complete cell if one has it") {
     for (const bool is_complete : {false, true}) {
         std::map<Position, int> number;
         std::string nodes, elements;
@@ -100,8 +101,8 @@ TEST_CASE("the middle of a face is one node of its cells and of the boundary, th
         append(hexahedron(), 17, 1, 7, 20, 0);
         append(hexahedron(), is_complete ? 12 : 17, 2, 8, is_complete ? 27 : 20, 1);
         append(quadrilateral(), 16, 3, 9, 8, 0);
-        const RawMesh raw = parse_mesh(concat("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n", number.size(), "\n", nodes,
-                                              "$EndNodes\n$Elements\n3\n", elements, "$EndElements\n"), "a.msh");
+        const RawMesh raw = parse_mesh(concat("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n", number.size(), "\n",
+                                              nodes, "$EndNodes\n$Elements\n3\n", elements, "$EndElements\n"), "a.msh");
         const auto node = [&](int e, int i) { return raw.element_nodes[raw.elements[e].first + i]; };
         CHECK(raw.nodes.size() == 45);
         CHECK(node(0, 23) == node(2, 8));  // its side x = 1

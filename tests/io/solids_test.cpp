@@ -99,7 +99,7 @@ TEST_CASE("the numbers of hexahedra, prisms and pyramids in files") {
     }
 }
 
-TEST_CASE("hexahedra, prisms and tetrahedra are read from VTK as they are written, pyramids with straight bases or linear") {
+TEST_CASE("solids are read from VTK as they are written, pyramids without the middle of their base or linear") {
     for (int degree = 1; degree <= 4; ++degree)
         for (const VtkFormat format : {VtkFormat::ascii, VtkFormat::binary}) {
             CAPTURE(degree);

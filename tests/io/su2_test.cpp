@@ -297,7 +297,8 @@ TEST_CASE("errors of SU2 meshes name the line and what is wrong") {
         CHECK(has(error, expected));
     };
     has_error("NDIME= 2", "NDIME= 4", "a.su2:2: 2 or 3 `4` is out of range");
-    has_error("5 0 1 2 0", "12 0 1 2 3 0 1 2 3 0", "a.su2:4: hexahedra (type 12) are not read here: only triangles and quadrilaterals of degree 1 to 7");
+    has_error("5 0 1 2 0", "12 0 1 2 3 0 1 2 3 0",
+              "a.su2:4: hexahedra (type 12) are not read here: only triangles and quadrilaterals of degree 1 to 7");
     has_error("5 0 1 2 0", "5 0 1 7 0", "a.su2:4: node 7 is not there: the file has 4");
     has_error("5 0 1 2 0", "5 0 1", "a.su2:4:");
     has_error("0 1 3\n", "0 1 2\n", "points have to be numbered");
@@ -321,7 +322,8 @@ TEST_CASE("errors of SU2 meshes name the line and what is wrong") {
     has_error("5 0 1 2 0", "10 0 1 2 3 0", 
               "a.su2:4: tetrahedra (type 10) are not read here: only triangles and quadrilaterals of degree 1 to 7");
     has_error("5 0 1 2 0", "705 0 1 2 0", "a.su2:4: triangles (type 705) are not read here: only");
-    has_error("3 1 2\n", "5 1 2 3\n", "a.su2:16: triangles (type 5) are not read as faces: only lines of degree 1 to 7");
+    has_error("3 1 2\n", "5 1 2 3\n",
+              "a.su2:16: triangles (type 5) are not read as faces: only lines of degree 1 to 7");
     has_error("5 0 1 2 0", "18 0 1 2 0", "a.su2:4: elements of this type (type 18) are not read");
     has_error("5 0 1 2 0\n5\t0 2 3\n", "205 0 1 2 0\n5\n", "a.su2:4: a row of at least 11 numbers has 6 or less");
     has_error("NPOIN= 4 4\n0 0 0\n1 0 1\n\n1 1\n0 1 3\n", "", "there is no NPOIN");

@@ -51,7 +51,8 @@ TEST_CASE("other VTK files are refused with a sentence") {
     refused("POINTS 4 double", "POINTS 4 int", "points of type int");
     refused("POINTS 4", "POINTS 9", "expected a coordinate");
     refused("CELL_TYPES 2", "CELL_TYPES 3", "not as many types as cells");
-    refused("CELL_TYPES 2\n5", "CELL_TYPES 2\n9", "cell 0 of type 9 with 3 nodes: only triangles, quadrilaterals, tetra");
+    refused("CELL_TYPES 2\n5", "CELL_TYPES 2\n9",
+            "cell 0 of type 9 with 3 nodes: only triangles, quadrilaterals, tetra");
     refused("CELLS 2 8\n3", "CELLS 2 8\n9", "the list of cells ends before cell 0");
     refused("CELLS 2 8\n3 ", "CELLS 2 8\n3 7", "cell 0 has the point 7");
     refused("CELLS 2 8\n", "CELLS 2 8\nOFFSETS vtktypeint64\n", "cells by OFFSETS");
