@@ -33,7 +33,7 @@ struct Contents {
     std::map<long long, std::vector<double>> position;      // by node id
     std::map<long long, std::vector<long long>> element;    // by its id: node ids
     std::multimap<std::vector<long long>, std::string> face;  // by node ids: boundary
-    std::array<std::multiset<std::vector<long long>>, 3> kept;
+    std::multiset<std::vector<long long>> kept;
 
     explicit Contents(const Mesh& mesh) {
         const auto ids = [&mesh](const int* node, int count) {
@@ -47,11 +47,12 @@ struct Contents {
         for (int e = 0; e < mesh.element_count(); ++e)
             element[mesh.file.element_id[e]] = ids(mesh.element(e), mesh.element_nodes(e));
         for (int f = 0; f < mesh.face_count(); ++f)
-            face.emplace(ids(mesh.face(f), mesh.face_nodes(0)), mesh.boundaries[mesh.face_boundary[f]]);
-        for (int dim = 0; dim < mesh.dim; ++dim) {
-            const int count = simplex_node_count(dim, mesh.degree);
-            for (int k = 0; k < mesh.kept[dim].count(); ++k)
-                kept[dim].insert(ids(mesh.kept[dim].nodes.data() + offset(k, count), count));
+            face.emplace(ids(mesh.face(f), mesh.face_nodes(f)), mesh.boundaries[mesh.face_boundary[f]]);
+        for (const KeptCells& cells : mesh.kept) {
+            const CellType& cell = mesh.cell_of(cells);
+            const int count = cell.dim == 0 ? 1 : cell.node_count(mesh.degree);
+            for (int k = 0; k < cells.count() && cell.dim < mesh.dim; ++k)
+                kept.insert(ids(cells.nodes.data() + offset(k, count), count));
         }
     }
 };
