@@ -32,12 +32,12 @@ struct VtkCell {
     std::span<const CellFace> faces;
 };
 
-VtkCell vtk_cell(const CellType& cell, int degree) {
+VtkCell vtk_cell(const CellType& cell, bool is_lagrange) {
     if (&cell == &prism()) return {{prism_edges.begin(), prism_edges.end()}, prism_faces};
     if (cell.is_collapsed) return {{pyramid_edges.begin(), pyramid_edges.end()}, {}};
     VtkCell vtk = {{hexahedron_edges.begin(), hexahedron_edges.end()}, hexahedron_faces};
     if (&cell == &quadrilateral()) vtk = {{vtk.edges.begin(), vtk.edges.begin() + 4}, {}};
-    else if (degree > 2) std::swap(vtk.edges[10], vtk.edges[11]);  // in files before version 5, Lagrange cells of VTK 8
+    else if (is_lagrange) std::swap(vtk.edges[10], vtk.edges[11]);  // those of VTK 8, in files before version 5
     return vtk;
 }
 
@@ -111,7 +111,7 @@ private:
 
 }  // namespace
 
-std::vector<int> vtk_node_order(const CellType& cell, int degree) {
+std::vector<int> vtk_node_order(const CellType& cell, int degree, bool is_lagrange) {
     const LagrangeBasis gmsh(cell, degree);
     std::vector<int> order;
     if (cell.is_simplex()) {
@@ -120,9 +120,9 @@ std::vector<int> vtk_node_order(const CellType& cell, int degree) {
             order.push_back(gmsh.find(a));
         return order;
     }
-    // The faces of VTK's prisms up to degree 2 are oriented outward where vertices 1 and 2 change places.
+    // The faces of VTK's prisms but Lagrange ones are oriented outward where vertices 1 and 2 change places.
     constexpr std::array<int, 8> same = {0, 1, 2, 3, 4, 5, 6, 7}, mirrored = {0, 2, 1, 3, 5, 4};
-    const std::array<int, 8>& vertex = &cell == &prism() && degree < 3 ? mirrored : same;
+    const std::array<int, 8>& vertex = &cell == &prism() && !is_lagrange ? mirrored : same;
     const auto append = [&](int a, int b, int c, int u, int v) {  // a + (u (b - a) + v (c - a)) / degree
         MultiIndex index{};
         for (std::size_t k = 0; k < index.size(); ++k)
@@ -130,7 +130,7 @@ std::vector<int> vtk_node_order(const CellType& cell, int degree) {
                        v * cell.corners[vertex[c]][k];
         order.push_back(gmsh.find(index));
     };
-    const VtkCell vtk = vtk_cell(cell, degree);
+    const VtkCell vtk = vtk_cell(cell, is_lagrange);
     for (int v = 0; v < cell.vertices; ++v) append(v, v, v, 0, 0);
     for (const auto& [from, to] : vtk.edges)
         for (int u = 1; u < degree; ++u) append(from, to, to, u, 0);

@@ -8,8 +8,12 @@
 
 namespace almesh {
 
-// Node i of a cell of a legacy VTK file is node vtk_node_order(...)[i] of Gmsh's.
-std::vector<int> vtk_node_order(const CellType& cell, int degree);
+// Node i of a cell of a legacy VTK file is node vtk_node_order(...)[i] of Gmsh's. Lagrange cells, which are
+// written from degree 3 on, have another order than VTK's older ones.
+std::vector<int> vtk_node_order(const CellType& cell, int degree, bool is_lagrange);
+inline std::vector<int> vtk_node_order(const CellType& cell, int degree) {
+    return vtk_node_order(cell, degree, degree > 2);
+}
 
 // The same of a cell of SU2: vertices in VTK's order, from degree 2 on lexicographic, the first coordinate fastest.
 std::vector<int> su2_node_order(const CellType& cell, int degree);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <map>
+#include <tuple>
 
 #include "base/bytes.hpp"
 #include "io/foreign_cells.hpp"
@@ -13,14 +14,19 @@
 namespace almesh {
 namespace {
 
-using VtkCell = std::pair<const CellType*, int>;  // with its degree
+struct VtkCell {
+    const CellType* cell = nullptr;
+    int degree = 0;
+    bool is_lagrange = false;
+};
 
 // Of a type with this number of nodes; nullptr: of another kind.
 VtkCell cell_of(int type, int nodes) {
     for (const CellType& cell : cell_types())
         for (int degree = 1; degree <= max_degree; ++degree)
-            if (cell.vtk_types[std::min(degree, 3) - 1] == type && cell.node_count(degree) == nodes)
-                return {&cell, degree};
+            if (const bool is_lagrange = cell.vtk_types[2] == type;
+                (is_lagrange || (degree < 3 && cell.vtk_types[degree - 1] == type)) && cell.node_count(degree) == nodes)
+                return {&cell, degree, is_lagrange};
     for (const SerendipityCell& kind : serendipity_cells())
         if (kind.vtk_type == type && kind.nodes() == nodes) return {kind.cell, 2};
     return {};
@@ -144,19 +150,19 @@ struct VtkReader {
     void types(const std::vector<int>& numbers, long long cells, RawMesh& mesh) {
         if (in.integer("the number of types", 0, INT_MAX) != cells) in.fail("not as many types as cells");
         begin_values();
-        std::map<VtkCell, std::vector<int>> orders;
+        std::map<std::tuple<const CellType*, int, bool>, std::vector<int>> orders;
         std::size_t at = 0;
         for (long long c = 0; c < cells; ++c) {
             const int type = integer("the type of a cell");
             const int nodes = at < numbers.size() ? numbers[at] : -1;
             if (nodes < 1 || numbers.size() - at < static_cast<std::size_t>(nodes) + 1)
                 in.fail("the list of cells ends before cell ", c);
-            const auto [cell, degree] = cell_of(type, nodes);
+            const auto [cell, degree, is_lagrange] = cell_of(type, nodes);
             if (!cell)
                 in.fail("cell ", c, " of type ", type, " with ", nodes, " nodes: only ", readable_cells(), " with all "
                         "nodes of their degree are read");
-            std::vector<int>& order = orders[{cell, degree}];
-            if (order.empty()) order = vtk_node_order(*cell, degree);
+            std::vector<int>& order = orders[{cell, degree, is_lagrange}];
+            if (order.empty()) order = vtk_node_order(*cell, degree, is_lagrange);
             mesh.elements.push_back(
                 {c + 1, mesh.element_nodes.size(), binary ? 0 : in.line, cell->dim, degree, 0, 0, cell});
             mesh.element_nodes.resize(mesh.element_nodes.size() + order.size(), -1);

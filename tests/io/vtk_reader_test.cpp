@@ -1,6 +1,8 @@
 #include <doctest/doctest.h>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
+#include "io/foreign_cells.hpp"
 #include "io/mesh_format.hpp"
 #include "io/vtk.hpp"
 #include "mesh/build.hpp"
@@ -36,6 +38,26 @@ TEST_CASE("what is written as VTK is read again") {
                 CHECK(read.boundaries == std::vector<std::string>{"boundary"});
                 CHECK(to_string(read.file.format) == "legacy VTK");
             }
+}
+
+TEST_CASE("Lagrange cells are read in every degree") {
+    for (const CellType& cell : cell_types())
+        for (int degree = 1; degree <= 3 && cell.dim > 1 && cell.vtk_types[2]; ++degree) {
+            CAPTURE(cell.name);
+            const std::vector<int> order = vtk_node_order(cell, degree, true);
+            std::string points, numbers;
+            for (std::size_t k = 0; k < order.size(); ++k) {
+                points += concat(order[k], " 0 0\n");
+                numbers += concat(" ", k);
+            }
+            const std::string head = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS ";
+            const RawMesh raw = parse_vtk(concat(head, order.size(), " double\n", points, "CELLS 1 ", order.size() + 1, "\n",
+                                                 order.size(), numbers, "\nCELL_TYPES 1\n", cell.vtk_types[2], "\n"),
+                                          "a.vtk");
+            CHECK(&raw.elements[0].cell() == &cell);
+            CHECK(raw.elements[0].degree == degree);
+            for (std::size_t i = 0; i < order.size(); ++i) CHECK(raw.nodes[raw.element_nodes[i]].x[0] == i);
+        }
 }
 
 TEST_CASE("other VTK files are refused with a sentence") {

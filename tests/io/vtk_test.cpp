@@ -59,34 +59,37 @@ TEST_CASE("node orders of VTK's quadrilaterals") {
 // vtkLagrangeWedge number them (PointIndexFromIJK), but for two edges of hexahedra, which VTK 9 swaps where it reads
 // legacy files; others as VTK evaluates its cells.
 TEST_CASE("node orders of VTK's hexahedra, prisms and pyramids") {
-    const auto order = [](const CellType& cell, int degree) {
+    const auto order = [](const CellType& cell, int degree, bool is_lagrange) {
         const LagrangeBasis gmsh(cell, degree);
         std::string text;
-        for (const int node : vtk_node_order(cell, degree)) {
+        for (const int node : vtk_node_order(cell, degree, is_lagrange)) {
             text += text.empty() ? "" : " ";
             for (const double coordinate : gmsh.point(node)) text += concat(std::lround(degree * coordinate));
         }
         return text;
     };
-    CHECK(order(hexahedron(), 1) == "000 100 110 010 001 101 111 011");
-    CHECK(order(hexahedron(), 2) == "000 200 220 020 002 202 222 022 100 210 120 010 102 212 122 012 001 201 221 021 "
-                                    "011 211 101 121 110 112 111");
-    CHECK(order(hexahedron(), 3) ==
+    CHECK(order(hexahedron(), 1, false) == "000 100 110 010 001 101 111 011");
+    CHECK(order(hexahedron(), 2, false) == "000 200 220 020 002 202 222 022 100 210 120 010 102 212 122 012 001 201 "
+                                           "221 021 011 211 101 121 110 112 111");
+    CHECK(order(hexahedron(), 3, true) ==
           "000 300 330 030 003 303 333 033 100 200 310 320 130 230 010 020 103 203 313 323 133 233 013 023 001 002 301 "
           "302 031 032 331 332 011 021 012 022 311 321 312 322 101 201 102 202 131 231 132 232 110 210 120 220 113 213 "
           "123 223 111 211 121 221 112 212 122 222");
-    CHECK(order(prism(), 3) ==
+    CHECK(order(prism(), 3, true) ==
           "000 300 030 003 303 033 100 200 210 120 020 010 103 203 213 123 023 013 001 002 301 302 031 032 110 113 101 "
           "201 102 202 211 121 212 122 021 011 022 012 111 112");
-    CHECK(order(prism(), 4) ==
+    CHECK(order(prism(), 4, true) ==
           "000 400 040 004 404 044 100 200 300 310 220 130 030 020 010 104 204 304 314 224 134 034 024 014 001 002 003 "
           "401 402 403 041 042 043 110 210 120 114 214 124 101 201 301 102 202 302 103 203 303 311 221 131 312 222 132 "
           "313 223 133 031 021 011 032 022 012 033 023 013 111 211 121 112 212 122 113 213 123");
+    CHECK(order(hexahedron(), 2, true) == "000 200 220 020 002 202 222 022 100 210 120 010 102 212 122 012 001 201 021 "
+                                          "221 011 211 101 121 110 112 111");
+    CHECK(order(prism(), 2, true) == "000 200 020 002 202 022 100 110 010 102 112 012 001 201 021 101 111 011");
     // vtkWedge and vtkBiQuadraticQuadraticWedge, whose faces VTK orients outward for the mirror image.
-    CHECK(order(prism(), 1) == "000 010 100 001 011 101");
-    CHECK(order(prism(), 2) == "000 020 200 002 022 202 010 110 100 012 112 102 001 021 201 011 111 101");
-    CHECK(order(pyramid(), 1) == "000 100 110 010 001");
-    CHECK(order(pyramid(), 2) == "000 200 220 020 002 100 210 120 010 001 201 221 021 110");
+    CHECK(order(prism(), 1, false) == "000 010 100 001 011 101");
+    CHECK(order(prism(), 2, false) == "000 020 200 002 022 202 010 110 100 012 112 102 001 021 201 011 111 101");
+    CHECK(order(pyramid(), 1, false) == "000 100 110 010 001");
+    CHECK(order(pyramid(), 2, false) == "000 200 220 020 002 100 210 120 010 001 201 221 021 110");
 }
 
 TEST_CASE("node orders are Gmsh's for lines and triangles, and permutations for all") {
