@@ -1,8 +1,8 @@
-// Two nodes are coupled where they share an element. Of the pairs of nodes, those whose smallest common entity is a
-// vertex, an edge, a face or a cell: with N_k nodes on a k-dimensional entity
-//     P_0 = 1,  P_1 = N_1^2 - 2 P_0,  P_2 = N_2^2 - 3 P_1 - 3 P_0,  P_3 = N_3^2 - 4 P_2 - 6 P_1 - 4 P_0;
-// blocks of the Hessian = sum over k of P_k times the number of these entities. Pairs of a node and a vertex: with
-// N_k (k + 1) in place of N_k^2.
+// Two nodes are coupled where they share an element. Of the pairs of nodes, those whose smallest common entity, a vertex,
+// an edge, a face or a cell, is a given one: with N nodes on it N^2 less those of the entities on its boundary,
+//     P_vertex = 1,  P_edge = N^2 - 2,  P_triangle = N^2 - 3 P_edge - 3,  P_tetrahedron = N^2 - 4 P_triangle - ..., ...;
+// blocks of the Hessian = sum of these over all entities. Edges in 3D are counted by Euler's formula for a domain
+// without holes. Pairs of a node and one of another degree: with N N' in place of N^2.
 #include "app/memory.hpp"
 
 #include <cmath>
@@ -11,11 +11,6 @@
 
 namespace almesh {
 namespace {
-
-// Vertices, edges, triangles, tetrahedra, quadrilaterals, by Euler's formula for a domain without holes.
-struct Entities {
-    double vertices, edges, triangles, tetrahedra, quadrilaterals = 0;
-};
 
 double vertex_count(const Mesh& mesh) {
     std::vector<char> is_vertex(mesh.nodes(), 0);
@@ -29,26 +24,31 @@ double vertex_count(const Mesh& mesh) {
     return count;
 }
 
-Entities entities_of(const Mesh& mesh) {
-    const double V = vertex_count(mesh), C = mesh.element_count(), boundary = mesh.face_count();
-    double quadrilaterals = 0;
-    for (const ElementGroup& group : mesh.groups) quadrilaterals += group.cell->is_simplex() ? 0 : group.count;
-    if (mesh.dim == 2) return {V, (3 * C + quadrilaterals + boundary) / 2, C - quadrilaterals, 0, quadrilaterals};
-    const double F = (4 * C + boundary) / 2;
-    return {V, V + F - C - 1, F, C};
+// Of a node of degree p and one of degree q.
+double pairs_inside(const CellType& cell, int p, int q) {
+    double pairs = 1.0 * cell.node_count(p) * cell.node_count(q) - cell.vertices;
+    if (cell.dim >= 2) pairs -= static_cast<double>(cell.edges.size()) * pairs_inside(simplex(1), p, q);
+    for (int k = 0; k < static_cast<int>(cell.faces.size()) && cell.dim == 3; ++k)
+        pairs -= pairs_inside(cell.face_type(k), p, q);
+    return pairs;
 }
 
 // Of a node of the mesh with one that it would have with this degree.
 double coupled_pairs(const Mesh& mesh, int degree) {
-    const auto pairs = [&](int dim) -> double {
-        return simplex_node_count(dim, mesh.degree) * simplex_node_count(dim, degree);
+    const double vertices = vertex_count(mesh);
+    double pairs = vertices, sides = 0;
+    const auto add_sides = [&](const CellType& side, double count) {  // each of which is seen from both of its sides
+        sides += 0.5 * count;
+        pairs += 0.5 * count * pairs_inside(side, mesh.degree, degree);
     };
-    const double P0 = 1, P1 = pairs(1) - 2 * P0, P2 = pairs(2) - 3 * P1 - 3 * P0,
-                 P3 = pairs(3) - 4 * P2 - 6 * P1 - 4 * P0;
-    const double in_quadrilateral = quadrilateral().node_count(mesh.degree) * quadrilateral().node_count(degree),
-                 PQ = in_quadrilateral - 4 * P1 - 4 * P0;
-    const Entities of = entities_of(mesh);
-    return PQ * of.quadrilaterals + P0 * of.vertices + P1 * of.edges + P2 * of.triangles + P3 * of.tetrahedra;
+    for (const ElementGroup& group : mesh.face_groups()) add_sides(*group.cell, group.count);
+    for (const ElementGroup& group : mesh.element_groups()) {
+        pairs += group.count * pairs_inside(*group.cell, mesh.degree, degree);
+        for (int k = 0; k < static_cast<int>(group.cell->faces.size()); ++k)
+            add_sides(group.cell->face_type(k), group.count);
+    }
+    const double edges = vertices + sides - mesh.element_count() - 1;
+    return mesh.dim == 2 ? pairs : pairs + edges * pairs_inside(simplex(1), mesh.degree, degree);
 }
 
 }  // namespace

@@ -32,6 +32,8 @@ constexpr double flat_fold = 1e-6;        // radians between two neighbours fold
 constexpr double same_place = 1e-9;       // distance of two nodes over the size of their smallest face
 constexpr double face_work = 1000;        // simple operations that a check of one face takes
 
+double size_of(const Box& box) { return (box.high - box.low)[box.longest_side()]; }
+
 std::string face_name(const Mesh& mesh, int f) {
     const Vec<3> centre = centroid(mesh, mesh.x, mesh.face(f), mesh.face_cell(f).vertices);
     return concat("face ", id_in_file(mesh.file.face_id, f), " of ",
@@ -163,7 +165,7 @@ const char* Check::fault_of_face(std::span<const Patch> patches) const {
     }
     Vec<3> mean{};  // the mean of a polynomial is that of its Bezier coefficients
     for (const Vec<3>& v : n) mean = mean + (1.0 / n.size()) * v;
-    if (!(length(mean) > degenerate * std::pow(box.longest_side(), normal.basis.dim)))
+    if (!(length(mean) > degenerate * std::pow(size_of(box), normal.basis.dim)))
         return "the target collapses the face";
     std::vector<double> along;
     for (const Vec<3>& v : n) along.push_back(dot(v, mean) / dot(mean, mean));
@@ -177,7 +179,7 @@ const char* Check::fault_of_face(std::span<const Patch> patches) const {
 // Whether the flat patches with the same corners are ones.
 bool have_corners_apart(std::span<const Patch> patches, int m) {
     return std::all_of(patches.begin(), patches.end(), [m](const Patch& patch) {
-        return length(flat_normal(patch, m)) > degenerate * std::pow(box_of(patch).longest_side(), m);
+        return length(flat_normal(patch, m)) > degenerate * std::pow(size_of(box_of(patch)), m);
     });
 }
 
@@ -391,7 +393,7 @@ void Check::check_nodes() {
     for (int f = 0; f < mesh.face_count(); ++f) {
         Box box = box_of(after[faces.first[f]]);
         for (const Patch& patch : patches_of(after, f)) box.include(box_of(patch));
-        const double face_size = box.longest_side();
+        const double face_size = size_of(box);
         for (int k = 0; k < mesh.face_nodes(f); ++k) {
             const int i = mesh.face(f)[k];
             size[i] = std::min(size[i], face_size);

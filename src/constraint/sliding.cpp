@@ -243,7 +243,7 @@ SlidingSurfaces::SlidingSurfaces(const Mesh& base, const std::vector<double>& no
         for (std::size_t k = 0; k < own.face.size(); ++k) {
             const SubSimplices& cut = own.patches.cut(own.face[k]);
             for (int part = 0; part < cut.count(); ++part) {
-                faces.after.push_back(nodes_of_part(cut, own.position[k], part));
+                faces.after.push_back(cut.nodes_of(part, own.position[k]));
                 faces.face.push_back(static_cast<int>(k));
             }
             for (Patch& patch : own.patches.of(own.face[k], base.x)) before.push_back(std::move(patch));

@@ -1,25 +1,10 @@
 #include "geometry/face_patches.hpp"
 
 #include <map>
-#include <utility>
 
-#include "base/index.hpp"
 #include "mesh/node_key.hpp"
 
 namespace almesh {
-
-std::vector<Vec<3>> nodes_of_part(const SubSimplices& cut, const std::vector<Vec<3>>& nodes, int k) {
-    if (cut.is_cell()) return nodes;
-    std::vector<Vec<3>> of_part(cut.nodes);
-    cut.place<3, double>(k, [&](int j) { return nodes[j]; }, of_part.data());
-    for (Vec<3>& at : of_part) at = nodes[0] + at;
-    for (int v = 0; v < cut.corners; ++v) of_part[v] = nodes[cut.vertices[k][v]];  // to the last bit
-    return of_part;
-}
-
-Patch patch_of_part(const SubSimplices& cut, const PatchBasis& basis, const std::vector<Vec<3>>& nodes, int k) {
-    return make_patch(basis, nodes_of_part(cut, nodes, k));
-}
 
 FacePatches::FacePatches(const Mesh& of, int degree) : mesh(of), basis(of.dim - 1, degree), first(1, 0) {
     for (const ElementGroup& group : mesh.face_groups()) {
@@ -33,7 +18,7 @@ FacePatches::FacePatches(const Mesh& of, int degree) : mesh(of), basis(of.dim - 
 
 std::vector<Patch> FacePatches::of(int f, const std::vector<Vec<3>>& nodes) const {
     std::vector<Patch> patches;
-    for (int k = 0; k < cut(f).count(); ++k) patches.push_back(patch_of_part(cut(f), basis, nodes, k));
+    for (int k = 0; k < cut(f).count(); ++k) patches.push_back(make_patch(basis, cut(f).nodes_of(k, nodes)));
     return patches;
 }
 

@@ -9,10 +9,6 @@
 
 namespace almesh {
 
-// Of simplex k of a cell with these nodes: its nodes, and its patch.
-std::vector<Vec<3>> nodes_of_part(const SubSimplices& cut, const std::vector<Vec<3>>& nodes, int k);
-Patch patch_of_part(const SubSimplices& cut, const PatchBasis& basis, const std::vector<Vec<3>>& nodes, int k);
-
 struct FacePatches {
     const Mesh& mesh;
     PatchBasis basis;

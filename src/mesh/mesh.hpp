@@ -1,4 +1,4 @@
-// A mesh of triangles and quadrilaterals in 2D, of tetrahedra in 3D, of Lagrange degree p, with its boundary.
+// A mesh of degree p with its boundary: triangles, quadrilaterals; in 3D tetrahedra, hexahedra, prisms, pyramids.
 //
 // The mesh as read may be curved. The ideal mesh of the method is straight-sided: the same vertices, all other nodes
 // at their affine positions (straight_sided()). Plain data: build_mesh() makes and checks it, raise_degree() and

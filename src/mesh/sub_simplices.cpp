@@ -41,6 +41,18 @@ SubSimplices::SubSimplices(const CellType& cell, int cell_degree, int degree_)
     }
 }
 
+std::vector<Vec<3>> SubSimplices::nodes_of(int k, const std::vector<Vec<3>>& position) const {
+    if (is_cell()) return position;
+    std::vector<Vec<3>> x(nodes, position[0]);
+    for (int i = 0; i < nodes; ++i) {
+        Vec<3> from_first{};
+        for (int j = 1; j < cell_nodes; ++j)
+            from_first = from_first + map[k][offset(i, cell_nodes, j)] * (position[j] - position[0]);
+        x[i] = i < corners ? position[vertices[k][i]] : position[0] + from_first;
+    }
+    return x;
+}
+
 std::array<double, 3> SubSimplices::point(int k, const std::array<double, 4>& barycentric) const {
     std::array<double, 3> xi{};
     for (int v = 0; v < 4 && vertices[k][v] >= 0 && v < static_cast<int>(corner_.size()); ++v)

@@ -1,18 +1,15 @@
-// Simplices that a cell is cut into along its vertices, as curved simplices of a higher degree.
+// Simplices that a simplex or a quadrilateral is cut into along its vertices, as curved simplices of a higher degree.
 //
 // The map of a quadrilateral of degree p has degree p in each coordinate. On each of the two triangles of the reference
 // square it is a polynomial of total degree 2 p: the triangle is a curved triangle of that degree, exactly, with nodes
 //
 //     x'_i = sum_j S_ij x_j,   S_ij = N_j(xi_i),   xi_i: its nodes in the reference square.
 //
-// So what is known of curved simplices holds for quadrilaterals (certificates, valid steps). A simplex is the one
-// simplex that it is cut into.
+// So what is known of curved triangles in space holds for quadrilateral faces. A simplex is the one that it is cut into.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <vector>
 
-#include "base/index.hpp"
 #include "base/small_matrix.hpp"
 #include "mesh/cells.hpp"
 
@@ -32,18 +29,8 @@ struct SubSimplices {
     // The reference coordinates in the cell of a point of simplex k, with these barycentric coordinates.
     std::array<double, 3> point(int k, const std::array<double, 4>& barycentric) const;
 
-    // x'_i - x_0 of the nodes of simplex k, x_0 the first node of the cell: exact differences. position(j): of node j
-    // of the cell; T: double, or one element per lane.
-    template <int n, class T, class Position>
-    void place(int k, const Position& position, Vec<n, T>* x) const {
-        const Vec<n, T> origin = position(0);
-        std::fill_n(x, nodes, Vec<n, T>{});
-        for (int j = 1; j < cell_nodes; ++j) {
-            const Vec<n, T> y = position(j);
-            for (int i = 0; i < nodes; ++i)
-                for (int a = 0; a < n; ++a) x[i][a] += map[k][offset(i, cell_nodes, j)] * (y[a] - origin[a]);
-        }
-    }
+    // x'_i of simplex k, vertices to the last bit. position: of the nodes of the cell.
+    std::vector<Vec<3>> nodes_of(int k, const std::vector<Vec<3>>& position) const;
 
 private:
     std::vector<std::array<double, 3>> corner_;  // reference coordinates of the cell's vertices

@@ -6,8 +6,10 @@
 #include <string>
 
 #include "energy/distortion_energy.hpp"
+#include "mesh/build.hpp"
 #include "support/meshes.hpp"
 #include "support/ring_deck.hpp"
+#include "support/solids.hpp"
 
 using namespace almesh;
 using namespace almesh::test;
@@ -16,6 +18,16 @@ TEST_CASE("the blocks of the Hessian are counted as its pattern has them, in eve
     for (const Mesh& linear : {ring_mesh(12, 3, 6), cube_mesh(2)})
         for (int degree = 1; degree <= 4; ++degree) {
             const Mesh mesh = raise_degree(linear, degree);
+            const BlockCsr H = make_energy(mesh, straight_sided(mesh), {})->hessian_pattern();
+            CHECK(hessian_blocks(mesh) == H.blocks());
+        }
+}
+
+TEST_CASE("the blocks of meshes with hexahedra, prisms and pyramids are counted too") {
+    std::vector<std::string> notes;
+    for (const char* const layers : {"hh", "pp", "hdpuh"})
+        for (int degree = 1; degree <= 3; ++degree) {
+            const Mesh mesh = raise_degree(build_mesh(solid_block(2, layers), notes), degree);
             const BlockCsr H = make_energy(mesh, straight_sided(mesh), {})->hessian_pattern();
             CHECK(hessian_blocks(mesh) == H.blocks());
         }

@@ -126,6 +126,9 @@ TEST_CASE("a straight quadrilateral has its nodes on the bilinear face, and face
                         moved_inside = std::max(moved_inside, std::abs(now[3 * i + a] - was[3 * i + a]));
                 }
             CHECK((moved_inside > 0) == is_beside);
+            for (int i = 4; i < 8 && degree == 2 && is_beside && !chosen[f]; ++i)  // half as much as its edge
+                for (int a = 0; a < 3 && mesh.x[3 * mesh.face(f)[i] + 2] > 1.99; ++a)
+                    CHECK(now[24 + a] - was[24 + a] == doctest::Approx(0.5 * (now[3 * i + a] - was[3 * i + a])));
             const FaceRule& rule = target.rules[0];
             for (int q = 0; q < rule.quadrature.count; ++q)
                 for (int a = 0; a < 3 && is_beside; ++a) {

@@ -76,8 +76,8 @@ TEST_CASE("patches that meet share the numbers of the nodes along their side, an
         std::map<int, Vec<3>> place;
         for (int patch = 0; patch < faces.count(); ++patch) {
             const int f = faces.face[patch];
-            const std::vector<Vec<3>> at = nodes_of_part(
-                faces.cut(f), positions(mesh, mesh.x, mesh.face(f), mesh.face_nodes(f)), faces.part(patch));
+            const std::vector<Vec<3>> at = faces.cut(f).nodes_of(
+                faces.part(patch), positions(mesh, mesh.x, mesh.face(f), mesh.face_nodes(f)));
             for (std::size_t i = 0; i < at.size(); ++i) {
                 const auto [known, is_new] = place.try_emplace(nodes[patch][i], at[i]);
                 CHECK(length(known->second - at[i]) < 1e-14);
