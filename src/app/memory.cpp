@@ -1,12 +1,17 @@
-// Two nodes are coupled where they share an element. Of the pairs of nodes, those whose smallest common entity, a vertex,
-// an edge, a face or a cell, is a given one: with N nodes on it N^2 less those of the entities on its boundary,
-//     P_vertex = 1,  P_edge = N^2 - 2,  P_triangle = N^2 - 3 P_edge - 3,  P_tetrahedron = N^2 - 4 P_triangle - ..., ...;
-// blocks of the Hessian = sum of these over all entities. Edges in 3D are counted by Euler's formula for a domain
-// without holes. Pairs of a node and one of another degree: with N N' in place of N^2.
+// Two nodes are coupled where they share an element. Of the pairs of nodes, those whose smallest common entity is a
+// vertex, an edge, a face or a cell: P_0 = 1, and with N nodes on an entity N^2 less those of the entities of its
+// boundary, on a triangle N^2 - 3 P_1 - 3 P_0;
+// blocks of the Hessian = sum over the types of entities of P times their number. Pairs of a node and a vertex: with
+// N times the number of vertices in place of N^2.
 #include "app/memory.hpp"
 
 #include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
 
+#include "base/error.hpp"
+#include "base/text.hpp"
 #include "mesh/cells.hpp"
 
 namespace almesh {
@@ -24,31 +29,40 @@ double vertex_count(const Mesh& mesh) {
     return count;
 }
 
-// Of a node of degree p and one of degree q.
-double pairs_inside(const CellType& cell, int p, int q) {
-    double pairs = 1.0 * cell.node_count(p) * cell.node_count(q) - cell.vertices;
-    if (cell.dim >= 2) pairs -= static_cast<double>(cell.edges.size()) * pairs_inside(simplex(1), p, q);
+// Of a node of the entity with one that it would have with the other degree, and no part of its boundary has both.
+double pairs_inside(const CellType& cell, int degree, int other) {
+    double pairs = static_cast<double>(cell.node_count(degree)) * cell.node_count(other);
+    if (cell.dim > 0) pairs -= cell.vertices;
+    if (cell.dim > 1) pairs -= static_cast<double>(cell.edges.size()) * pairs_inside(simplex(1), degree, other);
     for (int k = 0; k < static_cast<int>(cell.faces.size()) && cell.dim == 3; ++k)
-        pairs -= pairs_inside(cell.face_type(k), p, q);
+        pairs -= pairs_inside(cell.face_type(k), degree, other);
     return pairs;
 }
 
-// Of a node of the mesh with one that it would have with this degree.
+// Numbers of edges and faces by Euler's formula, for a domain without holes.
 double coupled_pairs(const Mesh& mesh, int degree) {
     const double vertices = vertex_count(mesh);
-    double pairs = vertices, sides = 0;
-    const auto add_sides = [&](const CellType& side, double count) {  // each of which is seen from both of its sides
-        sides += 0.5 * count;
-        pairs += 0.5 * count * pairs_inside(side, mesh.degree, degree);
-    };
-    for (const ElementGroup& group : mesh.face_groups()) add_sides(*group.cell, group.count);
+    std::map<const CellType*, double> sides;  // of elements or, once more, of the boundary: two for each one
+    double sum = vertices, cells = 0, all_sides = 0;
     for (const ElementGroup& group : mesh.element_groups()) {
-        pairs += group.count * pairs_inside(*group.cell, mesh.degree, degree);
+        cells += group.count;
+        sum += group.count * pairs_inside(*group.cell, mesh.degree, degree);
         for (int k = 0; k < static_cast<int>(group.cell->faces.size()); ++k)
-            add_sides(group.cell->face_type(k), group.count);
+            sides[&group.cell->face_type(k)] += group.count;
     }
-    const double edges = vertices + sides - mesh.element_count() - 1;
-    return mesh.dim == 2 ? pairs : pairs + edges * pairs_inside(simplex(1), mesh.degree, degree);
+    for (int f = 0; f < mesh.face_count(); ++f) sides[&mesh.face_cell(f)] += mesh.is_inner(f) ? 0 : 1;
+    for (const auto& [type, count] : sides) {
+        sum += count / 2 * pairs_inside(*type, mesh.degree, degree);
+        all_sides += count;
+    }
+    const double edges = vertices + all_sides / 2 - cells - 1;
+    return mesh.dim == 2 ? sum : sum + edges * pairs_inside(simplex(1), mesh.degree, degree);
+}
+
+std::string rounded(double bytes) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2g", bytes / 1e9);
+    return text;
 }
 
 }  // namespace
@@ -58,9 +72,15 @@ double hessian_blocks(const Mesh& mesh) { return coupled_pairs(mesh, mesh.degree
 double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear) {
     constexpr double number = sizeof(double), single = sizeof(float), index = sizeof(int), program = 8e6;
     const double d = mesh.dim, elements = mesh.element_count(), nodes = mesh.nodes(), blocks = hessian_blocks(mesh),
-                 unknowns = d * nodes, m = mesh.element_nodes(mesh.element_count() - 1);  // of the largest type
-    const double of_mesh = elements * m * index + nodes * (d * number + 16), vectors = 14 * unknowns * number;
-    const double of_energy = elements * (m * index + d * d * number + 3 * number + m * m * index) + blocks * index;
+                 unknowns = d * nodes;
+    double places = 0, entries = 0;  // nodes and blocks of elements
+    for (const ElementGroup& group : mesh.element_groups()) {
+        const double m = group.cell->node_count(mesh.degree);
+        places += group.count * m;
+        entries += group.count * m * m;
+    }
+    const double of_mesh = places * index + nodes * (d * number + 16), vectors = 14 * unknowns * number;
+    const double of_energy = (places + entries + blocks) * index + elements * (d * d + 3) * number;
     const double hessian = blocks * (d * d * number + index);
     const bool iterative = iterates(mesh.dim * mesh.nodes(), mesh.dim, linear);
     const double products = blocks < long_rows * nodes ? 12 * blocks : 0;  // of ILU(0)
@@ -70,6 +90,20 @@ double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear) {
     const double factor = mesh.dim == 2 ? 80 * unknowns * std::log2(unknowns + 2) : 80 * std::pow(unknowns, 4.0 / 3);
     constexpr double besides = 1.05;  // what was not counted
     return program + besides * (of_mesh + vectors + of_energy + hessian + (iterative ? sweeps + coarse : factor));
+}
+
+void check_memory(const Mesh& mesh, const LinearSolverParams& linear, double available) {
+    const double bytes = predicted_bytes(mesh, linear);
+    if (bytes <= available) return;
+    std::string fits = "a coarser mesh takes less";
+    for (int degree = mesh.degree - 1; degree > 0; --degree) {
+        const double lower = predicted_bytes(interpolated(mesh, degree), linear);
+        if (lower > available) continue;
+        fits = concat("degree = ", degree, " takes about ", rounded(lower), " GB");
+        break;
+    }
+    throw InputError("the run needs about ", rounded(bytes), " GB of memory, and ", rounded(available),
+                     " GB are free here: ", fits);
 }
 
 }  // namespace almesh

@@ -39,9 +39,6 @@ void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double
                  mesh.face_count(), max_threads(), max_threads() == 1 ? "" : "s");
     for (const std::string& note : problem.notes) std::fprintf(out, "note: %s\n", note.c_str());
     if (bytes > worth_telling) std::fprintf(out, "about %.2g GB of memory will be needed\n", bytes / 1e9);
-    if (bytes > physical_memory())
-        std::fprintf(out, "note: this machine has %.3g GB; a coarser mesh or a lower degree takes less\n",
-                     physical_memory() / 1e9);
     std::fflush(out);
 }
 
@@ -215,6 +212,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const TimeLimit limit(deck.max_seconds);
     set_threads(deck.threads);
     Problem problem = make_problem(deck);
+    check_memory(problem.mesh(), deck.linear, available_memory());
     const std::unique_ptr<Checkpoint> checkpoint = make_checkpoint(deck, problem, out);
     const ResultsFolder folder(deck);
     const double bytes = predicted_bytes(problem.mesh(), deck.linear);

@@ -14,6 +14,17 @@ inline double physical_memory() {
     return bytes;
 }
 
+// What other programs leave of it, bytes: on Linux MemAvailable, in kB, elsewhere all of it.
+inline double available_memory() {
+    double kilobytes = 0;
+    if (std::FILE* const info = std::fopen("/proc/meminfo", "r")) {
+        char line[256];
+        while (std::fgets(line, sizeof line, info) && std::sscanf(line, "MemAvailable: %lf", &kilobytes) != 1) {}
+        std::fclose(info);
+    }
+    return kilobytes > 0 ? 1024 * kilobytes : physical_memory();
+}
+
 // The most that the program has had in memory at once, bytes. On Linux from VmHWM, in kB: ru_maxrss begins there with
 // what the process had that started the program.
 inline double peak_memory() {

@@ -18,8 +18,9 @@ struct BenchDeck {
     bool cheap;
 };
 
-// aircraft-squared is left out: its many steps are those of aircraft over again.
-constexpr std::array<BenchDeck, 13> decks = {{{"circle", true},
+// aircraft-squared is left out: its many steps are those of aircraft over again. cells/circle has the nodes of circle,
+// or nearly, in quadrilaterals, cells/sphere those of sphere-layers-degree-2 with prisms.
+constexpr std::array<BenchDeck, 18> decks = {{{"circle", true},
                                               {"circle-refined-1", true},
                                               {"circle-refined-2", true},
                                               {"circle-refined-3", false},
@@ -30,6 +31,11 @@ constexpr std::array<BenchDeck, 13> decks = {{{"circle", true},
                                               {"curving-printed", true},
                                               {"channel-bump", true},
                                               {"sphere-shell", true},
+                                              {"cells/circle", true},
+                                              {"cells/twist-90", true},
+                                              {"cells/body-30", true},
+                                              {"gauntlet/sphere-layers-degree-2", false},
+                                              {"cells/sphere", false},
                                               {"aircraft", false},
                                               {"aircraft-weighted", false}}};
 
