@@ -75,6 +75,7 @@ double straight_fraction(const int* const* node, int count, const std::vector<do
     return fraction;
 }
 
+// Over the reference element; of a pyramid over its collapsed coordinates.
 double mean(const JacobianBasis& basis, const double* b) {
     return std::accumulate(b, b + basis.jacobian.count, 0.0) / basis.jacobian.count;
 }
