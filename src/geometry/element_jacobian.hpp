@@ -3,8 +3,8 @@
 //
 // The nodes are first taken to reference coordinates, relative to node 0: there a boundary-layer element of aspect
 // ratio 50000 is of size one like any other. This is done by the inverse of J_c, the derivative of the map at the
-// centre; of simplices the Jacobian of the straight-sided one of the vertices, where it is not much smaller, as in a
-// valid element bent so far that its vertices lie nearly on a line. With y = J_c^{-1} (x - x_0)
+// centre with columns made perpendicular; of simplices the Jacobian of the straight-sided one of the vertices, where it
+// is not much smaller, as in a valid element bent so far that its vertices lie nearly on a line. With y = J_c^{-1} (x - x_0)
 //
 //     det J / det J_c = (dy/dxi_0 x dy/dxi_1) . dy/dxi_2     (n = 2: dy/dxi_0 x dy/dxi_1)
 //
@@ -204,6 +204,8 @@ private:
             const auto straight = magnitude(determinant(Js)) > 0.1 * magnitude(determinant(Jc));
             for (int k = 0; k < n; ++k)
                 for (int a = 0; a < n; ++a) Jc[a][k] = select(straight, Js[a][k], Jc[a][k]);
+        } else {
+            make_upright(Jc);
         }
         det_ = determinant(Jc);
         smallest_det_ = straight_rounding<n>(Jc);
@@ -216,6 +218,30 @@ private:
             }
         if (!of_.cell.is_simplex()) cut_inverse();
         sign_ = select(det_ < 0, T{} - 1, T{} + 1);
+    }
+
+    // The columns by decreasing length, each perpendicular to those before: what is far away along a thin element, bent
+    // or sheared, is so in one coordinate then. The determinant stays, but for its sign.
+    static void make_upright(Mat<n, T>& J) {
+        const auto product = [&J](int k, int l) {
+            T sum{};
+            for (int a = 0; a < n; ++a) sum += J[a][k] * J[a][l];
+            return sum;
+        };
+        for (int end = n - 1; end > 0; --end)
+            for (int k = 0; k < end; ++k) {
+                const auto exchanged = product(k, k) < product(k + 1, k + 1);
+                for (int a = 0; a < n; ++a) {
+                    const T first = J[a][k];
+                    J[a][k] = select(exchanged, J[a][k + 1], first);
+                    J[a][k + 1] = select(exchanged, first, J[a][k + 1]);
+                }
+            }
+        for (int k = 1; k < n; ++k)
+            for (int l = 0; l < k; ++l) {
+                const T share = product(k, l) / product(l, l);
+                for (int a = 0; a < n; ++a) J[a][k] -= share * J[a][l];
+            }
     }
 
     // To 25 digits of the largest of each row, where that changes little: any matrix near the inverse will do.
