@@ -13,7 +13,14 @@ namespace {
 
 constexpr int most_steps = 20;  // to a point of surfaces,
 constexpr double rounding = 1e-16;  // the shortest of which is that times |x|
-constexpr double tangent = 0.17;  // sine of the angle below which two surfaces touch, and their common nodes stay
+constexpr double tangent = 0.17;  // sine of the angle below which two surfaces touch, and their common nodes stay,
+constexpr double in_wedge = 0.02;  // but of planes whose normals point apart: their edge is known where they are thin
+
+double least_sine(const SurfacePoint& before, const SurfacePoint& at) {
+    const auto is_zero = [](const Vec<3>& row) { return dot(row, row) == 0; };
+    const auto is_flat = [&](const Mat<3>& S) { return std::all_of(S.begin(), S.end(), is_zero); };
+    return is_flat(before.curvature) && is_flat(at.curvature) && dot(before.normal, at.normal) < 0 ? in_wedge : tangent;
+}
 
 // The part of n perpendicular to the unit vectors of `basis`.
 Vec<3> perpendicular(Vec<3> n, const std::vector<Vec<3>>& basis) {
@@ -34,11 +41,14 @@ Vec<3> at_distances(const SlidingSurfaces& sliding, const std::vector<int>& part
     for (int step = 0; step < most_steps; ++step) {
         std::vector<Vec<3>> normals;
         Vec<3> move{};
+        SurfacePoint before;
         for (std::size_t k = 0; k < parts.size(); ++k) {  // onto the first plane, then along it onto the second
             const SurfacePoint at = sliding.closest(parts[k], x);
             const Vec<3> n = perpendicular(at.normal, normals);
             const double distance = dot(at.position - x - move, at.normal) + distances[k], slope = dot(n, at.normal);
-            if (slope > tangent * tangent) {
+            const double least = k == 1 ? least_sine(before, at) : tangent;
+            before = at;
+            if (slope > least * least) {
                 move = move + distance / slope * n;
                 normals.push_back(1 / std::sqrt(dot(n, n)) * n);
             }
@@ -94,9 +104,13 @@ namespace {
 // Whether the surfaces leave a node at x no way to go, or touch there, so that their common curve is not told by them.
 bool stays(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x, int dim) {
     std::vector<Vec<3>> normals;  // orthonormal
+    SurfacePoint before;
     for (const int part : parts) {
-        const Vec<3> n = perpendicular(sliding.closest(part, x).normal, normals);
-        if (length(n) < tangent || static_cast<int>(normals.size()) + 1 == dim) return true;
+        const SurfacePoint at = sliding.closest(part, x);
+        const Vec<3> n = perpendicular(at.normal, normals);
+        const double least = normals.size() == 1 ? least_sine(before, at) : tangent;
+        before = at;
+        if (length(n) < least || static_cast<int>(normals.size()) + 1 == dim) return true;
         normals.push_back(1 / length(n) * n);
     }
     return false;

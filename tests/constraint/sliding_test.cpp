@@ -49,6 +49,31 @@ double largest_entry(const std::vector<double>& v) { return norm_inf(v); }
 
 }  // namespace
 
+TEST_CASE("nodes at the edge of a wedge of five degrees slide along it") {
+    const double tilt = std::tan(5 * std::acos(-1.0) / 180);
+    const auto name = [&](const double* centre) {
+        return centre[2] == 0 ? "below" : std::abs(centre[2] - tilt * centre[1]) < 1e-9 ? "above" : "ends";
+    };
+    const Mesh wedge = linear_mesh(3, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, tilt}, {0, 1, 2, 3}, name);
+    const Case c(raise_degree(wedge, 2), {{"below", "slide"}, {"above", "slide"}, {"ends", "free"}});
+    const std::vector<int>& nodes = c.constraint->nodes();
+    int found = 0;
+    for (int t = 0; t < static_cast<int>(nodes.size()); ++t) {
+        const double* const at = &c.mesh.x[3 * nodes[t]];
+        if (at[0] != 0.5 || at[1] != 0) continue;
+        ++found;
+        std::vector<double> x = c.mesh.x;
+        x[3 * nodes[t]] = 0.6;
+        x[3 * nodes[t] + 1] = 0.02;
+        x[3 * nodes[t] + 2] = -0.01;
+        const std::vector<double> target = c.constraint->targets(x);
+        CHECK(target[3 * t] == doctest::Approx(0.6));
+        CHECK(std::abs(target[3 * t + 1]) < 1e-12);
+        CHECK(std::abs(target[3 * t + 2]) < 1e-12);
+    }
+    CHECK(found == 1);
+}
+
 TEST_CASE("a boundary is cut into its smooth parts: the sides of a cube into four planes, a ring's circle into one") {
     const Mesh cube = cube_mesh(3);
     const auto of_cube = surfaces_of(cube, target_of(cube, {{"sides", "slide"}}));
