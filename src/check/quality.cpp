@@ -1,5 +1,5 @@
-// The Jacobian of the map from the regular cell is F = dx/dxi E^{-1}, E the edge vectors of the regular cell in
-// columns; eta = |F|^2 / (n (det F)^{2/n}) at the points of a quadrature rule of exactness 2 p.
+// The Jacobian of the map from the regular cell is F = dx/dxi E^{-1}, E the Jacobian of the regular cell, of a simplex
+// its edge vectors in columns; eta = |F|^2 / (n (det F)^{2/n}) at the points of a quadrature rule of exactness 2 p.
 #include "check/quality.hpp"
 
 #include <algorithm>
@@ -20,16 +20,33 @@ namespace {
 constexpr int worst_listed = 10;
 constexpr int bar_length = 50;  // characters of the longest bar
 
-// Edge vectors of the regular cell of edge length 1, in columns: the regular simplex, or the square.
+// Edge vectors of the regular tetrahedron of edge length 1, in columns; the first two are those of the triangle.
+const Mat<3> regular_edges = {
+    {{1, 0.5, 0.5}, {0, std::sqrt(0.75), std::sqrt(1.0 / 12)}, {0, 0, std::sqrt(2.0 / 3)}}};
+
+// Vertices of the cell all of whose edges have length 1: a product of regular simplices, or half an octahedron.
 template <int n>
-Mat<n> regular_cell(const CellType& cell) {
-    if (!cell.is_simplex()) {
-        Mat<n> I{};
-        for (int k = 0; k < n; ++k) I[k][k] = 1;
-        return I;
-    }
-    if constexpr (n == 2) return {{{1, 0.5}, {0, std::sqrt(0.75)}}};
-    else return {{{1, 0.5, 0.5}, {0, std::sqrt(0.75), std::sqrt(1.0 / 12)}, {0, 0, std::sqrt(2.0 / 3)}}};
+std::vector<double> regular_cell(const CellType& cell) {
+    if (cell.is_collapsed) return {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5, 0.5, std::sqrt(0.5)};
+    std::vector<double> x;
+    for (const MultiIndex& corner : cell.corners)
+        for (int f = 0, at = 0; f < 3 && cell.factors[f] > 0; at += cell.factors[f++] + 1)
+            for (int a = 0; a < cell.factors[f]; ++a) {
+                x.push_back(0);
+                for (int k = 0; k < cell.factors[f]; ++k) x.back() += regular_edges[a][k] * corner[at + 1 + k];
+            }
+    return x;
+}
+
+// At the points of the quadrature: inverse Jacobians of the regular cell.
+template <int n>
+std::vector<Mat<n>> from_regular(const CellType& cell, const Quadrature& quadrature) {
+    const ReferenceElement linear = reference_element(cell, 1, quadrature);
+    const std::vector<double> x = regular_cell<n>(cell);
+    constexpr int vertices[] = {0, 1, 2, 3, 4, 5, 6, 7};
+    std::vector<Mat<n>> inverses;
+    for (int q = 0; q < linear.points; ++q) inverses.push_back(inverse<n>(jacobian_at<n>(vertices, x, linear, q)));
+    return inverses;
 }
 
 // Per element: the least value(jacobian_of, J_0^-1) at its quadrature points, within [0, 1]; jacobian_of(x): dx/dxi
@@ -41,14 +58,14 @@ std::vector<double> least_at_points(const Mesh& mesh, const Value& value) {
         const bool is_constant = mesh.degree == 1 && group.cell->is_simplex();  // the Jacobian
         const Quadrature quadrature = cell_quadrature(*group.cell, is_constant ? 1 : 2 * mesh.degree);
         const ReferenceElement reference = reference_element(*group.cell, mesh.degree, quadrature);
-        const Mat<n> from_regular = inverse<n>(regular_cell<n>(*group.cell));
+        const std::vector<Mat<n>> inverses = from_regular<n>(*group.cell, quadrature);
         parallel_for(group.count, [&](int k) {
             const int e = group.first + k;
             double of_element = 1;
             for (int q = 0; q < reference.points; ++q)
                 of_element = std::min(of_element, value([&](const std::vector<double>& x) {
                     return jacobian_at<n>(mesh.element(e), x, reference, q);
-                }, from_regular));
+                }, inverses[q]));
             least[e] = std::max(of_element, 0.0);
         });
     }

@@ -1,5 +1,5 @@
 // Shape quality of the elements of a mesh, 1 / eta with eta the distortion (paper, Eq. 1) of the map from the regular
-// simplex: 1 for a regular element, 0 for a degenerate or inverted one.
+// cell of its type, whose edges are all of the same length: 1 for a regular element, 0 for a degenerate or inverted one.
 //
 // Cost: one Jacobian per element and quadrature point.
 #pragma once

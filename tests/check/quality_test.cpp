@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "mesh/build.hpp"
+#include "support/energy_checks.hpp"
 #include "support/high_order.hpp"
 #include "support/meshes.hpp"
 
@@ -28,6 +30,31 @@ TEST_CASE("regular simplices of any size have quality one") {
     const Mesh tetrahedron = single(3, {1, 1, 1, 1, -1, -1, -1, -1, 1, -1, 1, -1});
     CHECK(mesh_quality(tetrahedron, tetrahedron.x).min == doctest::Approx(1).epsilon(1e-14));
     CHECK(mesh_quality(tetrahedron, tetrahedron.x).histogram[9] == 1);
+}
+
+TEST_CASE("regular prisms, pyramids and cubes have quality one, in every degree and turned") {
+    const double h = std::sqrt(0.75), top = std::sqrt(0.5);
+    const std::vector<std::pair<const CellType*, std::vector<double>>> regular = {
+        {&prism(), {0, 0, 0, 1, 0, 0, 0.5, h, 0, 0, 0, 1, 1, 0, 1, 0.5, h, 1}},
+        {&pyramid(), {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5, 0.5, top}},
+        {&hexahedron(), {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1}}};
+    for (const auto& [cell, x] : regular) {
+        RawMesh raw;
+        raw.path = "regular.msh";
+        raw.elements = {{1, 0, 0, 3, 1, 1, 0, cell}};
+        for (int v = 0; v < cell->vertices; ++v) {
+            raw.nodes.push_back({v + 1, {3 * x[3 * v + 1], -3 * x[3 * v], 3 * x[3 * v + 2]}, 0});
+            raw.element_nodes.push_back(v);
+        }
+        std::vector<std::string> notes;
+        for (int degree = 1; degree <= 3; ++degree) {
+            const Mesh mesh = raise_degree(build_mesh(raw, notes), degree);
+            const QualityStatistics of = mesh_quality(mesh, mesh.x);
+            CHECK(of.min == doctest::Approx(1).epsilon(1e-13));
+            CHECK(of.max_edge == doctest::Approx(3).epsilon(1e-13));
+            CHECK(mesh_quality(mesh, stretched(mesh.x, 3)).min < 0.9);
+        }
+    }
 }
 
 TEST_CASE("quality of right simplices is the closed form of Eq. (1)") {
