@@ -5,6 +5,7 @@
 #include <numeric>
 #include <span>
 
+#include "base/error.hpp"
 #include "base/text.hpp"
 #include "mesh/lagrange.hpp"
 
@@ -187,6 +188,23 @@ void complete_serendipity(RawMesh& mesh) {
             mesh.notes.push_back(concat(count, " ", count == 1 ? kind.cell->name : kind.cell->plural, " of ",
                                         kind.nodes(), " nodes: completed to ", kind.cell->node_count(2),
                                         " each, by nodes in the middle of faces and cells"));
+}
+
+void check_vertices(const RawMesh& mesh) {
+    const auto repeated = [&](const RawElement& element) {  // the node, or -1
+        const int* const node = &mesh.element_nodes[element.first];
+        for (int v = 1; v < element.cell().vertices && !element.cell().is_simplex(); ++v)
+            if (std::find(node, node + v, node[v]) != node + v) return node[v];
+        return -1;
+    };
+    const auto is_degenerate = [&](const RawElement& element) { return repeated(element) >= 0; };
+    const auto first = std::find_if(mesh.elements.begin(), mesh.elements.end(), is_degenerate);
+    if (first == mesh.elements.end()) return;
+    const auto count = std::count_if(first, mesh.elements.end(), is_degenerate);
+    throw InputError(mesh.path, first->line ? concat(":", first->line) : "", ": ", first->cell().name, " ", first->id,
+                     " has node ", mesh.nodes[repeated(*first)].id, " at two of its vertices, the first of ",
+                     counted(count, "such cell"), ": write it as the ",
+                     first->dim == 2 ? "triangle" : "prism, pyramid or tetrahedron", " that it is");
 }
 
 }  // namespace almesh

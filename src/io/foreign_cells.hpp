@@ -34,4 +34,8 @@ std::span<const SerendipityCell> serendipity_cells();
 // of all cells there, that of a complete cell where there is one. Adds a note.
 void complete_serendipity(RawMesh& mesh);
 
+// Throws InputError where a node is at two vertices of a cell that is no simplex: in some programs a hexahedron of such
+// vertices stands for a prism.
+void check_vertices(const RawMesh& mesh);
+
 }  // namespace almesh

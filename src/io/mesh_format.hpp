@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "io/msh.hpp"
+#include "io/foreign_cells.hpp"
 #include "io/su2.hpp"
 #include "io/vtk.hpp"
 
@@ -44,7 +45,9 @@ inline const MeshFormat& find_format(std::span<const MeshFormat> formats, std::s
 inline RawMesh parse_mesh(std::string_view text, const std::string& path) {
     const MeshFormat& format = find_format(mesh_formats, text, path);
     if (!format.may_be_binary) check_is_text(text, path);
-    return format.parse(text, path);
+    RawMesh mesh = format.parse(text, path);
+    check_vertices(mesh);
+    return mesh;
 }
 
 // "MSH 4.1, binary".

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "base/error.hpp"
 #include "io/foreign_cells.hpp"
 #include "io/mesh_format.hpp"
 #include "io/vtk.hpp"
@@ -15,6 +16,7 @@
 
 using namespace almesh;
 using namespace almesh::test;
+using doctest::Contains;
 
 namespace {
 
@@ -143,6 +145,22 @@ TEST_CASE("solids of SU2 in either orientation come out as they came in") {
     const Mesh mesh = build_mesh(parse_mesh(text, "a.su2"), notes);
     CHECK(notes == std::vector<std::string>{"1 element with negative orientation turned, the first is element 1"});
     CHECK(su2_text(as_in_file(mesh)) == text);
+}
+
+TEST_CASE("a cell with a node at two of its vertices is refused, in every format") {
+    Mesh mesh = solid_mesh(1, "h");
+    mesh.elements[3] = mesh.elements[2];
+    const std::string msh = msh_of(mesh);
+    const std::string what = " has node 4 at two of its vertices, the first of 1 such cell: write it ";
+    CHECK_THROWS_WITH_AS(parse_mesh(msh, "a.msh"), Contains((" hexahedron 1" + what).c_str()), InputError);
+    CHECK_THROWS_WITH_AS(parse_mesh(su2_text(mesh), "a.su2"),
+                         ("a.su2:3: hexahedron 1" + what + "as the prism, pyramid or tetrahedron that it is").c_str(),
+                         InputError);
+    const std::string vtk = vtk_text({"t", 3, 1, mesh.x, mesh.faces, 2, {}, {}, {}, mesh.groups_of_faces});
+    CHECK(cells_of(parse_mesh(vtk, "a.vtk"), 2).size() == 6);
+    mesh.faces[2] = mesh.faces[0];
+    CHECK_THROWS_WITH_AS(parse_mesh(vtk_text({"t", 3, 1, mesh.x, mesh.faces, 2, {}, {}, {}, mesh.groups_of_faces}),
+                                    "a.vtk"), Contains("as the triangle that it is"), InputError);
 }
 
 TEST_CASE("triangles and quadrilaterals of a marker stay in their order") {
