@@ -1,7 +1,5 @@
 #include "app/base_mesh.hpp"
 
-#include <set>
-
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "mesh/build.hpp"
@@ -17,15 +15,12 @@ Mesh straight_mesh(const RawMesh& raw, const CertificateParams& params, std::vec
     const Certificate certificate = certify(mesh, y, params);
     if (certificate.valid) return mesh;
     const int e = certificate.uncertified[0];
-    const std::set<int> vertices(mesh.element(e), mesh.element(e) + mesh.cell(e).vertices);
-    const bool has_one_twice = static_cast<int>(vertices.size()) < mesh.cell(e).vertices;
     throw InputError(raw.path, ": ", mesh.cell(e).name, " ", mesh.file.element_id[e], " at ",
                      position_text(element_centre(mesh, y, e).data(), mesh.dim),
-                     has_one_twice   ? " has a vertex twice"
-                     : mesh.dim == 2 ? " has with straight sides a corner of 180 degrees or more"
-                                     : " is with straight sides inverted somewhere, which positive corners do not rule out",
-                     ", the worst of ", counted(certificate.uncertified.size(), "such element"), ": it has to be ",
-                     has_one_twice ? "given as the cell with fewer vertices that it is" : "divided, or its nodes moved");
+                     mesh.dim == 2 ? " has with straight sides a corner of 180 degrees or more"
+                                   : " is with straight sides inverted inside or at a corner",
+                     ", the worst of ", counted(certificate.uncertified.size(), "such element"),
+                     ": it has to be divided, or its nodes moved");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <set>
 #include <span>
 
 #include "base/error.hpp"
@@ -190,21 +191,88 @@ void complete_serendipity(RawMesh& mesh) {
                                         " each, by nodes in the middle of faces and cells"));
 }
 
-void check_vertices(const RawMesh& mesh) {
-    const auto repeated = [&](const RawElement& element) {  // the node, or -1
-        const int* const node = &mesh.element_nodes[element.first];
-        for (int v = 1; v < element.cell().vertices && !element.cell().is_simplex(); ++v)
-            if (std::find(node, node + v, node[v]) != node + v) return node[v];
-        return -1;
+namespace {
+
+// The node that is at two vertices of a cell that is no simplex, or -1.
+int repeated_vertex(const RawMesh& mesh, const RawElement& element) {
+    const int* const node = &mesh.element_nodes[element.first];
+    for (int v = 1; v < element.cell().vertices && !element.cell().is_simplex(); ++v)
+        if (std::find(node, node + v, node[v]) != node + v) return node[v];
+    return -1;
+}
+
+// The faces of a cell with these nodes at its vertices, seen from outside, a node once in each; a cell in the plane is
+// its only face.
+std::vector<std::vector<int>> distinct_faces(const CellType& cell, const int* node) {
+    std::vector<std::vector<int>> faces;
+    const auto add = [&](const CellFace& face) {
+        std::vector<int>& nodes = faces.emplace_back();
+        for (const int v : face)
+            if (v >= 0 && std::find(nodes.begin(), nodes.end(), node[v]) == nodes.end()) nodes.push_back(node[v]);
     };
-    const auto is_degenerate = [&](const RawElement& element) { return repeated(element) >= 0; };
-    const auto first = std::find_if(mesh.elements.begin(), mesh.elements.end(), is_degenerate);
-    if (first == mesh.elements.end()) return;
-    const auto count = std::count_if(first, mesh.elements.end(), is_degenerate);
-    throw InputError(mesh.path, first->line ? concat(":", first->line) : "", ": ", first->cell().name, " ", first->id,
-                     " has node ", mesh.nodes[repeated(*first)].id, " at two of its vertices, the first of ",
-                     counted(count, "such cell"), ": write it as the ",
-                     first->dim == 2 ? "triangle" : "prism, pyramid or tetrahedron", " that it is");
+    if (cell.dim == 2) add({0, 1, 2, 3});
+    else std::for_each(cell.faces.begin(), cell.faces.end(), add);
+    std::erase_if(faces, [](const auto& face) { return face.size() < 3; });
+    std::stable_sort(faces.begin(), faces.end(), [](const auto& f, const auto& g) { return f.size() < g.size(); });
+    return faces;
+}
+
+// Makes the linear cell the triangle, tetrahedron, pyramid or prism that its faces are; false where they are none.
+bool simplify(RawElement& element, int* node) {
+    const std::vector<std::vector<int>> faces = distinct_faces(element.cell(), node);
+    const std::set<int> vertices(node, node + element.cell().vertices);
+    const auto triangles = std::count_if(faces.begin(), faces.end(), [](const auto& f) { return f.size() == 3; });
+    const auto becomes = [&](const CellType& type, const std::vector<int>& nodes) {
+        element.type = &type;
+        std::copy(nodes.begin(), nodes.end(), node);
+        return true;
+    };
+    const auto outside = [&](const std::vector<int>& face) {  // the first vertex that is not on it
+        return *std::find_if(vertices.begin(), vertices.end(),
+                             [&](int v) { return std::find(face.begin(), face.end(), v) == face.end(); });
+    };
+    if (element.degree > 1 || triangles == 0) return false;
+    const std::vector<int>&first = faces.front(), &last = faces.back();
+    const std::array<std::size_t, 3> kind = {vertices.size(), static_cast<std::size_t>(triangles), faces.size()};
+    if (kind == std::array<std::size_t, 3>{3, 1, 1}) return becomes(simplex(2), first);
+    if (kind == std::array<std::size_t, 3>{4, 4, 4})
+        return becomes(simplex(3), {first[0], first[2], first[1], outside(first)});
+    if (kind == std::array<std::size_t, 3>{5, 4, 5})
+        return becomes(pyramid(), {last[0], last[3], last[2], last[1], outside(last)});
+    if (kind != std::array<std::size_t, 3>{6, 2, 5}) return false;
+    std::vector<int> nodes = {first[0], first[2], first[1]};
+    for (int k = 0; k < 3; ++k)  // on a quadrilateral beside it, and not on the triangle
+        for (const std::vector<int>& face : {faces[2], faces[3], faces[4]}) {
+            const auto at = std::find(face.begin(), face.end(), nodes[k]) - face.begin();
+            for (const auto next : {(at + 1) % 4, (at + 3) % 4})
+                if (at < 4 && static_cast<int>(nodes.size()) == 3 + k &&
+                    std::find(first.begin(), first.end(), face[next]) == first.end())
+                    nodes.push_back(face[next]);
+        }
+    return becomes(prism(), nodes);
+}
+
+}  // namespace
+
+void simplify_cells(RawMesh& mesh) {
+    std::size_t simplified = 0;
+    const RawElement* left = nullptr;
+    std::string first;
+    for (RawElement& element : mesh.elements) {
+        if (repeated_vertex(mesh, element) < 0) continue;
+        if (simplified == 0) first = concat(element.cell().name, " ", element.id);
+        if (simplify(element, &mesh.element_nodes[element.first])) ++simplified;
+        else if (!left) left = &element;
+    }
+    if (left)
+        throw InputError(mesh.path, left->line ? concat(":", left->line) : "", ": ", left->cell().name, " ", left->id,
+                         " has node ", mesh.nodes[repeated_vertex(mesh, *left)].id,
+                         " at two of its vertices, and is no ",
+                         left->dim == 2 ? "triangle" : "linear prism, pyramid or tetrahedron",
+                         ": write it as what it is");
+    if (simplified > 0)
+        mesh.notes.push_back(concat(counted(simplified, "cell"), " with a node at two vertices read as the one with "
+                                    "fewer vertices that it is, the first is ", first));
 }
 
 }  // namespace almesh

@@ -34,8 +34,8 @@ std::span<const SerendipityCell> serendipity_cells();
 // of all cells there, that of a complete cell where there is one. Adds a note.
 void complete_serendipity(RawMesh& mesh);
 
-// Throws InputError where a node is at two vertices of a cell that is no simplex: in some programs a hexahedron of such
-// vertices stands for a prism.
-void check_vertices(const RawMesh& mesh);
+// In some programs a hexahedron with a node at two of its vertices stands for a prism: makes linear cells of that kind
+// the triangles, tetrahedra, pyramids and prisms that they are, with a note. Throws InputError for others.
+void simplify_cells(RawMesh& mesh);
 
 }  // namespace almesh

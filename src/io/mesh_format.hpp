@@ -46,7 +46,7 @@ inline RawMesh parse_mesh(std::string_view text, const std::string& path) {
     const MeshFormat& format = find_format(mesh_formats, text, path);
     if (!format.may_be_binary) check_is_text(text, path);
     RawMesh mesh = format.parse(text, path);
-    check_vertices(mesh);
+    simplify_cells(mesh);
     return mesh;
 }
 

@@ -31,7 +31,7 @@ void select(MeshBuild& build, const std::vector<int>& repeated) {
     const RawMesh& raw = build.raw;
     int dim = 0;
     for (const RawElement& element : raw.elements) dim = std::max(dim, element.dim);
-    if (dim < 2) build.refuse("the mesh has no triangles, quadrilaterals or tetrahedra");
+    if (dim < 2) build.refuse("the mesh has no elements of dimension 2 or 3");
     const RawElement* first = nullptr;
     for (int i = 0; i < static_cast<int>(raw.elements.size()); ++i) {
         const RawElement& element = raw.elements[i];
@@ -88,7 +88,7 @@ void check_flat(MeshBuild& build) {
     if (high->x[2] - low->x[2] > 1e-12 * size)
         build.refuse("the elements form a surface in space, z goes from ", low->x[2], " (node ", low->id, ") to ",
                      high->x[2], " (node ", high->id,
-                     "): a 2D mesh lies in a plane z = constant; a 3D mesh has tetrahedra "
+                     "): a 2D mesh lies in a plane z = constant; a 3D mesh has elements of dimension 3 "
                      "(Gmsh writes them only if their volume is in a physical group, or if there are no groups)");
     build.mesh.file.z = low->x[2];
 }

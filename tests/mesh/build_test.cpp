@@ -153,7 +153,7 @@ TEST_CASE("stretched elements pass, flat ones do not") {
 TEST_CASE("what makes no mesh of one degree is refused") {
     RawMesh raw = square();
     raw.elements.resize(4);
-    check_refused(raw, "square.msh: the mesh has no triangles, quadrilaterals or tetrahedra");
+    check_refused(raw, "square.msh: the mesh has no elements of dimension 2 or 3");
     raw = SampleMesh(2, 2, 1).raw;
     append_element(raw, 1, 1, {0, 1});
     check_refused(raw, "sample.msh:1006: element 7 has degree 1, element 1 (line 1000) has degree 2");
