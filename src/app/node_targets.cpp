@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <set>
 #include <unordered_map>
 
 #include "base/error.hpp"
@@ -133,9 +134,18 @@ void read_places_of_mesh(const Mesh& mesh, int boundary, const RawMesh& other, s
     refuse_missing(mesh, boundary, other.path, known, nodes);
 }
 
-using VertexIds = std::vector<long long>;  // ascending
+using VertexIds = std::vector<long long>;
 
-// The faces of another mesh all of whose vertices are among those of a boundary: vertices -> nodes in Gmsh's order.
+// A face by the ids of its vertices, in any order around it: ascending, of a quadrilateral then that across the first.
+VertexIds face_key(const VertexIds& around) {
+    VertexIds key = around;
+    std::sort(key.begin(), key.end());
+    const auto first = std::find(around.begin(), around.end(), key[0]) - around.begin();
+    if (around.size() == 4) key.push_back(around[(first + 2) % 4]);
+    return key;
+}
+
+// The faces of another mesh all of whose vertices are among those of a boundary: their keys -> nodes in Gmsh's order.
 std::map<VertexIds, std::vector<int>> faces_of(const RawMesh& other, int dim, int degree,
                                                const std::unordered_map<long long, int>& of_boundary) {
     std::map<VertexIds, std::vector<int>> faces;
@@ -143,8 +153,7 @@ std::map<VertexIds, std::vector<int>> faces_of(const RawMesh& other, int dim, in
         VertexIds ids;
         for (int k = 0; k < cell.vertices; ++k) ids.push_back(other.nodes[node[local[k]]].id);
         if (!std::all_of(ids.begin(), ids.end(), [&](long long id) { return of_boundary.contains(id); })) return;
-        std::sort(ids.begin(), ids.end());
-        std::vector<int>& nodes = faces[ids];
+        std::vector<int>& nodes = faces[face_key(ids)];
         nodes.clear();
         for (const int k : local) nodes.push_back(node[k]);
     };
@@ -203,12 +212,11 @@ void read_faces_of_mesh(const Mesh& mesh, int boundary, const RawMesh& other, st
         if (mesh.face_boundary[f] != boundary) continue;
         VertexIds ids;
         for (const int node : mesh.face_vertices(f)) ids.push_back(mesh.file.node_id[node]);
-        std::sort(ids.begin(), ids.end());
-        if (const auto found = faces.find(ids); found != faces.end())
+        if (const auto found = faces.find(face_key(ids)); found != faces.end())
             place_face(mesh, f, own[mesh.face_group_number(f)], other, found->second,
                        of_other[mesh.face_group_number(f)], positions);
         else if (missing++ == 0)
-            for (const long long id : ids) first += (first.empty() ? "" : ", ") + std::to_string(id);
+            for (const long long id : std::set<long long>(ids.begin(), ids.end())) first += (first.empty() ? "" : ", ") + std::to_string(id);
     }
     if (missing)
         throw InputError(other.path, ": ", counted(missing, "face"), " of boundary ", mesh.boundaries[boundary],

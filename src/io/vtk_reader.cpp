@@ -24,7 +24,7 @@ struct VtkCell {
 VtkCell cell_of(int type, int nodes) {
     for (const CellType& cell : cell_types())
         for (int degree = 1; degree <= max_degree; ++degree)
-            if (const bool is_lagrange = cell.vtk_types[2] == type;
+            if (const bool is_lagrange = type > 0 && cell.vtk_types[2] == type;
                 (is_lagrange || (degree < 3 && cell.vtk_types[degree - 1] == type)) && cell.node_count(degree) == nodes)
                 return {&cell, degree, is_lagrange};
     for (const SerendipityCell& kind : serendipity_cells())

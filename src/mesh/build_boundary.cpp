@@ -287,7 +287,7 @@ void fill_faces(const BoundaryMatcher& matcher, const Matched& matched, const Ra
     }
 }
 
-// The file's untagged faces by their nodes, ascending.
+// The file's untagged faces by their nodes, ascending, and which vertex is across the lowest one.
 std::map<std::vector<int>, int> untagged_faces(const MeshBuild& build) {
     std::map<std::vector<int>, int> faces;
     for (const int i : build.kept) {
@@ -296,7 +296,9 @@ std::map<std::vector<int>, int> untagged_faces(const MeshBuild& build) {
         std::vector<int> nodes;
         for (int k = 0; k < face.node_count(); ++k)
             nodes.push_back(build.node[build.raw.element_nodes[face.first + k]]);
+        const int opposite = Side(std::span(nodes).first(face.cell().vertices), i).opposite;
         std::sort(nodes.begin(), nodes.end());
+        nodes.push_back(opposite);
         faces.emplace(std::move(nodes), i);
     }
     return faces;
@@ -333,7 +335,9 @@ void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides
         mesh.file.groups.push_back({dim - 1, tag, name});
         note += concat(note.empty() ? "" : ", ", name, " (", counted(of_part.size(), "face"), ")");
         for (const int side : of_part) {
-            const auto found = of_file.find(matcher.nodes_of(side));
+            std::vector<int> key = matcher.nodes_of(side);
+            key.push_back(matcher.side(side).opposite);
+            const auto found = of_file.find(key);
             const RawElement* const own = found == of_file.end() ? nullptr : &build.raw.elements[found->second];
             add_face(matcher, side, boundary, own, mesh, types);
             if (!own) mesh.file.face_id.back() = unused_id.next();

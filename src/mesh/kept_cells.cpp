@@ -20,7 +20,7 @@ bool Subcells::has(int e, const int* vertex, const CellType& cell) const {
     const bool has_vertices = std::all_of(vertex, end, [&](const int& node) {
         return local(e, node) < mesh_.cell(e).vertices && std::find(&node + 1, end, node) == end;
     });
-    if (!has_vertices || mesh_.cell(e).is_simplex()) return has_vertices;
+    if (!has_vertices || (mesh_.cell(e).is_simplex() && cell.is_simplex())) return has_vertices;
     if (cell.dim == mesh_.dim - 1) return side_number(mesh_, e, {vertex, end}) >= 0;
     const std::span<const CellEdge> edges = mesh_.cell(e).edges;
     return cell.dim == 1 && std::any_of(edges.begin(), edges.end(), [&](const CellEdge& edge) {

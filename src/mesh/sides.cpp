@@ -11,15 +11,10 @@ SideNodes::SideNodes(int dim, int degree) {
 }
 
 int side_number(const Mesh& mesh, int e, std::span<const int> vertices) {
-    const CellType& cell = mesh.cell(e);
-    const int* const node = mesh.element(e);
-    for (int k = 0; k < static_cast<int>(cell.faces.size()); ++k) {
-        const int count = cell.face_type(k).vertices;
-        if (count == static_cast<int>(vertices.size()) &&
-            std::all_of(cell.faces[k].begin(), cell.faces[k].begin() + count, [&](int v) {
-                return std::find(vertices.begin(), vertices.end(), node[v]) != vertices.end();
-            }))
-            return k;
+    const Side wanted(vertices, 0);
+    for (int k = 0; k < static_cast<int>(mesh.cell(e).faces.size()); ++k) {
+        const Side side = side_of_element(mesh, e, k, 0);
+        if (side.vertex == wanted.vertex && side.opposite == wanted.opposite) return k;
     }
     return -1;
 }

@@ -92,7 +92,8 @@ void for_equal_sides(std::vector<Side>& sides, const Body& body) {
     }
 }
 
-// Local number of the side of element e that has the given vertices, -1: none.
+// Local number of the side of element e that has the given vertices, in this order around it or the other way round,
+// from any of them on; -1: none.
 int side_number(const Mesh& mesh, int e, std::span<const int> vertices);
 
 }  // namespace almesh

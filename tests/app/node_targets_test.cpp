@@ -12,6 +12,7 @@
 #include "geometry/face_patches.hpp"
 #include "support/high_order.hpp"
 #include "support/ring_deck.hpp"
+#include "support/solids.hpp"
 
 using namespace almesh;
 using namespace almesh::test;
@@ -148,6 +149,19 @@ TEST_CASE("faces of any order of their vertices, in space; of a lower degree; an
     CAPTURE(missing.error);
     CHECK(missing.code == 2);
     CHECK(has(missing.error, "of boundary bottom missing, the first with the vertices 1, "));
+}
+
+TEST_CASE("a quadrilateral that goes around the same vertices in another order is another face") {
+    const TemporaryFolder folder;
+    Mesh mesh = raise_degree(solid_mesh(1, "h"), 3);
+    folder.write("cube.msh", msh_of(mesh));
+    std::swap(mesh.file.node_id[mesh.element(0)[0]], mesh.file.node_id[mesh.element(0)[1]]);
+    folder.write("other.msh", msh_of(mesh));
+    const Outcome outcome = almesh_with({folder.write("a.deck", "mesh = cube.msh\noutput = " + folder.path("out") +
+                                                                    "\nboundary all = mesh other.msh\n")});
+    CAPTURE(outcome.error);
+    CHECK(outcome.code == 2);
+    CHECK(has(outcome.error, "1 face of boundary bottom missing"));
 }
 
 TEST_CASE("places, displacements and another run's mesh lead where the motion itself leads") {

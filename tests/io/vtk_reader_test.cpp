@@ -60,6 +60,12 @@ TEST_CASE("Lagrange cells are read in every degree") {
         }
 }
 
+TEST_CASE("VTK's empty cell is no pyramid, of which VTK has no Lagrange cells") {
+    CHECK_THROWS_WITH_AS(parse_vtk("# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n"
+                                   "0 0 0 1 0 0 1 1 0 0 1 0 0 0 1\nCELLS 1 6\n5 0 1 2 3 4\nCELL_TYPES 1\n0\n", "a.vtk"),
+                         Contains("cell 0 of type 0 with 5 nodes"), InputError);
+}
+
 TEST_CASE("other VTK files are refused with a sentence") {
     std::vector<std::string> notes;
     const std::string good = text_of(build_mesh(SampleMesh(2, 1, 1).raw, notes), VtkFormat::ascii);

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "base/error.hpp"
@@ -150,6 +151,35 @@ TEST_CASE("quadrilateral faces inside the mesh are kept, written as the file has
     CHECK(mesh.kept[4].count() == 0);
     CHECK(std::count(mesh.inner.begin(), mesh.inner.end(), 1) == 1);
     CHECK(mesh.face_count() == 11);
+}
+
+TEST_CASE("quadrilaterals around whose vertices no face of the mesh goes in this order are left out") {
+    std::vector<int> between = {4, 5, 6, 7};
+    do {
+        std::vector<int> outside;
+        for (const int node : between) outside.push_back(node - 4);
+        RawMesh raw = raw_of({{&hexahedron(), {0, 1, 2, 3, 4, 5, 6, 7}}, {&hexahedron(), {4, 5, 6, 7, 8, 9, 10, 11}},
+                              {&quadrilateral(), between}, {&quadrilateral(), outside}});
+        raw.elements.back().physical = 0;
+        const bool is_face = between[0] % 2 == between[2] % 2;  // these are across from each other
+        CAPTURE(between[1]);
+        CAPTURE(between[2]);
+        std::vector<std::string> notes;
+        Mesh mesh = build_mesh(raw, notes);
+        CHECK(mesh.kept[4].count() == (is_face ? 1 : 0));
+        CHECK(std::count(mesh.file.face_id.begin(), mesh.file.face_id.end(), 4) == (is_face ? 1 : 0));
+        const Mesh in_file = as_in_file(mesh);
+        for (int f = 0; f < mesh.face_count(); ++f)
+            if (mesh.file.face_id[f] == 4)
+                for (int k = 0; k < 4; ++k) CHECK(in_file.face(f)[k] == outside[k]);
+        CHECK(has(notes.back(), "that are no edge or face of the mesh dropped") == !is_face);
+    } while (std::next_permutation(between.begin(), between.end()));
+}
+
+TEST_CASE("a quadrilateral on the four vertices of a tetrahedron is no face of it") {
+    RawMesh raw = raw_of({{&simplex(3), {0, 1, 3, 4}}, {&quadrilateral(), {0, 1, 3, 4}}});
+    raw.elements.back().physical = 0;
+    CHECK(built(raw).kept[4].count() == 0);
 }
 
 TEST_CASE("faces that do not match are refused with both elements") {
