@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace almesh {
 
@@ -41,6 +40,7 @@ constexpr double flatness = 0.05;        // deviation of a patch over its size, 
 constexpr int max_depth = 8;             // bisections of a face
 constexpr int max_trials = 200;          // Newton steps and halvings of them
 constexpr double at_bound = 1e-12;       // barycentric coordinates below this are 0
+constexpr double safety = 1e-8;          // of bounds of distances, relative to the farthest Bezier point
 constexpr double regularisation = 1e-8;  // relative, of the diagonal of c_i . c_j, which is singular on flat triangles
 
 }  // namespace
@@ -61,9 +61,11 @@ void ClosestPoint::append_nearly_flat(const Bernstein& basis, const Piece& piece
     append_nearly_flat(basis, half, depth + 1);
 }
 
-ClosestPoint::Expansion ClosestPoint::expand(const Patch& patch, const Vec<3>& x, const Vec<3>& l) const {
+// relative: the patch less x.
+ClosestPoint::Expansion ClosestPoint::expand(const Patch& relative, const Vec<3>& l) const {
     const SecondOrderForm& form = *form_;
     const int corners = form.corners;
+    const bool is_symmetric = form.degree > 1;  // c_kj = c_jk
     Expansion c;
     const int* to = form.place.data();
     for (int a = 0; a < form.basis.count; ++a) {
@@ -71,8 +73,12 @@ ClosestPoint::Expansion ClosestPoint::expand(const Patch& patch, const Vec<3>& x
         for (int k = 0; k < corners; ++k)
             for (int s = 0; s < form.basis.index[a][k]; ++s) B *= l[k];
         for (int k = 0; k < corners; ++k)
-            for (int j = 0; j < corners; ++j) c.second[k][j] = c.second[k][j] + B * (patch[*to++] - x);
+            for (int j = is_symmetric ? k : 0; j < corners; ++j)
+                c.second[k][j] = c.second[k][j] + B * relative[to[k * corners + j]];
+        to += corners * corners;
     }
+    for (int k = 1; is_symmetric && k < corners; ++k)
+        for (int j = 0; j < k; ++j) c.second[k][j] = c.second[j][k];
     for (int k = 0; k < corners; ++k) {
         for (int j = 0; j < corners; ++j) c.first[k] = c.first[k] + l[j] * c.second[k][j];
         c.r = c.r + l[k] * c.first[k];
@@ -119,18 +125,32 @@ Vec<3> ClosestPoint::newton_step(const Expansion& c, const Vec<3>& l, double& de
     return inside * step;
 }
 
-// By descent from the middle of the patch.
-double ClosestPoint::descend(const Patch& patch, const Vec<3>& x, Vec<3>& l) const {
-    l = {};
+// By descent from the middle of the patch; given up where the patch is seen to be farther from x than the nearest point
+// so far: all its Bezier points are in the direction r.
+ClosestPoint::Nearest ClosestPoint::descend(const Patch& patch, const Vec<3>& x, const Nearest& so_far) const {
+    Patch relative = patch;
+    double farthest = 0;
+    for (Vec<3>& b : relative) {
+        b = b - x;
+        farthest = std::max(farthest, dot(b, b));
+    }
+    const double beyond = std::sqrt(so_far.squared) + safety * std::sqrt(farthest);
+    const auto is_beyond = [&](const Vec<3>& r) {
+        const double bound = beyond * std::sqrt(dot(r, r));
+        return std::all_of(relative.begin(), relative.end(), [&](const Vec<3>& b) { return dot(b, r) > bound; });
+    };
+    if (is_beyond(so_far.r)) return {};
+    Vec<3> l{};
     std::fill_n(l.begin(), form_->corners, 1.0 / form_->corners);
-    Expansion c = expand(patch, x, l);
+    Expansion c = expand(relative, l);
     double decrease;
     Vec<3> step = newton_step(c, l, decrease);
     for (int trial = 0; trial < max_trials; ++trial) {
+        if (is_beyond(c.r)) return {};
         if (!(decrease > std::numeric_limits<double>::epsilon() * dot(c.r, c.r))) break;  // the rest is rounding
         Vec<3> next = l + step;
         for (double& l_k : next) l_k = l_k < at_bound ? 0 : l_k;
-        const Expansion at_next = expand(patch, x, next);
+        const Expansion at_next = expand(relative, next);
         if (dot(at_next.r, at_next.r) < dot(c.r, c.r)) {
             l = next;
             c = at_next;
@@ -140,7 +160,7 @@ double ClosestPoint::descend(const Patch& patch, const Vec<3>& x, Vec<3>& l) con
             decrease *= 0.5;
         }
     }
-    return dot(c.r, c.r);
+    return {dot(c.r, c.r), l, c.r};
 }
 
 ClosestPoint::ClosestPoint(const PatchBasis& basis, const std::vector<Patch>& patches)
@@ -156,8 +176,12 @@ ClosestPoint::ClosestPoint(const PatchBasis& basis, const std::vector<Patch>& pa
 ClosestPoint::~ClosestPoint() = default;
 
 double ClosestPoint::squared_distance(const Vec<3>& x) const {
-    Vec<3> l;
-    return tree_->nearest_squared(x, [&](int k) { return descend(pieces_[k].patch, x, l); });
+    Nearest nearest;
+    return tree_->nearest_squared(x, [&](int k) {
+        const Nearest here = descend(pieces_[k].patch, x, nearest);
+        if (here.squared < nearest.squared) nearest = here;
+        return here.squared;
+    });
 }
 
 ClosestPoint::Place ClosestPoint::find(const Vec<3>& x) const {
@@ -166,18 +190,17 @@ ClosestPoint::Place ClosestPoint::find(const Vec<3>& x) const {
 
 ClosestPoint::Place ClosestPoint::find(const Vec<3>& x, const std::function<bool(int patch)>& chosen) const {
     Place place{-1, {}, {}};
-    double least = std::numeric_limits<double>::infinity();
+    Nearest nearest;
     tree_->nearest_squared(x, [&](int k) {
-        Vec<3> l;
         const Piece& piece = pieces_[k];
-        if (!chosen(piece.whole)) return std::numeric_limits<double>::infinity();
-        const double squared = descend(piece.patch, x, l);
-        if (squared < least) {
-            least = squared;
-            place = {piece.whole, {}, x + expand(piece.patch, x, l).r};
-            for (int c = 0; c < form_->corners; ++c) place.at = place.at + l[c] * piece.corner[c];
+        if (!chosen(piece.whole)) return nearest.squared;
+        const Nearest here = descend(piece.patch, x, nearest);
+        if (here.squared < nearest.squared) {
+            nearest = here;
+            place = {piece.whole, {}, x + here.r};
+            for (int c = 0; c < form_->corners; ++c) place.at = place.at + here.l[c] * piece.corner[c];
         }
-        return squared;
+        return nearest.squared;
     });
     return place;
 }

@@ -6,6 +6,7 @@
 #pragma once
 #include <array>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -39,6 +40,10 @@ private:
         int whole;                     // the patch that it is a piece of,
         std::array<Vec<3>, 3> corner;  // and where its corners are there
     };
+    struct Nearest {
+        double squared = std::numeric_limits<double>::infinity();
+        Vec<3> l{}, r{};  // barycentric coordinates in the piece, and from x to the point there
+    };
     struct SecondOrderForm;
     struct Expansion;
 
@@ -47,9 +52,9 @@ private:
     std::optional<BoxTree> tree_;
 
     void append_nearly_flat(const Bernstein& basis, const Piece& piece, int depth);
-    Expansion expand(const Patch& patch, const Vec<3>& x, const Vec<3>& l) const;
+    Expansion expand(const Patch& relative, const Vec<3>& l) const;
     Vec<3> newton_step(const Expansion& c, const Vec<3>& l, double& decrease) const;
-    double descend(const Patch& patch, const Vec<3>& x, Vec<3>& l) const;
+    Nearest descend(const Patch& patch, const Vec<3>& x, const Nearest& so_far) const;
 };
 
 }  // namespace almesh

@@ -12,23 +12,36 @@
 namespace almesh {
 namespace {
 
-// P_m(t) = t (t-1) ... (t-m+1) / m! and its derivative.
-double silvester(int m, double t) {
-    double value = 1;
-    for (int j = 0; j < m; ++j) value *= (t - j) / (j + 1);
-    return value;
-}
+// P_m(t) = t (t-1) ... (t-m+1) / m! of all m up to the degree, and the derivatives: sums over the factor left out.
+struct Silvester {
+    double value[2 * max_degree + 1], derivative[2 * max_degree + 1];
 
-double silvester_derivative(int m, double t) {
-    double sum = 0;
-    for (int skip = 0; skip < m; ++skip) {
-        double product = 1.0 / (skip + 1);
-        for (int j = 0; j < m; ++j)
-            if (j != skip) product *= (t - j) / (j + 1);
-        sum += product;
+    void evaluate(int degree, double t) {
+        double factor[2 * max_degree];
+        value[0] = 1;
+        for (int j = 0; j < degree; ++j) {
+            factor[j] = (t - j) / (j + 1);
+            value[j + 1] = value[j] * factor[j];
+        }
+        std::fill_n(derivative, degree + 1, 0.0);
+        for (int out = 0; out < degree; ++out) {
+            double product = 1.0 / (out + 1);
+            for (int j = 0; j < out; ++j) product *= factor[j];
+            derivative[out + 1] += product;
+            for (int j = out + 1; j < degree; ++j) derivative[j + 1] += product *= factor[j];
+        }
     }
-    return sum;
-}
+};
+
+// Of each of the coordinates l.
+struct SilvesterTable {
+    Silvester of[6];
+    int entries;
+
+    SilvesterTable(const LagrangeBasis& basis, const std::array<double, 6>& l) : entries(basis.cell.entries()) {
+        for (int k = 0; k < entries; ++k) of[k].evaluate(basis.degree, basis.degree * l[k]);
+    }
+};
 
 // B_i of degree m at t, and its derivative; zero for i < 0 and i > m.
 double bernstein(int m, int i, double t) {
@@ -126,10 +139,10 @@ void LagrangeBasis::values(const double* xi, double* N) const {
             for (int i = 0; i < count; ++i) N[i] += to_bernstein_[offset(k, count, i)] * B[k];
         return;
     }
-    const std::array<double, 6> l = coordinates(xi);
+    const SilvesterTable P(*this, coordinates(xi));
     for (int i = 0; i < count; ++i) {
         N[i] = 1;
-        for (int k = 0; k < entries(); ++k) N[i] *= silvester(nodes[i][k], degree * l[k]);
+        for (int k = 0; k < P.entries; ++k) N[i] *= P.of[k].value[nodes[i][k]];
     }
 }
 
@@ -143,13 +156,13 @@ void LagrangeBasis::gradients(const double* xi, double* dN) const {
         }
         return;
     }
-    const std::array<double, 6> l = coordinates(xi);
+    const SilvesterTable P(*this, coordinates(xi));
     for (int i = 0; i < count; ++i) {
         double dl[6];  // derivatives by the coordinates l, taken as independent
-        for (int k = 0; k < entries(); ++k) {
-            dl[k] = degree * silvester_derivative(nodes[i][k], degree * l[k]);
-            for (int m = 0; m < entries(); ++m)
-                if (m != k) dl[k] *= silvester(nodes[i][m], degree * l[m]);
+        for (int k = 0; k < P.entries; ++k) {
+            dl[k] = degree * P.of[k].derivative[nodes[i][k]];
+            for (int m = 0; m < P.entries; ++m)
+                if (m != k) dl[k] *= P.of[m].value[nodes[i][m]];
         }
         double* to = &dN[i * dim];
         for (int f = 0, at = 0; f < 3 && cell.factors[f] > 0; at += cell.factors[f++] + 1)

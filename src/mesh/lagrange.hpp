@@ -29,7 +29,7 @@ struct LagrangeBasis {
     std::vector<double> vertex_weights(int node) const;
 
     // xi: dim coordinates. N: count values. dN: count x dim derivatives with respect to xi, reduced ones of a pyramid.
-    // Cost: O(count p) and O(count p^2), of a pyramid O(count^2).
+    // Cost: O(count), of a pyramid O(count^2).
     void values(const double* xi, double* N) const;
     void gradients(const double* xi, double* dN) const;
 
