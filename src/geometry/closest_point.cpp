@@ -40,7 +40,8 @@ constexpr double flatness = 0.05;        // deviation of a patch over its size, 
 constexpr int max_depth = 8;             // bisections of a face
 constexpr int max_trials = 200;          // Newton steps and halvings of them
 constexpr double at_bound = 1e-12;       // barycentric coordinates below this are 0
-constexpr double safety = 1e-8;          // of bounds of distances, relative to the farthest Bezier point
+constexpr double margin = 1e-8;          // of bounds of distances, relative,
+constexpr double least_margin = 1e-12;   // and absolute, of the size of all patches
 constexpr double regularisation = 1e-8;  // relative, of the diagonal of c_i . c_j, which is singular on flat triangles
 
 }  // namespace
@@ -125,28 +126,28 @@ Vec<3> ClosestPoint::newton_step(const Expansion& c, const Vec<3>& l, double& de
     return inside * step;
 }
 
-// By descent from the middle of the patch; given up where the patch is seen to be farther from x than the nearest point
-// so far: all its Bezier points are in the direction r.
+// Whether the patch is seen to be farther from x than `distance`, by more than rounding: all its Bezier points are, in
+// the direction d.
+bool ClosestPoint::is_farther(const Patch& patch, const Vec<3>& x, double distance, const Vec<3>& d) const {
+    const double bound = ((1 + margin) * distance + margin_) * length(d);
+    return std::all_of(patch.begin(), patch.end(), [&](const Vec<3>& b) { return dot(b - x, d) > bound; });
+}
+
+// By descent from the middle of the patch; given up where it is seen to be farther than the nearest point so far.
 ClosestPoint::Nearest ClosestPoint::descend(const Patch& patch, const Vec<3>& x, const Nearest& so_far) const {
+    const double least = std::sqrt(so_far.squared);
+    Vec<3> to_corners{};
+    for (int k = 0; k < form_->corners; ++k) to_corners = to_corners + (patch[k] - x);
+    if (is_farther(patch, x, least, so_far.r) || is_farther(patch, x, least, to_corners)) return {};
     Patch relative = patch;
-    double farthest = 0;
-    for (Vec<3>& b : relative) {
-        b = b - x;
-        farthest = std::max(farthest, dot(b, b));
-    }
-    const double beyond = std::sqrt(so_far.squared) + safety * std::sqrt(farthest);
-    const auto is_beyond = [&](const Vec<3>& r) {
-        const double bound = beyond * std::sqrt(dot(r, r));
-        return std::all_of(relative.begin(), relative.end(), [&](const Vec<3>& b) { return dot(b, r) > bound; });
-    };
-    if (is_beyond(so_far.r)) return {};
+    for (Vec<3>& b : relative) b = b - x;
     Vec<3> l{};
     std::fill_n(l.begin(), form_->corners, 1.0 / form_->corners);
     Expansion c = expand(relative, l);
     double decrease;
     Vec<3> step = newton_step(c, l, decrease);
     for (int trial = 0; trial < max_trials; ++trial) {
-        if (is_beyond(c.r)) return {};
+        if (is_farther(patch, x, least, c.r)) return {};
         if (!(decrease > std::numeric_limits<double>::epsilon() * dot(c.r, c.r))) break;  // the rest is rounding
         Vec<3> next = l + step;
         for (double& l_k : next) l_k = l_k < at_bound ? 0 : l_k;
@@ -170,6 +171,9 @@ ClosestPoint::ClosestPoint(const PatchBasis& basis, const std::vector<Patch>& pa
         append_nearly_flat(basis.bernstein, {patches[f], static_cast<int>(f), corner}, 0);
     std::vector<Box> boxes;
     for (const Piece& piece : pieces_) boxes.push_back(box_of(piece.patch));
+    Box whole = boxes[0];
+    for (const Box& box : boxes) whole.include(box);
+    margin_ = least_margin * length(whole.high - whole.low);
     tree_.emplace(std::move(boxes));
 }
 

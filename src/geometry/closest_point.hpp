@@ -49,11 +49,13 @@ private:
 
     std::unique_ptr<const SecondOrderForm> form_;
     std::vector<Piece> pieces_;
+    double margin_;
     std::optional<BoxTree> tree_;
 
     void append_nearly_flat(const Bernstein& basis, const Piece& piece, int depth);
     Expansion expand(const Patch& relative, const Vec<3>& l) const;
     Vec<3> newton_step(const Expansion& c, const Vec<3>& l, double& decrease) const;
+    bool is_farther(const Patch& patch, const Vec<3>& x, double distance, const Vec<3>& d) const;
     Nearest descend(const Patch& patch, const Vec<3>& x, const Nearest& so_far) const;
 };
 
