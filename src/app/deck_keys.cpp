@@ -209,7 +209,7 @@ const std::vector<DeckKey>& deck_keys() {
         {"gmres_max_iterations", number<&Deck::linear, &Linear::max_iterations>({1, 100000}),
          "Largest number of iterations of cg or gmres for one system."},
         {"quadrature", number<&Deck::distortion, &Distortion::exactness>({0, 40}),
-         "The quadrature is exact for polynomials up to this degree, of quadrilaterals in each coordinate; 0: chosen "
+         "The quadrature is exact for polynomials up to this degree, of cells but simplices in each factor; 0: chosen "
          "by the degree of the elements. Linear triangles and tetrahedra ignore the key."},
         {"certificate_bisections", number<&Deck::certificate, &CertificateParams::max_bisections>({0, 1000000}),
          "Largest number of bisections of one element to prove it valid."},

@@ -178,20 +178,14 @@ void place_face(const Mesh& mesh, int f, const LagrangeBasis& own, const RawMesh
         while (other.nodes[other_face[vertex[k]]].id != mesh.file.node_id[mesh.face(f)[k]]) ++vertex[k];
     std::vector<double> N(of_other.count);
     for (int i = 0; i < own.count; ++i) {
-        const std::array<int, 4> weight = vertex_weights(own.cell, own.nodes[i]);
-        const int sum = own.cell.is_simplex() ? own.degree : own.degree * own.degree;
+        const std::vector<double> weight = own.vertex_weights(i);
         std::array<double, 3> xi{};
-        MultiIndex index{};
-        for (int k = 0; k < own.cell.vertices; ++k) {
-            for (int a = 0; a < own.dim; ++a)
-                xi[a] += static_cast<double>(weight[k]) / sum * of_other.point(vertex[k])[a];
-            for (std::size_t e = 0; e < index.size(); ++e) index[e] += weight[k] * of_other.nodes[vertex[k]][e];
-        }
-        for (int& entry : index) entry /= sum;
+        for (int k = 0; k < own.cell.vertices; ++k)
+            for (int a = 0; a < own.dim; ++a) xi[a] += weight[k] / own.degree * of_other.point(vertex[k])[a];
         of_other.values(xi.data(), N.data());
         if (own.degree == of_other.degree) {  // one of its nodes, to the last bit
             std::fill(N.begin(), N.end(), 0.0);
-            N[of_other.find(index)] = 1;
+            N[of_other.find(of_other.mean(vertex_weights(own.cell, own.nodes[i]), vertex.data()))] = 1;
         }
         double* const x = point(positions, mesh.face(f)[i], mesh.dim);
         std::fill_n(x, mesh.dim, 0.0);
@@ -216,7 +210,8 @@ void read_faces_of_mesh(const Mesh& mesh, int boundary, const RawMesh& other, st
             place_face(mesh, f, own[mesh.face_group_number(f)], other, found->second,
                        of_other[mesh.face_group_number(f)], positions);
         else if (missing++ == 0)
-            for (const long long id : std::set<long long>(ids.begin(), ids.end())) first += (first.empty() ? "" : ", ") + std::to_string(id);
+            for (const long long id : std::set<long long>(ids.begin(), ids.end()))
+                first += (first.empty() ? "" : ", ") + std::to_string(id);
     }
     if (missing)
         throw InputError(other.path, ": ", counted(missing, "face"), " of boundary ", mesh.boundaries[boundary],

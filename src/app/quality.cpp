@@ -31,7 +31,8 @@ ExitCode quality(const Deck& deck, std::FILE* out) {
 
     const QualityStatistics shape = mesh_quality(mesh, mesh.x);
     std::fprintf(out, "\nshape quality 1/eta against the regular %s: min %.4g, mean %.4g; edges %.4g to %.4g\n%s",
-                 mesh.is_simplicial() ? "simplex" : "cell", shape.min, shape.mean, shape.min_edge, shape.max_edge, histogram_text(shape).c_str());
+                 mesh.is_simplicial() ? "simplex" : "cell", shape.min, shape.mean, shape.min_edge, shape.max_edge,
+                 histogram_text(shape).c_str());
     std::fprintf(out, "\nworst elements (id, centre, quality):\n");
     for (const WorstElement& worst : shape.worst) print_element(out, mesh, worst.element, worst.centre, worst.quality);
 

@@ -70,7 +70,7 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"degree", "polynomial degree of the elements"}, count, [](R r) { return text(r.mesh.degree); }},
     {{"nodes", "nodes of the mesh, after refinement and degree raising"}, count,
      [](R r) { return text(r.mesh.nodes()); }},
-    {{"elements", "triangles and quadrilaterals, or tetrahedra"}, count,
+    {{"elements", "elements, of all types"}, count,
      [](R r) { return text(r.mesh.element_count()); }},
     {{"al_iterations", "augmented Lagrangian iterations; 1 with a method that sets the boundary"}, count,
      [](R r) { return text(static_cast<long long>(r.al.iterations.size()) - 1); }},

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "geometry/element_jacobian.hpp"

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "base/files.hpp"
-#include "base/index.hpp"
 #include "base/text.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/split.hpp"

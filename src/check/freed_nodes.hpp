@@ -30,9 +30,9 @@ struct TargetFaults {
 };
 
 // ideal: node_count x dim positions. Of elements those whose scaled Jacobian the target makes at most `bound`
-// somewhere: 0 where no valid mesh keeps it, a little more where none of any use does. Other cells than simplices that are as bad
-// in the ideal mesh, or half as bad, are not among them. What the target leaves open, because it slides, is freed or
-// free, is passed over.
+// somewhere: 0 where no valid mesh keeps it, a little more where none of any use does. Other cells than simplices that
+// are as bad in the ideal mesh, or half as bad, are not among them. What the target leaves open, because it slides, is
+// freed or free, is passed over.
 TargetFaults find_faults(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
                          double bound = 0);
 

@@ -1,7 +1,6 @@
 #include "check/overlap.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "base/index.hpp"

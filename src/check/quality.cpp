@@ -30,11 +30,12 @@ std::vector<double> regular_cell(const CellType& cell) {
     if (cell.is_collapsed) return {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5, 0.5, std::sqrt(0.5)};
     std::vector<double> x;
     for (const MultiIndex& corner : cell.corners)
-        for (int f = 0, at = 0; f < 3 && cell.factors[f] > 0; at += cell.factors[f++] + 1)
-            for (int a = 0; a < cell.factors[f]; ++a) {
-                x.push_back(0);
-                for (int k = 0; k < cell.factors[f]; ++k) x.back() += regular_edges[a][k] * corner[at + 1 + k];
-            }
+        for (int a = 0; a < cell.dim; ++a) {
+            const auto [factor, from, to] = cell.coordinate(a);
+            x.push_back(0);
+            for (int k = 0; k < cell.factors[factor]; ++k)
+                x.back() += regular_edges[to - from - 1][k] * corner[from + 1 + k];
+        }
     return x;
 }
 

@@ -17,7 +17,6 @@
 #include <sstream>
 
 #include "base/disjoint_sets.hpp"
-#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "geometry/face_patches.hpp"
@@ -186,7 +185,9 @@ bool have_corners_apart(std::span<const Patch> patches, int m) {
 constexpr char not_told[] = "";
 
 void Check::check_faces() {
-    parallel_for(mesh.face_count(), [&](int f) { bad[f] = open[f] ? not_told : fault_of_face(patches_of(after, f)); }, face_work);
+    parallel_for(mesh.face_count(), [&](int f) {
+        bad[f] = open[f] ? not_told : fault_of_face(patches_of(after, f));
+    }, face_work);
     for (int f = 0; f < mesh.face_count(); ++f)
         if (bad[f] && !open[f]) {
             add_fault(f, bad[f]);
@@ -226,9 +227,9 @@ void Check::check_closed_parts() {
 
 constexpr char crossed_before[] = "";
 
-// Of patches of two faces that come close in the target and are not bad themselves; null for none, crossed_before where they cross
-// in the initial mesh already. In 3D, neighbours are not tested for crossing: they touch along a curve, which no
-// bisection decides.
+// Of patches of two faces that come close in the target and are not bad themselves; null for none, crossed_before where
+// they cross in the initial mesh already. In 3D, neighbours are not tested for crossing: they touch along a curve, which
+// no bisection decides.
 const char* Check::fault_of_pair(int f, int g) const {
     const Bernstein& bernstein = basis.bernstein;
     const SharedCorners shared = shared_corners(faces, f, g);
@@ -369,7 +370,8 @@ void Check::check_nesting() {
     parallel_for_uneven(2 * count, [&](int task) {
         const std::vector<Patch>& patches = task % 2 == 0 ? before : after;
         std::vector<Vec<3>> points;
-        for (const Probe& probe : probes[task / 2]) points.push_back(corner(task % 2 == 0 ? mesh.x : target, probe.face, probe.corner));
+        for (const Probe& probe : probes[task / 2])
+            points.push_back(corner(task % 2 == 0 ? mesh.x : target, probe.face, probe.corner));
         turns[task] = windings(patches, task / 2, points);
     }, face_work * mesh.face_count());
     std::set<std::pair<int, int>> moved;

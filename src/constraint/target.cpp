@@ -7,7 +7,6 @@
 
 #include "base/error.hpp"
 #include "base/index.hpp"
-#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "geometry/patch.hpp"

@@ -6,7 +6,7 @@
 
 namespace almesh {
 
-// One row per node: the linear basis, of quadrilaterals the bilinear one, at its place in an element that has it, in
+// One row per node: the basis of degree 1 at its place in an element that has it, in
 // the columns of the vertices, which are numbered as their nodes are. No columns for degree 1.
 Interpolation vertex_interpolation(const Mesh& mesh);
 

@@ -10,16 +10,6 @@ Bernstein product_form(const Bernstein& a, const Bernstein& b) {
     return {a.factors, degrees};
 }
 
-// The entries of the multi-index that a reference coordinate goes between.
-struct Coordinate {
-    int factor = 0, from = 0, to;
-};
-Coordinate coordinate(const Bernstein& form, int number) {
-    Coordinate at{0, 0, number + 1};
-    for (; at.to - at.from > form.factors[at.factor]; ++at.to) at.from += form.entries(at.factor++);
-    return at;
-}
-
 Bernstein tangent_form(const CellType& cell, const Bernstein& position, int factor) {
     std::array<int, 3> degrees = position.degrees;
     --degrees[factor];
@@ -36,8 +26,8 @@ std::vector<TangentBasis> tangents(const CellType& cell, const Bernstein& positi
 }  // namespace
 
 TangentBasis::TangentBasis(const CellType& cell, const Bernstein& position, int number)
-    : form(tangent_form(cell, position, coordinate(position, number).factor)) {
-    const Coordinate along = coordinate(position, number);
+    : form(tangent_form(cell, position, cell.coordinate(number).factor)) {
+    const Coordinate along = cell.coordinate(number);
     const double p = position.degree;
     for (MultiIndex a : form.index) {
         double factor = p;

@@ -31,7 +31,6 @@
 #pragma once
 #include <algorithm>
 #include <limits>
-#include <type_traits>
 #include <utility>
 #include <vector>
 

@@ -41,7 +41,8 @@ std::vector<std::vector<int>> FacePatches::nodes_of(const std::vector<int>& face
             for (int v = 0; v < mesh.dim; ++v) corner[v] = mesh.face(f)[cut(f).vertices[k][v]];
             for (int v = 0; v < mesh.dim; ++v) nodes.push_back(corner[v]);
             for (int i = mesh.dim; i < cut(f).nodes; ++i) {
-                const auto [at, is_new] = known.try_emplace(key_of(basis.bernstein.index[i], corner, mesh.dim - 1), next);
+                const NodeKey key = key_of(basis.bernstein.index[i], corner, mesh.dim - 1);
+                const auto [at, is_new] = known.try_emplace(key, next);
                 next += is_new;
                 nodes.push_back(at->second);
             }

@@ -1,6 +1,5 @@
 #include "geometry/smooth_parts.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>

@@ -1,5 +1,4 @@
 // The grid of a legacy VTK file: points, cells and their types. What stands behind them, the data, is left out.
-#include <algorithm>
 #include <climits>
 #include <cstdint>
 #include <cstring>

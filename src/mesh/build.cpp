@@ -11,7 +11,6 @@
 #include "base/text.hpp"
 #include "mesh/build_boundary.hpp"
 #include "mesh/build_kept.hpp"
-#include "mesh/lagrange.hpp"
 #include "mesh/winding.hpp"
 
 namespace almesh {
@@ -112,14 +111,21 @@ int orientation(const Mesh& mesh, int e) {
     const int* const vertex = mesh.element(e);
     double size = 0, length = 0;
     for (int v = 0; v < mesh.cell(e).vertices; ++v)
-        for (int a = 0; a < n; ++a) size = std::max(size, std::abs(mesh.x[offset(vertex[v], n, a)]));
-    const Mat<n> A = straight_jacobian<n>(vertex, mesh.x);
-    for (const Vec<n>& row : A)
-        for (double entry : row) length = std::max(length, std::abs(entry));
-    const double volume = mesh.cell(e).is_simplex() ? determinant(A) : almesh::volume(mesh, mesh.x, e);
+        for (int a = 0; a < n; ++a) {
+            const double x = mesh.x[offset(vertex[v], n, a)];
+            size = std::max(size, std::abs(x));
+            length = std::max(length, std::abs(x - mesh.x[offset(vertex[0], n, a)]));
+        }
+    const double volume = almesh::volume(mesh, mesh.x, e) * mesh.cell(e).inverse_volume;
     const double rounding = 8 * std::numeric_limits<double>::epsilon() * (size + length) * std::pow(length, n - 1);
     if (!(std::abs(volume) > rounding)) return 0;
     return volume > 0 ? 1 : -1;
+}
+
+// Of some elements the one that comes first in the file.
+int first_in_file(const MeshBuild& build, const std::vector<int>& elements) {
+    return *std::min_element(elements.begin(), elements.end(),
+                             [&](int e, int f) { return build.elements[e] < build.elements[f]; });
 }
 
 // Elements whose straight-sided form is negatively oriented. Refuses those without volume; with Folds::keep
@@ -140,11 +146,11 @@ std::vector<int> negative_elements(const MeshBuild& build, Folds folds) {
         return std::set<int>(vertex, vertex + count).size() < static_cast<std::size_t>(count);
     };
     if (folds == Folds::keep) std::erase_if(flat, [&](int e) { return !has_vertex_twice(e); });
-    if (!flat.empty())
-        build.refuse(build.element(flat[0]), "with the vertices ",
-                     build.node_ids(mesh.element(flat[0]), mesh.cell(flat[0]).vertices),
-                     " has no volume, the first of ", counted(flat.size(), "such element"));
-    return negative;
+    if (flat.empty()) return negative;
+    const int first = first_in_file(build, flat);
+    build.refuse(build.element(first), "with the vertices ",
+                 build.node_ids(mesh.element(first), mesh.cell(first).vertices), " has no volume, the first of ",
+                 counted(flat.size(), "such element"));
 }
 
 enum class Orientation {
@@ -196,7 +202,7 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
     if (!turned.empty())
         notes.push_back(concat(counted(turned.size(), "element"),
                                " with negative orientation turned, the first is element ",
-                               mesh.file.element_id[turned[0]]));
+                               mesh.file.element_id[first_in_file(build, turned)]));
     fill_kept(build);
     return std::move(build.mesh);
 }

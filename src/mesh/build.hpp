@@ -18,9 +18,9 @@ enum class Folds {
     keep  // oriented as most elements are in the file, so that the others count as inverted
 };
 
-// Points, curves of tetrahedra, faces inside the mesh and those without a tag beside others that have one are kept
+// Points, curves of 3D meshes, faces inside the mesh and those without a tag beside others that have one are kept
 // (Mesh::kept). Repaired, each with a line in `notes`: nodes without elements or points (dropped), negatively oriented
-// elements (two vertices swapped), repeated tagged faces, curves and untagged faces that are not in the mesh (dropped),
+// elements (turned over), repeated tagged faces, curves and untagged faces that are not in the mesh (dropped),
 // a 2D mesh at z != 0. Throws InputError: no elements of dimension 2 or 3, mixed degrees, a surface in
 // space, elements of zero volume, faces of three elements, neighbours that do not share the nodes of their face, and
 // folds unless they are kept. Cost: O(nodes + elements log(elements around a vertex)).

@@ -14,7 +14,6 @@
 #include "base/parallel.hpp"
 #include "linalg/ordering/graph.hpp"
 #include "mesh/hanging_faces.hpp"
-#include "mesh/lagrange.hpp"
 #include "mesh/sides.hpp"
 #include "mesh/unused_ids.hpp"
 #include "mesh/winding.hpp"

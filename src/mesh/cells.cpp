@@ -138,6 +138,12 @@ int CellType::entries() const {
     return sum;
 }
 
+Coordinate CellType::coordinate(int number) const {
+    Coordinate at{0, 0, number + 1};
+    for (; at.to - at.from > factors[at.factor]; ++at.to) at.from += factors[at.factor++] + 1;
+    return at;
+}
+
 const CellType& CellType::child_type(const CellChild& child) const {
     return is_collapsed && child[4] < 0 ? simplex(3) : *this;
 }
@@ -150,6 +156,18 @@ const CellType* cell_of_vtk_type(int type) {
     const auto cell = std::find_if(std::begin(cells), std::end(cells),
                                    [&](const CellType& c) { return c.vtk_types[0] == type; });
     return cell == std::end(cells) ? nullptr : cell;
+}
+
+// A product over the factors; in the layers of a pyramid the base has degree - k in each of two.
+std::array<int, 8> vertex_weights(const CellType& cell, const MultiIndex& a) {
+    std::array<int, 8> weight{};
+    for (int v = 0; v < cell.vertices; ++v) {
+        weight[v] = 1;
+        for (std::size_t k = 0; k < a.size(); ++k)
+            if (cell.corners[v][k]) weight[v] *= a[k];
+    }
+    if (cell.is_collapsed) weight[4] *= std::max(a[0] + a[1], 1);
+    return weight;
 }
 
 std::vector<MultiIndex> lattice_nodes(const CellType& cell, int degree, std::span<const CellEdge> edges,

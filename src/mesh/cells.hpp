@@ -33,6 +33,11 @@ using CellOctahedron = std::array<int, 6>;  // a diagonal (a, b), and the ring o
 // beyond are zero. Of a pyramid (m - i, i, m - j, j, k) with m = degree - k, at a = i / m, b = j / m, c = k / degree.
 using MultiIndex = std::array<int, 6>;
 
+// Where a reference coordinate is among the entries of a multi-index: 1 at `to` and 0 at `from`, the first of its factor.
+struct Coordinate {
+    int factor, from, to;
+};
+
 struct CellType {
     const char *name, *plural;
     int dim, vertices;
@@ -53,6 +58,7 @@ struct CellType {
     bool is_simplex() const { return vertices == dim + 1; }
     int node_count(int degree) const;
     int entries() const;  // of a multi-index
+    Coordinate coordinate(int number) const;
     const CellType& face_type(int k) const;
     const CellType& child_type(const CellChild& child) const;
 };
@@ -68,11 +74,8 @@ std::span<const CellType> cell_types();
 // The cell type with this linear cell type of VTK, or nullptr.
 const CellType* cell_of_vtk_type(int type);
 
-// Of a face or edge: the weights of its vertices whose mean a node is, of sum p, of a quadrilateral p^2.
-inline std::array<int, 4> vertex_weights(const CellType& cell, const MultiIndex& a) {
-    if (cell.is_simplex()) return {a[0], a[1], a[2], a[3]};
-    return {a[0] * a[2], a[1] * a[2], a[1] * a[3], a[0] * a[3]};
-}
+// Of a node: whole numbers in the ratio of the weights of the vertices whose mean it is in the straight-sided cell.
+std::array<int, 8> vertex_weights(const CellType& cell, const MultiIndex& a);
 
 // Nodes of a simplex: binomial(degree + dim, dim). Inline and without a general division: called in inner loops.
 constexpr int simplex_node_count(int dim, int degree) {

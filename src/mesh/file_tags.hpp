@@ -60,7 +60,7 @@ struct LooseNode {
 };
 
 // The cells of one type that a file has besides the elements and the boundary faces of its mesh: points, curves
-// of tetrahedra, faces inside the mesh, faces without a physical group, elements and boundary faces that are given once
+// of 3D meshes, faces inside the mesh, faces without a physical group, elements and boundary faces that are given once
 // more, as those of several groups are in MSH 2.2. They move with the mesh and are written again; the method does not
 // see them.
 struct KeptCells {

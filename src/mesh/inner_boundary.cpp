@@ -7,7 +7,6 @@
 #include <set>
 
 #include "mesh/kept_cells.hpp"
-#include "mesh/lagrange.hpp"
 #include "mesh/raw_mesh.hpp"
 #include "mesh/sides.hpp"
 #include "mesh/winding.hpp"

@@ -2,7 +2,6 @@
 // each face once, and has a motion like an outer one. Of a volume whose nodes all follow a motion it is every side of
 // its elements.
 #pragma once
-#include <algorithm>
 #include <string>
 #include <vector>
 

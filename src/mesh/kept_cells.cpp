@@ -29,18 +29,11 @@ bool Subcells::has(int e, const int* vertex, const CellType& cell) const {
 }
 
 std::vector<int> Subcells::nodes(int e, const int* vertex, const CellType& cell) const {
-    const LagrangeBasis& of_element = of_cell_[mesh_.group_number(e)];
-    std::vector<int> nodes;
-    for (const MultiIndex& b : order_[&cell - cell_types().data()]) {
-        MultiIndex a{};  // the mean of the vertices with these weights
-        const std::array<int, 4> weight = vertex_weights(cell, b);
-        for (int k = 0; k < cell.vertices; ++k)
-            for (std::size_t i = 0; i < a.size(); ++i)
-                a[i] += weight[k] * of_element.nodes[local(e, vertex[k])][i] / mesh_.degree;
-        if (!cell.is_simplex())
-            for (int& entry : a) entry /= mesh_.degree;
-        nodes.push_back(mesh_.element(e)[of_element.find(a)]);
-    }
+    std::array<int, 4> vertices{};
+    for (int k = 0; k < cell.vertices; ++k) vertices[k] = local(e, vertex[k]);
+    std::vector<int> nodes =
+        of_cell_[mesh_.group_number(e)].nodes_of(cell, order_[&cell - cell_types().data()], vertices.data());
+    for (int& node : nodes) node = mesh_.element(e)[node];
     return nodes;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "base/index.hpp"
 #include "linalg/dense_solve.hpp"
@@ -71,12 +72,11 @@ LagrangeBasis::LagrangeBasis(const CellType& cell_, int degree_)
 
 std::array<double, 6> LagrangeBasis::coordinates(const double* xi) const {
     std::array<double, 6> l{};
-    for (int f = 0, at = 0; f < 3 && cell.factors[f] > 0; at += cell.factors[f++] + 1) {
-        l[at] = 1;
-        for (int k = 1; k <= cell.factors[f]; ++k) {
-            l[at + k] = *xi++;
-            l[at] -= l[at + k];
-        }
+    for (int k = 0; k < dim; ++k) {
+        const auto [factor, from, to] = cell.coordinate(k);
+        if (to == from + 1) l[from] = 1;
+        l[to] = xi[k];
+        l[from] -= xi[k];
     }
     return l;
 }
@@ -88,8 +88,7 @@ std::array<double, 3> LagrangeBasis::point(int node) const {
         return {static_cast<double>(a[1]) / m, static_cast<double>(a[3]) / m, static_cast<double>(a[4]) / degree};
     }
     std::array<double, 3> xi{};
-    for (int f = 0, at = 0, next = 0; f < 3 && cell.factors[f] > 0; at += cell.factors[f++] + 1)
-        for (int k = 1; k <= cell.factors[f]; ++k) xi[next++] = static_cast<double>(a[at + k]) / degree;
+    for (int k = 0; k < dim; ++k) xi[k] = static_cast<double>(a[cell.coordinate(k).to]) / degree;
     return xi;
 }
 
@@ -125,9 +124,10 @@ std::vector<double> LagrangeBasis::pyramid_form(const double* xi, int d) const {
 }
 
 std::vector<double> LagrangeBasis::vertex_weights(int node) const {
-    std::vector<double> weight(cell.vertices);
-    LagrangeBasis(cell, 1).values(point(node).data(), weight.data());
-    for (int v = 0; v < cell.vertices; ++v) weight[v] = cell.is_simplex() ? nodes[node][v] : degree * weight[v];
+    const std::array<int, 8> whole = almesh::vertex_weights(cell, nodes[node]);
+    const int sum = std::accumulate(whole.begin(), whole.end(), 0);
+    std::vector<double> weight;
+    for (int v = 0; v < cell.vertices; ++v) weight.push_back(static_cast<double>(degree * whole[v]) / sum);
     return weight;
 }
 
@@ -164,9 +164,10 @@ void LagrangeBasis::gradients(const double* xi, double* dN) const {
             for (int m = 0; m < P.entries; ++m)
                 if (m != k) dl[k] *= P.of[m].value[nodes[i][m]];
         }
-        double* to = &dN[i * dim];
-        for (int f = 0, at = 0; f < 3 && cell.factors[f] > 0; at += cell.factors[f++] + 1)
-            for (int k = 1; k <= cell.factors[f]; ++k) *to++ = dl[at + k] - dl[at];
+        for (int k = 0; k < dim; ++k) {
+            const auto [factor, from, to] = cell.coordinate(k);
+            dN[i * dim + k] = dl[to] - dl[from];
+        }
     }
 }
 
@@ -181,20 +182,24 @@ int LagrangeBasis::permuted_node(int node, const MultiIndex& permutation) const 
     return find(b);
 }
 
-std::vector<int> LagrangeBasis::face_nodes(int k) const {
-    const CellFace& vertex = cell.faces[k];
-    const LagrangeBasis face(cell.face_type(k), degree);
+MultiIndex LagrangeBasis::mean(const std::array<int, 8>& weights, const int* vertices) const {
+    MultiIndex mean{};
+    for (std::size_t v = 0; v < weights.size(); ++v)
+        for (std::size_t k = 0; k < mean.size() && weights[v] > 0; ++k) mean[k] += weights[v] * nodes[vertices[v]][k];
+    const int sum = std::accumulate(weights.begin(), weights.end(), 0);
+    for (int& entry : mean) entry /= sum;
+    return mean;
+}
+
+std::vector<int> LagrangeBasis::nodes_of(const CellType& part, const std::vector<MultiIndex>& order,
+                                         const int* vertices) const {
     std::vector<int> local;
-    for (int i = 0; i < face.count; ++i) {
-        const std::vector<double> weight = face.vertex_weights(i);
-        std::array<double, 6> mean{};  // of the vertices' multi-indices
-        for (int v = 0; v < face.cell.vertices; ++v)
-            for (int e = 0; e < entries(); ++e) mean[e] += weight[v] * nodes[vertex[v]][e] / degree;
-        MultiIndex a;
-        std::transform(mean.begin(), mean.end(), a.begin(), [](double m) { return static_cast<int>(m + 0.5); });
-        local.push_back(find(a));
-    }
+    for (const MultiIndex& a : order) local.push_back(find(mean(almesh::vertex_weights(part, a), vertices)));
     return local;
+}
+
+std::vector<int> LagrangeBasis::face_nodes(int k) const {
+    return nodes_of(cell.face_type(k), gmsh_node_order(cell.face_type(k), degree), cell.faces[k].data());
 }
 
 std::vector<std::vector<int>> LagrangeBasis::face_nodes() const {

@@ -36,6 +36,12 @@ struct LagrangeBasis {
     // Node whose multi-index is that of `node` with its entries permuted: b_k = a_{permutation[k]}.
     int permuted_node(int node, const MultiIndex& permutation) const;
 
+    // The multi-index that is the mean of those of some vertices, with these weights.
+    MultiIndex mean(const std::array<int, 8>& weights, const int* vertices) const;
+
+    // Nodes of the face or edge with these vertices, where it has these multi-indices.
+    std::vector<int> nodes_of(const CellType& part, const std::vector<MultiIndex>& order, const int* vertices) const;
+
     // Nodes on face k, in the Gmsh order of its type, oriented so that the normal of the face
     // points out of a positively oriented element; and those of all faces.
     std::vector<int> face_nodes(int k) const;

@@ -156,11 +156,11 @@ Mesh raise_degree(const Mesh& mesh, int degree);
 // The same with any degree from 1 on: with a lower one a curved mesh changes its shape between the nodes.
 Mesh interpolated(const Mesh& mesh, int degree);
 
-// Splits every element uniformly `times` times (2D: 4 triangles by the edge midpoints; 3D: 8 tetrahedra, the inner
-// octahedron cut along its shortest diagonal). Works on the straight-sided linear mesh; throws InputError for a mesh
-// that is curved, and where the result is beyond the range of int. A mesh of degree p is refined as a linear one and
-// raised to p again. Vertices keep their ids, elements and faces are numbered anew: those that element e is split into
-// lie together, from e * 2^(n times).
+// Splits every element uniformly `times` times into the children of its type (of a tetrahedron the inner octahedron is
+// cut along its shortest diagonal; of a pyramid 6 are pyramids, 4 tetrahedra). Works on the straight-sided linear mesh;
+// throws InputError for a mesh that is curved, and where the result is beyond the range of int. A mesh of degree p is
+// refined as a linear one and raised to p again. Vertices keep their ids, elements and faces are numbered anew: of each
+// type those that an element is split into lie together, in the order of the elements.
 Mesh refine(const Mesh& mesh, int times);
 
 // Prolongation of a field (coarse.nodes() x dim) to a mesh that comes from `coarse` by refine() or raise_degree(),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -38,16 +39,16 @@ inline NodeKey key_of(const MultiIndex& a, const int* vertex, int dim) {
     return key;
 }
 
-// The same in a cell of any type, for each node: its vertices by which it is found and their weights, the barycentric
-// entries on an edge or a triangle, products of two on a quadrilateral. Empty for a node that no other element has.
+// The same in a cell of any type, for each node: its vertices by which it is found and their weights in lowest terms.
+// Empty for a node that no other element has.
 inline std::vector<std::vector<std::pair<int, int>>> shared_weights(const LagrangeBasis& basis) {
     std::vector<std::vector<std::pair<int, int>>> of_nodes(basis.count);
     for (int i = 0; i < basis.count; ++i) {
-        const std::vector<double> weight = basis.vertex_weights(i);
-        const auto others = std::count_if(weight.begin(), weight.end(), [](double w) { return w > 1e-9; });
-        const int unit = others == 4 && !basis.cell.is_simplex() ? basis.degree : 1;
-        for (int v = 0; v < basis.cell.vertices && others <= 4; ++v)
-            if (weight[v] > 1e-9) of_nodes[i].push_back({v, static_cast<int>(unit * weight[v] + 0.5)});
+        const std::array<int, 8> weight = vertex_weights(basis.cell, basis.nodes[i]);
+        const auto zeros = std::count(weight.begin(), weight.end(), 0);
+        const int unit = std::accumulate(weight.begin(), weight.end(), 0, std::gcd<int, int>);
+        for (int v = 0; v < basis.cell.vertices && zeros >= 4; ++v)
+            if (weight[v] > 0) of_nodes[i].push_back({v, weight[v] / unit});
     }
     return of_nodes;
 }

@@ -5,7 +5,6 @@
 #include <functional>
 #include <queue>
 
-#include "mesh/lagrange.hpp"
 #include "mesh/sides.hpp"
 
 namespace almesh {

@@ -11,7 +11,6 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <string>
 #include <unordered_map>
 #include <utility>
 
@@ -53,8 +52,8 @@ bool is_straight(const Mesh& mesh) {
     return difference <= 1e-12 * size;
 }
 
-// Middles of edges, quadrilaterals and hexahedra, appended to x. The edges of a vertex that has the lower number of their two form a linked
-// list: in most meshes a few of them, so that the search is faster than hashing.
+// Middles of edges, quadrilaterals and hexahedra, appended to x. The edges of a vertex that has the lower number of
+// their two form a linked list: in most meshes a few of them, so that the search is faster than hashing.
 class Midpoints {
 public:
     Midpoints(int dim, std::vector<double>& x)
@@ -155,12 +154,11 @@ struct RefinedElements {
     explicit RefinedElements(const std::vector<ElementGroup>& of) {
         std::vector<const CellType*> types;
         for (const CellType& type : cell_types())
-            for (const ElementGroup& group : of)
-                for (int e = group.first; e < group.first + group.count; ++e) {
-                    const int count = children_of(*group.cell, type);
-                    types.insert(types.end(), count, &type);
-                    parent.insert(parent.end(), count, e);
-                }
+            for (const ElementGroup& group : of) {
+                const int count = children_of(*group.cell, type);
+                types.insert(types.end(), offset(group.count, count), &type);
+                for (int e = group.first; e < group.first + group.count; ++e) parent.insert(parent.end(), count, e);
+            }
         groups = groups_of(types, 1);
         if (groups.empty()) groups = {{types[0], 0, static_cast<int>(types.size()), 0}};
     }

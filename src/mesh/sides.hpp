@@ -1,4 +1,4 @@
-// The sides of cells by their vertices: the edges of triangles, the faces of tetrahedra and hexahedra. Two cells are
+// The sides of cells by their vertices: the edges of cells in the plane, the faces of those in space. Two cells are
 // neighbours where they have sides with the same vertices; a side whose vertices no other one has is on the boundary.
 // Cells of both kinds may be the elements of a mesh or its boundary faces, whose sides are edges (3D) or vertices (2D).
 #pragma once

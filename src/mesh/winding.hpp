@@ -13,8 +13,8 @@ namespace almesh {
 // Of a cell here, by `count` <= 4 vertices of it, which are also those in the file.
 std::uint8_t winding(const int* here, const int* in_file, int count);
 
-// Swaps the last two vertices of the given simplices (the second and the last one of quadrilaterals), with all nodes
-// that belong to them.
+// Turns the given elements over, with all their nodes: by the last two vertices of their triangles or tetrahedra, or
+// two lines as their factors, exchanged.
 void reverse(Mesh& mesh, const std::vector<int>& elements);
 
 // Records that these elements were reversed.

@@ -176,6 +176,14 @@ TEST_CASE("quadrilaterals around whose vertices no face of the mesh goes in this
     } while (std::next_permutation(between.begin(), between.end()));
 }
 
+TEST_CASE("the first element that is turned, or has no volume, is the first one in the file") {
+    std::vector<std::string> notes;
+    build_mesh(raw_of({{&hexahedron(), {4, 5, 6, 7, 0, 1, 2, 3}}, {&simplex(3), {8, 9, 11, 4}}}), notes);
+    CHECK(has(notes.back(), "2 elements with negative orientation turned, the first is element 1"));
+    CHECK(has(refusal(raw_of({{&hexahedron(), {0, 1, 2, 3, 0, 1, 2, 3}}, {&simplex(3), {8, 9, 10, 11}}})),
+              "element 1 with the vertices 1, 2, 3, 4, 1, 2, 3, 4 has no volume, the first of 2 such elements"));
+}
+
 TEST_CASE("a quadrilateral on the four vertices of a tetrahedron is no face of it") {
     RawMesh raw = raw_of({{&simplex(3), {0, 1, 3, 4}}, {&quadrilateral(), {0, 1, 3, 4}}});
     raw.elements.back().physical = 0;
