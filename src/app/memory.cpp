@@ -92,9 +92,9 @@ double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear) {
     return program + besides * (of_mesh + vectors + of_energy + hessian + (iterative ? sweeps + coarse : factor));
 }
 
-void check_memory(const Mesh& mesh, const LinearSolverParams& linear, double available) {
+double check_memory(const Mesh& mesh, const LinearSolverParams& linear, double available) {
     const double bytes = predicted_bytes(mesh, linear);
-    if (bytes <= available) return;
+    if (bytes <= available) return bytes;
     std::string fits = "a coarser mesh takes less";
     for (int degree = mesh.degree - 1; degree > 0; --degree) {
         const double lower = predicted_bytes(interpolated(mesh, degree), linear);

@@ -25,6 +25,7 @@ constexpr double corner_work = 200;  // simple operations for the angles of an e
 class VertexEdges {
 public:
     VertexEdges(const CellType& cell, int degree) : cell_(cell), degree_(degree), line_(1, degree), at_(cell.vertices) {
+        for (const int end : {0, 1}) next_[end] = next_to_corner(line_.bernstein, end, 1 - end);
         for (std::size_t k = 0; k < cell.edges.size(); ++k)
             for (const int v : cell.edges[k]) at_[v].push_back(static_cast<int>(k));
     }
@@ -46,12 +47,13 @@ private:
     const CellType& cell_;
     int degree_;
     PatchBasis line_;
+    std::array<int, 2> next_;           // of a line: the Bezier point beside each end
     std::vector<std::vector<int>> at_;  // of each vertex: its edges
 
     Vec<3> tangent_of(const int* node, int edge, int v, const std::vector<double>& x, int n) const {
         const std::array<int, 2>& ends = cell_.edges[edge];
         const int end = ends[1] == v;
-        return line_.point<Vec<3>>(next_to_corner(line_.bernstein, end, 1 - end), [&](int i) {
+        return line_.point<Vec<3>>(next_[end], [&](int i) {
             const int local = i < 2 ? ends[i] : cell_.vertices + edge * (degree_ - 1) + i - 2;
             Vec<3> from_vertex{};
             for (int a = 0; a < n; ++a) from_vertex[a] = point(x, node[local], n)[a] - point(x, node[v], n)[a];

@@ -114,7 +114,9 @@ struct Check {
         return std::span(patches).subspan(faces.first[f], faces.cut(f).count());
     }
     Vec<3> corner(const std::vector<double>& x, int f, int i) const {
-        return positions(mesh, x, &mesh.face(f)[i], 1)[0];
+        Vec<3> at{};
+        std::copy_n(point(x, mesh.face(f)[i], mesh.dim), mesh.dim, at.begin());
+        return at;
     }
     const char* fault_of_face(std::span<const Patch> patches) const;
     const char* fault_of_pair(int patch, int other) const;
