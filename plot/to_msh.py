@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Writes triangles, quadrilaterals or tetrahedra in Abaqus (.inp), Exodus (.e), Medit (.mesh), VTU or another format of
-meshio as MSH.
+"""Writes meshes, of degree 1 of any cells, in Abaqus (.inp), Exodus (.e), Medit (.mesh), VTU or another format of
+meshio as MSH; triangles, quadrilaterals and tetrahedra also of degree 2 and 3.
 
   plot/to_msh.py IN OUT.msh [NAME ...]     NAME: sets that go before smaller ones; for VTU the array of parts' numbers
 
@@ -15,25 +15,32 @@ from pathlib import Path
 
 KINDS = ["vertex|sphere", "line|[tb][23]|bar|beam|edge|truss|vtk_lagrange_curve",  # of cells of dimension 0 to 3
          "tri|quad|cp[es]|cax|s[3468]|stri|[mr]3d|sfm3d|dc2d|vtk_lagrange_(tri|quad)",
-         "tet|d?c3d(4|10)|vtk_lagrange_tet"]
+         "tet|hex|wedge|prism|pyr|d?c3d(4|5|6|8|10)|vtk_lagrange_tet"]
+TETRAHEDRA = "tet|d?c3d(4|10)|vtk_lagrange_tet"
 MSH_TYPE = {(0, 1): 15, (1, 2): 1, (1, 3): 8, (1, 4): 26, (2, 3): 2, (2, 6): 9, (2, 10): 21,
             (2, 4): 3, (2, 8): 10, (2, 9): 10, (2, 16): 36,
-            (3, 4): 4, (3, 10): 11, (3, 20): 29}  # by dimension and number of nodes
+            (3, 4): 4, (3, 10): 11, (3, 20): 29, (3, 8): 5, (3, 6): 6, (3, 5): 7}  # by dimension and number of nodes
 MSH_ORDER = {(3, 10): [*range(8), 9, 8], (3, 20): [*range(10), 11, 10, 15, 14, 13, 12, 19, 16, 18, 17],
              (2, 16): [*range(8), 9, 8, 11, 10, 12, 13, 15, 14]}  # of VTK's cells
 SIDES = {(2, 3): [[0, 1, 3], [1, 2, 4], [2, 0, 5]],  # as Exodus numbers them; nodes of degree 2 in VTK's order
          (2, 4): [[0, 1, 4], [1, 2, 5], [2, 3, 6], [3, 0, 7]],
-         (3, 4): [[0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6], [0, 2, 1, 6, 5, 4]]}
+         (3, 4): [[0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6], [0, 2, 1, 6, 5, 4]],
+         (3, 8): [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [0, 4, 7, 3], [0, 3, 2, 1], [4, 5, 6, 7]],
+         (3, 6): [[0, 1, 4, 3], [1, 2, 5, 4], [0, 3, 5, 2], [0, 2, 1], [3, 4, 5]],
+         (3, 5): [[0, 1, 4], [1, 2, 4], [2, 3, 4], [0, 4, 3], [0, 3, 2, 1]]}
 SIDES |= {(2, 6): SIDES[2, 3], (2, 9): SIDES[2, 4], (3, 10): SIDES[3, 4]}
-SIDE_NODES = {(2, 3): 2, (2, 6): 3, (2, 4): 2, (2, 9): 3, (3, 4): 3, (3, 10): 6}
+SIDE_NODES = {(2, 3): 2, (2, 6): 3, (2, 4): 2, (2, 9): 3, (3, 4): 3, (3, 10): 6, (3, 8): 4, (3, 6): 4, (3, 5): 4}
+FIRST_SIDE = {4: 3, 10: 3, 8: 4, 6: 3, 5: 4}  # of a solid with so many nodes: what Abaqus begins with
 points, cells = [], []  # a cell: [dimension, nodes in VTK's order, name]
 sets, node_sets, sides = defaultdict(list), defaultdict(list), defaultdict(list)  # by name: cells, nodes, (cell, side)
 
 
 def add(kind, nodes_of_cells, name=None):
     dim = next((d for d, names in enumerate(KINDS) if re.match(names, kind, re.I)), None)
-    if any((dim, len(nodes)) not in MSH_TYPE for nodes in nodes_of_cells):
-        sys.exit(f"cells `{kind}`: save the mesh with triangles, quadrilaterals or tetrahedra of degree 1 to 3 alone")
+    is_linear_solid = dim == 3 and not re.match(TETRAHEDRA, kind, re.I)
+    if any((dim, len(nodes)) not in MSH_TYPE or is_linear_solid and len(nodes) > 8 for nodes in nodes_of_cells):
+        sys.exit(f"cells `{kind}`: save the mesh with cells of degree 1, or triangles, quadrilaterals or tetrahedra of "
+                 "degree 1 to 3, alone")
     for k, nodes in enumerate(nodes_of_cells):
         if (dim, len(nodes)) == (2, 8):  # the centre where the other nodes say that it is
             nodes_of_cells[k] = [*nodes, len(points)]
@@ -68,9 +75,11 @@ def read_abaqus(path):  # meshio gives element sets to wrong elements and leaves
             internal |= {option[keyword]} if "INTERNAL" in option else set()
         elif keyword == "SURFACE":
             for of, *side in rows:
-                number = int(re.sub(r"\D", "", "".join(side)) or 1)  # S1 of a tetrahedron is Exodus's side 4
+                number = int(re.sub(r"\D", "", "".join(side)) or 1) - 1
                 for cell in [elements[of]] if of in elements else sets[of]:
-                    sides[option["NAME"]].append((cell, (number - 2) % 4 if cells[cell][0] == 3 else number - 1))
+                    dim, nodes, _ = cells[cell]
+                    shift = FIRST_SIDE[len(nodes)] if dim == 3 else 0
+                    sides[option["NAME"]].append((cell, (number + shift) % len(SIDES[dim, len(nodes)])))
     for name in [name for name in sets if name in node_sets]:  # Abaqus gives elements and nodes, of a face those at it
         of_cells = {node for cell in sets[name] for node in cells[cell][1]}
         del (node_sets if of_cells == set(node_sets[name]) else sets)[name]
@@ -178,7 +187,7 @@ def main(source, target, *names):
     except ImportError as error:
         sys.exit(f"{error} (Debian: apt-get install python3-meshio, and run with /usr/bin/python3)")
     except Exception as error:
-        sys.exit(f"{source} is not a mesh of triangles, quadrilaterals or tetrahedra that can be read: {error!r}")
+        sys.exit(f"{source} is no mesh that can be read: {error!r}")
     write(target)
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Tests plot/to_msh.py: two triangles, quadrilaterals or tetrahedra, of degree 1 and 2, in each of its formats, must
-come out with the same named parts, the nodes in Gmsh's order and quadrilaterals of 8 nodes with a centre. Exit code 1
+"""Tests plot/to_msh.py: two cells of each type, in each of its formats, simplices and quadrilaterals of degree 1 and 2,
+must come out with the same named parts, the nodes in Gmsh's order and quadrilaterals of 8 nodes with a centre. Exit code 1
 where one does not. Needs Debian's python3-meshio.
 """
 import subprocess
@@ -14,26 +14,41 @@ import numpy as np
 
 PROGRAM = Path(__file__).resolve().parent.parent / "plot" / "to_msh.py"
 TRIANGLE, QUADRILATERAL, TETRAHEDRON = (2, 3), (2, 4), (3, 4)  # dimension and number of corners
+HEXAHEDRON, PRISM, PYRAMID = (3, 8), (3, 6), (3, 5)
 CORNERS = {TRIANGLE: [[0, 1, 2], [1, 3, 2]], QUADRILATERAL: [[0, 1, 3, 2], [1, 4, 5, 3]],
-           TETRAHEDRON: [[0, 1, 2, 3], [1, 4, 2, 3]]}  # of `solid` and `fluid`, which share a side
+           TETRAHEDRON: [[0, 1, 2, 3], [1, 4, 2, 3]],
+           HEXAHEDRON: [[0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 6, 7, 8, 9, 10, 11]],
+           PRISM: [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]], PYRAMID: [[0, 1, 2, 3, 12], [0, 4, 5, 1, 12]]}  # of `solid` and `fluid`, which share a side
 EDGES = {(1, 2): [(0, 1)], TRIANGLE: [(0, 1), (1, 2), (2, 0)], QUADRILATERAL: [(0, 1), (1, 2), (2, 3), (3, 0)],
-         TETRAHEDRON: [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]}  # VTK's order
+         TETRAHEDRON: [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],  # VTK's order
+         HEXAHEDRON: [], PRISM: [], PYRAMID: []}
 GMSH_EDGES = {**EDGES, TETRAHEDRON: [(0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)]}
-ABAQUS_SIDES = {**EDGES, TETRAHEDRON: [(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)]}
-EXODUS_SIDES = {**EDGES, TETRAHEDRON: [(0, 1, 3), (1, 2, 3), (0, 3, 2), (0, 2, 1)]}
+ABAQUS_SIDES = {**EDGES, TETRAHEDRON: [(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)],
+                HEXAHEDRON: [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)],
+                PRISM: [(0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)],
+                PYRAMID: [(0, 1, 2, 3), (0, 4, 1), (1, 4, 2), (2, 4, 3), (3, 4, 0)]}
+EXODUS_SIDES = {**EDGES, TETRAHEDRON: [(0, 1, 3), (1, 2, 3), (0, 3, 2), (0, 2, 1)],
+                HEXAHEDRON: [(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (0, 4, 7, 3), (0, 3, 2, 1), (4, 5, 6, 7)],
+                PRISM: [(0, 1, 4, 3), (1, 2, 5, 4), (0, 3, 5, 2), (0, 2, 1), (3, 4, 5)],
+                PYRAMID: [(0, 1, 4), (1, 2, 4), (2, 3, 4), (0, 4, 3), (0, 3, 2, 1)]}
 ABAQUS_TYPES = {(1, 2): ("T3D2", "T3D3"), TRIANGLE: ("CPE3", "CPS6"), QUADRILATERAL: ("CPE4R", "CPS8"),
-                TETRAHEDRON: ("C3D4", "C3D10")}
-EXODUS_TYPES = {TRIANGLE: "TRI", QUADRILATERAL: "QUAD", TETRAHEDRON: "TETRA"}
+                TETRAHEDRON: ("C3D4", "C3D10"), HEXAHEDRON: ("C3D8R",), PRISM: ("C3D6",), PYRAMID: ("C3D5",)}
+EXODUS_TYPES = {TRIANGLE: "TRI", QUADRILATERAL: "QUAD", TETRAHEDRON: "TETRA",
+                HEXAHEDRON: "HEX8", PRISM: "WEDGE", PYRAMID: "PYRAMID5"}
 MESHIO_TYPES = {(1, 2): ("line", "line3"), TRIANGLE: ("triangle", "triangle6"), QUADRILATERAL: ("quad", "quad8"),
-                TETRAHEDRON: ("tetra", "tetra10")}
+                TETRAHEDRON: ("tetra", "tetra10"), HEXAHEDRON: ("hexahedron",), PRISM: ("wedge",),
+                PYRAMID: ("pyramid",)}
 
 
 class Example:
     def __init__(self, kind, degree):
         self.kind, self.dim, self.degree = kind, kind[0], degree
-        self.side = (self.dim - 1, self.dim)  # the kind of its sides
-        self.points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]] if self.dim == 3 else
-                               [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [2, 0, 0], [2, 1, 0]], float)
+        is_simplex = kind[1] == self.dim + 1
+        self.side = (self.dim - 1, self.dim) if self.dim == 2 or is_simplex else QUADRILATERAL  # the kind of its sides
+        square = [[0, 0], [1, 0], [1, 1], [0, 1]]
+        self.points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [2, 0, 0], [2, 1, 0]] if self.dim == 2 else
+                               [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]] if is_simplex else
+                               [[*xy, z] for z in (0, 1, 2) for xy in square] + [[0.5, 0.5, 0.5]], float)
         self.middle = {}
         self.elements = [self.with_middles(corners, kind) for corners in CORNERS[kind]]
         # A side on the boundary lies in one element. Those of `fluid` are the wall, those of `solid` the inflow.
@@ -54,7 +69,7 @@ class Example:
     def sides(self, name, table):
         """(element, side from 1) of the faces of a boundary."""
         return [(k, s) for k, corners in enumerate(CORNERS[self.kind]) for s, side in enumerate(table[self.kind], 1)
-                if {corners[i] for i in side} in [set(face[:self.dim]) for face in self.faces[name]]]
+                if {corners[i] for i in side} in [set(face[:len(side)]) for face in self.faces[name]]]
 
 
 def abaqus(mesh, path, how):
@@ -111,7 +126,7 @@ def exodus(mesh, path, how):
                 put(f"elem_ss{k}", sides[:, 0] + 1)
                 put(f"side_ss{k}", sides[:, 1])
             else:
-                put(f"node_ns{k}", np.unique(faces) + 1)
+                put(f"node_ns{k}", np.unique(np.concatenate(faces)) + 1)
 
 
 def by_number(mesh, path, how):
@@ -147,7 +162,7 @@ def failure(mesh, write, suffix, how):
             return run.stdout + run.stderr
         parts, points = parts_of(target)
     names = ["inflow", "wall", "solid", "fluid"] if write is not by_number else ["1", "2", "3", "4"]
-    if centred := len(mesh.elements[0]) == 8:
+    if centred := mesh.dim == 2 and len(mesh.elements[0]) == 8:
         mesh.elements = [[*nodes, len(mesh.points) + k] for k, nodes in enumerate(mesh.elements)]
     expected = dict(zip([(mesh.dim - 1 + (k > 1), name) for k, name in enumerate(names)],
                         [*mesh.faces.values(), mesh.elements[:1], mesh.elements[1:]]))
@@ -156,7 +171,8 @@ def failure(mesh, write, suffix, how):
     for (dim, name), cells in parts.items():
         for nodes in cells:
             kind = mesh.kind if dim == mesh.dim else mesh.side
-            middles = [points[[nodes[a], nodes[b]]].mean(axis=0) for a, b in GMSH_EDGES[kind]]
+            edges = GMSH_EDGES[kind] if mesh.degree == 2 else []
+            middles = [points[[nodes[a], nodes[b]]].mean(axis=0) for a, b in edges]
             middles += [points[nodes[:4]].mean(axis=0)] * centred
             if any((points[node] != middle).any() for node, middle in zip(nodes[kind[1]:], middles)):
                 return f"the nodes {nodes} of {name} are not in Gmsh's order"
@@ -168,12 +184,16 @@ def main():
         (abaqus, ".inp", "cells"), (abaqus, ".inp", "surfaces"), (abaqus, ".inp", "nodes"), (exodus, ".e", "sides"),
         (exodus, ".e", "nodes"), (by_number, ".vtu", "cells"), (by_number, ".mesh", "cells"))
         if degree == 1 or how[1] != ".mesh"]
+    cases += [(kind, 1, *how) for kind in (HEXAHEDRON, PRISM, PYRAMID) for how in (
+        (abaqus, ".inp", "surfaces"), (abaqus, ".inp", "nodes"), (exodus, ".e", "sides"), (exodus, ".e", "nodes"))]
+    cases += [(HEXAHEDRON, 1, abaqus, ".inp", "cells"), (HEXAHEDRON, 1, by_number, ".vtu", "cells"),
+              (HEXAHEDRON, 1, by_number, ".mesh", "cells")]
     failures = 0
     for kind, degree, write, suffix, how in cases:
         if message := failure(Example(kind, degree), write, suffix, how):
             failures += 1
             print(f"{suffix}, {how}, {EXODUS_TYPES[kind]}, degree {degree}: {message}", file=sys.stderr)
-    read = f"{len(cases) - failures} of {len(cases)} files of triangles, quadrilaterals and tetrahedra"
+    read = f"{len(cases) - failures} of {len(cases)} files of all types of cells"
     print(f"{read} come out with their parts")
     return 1 if failures else 0
 
