@@ -6,7 +6,8 @@
 namespace almesh {
 
 bool solve_dense(std::vector<double> A, std::vector<double> b, std::vector<double>& s, double smallest) {
-    const int k = static_cast<int>(b.size());
+    const int k = static_cast<int>(std::lround(std::sqrt(static_cast<double>(A.size()))));
+    const int columns = k == 0 ? 0 : static_cast<int>(b.size()) / k;
     double largest = 0;
     for (const double a : A) largest = std::max(largest, std::abs(a));
     for (int i = 0; i < k; ++i) {
@@ -15,19 +16,20 @@ bool solve_dense(std::vector<double> A, std::vector<double> b, std::vector<doubl
             if (std::abs(A[r * k + i]) > std::abs(A[pivot * k + i])) pivot = r;
         if (!(std::abs(A[pivot * k + i]) > smallest * largest)) return false;
         for (int j = 0; j < k; ++j) std::swap(A[i * k + j], A[pivot * k + j]);
-        std::swap(b[i], b[pivot]);
+        for (int c = 0; c < columns; ++c) std::swap(b[i * columns + c], b[pivot * columns + c]);
         for (int r = i + 1; r < k; ++r) {
             const double factor = A[r * k + i] / A[i * k + i];
             for (int j = i; j < k; ++j) A[r * k + j] -= factor * A[i * k + j];
-            b[r] -= factor * b[i];
+            for (int c = 0; c < columns; ++c) b[r * columns + c] -= factor * b[i * columns + c];
         }
     }
-    s.assign(k, 0.0);
-    for (int i = k; i-- > 0;) {
-        double sum = b[i];
-        for (int j = i + 1; j < k; ++j) sum -= A[i * k + j] * s[j];
-        s[i] = sum / A[i * k + i];
-    }
+    s.assign(b.size(), 0.0);
+    for (int i = k; i-- > 0;)
+        for (int c = 0; c < columns; ++c) {
+            double sum = b[i * columns + c];
+            for (int j = i + 1; j < k; ++j) sum -= A[i * k + j] * s[j * columns + c];
+            s[i * columns + c] = sum / A[i * k + i];
+        }
     return true;
 }
 

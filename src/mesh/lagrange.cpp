@@ -93,18 +93,13 @@ std::array<double, 3> LagrangeBasis::point(int node) const {
 }
 
 void LagrangeBasis::invert_pyramid() {
-    std::vector<double> transposed, column;
+    std::vector<double> V, unit(offset(count, count));
     for (int i = 0; i < count; ++i) {
         const std::vector<double> row = pyramid_form(point(i).data(), 0);
-        transposed.insert(transposed.end(), row.begin(), row.end());
+        V.insert(V.end(), row.begin(), row.end());
+        unit[offset(i, count, i)] = 1;
     }
-    to_bernstein_.resize(offset(count, count));
-    for (int i = 0; i < count; ++i) {
-        std::vector<double> unit(count);
-        unit[i] = 1;
-        solve_dense(transposed, unit, column);
-        for (int k = 0; k < count; ++k) to_bernstein_[offset(k, count, i)] = column[k];
-    }
+    solve_dense(std::move(V), std::move(unit), to_bernstein_);
 }
 
 std::vector<double> LagrangeBasis::pyramid_form(const double* xi, int d) const {

@@ -2,7 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 using namespace almesh;
 
@@ -26,4 +28,24 @@ TEST_CASE("diagonalise: A = V D V' with V orthogonal, double and zero eigenvalue
                 CHECK(identity == doctest::Approx(i == j).epsilon(1e-13).scale(1));
             }
     }
+}
+
+TEST_CASE("solve_dense: all columns at once to the bits of each alone, a singular system is told") {
+    constexpr int k = 5, columns = 3;
+    std::vector<double> A, b, s, column(k), alone;
+    for (int i = 0; i < k * k; ++i) A.push_back(std::sin(3.0 * i * i));
+    for (int i = 0; i < k * columns; ++i) b.push_back(std::cos(7.0 * i));
+    REQUIRE(solve_dense(A, b, s));
+    for (int c = 0; c < columns; ++c) {
+        for (int i = 0; i < k; ++i) column[i] = b[i * columns + c];
+        REQUIRE(solve_dense(A, column, alone));
+        for (int i = 0; i < k; ++i) {
+            CHECK(s[i * columns + c] == alone[i]);
+            double sum = 0;
+            for (int j = 0; j < k; ++j) sum += A[i * k + j] * alone[j];
+            CHECK(sum == doctest::Approx(column[i]).epsilon(1e-12));
+        }
+    }
+    std::copy_n(A.begin(), k, A.begin() + k);
+    CHECK_FALSE(solve_dense(A, b, s));
 }
