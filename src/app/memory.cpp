@@ -2,9 +2,11 @@
 // vertex, an edge, a face or a cell: P_0 = 1, and with N nodes on an entity N^2 less those of the entities of its
 // boundary, on a triangle N^2 - 3 P_1 - 3 P_0;
 // blocks of the Hessian = sum over the types of entities of P times their number. Pairs of a node and a vertex: with
-// N times the number of vertices in place of N^2.
+// N times the number of vertices in place of N^2. Refinement multiplies all numbers by 2^dim, or nearly so.
 #include "app/memory.hpp"
 
+#include <algorithm>
+#include <climits>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -29,7 +31,8 @@ double vertex_count(const Mesh& mesh) {
     return count;
 }
 
-// Of a node of the entity with one that it would have with the other degree, and no part of its boundary has both.
+// Of a node of the entity with one that it would have with the other degree, and no part of its boundary has both. With
+// degree 0, one node for each entity: the nodes of the entity that are on no part of its boundary.
 double pairs_inside(const CellType& cell, int degree, int other) {
     double pairs = static_cast<double>(cell.node_count(degree)) * cell.node_count(other);
     if (cell.dim > 0) pairs -= cell.vertices;
@@ -39,24 +42,56 @@ double pairs_inside(const CellType& cell, int degree, int other) {
     return pairs;
 }
 
-// Numbers of edges and faces by Euler's formula, for a domain without holes.
-double coupled_pairs(const Mesh& mesh, int degree) {
-    const double vertices = vertex_count(mesh);
-    std::map<const CellType*, double> sides;  // of elements or, once more, of the boundary: two for each one
-    double sum = vertices, cells = 0, all_sides = 0;
+// How many there are of each type, by Euler's formula for a domain without holes: edges in 3D.
+std::map<const CellType*, double> entities_of(const Mesh& mesh) {
+    std::map<const CellType*, double> count;
     for (const ElementGroup& group : mesh.element_groups()) {
-        cells += group.count;
-        sum += group.count * pairs_inside(*group.cell, mesh.degree, degree);
+        count[group.cell] += group.count;
         for (int k = 0; k < static_cast<int>(group.cell->faces.size()); ++k)
-            sides[&group.cell->face_type(k)] += group.count;
+            count[&group.cell->face_type(k)] += 0.5 * group.count;
     }
-    for (int f = 0; f < mesh.face_count(); ++f) sides[&mesh.face_cell(f)] += mesh.is_inner(f) ? 0 : 1;
-    for (const auto& [type, count] : sides) {
-        sum += count / 2 * pairs_inside(*type, mesh.degree, degree);
-        all_sides += count;
+    for (int f = 0; f < mesh.face_count(); ++f) count[&mesh.face_cell(f)] += mesh.is_inner(f) ? 0 : 0.5;
+    count[&simplex(0)] = vertex_count(mesh);
+    double alternating = 0;
+    for (const auto& [cell, of_cell] : count) alternating += (cell->dim % 2 == 0 ? 1 : -1) * of_cell;
+    if (mesh.dim == 3) count[&simplex(1)] = alternating - 1;
+    return count;
+}
+
+// What a run's arrays are made of.
+struct Counts {
+    int dim, degree;
+    double elements = 0, nodes = 0, places = 0, entries = 0;  // places and entries: nodes and blocks of elements
+    double blocks = 0, blocks_with_vertices = 0;  // pairs of nodes that share an element, of a node and a vertex
+
+    Counts(const Mesh& mesh, int of_degree, double growth) : dim(mesh.dim), degree(of_degree) {
+        for (const auto& [cell, number] : entities_of(mesh)) {
+            const double count = growth * number, m = cell->node_count(degree);
+            nodes += count * pairs_inside(*cell, degree, 0);
+            blocks += count * pairs_inside(*cell, degree, degree);
+            blocks_with_vertices += count * pairs_inside(*cell, degree, 1);
+            if (cell->dim < dim) continue;
+            elements += count;
+            places += count * m;
+            entries += count * m * m;
+        }
     }
-    const double edges = vertices + all_sides / 2 - cells - 1;
-    return mesh.dim == 2 ? sum : sum + edges * pairs_inside(simplex(1), mesh.degree, degree);
+};
+
+double bytes_of(const Counts& of, const LinearSolverParams& linear) {
+    constexpr double number = sizeof(double), single = sizeof(float), index = sizeof(int), program = 8e6;
+    const double d = of.dim, unknowns = d * of.nodes;
+    const double of_mesh = of.places * index + of.nodes * (d * number + 16), vectors = 14 * unknowns * number;
+    const double of_energy = (of.places + of.entries + of.blocks) * index + of.elements * (d * d + 3) * number;
+    const double hessian = of.blocks * (d * d * number + index);
+    const double products = of.blocks < long_rows * of.nodes ? 12 * of.blocks : 0;  // of ILU(0)
+    const double sweeps = 0.5 * of.blocks * (d * d * single + 3 * index) + products;
+    const double coarse = of.degree == 1 ? hessian / 6  // A Z of deflation, or V of the correction of degree 1
+                                         : of.blocks_with_vertices * (d * d * single + index) + 32 * of.nodes;
+    const double factor = of.dim == 2 ? 80 * unknowns * std::log2(unknowns + 2) : 80 * std::pow(unknowns, 4.0 / 3);
+    constexpr double besides = 1.05;  // what was not counted
+    const bool iterative = iterates(static_cast<int>(std::min(unknowns, 1.0 * INT_MAX)), of.dim, linear);
+    return program + besides * (of_mesh + vectors + of_energy + hessian + (iterative ? sweeps + coarse : factor));
 }
 
 std::string rounded(double bytes) {
@@ -67,42 +102,30 @@ std::string rounded(double bytes) {
 
 }  // namespace
 
-double hessian_blocks(const Mesh& mesh) { return coupled_pairs(mesh, mesh.degree); }
+double hessian_blocks(const Mesh& mesh) { return Counts(mesh, mesh.degree, 1).blocks; }
 
 double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear) {
-    constexpr double number = sizeof(double), single = sizeof(float), index = sizeof(int), program = 8e6;
-    const double d = mesh.dim, elements = mesh.element_count(), nodes = mesh.nodes(), blocks = hessian_blocks(mesh),
-                 unknowns = d * nodes;
-    double places = 0, entries = 0;  // nodes and blocks of elements
-    for (const ElementGroup& group : mesh.element_groups()) {
-        const double m = group.cell->node_count(mesh.degree);
-        places += group.count * m;
-        entries += group.count * m * m;
-    }
-    const double of_mesh = places * index + nodes * (d * number + 16), vectors = 14 * unknowns * number;
-    const double of_energy = (places + entries + blocks) * index + elements * (d * d + 3) * number;
-    const double hessian = blocks * (d * d * number + index);
-    const bool iterative = iterates(mesh.dim * mesh.nodes(), mesh.dim, linear);
-    const double products = blocks < long_rows * nodes ? 12 * blocks : 0;  // of ILU(0)
-    const double sweeps = 0.5 * blocks * (d * d * single + 3 * index) + products;
-    const double coarse = mesh.degree == 1 ? hessian / 6  // A Z of deflation, or V of the correction of degree 1
-                                           : coupled_pairs(mesh, 1) * (d * d * single + index) + 32 * nodes;
-    const double factor = mesh.dim == 2 ? 80 * unknowns * std::log2(unknowns + 2) : 80 * std::pow(unknowns, 4.0 / 3);
-    constexpr double besides = 1.05;  // what was not counted
-    return program + besides * (of_mesh + vectors + of_energy + hessian + (iterative ? sweeps + coarse : factor));
+    return bytes_of(Counts(mesh, mesh.degree, 1), linear);
 }
 
-double check_memory(const Mesh& mesh, const LinearSolverParams& linear, double available) {
-    const double bytes = predicted_bytes(mesh, linear);
-    if (bytes <= available) return bytes;
+void check_memory(const Mesh& base, int degree, int refinements, const LinearSolverParams& linear, double available) {
+    const auto bytes = [&](int of_degree, int times) {
+        return bytes_of(Counts(base, of_degree, std::pow(1 << base.dim, times)), linear);
+    };
+    const double needed = bytes(degree, refinements);
+    if (needed <= available) return;
     std::string fits = "a coarser mesh takes less";
-    for (int degree = mesh.degree - 1; degree > 0; --degree) {
-        const double lower = predicted_bytes(interpolated(mesh, degree), linear);
-        if (lower > available) continue;
-        fits = concat("degree = ", degree, " takes about ", rounded(lower), " GB");
-        break;
-    }
-    throw InputError("the run needs about ", rounded(bytes), " GB of memory, and ", rounded(available),
+    for (int times = refinements - 1; times >= 0; --times)
+        if (bytes(degree, times) <= available) {
+            fits = concat("refine = ", times, " takes about ", rounded(bytes(degree, times)), " GB");
+            break;
+        }
+    for (int lower = degree - 1; lower > 0; --lower)
+        if (bytes(lower, refinements) <= available) {
+            fits = concat("degree = ", lower, " takes about ", rounded(bytes(lower, refinements)), " GB");
+            break;
+        }
+    throw InputError("the run needs about ", rounded(needed), " GB of memory, and ", rounded(available),
                      " GB are free here: ", fits);
 }
 

@@ -10,9 +10,9 @@ namespace almesh {
 // of growth. Of a run in which no direct factorisation takes over from conjugate gradients.
 double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear);
 
-// The bytes that are predicted. Throws the InputError of a run that needs more than are available, with a degree that
-// takes less where there is one.
-double check_memory(const Mesh& mesh, const LinearSolverParams& linear, double available);
+// Throws the InputError of a run that needs more than these bytes, before its mesh is made: the base mesh refined so many
+// times, of this degree. It says with which refinement or degree it takes less, where there is one.
+void check_memory(const Mesh& base, int degree, int refinements, const LinearSolverParams& linear, double available);
 
 // Blocks of the Hessian: pairs of nodes that share an element. Exact but for tunnels and cavities of a 3D domain, each
 // of which shifts it by a few blocks.

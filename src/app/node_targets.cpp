@@ -24,7 +24,7 @@ template <class Visit>
 void for_cells(const Mesh& mesh, int boundary, const Visit& visit) {
     const std::vector<LagrangeBasis> of_face = face_bases_of(mesh), of_element = bases_of(mesh);
     for (int f = 0; f < mesh.face_count(); ++f)
-        if (mesh.boundaries[mesh.face_boundary[f]] == mesh.boundaries[boundary]) 
+        if (mesh.boundaries[mesh.face_boundary[f]] == mesh.boundaries[boundary])
             visit(mesh.face(f), of_face[mesh.face_group_number(f)]);
     for (const GroupCells& volume : volume_groups(mesh))
         if (volume_group(volume.name) == mesh.boundaries[boundary])

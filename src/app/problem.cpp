@@ -8,11 +8,13 @@
 #include "app/commands.hpp"
 #include "app/deck_checks.hpp"
 #include "app/folded_target.hpp"
+#include "app/memory.hpp"
 #include "app/node_targets.hpp"
 #include "app/other_surfaces.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
+#include "base/physical_memory.hpp"
 #include "base/text.hpp"
 #include "check/freed_nodes.hpp"
 #include "constraint/sliding_boundary.hpp"
@@ -192,6 +194,7 @@ void discretise(const Deck& deck, Problem& problem) {
     check_split(deck, problem.base);
     check_quadrature(deck, problem.base, std::max(deck.degree, problem.base.degree));
     const int degree = deck.degree ? deck.degree : problem.base.degree;
+    check_memory(problem.base, degree, deck.refine, deck.linear, available_memory());
     problem.motions = motions_of(deck, problem.base);
     NodeTargets targets = read_node_targets(problem.base, problem.motions);
     problem.raised = std::move(targets.raised);

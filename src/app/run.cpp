@@ -16,7 +16,6 @@
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/parallel.hpp"
-#include "base/physical_memory.hpp"
 #include "base/text.hpp"
 #include "check/surface_distance.hpp"
 #include "io/matrix_market.hpp"
@@ -212,9 +211,9 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const TimeLimit limit(deck.max_seconds);
     set_threads(deck.threads);
     Problem problem = make_problem(deck);
-    const double bytes = check_memory(problem.mesh(), deck.linear, available_memory());
     const std::unique_ptr<Checkpoint> checkpoint = make_checkpoint(deck, problem, out);
     const ResultsFolder folder(deck);
+    const double bytes = predicted_bytes(problem.mesh(), deck.linear);
     print_mesh(out, deck, problem, bytes);
     if (checkpoint) print_resumed(out, deck, *checkpoint);
     const double setup_seconds = watch.seconds();

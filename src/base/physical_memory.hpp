@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 
 namespace almesh {
 
@@ -14,27 +16,29 @@ inline double physical_memory() {
     return bytes;
 }
 
-// What other programs leave of it, bytes: on Linux MemAvailable, in kB, elsewhere all of it.
-inline double available_memory() {
+// The number behind this name in a file of /proc, which is in kB; 0: not on Linux.
+inline double bytes_in(const char* path, const char* name) {
     double kilobytes = 0;
-    if (std::FILE* const info = std::fopen("/proc/meminfo", "r")) {
+    if (std::FILE* const file = std::fopen(path, "r")) {
         char line[256];
-        while (std::fgets(line, sizeof line, info) && std::sscanf(line, "MemAvailable: %lf", &kilobytes) != 1) {}
-        std::fclose(info);
+        while (kilobytes == 0 && std::fgets(line, sizeof line, file))
+            if (std::strncmp(line, name, std::strlen(name)) == 0)
+                kilobytes = std::strtod(line + std::strlen(name), nullptr);
+        std::fclose(file);
     }
-    return kilobytes > 0 ? 1024 * kilobytes : physical_memory();
+    return 1024 * kilobytes;
 }
 
-// The most that the program has had in memory at once, bytes. On Linux from VmHWM, in kB: ru_maxrss begins there with
-// what the process had that started the program.
+// What other programs leave of it, bytes: elsewhere than on Linux all of it.
+inline double available_memory() {
+    const double bytes = bytes_in("/proc/meminfo", "MemAvailable:");
+    return bytes > 0 ? bytes : physical_memory();
+}
+
+// The most that the program has had in memory at once, bytes. On Linux from VmHWM: ru_maxrss begins there with what the
+// process had that started the program.
 inline double peak_memory() {
-    double kilobytes = 0;
-    if (std::FILE* const status = std::fopen("/proc/self/status", "r")) {
-        char line[256];
-        while (std::fgets(line, sizeof line, status) && std::sscanf(line, "VmHWM: %lf", &kilobytes) != 1) {}
-        std::fclose(status);
-    }
-    if (kilobytes > 0) return 1024 * kilobytes;
+    if (const double bytes = bytes_in("/proc/self/status", "VmHWM:"); bytes > 0) return bytes;
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
 #ifdef __APPLE__

@@ -27,7 +27,7 @@ double simplex_measure(const Mesh& mesh, const std::vector<double>& ideal, int f
 
 // |dx/da x dx/db| of the bilinear face with the same vertices, at the points of the rule.
 std::vector<double> area_elements(const Mesh& mesh, const std::vector<double>& ideal, int f, const Quadrature& rule) {
-    const LagrangeBasis bilinear(quadrilateral(), 1);
+    static const LagrangeBasis bilinear(quadrilateral(), 1);
     std::vector<double> elements;
     for (int q = 0; q < rule.count; ++q) {
         double dN[8];

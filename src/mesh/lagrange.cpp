@@ -118,6 +118,14 @@ std::vector<double> LagrangeBasis::pyramid_form(const double* xi, int d) const {
     return B;
 }
 
+void LagrangeBasis::pyramid_values(const double* xi, int d, double* to, int stride) const {
+    const std::vector<double> B = pyramid_form(xi, d);
+    for (int i = 0; i < count; ++i) {
+        to[i * stride] = 0;
+        for (int k = 0; k < count; ++k) to[i * stride] += to_bernstein_[offset(k, count, i)] * B[k];
+    }
+}
+
 std::vector<double> LagrangeBasis::vertex_weights(int node) const {
     const std::array<int, 8> whole = almesh::vertex_weights(cell, nodes[node]);
     const int sum = std::accumulate(whole.begin(), whole.end(), 0);
@@ -127,13 +135,7 @@ std::vector<double> LagrangeBasis::vertex_weights(int node) const {
 }
 
 void LagrangeBasis::values(const double* xi, double* N) const {
-    if (cell.is_collapsed) {
-        std::fill_n(N, count, 0.0);
-        const std::vector<double> B = pyramid_form(xi, 0);
-        for (int k = 0; k < count; ++k)
-            for (int i = 0; i < count; ++i) N[i] += to_bernstein_[offset(k, count, i)] * B[k];
-        return;
-    }
+    if (cell.is_collapsed) return pyramid_values(xi, 0, N, 1);
     const SilvesterTable P(*this, coordinates(xi));
     for (int i = 0; i < count; ++i) {
         N[i] = 1;
@@ -142,15 +144,8 @@ void LagrangeBasis::values(const double* xi, double* N) const {
 }
 
 void LagrangeBasis::gradients(const double* xi, double* dN) const {
-    if (cell.is_collapsed) {
-        std::fill_n(dN, 3 * count, 0.0);
-        for (int d = 0; d < 3; ++d) {
-            const std::vector<double> B = pyramid_form(xi, d + 1);
-            for (int k = 0; k < count; ++k)
-                for (int i = 0; i < count; ++i) dN[3 * i + d] += to_bernstein_[offset(k, count, i)] * B[k];
-        }
-        return;
-    }
+    for (int d = 0; d < 3 && cell.is_collapsed; ++d) pyramid_values(xi, d + 1, dN + d, 3);
+    if (cell.is_collapsed) return;
     const SilvesterTable P(*this, coordinates(xi));
     for (int i = 0; i < count; ++i) {
         double dl[6];  // derivatives by the coordinates l, taken as independent

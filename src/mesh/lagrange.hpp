@@ -58,21 +58,18 @@ private:
     void invert_pyramid();
     // d: 0 of B itself, 1 to 3 of its reduced derivative by coordinate d - 1. count values.
     std::vector<double> pyramid_form(const double* xi, int d) const;
+    // The same of N: value i at to[i * stride].
+    void pyramid_values(const double* xi, int d, double* to, int stride) const;
     std::vector<double> to_bernstein_;
 };
 
-// Of the groups of elements.
-inline std::vector<LagrangeBasis> bases_of(const Mesh& mesh) {
+// Of groups of elements or faces.
+inline std::vector<LagrangeBasis> bases_of(const std::vector<ElementGroup>& groups, int degree) {
     std::vector<LagrangeBasis> bases;
-    for (const ElementGroup& group : mesh.element_groups()) bases.emplace_back(*group.cell, mesh.degree);
+    for (const ElementGroup& group : groups) bases.emplace_back(*group.cell, degree);
     return bases;
 }
-
-// Of the groups of faces.
-inline std::vector<LagrangeBasis> face_bases_of(const Mesh& mesh) {
-    std::vector<LagrangeBasis> bases;
-    for (const ElementGroup& group : mesh.face_groups()) bases.emplace_back(*group.cell, mesh.degree);
-    return bases;
-}
+inline std::vector<LagrangeBasis> bases_of(const Mesh& mesh) { return bases_of(mesh.element_groups(), mesh.degree); }
+inline std::vector<LagrangeBasis> face_bases_of(const Mesh& mesh) { return bases_of(mesh.face_groups(), mesh.degree); }
 
 }  // namespace almesh

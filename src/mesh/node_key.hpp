@@ -1,12 +1,14 @@
-// How elements that are made of others find the nodes that they share, and the ids of new nodes.
+// How elements that are made of others find the nodes that they share, how many there may be, and the ids of new nodes.
 #pragma once
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
 
+#include "base/error.hpp"
 #include "base/index.hpp"
 #include "mesh/lagrange.hpp"
 #include "mesh/mesh.hpp"
@@ -59,6 +61,16 @@ inline NodeKey key_of(const std::vector<std::pair<int, int>>& weights, const int
     for (std::size_t k = 0; k < weights.size(); ++k) key[k] = {vertex[weights[k].first], weights[k].second};
     std::sort(key.begin(), key.begin() + weights.size());
     return key;
+}
+
+// Refuses a mesh of this degree with so many times the elements where int cannot number what it would have.
+inline void check_size(const Mesh& mesh, int degree, double times, const char* what) {
+    double entries = 0;
+    for (const ElementGroup& group : mesh.element_groups())
+        entries += times * group.count * group.cell->node_count(degree);
+    if (entries < std::numeric_limits<int>::max()) return;
+    throw InputError(what, ": the mesh would have ", static_cast<long long>(entries),
+                     " element nodes, more than this program can number");
 }
 
 // New nodes get ids that the mesh they come from does not have.

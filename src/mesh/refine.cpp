@@ -1,17 +1,15 @@
-// Raising the degree of a mesh, uniform refinement, and the prolongation of fields to the finer mesh.
+// Uniform refinement, and the prolongation of fields to the finer mesh.
 //
-// New nodes are numbered in the order in which the elements meet them. A node is identified by the vertices of the
-// edge, face or element it lies in and its barycentric coordinates there, a midpoint by the two ends of its edge.
+// New nodes are numbered in the order in which the elements meet them; a midpoint is identified by the two ends of its
+// edge.
 //
 // Prolongation needs for each fine node: a fine element that has it, hence the coarse element around it; its reference
 // coordinates there, rounded to the lattice on which they lie; the coarse basis at them.
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
-#include <unordered_map>
 #include <utility>
 
 #include "base/error.hpp"
@@ -25,22 +23,6 @@
 
 namespace almesh {
 namespace {
-
-// A new degree or number of vertices: where the nodes of each group begin.
-void start_groups(std::vector<ElementGroup>& groups, int degree) {
-    std::size_t start = 0;
-    for (ElementGroup& group : groups) {
-        group.start = start;
-        start += offset(group.count, group.cell->node_count(degree));
-    }
-}
-
-// Refuses what int cannot number.
-void check_size(double entries, const char* what) {
-    if (entries < std::numeric_limits<int>::max()) return;
-    throw InputError(what, ": the mesh would have ", static_cast<long long>(entries),
-                     " element nodes, more than this program can number");
-}
 
 bool is_straight(const Mesh& mesh) {
     const std::vector<double> y = straight_sided(mesh);
@@ -283,12 +265,11 @@ std::vector<int> element_of_nodes(const Mesh& mesh) {
 // 1/steps; where that is no simplex by Newton's method, on a pyramid for a (1 - c), b (1 - c) and c, and not on the
 // lattice, since the children of one whose base is no parallelogram are not its images of their place in it.
 template <int n>
-Vec<n> reference_point(const CellType& cell, const int* vertex, const std::vector<double>& ideal, const double* y,
+Vec<n> reference_point(const LagrangeBasis& linear, const int* vertex, const std::vector<double>& ideal, const double* y,
                        double steps) {
     constexpr int newton_steps = 20;
+    const CellType& cell = linear.cell;
     const double small = cell.is_collapsed ? 1e-13 : 1e-3 / steps;
-    const int vertices = cell.vertices;
-    const LagrangeBasis linear(cell, 1);
     double N[8], dN[8 * n];
     Vec<n> at{}, xi{};
     for (int step = 0; step < (cell.is_simplex() ? 1 : newton_steps); ++step) {
@@ -299,7 +280,7 @@ Vec<n> reference_point(const CellType& cell, const int* vertex, const std::vecto
             linear.values(xi.data(), N);
             linear.gradients(xi.data(), dN);
             A = {};
-            for (int v = 1; v < vertices; ++v)
+            for (int v = 1; v < cell.vertices; ++v)
                 for (int a = 0; a < n; ++a) {
                     const double from_first = point(ideal, vertex[v], n)[a] - point(ideal, vertex[0], n)[a];
                     rest[a] -= N[v] * from_first;
@@ -329,106 +310,12 @@ Vec<n> reference_point(const CellType& cell, const int* vertex, const std::vecto
 
 }  // namespace
 
-Mesh linear_part(const Mesh& mesh) {
-    Mesh linear = mesh;
-    linear.degree = 1;
-    if (mesh.degree > 1) linear.file.sections.clear();
-    linear.x.clear();
-    linear.file.node_id.clear();
-    linear.file.node_entity.clear();
-    std::vector<int> index(mesh.nodes(), -1);
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int v = 0; v < mesh.cell(e).vertices; ++v) index[mesh.element(e)[v]] = 0;
-    int count = 0;
-    for (int i = 0; i < mesh.nodes(); ++i) {
-        if (index[i] < 0) continue;
-        index[i] = count++;
-        linear.file.node_id.push_back(mesh.file.node_id[i]);
-        if (i < static_cast<int>(mesh.file.node_entity.size()))
-            linear.file.node_entity.push_back(mesh.file.node_entity[i]);
-        for (int a = 0; a < mesh.dim; ++a) linear.x.push_back(mesh.x[offset(i, mesh.dim, a)]);
-    }
-    linear.elements.clear();
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int v = 0; v < mesh.cell(e).vertices; ++v) linear.elements.push_back(index[mesh.element(e)[v]]);
-    start_groups(linear.groups, 1);
-    start_groups(linear.groups_of_faces, 1);
-    linear.faces.clear();
-    for (int f = 0; f < mesh.face_count(); ++f)
-        for (const int node : mesh.face_vertices(f)) linear.faces.push_back(index[node]);
-    restrict_kept_cells(mesh, index, linear);
-    return linear;
-}
-
-Mesh raise_degree(const Mesh& mesh, int degree) {
-    if (degree < mesh.degree)
-        throw InputError("cannot lower the degree of the mesh from ", mesh.degree, " to ", degree);
-    return interpolated(mesh, degree);
-}
-
-Mesh interpolated(const Mesh& mesh, int degree) {
-    if (degree == mesh.degree) return mesh;
-    const int dim = mesh.dim;
-    double entries = 0;
-    for (const ElementGroup& group : mesh.element_groups())
-        entries += static_cast<double>(group.count) * group.cell->node_count(degree);
-    check_size(entries, "degree");
-    const Mesh linear = linear_part(mesh);
-    Mesh raised = linear;
-    if (degree > mesh.degree) raised.file.sections = mesh.file.sections;
-    raised.degree = degree;
-    raised.elements.clear();
-    std::unordered_map<NodeKey, int, NodeKeyHash> node_of;
-    for (const ElementGroup& group : mesh.element_groups()) {
-        const CellType& cell = *group.cell;
-        const LagrangeBasis coarse(cell, mesh.degree), fine(cell, degree);
-        const auto weights = shared_weights(fine);
-        std::vector<double> N(offset(fine.count, coarse.count));  // coarse basis at the fine nodes
-        for (int i = 0; i < fine.count; ++i) coarse.values(fine.point(i).data(), &N[offset(i, coarse.count)]);
-        for (int e = group.first; e < group.first + group.count; ++e) {
-            const int* vertex = linear.element(e);  // in the new numbering
-            for (int i = 0; i < fine.count; ++i) {
-                if (i < cell.vertices) {
-                    raised.elements.push_back(vertex[i]);
-                    continue;
-                }
-                const int next = raised.nodes();
-                const int node =
-                    weights[i].empty() ? next : node_of.try_emplace(key_of(weights[i], vertex), next).first->second;
-                raised.elements.push_back(node);
-                if (node < next) continue;
-                for (int a = 0; a < dim; ++a) {
-                    double position = 0;
-                    for (int j = 0; j < coarse.count; ++j)
-                        position += N[offset(i, coarse.count, j)] * mesh.x[offset(mesh.element(e)[j], dim, a)];
-                    raised.x.push_back(position);
-                }
-            }
-        }
-    }
-    start_groups(raised.groups, degree);
-    start_groups(raised.groups_of_faces, degree);
-    raised.faces.clear();
-    const SideNodes side_nodes(dim, degree);
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        const int e = mesh.face_element[f];
-        for (int k : side_nodes.of(mesh.cell(e), side_number(mesh, e, mesh.face_vertices(f))))
-            raised.faces.push_back(raised.element(e)[k]);
-    }
-    raise_kept_cells(raised);
-    append_node_ids(mesh, raised);
-    return raised;
-}
-
 Mesh refine(const Mesh& mesh, int times) {
     if (times == 0) return mesh;
     if (!is_straight(mesh))
         throw InputError("refine: the mesh is curved; only straight-sided meshes are refined (drop `refine` or give "
                          "the linear mesh)");
-    double entries = 0;
-    for (const ElementGroup& group : mesh.element_groups())
-        entries += static_cast<double>(group.count) * group.cell->node_count(mesh.degree);
-    check_size(entries * std::pow(1 << mesh.dim, times), "refine");
+    check_size(mesh, mesh.degree, std::pow(1 << mesh.dim, times), "refine");
     Mesh fine = linear_part(mesh);
     for (int k = 0; k < times; ++k) fine = refine_once(fine);
     return raise_degree(fine, mesh.degree);
@@ -436,7 +323,7 @@ Mesh refine(const Mesh& mesh, int times) {
 
 std::vector<double> prolong(const Mesh& coarse, const std::vector<double>& coarse_ideal, const Mesh& fine,
                             const std::vector<double>& fine_ideal, const std::vector<double>& field) {
-    const std::vector<LagrangeBasis> bases = bases_of(coarse);
+    const std::vector<LagrangeBasis> bases = bases_of(coarse), linear = bases_of(coarse.element_groups(), 1);
     const std::vector<int> element = element_of_nodes(fine);
     std::vector<int> parent(coarse.element_count());  // element of `coarse` that each one of `fine` is in
     std::iota(parent.begin(), parent.end(), 0);
@@ -453,9 +340,10 @@ std::vector<double> prolong(const Mesh& coarse, const std::vector<double>& coars
         parallel_for(fine.nodes(), [&](int i) {
             const int e = parent[element[i]];
             const int* const node = coarse.element(e);
-            const LagrangeBasis& basis = bases[coarse.group_number(e)];
+            const int group = coarse.group_number(e);
+            const LagrangeBasis& basis = bases[group];
             const std::size_t at = offset(i, n);
-            const Vec<n> xi = reference_point<n>(basis.cell, node, coarse_ideal, &fine_ideal[at], steps);
+            const Vec<n> xi = reference_point<n>(linear[group], node, coarse_ideal, &fine_ideal[at], steps);
             double N[most_element_nodes];
             basis.values(xi.data(), N);
             for (int j = 0; j < basis.count; ++j)

@@ -36,14 +36,26 @@ TEST_CASE("more is predicted for finer meshes and higher degrees, and for the fa
     CHECK(predicted_bytes(cube, {}) == predicted_bytes(cube, cholesky));  // small: so decides `automatic`
 }
 
-TEST_CASE("a run that needs more memory than there is is refused with a degree that fits") {
-    const Mesh mesh = raise_degree(solid_mesh(2, "hh"), 3);
-    const double bytes = predicted_bytes(mesh, {}), of_degree_2 = predicted_bytes(interpolated(mesh, 2), {});
-    REQUIRE(of_degree_2 < bytes);
-    CHECK_NOTHROW(check_memory(mesh, {}, bytes));
-    CHECK_THROWS_WITH_AS(check_memory(mesh, {}, 0.5 * (bytes + of_degree_2)), doctest::Contains("degree = 2 takes"),
-                         InputError);
-    CHECK_THROWS_WITH_AS(check_memory(mesh, {}, 1), doctest::Contains("a coarser mesh takes less"), InputError);
+TEST_CASE("a run that needs more memory than there is is refused before its mesh is made, with what fits") {
+    LinearSolverParams cg;
+    cg.kind = SolverKind::cg;
+    for (const Mesh& base : {solid_mesh(2, "hh"), solid_mesh(2, "hdpuh"), cube_mesh(2), mixed_mesh(8)}) {
+        const double bytes = predicted_bytes(raise_degree(refine(base, 1), 3), cg);
+        CHECK_NOTHROW(check_memory(base, 3, 1, cg, 1.25 * bytes));
+        CHECK_THROWS_WITH_AS(check_memory(base, 3, 1, cg, 0.85 * bytes), doctest::Contains("degree = 2 takes"),
+                             InputError);
+        CHECK_THROWS_WITH_AS(check_memory(base, 1, 8, cg, 1e8), doctest::Contains("refine = "), InputError);
+        CHECK_THROWS_WITH_AS(check_memory(base, 3, 1, cg, 1), doctest::Contains("a coarser mesh takes less"),
+                             InputError);
+    }
+}
+
+TEST_CASE("a run whose refined mesh would not fit into memory ends at once") {
+    const RingDeck ring;
+    const Outcome run = ring.run({"refine=8", "degree=7"});
+    CHECK(run.code == 2);
+    CHECK(has(run.error, "GB of memory, and "));
+    CHECK(has(run.error, " GB are free here: "));
 }
 
 TEST_CASE("the summary has the prediction beside what was taken") {
