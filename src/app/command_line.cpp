@@ -18,7 +18,7 @@ namespace almesh {
 namespace {
 
 constexpr const char* help =
-    "almesh moves and curves meshes of any cells, triangles to pyramids, without inverting an element.\n"
+    "almesh moves and curves meshes without inverting an element: triangles, quadrilaterals, solids of all types.\n"
     "\n"
     "  almesh DECK [key=value ...]   run a deck; keys given here replace those of the deck\n"
     "  almesh info FILE              describe a mesh file in a deck to start from: almesh info FILE > my.deck\n"

@@ -120,6 +120,21 @@ Mesh round_block(int around, bool of_prisms) {
     return built(raw);
 }
 
+// both(scale, shift): a mesh of the unit square or cube, and once more, scaled and moved.
+template <class Both>
+void check_lying_over(const Both& both) {
+    const auto certified = [&](double scale, double dx, double dy, double dz) {
+        const Mesh mesh = both(scale, {dx, dy, dz});
+        return certify_injective(mesh, mesh.x, certify(mesh, mesh.x)).certified;
+    };
+    CHECK(!certified(1, 0.5, 0, 0));        // their boundaries lie on each other, but do not cross
+    CHECK(!certified(0.5, 0.2, 0.2, 0.2));  // inside
+    CHECK(!certified(1, 0, 0, 0));          // the same twice
+    CHECK(certified(1, 3, 0, 0));
+    CHECK(certified(1, 1, 0, 0));  // in contact
+    CHECK(!certified(1, 0.999, 0, 0));
+}
+
 // A block of solids, and once more, scaled and moved.
 Mesh two_blocks(const std::string& layers, double scale, const Vec<3>& shift) {
     const RawMesh block = solid_block(1, layers);
@@ -210,16 +225,9 @@ TEST_CASE("parts that are not connected and lie over each other are not certifie
         for (const Mesh& linear : {square_mesh(2), cube_mesh(2)}) {
             CAPTURE(degree);
             CAPTURE(linear.dim);
-            const auto certified = [&](double scale, double dx, double dy, double dz) {
-                const Mesh both = raise_degree(two_parts(linear, scale, {dx, dy, dz}), degree);
-                return certify_injective(both, both.x, certify(both, both.x)).certified;
-            };
-            CHECK(!certified(1, 0.5, 0, 0));         // their boundaries lie on each other, but do not cross
-            CHECK(!certified(0.5, 0.2, 0.2, 0.2));   // inside
-            CHECK(!certified(1, 0, 0, 0));           // the same twice
-            CHECK(certified(1, 3, 0, 0));
-            CHECK(certified(1, 1, 0, 0));  // in contact
-            CHECK(!certified(1, 0.999, 0, 0));
+            check_lying_over([&](double scale, const Vec<3>& shift) {
+                return raise_degree(two_parts(linear, scale, shift), degree);
+            });
         }
 }
 
@@ -293,15 +301,8 @@ TEST_CASE("blocks of other cells that lie over each other are not certified, oth
         for (const int degree : {1, 2}) {
             CAPTURE(layers);
             CAPTURE(degree);
-            const auto certified = [&](double scale, double dx, double dy, double dz) {
-                const Mesh both = raise_degree(two_blocks(layers, scale, {dx, dy, dz}), degree);
-                return certify_injective(both, both.x, certify(both, both.x)).certified;
-            };
-            CHECK(!certified(1, 0.5, 0, 0));        // their boundaries lie on each other, but do not cross
-            CHECK(!certified(0.5, 0.2, 0.2, 0.2));  // inside
-            CHECK(!certified(1, 0, 0, 0));          // the same twice
-            CHECK(certified(1, 3, 0, 0));
-            CHECK(certified(1, 1, 0, 0));  // in contact
-            CHECK(!certified(1, 0.999, 0, 0));
+            check_lying_over([&](double scale, const Vec<3>& shift) {
+                return raise_degree(two_blocks(layers, scale, shift), degree);
+            });
         }
 }

@@ -14,8 +14,6 @@ using namespace almesh::test;
 
 namespace {
 
-constexpr Assembly assemblies[] = {Assembly::simd, Assembly::plain};
-
 struct Case {
     Mesh mesh;
     std::vector<double> ideal;  // curved

@@ -15,22 +15,12 @@ using namespace almesh::test;
 
 namespace {
 
-constexpr Assembly assemblies[] = {Assembly::simd, Assembly::plain};
-constexpr Objective objectives[] = {Objective::squared, Objective::deviation, Objective::size_shape,
-                                    Objective::minimax};
-
 std::vector<Mesh> meshes() {
     std::vector<Mesh> meshes;
     for (int degree = 1; degree <= 4; ++degree)
         for (const Mesh& linear : {quad_mesh(3, 0.2), mixed_mesh(4, 0.2)})
             meshes.push_back(raise_degree(linear, degree));
     return meshes;
-}
-
-DistortionParams with(Objective objective, Assembly assembly = Assembly::simd, double alpha = 0.5) {
-    DistortionParams params{.objective = objective, .weight_exponent = alpha, .assembly = assembly};
-    if (objective == Objective::minimax) params.power = {.p = 6, .M = 0.8, .kappa = 0.1};
-    return params;
 }
 
 std::vector<double> on_part(const std::vector<double>& x, const std::vector<int>& node) {

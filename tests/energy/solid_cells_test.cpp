@@ -14,10 +14,6 @@ using namespace almesh::test;
 
 namespace {
 
-constexpr Assembly assemblies[] = {Assembly::simd, Assembly::plain};
-constexpr Objective objectives[] = {Objective::squared, Objective::deviation, Objective::size_shape,
-                                    Objective::minimax};
-
 // One element of each type, of degree 1 to 4, and some meshes of degree 1 and 2.
 std::vector<Mesh> meshes() {
     std::vector<Mesh> meshes;
@@ -26,12 +22,6 @@ std::vector<Mesh> meshes() {
     for (const char* const layers : {"h", "p", "d"}) meshes.push_back(raise_degree(solid_mesh(1, layers), 3));
     meshes.push_back(raise_degree(solid_mesh(1, "p"), 4));
     return meshes;
-}
-
-DistortionParams with(Objective objective, Assembly assembly = Assembly::simd) {
-    DistortionParams params{.objective = objective, .assembly = assembly};
-    if (objective == Objective::minimax) params.power = {.p = 6, .M = 0.8, .kappa = 0.1};
-    return params;
 }
 
 }  // namespace

@@ -9,6 +9,16 @@
 
 namespace almesh::test {
 
+inline constexpr Assembly assemblies[] = {Assembly::simd, Assembly::plain};
+inline constexpr Objective objectives[] = {Objective::squared, Objective::deviation, Objective::size_shape,
+                                    Objective::minimax};
+
+inline DistortionParams with(Objective objective, Assembly assembly = Assembly::simd, double alpha = 0.5) {
+    DistortionParams params{.objective = objective, .weight_exponent = alpha, .assembly = assembly};
+    if (objective == Objective::minimax) params.power = {.p = 6, .M = 0.8, .kappa = 0.1};
+    return params;
+}
+
 // 2x in the first direction, then turned: eta = 5/4 in 2D.
 inline std::vector<double> stretched(std::vector<double> x, int dim = 2) {
     for (std::size_t i = 0; i < x.size(); i += dim) {
