@@ -15,6 +15,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "mesh/cells.hpp"
+#include "mesh/node_key.hpp"
 
 namespace almesh {
 namespace {
@@ -109,6 +110,7 @@ double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear) {
 }
 
 void check_memory(const Mesh& base, int degree, int refinements, const LinearSolverParams& linear, double available) {
+    check_size(base, degree, std::pow(1 << base.dim, refinements), refinements > 0 ? "refine" : "degree");
     const auto bytes = [&](int of_degree, int times) {
         return bytes_of(Counts(base, of_degree, std::pow(1 << base.dim, times)), linear);
     };

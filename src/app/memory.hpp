@@ -10,8 +10,9 @@ namespace almesh {
 // of growth. Of a run in which no direct factorisation takes over from conjugate gradients.
 double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear);
 
-// Throws the InputError of a run that needs more than these bytes, before its mesh is made: the base mesh refined so many
-// times, of this degree. It says with which refinement or degree it takes less, where there is one.
+// Throws the InputError of a run that needs more than these bytes, or numbers more nodes than int can, before its mesh is
+// made: the base mesh refined so many times, of this degree. It says with which refinement or degree it takes less
+// memory, where there is one.
 void check_memory(const Mesh& base, int degree, int refinements, const LinearSolverParams& linear, double available);
 
 // Blocks of the Hessian: pairs of nodes that share an element. Exact but for tunnels and cavities of a 3D domain, each
