@@ -44,7 +44,7 @@ TEST_CASE("a run that needs more memory than there is is refused before its mesh
         CHECK_NOTHROW(check_memory(base, 3, 1, cg, 1.25 * bytes));
         CHECK_THROWS_WITH_AS(check_memory(base, 3, 1, cg, 0.85 * bytes), doctest::Contains("degree = 2 takes"),
                              InputError);
-        CHECK_THROWS_WITH_AS(check_memory(base, 1, 8, cg, 1e8), doctest::Contains("refine = "), InputError);
+        CHECK_THROWS_WITH_AS(check_memory(base, 1, 7, cg, 1e8), doctest::Contains("refine = "), InputError);
         CHECK_THROWS_WITH_AS(check_memory(base, 3, 1, cg, 1), doctest::Contains("a coarser mesh takes less"),
                              InputError);
     }
@@ -52,7 +52,7 @@ TEST_CASE("a run that needs more memory than there is is refused before its mesh
 
 TEST_CASE("a run whose refined mesh would not fit into memory ends at once") {
     const RingDeck ring;
-    const Outcome run = ring.run({"refine=8", "degree=7"});
+    const Outcome run = ring.run({"refine=7", "degree=7"});
     CHECK(run.code == 2);
     CHECK(has(run.error, "GB of memory, and "));
     CHECK(has(run.error, " GB are free here: "));
