@@ -82,6 +82,8 @@ def outcome(mesh, settings):
     text = f"eta {float(values['max_distortion']):.3g}; " if code == 0 else f"{values['status']}, exit code {code}; "
     if int(values["straight_faces"]):
         text += f"{values['straight_faces']} faces flat; "
+    if float(values["boundary_distance"]):
+        text += f"faces off by {100 * float(values['relative_boundary_distance']):.2g} % of an edge; "
     return code, text + f"{float(values['time_run']):.2g} s"
 
 

@@ -23,6 +23,7 @@ constexpr const char* help =
     "  almesh DECK [key=value ...]   run a deck; keys given here replace those of the deck\n"
     "  almesh info FILE              describe a mesh file in a deck to start from: almesh info FILE > my.deck\n"
     "  almesh quality FILE           certify and measure any mesh (Gmsh MSH 1, 2.2, 4.0, 4.1, SU2, VTK)\n"
+    "                                before=FILE: and how far the boundary is from where that file has it\n"
     "                                both take keys: almesh quality FILE threads=1\n"
     "  almesh linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] [preconditioner=ilu0|ssor] [threads=N]\n"
     "                 [block=1|2|3] [ordering=nested_dissection|minimum_degree|rcm|natural]\n"
@@ -46,6 +47,17 @@ constexpr const char* help =
     "  4  the run converged, but the mesh is not certified\n"
     "  5  the mesh is certified, but an `expect` line of the deck does not hold\n";
 
+// `quality FILE before=FILE`: takes the last one out of the arguments; "" where there is none.
+std::string take_before(std::vector<std::string>& arguments) {
+    constexpr std::string_view key = "before=";
+    std::string file;
+    std::erase_if(arguments, [&](const std::string& argument) {
+        if (argument.starts_with(key)) file = argument.substr(key.size());
+        return argument.starts_with(key);
+    });
+    return file;
+}
+
 // `info FILE [key=value ...]`, and the same of quality.
 Deck deck_of_mesh(const std::vector<std::string>& arguments) {
     if (arguments.size() < 2)
@@ -54,7 +66,7 @@ Deck deck_of_mesh(const std::vector<std::string>& arguments) {
 }
 
 // Nothing where the first argument is a deck.
-std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, std::FILE* out) {
+std::optional<ExitCode> print_result(std::vector<std::string> arguments, std::FILE* out) {
     const std::string& first = arguments[0];
     const auto print = [out](const std::string& text) {
         std::fputs(text.c_str(), out);
@@ -64,7 +76,10 @@ std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, 
     if (std::any_of(arguments.begin(), arguments.end(), asks)) return print(help);
     if (first == "--keys") return print(keys_table());
     if (first == "--version") return print(version() + ", commit " + commit() + "\n" + compiler() + "\n");
-    if (first == "quality") return quality(deck_of_mesh(arguments), out);
+    if (first == "quality") {
+        const std::string before = take_before(arguments);
+        return quality(deck_of_mesh(arguments), before, out);
+    }
     if (first == "info") return info(deck_of_mesh(arguments), out);
     if (first == "linsolve") return linsolve({arguments.begin() + 1, arguments.end()}, out);
     if (first.starts_with("-")) throw UsageError("unknown option ", first, "; see almesh --help");

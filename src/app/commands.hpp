@@ -20,9 +20,10 @@ int command_line(const std::vector<std::string>& arguments, std::FILE* out, std:
 // the user can mend before anything is solved.
 ExitCode run(const Deck& deck, std::FILE* out);
 
-// Certificate and statistics of the deck's mesh. success: every element is certified valid, else not_certified. Throws
-// InputError for a file that is no mesh.
-ExitCode quality(const Deck& deck, std::FILE* out);
+// Certificate and statistics of the deck's mesh. success: every element is certified valid, else not_certified. before:
+// a file of the same mesh, from which the distance of the boundary is measured; "": none. Throws InputError for a file
+// that is no mesh, and where the two are not the same.
+ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out);
 
 // What is in the deck's mesh file, as comments, and a deck to start from, wherever it is put: all boundaries fixed,
 // and the keys that were given. Throws InputError for a file that is no mesh.

@@ -204,9 +204,9 @@ void print_boundary(std::FILE* out, const Problem& problem, const Solution& solu
                      solution.freed_nodes, solution.largest_slide * problem.frame.length,
                      solution.surface_distance * problem.frame.length);
     if (solution.straight_faces)
-        std::fprintf(out, "%s of %d made flat; their nodes are at most %.3g from the curved target\n",
-                     counted(solution.straight_faces, "face").c_str(), problem.mesh().face_count(),
-                     solution.straightening_distance);
+        std::fprintf(out, "%s of %d made flat\n", counted(solution.straight_faces, "face").c_str(),
+                     problem.mesh().face_count());
+    std::fputs(table_of(problem.mesh(), solution.distances, "the target as it came").c_str(), out);
 }
 
 // "5 AL and 11 Newton iterations"

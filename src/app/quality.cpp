@@ -1,9 +1,14 @@
 #include "app/commands.hpp"
 
+#include <algorithm>
 #include <array>
+#include <unordered_map>
+#include <utility>
 
 #include "app/deck.hpp"
 #include "base/parallel.hpp"
+#include "base/text.hpp"
+#include "check/boundary_distance.hpp"
 #include "check/certificate.hpp"
 #include "check/injectivity.hpp"
 #include "check/quality.hpp"
@@ -19,9 +24,39 @@ void print_element(std::FILE* out, const Mesh& mesh, int element, const std::arr
     std::fprintf(out, ")  %s\n", rounded_down(value, 4).c_str());
 }
 
+using NodesOfElement = std::pair<long long, std::vector<long long>>;  // ids, those of the nodes ascending
+
+std::vector<NodesOfElement> elements_by_id(const Mesh& mesh) {
+    std::vector<NodesOfElement> elements;
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        std::vector<long long>& nodes = elements.emplace_back(mesh.file.element_id[e], std::vector<long long>()).second;
+        for (int k = 0; k < mesh.element_nodes(e); ++k) nodes.push_back(mesh.file.node_id[mesh.element(e)[k]]);
+        std::sort(nodes.begin(), nodes.end());
+    }
+    std::sort(elements.begin(), elements.end());
+    return elements;
+}
+
+// Where another file has the nodes of the mesh: node_count x dim. One of a lower degree is raised.
+std::vector<double> positions_before(const std::string& path, const Mesh& mesh) {
+    std::vector<std::string> notes;
+    Mesh other = build_mesh(read_mesh(path), notes, Folds::keep);
+    if (other.degree < mesh.degree) other = raise_degree(other, mesh.degree);
+    if (other.dim != mesh.dim || elements_by_id(other) != elements_by_id(mesh))
+        throw InputError(path, ": this is not the same mesh as it was before: its elements or their nodes have other ids "
+                         "(refine and split change them)");
+    std::unordered_map<long long, int> node;
+    for (int i = 0; i < other.nodes(); ++i) node[other.file.node_id[i]] = i;
+    std::vector<double> x = mesh.x;
+    for (int i = 0; i < mesh.nodes(); ++i)
+        if (const auto at = node.find(mesh.file.node_id[i]); at != node.end())
+            std::copy_n(point(other.x, at->second, mesh.dim), mesh.dim, point(x, i, mesh.dim));
+    return x;
+}
+
 }  // namespace
 
-ExitCode quality(const Deck& deck, std::FILE* out) {
+ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out) {
     set_threads(deck.threads);
     std::vector<std::string> notes = deck.notes;
     const Mesh mesh = build_mesh(read_mesh(deck.mesh), notes, Folds::keep);
@@ -29,12 +64,19 @@ ExitCode quality(const Deck& deck, std::FILE* out) {
                  mesh.elements_text().c_str(), mesh.degree);
     for (const std::string& note : notes) std::fprintf(out, "note: %s\n", note.c_str());
 
+    std::vector<BoundaryDistance> distances;
+    if (!before.empty()) distances = boundary_distances(mesh, positions_before(before, mesh), mesh.x);
+
     const QualityStatistics shape = mesh_quality(mesh, mesh.x);
     std::fprintf(out, "\nshape quality 1/eta against the regular %s: min %.4g, mean %.4g; edges %.4g to %.4g\n%s",
                  mesh.is_simplicial() ? "simplex" : "cell", shape.min, shape.mean, shape.min_edge, shape.max_edge,
                  histogram_text(shape).c_str());
     std::fprintf(out, "\nworst elements (id, centre, quality):\n");
     for (const WorstElement& worst : shape.worst) print_element(out, mesh, worst.element, worst.centre, worst.quality);
+
+    if (!before.empty())
+        std::fprintf(out, "\n%s", distances.empty() ? concat("all faces are where ", before, " has them\n").c_str()
+                                                     : table_of(mesh, distances, "those of " + before).c_str());
 
     const Certificate certificate = certify(mesh, mesh.x, deck.certificate);
     std::fprintf(out, "\nscaled Jacobian >= %s everywhere", rounded_down(certificate.min_scaled_jacobian, 6).c_str());

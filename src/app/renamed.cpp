@@ -20,6 +20,7 @@ constexpr Renamed table[] = {
     {"objective", "worst", "objective", "minimax"},
     {"followed_newton_iterations", "", "earlier_newton_iterations", ""},
     {"released_nodes", "", "freed_nodes", ""},
+    {"straightening_distance", "", "boundary_distance", ""},
     {"obstacle", "", "diagnosis", ""},
     {"obstacle_boundary", "", "diagnosis_boundary", ""},
     {"obstacle_node", "", "diagnosis_node", ""},

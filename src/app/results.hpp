@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/summary.hpp"
+#include "check/boundary_distance.hpp"
 #include "check/certificate.hpp"
 #include "check/injectivity.hpp"
 #include "check/diagnosis.hpp"
@@ -46,9 +47,8 @@ struct Solution {
     int freed_nodes = 0;            // that slide where the target folds the mesh,
     double largest_slide = 0;          // and the largest distance of one from its target
     double surface_distance = 0;       // of faces whose nodes slide, from their surface
-    int straight_faces = 0;            // of the target, with surface = straighten,
-    double straightening_distance = 0;  // and the largest distance of a node of the target from where it was, in units
-                                        // of the file
+    int straight_faces = 0;            // of the target, with surface = straighten
+    std::vector<BoundaryDistance> distances;  // from the target before it was changed, in units of the file
 };
 
 // How a problem is solved.

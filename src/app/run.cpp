@@ -17,6 +17,7 @@
 #include "base/interrupt.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
+#include "check/boundary_distance.hpp"
 #include "check/surface_distance.hpp"
 #include "io/matrix_market.hpp"
 #include "method/checkpoint.hpp"
@@ -75,6 +76,23 @@ void measure_sliding(const Problem& problem, Solution& solution) {
     solution.surface_distance = distance_from_surfaces(mesh, problem.target, *problem.sliding, solution.x);
 }
 
+// Where the target was changed or is curved: of the faces from the target as the deck has it, on boundaries with a
+// surface of their own.
+void measure_distances(const Problem& problem, Solution& solution) {
+    const BoundaryTarget& target = problem.target;
+    const bool is_changed = !target.freed.empty() || !target.straight.empty();
+    if (!is_changed && (target.prescribes_all() || problem.base.degree == 1)) return;
+    std::vector<char> measured;
+    for (std::size_t b = 0; b < problem.motions.size(); ++b) {
+        const bool leaves_out = !problem.placed.empty() && !problem.placed[b].left_out.empty();
+        measured.push_back(target.hold[b] != BoundaryHold::free && !leaves_out && !surface_step(problem.motions[b]));
+    }
+    BoundaryTarget came = target;
+    came.node = problem.curved_target.empty() ? problem.node_target : problem.curved_target;
+    const std::vector<double> x = final_positions(problem, solution.x);
+    solution.distances = boundary_distances(problem.mesh(), at_target(problem.mesh(), came, x), x, measured);
+}
+
 void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     const TimeAdder adder(solution.time.certify);
     Level& level = *problem.level;
@@ -87,7 +105,7 @@ void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     measure_sliding(problem, solution);
     const std::vector<char>& straight = problem.target.straight;
     solution.straight_faces = static_cast<int>(std::count(straight.begin(), straight.end(), 1));
-    solution.straightening_distance = straightening_distance(problem);
+    measure_distances(problem, solution);
     solution.diagnosis = diagnose(deck, problem, solution);
 }
 

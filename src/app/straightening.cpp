@@ -1,7 +1,6 @@
 #include "app/straightening.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -102,17 +101,6 @@ Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& so
             return solve(deck, problem);
         }
     }
-}
-
-double straightening_distance(const Problem& problem) {
-    const int dim = problem.mesh().dim;
-    double largest = 0;
-    for (std::size_t k = 0; k < problem.curved_target.size(); k += dim) {
-        double squared = 0;
-        for (int a = 0; a < dim; ++a) squared += std::pow(problem.node_target[k + a] - problem.curved_target[k + a], 2);
-        largest = std::max(largest, std::sqrt(squared));
-    }
-    return largest;
 }
 
 }  // namespace almesh

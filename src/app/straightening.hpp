@@ -12,7 +12,4 @@ namespace almesh {
 // the target stays as it is, and the deck's own limits end the run. Returns the last solution.
 Solution solve_straightening(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out);
 
-// The largest distance of a node of the target from where it was before faces were made flat, in units of the file.
-double straightening_distance(const Problem& problem);
-
 }  // namespace almesh

@@ -55,6 +55,13 @@ std::string coordinate(const Run& run) {
     return run.at.kind == DiagnosisKind::none ? none : text(run.frame.to_file(run.at.position)[axis], 6);
 }
 
+template <auto distance>
+std::string largest(const Run& run) {
+    double value = 0;
+    for (const BoundaryDistance& of : run.solution.distances) value = std::max(value, of.*distance);
+    return text(value, 6);
+}
+
 struct Quantity : Named {
     Kind kind;
     std::string (*value)(R);
@@ -119,8 +126,11 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.surface_distance, 6); }},
     {{"straight_faces", "faces of the target that were made flat, with surface = straighten"}, count,
      [](R r) { return text(r.solution.straight_faces); }},
-    {{"straightening_distance", "largest distance of a node of the straightened target from the curved one"}, decimal,
-     [](R r) { return text(r.solution.straightening_distance, 6); }},
+    {{"boundary_distance",
+      "largest distance of a face from where the target had the boundary before nodes slid or faces were made flat"},
+     decimal, largest<&BoundaryDistance::largest>},
+    {{"relative_boundary_distance", "the same distance in units of the longest edge of the face"}, decimal,
+     largest<&BoundaryDistance::relative_largest>},
     {{"split_elements", "elements of the file that the target inverts and nodes inside divide, with split = auto"},
      count, [](R r) { return text(r.split_elements); }},
     {{"refined_elements", "curved elements that were nearly inverted and got a finer quadrature"}, count,

@@ -129,7 +129,8 @@ TEST_CASE("the command line replaces what the file says") {
 
 TEST_CASE("names of earlier decks are read, and a note says the present one once") {
     const Deck deck = parsed("follow = always\nregion = folded\nobjective = worst\nexpect obstacle = none\n"
-                             "expect followed_newton_iterations <= 12\nexpect released_nodes<= 3\nexpect released_nodes >= 1");
+                             "expect followed_newton_iterations <= 12\nexpect released_nodes<= 3\nexpect released_nodes >= 1\n"
+                             "expect straightening_distance <= 0.1");
     CHECK(deck.continuation == Continuation::always);
     CHECK(deck.local_repair == 1);
     CHECK(deck.distortion.objective == Objective::minimax);
@@ -140,9 +141,11 @@ TEST_CASE("names of earlier decks are read, and a note says the present one once
                                                  "`objective = worst` is now `objective = minimax`",
                                                  "`obstacle` is now `diagnosis`",
                                                  "`followed_newton_iterations` is now `earlier_newton_iterations`",
-                                                 "`released_nodes` is now `freed_nodes`"});
+                                                 "`released_nodes` is now `freed_nodes`",
+                                                 "`straightening_distance` is now `boundary_distance`"});
     check_same(deck, parsed("continuation = always\nlocal_repair = 1\nobjective = minimax\nexpect diagnosis = none\n"
-                            "expect earlier_newton_iterations <= 12\nexpect freed_nodes <= 3\nexpect freed_nodes >= 1"));
+                            "expect earlier_newton_iterations <= 12\nexpect freed_nodes <= 3\nexpect freed_nodes >= 1\n"
+                            "expect boundary_distance <= 0.1"));
     CHECK(parsed("objective = squared").notes.empty());
     CHECK(parsed("region = all").local_repair == 0);
     CHECK(has(error_of("continuation = never\nfollow = always"), "`continuation` is already set"));

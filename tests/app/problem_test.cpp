@@ -85,6 +85,8 @@ TEST_CASE("a boundary that its nodes fold: refused with surface = keep, else the
         CHECK(number(summary, "largest_slide") < 0.3);
         CHECK(number(summary, "surface_distance") > 0);
         CHECK(number(summary, "surface_distance") < 1e-2);
+        CHECK(has(mended.out, "\ninner"));
+        CHECK(number(summary, "boundary_distance") > 0);  // from the polynomials that came
     }
 }
 
@@ -147,7 +149,8 @@ TEST_CASE("surface = slide lets all prescribed boundaries slide, folded or not; 
         const Outcome outcome = fair.run({"boundary inner=translate 0.25 0", setting});
         REQUIRE(outcome.code == 0);
         CHECK(!has(outcome.out, "slid"));
-        for (const char* const quantity : {"freed_nodes", "largest_slide", "surface_distance"})
+        CHECK(!has(outcome.out, "distance of the faces"));
+        for (const char* const quantity : {"freed_nodes", "largest_slide", "surface_distance", "boundary_distance"})
             CHECK(summary_of(fair.output).at(quantity) == "0");
     }
 }
@@ -161,7 +164,7 @@ TEST_CASE("surface = straighten makes the folded face flat; all others keep thei
         CAPTURE(outcome.error);
         REQUIRE(outcome.code == 0);
         CHECK(has(outcome.out, "1 face there is made flat:"));
-        CHECK(has(outcome.out, "1 face of 24 made flat; their nodes are at most "));
+        CHECK(has(outcome.out, "1 face of 24 made flat\n"));
         const auto summary = summary_of(ring.output);
         CHECK(summary.at("certified_injective") == "yes");
         CHECK(summary.at("nodes_off_target") == "0");
@@ -186,7 +189,7 @@ TEST_CASE("surface = straighten makes the folded face flat; all others keep thei
         }
         CHECK(flat == 1);
         if (setting == "fixed")
-            CHECK(number(summary, "straightening_distance") == doctest::Approx(moved).epsilon(1e-5));
+            CHECK(number(summary, "boundary_distance") <= moved);
     }
 }
 
@@ -200,7 +203,7 @@ TEST_CASE("surface = straighten does nothing to a target that folds nothing, and
     const RingDeck fair(round_ring(0));
     REQUIRE(fair.run({"boundary inner=translate 0.25 0", "surface=straighten"}).code == 0);
     CHECK(summary_of(fair.output).at("straight_faces") == "0");
-    CHECK(summary_of(fair.output).at("straightening_distance") == "0");
+    CHECK(summary_of(fair.output).at("boundary_distance") == "0");
     // A small part of the mesh between the folded edge's circle and its chord.
     const Mesh ring = ring_mesh(around, 3, 6);
     int folded = 0;

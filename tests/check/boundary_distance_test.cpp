@@ -1,0 +1,201 @@
+#include "check/boundary_distance.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "mesh/build.hpp"
+#include "support/high_order.hpp"
+#include "support/meshes.hpp"
+#include "support/program.hpp"
+#include "support/solids.hpp"
+#include "support/targets.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+std::vector<char> only(const Mesh& mesh, const std::string& boundary) { return mesh.boundaries_in(boundary); }
+
+// The nodes of one boundary changed by `map`, all others as they are.
+std::vector<double> with_moved(const Mesh& mesh, const std::string& boundary,
+                               const std::function<void(double*)>& map) {
+    std::vector<double> x = mesh.x;
+    std::vector<char> done(mesh.nodes(), 0);
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        const int i = mesh.faces[k];
+        if (mesh.boundaries[mesh.face_boundary[f]] == boundary && !done[i]) map(point(x, i, mesh.dim)), done[i] = 1;
+    });
+    return x;
+}
+
+// A unit cube of k^3 cells bent to a quarter of a shell of radii 1 and 2; the boundary bottom is the inner cylinder.
+Mesh quarter_shell(int k, int degree) {
+    Mesh mesh = with_degree(cube_mesh(k), degree);
+    mesh.x = mapped(mesh, [](double* p) {
+        const double angle = 0.5 * pi * p[0], r = 1 + p[2], y = p[1];
+        p[0] = r * std::cos(angle), p[1] = r * std::sin(angle), p[2] = y;
+    });
+    return mesh;
+}
+
+}  // namespace
+
+TEST_CASE("a boundary moved by a linear offset: largest and RMS distance exactly, of faces of all types and degrees") {
+    const double a = 0.1, b = 0.3;
+    const auto down = [&](double* p) { p[2] -= a + b * p[0]; };
+    const double rms = std::sqrt(a * a + a * b + b * b / 3);
+    std::vector<Mesh> linear = {cube_mesh(2), solid_mesh(2, "h"), solid_mesh(2, "p")};
+    for (const Mesh& coarse : linear)
+        for (const int degree : {1, 2, 3, 4, 7}) {
+            const Mesh mesh = raise_degree(coarse, degree);
+            CAPTURE(mesh.elements_text());
+            CAPTURE(degree);
+            const auto rows = boundary_distances(mesh, mesh.x, with_moved(mesh, "bottom", down), only(mesh, "bottom"));
+            REQUIRE(rows.size() == 1);
+            const bool quads = mesh.face_cell(face_near(mesh, rows[0].boundary, {0.5, 0.5, 0})).vertices == 4;
+            const double edge = quads ? 0.5 : std::sqrt(0.5);
+            CHECK(mesh.boundaries[rows[0].boundary] == "bottom");
+            CHECK(rows[0].faces == (quads ? 4 : 8));
+            CHECK(rows[0].moved == rows[0].faces);
+            CHECK(rows[0].moved_area == doctest::Approx(1));
+            CHECK(rows[0].largest == doctest::Approx(a + b).epsilon(1e-12));
+            CHECK(rows[0].rms == doctest::Approx(rms).epsilon(1e-12));
+            CHECK(rows[0].relative_largest == doctest::Approx((a + b) / edge).epsilon(1e-12));
+            CHECK(rows[0].relative_rms == doctest::Approx(rms / edge).epsilon(1e-12));
+        }
+}
+
+TEST_CASE("in the plane: one arc made straight is off by its sagitta, and the others take no part") {
+    const int around = 12;
+    const double radius = 3, half = pi / around;
+    Mesh mesh = with_degree(ring_mesh(around, 2, radius), 2);
+    mesh.x = mapped(mesh, [&](double* p) {
+        const double angle = std::atan2(p[1], p[0]);
+        const double stretch = std::cos(std::remainder(angle - half, 2 * half)) / std::cos(half);
+        p[0] *= stretch, p[1] *= stretch;
+    });
+    const int f = face_near(mesh, mesh.boundary_index("outer"), {radius, 0, 0});
+    const int* const node = mesh.face(f);
+    std::vector<double> x = mesh.x;
+    for (int k = 0; k < 2; ++k) point(x, node[2], 2)[k] = 0.5 * (point(x, node[0], 2)[k] + point(x, node[1], 2)[k]);
+    const auto rows = boundary_distances(mesh, mesh.x, x);
+    REQUIRE(rows.size() == 1);
+    const double sagitta = radius * (1 - std::cos(half)), chord = 2 * radius * std::sin(half);
+    CHECK(mesh.boundaries[rows[0].boundary] == "outer");
+    CHECK(rows[0].faces == around);
+    CHECK(rows[0].moved == 1);
+    CHECK(rows[0].moved_area == doctest::Approx(chord / (chord + (around - 1) * 2 * half * radius)).epsilon(1e-3));
+    CHECK(rows[0].largest == doctest::Approx(sagitta).epsilon(1e-12));
+    CHECK(rows[0].relative_largest == doctest::Approx(sagitta / chord).epsilon(1e-12));
+    // Of a parabola from its chord, to the second order of the angle; the other arcs count with 0.
+    CHECK(rows[0].rms == doctest::Approx(sagitta * std::sqrt(8.0 / 15 * rows[0].moved_area)).epsilon(2e-2));
+}
+
+TEST_CASE("an octant of a sphere made flat: the distance of its middle is the largest") {
+    for (const int degree : {2, 7}) {
+        Mesh mesh = linear_mesh(3, {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 1, 2, 3}, [](const double* p) {
+            return p[0] * p[1] * p[2] > 0 ? "sphere" : "sides";
+        });
+        mesh = with_degree(mesh, degree);
+        const auto onto_sphere = [](double* p) {
+            const double r = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+            for (int k = 0; k < 3; ++k) p[k] /= r;
+        };
+        const std::vector<double> curved = with_moved(mesh, "sphere", onto_sphere);
+        const auto rows = boundary_distances(mesh, curved, mesh.x, only(mesh, "sphere"));
+        REQUIRE(rows.size() == 1);
+        // In the middle of a triangle of degree 2 a vertex counts -1/9, the middle of an edge 4/9.
+        const double middle = degree == 2 ? std::sqrt(3) * (4 * std::sqrt(2) - 1) / 9 : 1;
+        const double largest = middle - 1 / std::sqrt(3);
+        CHECK(rows[0].largest == doctest::Approx(largest).epsilon(degree == 2 ? 1e-12 : 1e-3));
+        CHECK(rows[0].relative_largest == doctest::Approx(rows[0].largest / std::sqrt(2)));
+        CHECK(rows[0].rms < rows[0].largest);
+        CHECK(rows[0].rms > 0.5 * rows[0].largest);
+    }
+}
+
+TEST_CASE("a cylinder made of flat faces is off by the sagitta of an element") {
+    const int k = 4;
+    const double sagitta = 1 - std::cos(0.25 * pi / k), chord = 2 * std::sin(0.25 * pi / k);
+    const Mesh mesh = quarter_shell(k, 2);
+    const auto rows = boundary_distances(mesh, mesh.x, straight_sided(mesh), only(mesh, "bottom"));
+    REQUIRE(rows.size() == 1);
+    CHECK(rows[0].moved == 2 * k * k);
+    CHECK(rows[0].moved_area == doctest::Approx(1));
+    CHECK(rows[0].largest == doctest::Approx(sagitta).epsilon(1e-12));
+    CHECK(rows[0].relative_largest == doctest::Approx(sagitta / std::hypot(chord, 1.0 / k)).epsilon(1e-12));
+    CHECK(rows[0].rms == doctest::Approx(std::sqrt(8.0 / 15) * sagitta).epsilon(2e-2));
+}
+
+TEST_CASE("nodes that slid along the surface have not left it; what is off by little is found") {
+    for (const int degree : {1, 2, 3}) {
+        const Mesh mesh = with_degree(cube_mesh(3), degree);
+        const auto along = [](double* p) {
+            const double x = p[0], y = p[1];
+            p[0] += 0.08 * std::sin(pi * x) * std::cos(2 * y), p[1] += 0.08 * std::sin(pi * y) * std::sin(3 * x);
+        };
+        std::vector<double> x = with_moved(mesh, "bottom", along);
+        CHECK(boundary_distances(mesh, mesh.x, x).empty());
+        const int f = face_near(mesh, mesh.boundary_index("bottom"), {0.5, 0.5, 0});
+        point(x, mesh.face(f)[0], 3)[2] -= 1e-9;
+        const auto rows = boundary_distances(mesh, mesh.x, x);
+        REQUIRE(rows.size() == 1);
+        CHECK(rows[0].largest == doctest::Approx(1e-9).epsilon(1e-3));
+        CHECK(rows[0].moved == 6);
+    }
+    // A cylinder of degree 1 is a prism: around its axis by half an element, vertices are off by the sagitta.
+    const int around = 8;
+    const Mesh ring = ring_mesh(around, 1, 2);
+    const double c = std::cos(pi / around), s = std::sin(pi / around);
+    const auto turned = with_moved(ring, "inner", [&](double* p) {
+        const double x = p[0], y = p[1];
+        p[0] = c * x - s * y, p[1] = s * x + c * y;
+    });
+    const auto rows = boundary_distances(ring, ring.x, turned);
+    REQUIRE(rows.size() == 1);
+    CHECK(rows[0].largest == doctest::Approx(1 - c).epsilon(1e-12));
+}
+
+TEST_CASE("far from the origin the rounding of positions is no distance") {
+    Mesh mesh = with_degree(cube_mesh(2), 2);
+    for (double& v : mesh.x) v += 1e6;
+    std::vector<double> x = with_moved(mesh, "bottom", [](double* p) { p[2] = std::nextafter(p[2], 2e6); });
+    CHECK(boundary_distances(mesh, mesh.x, x).empty());
+    x = with_moved(mesh, "bottom", [](double* p) { p[2] -= 1e-6; });
+    CHECK(boundary_distances(mesh, mesh.x, x).size() > 0);
+}
+
+TEST_CASE("the distance of a boundary has the same bits on any number of threads, and no face moves without a reason") {
+    const Mesh mesh = quarter_shell(6, 3);
+    CHECK(boundary_distances(mesh, mesh.x, mesh.x).empty());
+    const std::vector<double> x = wavy(mesh.x, 3, 0.03);
+    const auto numbers = [&] {
+        std::vector<double> all;
+        for (const BoundaryDistance& of : boundary_distances(mesh, mesh.x, x))
+            for (const double value :
+                 {of.largest, of.rms, of.relative_largest, of.relative_rms, of.moved_area, 1.0 * of.moved})
+                all.push_back(value);
+        return all;
+    };
+    const auto results = for_threads(numbers);
+    CHECK(results[0].size() == 6 * mesh.boundaries.size());
+    for (const auto& result : results) CHECK(result == results[0]);
+}
+
+TEST_CASE("the table has a row for each boundary and its columns are below their names") {
+    Mesh mesh = with_degree(cube_mesh(2), 1);
+    mesh.boundaries[0] = "a rather long name";
+    CHECK(table_of(mesh, {}, "the target").empty());
+    const std::string text = table_of(mesh, {{0, 8, 2, 0.125, 0.25, 0.125, 0.5, 0.25}, {1, 8, 8, 1, 2, 1, 4, 2}}, "it");
+    const std::vector<std::string> lines = pieces(text, '\n');
+    REQUIRE(lines.size() == 4);
+    CHECK(has(lines[0], "distance of the faces from it"));
+    CHECK(lines[2].starts_with("a rather long name"));
+    CHECK(has(lines[2], " 12.5 %"));
+    for (std::size_t k = 2; k < 4; ++k) CHECK(lines[k].size() == lines[1].size());
+}
