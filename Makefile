@@ -56,7 +56,7 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-examples cholmod paper gauntlet generated certificates defaults run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
+.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-models cad-examples cholmod paper gauntlet generated certificates defaults run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
         figures meshes lessons readmes check-lessons animation clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -244,8 +244,12 @@ generated: almesh python ## run a hundred generated cases, twisted, bent, squeez
 compare-gmsh: almesh ## mend curved CAD meshes, beside gmsh's optimisers (python3-gmsh, numpy): outputs/compare-gmsh/table.md
 	$(PYTHON) plot/compare_gmsh.py
 
-cad-examples: almesh ## mend coarse meshes of the solids that OpenCASCADE and gmsh ship (python3-gmsh, occt-misc): outputs/cad-examples/table.md
-	$(PYTHON) plot/cad_examples.py
+cad-models: almesh ## mesh and curve the CAD models of a folder, beside gmsh's optimisers (python3-gmsh; MODELS=folder): outputs/cad-models/table.md
+	$(PYTHON) plot/cad_models.py $(MODELS)
+
+cad-examples: almesh ## the same, coarse, of the solids that OpenCASCADE and gmsh ship (occt-misc, gmsh-doc): outputs/cad-examples/table.md
+	$(PYTHON) plot/cad_models.py $(wildcard /usr/share/opencascade/data/*/*.brep /usr/share/opencascade/data/*/*.step \
+	  /usr/share/doc/gmsh-doc/doc/gmsh/demos/*/*.st*p.gz) --edges 12 --turn 0 --output cad-examples
 
 defaults: almesh ## the table behind the defaults of objective and weight: outputs/defaults/table.md
 	$(PYTHON) plot/defaults.py

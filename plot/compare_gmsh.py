@@ -20,23 +20,16 @@ almesh moves the whole mesh, or with `local_repair = 1` what is inverted and abo
 has invalid elements, the fastest method that leaves none is marked. Every run has a process of its own, one thread, and
 ends after LIMIT seconds.
 """
-import gzip
 import itertools
-import re
-import shutil
-import subprocess
 import sys
-import time
 from pathlib import Path
 
+import cad
 import runs
 
-ROOT = runs.OUTPUTS.parent
 FOLDER = runs.OUTPUTS / "compare-gmsh"
 STEP = Path("/usr/share/doc/gmsh-doc/doc/gmsh/demos/boolean/component8.step.gz")
 LIMIT = 60
-OPTIMISERS = {1: ["HighOrder"], 2: ["HighOrderElastic", "HighOrder"], 3: ["HighOrderElastic"],
-              4: ["HighOrderFastCurving"]}
 ALMESH = {"almesh": 0, "almesh, inverted only": 1}  # its key `local_repair`
 GRID = 8  # points along the edge of an element
 
@@ -59,21 +52,15 @@ def folder_of(name):
 # ---------------------------------------------------------------- in a process of its own: gmsh
 
 def open_geometry(geometry, h):
-    import gmsh
-    gmsh.initialize(["gmsh", "-setnumber", "h", str(h)])
-    gmsh.option.setNumber("General.Terminal", 0)
-    gmsh.option.setNumber("General.NumThreads", 1)
-    gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)
+    gmsh = cad.start_gmsh(h=h)
     if geometry == "component8":
-        step = FOLDER / "component8.step"
-        step.write_bytes(gzip.decompress(STEP.read_bytes()))
-        gmsh.open(str(step))
+        gmsh.open(str(cad.unpacked(STEP, FOLDER)))
         gmsh.option.setNumber("Mesh.MeshSizeMin", h)
         gmsh.option.setNumber("Mesh.MeshSizeMax", 2 * h)
         gmsh.model.addPhysicalGroup(3, [tag for _, tag in gmsh.model.getEntities(3)])
         gmsh.model.addPhysicalGroup(2, [tag for _, tag in gmsh.model.getEntities(2)])
     else:
-        gmsh.open(str(ROOT / "inputs" / "cad" / f"{geometry}.geo"))
+        gmsh.open(str(cad.ROOT / "inputs" / "cad" / f"{geometry}.geo"))
     return gmsh
 
 
@@ -83,10 +70,7 @@ def make(geometry, h, degree, optimiser, path):
     gmsh.model.mesh.generate(3)
     gmsh.model.mesh.setOrder(int(degree))
     gmsh.write(path + ".before.msh")  # of this process: gmsh may number the next one's otherwise
-    start = time.perf_counter()
-    for method in OPTIMISERS.get(int(optimiser), []):
-        gmsh.model.mesh.optimize(method)
-    print(time.perf_counter() - start)
+    print(cad.optimise(gmsh, int(optimiser)))
     gmsh.write(path)
 
 
@@ -162,43 +146,18 @@ def measure(geometry, h, mesh, reference):
 
 # ---------------------------------------------------------------- the table
 
-def in_process(function, *arguments):
-    """Words that it prints, or None where it fails or takes too long."""
-    command = [sys.executable, __file__, "--" + function.__name__, *map(str, arguments)]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
-    except subprocess.TimeoutExpired:
-        return None
-    return done.stdout.split() if done.returncode == 0 else None
-
-
-def invalid_elements(mesh):
-    """Their number as text, or "overlaps"."""
-    text = subprocess.run([ROOT / "almesh", "quality", mesh], capture_output=True, text=True).stdout
-    found = re.search(r"NOT certified valid: (.*);", text)
-    if found:  # "3 elements proved invalid, 1 undecided"
-        return str(sum(int(count) for count in re.findall(r"\d+", found[1])))
-    return "0" if "\ncertified injective" in text else "overlaps"
+def printed(function, *arguments):
+    """Words that it prints in a process of its own, or None where it fails or takes too long."""
+    code, words, _ = cad.in_process(__file__, function, *arguments, limit=LIMIT)
+    return words if code == 0 else None
 
 
 def run_almesh(mesh, folder, local_repair):
     """(final mesh, seconds of the iterations, of the whole run), or None."""
-    outputs = folder / f"almesh-{local_repair}"
-    deck = folder / f"almesh-{local_repair}.deck"
-    deck.write_text(f"mesh = {mesh.name}\noutput = {outputs}\nboundary all = fixed\nlocal_repair = {local_repair}\nthreads = 1\n"
-                    "vtk = none\n")
-    shutil.rmtree(outputs, ignore_errors=True)
-    start = time.perf_counter()
-    try:
-        subprocess.run([ROOT / "almesh", deck], capture_output=True, timeout=LIMIT)
-    except subprocess.TimeoutExpired:
-        return None
-    seconds = time.perf_counter() - start
-    final, summary = outputs / "final.msh", outputs / "summary.txt"
-    if not final.exists():
-        return None
-    values = dict(line.split(" = ", 1) for line in summary.read_text().splitlines())
-    return final, float(values["time_total"]), seconds
+    output = folder / f"almesh-{local_repair}"
+    code, summary, seconds = cad.run_almesh(mesh, output, [f"local_repair={local_repair}"], LIMIT)
+    final = output / "final.msh"
+    return (final, float(summary["time_total"]), seconds) if code is not None and final.exists() else None
 
 
 def compare(name, geometry, h, degree):
@@ -206,19 +165,19 @@ def compare(name, geometry, h, degree):
     folder = folder_of(name)
     folder.mkdir(parents=True, exist_ok=True)
     raw = folder / "gmsh-0.msh"
-    if in_process(make, geometry, h, degree, 0, raw) is None:
+    if printed(make, geometry, h, degree, 0, raw) is None:
         raise SystemExit(f"compare_gmsh.py: gmsh could not make {name}")
     results = []
 
     def add(method, mesh, seconds, of_run=None):
         before = raw if mesh.parent != folder else Path(f"{mesh}.before.msh")
-        found = in_process(measure, geometry, h, mesh, before) or ["nan", "nan"]
-        results.append((method, seconds, invalid_elements(mesh), float(found[0]), float(found[1]), of_run))
+        found = printed(measure, geometry, h, mesh, before) or ["nan", "nan"]
+        results.append((method, seconds, cad.certificate(mesh)[1], float(found[0]), float(found[1]), of_run))
 
     add("none", raw, 0.0)
-    for optimiser in OPTIMISERS:
+    for optimiser in cad.OPTIMISERS:
         mesh = folder / f"gmsh-{optimiser}.msh"
-        seconds = in_process(make, geometry, h, degree, optimiser, mesh)
+        seconds = printed(make, geometry, h, degree, optimiser, mesh)
         if seconds is None:
             results.append((f"gmsh {optimiser}", *[None] * 5))
         else:
@@ -242,7 +201,7 @@ def cell(result, fastest):
 
 def main(words):
     chosen = [case for case in cases() if not words or any(word in case[0] for word in words)]
-    methods = ["none", *(f"gmsh {k}" for k in OPTIMISERS), *ALMESH]
+    methods = ["none", *(f"gmsh {k}" for k in cad.OPTIMISERS), *ALMESH]
     lines = ["invalid elements; largest eta; distance from the CAD over h; seconds", "",
              "| mesh | " + " | ".join(methods) + " |", "|---" * (len(methods) + 1) + "|"]
     print("\n".join(lines))
