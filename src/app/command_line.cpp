@@ -47,26 +47,20 @@ constexpr const char* help =
     "  4  the run converged, but the mesh is not certified\n"
     "  5  the mesh is certified, but an `expect` line of the deck does not hold\n";
 
-// `quality FILE before=FILE`: takes the last one out of the arguments; "" where there is none.
-std::string take_before(std::vector<std::string>& arguments) {
-    constexpr std::string_view key = "before=";
-    std::string file;
-    std::erase_if(arguments, [&](const std::string& argument) {
-        if (argument.starts_with(key)) file = argument.substr(key.size());
-        return argument.starts_with(key);
-    });
-    return file;
-}
-
-// `info FILE [key=value ...]`, and the same of quality.
-Deck deck_of_mesh(const std::vector<std::string>& arguments) {
+// `info FILE [key=value ...]`, and the same of quality, which has a key of its own: before=FILE.
+Deck deck_of_mesh(const std::vector<std::string>& arguments, std::string* before = nullptr) {
     if (arguments.size() < 2)
         throw UsageError(arguments[0], " takes a mesh file: almesh ", arguments[0], " FILE [key=value ...]");
-    return parse_deck("", arguments[1], {arguments.begin() + 2, arguments.end()}, arguments[1]);
+    constexpr std::string_view key = "before=";
+    std::vector<std::string> settings;
+    for (auto argument = arguments.begin() + 2; argument != arguments.end(); ++argument)
+        if (before && argument->starts_with(key)) *before = argument->substr(key.size());
+        else settings.push_back(*argument);
+    return parse_deck("", arguments[1], settings, arguments[1]);
 }
 
 // Nothing where the first argument is a deck.
-std::optional<ExitCode> print_result(std::vector<std::string> arguments, std::FILE* out) {
+std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, std::FILE* out) {
     const std::string& first = arguments[0];
     const auto print = [out](const std::string& text) {
         std::fputs(text.c_str(), out);
@@ -76,10 +70,8 @@ std::optional<ExitCode> print_result(std::vector<std::string> arguments, std::FI
     if (std::any_of(arguments.begin(), arguments.end(), asks)) return print(help);
     if (first == "--keys") return print(keys_table());
     if (first == "--version") return print(version() + ", commit " + commit() + "\n" + compiler() + "\n");
-    if (first == "quality") {
-        const std::string before = take_before(arguments);
-        return quality(deck_of_mesh(arguments), before, out);
-    }
+    std::string before;
+    if (first == "quality") return quality(deck_of_mesh(arguments, &before), before, out);
     if (first == "info") return info(deck_of_mesh(arguments), out);
     if (first == "linsolve") return linsolve({arguments.begin() + 1, arguments.end()}, out);
     if (first.starts_with("-")) throw UsageError("unknown option ", first, "; see almesh --help");

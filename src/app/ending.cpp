@@ -206,7 +206,7 @@ void print_boundary(std::FILE* out, const Problem& problem, const Solution& solu
     if (solution.straight_faces)
         std::fprintf(out, "%s of %d made flat\n", counted(solution.straight_faces, "face").c_str(),
                      problem.mesh().face_count());
-    std::fputs(table_of(problem.mesh(), solution.distances, "the target as it came").c_str(), out);
+    print_distances(out, problem.mesh(), solution.distances, "the target as it came");
 }
 
 // "5 AL and 11 Newton iterations"

@@ -32,25 +32,6 @@ std::string box_text(const Box& box, int dim) {
     return out.str();
 }
 
-struct BoundaryPart {
-    int faces = 0;
-    std::vector<int> nodes;
-};
-
-std::vector<BoundaryPart> parts_of(const Mesh& mesh) {
-    std::vector<BoundaryPart> parts(mesh.boundaries.size());
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        BoundaryPart& part = parts[mesh.face_boundary[f]];
-        ++part.faces;
-        part.nodes.insert(part.nodes.end(), mesh.face(f), mesh.face(f) + mesh.face_nodes(f));
-    }
-    for (BoundaryPart& part : parts) {
-        std::sort(part.nodes.begin(), part.nodes.end());
-        part.nodes.erase(std::unique(part.nodes.begin(), part.nodes.end()), part.nodes.end());
-    }
-    return parts;
-}
-
 // Points and curves, and faces of no group inside the mesh.
 std::string kept_text(const Mesh& mesh) {
     std::string text;
@@ -202,9 +183,15 @@ ExitCode info(const Deck& deck, std::FILE* out) {
     for (const std::string& name : mesh.boundaries) widen(name);
     for (const GroupCells& group : inner) widen(group.name);
     for (const GroupCells& group : volumes) widen(group.name);
-    const std::vector<BoundaryPart> parts = parts_of(mesh);
-    for (std::size_t b = 0; b < parts.size(); ++b)
-        table.print("Boundaries", mesh.boundaries[b], counted(parts[b].faces, "face"), parts[b].nodes);
+    std::vector<int> faces(mesh.boundaries.size(), 0);
+    std::vector<std::vector<int>> nodes_of(mesh.boundaries.size());
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const int b = mesh.face_boundary[f];
+        ++faces[b];
+        nodes_of[b].insert(nodes_of[b].end(), mesh.face(f), mesh.face(f) + mesh.face_nodes(f));
+    }
+    for (std::size_t b = 0; b < faces.size(); ++b)
+        table.print("Boundaries", mesh.boundaries[b], counted(faces[b], "face"), nodes_of[b]);
     for (const GroupCells& group : inner) {
         std::vector<int> nodes;
         for (const int c : group.cells)

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <unordered_map>
-#include <utility>
 
 #include "app/deck.hpp"
 #include "base/parallel.hpp"
-#include "base/text.hpp"
 #include "check/boundary_distance.hpp"
 #include "check/certificate.hpp"
 #include "check/injectivity.hpp"
@@ -24,17 +22,16 @@ void print_element(std::FILE* out, const Mesh& mesh, int element, const std::arr
     std::fprintf(out, ")  %s\n", rounded_down(value, 4).c_str());
 }
 
-using NodesOfElement = std::pair<long long, std::vector<long long>>;  // ids, those of the nodes ascending
-
-std::vector<NodesOfElement> elements_by_id(const Mesh& mesh) {
-    std::vector<NodesOfElement> elements;
+// Of each element, by its id: that id, and those of its nodes, ascending.
+std::vector<std::vector<long long>> ids_of(const Mesh& mesh) {
+    std::vector<std::vector<long long>> ids;
     for (int e = 0; e < mesh.element_count(); ++e) {
-        std::vector<long long>& nodes = elements.emplace_back(mesh.file.element_id[e], std::vector<long long>()).second;
-        for (int k = 0; k < mesh.element_nodes(e); ++k) nodes.push_back(mesh.file.node_id[mesh.element(e)[k]]);
-        std::sort(nodes.begin(), nodes.end());
+        std::vector<long long>& of = ids.emplace_back(1, mesh.file.element_id[e]);
+        for (int k = 0; k < mesh.element_nodes(e); ++k) of.push_back(mesh.file.node_id[mesh.element(e)[k]]);
+        std::sort(of.begin() + 1, of.end());
     }
-    std::sort(elements.begin(), elements.end());
-    return elements;
+    std::sort(ids.begin(), ids.end());
+    return ids;
 }
 
 // Where another file has the nodes of the mesh: node_count x dim. One of a lower degree is raised.
@@ -42,9 +39,9 @@ std::vector<double> positions_before(const std::string& path, const Mesh& mesh) 
     std::vector<std::string> notes;
     Mesh other = build_mesh(read_mesh(path), notes, Folds::keep);
     if (other.degree < mesh.degree) other = raise_degree(other, mesh.degree);
-    if (other.dim != mesh.dim || elements_by_id(other) != elements_by_id(mesh))
-        throw InputError(path, ": this is not the same mesh as it was before: its elements or their nodes have other ids "
-                         "(refine and split change them)");
+    if (other.dim != mesh.dim || ids_of(other) != ids_of(mesh))
+        throw InputError(path, ": this is not the same mesh as it was before: its elements or their nodes have other "
+                         "ids (refine and split change them)");
     std::unordered_map<long long, int> node;
     for (int i = 0; i < other.nodes(); ++i) node[other.file.node_id[i]] = i;
     std::vector<double> x = mesh.x;
@@ -75,8 +72,8 @@ ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out) {
     for (const WorstElement& worst : shape.worst) print_element(out, mesh, worst.element, worst.centre, worst.quality);
 
     if (!before.empty())
-        std::fprintf(out, "\n%s", distances.empty() ? concat("all faces are where ", before, " has them\n").c_str()
-                                                     : table_of(mesh, distances, "those of " + before).c_str());
+        std::fprintf(out, distances.empty() ? "\nall faces are where %s has them\n" : "\n", before.c_str());
+    print_distances(out, mesh, distances, "those of " + before);
 
     const Certificate certificate = certify(mesh, mesh.x, deck.certificate);
     std::fprintf(out, "\nscaled Jacobian >= %s everywhere", rounded_down(certificate.min_scaled_jacobian, 6).c_str());

@@ -18,7 +18,6 @@
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "check/boundary_distance.hpp"
-#include "check/surface_distance.hpp"
 #include "io/matrix_market.hpp"
 #include "method/checkpoint.hpp"
 #include "method/comparators.hpp"
@@ -80,8 +79,8 @@ void measure_sliding(const Problem& problem, Solution& solution) {
 // surface of their own.
 void measure_distances(const Problem& problem, Solution& solution) {
     const BoundaryTarget& target = problem.target;
-    const bool is_changed = !target.freed.empty() || !target.straight.empty();
-    if (!is_changed && (target.prescribes_all() || problem.base.degree == 1)) return;
+    const bool slides = !target.freed.empty() || (problem.base.degree > 1 && !target.prescribes_all());
+    if (!slides && target.straight.empty()) return;
     std::vector<char> measured;
     for (std::size_t b = 0; b < problem.motions.size(); ++b) {
         const bool leaves_out = !problem.placed.empty() && !problem.placed[b].left_out.empty();

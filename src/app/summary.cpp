@@ -23,15 +23,10 @@ struct Run {
     const Solution& solution;
     const AlResult& al;
     const RunTimes& time;
-    AlIteration last;           // in units of the mesh file,
-    double max_boundary_error;  // and so are these
-    double largest_slide, surface_distance;
-    int power;
-    double predicted_bytes;
+    AlIteration last;  // in units of the mesh file
     const Diagnosis& at;
-    const Frame& frame;
-    const std::string& id;
-    int split_elements;
+    const Problem& problem;
+    Units units;
 };
 
 double peak_memory_mb() { return peak_memory() / (1024 * 1024); }
@@ -52,7 +47,7 @@ constexpr const char* none = "none";
 
 template <int axis>
 std::string coordinate(const Run& run) {
-    return run.at.kind == DiagnosisKind::none ? none : text(run.frame.to_file(run.at.position)[axis], 6);
+    return run.at.kind == DiagnosisKind::none ? none : text(run.problem.frame.to_file(run.at.position)[axis], 6);
 }
 
 template <auto distance>
@@ -72,7 +67,7 @@ using enum Kind;
 constexpr auto quantities = std::to_array<Quantity>({
     {{"status", "converged, or why the method ended"}, word, [](R r) { return text(to_string(r.al.status)); }},
     {{"run", "id in all files of the run; the same settings and mesh file give the same id"}, word,
-     [](R r) { return r.id; }},
+     [](R r) { return r.problem.run_id; }},
     {{"dimension", "2 or 3"}, count, [](R r) { return text(r.mesh.dim); }},
     {{"degree", "polynomial degree of the elements"}, count, [](R r) { return text(r.mesh.degree); }},
     {{"nodes", "nodes of the mesh, after refinement and degree raising"}, count,
@@ -97,7 +92,7 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"projected_constraint_norm", "|P c_D|, the part of c_D in the trace space, on which convergence is judged"},
      decimal, [](R r) { return text(r.last.projected_constraint_norm, 6); }},
     {{"max_boundary_error", "largest distance of a boundary point from its target"}, decimal,
-     [](R r) { return text(r.max_boundary_error, 6); }},
+     [](R r) { return text(r.units.distance(r.solution.max_boundary_error), 6); }},
     {{"relative_boundary_error", "largest distance of a boundary node from its target, in heights of the cells at it"},
      decimal, [](R r) { return text(r.last.relative_boundary_error, 6); }},
     {{"nodes_off_target",
@@ -117,13 +112,13 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"size_skew_min", "least size-skew metric of an element; 0: an element is inverted"}, decimal,
      [](R r) { return text(r.solution.size_skew.min, 6); }},
     {{"power", "exponent of eta or eta - 1 in the objective at the end"}, count,
-     [](R r) { return text(r.power); }},
+     [](R r) { return text(r.problem.level->energy->power().p); }},
     {{"freed_nodes", "boundary nodes that slide along the surface because no valid mesh has the target there"},
      count, [](R r) { return text(r.solution.freed_nodes); }},
     {{"largest_slide", "largest distance of one of the freed_nodes from its target"}, decimal,
-     [](R r) { return text(r.largest_slide, 6); }},
+     [](R r) { return text(r.units.distance(r.solution.largest_slide), 6); }},
     {{"surface_distance", "largest distance between a face whose nodes slide and the surface"}, decimal,
-     [](R r) { return text(r.surface_distance, 6); }},
+     [](R r) { return text(r.units.distance(r.solution.surface_distance), 6); }},
     {{"straight_faces", "faces of the target that were made flat, with surface = straighten"}, count,
      [](R r) { return text(r.solution.straight_faces); }},
     {{"boundary_distance",
@@ -132,7 +127,7 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"relative_boundary_distance", "the same distance in units of the longest edge of the face"}, decimal,
      largest<&BoundaryDistance::relative_largest>},
     {{"split_elements", "elements of the file that the target inverts and nodes inside divide, with split = auto"},
-     count, [](R r) { return text(r.split_elements); }},
+     count, [](R r) { return text(r.problem.split_elements); }},
     {{"refined_elements", "curved elements that were nearly inverted and got a finer quadrature"}, count,
      [](R r) { return text(r.solution.refined_elements); }},
     {{"min_scaled_jacobian", "lower bound of the scaled Jacobian, everywhere in all elements"}, decimal,
@@ -171,7 +166,7 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"time_elimination", "local eliminations"}, decimal, [](R r) { return text(r.time.elimination, 4); }},
     {{"threads", "threads of the run"}, count, [](R) { return text(max_threads()); }},
     {{"predicted_memory_mb", "memory that the run was expected to need, before it began, MB"}, decimal,
-     [](R r) { return text(r.predicted_bytes / 1e6, 4); }},
+     [](R r) { return text(r.solution.predicted_bytes / 1e6, 4); }},
     {{"peak_memory_mb", "largest memory of the process, MB"}, decimal, [](R) { return text(peak_memory_mb(), 4); }},
 });
 
@@ -221,10 +216,7 @@ std::string condition_text(const Expectation& expectation) {
 Summary summarise(const Problem& problem, const Solution& solution) {
     const Units units = {problem.mesh().dim, problem.frame.length};
     const Run run = {problem.mesh(), solution, solution.al, solution.time, units.of(solution.al.iterations.back()),
-                     units.distance(solution.max_boundary_error), units.distance(solution.largest_slide),
-                     units.distance(solution.surface_distance), problem.level->energy->power().p,
-                     solution.predicted_bytes, solution.diagnosis, problem.frame, problem.run_id,
-                     problem.split_elements};
+                     solution.diagnosis, problem, units};
     Summary summary;
     for (const Quantity& quantity : quantities) summary.push_back({quantity.name, quantity.value(run)});
     return summary;

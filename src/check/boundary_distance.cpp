@@ -3,34 +3,40 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
 #include "base/parallel.hpp"
+#include "constraint/sliding_nodes.hpp"
 #include "geometry/closest_point.hpp"
 #include "geometry/face_patches.hpp"
 
 namespace almesh {
 namespace {
 
-constexpr double face_work = 1e5;  // simple operations for one face that has moved
+constexpr double face_work = 1e5;  // simple operations for one face
 constexpr double rounding_of_edges = 1e-12, rounding_of_positions = 64 * std::numeric_limits<double>::epsilon();
 
-// A simplex cut into equal ones. Degree p: so finely that there are two parts or more for each part between nodes.
-struct Grid {
-    std::vector<std::vector<double>> values;    // of each point: the Bernstein polynomials of degree p
+// Integrals over one face, in units of a simplex of measure 1 / m!.
+struct OfFace {
+    double area = 0, squared = 0, largest = 0;  // squared: of d^2
+};
+
+// The patches of faces, each with a grid that cuts it into equal simplices.
+struct SampledFaces {
+    const FacePatches faces;
+    std::vector<std::vector<double>> values;    // of each point: the Bernstein polynomials of the patches
     std::vector<std::array<int, 3>> simplices;  // their points
 
-    explicit Grid(const Bernstein& form) {
-        const int m = form.dim, cuts = 6 * ((form.degree + 2) / 3);
-        const Bernstein points(m, cuts);
-        for (const MultiIndex& a : points.index) {
+    SampledFaces(const Mesh& mesh, int cuts) : faces(mesh) {  // cuts: parts of an edge
+        const Bernstein &form = faces.basis.bernstein, grid(form.dim, cuts);
+        const int m = form.dim;
+        for (const MultiIndex& a : grid.index) {
             std::vector<double>& B = values.emplace_back(form.multinomial);
             for (int b = 0; b < form.count; ++b)
                 for (int k = 0; k <= m; ++k) B[b] *= std::pow(static_cast<double>(a[k]) / cuts, form.index[b][k]);
         }
-        const auto place = [&](int i, int j) { return points.place({cuts - i - j, i, j}); };
+        const auto place = [&](int i, int j) { return grid.place({cuts - i - j, i, j}); };
         for (int j = 0; j < (m == 1 ? 1 : cuts); ++j)
             for (int i = 0; i + j < cuts; ++i) {
                 simplices.push_back({place(i, j), place(i + 1, j), m == 1 ? 0 : place(i, j + 1)});
@@ -39,94 +45,51 @@ struct Grid {
             }
     }
 
-    std::vector<Vec<3>> points_of(const Patch& patch) const {
-        std::vector<Vec<3>> points;
-        for (const std::vector<double>& B : values) {
-            Vec<3>& y = points.emplace_back();
-            for (std::size_t b = 0; b < B.size(); ++b) y = y + B[b] * patch[b];
-        }
-        return points;
-    }
-};
-
-// Integrals over one face, in units of a simplex of measure 1 / m!.
-struct OfFace {
-    double area = 0, squared = 0, largest = 0, edge = 0;  // squared: of d^2
-    bool moved = false;
-};
-
-class Boundary {
-public:
-    Boundary(const FacePatches& faces, const Grid& grid, const std::vector<int>& of, const std::vector<double>& came)
-        : faces_(faces), grid_(grid), came_(came), surface_(faces.basis, patches_of(faces, of, came)) {}
-
-    OfFace measure(int f, const std::vector<double>& x, bool is_moved) const {
-        const Mesh& mesh = faces_.mesh;
+    // d = distance(point). Over a simplex T with the values d_i at its m + 1 corners the integral of d^2, d linear, is
+    // |T| / ((m + 1) (m + 2)) (sum of d_i^2 + (sum of d_i)^2).
+    template <class Distance>
+    OfFace measure(int f, const std::vector<double>& x, const Distance& distance) const {
+        const int m = faces.mesh.dim - 1;
         OfFace face;
-        const std::vector<Vec<3>> corner = positions(mesh, came_, mesh.face(f), mesh.face_cell(f).vertices);
-        for (std::size_t i = 0; i < corner.size(); ++i)  // around a quadrilateral
-            face.edge = std::max(face.edge, length(corner[(i + 1) % corner.size()] - corner[i]));
-        for (const Patch& patch : faces_.of(f, x)) add(grid_.points_of(patch), is_moved, face);
-        const double rounding = rounding_of_edges * face.edge + rounding_of_positions * length(corner[0]);
-        face.moved = face.largest > rounding;
+        for (const Patch& patch : faces.of(f, x)) {
+            std::vector<Vec<3>> y(values.size());
+            std::vector<double> d;
+            for (std::size_t q = 0; q < y.size(); ++q) {
+                for (std::size_t b = 0; b < patch.size(); ++b) y[q] = y[q] + values[q][b] * patch[b];
+                d.push_back(distance(y[q]));
+                face.largest = std::max(face.largest, d[q]);
+            }
+            for (const std::array<int, 3>& at : simplices) {
+                const double area = length(flat_normal(std::array{y[at[0]], y[at[1]], y[at[2]]}, m));
+                double sum = 0, squares = 0;
+                for (int k = 0; k <= m; ++k) sum += d[at[k]], squares += d[at[k]] * d[at[k]];
+                face.area += area;
+                face.squared += area * (squares + sum * sum) / ((m + 1) * (m + 2));
+            }
+        }
         return face;
     }
-
-private:
-    const FacePatches& faces_;
-    const Grid& grid_;
-    const std::vector<double>& came_;
-    const ClosestPoint surface_;
-
-    static std::vector<Patch> patches_of(const FacePatches& faces, const std::vector<int>& of,
-                                         const std::vector<double>& came) {
-        std::vector<Patch> patches;
-        for (const int f : of)
-            for (Patch& patch : faces.of(f, came)) patches.push_back(std::move(patch));
-        return patches;
-    }
-
-    // The integral over a simplex T of the square of a linear d with the values d_i at its m + 1 corners is
-    // |T| / ((m + 1) (m + 2)) (sum of d_i^2 + (sum of d_i)^2).
-    void add(const std::vector<Vec<3>>& points, bool is_moved, OfFace& face) const {
-        const int m = faces_.mesh.dim - 1;
-        std::vector<double> d(points.size(), 0.0);
-        for (std::size_t q = 0; q < d.size() && is_moved; ++q) {
-            d[q] = std::sqrt(surface_.squared_distance(points[q]));
-            face.largest = std::max(face.largest, d[q]);
-        }
-        for (const std::array<int, 3>& simplex : grid_.simplices) {
-            const std::array<Vec<3>, 3> corner = {points[simplex[0]], points[simplex[1]], points[simplex[2]]};
-            const double area = length(flat_normal(corner, m));
-            double sum = 0, squares = 0;
-            for (int k = 0; k <= m; ++k) {
-                sum += d[simplex[k]];
-                squares += d[simplex[k]] * d[simplex[k]];
-            }
-            face.area += area;
-            face.squared += area * (squares + sum * sum) / ((m + 1) * (m + 2));
-        }
-    }
 };
 
-bool has_moved(const Mesh& mesh, int f, const std::vector<double>& came, const std::vector<double>& x) {
-    return std::any_of(mesh.face(f), mesh.face(f) + mesh.face_nodes(f), [&](int i) {
-        return !std::equal(point(x, i, mesh.dim), point(x, i, mesh.dim) + mesh.dim, point(came, i, mesh.dim));
-    });
-}
-
-BoundaryDistance sum_of(int boundary, const std::vector<OfFace>& faces) {
-    BoundaryDistance sum = {.boundary = boundary, .faces = static_cast<int>(faces.size())};
+// faces: what was found of the mesh's faces `of`.
+BoundaryDistance sum_of(const Mesh& mesh, const std::vector<double>& came, const std::vector<int>& of,
+                        const std::vector<OfFace>& faces) {
+    BoundaryDistance sum = {.boundary = mesh.face_boundary[of[0]], .faces = static_cast<int>(of.size())};
     double area = 0;
-    for (const OfFace& face : faces) {
+    for (std::size_t k = 0; k < of.size(); ++k) {
+        const OfFace& face = faces[k];
         area += face.area;
-        if (!face.moved) continue;
+        const std::vector<Vec<3>> corner = positions(mesh, came, mesh.face(of[k]), mesh.face_cell(of[k]).vertices);
+        double edge = 0;
+        for (std::size_t i = 0; i < corner.size(); ++i)  // around a quadrilateral
+            edge = std::max(edge, length(corner[(i + 1) % corner.size()] - corner[i]));
+        if (face.largest <= rounding_of_edges * edge + rounding_of_positions * length(corner[0])) continue;
         ++sum.moved;
         sum.moved_area += face.area;
         sum.largest = std::max(sum.largest, face.largest);
-        sum.relative_largest = std::max(sum.relative_largest, face.largest / face.edge);
+        sum.relative_largest = std::max(sum.relative_largest, face.largest / edge);
         sum.rms += face.squared;
-        sum.relative_rms += face.squared / (face.edge * face.edge);
+        sum.relative_rms += face.squared / (edge * edge);
     }
     sum.moved_area /= area;
     sum.rms = std::sqrt(sum.rms / area);
@@ -138,47 +101,69 @@ BoundaryDistance sum_of(int boundary, const std::vector<OfFace>& faces) {
 
 std::vector<BoundaryDistance> boundary_distances(const Mesh& mesh, const std::vector<double>& came,
                                                  const std::vector<double>& x, const std::vector<char>& measured) {
-    std::vector<char> moved(mesh.face_count());
     std::vector<std::vector<int>> faces_of(mesh.boundaries.size());
-    std::vector<char> has_any(mesh.boundaries.size(), 0);
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        const int b = mesh.face_boundary[f];
-        if (!measured.empty() && !measured[b]) continue;
-        faces_of[b].push_back(f);
-        moved[f] = has_moved(mesh, f, came, x);
-        has_any[b] |= moved[f];
-    }
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (measured.empty() || measured[mesh.face_boundary[f]]) faces_of[mesh.face_boundary[f]].push_back(f);
+    const auto has_moved = [&](int f) {
+        return std::any_of(mesh.face(f), mesh.face(f) + mesh.face_nodes(f), [&](int i) {
+            return !std::equal(point(x, i, mesh.dim), point(x, i, mesh.dim) + mesh.dim, point(came, i, mesh.dim));
+        });
+    };
+    const SampledFaces sampled(mesh, 6 * ((mesh.degree + 2) / 3));  // with the middles of edges and of triangles
     std::vector<BoundaryDistance> distances;
-    if (std::count(has_any.begin(), has_any.end(), 1) == 0) return distances;
-    const FacePatches faces(mesh);
-    const Grid grid(faces.basis.bernstein);
-    for (std::size_t b = 0; b < faces_of.size(); ++b) {
-        if (!has_any[b]) continue;
-        const std::vector<int>& of = faces_of[b];
-        const Boundary boundary(faces, grid, of, came);
+    for (const std::vector<int>& of : faces_of) {
+        if (std::none_of(of.begin(), of.end(), has_moved)) continue;
+        std::vector<Patch> patches;
+        for (const int f : of)
+            for (Patch& patch : sampled.faces.of(f, came)) patches.push_back(std::move(patch));
+        const ClosestPoint surface(sampled.faces.basis, patches);
         std::vector<OfFace> found(of.size());
         parallel_for_uneven(static_cast<int>(of.size()), [&](int k) {
-            found[k] = boundary.measure(of[k], x, moved[of[k]]);
+            found[k] = sampled.measure(of[k], x, [&, moved = has_moved(of[k])](const Vec<3>& y) {
+                return moved ? surface.find(y).distance : 0.0;
+            });
         }, face_work);
-        const BoundaryDistance sum = sum_of(static_cast<int>(b), found);
+        const BoundaryDistance sum = sum_of(mesh, came, of, found);
         if (sum.moved > 0) distances.push_back(sum);
     }
     return distances;
 }
 
-std::string table_of(const Mesh& mesh, const std::vector<BoundaryDistance>& distances, const std::string& from) {
-    std::size_t width = 8;
-    for (const BoundaryDistance& of : distances) width = std::max(width, mesh.boundaries[of.boundary].size());
-    const auto padded = [width](const std::string& name) { return name + std::string(width - name.size(), ' '); };
-    std::string text = "distance of the faces from " + from + " (edge: the longest of the face):\n" +
-                       padded("boundary") + "   faces   moved     area    largest        RMS  largest/edge   RMS/edge\n";
-    for (const BoundaryDistance& of : distances) {
-        char cells[128];
-        std::snprintf(cells, sizeof cells, "  %6d  %6d  %5.1f %%  %9.3g  %9.3g  %12.3g  %9.3g\n", of.faces, of.moved,
-                      100 * of.moved_area, of.largest, of.rms, of.relative_largest, of.relative_rms);
-        text += padded(mesh.boundaries[of.boundary]) + cells;
-    }
-    return distances.empty() ? "" : text;
+void print_distances(std::FILE* out, const Mesh& mesh, const std::vector<BoundaryDistance>& distances,
+                     const std::string& from) {
+    if (distances.empty()) return;
+    int width = 8;
+    for (const BoundaryDistance& of : distances)
+        width = std::max(width, static_cast<int>(mesh.boundaries[of.boundary].size()));
+    std::fprintf(out, "distance of the faces from %s (edge: the longest of the face):\n", from.c_str());
+    std::fprintf(out, "%-*s   faces   moved     area    largest        RMS  largest/edge   RMS/edge\n", width,
+                 "boundary");
+    for (const BoundaryDistance& of : distances)
+        std::fprintf(out, "%-*s  %6d  %6d  %5.1f %%  %9.3g  %9.3g  %12.3g  %9.3g\n", width,
+                     mesh.boundaries[of.boundary].c_str(), of.faces, of.moved, 100 * of.moved_area, of.largest, of.rms,
+                     of.relative_largest, of.relative_rms);
+}
+
+double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces& sliding,
+                              const std::vector<double>& x) {
+    const SampledFaces sampled(mesh, 2 * mesh.degree);
+    std::vector<double> distance(mesh.face_count(), 0.0);
+    parallel_for(mesh.face_count(), [&](int f) {
+        if (!target.slides(mesh, f)) return;
+        const std::vector<int> part = {sliding.part(mesh, f)};
+        const auto from_surface = [&](const Vec<3>& y) { return length(y - on_surfaces(sliding, part, y)); };
+        distance[f] = sampled.measure(f, x, from_surface).largest;
+    }, face_work);
+    return distance.empty() ? 0 : *std::max_element(distance.begin(), distance.end());
+}
+
+double largest_slide(const Mesh& mesh, const BoundaryTarget& target, const std::vector<double>& x) {
+    const std::vector<double> at = at_target(mesh, target, x);
+    double largest = 0;
+    for (int i = 0; i < mesh.nodes(); ++i)
+        if (target.is_freed(i))
+            largest = std::max(largest, length(positions(mesh, x, &i, 1)[0] - positions(mesh, at, &i, 1)[0]));
+    return largest;
 }
 
 }  // namespace almesh

@@ -1,17 +1,18 @@
-// How far the curved faces of a mesh are from where they came: what a valid mesh costs of the shape that was given.
+// How far curved faces are from a surface.
 //
-// d(y): from a point y of a face as it is to the closest point of the faces of the same boundary as they came, all of
-// them: a node that slid along that surface is on it. h: the longest edge of y's face as it came, from corner to corner.
-// d is taken at a grid of barycentric coordinates in the face, its corners, edges and middle included, and is linear
-// between them; then
+// Of a mesh from itself as it came, d(y) is from a point y of a face to the closest point of the faces of the same
+// boundary as they came, all of them: a node that slid along that surface is on it. h: the longest edge of y's face as
+// it came, from corner to corner. d is taken at a grid of barycentric coordinates in each face, its corners, edges and
+// middle included, and is linear between them; over all faces of a boundary
 //
-//     largest = max d,   rms^2 = integral of d^2 / area,   the same of d / h,
-//
-// over all faces of the boundary. Faces whose nodes have the bits with which they came take no time.
+//     largest = max d,   rms^2 = integral of d^2 / area,   and the same of d / h.
 #pragma once
+#include <cstdio>
 #include <string>
 #include <vector>
 
+#include "constraint/sliding.hpp"
+#include "constraint/target.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {
@@ -25,11 +26,20 @@ struct BoundaryDistance {
 };
 
 // Of the boundaries that have moved faces. came, x: node_count x dim positions, finite. measured: per boundary, empty
-// for all.
+// for all. Faces whose nodes have the bits with which they came take next to no time.
 std::vector<BoundaryDistance> boundary_distances(const Mesh& mesh, const std::vector<double>& came,
                                                  const std::vector<double>& x, const std::vector<char>& measured = {});
 
-// A table with a row for each, below a line that says from what; empty where there are none.
-std::string table_of(const Mesh& mesh, const std::vector<BoundaryDistance>& distances, const std::string& from);
+// A table with a row for each, below a line that says from what; nothing where there are none.
+void print_distances(std::FILE* out, const Mesh& mesh, const std::vector<BoundaryDistance>& distances,
+                     const std::string& from);
+
+// Largest distance from their surface of points of the faces that have a node that slides; 0 where there are none.
+// x: node_count x dim positions, target and x in units of sliding.unit().
+double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces& sliding,
+                              const std::vector<double>& x);
+
+// Largest distance of a freed node from the position that the target had for it; 0 where none is freed.
+double largest_slide(const Mesh& mesh, const BoundaryTarget& target, const std::vector<double>& x);
 
 }  // namespace almesh

@@ -141,15 +141,8 @@ SubMesh neighbourhood(const Mesh& mesh, const Diagnosis& diagnosis, int rings, i
 }
 
 const char* to_string(DiagnosisKind kind) {
-    switch (kind) {
-        case DiagnosisKind::none: return "none";
-        case DiagnosisKind::off_target: return "off_target";
-        case DiagnosisKind::unbalanced: return "unbalanced";
-        case DiagnosisKind::distorted: return "distorted";
-        case DiagnosisKind::invalid: return "invalid";
-        case DiagnosisKind::overlap: return "overlap";
-    }
-    return "";
+    constexpr const char* names[] = {"none", "off_target", "unbalanced", "distorted", "invalid", "overlap"};
+    return names[static_cast<int>(kind)];
 }
 
 }  // namespace almesh

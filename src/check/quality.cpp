@@ -12,6 +12,7 @@
 #include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
 #include "energy/densities.hpp"
+#include "geometry/patch.hpp"
 #include "mesh/quadrature.hpp"
 
 namespace almesh {
@@ -100,12 +101,9 @@ void measure_edges(const Mesh& mesh, const std::vector<double>& x, QualityStatis
     statistics.min_edge = std::numeric_limits<double>::max();
     statistics.max_edge = 0;
     for (int e = 0; e < mesh.element_count(); ++e) {
-        const int* const node = mesh.element(e);
+        const std::vector<Vec<3>> vertex = positions(mesh, x, mesh.element(e), mesh.cell(e).vertices);
         for (const auto& [i, j] : mesh.cell(e).edges) {
-            double squared = 0;
-            for (int a = 0; a < mesh.dim; ++a)
-                squared += std::pow(point(x, node[j], mesh.dim)[a] - point(x, node[i], mesh.dim)[a], 2);
-            const double edge = std::sqrt(squared);
+            const double edge = length(vertex[j] - vertex[i]);
             statistics.min_edge = std::min(statistics.min_edge, edge);
             statistics.max_edge = std::max(statistics.max_edge, edge);
         }

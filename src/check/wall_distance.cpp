@@ -1,6 +1,5 @@
 #include "check/wall_distance.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include "base/error.hpp"
@@ -29,7 +28,7 @@ std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x
     const ClosestPoint wall(faces.basis, patches);
     std::vector<double> distance(mesh.nodes(), 0.0);
     parallel_for(mesh.nodes(), [&](int i) {
-        if (!on_wall[i]) distance[i] = std::sqrt(wall.squared_distance(positions(mesh, x, &i, 1)[0]));
+        if (!on_wall[i]) distance[i] = wall.find(positions(mesh, x, &i, 1)[0]).distance;
     }, node_work);
     return distance;
 }

@@ -179,29 +179,16 @@ ClosestPoint::ClosestPoint(const PatchBasis& basis, const std::vector<Patch>& pa
 
 ClosestPoint::~ClosestPoint() = default;
 
-double ClosestPoint::squared_distance(const Vec<3>& x) const {
-    Nearest nearest;
-    return tree_->nearest_squared(x, [&](int k) {
-        const Nearest here = descend(pieces_[k].patch, x, nearest);
-        if (here.squared < nearest.squared) nearest = here;
-        return here.squared;
-    });
-}
-
-ClosestPoint::Place ClosestPoint::find(const Vec<3>& x) const {
-    return find(x, [](int) { return true; });
-}
-
 ClosestPoint::Place ClosestPoint::find(const Vec<3>& x, const std::function<bool(int patch)>& chosen) const {
-    Place place{-1, {}, {}};
+    Place place;
     Nearest nearest;
     tree_->nearest_squared(x, [&](int k) {
         const Piece& piece = pieces_[k];
-        if (!chosen(piece.whole)) return nearest.squared;
+        if (chosen && !chosen(piece.whole)) return nearest.squared;
         const Nearest here = descend(piece.patch, x, nearest);
         if (here.squared < nearest.squared) {
             nearest = here;
-            place = {piece.whole, {}, x + here.r};
+            place = {piece.whole, {}, x + here.r, std::sqrt(here.squared)};
             for (int c = 0; c < form_->corners; ++c) place.at = place.at + here.l[c] * piece.corner[c];
         }
         return nearest.squared;

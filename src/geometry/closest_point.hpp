@@ -23,16 +23,14 @@ public:
     ~ClosestPoint();
 
     struct Place {
-        int patch;
-        Vec<3> at;  // barycentric coordinates in it; on a curve the third is 0
-        Vec<3> position;
+        int patch = -1;
+        Vec<3> at{};  // barycentric coordinates in it; on a curve the third is 0
+        Vec<3> position{};
+        double distance = std::numeric_limits<double>::infinity();
     };
-    Place find(const Vec<3>& x) const;
 
-    // On those patches only for which `chosen` holds; patch -1 where it holds for none.
-    Place find(const Vec<3>& x, const std::function<bool(int patch)>& chosen) const;
-
-    double squared_distance(const Vec<3>& x) const;
+    // On those patches only for which `chosen` holds, if it is given; patch -1 where it holds for none.
+    Place find(const Vec<3>& x, const std::function<bool(int patch)>& chosen = nullptr) const;
 
 private:
     struct Piece {

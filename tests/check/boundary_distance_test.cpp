@@ -18,6 +18,23 @@ using namespace almesh::test;
 namespace {
 
 constexpr double pi = std::numbers::pi;
+constexpr int around = 12;
+constexpr double radius = 3;
+
+// A ring with all nodes on circles: those between its vertices are moved outward, from chords to their arcs.
+Mesh round_ring(int degree) {
+    Mesh mesh = with_degree(ring_mesh(around, 2, radius), degree);
+    mesh.x = mapped(mesh, [](double* p) {
+        const double half = pi / around, angle = std::atan2(p[1], p[0]);
+        const double stretch = std::cos(std::remainder(angle - half, 2 * half)) / std::cos(half);
+        p[0] *= stretch, p[1] *= stretch;
+    });
+    return mesh;
+}
+
+SlidingSurfaces surfaces_of(const Mesh& mesh, const BoundaryTarget& target, const Frame& frame = {}) {
+    return {mesh, target.node, std::vector<char>(mesh.boundaries.size(), 1), 30, frame};
+}
 
 std::vector<char> only(const Mesh& mesh, const std::string& boundary) { return mesh.boundaries_in(boundary); }
 
@@ -71,14 +88,8 @@ TEST_CASE("a boundary moved by a linear offset: largest and RMS distance exactly
 }
 
 TEST_CASE("in the plane: one arc made straight is off by its sagitta, and the others take no part") {
-    const int around = 12;
-    const double radius = 3, half = pi / around;
-    Mesh mesh = with_degree(ring_mesh(around, 2, radius), 2);
-    mesh.x = mapped(mesh, [&](double* p) {
-        const double angle = std::atan2(p[1], p[0]);
-        const double stretch = std::cos(std::remainder(angle - half, 2 * half)) / std::cos(half);
-        p[0] *= stretch, p[1] *= stretch;
-    });
+    const double half = pi / around;
+    const Mesh mesh = round_ring(2);
     const int f = face_near(mesh, mesh.boundary_index("outer"), {radius, 0, 0});
     const int* const node = mesh.face(f);
     std::vector<double> x = mesh.x;
@@ -149,7 +160,6 @@ TEST_CASE("nodes that slid along the surface have not left it; what is off by li
         CHECK(rows[0].moved == 6);
     }
     // A cylinder of degree 1 is a prism: around its axis by half an element, vertices are off by the sagitta.
-    const int around = 8;
     const Mesh ring = ring_mesh(around, 1, 2);
     const double c = std::cos(pi / around), s = std::sin(pi / around);
     const auto turned = with_moved(ring, "inner", [&](double* p) {
@@ -190,12 +200,73 @@ TEST_CASE("the distance of a boundary has the same bits on any number of threads
 TEST_CASE("the table has a row for each boundary and its columns are below their names") {
     Mesh mesh = with_degree(cube_mesh(2), 1);
     mesh.boundaries[0] = "a rather long name";
-    CHECK(table_of(mesh, {}, "the target").empty());
-    const std::string text = table_of(mesh, {{0, 8, 2, 0.125, 0.25, 0.125, 0.5, 0.25}, {1, 8, 8, 1, 2, 1, 4, 2}}, "it");
+    const auto text_of = [&](const std::vector<BoundaryDistance>& distances) {
+        std::FILE* const out = std::tmpfile();
+        print_distances(out, mesh, distances, "it");
+        return take_contents(out);
+    };
+    CHECK(text_of({}).empty());
+    const std::string text = text_of({{0, 8, 2, 0.125, 0.25, 0.125, 0.5, 0.25}, {1, 8, 8, 1, 2, 1, 4, 2}});
     const std::vector<std::string> lines = pieces(text, '\n');
     REQUIRE(lines.size() == 4);
     CHECK(has(lines[0], "distance of the faces from it"));
     CHECK(lines[2].starts_with("a rather long name"));
     CHECK(has(lines[2], " 12.5 %"));
     for (std::size_t k = 2; k < 4; ++k) CHECK(lines[k].size() == lines[1].size());
+}
+
+TEST_CASE("the distance of a polygon from its circle is the sagitta, in any unit") {
+    Mesh mesh = ring_mesh(around, 2, radius);
+    const double sagitta = radius * (1 - std::cos(pi / around));
+    BoundaryTarget target = target_of(mesh, {{"inner", "slide"}, {"outer", "slide"}});
+    CHECK(distance_from_surfaces(mesh, target, surfaces_of(mesh, target), mesh.x) == doctest::Approx(sagitta));
+    const SlidingSurfaces in_units = surfaces_of(mesh, target, {.origin = {}, .length = 10});
+    for (double& v : mesh.x) v /= 10;
+    CHECK(distance_from_surfaces(mesh, target, in_units, mesh.x) == doctest::Approx(sagitta / 10));
+}
+
+TEST_CASE("of faces that slide or have a node that is released: not of others that are free or prescribed") {
+    const Mesh mesh = ring_mesh(around, 2, radius);
+    const double unit_sagitta = 1 - std::cos(pi / around);
+    BoundaryTarget target = target_of(mesh, {{"inner", "slide"}, {"outer", "free"}});
+    const SlidingSurfaces sliding = surfaces_of(mesh, target);
+    CHECK(distance_from_surfaces(mesh, target, sliding, mesh.x) == doctest::Approx(unit_sagitta));
+    target = target_of(mesh, {});
+    CHECK(distance_from_surfaces(mesh, target, sliding, mesh.x) == 0);
+    target.freed.assign(mesh.nodes(), 0);
+    CHECK(distance_from_surfaces(mesh, target, sliding, mesh.x) == 0);
+    target.freed[2 * around] = 1;  // on the outer circle
+    CHECK(distance_from_surfaces(mesh, target, sliding, mesh.x) == doctest::Approx(radius * unit_sagitta));
+}
+
+TEST_CASE("the distance of curved faces falls with their degree, and that of one which leaves its circle is found") {
+    std::vector<double> distances = {1, 1};
+    for (int degree = 1; degree <= 6; ++degree) {
+        Mesh mesh = round_ring(degree);
+        const BoundaryTarget target = target_of(mesh, {{"inner", "slide"}, {"outer", "slide"}});
+        const SlidingSurfaces sliding = surfaces_of(mesh, target);
+        REQUIRE(sliding.parts() == 2);
+        distances.push_back(distance_from_surfaces(mesh, target, sliding, mesh.x));
+        CHECK(distances[degree + 1] < (degree > 2 ? 0.05 : 0.2) * distances[degree - 1]);
+        if (degree != 5) continue;
+        double* const node = point(mesh.x, mesh.face(0)[3], 2);  // within an edge
+        node[0] *= 1.01, node[1] *= 1.01;
+        CHECK(distance_from_surfaces(mesh, target, sliding, mesh.x) >= 0.01 * std::hypot(node[0], node[1]) / 1.02);
+    }
+    CHECK(distances.back() < 1e-7);
+}
+
+TEST_CASE("the largest slide is that of a released node from its target") {
+    const Mesh mesh = ring_mesh(around, 2, radius);
+    BoundaryTarget target = target_of(mesh, {{"inner", "translate 1 0"}});
+    std::vector<double> x = at_target(mesh, target, mesh.x);
+    CHECK(largest_slide(mesh, target, mesh.x) == 0);
+    target.freed.assign(mesh.nodes(), 0);
+    target.freed[0] = target.freed[3] = 1;
+    CHECK(largest_slide(mesh, target, x) == 0);
+    point(x, 0, 2)[0] += 0.3;
+    point(x, 0, 2)[1] -= 0.4;
+    point(x, 3, 2)[1] += 0.1;
+    point(x, 5, 2)[1] += 2;  // this one is not freed
+    CHECK(largest_slide(mesh, target, x) == doctest::Approx(0.5));
 }

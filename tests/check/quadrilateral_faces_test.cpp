@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "check/boundary_distance.hpp"
 #include "check/determined_elements.hpp"
-#include "check/surface_distance.hpp"
 #include "check/target_check.hpp"
 #include "check/wall_distance.hpp"
 #include "mesh/build.hpp"
