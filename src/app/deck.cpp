@@ -5,6 +5,7 @@
 #include <fstream>
 #include <span>
 
+#include "app/frames.hpp"
 #include "app/renamed.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -53,9 +54,9 @@ void read_key(Deck& deck, std::string name, std::string value, const std::string
         check_repeat(in_backquotes(key->name), it->second, where);
     set_value(deck, *key, value);
     deck.given[key->name] = where;
-    if (key->name == "mesh" && !deck.mesh.empty()) {
-        deck.mesh = path_from(where, deck, deck.mesh);
-    }
+    if (key->name == "mesh" && !deck.mesh.empty()) deck.mesh = path_from(where, deck, deck.mesh);
+    if (key->name == "start" && deck.start == Start::file) deck.start_file = path_from(where, deck, deck.start_file);
+    if (key->name == "frames" && names_file(deck.frames)) deck.frames = path_from(where, deck, deck.frames);
 }
 
 // Reads and removes `NAME =` at the beginning of `text`. kind: boundary, volume or select.
@@ -213,6 +214,8 @@ const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary) {
 std::string resolved(const Deck& deck) {
     Deck shown = deck;
     shown.mesh = relative_path(deck.output, deck.mesh);
+    if (deck.start == Start::file) shown.start_file = relative_path(deck.output, deck.start_file);
+    if (names_file(deck.frames)) shown.frames = relative_path(deck.output, deck.frames);
     std::string text = "# Every key with its value: repeats the run from the folder in which it was started.\n";
     for (const DeckKey& key : deck_keys()) {
         text += "\n";

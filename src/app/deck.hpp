@@ -48,7 +48,7 @@ struct DeckSelection {
     std::string where;
 };
 
-enum class Start { automatic, identity, coarse };
+enum class Start { automatic, identity, coarse, file };
 enum class Snap { automatic, no, yes };
 enum class SurfaceKind { automatic, keep, slide, straighten };
 enum class Split { never, automatic, around };
@@ -71,6 +71,7 @@ struct Deck {
     std::optional<int> increments;
     IdealKind ideal = IdealKind::automatic;
     Start start = Start::automatic;
+    std::string start_file;  // path as seen from the current folder
     Continuation continuation = Continuation::automatic;
     Snap snap = Snap::automatic;
     int local_repair = 0;
@@ -89,6 +90,8 @@ struct Deck {
     VtkOutput vtk = VtkOutput::ascii;
     FinalFormat final_format = FinalFormat::input;
     std::string wall;  // boundary name, "" for none
+    std::string frames;  // times, or path of a file of them; "": one run without time
+    bool keep_going = false;
     int threads = 0;
 
     std::vector<DeckBoundary> boundaries;   // in the order written

@@ -18,7 +18,8 @@ void check_local_repair(const Deck& deck) {
     };
     for (const DeckBoundary& boundary : deck.boundaries)
         if (boundary.motion != parse_motion("fixed")) refuse(boundary.where, "a boundary that is not fixed");
-    for (const char* key : {"refine", "degree"})
+    if (deck.start == Start::file) refuse(deck.given.at("start"), "start = FILE");
+    for (const char* key : {"refine", "degree", "frames"})
         if (deck.given.contains(key)) refuse(deck.given.at(key), key);
     if (deck.split != Split::never) refuse(deck.given.at("split"), "split");
     if (sets_boundary(deck.method.moving)) refuse(deck.given.at("method"), "this method");
@@ -73,6 +74,22 @@ void check_resume(const Deck& deck) {
                      "that it saves");
 }
 
+// Formulas of t without frames, and what frames do not go with.
+void check_times(const Deck& deck) {
+    for (const DeckBoundary& boundary : deck.boundaries)
+        if (deck.frames.empty() && depends_on_time(boundary.motion))
+            throw UsageError(boundary.where, ": boundary ", boundary.name, " moves with the time t: give the times, such as ",
+                             "`frames = 0 : 0.1 : 1`");
+    if (deck.frames.empty()) return;
+    const auto refuse = [&](const char* key, bool is_set) {
+        if (is_set) throw UsageError(deck.given.at(key), ": ", key, " does not go with frames: leave it out");
+    };
+    refuse("split", deck.split != Split::never);
+    refuse("surface", deck.surface == SurfaceKind::straighten);
+    refuse("write_system", deck.write_system > 0);
+    refuse("iterates", deck.iterates > 0);
+}
+
 // Keys that mean nothing to the method that moves the mesh.
 void check_method(const Deck& deck) {
     const MovingMethod moving = deck.method.moving;
@@ -91,6 +108,7 @@ void check_method(const Deck& deck) {
         refuse("objective", " = minimax", "take method = augmented_lagrangian");
     if (moving == MovingMethod::penalty) return;
     if (deck.start == Start::coarse) refuse("start", " = coarse", "the method starts from the initial mesh");
+    if (deck.start == Start::file) refuse("start", " = FILE", "the method starts from the initial mesh");
     if (deck.distortion.delta > 0)
         refuse("delta", " > 0", "untangle chooses its own delta, the other methods have none");
 }

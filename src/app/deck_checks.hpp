@@ -11,6 +11,7 @@ void check_curved_ideal(const Deck& deck, const Mesh& in_file, const Mesh& of_ru
 void check_split(const Deck& deck, const Mesh& mesh);
 void check_start(const Deck& deck);
 void check_resume(const Deck& deck);
+void check_times(const Deck& deck);  // frames
 void check_method(const Deck& deck);
 void check_local_repair(const Deck& deck);
 std::string curved_su2(const Deck& deck, const Mesh& mesh);  // "" or a note

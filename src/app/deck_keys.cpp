@@ -91,6 +91,22 @@ DeckValue number(Range range) {
     return {legal, set, text};
 }
 
+// A word, or a mesh file, whose name has a dot or a slash.
+DeckValue start() {
+    DeckValue value = choice<&Deck::start>({"auto", "identity", "coarse"}, "auto | identity | coarse | mesh file");
+    value.set = [of_words = value.set](Deck& deck, std::string_view written) -> Hint {
+        const auto file = without_quotes(written);
+        if (!file || file->find_first_of("./") == std::string::npos) return of_words(deck, written);
+        deck.start = Start::file;
+        deck.start_file = *file;
+        return std::nullopt;
+    };
+    value.text = [of_words = value.text](const Deck& deck) {
+        return deck.start == Start::file ? quoted_where_needed(deck.start_file, "#\"") : of_words(deck);
+    };
+    return value;
+}
+
 using Distortion = DistortionParams;
 using Method = AugmentedLagrangianParams;
 using Linear = LinearSolverParams;
@@ -151,9 +167,10 @@ const std::vector<DeckKey>& deck_keys() {
          "Ideal mesh, whose elements have no distortion. straight: the mesh of the file with straight sides, as in the "
          "paper; given: as it is in the file, curved elements included; auto: straight, but given where the mesh folds "
          "with straight sides and is valid with curved ones."},
-        {"start", choice<&Deck::start>({"auto", "identity", "coarse"}),
+        {"start", start(),
          "First iterate. identity: the ideal mesh; coarse: the solution on the mesh refined less, or of lower degree, "
-         "which is found the same way; auto: coarse with algorithm = adaptive, else identity."},
+         "which is found the same way; auto: coarse with algorithm = adaptive, else identity. A file: the positions "
+         "of its nodes, by their ids, in a mesh with the same elements; the ideal mesh stays that of mesh."},
         {"continuation", choice<&Deck::continuation>({"auto", "never", "always"}),
          "Whether the motion is done in load increments. never: at once; always: every turn as it is written, also "
          "beyond 180 degrees, so that the mesh turns as often as the boundary does; auto: with algorithm = adaptive, "
@@ -239,6 +256,11 @@ const std::vector<DeckKey>& deck_keys() {
         {"resume", number<&Deck::resume>({0, 1}),
          "1: a run that was interrupted or killed goes on from its saved state. It ends with the same bits as a run "
          "without the interruption."},
+        {"frames", text<&Deck::frames>("FROM : STEP : TO, times or file"),
+         "Times t of a motion whose numbers and formulas name t, one mesh for each: 0 : 0.02 : 1, or 0, 0.1, 0.5, or a "
+         "file of times. \"\": one mesh, without time."},
+        {"keep_going", choice<&Deck::keep_going>({"no", "yes"}),
+         "Whether frames go on after one that fails; it stands in frames.csv."},
         {"threads", number<&Deck::threads>({0, 1024}),
          "Number of threads; 0: all, or OMP_NUM_THREADS where that is set."},
     };
@@ -260,7 +282,8 @@ std::string keys_table() {
     }
     text += table_row({"boundary NAME", "", "STEP [; STEP ...]",
                        "Motion of a boundary: its steps, in this order. Each boundary of the mesh has a line; a line "
-                       "`boundary rest` is for all that have none."},
+                       "`boundary rest` is for all that have none. With frames, a number of a step may be a formula "
+                       "of t in double quotes, and %04d in the name of a file is the number of the frame."},
                       width);
     text += table_row({"volume NAME", "", "STEP [; STEP ...]",
                        "Motion of all nodes of a physical group of elements."},

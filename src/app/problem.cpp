@@ -11,6 +11,7 @@
 #include "app/memory.hpp"
 #include "app/node_targets.hpp"
 #include "app/other_surfaces.hpp"
+#include "app/start_mesh.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"
@@ -89,6 +90,16 @@ BoundaryTarget target_at(double fraction, const Mesh& mesh, const std::vector<do
     return make_target(mesh, motions, placed);
 }
 
+// The target of the level, which is in the file's frame. placed: as below.
+BoundaryTarget target_on(const Problem& problem, const Level& level, PlacedNodes& placed) {
+    for (PlacedBoundary& boundary : placed)
+        for (std::vector<double>* const field : {&boundary.x, &boundary.left_out})
+            if (!field->empty()) *field = on_level(problem.shape(), std::move(*field), level);
+    BoundaryTarget target = target_at(1, level.mesh, level.ideal, problem.motions, placed);
+    prescribe_shared_nodes(level.mesh, target);
+    return target;
+}
+
 // The base mesh, refined and of another degree, its ideal mesh and its target, in the file's frame. placed: of the
 // shape, on return of this mesh.
 std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int degree, PlacedNodes& placed,
@@ -96,11 +107,7 @@ std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int d
     auto level = std::make_unique<Level>();
     level->mesh = discretised(problem.base, refinements, degree);
     level->ideal = problem.ideal_of(level->mesh);
-    for (PlacedBoundary& boundary : placed)
-        for (std::vector<double>* const field : {&boundary.x, &boundary.left_out})
-            if (!field->empty()) *field = on_level(problem.shape(), std::move(*field), *level);
-    target = target_at(1, level->mesh, level->ideal, problem.motions, placed);
-    prescribe_shared_nodes(level->mesh, target);
+    target = target_on(problem, *level, placed);
     return level;
 }
 
@@ -189,16 +196,20 @@ void take_to_run(const Frame& frame, Level& level) {
     frame.take_to_run(level.ideal, level.mesh.dim);
 }
 
+void read_motions(const Deck& deck, Problem& problem) {
+    problem.motions = motions_of(deck, problem.base);
+    NodeTargets targets = read_node_targets(problem.base, problem.motions);
+    problem.raised = std::move(targets.raised);
+    problem.placed = problem.level_placed = std::move(targets.placed);
+}
+
 // The mesh as the method sees it, and where its boundary is to go.
 void discretise(const Deck& deck, Problem& problem) {
     check_split(deck, problem.base);
     check_quadrature(deck, problem.base, std::max(deck.degree, problem.base.degree));
     const int degree = deck.degree ? deck.degree : problem.base.degree;
     check_memory(problem.base, degree, deck.refine, deck.linear, available_memory());
-    problem.motions = motions_of(deck, problem.base);
-    NodeTargets targets = read_node_targets(problem.base, problem.motions);
-    problem.raised = std::move(targets.raised);
-    problem.placed = problem.level_placed = std::move(targets.placed);
+    read_motions(deck, problem);
     problem.level = discretise(problem, deck.refine, degree, problem.level_placed, problem.target);
     if (problem.is_own_ideal) check_curved_ideal(deck, problem.base, problem.mesh());
     problem.node_target = problem.target.node;
@@ -223,6 +234,26 @@ void set_frame(const Deck& deck, Problem& problem) {
     problem.frame.origin = local_origin(problem.base);
     problem.frame.length = unit_of_length(deck, volume(problem.mesh(), problem.ideal()), problem.mesh().dim);
 }
+
+// While it lives, the level is in the file's frame, to the last bit.
+class InFile {
+public:
+    explicit InFile(Problem& problem) : problem_(problem) {
+        problem.level->mesh.x.swap(problem.file_x);
+        ideal_ = problem.ideal_of(problem.mesh());
+        problem.level->ideal.swap(ideal_);
+    }
+    ~InFile() {
+        problem_.level->mesh.x.swap(problem_.file_x);
+        problem_.level->ideal.swap(ideal_);
+    }
+    InFile(const InFile&) = delete;
+    InFile& operator=(const InFile&) = delete;
+
+private:
+    Problem& problem_;
+    std::vector<double> ideal_;
+};
 
 // Along what nodes slide; null where none does.
 std::shared_ptr<SlidingSurfaces> make_surfaces(const Deck& deck, const SurfacesOfWhole& whole, Problem& problem) {
@@ -267,6 +298,22 @@ std::unique_ptr<Constraint> constraint_at(double fraction, const Deck& deck, con
 }
 
 // target: in the run's frame, placed: in the file's.
+void set_constraint(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
+                    Level& level) {
+    const bool is_coarser = level.mesh.degree < problem.mesh().degree;
+    const TargetKind kind = is_coarser ? TargetKind::nodal : deck.target;
+    level.constraint = make_constraint(level.mesh, level.ideal, target, kind, problem.sliding);
+    std::vector<Motion> motions = problem.motions;
+    level.turn = 0;
+    for (Motion& motion : motions) {
+        if (deck.continuation != Continuation::always) motion = shortest(std::move(motion));
+        level.turn = std::max(level.turn, turn(motion));
+    }
+    level.constraint_at = [&problem, &level, deck, target, kind, motions, placed](double fraction) {
+        return constraint_at(fraction, deck, problem, level, target, kind, motions, placed);
+    };
+}
+
 void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
                     Level& level) {
     DistortionParams distortion = distortion_of(deck);
@@ -275,17 +322,7 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
     level.energy->order_hessian([&](const BlockCsr& pattern) {
         return sweep_order(pattern, level.mesh.dim, deck.linear, vertex_interpolation(level.mesh));
     });
-    const bool is_coarser = level.mesh.degree < problem.mesh().degree;
-    const TargetKind kind = is_coarser ? TargetKind::nodal : deck.target;
-    level.constraint = make_constraint(level.mesh, level.ideal, target, kind, problem.sliding);
-    std::vector<Motion> motions = problem.motions;
-    for (Motion& motion : motions) {
-        if (deck.continuation != Continuation::always) motion = shortest(std::move(motion));
-        level.turn = std::max(level.turn, turn(motion));
-    }
-    level.constraint_at = [&problem, &level, deck, target, kind, motions, placed](double fraction) {
-        return constraint_at(fraction, deck, problem, level, target, kind, motions, placed);
-    };
+    set_constraint(deck, problem, target, placed, level);
 }
 
 }  // namespace
@@ -312,6 +349,7 @@ Continuation continuation_of(const Deck& deck) {
 Problem make_problem(const Deck& deck) {
     check_start(deck);
     check_resume(deck);
+    check_times(deck);
     check_method(deck);
     check_local_repair(deck);
     std::string mesh_hash;
@@ -321,7 +359,20 @@ Problem make_problem(const Deck& deck) {
         notes.push_back("the straight-sided form of the mesh folds over itself: the curved mesh of the file is the "
                         "ideal mesh (ideal = given)");
     assign_boundaries(deck, base.mesh, notes);
-    return make_problem(deck, std::move(base), mesh_hash, std::move(notes));
+    Problem problem = make_problem(deck, std::move(base), mesh_hash, std::move(notes));
+    if (deck.start == Start::file) problem.start = read_start(deck, problem.mesh(), problem.frame);
+    return problem;
+}
+
+void move_target(const Deck& deck, Problem& problem) {
+    const InFile in_file(problem);
+    read_motions(deck, problem);
+    problem.target = target_on(problem, *problem.level, problem.level_placed);
+    problem.node_target = problem.target.node;
+    change_folded_target(deck, problem);
+    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, {}, problem);
+    finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
+    problem.sliding = sliding;
 }
 
 CheckedTarget checked_target(const Deck& deck, Problem& problem) {
@@ -352,7 +403,7 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
     change_folded_target(deck, problem);
     set_frame(deck, problem);
     const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, whole, problem);
-    if (deck.local_repair) problem.file_x = problem.mesh().x;
+    if (deck.local_repair || !deck.frames.empty()) problem.file_x = problem.mesh().x;
     finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
     problem.sliding = sliding;
     take_to_run(problem.frame, *problem.level);
@@ -366,6 +417,10 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
 
 void set_functional(const Deck& deck, const Problem& problem) {
     set_functional(deck, problem, problem.target, problem.level_placed, *problem.level);
+}
+
+void set_constraint(const Deck& deck, const Problem& problem) {
+    set_constraint(deck, problem, problem.target, problem.level_placed, *problem.level);
 }
 
 bool identity_is_near(const Deck& deck, const Problem& problem) {

@@ -25,7 +25,8 @@ struct Problem {
     std::vector<double> node_target;    // target.node in units of the file,
     std::vector<double> curved_target;  // and before faces were made straight; empty where none was
     int split_elements = 0;           // of the file: inverted by the target, and divided in the base mesh
-    std::vector<double> file_x;       // local_repair = 1: mesh().x in units of the file, nodes x dim
+    std::vector<double> file_x;       // local_repair = 1, frames: mesh().x in units of the file, nodes x dim
+    std::vector<double> start;        // start = FILE: the first iterate, in the run's frame
     PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
     Frame frame;                   // of the run, by the mesh file
@@ -55,11 +56,17 @@ struct SurfacesOfWhole {
 Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash, std::vector<std::string> notes = {},
                      const SurfacesOfWhole& whole = {});
 
+// Gives the problem the target of the deck's motions as they are now, at another time; all else stays.
+void move_target(const Deck& deck, Problem& problem);
+
 // The problem's target as folded_target.hpp checks and changes it.
 CheckedTarget checked_target(const Deck& deck, Problem& problem);
 
 // Gives the problem's level its energy and its constraint: the functional of Eq. 6. The problem must stay where it is.
 void set_functional(const Deck& deck, const Problem& problem);
+
+// The same for its constraint alone, after move_target().
+void set_constraint(const Deck& deck, const Problem& problem);
 
 // The deck's settings, with those that are `auto` made definite.
 DistortionParams distortion_of(const Deck& deck);  // but for curved_ideal

@@ -91,9 +91,26 @@ void write_boundary(const Deck& deck, const Problem& problem, const Solution& so
               format_of(deck));
 }
 
-std::string iterate_name(int number) {
+// "iterate-0012" of "iterate-".
+std::string numbered(const char* name, int number) {
     const std::string digits = std::to_string(number);
-    return "iterate-" + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits;
+    return name + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits;
+}
+
+std::string iterate_name(int number) { return numbered("iterate-", number); }
+
+// The mesh, in the formats of the key `final`, and its VTK file.
+void write_mesh(const Deck& deck, const Problem& problem, const Solution& solution,
+                const std::vector<double>& positions, const std::string& name) {
+    const Mesh in_file = as_in_file(problem.mesh());
+    const std::string path = deck.output + "/" + name;
+    for (const FileFormat& format : final_formats(deck.final_format, in_file)) {
+        if (format.kind == FileFormat::Kind::su2) write_su2(path + ".su2", in_file, positions);
+        else write_msh(path + ".msh", in_file, positions, format);
+    }
+    if (deck.vtk == VtkOutput::none) return;
+    write_volume(deck, problem, name.c_str(), solution.x, positions, solution.al.distortion.element_max,
+                 &solution.certificate.lower_bound);
 }
 
 // The elements around the diagnosis, with the way from each node of the boundary to its target.
@@ -200,24 +217,28 @@ void write_initial(const Deck& deck, const Problem& problem) {
 void write_iterate(const Deck& deck, const Problem& problem, int number, const std::vector<double>& x) {
     write_volume(deck, problem, iterate_name(number).c_str(), x, problem.frame.to_file(x, problem.mesh().dim),
                  problem.level->energy->statistics(x).element_max, nullptr);
-    std::string files;
-    for (int k = 0; k <= number; ++k)
-        files += concat(k ? ",\n" : "", "    {\"name\": \"", iterate_name(k), ".vtk\", \"time\": ",
-                        k * deck.iterates, "}");
-    write_file(deck.output + "/iterates.vtk.series",
-               concat("{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n", files, "\n  ]\n}\n"));
+    std::vector<std::pair<std::string, double>> files;
+    for (int k = 0; k <= number; ++k) files.emplace_back(iterate_name(k) + ".vtk", k * deck.iterates);
+    write_series(deck.output + "/iterates.vtk.series", files);
+}
+
+void write_series(const std::string& path, const std::vector<std::pair<std::string, double>>& files) {
+    std::string rows;
+    for (const auto& [name, time] : files)
+        rows += concat(rows.empty() ? "" : ",\n", "    {\"name\": \"", name, "\", \"time\": ", time, "}");
+    write_file(path, concat("{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n", rows, "\n  ]\n}\n"));
+}
+
+std::string frame_name(int number) { return numbered("frame-", number); }
+
+void write_frame(const Deck& deck, const Problem& problem, const Solution& solution, int number) {
+    write_mesh(deck, problem, solution, final_positions(problem, solution.x), frame_name(number));
 }
 
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {
     const std::vector<double> positions = final_positions(problem, solution.x);
-    const Mesh in_file = as_in_file(problem.mesh());
-    for (const FileFormat& format : final_formats(deck.final_format, in_file)) {
-        if (format.kind == FileFormat::Kind::su2) write_su2(deck.output + "/final.su2", in_file, positions);
-        else write_msh(deck.output + "/final.msh", in_file, positions, format);
-    }
+    write_mesh(deck, problem, solution, positions, "final");
     if (deck.vtk == VtkOutput::none) return;
-    write_volume(deck, problem, "final", solution.x, positions, solution.al.distortion.element_max,
-                 &solution.certificate.lower_bound);
     write_boundary(deck, problem, solution, positions);
     if (solution.diagnosis.kind != DiagnosisKind::none) write_stop(deck, problem, solution, positions);
 }

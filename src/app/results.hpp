@@ -65,6 +65,13 @@ void write_initial(const Deck& deck, const Problem& problem);  // initial.vtk
 // one, so that a long run can be watched.
 void write_iterate(const Deck& deck, const Problem& problem, int number, const std::vector<double>& x);
 
+// An animation for ParaView: names of files beside it, with their times.
+void write_series(const std::string& path, const std::vector<std::pair<std::string, double>>& files);
+
+std::string frame_name(int number);  // frame-0001
+// frame-0001.msh, .su2 or both, as the key `final` says, and frame-0001.vtk.
+void write_frame(const Deck& deck, const Problem& problem, const Solution& solution, int number);
+
 // How the final mesh is written: final.msh, final.su2, or both.
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh);
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "app/deck.hpp"
+#include "app/frames.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "method/checkpoint.hpp"
@@ -23,9 +24,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of a Newton step: who resumes a run does not take it again.
+// frame-0001.msh
+bool is_of_frame(const std::string& name) {
+    const std::string_view first = "frame-";
+    const std::size_t dot = name.find('.');
+    return name == "frames.csv" || name == "frames.vtk.series" || name == frames_state ||
+           (name.starts_with(first) && dot != std::string::npos &&
+            name.find_first_not_of("0123456789", first.size()) == dot &&
+            (name.ends_with(".msh") || name.ends_with(".su2") || name.ends_with(".vtk")));
+}
+
+// Of a Newton step or a frame: who resumes a run does not take it again.
 bool is_of_step(const std::string& name) {
-    return name == "iterates.vtk.series" || (name.starts_with("iterate-") && name.ends_with(".vtk")) ||
+    return is_of_frame(name) || name == "iterates.vtk.series" || (name.starts_with("iterate-") && name.ends_with(".vtk")) ||
            name == "A.mtx" || name == "b.mtx";
 }
 
@@ -72,6 +83,7 @@ std::string checkpoint_folder(const Deck& deck) { return deck.output + "/checkpo
 
 ResultsFolder::ResultsFolder(const Deck& deck) {
     check_is_not_result(deck.mesh, deck.given.contains("mesh") ? deck.given.at("mesh") : deck.path, deck);
+    if (deck.start == Start::file) check_is_not_result(deck.start_file, deck.given.at("start"), deck);
     for (const DeckBoundary& boundary : deck.boundaries)
         for (const MotionStep& step : boundary.motion.steps)
             if (!step.file.empty()) check_is_not_result(step.file, boundary.where, deck);

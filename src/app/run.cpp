@@ -6,10 +6,12 @@
 #include "app/ending.hpp"
 #include "app/memory.hpp"
 #include "app/local_repair.hpp"
+#include "app/frames.hpp"
 #include "app/problem.hpp"
 #include "app/report.hpp"
 #include "app/results.hpp"
 #include "app/results_folder.hpp"
+#include "app/solve.hpp"
 #include "app/straightening.hpp"
 #include "app/volumes.hpp"
 #include "base/error.hpp"
@@ -52,8 +54,11 @@ bool snaps(const Deck& deck) {
     return deck.snap == Snap::yes;
 }
 
+}  // namespace
+
 // The last row then tells of the mesh that is written.
-void snap(Level& level, Solution& solution) {
+void snap(const Deck& deck, Level& level, Solution& solution) {
+    if (!snaps(deck) || solution.al.status != Status::converged) return;
     snap_to_targets(*level.energy, *level.constraint, solution.x);
     measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
 }
@@ -65,6 +70,8 @@ void round_as_file(const Problem& problem, std::vector<double>& x) {
     x = final_positions(problem, x);
     problem.frame.take_to_run(x, problem.mesh().dim);
 }
+
+namespace {
 
 void measure_sliding(const Problem& problem, Solution& solution) {
     if (!problem.sliding) return;
@@ -92,6 +99,8 @@ void measure_distances(const Problem& problem, Solution& solution) {
     solution.distances = boundary_distances(problem.mesh(), at_target(problem.mesh(), came, x), x, measured);
 }
 
+}  // namespace
+
 void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     const TimeAdder adder(solution.time.certify);
     Level& level = *problem.level;
@@ -107,6 +116,8 @@ void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     measure_distances(problem, solution);
     solution.diagnosis = diagnose(deck, problem, solution);
 }
+
+namespace {
 
 AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton, const MethodParams& params,
                             std::vector<double>& x, const AlStart& start, const AlObserver& observer,
@@ -177,7 +188,16 @@ bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary)
     return hold;
 }
 
-// The solution on coarser meshes, where the deck starts from there, the functional, and Algorithm 1.
+// Not from the ideal mesh: nothing begins anew.
+AlStart start_from_file(const Problem& problem, std::vector<double>& x) {
+    x = problem.start;
+    AlStart start;
+    start.lambda.assign(problem.level->constraint->multipliers(), 0.0);
+    return start;
+}
+
+}  // namespace
+
 Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint, Report& report, std::FILE* out) {
     const Stopwatch watch;
     Solution solution;
@@ -202,7 +222,8 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
         write_history(deck, report, out);
     };
     observer.newton_step = [&](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
-    AlStart start = start_from(coarse, level, solution.x);  // the coarse solution or the identity map
+    AlStart start = problem.start.empty() ? start_from(coarse, level, solution.x)  // or the identity map
+                                          : start_from_file(problem, solution.x);
     if (starts_coarse(deck) && identity_is_near(deck, problem)) start.mu = largest_start_penalty;
     Newton newton(level.energy->hessian_pattern(), deck.linear, {.forcing = deck.forcing});
     write_system(deck, newton, report);
@@ -215,13 +236,12 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
         solution.refused_bytes = newton.linear_solver().refused_bytes();
     solution.reached = report.reached;
     if (solution.al.status == Status::converged) place_inside_volumes(problem, solution.x);
-    if (snaps(deck) && solution.al.status == Status::converged) snap(level, solution);
+    snap(deck, level, solution);
     return solution;
 }
 
-}  // namespace
-
 ExitCode run(const Deck& deck, std::FILE* out) {
+    if (!deck.frames.empty()) return run_frames(deck, out);
     // 1. Mesh, target and everything that can be wrong with them; the folder for the results.
     const Stopwatch watch;
     const HandleSignal write_without_reader(SIGPIPE, SIG_IGN);

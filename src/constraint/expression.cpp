@@ -53,6 +53,7 @@ struct Parser {
     std::vector<std::string> names;  // of the coordinates of a point
     std::size_t at = 0;
     int depth = 0;
+    std::array<bool, 6> named_at = {};  // which of the names stand in the text
 
     [[noreturn]] void fail(const std::string& what, std::size_t where) const {
         throw UsageError(in_backquotes(text), ", column ", where + 1, ": ", what);
@@ -171,7 +172,10 @@ struct Parser {
         const std::string_view name = text.substr(begin, at - begin);
         if (name == "pi") return [](const FormulaPoint&) { return std::numbers::pi; };
         for (std::size_t a = 0; a < names.size(); ++a)
-            if (name == names[a]) return [a](const FormulaPoint& x) { return x[a]; };
+            if (name == names[a]) {
+                named_at[a] = true;
+                return [a](const FormulaPoint& x) { return x[a]; };
+            }
         const Function* const function = find_row(functions, name);
         if (!function) {
             std::vector<std::string> known = names_of(functions);
@@ -195,9 +199,11 @@ struct Parser {
 }  // namespace
 
 Expression::Expression(std::string_view text) : text_(text) {
-    Parser parser{text, {"x", "y", "z"}};
+    Parser parser{text, {"x", "y", "z", "t"}};
     value_ = parser.sum();
     parser.end();
+    names_point_ = parser.named_at[0] || parser.named_at[1] || parser.named_at[2];
+    names_time_ = parser.named_at[3];
 }
 
 Condition::Condition(std::string_view text) {

@@ -1,4 +1,4 @@
-// Formulas of a motion, such as "x + 0.1*sin(pi*y)": numbers, x, y, z, pi, + - * / ^, parentheses and functions; and
+// Formulas of a motion, such as "x + 0.1*sin(pi*y)": numbers, x, y, z, t, pi, + - * / ^, parentheses, functions; and
 // conditions that select faces, such as "z > 0.99 and nz > 0.9".
 #pragma once
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace almesh {
 
-// What a formula may name: x, y, z, and of a condition nx, ny, nz.
+// What a formula may name: x, y, z, of a motion the time t, of a condition nx, ny, nz.
 using FormulaPoint = std::array<double, 6>;
 
 class Expression {
@@ -18,12 +18,15 @@ public:
     // Throws UsageError, without file and line, that names the column (from 1) and what was expected there.
     explicit Expression(std::string_view text);
 
-    double operator()(const Vec<3>& x) const { return value_({x[0], x[1], x[2], 0, 0, 0}); }
+    double operator()(const Vec<3>& x, double t = 0) const { return value_({x[0], x[1], x[2], t, 0, 0}); }
     const std::string& text() const { return text_; }
+    bool names_point() const { return names_point_; }  // x, y or z
+    bool names_time() const { return names_time_; }
     bool operator==(const Expression& other) const { return text_ == other.text_; }
 
 private:
     std::string text_;
+    bool names_point_ = false, names_time_ = false;
     std::function<double(const FormulaPoint&)> value_;
 };
 

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -122,12 +123,12 @@ constexpr std::array<MotionForm, 13> forms = {{
          return true;
      }},
     {.name = "expression", .form = "expression \"X\" \"Y\" [\"Z\"]",
-     .meaning = "moves each point to these formulas of x, y, z: numbers, pi, + - * / ^, parentheses, sin cos tan asin "
+     .meaning = "moves each point to these formulas of x, y, z, t: numbers, pi, + - * / ^, parentheses, sin cos tan asin "
                 "acos atan sinh cosh tanh exp log sqrt abs, and with two arguments atan2 min max hypot",
      .formulas = true, .affine = false,
      .move = [](Step step, Vec<3>& d) {
          const Vec<3> x = d;
-         for (std::size_t a = 0; a < step.formulas.size(); ++a) d[a] = step.formulas[a](x);
+         for (std::size_t a = 0; a < step.formulas.size(); ++a) d[a] = step.formulas[a](x, step.t);
          return true;
      }},
     {.name = "file", .form = "file NAME [displacement] [else fixed|slide|free]",
@@ -185,8 +186,35 @@ void check(const MotionForm& form, Step step) {
     if (!step.axis.empty() && step.axis.size() != 3) refuse(form, "`axis` needs 3 numbers");
     if (!step.about.empty() && step.about.size() != 2 && step.about.size() != 3)
         refuse(form, "`about` needs 2 numbers, or 3 in 3D");
+}
+
+// Of its numbers, which may be known only with the time.
+void check_numbers(const MotionForm& form, Step step) {
     if (const std::string why = form.fault(step); !why.empty()) refuse(form, why);
     if (form.projection_in && step.numbers.back() <= 0) refuse(form, "the radius must be > 0");
+}
+
+bool depends_on_time(Step step) {
+    const auto names_time = [](const Expression& formula) { return formula.names_time(); };
+    return std::any_of(step.formulas.begin(), step.formulas.end(), names_time) ||
+           std::any_of(step.timed.begin(), step.timed.end(), [](const TimedNumber& n) { return n.formula.names_time(); });
+}
+
+TimedNumber timed_number(const MotionForm& form, int clause, std::size_t place, std::string_view text) {
+    Expression formula(text);
+    if (formula.names_point()) refuse(form, "the formula ", with_quotes(text), " of a number may name t alone");
+    return {clause, place, std::move(formula)};
+}
+
+// A file's name with the number in place of %d, or of %0Nd with at least N digits.
+std::string numbered(const std::string& name, int number) {
+    const std::size_t at = name.find('%'), end = at == std::string::npos ? at : name.find('d', at);
+    if (end == std::string::npos) return name;
+    const std::string width = name.substr(at + 1, end - at - 1), digits = std::to_string(number);
+    const auto least = width.empty() ? std::optional<int>(0) : parse_int(width, 0, 20);
+    if (!least) return name;
+    const std::size_t zeros = digits.size() < std::size_t(*least) ? *least - digits.size() : 0;
+    return name.substr(0, at) + std::string(zeros, '0') + digits + name.substr(end + 1);
 }
 
 // Words, and texts in double quotes with their quotes.
@@ -212,7 +240,8 @@ MotionStep parse_step(std::string_view text) {
     const MotionForm& form = *found;
     MotionStep step;
     step.form = &form;
-    std::vector<double>* clause = &step.numbers;
+    const auto clause_of = [&step](int k) { return std::array{&step.numbers, &step.axis, &step.about}[k]; };
+    int clause = 0;
     for (std::size_t i = 1; i < written.size(); ++i) {
         if (form.file && step.file.empty()) {
             step.file = without_quotes(written[i]).value_or("");
@@ -240,17 +269,26 @@ MotionStep parse_step(std::string_view text) {
             continue;
         }
         if (const auto number = parse_double(written[i])) {
-            clause->push_back(*number);
+            clause_of(clause)->push_back(*number);
+            continue;
+        }
+        if (written[i].starts_with('"')) {
+            std::vector<double>& numbers = *clause_of(clause);
+            step.timed.push_back(
+                timed_number(form, clause, numbers.size(), without_quotes(written[i]).value_or("")));
+            numbers.push_back(step.timed.back().formula({}));
             continue;
         }
         const std::string word = in_backquotes(written[i]);
         const bool axis = form.axis && written[i] == "axis", about = form.about && written[i] == "about";
         if (!axis && !about) refuse(form, word, " is not a number (separate numbers by blanks)");
-        clause = axis ? &step.axis : &step.about;
-        if (i + 1 == written.size() || !parse_double(written[i + 1])) refuse(form, word, " needs numbers");
-        if (!clause->empty()) refuse(form, word, " stands twice");
+        clause = axis ? 1 : 2;
+        if (i + 1 == written.size() || (!parse_double(written[i + 1]) && !written[i + 1].starts_with('"')))
+            refuse(form, word, " needs numbers");
+        if (!clause_of(clause)->empty()) refuse(form, word, " stands twice");
     }
     check(form, step);
+    if (!depends_on_time(step)) check_numbers(form, step);
     return step;
 }
 
@@ -262,10 +300,16 @@ std::string to_string(Step step) {
     if (step.displacement) text += " displacement";
     if (step.rest) text += concat(" else ", step.rest->name);
     for (const Expression& formula : step.formulas) text += ' ' + with_quotes(formula.text());
-    for (double v : step.numbers) text += ' ' + to_text(v);
-    for (const auto& [word, clause] : {std::pair(" axis", step.axis), std::pair(" about", step.about)}) {
-        if (!clause.empty()) text += word;
-        for (double v : clause) text += ' ' + to_text(v);
+    int clause = 0;
+    for (const auto& [word, numbers] :
+         {std::pair("", step.numbers), std::pair(" axis", step.axis), std::pair(" about", step.about)}) {
+        if (!numbers.empty()) text += word;
+        std::vector<std::string> written;
+        for (const double v : numbers) written.push_back(to_text(v));
+        for (const TimedNumber& timed : step.timed)
+            if (timed.clause == clause) written[timed.place] = with_quotes(timed.formula.text());
+        for (const std::string& number : written) text += ' ' + number;
+        ++clause;
     }
     return text;
 }
@@ -330,6 +374,25 @@ Motion parse_motion(std::string_view text) {
     return motion;
 }
 
+Motion at_time(Motion motion, double t, int frame) {
+    for (MotionStep& step : motion.steps) {
+        step.t = t;
+        step.file = numbered(step.file, frame);
+        for (const TimedNumber& timed : step.timed) {
+            const double value = timed.formula({}, t);
+            if (!std::isfinite(value)) refuse(*step.form, with_quotes(timed.formula.text()), " is not finite at t = ", t);
+            std::vector<double>& numbers = timed.clause == 0 ? step.numbers : timed.clause == 1 ? step.axis : step.about;
+            numbers[timed.place] = value;
+        }
+        check_numbers(*step.form, step);
+    }
+    return motion;
+}
+
+bool depends_on_time(const Motion& motion) {
+    return std::any_of(motion.steps.begin(), motion.steps.end(), [](Step step) { return depends_on_time(step); });
+}
+
 void check_dimension(const Motion& motion, int dim) {
     if (const std::string why = misfit(motion, dim); !why.empty()) throw UsageError(why);
 }
@@ -360,6 +423,19 @@ double turn(const Motion& motion) {
     for (Step step : motion.steps)
         if (step.form->turns) degrees += std::abs(step.numbers[0]);
     return degrees;
+}
+
+bool leads_to(const Motion& before, const Motion& now, bool as_written) {
+    constexpr double half = 180, most = 90, rounding = 1e-6;
+    for (std::size_t k = 0; k < now.steps.size(); ++k) {
+        if (!now.steps[k].form->turns) continue;
+        const double from = before.steps[k].numbers[0], by = now.steps[k].numbers[0] - from;
+        const double short_from = std::remainder(from, 2 * half), short_by = std::remainder(by, 2 * half);
+        if (std::abs(as_written ? by : short_by) > most) return false;
+        if (as_written) continue;
+        if (std::abs(short_from) > half - rounding || std::abs(short_from + short_by) > half + rounding) return false;
+    }
+    return true;
 }
 
 bool is_affine(const Motion& motion) {

@@ -27,6 +27,15 @@ enum class BoundaryHold {
 
 struct MotionForm;  // a kind of step: one row of the table in motion.cpp
 
+// A number of a step that is written as a formula of t.
+struct TimedNumber {
+    int clause;  // 0: after the name, 1: after `axis`, 2: after `about`
+    std::size_t place;
+    Expression formula;
+
+    bool operator==(const TimedNumber&) const = default;
+};
+
 struct MotionStep {
     const MotionForm* form = nullptr;
     std::vector<double> numbers;      // after the name, as `form` says
@@ -36,6 +45,8 @@ struct MotionStep {
     bool displacement = false;        // the file has displacements instead of positions
     const MotionForm* rest = nullptr; // of the nodes that it leaves out: fixed, slide or free; null: it has them all
     std::vector<Expression> formulas; // one for each axis
+    std::vector<TimedNumber> timed;   // whose values at the time t are among the numbers
+    double t = 0;
     double fraction = 1;              // of the way that it takes a point; of a turn always 1
 
     bool operator==(const MotionStep&) const = default;
@@ -50,6 +61,12 @@ struct Motion {
 // Steps separated by `;`. Throws UsageError (without file and line: the deck adds them) naming the step, what is wrong
 // with it and its form.
 Motion parse_motion(std::string_view text);
+
+// The motion at the time t, in frame number `frame`, which replaces %d, or %04d for four digits, in names of files.
+// Throws UsageError where a number is not finite then, or makes no sense.
+Motion at_time(Motion motion, double t, int frame);
+
+bool depends_on_time(const Motion& motion);  // whether a formula names t
 
 // Throws UsageError naming the first step that cannot act in `dim` dimensions, and why.
 void check_dimension(const Motion& motion, int dim);
@@ -66,6 +83,11 @@ Motion at_fraction(Motion motion, double fraction);
 Motion shortest(Motion motion);
 
 double turn(const Motion& motion);  // sum of the angles of its steps, without sign, in degrees
+
+// Whether a mesh that has followed the motion `before` leads to `now`, the same steps with other numbers: no turn from
+// one to the other is above 90 degrees, nor, but for those as they are written, the whole turn above 180, from where the
+// shorter way is the other one.
+bool leads_to(const Motion& before, const Motion& now, bool as_written);
 
 BoundaryHold hold_of(const Motion& motion);
 BoundaryHold hold_of_rest(const Motion& motion);  // of the nodes that its file leaves out

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/files.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
@@ -92,14 +93,16 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
         if (seen.face < 0) seen = {f, k};
         const double* a = &target.node[seen.k * dim];
         const double* b = &target.node[k * dim];
-        double difference = 0;
-        for (int c = 0; c < dim; ++c) difference = std::max(difference, std::abs(a[c] - b[c]));
+        Vec<3> way{};
+        for (int c = 0; c < dim; ++c) way[c] = b[c] - a[c];
         const double tolerance = 1e-6 * std::min(size[seen.face], size[f]);
-        if (difference <= tolerance + rounding) return;
+        if (std::max({std::abs(way[0]), std::abs(way[1]), std::abs(way[2])}) <= tolerance + rounding) return;
+        std::string apart;
+        append(apart, length(way), 4);
         throw InputError("node ", mesh.file.node_id[mesh.faces[k]], " lies on two boundaries whose motions disagree: ",
                          mesh.boundaries[mesh.face_boundary[seen.face]], " takes it to ", position_text(a, dim), ", ",
-                         mesh.boundaries[mesh.face_boundary[f]], " to ", position_text(b, dim),
-                         "; if one of them is a wall along which the other moves, let it `slide`");
+                         mesh.boundaries[mesh.face_boundary[f]], " to ", position_text(b, dim), ", ", apart,
+                         " apart; if one of them is a wall along which the other moves, let it `slide`");
     });
 }
 

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "base/stopwatch.hpp"
+#include "support/child.hpp"
 #include "support/ring_deck.hpp"
 
 using namespace almesh;
@@ -30,17 +31,6 @@ struct Results {
     }
     bool operator==(const Results&) const = default;
 };
-
-// In a process of its own: its exit code, or minus the signal that ended it.
-template <class Body, class Meanwhile>
-int in_child(const Body& body, const Meanwhile& meanwhile) {
-    const pid_t child = fork();
-    if (child == 0) _exit(body());
-    meanwhile(child);
-    int status = 0;
-    REQUIRE(waitpid(child, &status, 0) == child);
-    return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
-}
 
 std::vector<std::string> saving(std::vector<std::string> settings, bool resume) {
     settings.push_back("checkpoint=1e-9");

@@ -56,3 +56,13 @@ TEST_CASE("errors name the column and what was expected") {
     CHECK(has(error_of(std::string(500, '(')), "nested too deeply"));
     CHECK(has(error_of(std::string(500, '-') + "x"), "nested too deeply"));
 }
+
+TEST_CASE("a formula tells what it names") {
+    CHECK(Expression("x + t^2")({1, 0, 0}, 3) == 10);
+    CHECK(Expression("x + t^2")({1, 0, 0}) == 1);
+    CHECK(Expression("2*pi*t").names_time());
+    CHECK(!Expression("2*pi*t").names_point());
+    CHECK(Expression("z").names_point());
+    CHECK(!Expression("z").names_time());
+    CHECK_THROWS_AS(Condition("t > 1"), UsageError);
+}

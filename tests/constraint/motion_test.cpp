@@ -329,3 +329,51 @@ TEST_CASE("any turn is two halves of it, one after the other") {
                    moved(half + "; " + half, 2, {3, 1, 0}));
     }
 }
+
+TEST_CASE("numbers that are formulas of t, formulas that name t, files by the number of the frame") {
+    const auto at = [](const std::string& text, double t, Point x) {
+        const Motion motion = at_time(parse_motion(text), t, 7);
+        CHECK(apply(motion, 3, x.data()));
+        return x;
+    };
+    CHECK(at("translate \"2*t\" 1 \"t^2\"", 3, {1, 1, 1}) == Point{7, 2, 10});
+    CHECK(at("translate \"pi - pi + 2\" 1 0", 3, {1, 1, 1}) == Point{3, 2, 1});
+    check_near(at("rotate \"90*t\" axis \"1 - t\" 0 \"t\" about \"t\" 0 0", 1, {2, 0, 0}), {1, 1, 0});
+    CHECK(at("expression \"x + t*y\" \"t\" \"z\"", 2, {1, 3, 5}) == Point{7, 2, 5});
+    const Motion motion = parse_motion("file wing-%04d.csv; rotate \"90*t\" about 1 \"2*t\"");
+    CHECK(to_string(motion) == "file wing-%04d.csv; rotate \"90*t\" about 1 \"2*t\"");
+    CHECK(parse_motion(to_string(motion)) == motion);
+    CHECK(depends_on_time(motion));
+    CHECK(!depends_on_time(parse_motion("rotate \"2*pi\"")));
+    CHECK(at_time(motion, 0, 12).steps[0].file == "wing-0012.csv");
+    CHECK(at_time(parse_motion("file w%d"), 0, 12).steps[0].file == "w12");
+    CHECK(at_time(parse_motion("file 50%-done"), 0, 12).steps[0].file == "50%-done");
+    CHECK(turn(at_time(motion, 2, 1)) == 180);
+    for (const char* text : {"translate \"1/t\" 0", "scale \"t\"", "rotate 1 axis 0 0 \"t\"", "circle 0 0 \"t\""}) {
+        CHECK(error_of(text) == "");
+        CHECK_NOTHROW(at_time(parse_motion(text), 1, 1));
+        CHECK_THROWS_AS(at_time(parse_motion(text), 0, 1), UsageError);
+    }
+    CHECK(has(error_of("translate \"2*x\" 0"), "`translate`: the formula \"2*x\" of a number may name t alone"));
+    CHECK(has(error_of("scale \"1 - 1\""), "every factor must be > 0"));
+    CHECK(has(error_of("rotate \"90*\""), "column 4"));
+}
+
+TEST_CASE("which turns a mesh that follows leads to") {
+    const auto leads = [](double from, double to, bool as_written) {
+        const auto turned = [](double t) { return at_time(parse_motion("translate \"t\" 0; rotate \"t\""), t, 1); };
+        return leads_to(turned(from), turned(to), as_written);
+    };
+    for (const double turns : {0.0, 360.0, -720.0}) {
+        CHECK(leads(turns + 10, turns + 100, false));
+        CHECK(!leads(turns + 10, turns + 101, false));
+        CHECK(leads(turns + 150, turns + 180, false));
+        CHECK(leads(turns - 150, turns - 180, false));
+        CHECK(!leads(turns + 150, turns + 190, false));
+        CHECK(!leads(turns + 180, turns + 190, false));
+        CHECK(leads(turns + 190, turns + 200, false));
+        CHECK(leads(turns + 350, turns + 370, false));
+        CHECK(leads(turns + 150, turns + 190, true));
+        CHECK(!leads(turns, turns + 360, true));
+    }
+}

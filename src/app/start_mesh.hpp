@@ -1,0 +1,15 @@
+// start = FILE: the first iterate from another file than the ideal mesh, such as the final mesh of an earlier run.
+#pragma once
+#include <vector>
+
+#include "app/deck.hpp"
+#include "base/frame.hpp"
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+// The positions of the nodes of the file deck.start_file that have the ids of those of `mesh`, in the run's frame.
+// Throws InputError where its elements are not those of the mesh, and where one is not valid.
+std::vector<double> read_start(const Deck& deck, const Mesh& mesh, const Frame& frame);
+
+}  // namespace almesh
