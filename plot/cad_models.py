@@ -122,7 +122,7 @@ def row_of(name, file, degree, options, folder):
     """{column: text} of a mesh; a text where there is none."""
     def made(optimiser, mesh):
         return cad.in_process(__file__, make, file.resolve(), degree, options.edges, options.turn, options.largest,
-                              optimiser, options.limit, mesh, limit=MESHING + options.limit)
+                              optimiser, options.limit, mesh, limit=MESHING + bool(optimiser) * options.limit)
 
     mesh = folder / f"{name}-{degree}.msh"
     if not (options.keep and mesh.exists()):
