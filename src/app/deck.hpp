@@ -50,6 +50,7 @@ struct DeckSelection {
 
 enum class Start { automatic, identity, coarse, file };
 enum class Snap { automatic, no, yes };
+enum class LocalRepair { automatic, no, yes };
 enum class SurfaceKind { automatic, keep, slide, straighten };
 enum class Split { never, automatic, around };
 enum class VtkOutput { ascii, binary, none };
@@ -74,7 +75,8 @@ struct Deck {
     std::string start_file;  // path as seen from the current folder
     Continuation continuation = Continuation::automatic;
     Snap snap = Snap::automatic;
-    int local_repair = 0;
+    LocalRepair local_repair = LocalRepair::automatic;
+    double min_scaled_jacobian = 0.02;
     double feature_angle = 30;  // degrees
     SurfaceKind surface = SurfaceKind::automatic;
     Split split = Split::never;

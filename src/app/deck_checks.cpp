@@ -11,7 +11,7 @@ namespace almesh {
 
 // The rest of the mesh stays as it is in the file.
 void check_local_repair(const Deck& deck) {
-    if (!deck.local_repair) return;
+    if (deck.local_repair != LocalRepair::yes) return;
     const auto refuse = [&](const std::string& where, const char* what) {
         throw UsageError(where, ": ", what, " does not go with local_repair = 1, which leaves the mesh as it is in ",
                          "the file but for inverted elements and those around them");
@@ -23,7 +23,6 @@ void check_local_repair(const Deck& deck) {
         if (deck.given.contains(key)) refuse(deck.given.at(key), key);
     if (deck.split != Split::never) refuse(deck.given.at("split"), "split");
     if (sets_boundary(deck.method.moving)) refuse(deck.given.at("method"), "this method");
-    if (deck.surface == SurfaceKind::straighten) refuse(deck.given.at("surface"), "surface = straighten");
 }
 
 // With fewer points than |F|^2 needs, the energy does not see some motions of the nodes inside an element.

@@ -178,9 +178,13 @@ const std::vector<DeckKey>& deck_keys() {
         {"snap", choice<&Deck::snap>({"auto", "0", "1"}),
          "1: when the run has converged, the boundary nodes are set to their targets to the last bit, where the "
          "elements stay valid; auto: 1 with algorithm = adaptive, else 0."},
-        {"local_repair", number<&Deck::local_repair>({0, 1}),
-         "1: only the nodes of elements that are inverted in the mesh file move, and those of as many elements around "
-         "them as a valid mesh needs. All boundaries must be fixed."},
+        {"local_repair", choice<&Deck::local_repair>({"auto", "0", "1"}),
+         "Curved meshes whose boundaries are all fixed. 1: only the nodes of elements that are invalid in the mesh file "
+         "move, and those of as many elements around them as a valid mesh needs; 0: all nodes; auto: all nodes of a "
+         "small mesh, 1 for others that have invalid elements."},
+        {"min_scaled_jacobian", number<&Deck::min_scaled_jacobian>({0, 0.5}),
+         "Curved meshes whose boundaries are all fixed: an element whose scaled Jacobian is not above this counts as "
+         "invalid."},
         {"feature_angle", number<&Deck::feature_angle>({1, 180}),
          "Angle in degrees. Neighbouring faces of a sliding boundary at this angle or more belong to different "
          "surfaces: nodes slide along the edge between them, and corners do not slide."},

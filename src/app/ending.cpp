@@ -10,6 +10,7 @@
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
+#include "mesh/unused_ids.hpp"
 #include "method/comparators.hpp"
 
 namespace almesh {
@@ -161,10 +162,9 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
 std::string remedies(const Deck& deck, const Problem& problem, const Solution& solution) {
     std::string to_try = against_cause(deck, problem, solution);
     if (problem.split_elements > 0 && deck.split == Split::automatic) to_try = "split = around; " + to_try;
-    if (problem.target.freed.empty()) return to_try;
+    if (problem.target.freed.empty() || problem.curves_in_place) return to_try;
     if (problem.mesh().degree == 1) return to_try + "; split = auto, so that no nodes slide";
-    return concat(to_try, "; surface = straighten", deck.local_repair ? " and local_repair = 0" : "",
-                  ": faces become flat where nodes now slide");
+    return concat(to_try, "; surface = straighten", ": faces become flat where nodes now slide");
 }
 
 void print_diagnosis(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
@@ -186,6 +186,19 @@ std::string judgement(const Problem& problem, const Solution& solution) {
            (told ? "" : ": " + overlap_text(problem.mesh(), solution.injectivity, problem.frame));
 }
 
+void print_flat_faces(std::FILE* out, const Problem& problem) {
+    constexpr int most = 10;
+    const Mesh& mesh = problem.mesh();
+    for (int f = 0, shown = 0; f < mesh.face_count() && shown <= most; ++f) {
+        if (!problem.target.straight[f]) continue;
+        const Vec<3> centre = centroid(mesh, mesh.x, mesh.face(f), mesh.face_cell(f).vertices);
+        if (shown++ == most) std::fprintf(out, "  ...\n");
+        else std::fprintf(out, "  %lld of %s at %s\n", id_in_file(mesh.file.face_id, f),
+                          mesh.boundaries[mesh.face_boundary[f]].c_str(),
+                          position_text(problem.frame.to_file(centre).data(), mesh.dim).c_str());
+    }
+}
+
 void print_boundary(std::FILE* out, const Problem& problem, const Solution& solution) {
     const AlIteration& last = solution.al.iterations.back();
     if (solution.nodes_off_target == 0)
@@ -203,9 +216,11 @@ void print_boundary(std::FILE* out, const Problem& problem, const Solution& solu
         std::fprintf(out, "%d nodes slid along the surface, by at most %.3g; the faces are within %.3g of it\n",
                      solution.freed_nodes, solution.largest_slide * problem.frame.length,
                      solution.surface_distance * problem.frame.length);
-    if (solution.straight_faces)
-        std::fprintf(out, "%s of %d made flat\n", counted(solution.straight_faces, "face").c_str(),
-                     problem.mesh().face_count());
+    if (solution.straight_faces) {
+        std::fprintf(out, "%s of %d made flat%s\n", counted(solution.straight_faces, "face").c_str(),
+                     problem.mesh().face_count(), problem.curves_in_place ? ", or flatter than they came:" : "");
+        if (problem.curves_in_place) print_flat_faces(out, problem);
+    }
     print_distances(out, problem.mesh(), solution.distances, "the target as it came");
 }
 
@@ -246,8 +261,9 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
     if (const int steps = solution.coarse_newton_iterations) others = concat(steps, " more on coarser meshes");
     if (const int steps = solution.al.earlier_newton_iterations)
         others += concat(others.empty() ? "" : ", ", steps,
-                         deck.distortion.objective == Objective::minimax ? " more with earlier powers"
-                                                                    : " more in earlier load increments");
+                         problem.curves_in_place                           ? " more in parts that were given up"
+                         : deck.distortion.objective == Objective::minimax ? " more with earlier powers"
+                                                                           : " more in earlier load increments");
     if (!others.empty()) others = " (" + others + ")";
     std::fprintf(out, "%s: %s%s in %.2f s\n", headline(solution.al.status).c_str(), work_of(deck, solution).c_str(),
                  others.c_str(), solution.time.total);

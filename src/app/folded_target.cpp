@@ -108,8 +108,7 @@ void add_around(const Mesh& mesh, std::vector<int>& elements) {
     }
 }
 
-}  // namespace
-
+// Makes the chosen faces of the target flat, and more until it folds nothing. chosen: per face.
 void straighten_target(const CheckedTarget& checked, std::vector<char> chosen) {
     const Mesh& mesh = checked.mesh;
     BoundaryTarget& target = checked.target;
@@ -128,6 +127,8 @@ void straighten_target(const CheckedTarget& checked, std::vector<char> chosen) {
         if (count(chosen) == 0) refuse(mesh, faults, "\ntry a finer mesh there: its faces cannot be flat");
     }
 }
+
+}  // namespace
 
 std::string straighten_folded(const CheckedTarget& checked) {
     const TargetFaults faults = faults_of(checked);

@@ -35,7 +35,4 @@ std::string free_folded(const CheckedTarget& checked);
 // not help.
 std::string straighten_folded(const CheckedTarget& checked);
 
-// Makes the chosen faces of the target flat, and more until it folds nothing. chosen: per face. Throws as above.
-void straighten_target(const CheckedTarget& checked, std::vector<char> chosen);
-
 }  // namespace almesh

@@ -196,6 +196,16 @@ void take_to_run(const Frame& frame, Level& level) {
     frame.take_to_run(level.ideal, level.mesh.dim);
 }
 
+// Whether a curved mesh is only to be made valid, with what may be done to its boundary (curving.hpp).
+bool curves_in_place(const Deck& deck, const Problem& problem) {
+    const auto is_fixed = [](const Motion& motion) { return motion == parse_motion("fixed"); };
+    return problem.mesh().degree > 1 && deck.distortion.delta == 0 && deck.frames.empty() && deck.start != Start::file &&
+           (!problem.is_own_ideal || deck.local_repair == LocalRepair::yes) &&
+           deck.split == Split::never && deck.method.moving == MovingMethod::augmented_lagrangian &&
+           (deck.surface == SurfaceKind::automatic || deck.surface == SurfaceKind::straighten) &&
+           std::all_of(problem.motions.begin(), problem.motions.end(), is_fixed);
+}
+
 void read_motions(const Deck& deck, Problem& problem) {
     problem.motions = motions_of(deck, problem.base);
     NodeTargets targets = read_node_targets(problem.base, problem.motions);
@@ -400,10 +410,11 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
         problem.notes = before;
         discretise(deck, problem);
     }
-    change_folded_target(deck, problem);
+    problem.curves_in_place = curves_in_place(deck, problem);
+    if (!problem.curves_in_place) change_folded_target(deck, problem);
     set_frame(deck, problem);
     const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, whole, problem);
-    if (deck.local_repair || !deck.frames.empty()) problem.file_x = problem.mesh().x;
+    if (problem.curves_in_place || !deck.frames.empty()) problem.file_x = problem.mesh().x;
     finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
     problem.sliding = sliding;
     take_to_run(problem.frame, *problem.level);
@@ -413,6 +424,12 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
     problem.run_id = run_id(deck, problem.mesh_hash);
     problem.level->mesh.file.comment = concat(version(), ", run ", problem.run_id);
     return problem;
+}
+
+std::shared_ptr<SlidingSurfaces> surfaces_in_place(const Deck& deck, const Problem& problem) {
+    BoundaryTarget target = problem.target;
+    target.freed.assign(problem.mesh().nodes(), 1);
+    return surfaces_at(1, deck, problem, problem.mesh(), target, problem.motions);
 }
 
 void set_functional(const Deck& deck, const Problem& problem) {

@@ -25,7 +25,8 @@ struct Problem {
     std::vector<double> node_target;    // target.node in units of the file,
     std::vector<double> curved_target;  // and before faces were made straight; empty where none was
     int split_elements = 0;           // of the file: inverted by the target, and divided in the base mesh
-    std::vector<double> file_x;       // local_repair = 1, frames: mesh().x in units of the file, nodes x dim
+    bool curves_in_place = false;     // it is curved, and its boundary is to stay where the file has it (curving.hpp)
+    std::vector<double> file_x;       // curved in place, frames: mesh().x in units of the file, nodes x dim
     std::vector<double> start;        // start = FILE: the first iterate, in the run's frame
     PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
@@ -61,6 +62,9 @@ void move_target(const Deck& deck, Problem& problem);
 
 // The problem's target as folded_target.hpp checks and changes it.
 CheckedTarget checked_target(const Deck& deck, Problem& problem);
+
+// Of a mesh that is curved in place, the surfaces of the file along which nodes can slide; null where they are not known.
+std::shared_ptr<SlidingSurfaces> surfaces_in_place(const Deck& deck, const Problem& problem);
 
 // Gives the problem's level its energy and its constraint: the functional of Eq. 6. The problem must stay where it is.
 void set_functional(const Deck& deck, const Problem& problem);

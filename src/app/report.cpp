@@ -60,11 +60,12 @@ std::string reason_of_cut(Nw row) {
     return row.step.cuts_decrease ? "insufficient decrease" : "none";
 }
 
-const char* kind(const Stage& stage) { return stage.power ? "power" : stage.fraction < 1 ? "part" : "coarse"; }
+const char* kind(const Stage& stage) { return !stage.part.empty() ? "local" : stage.power ? "power" : stage.fraction < 1 ? "part" : "coarse"; }
 
 std::string update(Al row) {
     if (!row.stage) return to_string(row.it.update);
     if (row.stage->status != Status::converged) return "dropped";
+    if (!row.stage->part.empty()) return "kept";
     if (row.stage->power) return "next power";
     return row.stage->fraction < 1 ? "next part" : "finer mesh";
 }
@@ -180,7 +181,8 @@ void Report::add(const Stage& stage) {
     if (stage.status == Status::converged && stage.fraction < 1) reached = std::max(reached, stage.fraction);
     const char* const used = stage.status == Status::converged ? "" : ", not used";
     std::string what = "  ";
-    if (stage.power) what += "(eta - 1)^" + std::to_string(stage.power);
+    if (!stage.part.empty()) what += stage.part;
+    else if (stage.power) what += "(eta - 1)^" + std::to_string(stage.power);
     else if (stage.fraction < 1) append(what, stage.fraction, 3), what += " of the motion";
     else what += std::to_string(stage.nodes) + " nodes";
     print(row, kind(stage), what + used);

@@ -84,9 +84,12 @@ void write_boundary(const Deck& deck, const Problem& problem, const Solution& so
         {"multipliers", dim, scaled(multipliers, units.multiplier(1))},
         {"multiplier_magnitude", 1, scaled(magnitude, units.multiplier(1))},
         {"constraint", dim, scaled(constraint.constraint_field(solution.x), units.constraint(1))}};
+    std::vector<VtkArray> cell_data = {{"boundary", 1, std::move(boundary)}};
+    if (const std::vector<char>& flat = problem.target.straight; !flat.empty())
+        cell_data.push_back({"flat", 1, {flat.begin(), flat.end()}});
     write_vtk(deck.output + "/boundary.vtk",
               {title(deck, "boundary"), dim, mesh.degree, std::move(x), std::move(cells), dim - 1,
-               std::move(point_data), {{"boundary", 1, std::move(boundary)}}, provenance(deck, problem),
+               std::move(point_data), std::move(cell_data), provenance(deck, problem),
                mesh.groups_of_faces},
               format_of(deck));
 }

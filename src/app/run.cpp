@@ -3,16 +3,15 @@
 #include <optional>
 
 #include "app/commands.hpp"
+#include "app/curving.hpp"
 #include "app/ending.hpp"
-#include "app/memory.hpp"
-#include "app/local_repair.hpp"
 #include "app/frames.hpp"
+#include "app/memory.hpp"
 #include "app/problem.hpp"
 #include "app/report.hpp"
 #include "app/results.hpp"
 #include "app/results_folder.hpp"
 #include "app/solve.hpp"
-#include "app/straightening.hpp"
 #include "app/volumes.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -105,7 +104,7 @@ void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     const TimeAdder adder(solution.time.certify);
     Level& level = *problem.level;
     solution.certificate = certify(level.mesh, solution.x, deck.certificate);
-    solution.injectivity = certify_injective(level.mesh, solution.x, solution.certificate);
+    solution.injectivity = certified_injective(problem, solution.x, solution.certificate);
     solution.size_skew = size_skew(level.mesh, level.ideal, solution.x);
     solution.refined_elements = level.energy->refined_elements();
     solution.max_boundary_error = level.constraint->max_error(solution.x);
@@ -264,10 +263,9 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const Solve solve_problem = [&](const Deck& settings, const Problem& of) {
         return solve(settings, of, checkpoint.get(), report, out);
     };
-    Solution solution = deck.local_repair ? repair_locally(deck, problem, solve_problem, out)
-                        : deck.surface == SurfaceKind::straighten
-                            ? solve_straightening(deck, problem, solve_problem, out)
-                            : solve_problem(deck, problem);
+    const StageObserver add_stage = [&](const Stage& stage) { report.add(stage); };
+    Solution solution = problem.curves_in_place ? curve_in_place(deck, problem, solve_problem, add_stage, out)
+                                                 : solve_problem(deck, problem);
     solution.predicted_bytes = bytes;
     solution.time.setup += setup_seconds;
     solution.time.write += write_seconds;

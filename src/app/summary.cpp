@@ -79,7 +79,8 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"newton_iterations", "Newton steps of all minimisations, and linear solves of methods that set the boundary"},
      count, [](R r) { return text(r.al.newton_iterations); }},
     {{"earlier_newton_iterations",
-      "Newton steps in earlier load increments and with earlier powers, not among newton_iterations"}, count,
+      "Newton steps in earlier load increments, with earlier powers, and in parts of a curved mesh that were given up; not "
+      "among newton_iterations"}, count,
      [](R r) { return text(r.al.earlier_newton_iterations); }},
     {{"coarse_newton_iterations", "Newton steps on coarser meshes, not among newton_iterations"}, count,
      [](R r) { return text(r.solution.coarse_newton_iterations); }},
@@ -119,7 +120,7 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.units.distance(r.solution.largest_slide), 6); }},
     {{"surface_distance", "largest distance between a face whose nodes slide and the surface"}, decimal,
      [](R r) { return text(r.units.distance(r.solution.surface_distance), 6); }},
-    {{"straight_faces", "faces of the target that were made flat, with surface = straighten"}, count,
+    {{"straight_faces", "faces of the target that were made flat, or flatter than they came"}, count,
      [](R r) { return text(r.solution.straight_faces); }},
     {{"boundary_distance",
       "largest distance of a face from where the target had the boundary before nodes slid or faces were made flat"},

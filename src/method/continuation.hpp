@@ -18,6 +18,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "mesh/mesh.hpp"
@@ -49,6 +50,7 @@ struct Stage {
     int newton_iterations = 0;
     double fraction = 1;  // of the motion
     int power = 0;        // of eta - 1, where it is one of several (p_norm.hpp)
+    std::string part = {};  // of the mesh, solved by itself: which, and what its boundary does
 };
 
 using StageObserver = std::function<void(const Stage&)>;

@@ -97,7 +97,7 @@ TEST_CASE("what a run has curved and turned can be moved again, with every metho
     }
     const Outcome repair = ring.run({turned, "boundary inner=fixed", "local_repair=1"});
     CHECK(repair.code == 0);
-    CHECK(has(repair.out, "no element is inverted in the file: nothing moves"));
+    CHECK(has(repair.out, "no element is invalid in the file: nothing moves"));
 }
 
 TEST_CASE("what does not go with a curved ideal mesh is refused, with what to do") {

@@ -132,7 +132,7 @@ TEST_CASE("names of earlier decks are read, and a note says the present one once
                              "expect followed_newton_iterations <= 12\nexpect released_nodes<= 3\nexpect released_nodes >= 1\n"
                              "expect straightening_distance <= 0.1");
     CHECK(deck.continuation == Continuation::always);
-    CHECK(deck.local_repair == 1);
+    CHECK(deck.local_repair == LocalRepair::yes);
     CHECK(deck.distortion.objective == Objective::minimax);
     CHECK(deck.expectations[0].quantity == "diagnosis");
     CHECK(deck.expectations[1].quantity == "earlier_newton_iterations");
@@ -147,9 +147,9 @@ TEST_CASE("names of earlier decks are read, and a note says the present one once
                             "expect earlier_newton_iterations <= 12\nexpect freed_nodes <= 3\nexpect freed_nodes >= 1\n"
                             "expect boundary_distance <= 0.1"));
     CHECK(parsed("objective = squared").notes.empty());
-    CHECK(parsed("region = all").local_repair == 0);
+    CHECK(parsed("region = all").local_repair == LocalRepair::no);
     CHECK(has(error_of("continuation = never\nfollow = always"), "`continuation` is already set"));
-    CHECK(has(error_of("region = some"), "local_repair = some: expected integer in 0..1"));
+    CHECK(has(error_of("region = some"), "local_repair = some: expected auto | 0 | 1"));
     CHECK(parsed("follow = never", {"follow=always"}).continuation == Continuation::always);
 }
 

@@ -1,0 +1,167 @@
+#include "app/curved_part.hpp"
+
+#include <algorithm>
+
+#include "check/straightened.hpp"
+#include "constraint/sliding_boundary.hpp"
+#include "constraint/sliding_nodes.hpp"
+#include "mesh/part.hpp"
+#include "method/levels.hpp"
+#include "method/snap.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr int most_al_iterations = 6, most_newton_steps = 12;  // what needs more is not to be had
+constexpr int first_newton_steps = 8;  // after which the boundary has come so near to its target,
+constexpr double nearer = 0.05;        // or never will
+
+std::vector<double> gathered(const std::vector<double>& field, const std::vector<int>& node, int dim) {
+    std::vector<double> of_part;
+    for (const int i : node) of_part.insert(of_part.end(), point(field, i, dim), point(field, i, dim) + dim);
+    return of_part;
+}
+
+// All boundaries fixed at these positions.
+BoundaryTarget fixed_at(Mesh mesh, const std::vector<double>& x) {
+    mesh.x = x;
+    return make_target(mesh, std::vector<Motion>(mesh.boundaries.size(), parse_motion("fixed")));
+}
+
+// The smooth surfaces at the nodes of the file, wherever they have slid meanwhile.
+std::shared_ptr<SlidingSurfaces> surfaces_of_part(const SlidingSurfaces& whole, const CurvedPart& part,
+                                                  const std::vector<char>& freed) {
+    auto surfaces = std::make_shared<SlidingSurfaces>(whole, part.face, part.mesh, whole.frame());
+    BoundaryTarget target = fixed_at(part.mesh, whole.frame().to_file(part.file, part.mesh.dim));
+    target.freed = freed;
+    smooth_freed(part.mesh, target, *surfaces);
+    return surfaces;
+}
+
+bool keeps_rest(const CurvedPart& part, const std::vector<double>& x) {
+    const int dim = part.mesh.dim;
+    for (int i = 0; i < part.mesh.nodes(); ++i)
+        if (part.on_cut[i] && !std::equal(point(x, i, dim), point(x, i, dim) + dim, point(part.start, i, dim)))
+            return false;
+    return true;
+}
+
+}  // namespace
+
+CurvedPart curved_part(const Problem& whole, const std::vector<char>& chosen, const std::vector<double>& x,
+                       const std::vector<double>& curved) {
+    const Mesh& mesh = whole.mesh();
+    CurvedPart part;
+    part.mesh = part_of(mesh, chosen, "the rest of the mesh");
+    part.node.resize(part.mesh.nodes());
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        if (!chosen[e]) continue;
+        const int* const node = part.mesh.element(static_cast<int>(part.element.size()));
+        for (int k = 0; k < mesh.element_nodes(e); ++k) part.node[node[k]] = mesh.element(e)[k];
+        part.element.push_back(e);
+    }
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (chosen[mesh.face_element[f]]) part.face.push_back(f);
+    part.on_cut.resize(part.mesh.nodes(), 0);
+    for_face_nodes(part.mesh, [&](int f, std::size_t k) {
+        if (part.mesh.face_boundary[f] == part.mesh.cut) part.on_cut[part.mesh.faces[k]] = 1;
+    });
+    part.mesh.x = gathered(whole.ideal(), part.node, mesh.dim);
+    part.file = gathered(mesh.x, part.node, mesh.dim);
+    part.start = gathered(x, part.node, mesh.dim);
+    part.curved = gathered(curved, part.node, mesh.dim);
+    for (int i = 0; i < part.mesh.nodes(); ++i)
+        if (part.on_cut[i]) std::copy_n(point(part.start, i, mesh.dim), mesh.dim, point(part.curved, i, mesh.dim));
+    return part;
+}
+
+TargetFaults find_faults(const CurvedPart& part, double bound) {
+    return find_faults(part.mesh, part.mesh.x, fixed_at(part.mesh, part.curved), bound);
+}
+
+std::vector<int> elements_of(const CurvedPart& part, const TargetFaults& faults) {
+    std::vector<int> elements;
+    for (const TargetReport::Fault& fault : faults.faces.faults)
+        elements.push_back(part.mesh.face_element[fault.face]);
+    for (const auto& pair : faults.faces.crossing)
+        for (const int f : pair) elements.push_back(part.mesh.face_element[f]);
+    for (const ElementFault& fault : faults.elements) elements.push_back(fault.element);
+    return elements;
+}
+
+std::vector<char> freed_nodes(const CurvedPart& part, const std::vector<int>& elements) {
+    const Mesh& mesh = part.mesh;
+    std::vector<char> chosen(mesh.element_count(), 0), freed(mesh.nodes(), 0);
+    for (const int e : elements) chosen[e] = 1;
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        const int i = mesh.faces[k];
+        if (mesh.face_boundary[f] != mesh.cut && chosen[mesh.face_element[f]] && !part.on_cut[i]) freed[i] = 1;
+    });
+    return freed;
+}
+
+std::vector<char> freed_nodes_around(const CurvedPart& part, const TargetFaults& faults) {
+    return freed_nodes(part.mesh, fixed_at(part.mesh, part.curved), faults);
+}
+
+void flatten(CurvedPart& part, double bound) {
+    constexpr double useful = 0.05;  // scaled Jacobian of elements at fault, when they no longer are
+    std::vector<char> at_fault(part.mesh.element_count(), 0);
+    for (const int e : elements_of(part, find_faults(part, bound))) at_fault[e] = 1;
+    part.curved = straightened(part.mesh, part.mesh.x, part.curved, [&](const std::vector<double>& x) {
+        part.curved = x;
+        TargetFaults faults = find_faults(part, std::max(bound, useful));
+        std::erase_if(faults.elements, [&](const ElementFault& fault) {
+            return fault.scaled_jacobian > bound && !at_fault[fault.element];
+        });
+        return elements_of(part, faults);
+    });
+}
+
+CurvedPartResult curve(const Deck& settings, const CurvedPart& part, const std::vector<char>& freed,
+                       const SlidingSurfaces* surfaces) {
+    Deck deck = settings;
+    deck.degree = deck.refine = 0;
+    AugmentedLagrangianParams& limits = deck.method;
+    limits.max_iterations = std::min(limits.max_iterations, most_al_iterations);
+    limits.max_newton_iterations = std::min(limits.max_newton_iterations, most_newton_steps);
+    limits.checkpoint = nullptr;
+    Problem problem;
+    problem.base = part.mesh;
+    problem.base.x = part.curved;
+    problem.motions.assign(part.mesh.boundaries.size(), parse_motion("fixed"));
+    problem.level = std::make_unique<Level>();
+    problem.level->mesh = problem.base;
+    problem.level->ideal = part.mesh.x;
+    problem.target = make_target(problem.base, problem.motions);
+    if (surfaces) {
+        problem.target.freed = freed;
+        problem.sliding = surfaces_of_part(*surfaces, part, freed);
+    }
+    set_functional(deck, problem);
+    const Level& level = *problem.level;
+    AlStart start;
+    start.mu = largest_start_penalty;
+    start.lambda.assign(level.constraint->multipliers(), 0.0);  // not cold: the mesh is near
+    Newton newton(level.energy->hessian_pattern(), deck.linear, {.forcing = deck.forcing});
+    CurvedPartResult result{part.start, {}, {}};
+    AugmentedLagrangianParams first = limits;
+    first.max_newton_iterations = std::min(limits.max_newton_iterations, first_newton_steps);
+    result.al = minimise(*level.energy, *level.constraint, newton, first, result.x, {}, start);
+    const auto distance = [](const AlIteration& row) { return row.projected_constraint_norm; };
+    if (result.al.status == Status::max_newton_iterations) {
+        if (distance(result.al.iterations.back()) > nearer * distance(result.al.iterations[0])) return result;
+        const int steps = result.al.newton_iterations;
+        start.lambda = std::move(result.al.lambda);
+        result.al = minimise(*level.energy, *level.constraint, newton, limits, result.x, {}, start);
+        result.al.newton_iterations += steps;
+    }
+    if (snap_to_targets(*level.energy, *level.constraint, result.x) > 0 || !keeps_rest(part, result.x)) return result;
+    result.certificate = certify(part.mesh, result.x, deck.certificate);
+    Mesh mesh = part.mesh;
+    result.certificate.valid =
+        certify_curved(mesh, part.mesh.x, part.start, result.x, result.certificate).certified;
+    return result;
+}
+
+}  // namespace almesh

@@ -1,0 +1,292 @@
+#include "app/curving.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/curved_part.hpp"
+#include "base/error.hpp"
+#include "base/interrupt.hpp"
+#include "base/text.hpp"
+#include "check/straightened.hpp"
+#include "constraint/sliding_nodes.hpp"
+#include "mesh/part.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double small_work = 5e5;  // blocks of all elements' Hessians: about a second for all steps of a solution
+constexpr int most_al_iterations = 6, most_newton_steps = 20;  // of the whole mesh, when there is another way
+
+// What is done with the boundary of a part, and how far the part reaches around the elements that were straightened,
+// in units of their edges.
+enum class Boundary { stays, slides, slides_around, flattens };
+struct Attempt {
+    Boundary boundary;
+    double reach;
+};
+constexpr Attempt attempts[] = {{Boundary::stays, 1},
+                                {Boundary::stays, 2},
+                                {Boundary::slides, 1},
+                                {Boundary::slides_around, 1},
+                                {Boundary::flattens, 1}};
+const char* const what[] = {"boundary as in the file", "nodes slide", "nodes around slide", "faces are flatter"};
+
+constexpr std::size_t most_at_once = 48;  // elements straightened in one part
+
+int count(const std::vector<char>& some) { return static_cast<int>(std::count(some.begin(), some.end(), 1)); }
+
+// The chosen elements in sets of neighbours, by their vertices, of at most so many.
+std::vector<std::vector<int>> places_of(const Mesh& mesh, const std::vector<char>& chosen, std::size_t most) {
+    std::vector<std::vector<int>> at_vertex(mesh.nodes()), places;
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int k = 0; k < mesh.cell(e).vertices && chosen[e]; ++k) at_vertex[mesh.element(e)[k]].push_back(e);
+    std::vector<char> is_left = chosen;
+    for (int first = 0; first < mesh.element_count(); ++first) {
+        if (!is_left[first]) continue;
+        std::vector<int>& place = places.emplace_back(1, first);
+        is_left[first] = 0;
+        for (std::size_t next = 0; next < place.size(); ++next) {
+            const int* const node = mesh.element(place[next]);
+            for (int k = 0; k < mesh.cell(place[next]).vertices; ++k)
+                for (const int e : at_vertex[node[k]]) {
+                    if (!is_left[e] || place.size() == most) continue;
+                    is_left[e] = 0;
+                    place.push_back(e);
+                }
+        }
+    }
+    return places;
+}
+
+std::vector<int> elements_of(const CurvedPart& part, const std::vector<char>& chosen) {
+    std::vector<int> elements;
+    for (std::size_t e = 0; e < part.element.size(); ++e)
+        if (chosen[part.element[e]]) elements.push_back(static_cast<int>(e));
+    return elements;
+}
+
+class Curving {
+public:
+    Curving(const Deck& deck, Problem& problem, const StageObserver& observe)
+        : deck_(deck), problem_(problem), mesh_(problem.mesh()), observe_(observe), freed_(mesh_.nodes(), 0) {
+        deck_.method.checkpoint = nullptr;
+        if (deck_.distortion.objective == Objective::minimax) deck_.distortion.objective = Objective::squared;
+    }
+
+    // From here on the mesh is valid.
+    void straighten(std::FILE* out) {
+        const StraightenedMesh found = straightened(mesh_.x);
+        places_ = places_of(mesh_, found.was_at_fault, most_at_once);
+        const auto count = std::count_if(found.was_at_fault.begin(), found.was_at_fault.end(),
+                                         [](char was) { return was != 0; });
+        if (count == 0)
+            std::fprintf(out, "no element is invalid in the file: nothing moves (local_repair = 0: all nodes do)\n");
+        else
+            std::fprintf(out, "%d of %d elements straightened, to be curved again in parts%s:\n",
+                         static_cast<int>(count), mesh_.element_count(),
+                         found.injectivity.certified ? "" : ", which does not make the mesh valid and injective yet");
+    }
+
+    void curve_parts() {
+        for (const std::vector<int>& place : places_) curve_around(place);
+        if (!places_.empty()) straightened(solution_.x);  // parts that overlap each other, if there are any
+    }
+
+    // The target is where the boundary is, and what was freed is free to slide.
+    void set_target() {
+        problem_.curved_target = problem_.node_target;
+        BoundaryTarget& target = problem_.target;
+        Mesh at = mesh_;
+        at.x = solution_.x;
+        for (int i = 0; i < mesh_.nodes(); ++i)
+            if (freed_[i]) std::copy_n(point(mesh_.x, i, mesh_.dim), mesh_.dim, point(at.x, i, mesh_.dim));
+        target = make_target(at, problem_.motions);
+        std::vector<char> flat(mesh_.face_count(), 0);
+        for_face_nodes(mesh_, [&](int f, std::size_t k) {
+            const double *const x = point(at.x, mesh_.faces[k], mesh_.dim);
+            if (std::equal(x, x + mesh_.dim, point(mesh_.x, mesh_.faces[k], mesh_.dim))) return;
+            flat[f] = 1;
+            for (int a = 0; a < mesh_.dim; ++a)
+                problem_.node_target[offset(k, mesh_.dim, a)] = problem_.frame.to_file(x[a], a, mesh_.dim);
+        });
+        if (count(flat) > 0) target.straight = flat;
+        else problem_.curved_target.clear();
+        if (count(freed_) == 0) return;
+        target.freed = freed_;
+        BoundaryTarget in_file = target;
+        in_file.node = problem_.frame.to_file(target.node, mesh_.dim);
+        smooth_freed(mesh_, in_file, *surfaces_);
+        problem_.sliding = surfaces_;
+    }
+
+    Solution solution() {
+        Level& level = *problem_.level;
+        set_functional(deck_, problem_);
+        solution_.al.lambda.assign(level.constraint->multipliers(), 0.0);
+        AlIteration row = measured(*level.energy, *level.constraint, solution_.x, solution_.al.distortion);
+        row.gradient_norm = gradient_norm_;
+        solution_.al.iterations.push_back(row);
+        solution_.al.status = interrupted() ? Status::interrupted : Status::converged;
+        solution_.time.total = watch_.seconds();
+        return std::move(solution_);
+    }
+
+private:
+    const Stopwatch watch_;
+    Deck deck_;
+    Problem& problem_;
+    const Mesh& mesh_;
+    const StageObserver& observe_;
+    Solution solution_;
+    double gradient_norm_ = 0;  // the largest of those with which parts ended
+    std::vector<char> freed_;   // per node: whether it has slid, or could have
+    std::vector<std::vector<int>> places_;  // elements that were straightened, in sets
+    std::vector<double> bound_;             // per element: of its scaled Jacobian, from below
+    std::shared_ptr<SlidingSurfaces> surfaces_;  // null: not made yet
+    bool has_no_surfaces_ = false;
+
+    // Takes the mesh from these positions to a certified one.
+    StraightenedMesh straightened(const std::vector<double>& x) {
+        StraightenedMesh found =
+            straighten_invalid(mesh_, problem_.ideal(), x, deck_.min_scaled_jacobian, deck_.certificate);
+        for (std::size_t k = 0; k < x.size(); ++k)
+            if (found.x[k] != x[k]) freed_[k / mesh_.dim] = 0;
+        solution_.x = std::move(found.x);
+        bound_ = found.certificate.lower_bound;
+        return found;
+    }
+
+    bool can_slide() {
+        if (deck_.surface == SurfaceKind::straighten || has_no_surfaces_) return false;
+        try {
+            if (!surfaces_) surfaces_ = surfaces_in_place(deck_, problem_);
+        } catch (const InputError&) {  // the file's boundary is such that they are not known
+            has_no_surfaces_ = true;
+        }
+        return !has_no_surfaces_;
+    }
+
+    void curve_around(const std::vector<int>& place) {
+        std::vector<char> is_of_place(mesh_.element_count(), 0);
+        std::vector<double> curved = solution_.x;
+        for (const int e : place) {
+            is_of_place[e] = 1;
+            for (int k = 0; k < mesh_.element_nodes(e); ++k) {
+                const int i = mesh_.element(e)[k];
+                if (!freed_[i]) std::copy_n(point(mesh_.x, i, mesh_.dim), mesh_.dim, point(curved, i, mesh_.dim));
+            }
+        }
+        if (curved == solution_.x) return;  // others around have done it
+        for (const Attempt& attempt : attempts) {
+            if (interrupted()) return;
+            CurvedPart part =
+                curved_part(problem_, surroundings(mesh_, is_of_place, attempt.reach), solution_.x, curved);
+            const TargetFaults faults = find_faults(part, deck_.min_scaled_jacobian);
+            const Boundary boundary = attempt.boundary;
+            if (boundary == Boundary::stays ? !faults.none() : boundary != Boundary::slides && faults.none()) continue;
+            std::vector<char> freed;
+            if (boundary == Boundary::slides || boundary == Boundary::slides_around) {
+                if (!can_slide()) continue;
+                freed = freed_nodes(part, faults.none() ? elements_of(part, is_of_place) : elements_of(part, faults));
+                if (boundary == Boundary::slides_around) freed = freed_nodes_around(part, faults);
+            }
+            if (boundary == Boundary::flattens) flatten(part, deck_.min_scaled_jacobian);
+            if (curve(part, freed, boundary, place[0])) return;
+        }
+    }
+
+    // Whether the part is certified, and makes no element worse than it may be. around: an element, to tell the place.
+    bool curve(const CurvedPart& part, const std::vector<char>& freed, Boundary boundary, int around) {
+        const Stopwatch watch;
+        const CurvedPartResult found = almesh::curve(deck_, part, freed, freed.empty() ? nullptr : surfaces_.get());
+        bool is_better = found.certificate.valid;
+        for (std::size_t e = 0; e < part.element.size() && is_better; ++e)
+            is_better = found.certificate.lower_bound[e] >
+                        std::min(deck_.min_scaled_jacobian, 0.999 * bound_[part.element[e]]);
+        Stage stage;
+        stage.nodes = part.mesh.nodes();
+        stage.status = is_better ? Status::converged : Status::stalled;
+        stage.last = found.al.iterations.back();
+        stage.last.seconds = watch.seconds();
+        stage.newton_iterations = found.al.newton_iterations;
+        const Vec<3> at = problem_.frame.to_file(element_centre(mesh_, mesh_.x, around));
+        stage.part = concat(part.mesh.element_count(), " elements around ", position_text(at.data(), mesh_.dim), ": ",
+                            what[static_cast<int>(boundary)]);
+        observe_(stage);
+        int& steps = is_better ? solution_.al.newton_iterations : solution_.al.earlier_newton_iterations;
+        steps += found.al.newton_iterations;
+        if (!is_better) return false;
+        gradient_norm_ = std::max(gradient_norm_, stage.last.gradient_norm);
+        for (std::size_t e = 0; e < part.element.size(); ++e)
+            bound_[part.element[e]] = found.certificate.lower_bound[e];
+        for (int k = 0; k < part.mesh.nodes(); ++k) {
+            const double* const to = point(found.x, k, mesh_.dim);
+            double* const x = point(solution_.x, part.node[k], mesh_.dim);
+            char& is_freed = freed_[part.node[k]];
+            is_freed = (!freed.empty() && freed[k]) || (is_freed && std::equal(to, to + mesh_.dim, x));
+            std::copy_n(to, mesh_.dim, x);
+        }
+        return true;
+    }
+};
+
+Deck impatient(Deck deck) {
+    deck.method.max_iterations = std::min(deck.method.max_iterations, most_al_iterations);
+    deck.method.max_newton_iterations = std::min(deck.method.max_newton_iterations, most_newton_steps);
+    if (deck.continuation == Continuation::automatic) deck.continuation = Continuation::never;
+    return deck;
+}
+
+bool is_small(const Mesh& mesh) {
+    double work = 0;
+    for (const ElementGroup& group : mesh.element_groups())
+        work += group.count * std::pow(group.cell->node_count(mesh.degree), 2);
+    return work <= small_work;
+}
+
+bool is_certified(const Deck& deck, const Problem& problem, const Solution& solution) {
+    if (solution.al.status != Status::converged) return false;
+    const Certificate certificate = certify(problem.mesh(), solution.x, deck.certificate);
+    return certified_injective(problem, solution.x, certificate).certified;
+}
+
+}  // namespace
+
+Injectivity certified_injective(const Problem& problem, const std::vector<double>& x, const Certificate& certificate) {
+    if (!problem.curves_in_place) return certify_injective(problem.mesh(), x, certificate);
+    Mesh mesh = problem.mesh();
+    const Injectivity found = certify_curved(mesh, problem.ideal(), problem.mesh().x, x, certificate);
+    if (found.certified || !certificate.valid) return found;
+    mesh.x = problem.ideal();
+    Injectivity straight = certify_injective(mesh, mesh.x, certify(mesh, mesh.x));
+    if (straight.certified) return found;
+    straight.reason = "with straight sides too, " + straight.reason;
+    return straight;
+}
+
+Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, const StageObserver& observe,
+                        std::FILE* out) {
+    const bool as_whole = deck.local_repair == LocalRepair::no ||
+                          (deck.local_repair == LocalRepair::automatic && is_small(problem.mesh()));
+    const Deck settings = deck.local_repair == LocalRepair::no ? deck : impatient(deck);
+    const bool keeps_boundary =
+        find_faults(problem.mesh(), problem.ideal(), problem.target, deck.min_scaled_jacobian).none();
+    if (as_whole && keeps_boundary) {
+        Solution whole = solve(settings, problem);
+        if (is_certified(deck, problem, whole)) return whole;
+    }
+    Curving curving(deck, problem, observe);
+    curving.straighten(out);
+    curving.curve_parts();
+    curving.set_target();
+    Solution solution = curving.solution();
+    if (as_whole && !keeps_boundary && !interrupted()) {
+        Solution whole = solve(settings, problem);
+        if (is_certified(deck, problem, whole) &&
+            whole.al.distortion.max_distortion <= solution.al.distortion.max_distortion)
+            return whole;
+    }
+    return solution;
+}
+
+}  // namespace almesh
