@@ -77,16 +77,14 @@ void check_resume(const Deck& deck) {
 void check_times(const Deck& deck) {
     for (const DeckBoundary& boundary : deck.boundaries)
         if (deck.frames.empty() && depends_on_time(boundary.motion))
-            throw UsageError(boundary.where, ": boundary ", boundary.name, " moves with the time t: give the times, such as ",
-                             "`frames = 0 : 0.1 : 1`");
-    if (deck.frames.empty()) return;
-    const auto refuse = [&](const char* key, bool is_set) {
-        if (is_set) throw UsageError(deck.given.at(key), ": ", key, " does not go with frames: leave it out");
-    };
-    refuse("split", deck.split != Split::never);
-    refuse("surface", deck.surface == SurfaceKind::straighten);
-    refuse("write_system", deck.write_system > 0);
-    refuse("iterates", deck.iterates > 0);
+            throw UsageError(boundary.where, ": boundary ", boundary.name, " moves with the time t: ",
+                             "give the times, such as `frames = 0 : 0.1 : 1`");
+    for (const auto& [key, is_set] : {std::pair("split", deck.split != Split::never),
+                                      std::pair("surface", deck.surface == SurfaceKind::straighten),
+                                      std::pair("write_system", deck.write_system > 0),
+                                      std::pair("iterates", deck.iterates > 0)})
+        if (is_set && !deck.frames.empty())
+            throw UsageError(deck.given.at(key), ": ", key, " does not go with frames: leave it out");
 }
 
 // Keys that mean nothing to the method that moves the mesh.

@@ -31,9 +31,11 @@ private:
     NewtonMemory fresh_;  // of one that has made no step: a frame does not depend on those before it
 
     Newton& newton(const Deck& deck);
+    void prepare(const Deck& deck);
     const std::vector<double>* start(const Deck& deck, const FrameBefore& before, std::string& started_from);
     Solution solve_from(const Deck& deck, const std::vector<double>& x);
     Solution solve_anew(const Deck& deck);
+    bool settles(const Deck& deck) const;
     void settle(const Deck& deck, Solution& solution);
 };
 

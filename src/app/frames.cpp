@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
-#include <optional>
 
 #include "app/boundaries.hpp"
 #include "app/commands.hpp"
@@ -12,7 +12,6 @@
 #include "app/frame_solver.hpp"
 #include "app/results_folder.hpp"
 #include "app/solve.hpp"
-#include "base/bytes.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/parallel.hpp"
@@ -70,101 +69,46 @@ std::vector<double> times_of_file(const std::string& where, const std::string& p
     throw UsageError(where, ": frames: ", error.what());
 }
 
+// What the file of the state begins with, before the number of its frame.
+std::string state_of(const Problem& problem) {
+    return concat("almesh frames, ", version(), " ", commit(), ", run ", problem.run_id, ", frame ");
+}
+
 // "frame 3, t = 0.04"
 std::string name_of(int number, double t) { return concat("frame ", number, ", t = ", t); }
 
-// A frame of which something can be told.
+constexpr const char* heading =
+    "frame,t,status,exit_code,newton_steps,max_distortion,relative_quality,min_scaled_jacobian,certified,started_from,"
+    "seconds,note\n";
+
+// A row of frames.csv.
 struct Row {
     int number = 0;
     double t = 0;
-    std::string status, started_from, note;
+    std::string status = "refused", started_from = {}, note = {};
+    ExitCode code = ExitCode::success;
     int newton_steps = 0;
-    double max_distortion = NAN, relative_quality = NAN, min_scaled_jacobian = NAN, seconds = 0;
-    bool certified = false, has_mesh = false;
-};
+    double max_distortion = 0, relative_quality = 0, min_scaled_jacobian = 0, seconds = 0;
+    bool certified = false;
 
-constexpr const char* heading =
-    "frame,t,status,newton_steps,max_distortion,relative_quality,min_scaled_jacobian,certified,started_from,seconds,"
-    "note\n";
+    bool has_mesh() const { return status == status_row(Status::converged).name; }
+};
 
 std::string csv_of(const Row& row) {
-    std::string note = row.note;
-    for (char& c : note) c = c == '\n' ? ' ' : c == '"' ? '\'' : c;
-    const auto number = [](double value) { return std::isnan(value) ? std::string() : to_text(value); };
-    return concat(row.number, ",", row.t, ",", row.status, ",", row.newton_steps, ",", number(row.max_distortion), ",",
-                  number(row.relative_quality), ",", number(row.min_scaled_jacobian), ",",
-                  row.certified ? "yes" : "no", ",", row.started_from, ",", rounded_down(row.seconds, 4), ",",
-                  note.empty() ? "" : with_quotes(note), "\n");
-}
-
-// What the next frame depends on, and what has been told of those before it.
-struct State {
-    int frames = 0;                        // done
-    ExitCode worst = ExitCode::success;    // of them
-    int frame_of_x = 0;                    // the last one with a mesh,
-    std::vector<double> x;                 // and that, in the run's frame
-    std::vector<std::pair<std::string, double>> series;  // VTK files with their times
-    std::string csv = heading;
-};
-
-std::string header(const Problem& problem) {
-    return concat("almesh frames 1\n", version(), " ", commit(), ", run ", problem.run_id, "\n");
-}
-
-std::string text_of(const State& state, const Problem& problem) {
-    std::string text = header(problem);
-    for (const auto number : {std::uint64_t(state.frames), std::uint64_t(state.worst), std::uint64_t(state.frame_of_x),
-                              std::uint64_t(state.x.size()), std::uint64_t(state.series.size())})
-        append_bytes(text, number, std::endian::little);
-    for (const double x : state.x) append_bytes(text, x, std::endian::little);
-    for (const auto& [name, t] : state.series) append_bytes(text, t, std::endian::little), text += name + "\n";
-    text += state.csv;
-    return text + hash_of(text);
-}
-
-// Where the file is there, and whole.
-std::optional<State> read_state(const std::string& path, const Problem& problem) {
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) return std::nullopt;
-    const std::string text = read_file(path), expected = header(problem);
-    const std::size_t end = text.size() - std::min(text.size(), hash_of("").size());
-    if (!text.starts_with(expected))
-        throw UsageError("cannot resume: ", path, " is of another run or program; without resume=1 this run starts "
-                         "from the beginning and removes it");
-    if (hash_of(std::string_view(text).substr(0, end)) != text.substr(end)) return std::nullopt;
-    const char* at = text.data() + expected.size();
-    const auto take = [&at]<class Number>(Number& value) {
-        value = from_bytes<Number>(at, std::endian::little);
-        at += sizeof value;
-    };
-    State state;
-    std::uint64_t frames = 0, worst = 0, frame_of_x = 0, coordinates = 0, files = 0;
-    take(frames), take(worst), take(frame_of_x), take(coordinates), take(files);
-    state.frames = static_cast<int>(frames);
-    state.worst = static_cast<ExitCode>(worst);
-    state.frame_of_x = static_cast<int>(frame_of_x);
-    state.x.resize(coordinates);
-    for (double& x : state.x) take(x);
-    state.series.resize(files);
-    for (auto& [name, t] : state.series) {
-        take(t);
-        const char* const line_end = std::find(at, text.data() + end, '\n');
-        name.assign(at, line_end);
-        at = line_end + 1;
-    }
-    state.csv.assign(at, text.data() + end);
-    return state;
-}
-
-// Success is best, then the higher code.
-ExitCode worse(ExitCode a, ExitCode b) {
-    if (a == ExitCode::success || b == ExitCode::success) return std::max(a, b);
-    return std::min(a, b);
+    std::string note = row.note, numbers = ",,,,";
+    std::replace(note.begin(), note.end(), '\n', ' ');
+    std::replace(note.begin(), note.end(), '"', '\'');
+    if (!row.started_from.empty())
+        numbers = concat(row.newton_steps, ",", row.max_distortion, ",", row.relative_quality, ",",
+                         row.min_scaled_jacobian, ",", row.certified ? "yes" : "no");
+    return concat(row.number, ",", row.t, ",", row.status, ",", static_cast<int>(row.code), ",", numbers, ",",
+                  row.started_from, ",", rounded_down(row.seconds, 4), ",", with_quotes(note), "\n");
 }
 
 class FrameRun {
 public:
-    FrameRun(const Deck& deck, std::FILE* out, std::vector<double> times);
+    FrameRun(const Deck& deck, std::FILE* out, std::vector<double> times)
+        : deck_(deck), out_(out), times_(std::move(times)), problem_(make_problem(deck_at(deck, times_[0], 1))) {}
     ExitCode run();
 
 private:
@@ -173,156 +117,160 @@ private:
     std::vector<double> times_;
     Problem problem_;
     FrameSolver solver_{problem_};
-    State state_;
-    int first_ = 0;      // frames that were done before
-    double spent_ = 0;   // seconds, on those since
-    std::string told_;   // the last note
+    int done_ = 0, resumed_ = 0;  // frames; those that were done before
+    double spent_ = 0;            // seconds, on those since
+    ExitCode worst_ = ExitCode::success;
+    std::string csv_ = heading;
+    std::vector<std::pair<std::string, double>> series_;
+    FrameBefore before_;  // the last one with a mesh
+    std::vector<std::string> told_;  // notes
 
+    std::string path(const char* name) const { return concat(deck_.output, "/", name); }
     void resume();
-    void announce();
-    ExitCode solve_frame(const Deck& now, Row& row);
-    ExitCode keep(const Deck& now, Solution& solution, Row& row);
-    void end_frame(const Row& row);
+    void tell_notes();
+    void solve(const Deck& now, Row& row);
+    void keep(const Deck& now, Solution& solution, Row& row);
+    void add(const Row& row, const std::string& line);
     void print(const Row& row);
-    std::string state_path() const { return concat(deck_.output, "/", frames_state); }
 };
 
-FrameRun::FrameRun(const Deck& deck, std::FILE* out, std::vector<double> times)
-    : deck_(deck), out_(out), times_(std::move(times)), problem_(make_problem(deck_at(deck, times_[0], 1))) {}
-
+// The state is the last mesh, to the last bit. Rows of frames after it are computed anew.
 void FrameRun::resume() {
+    std::error_code error;
     if (!deck_.resume) return;
-    if (auto saved = read_state(state_path(), problem_)) {
-        state_ = std::move(*saved);
-        first_ = state_.frames;
-        std::fprintf(out_, "resumes after %s\n", name_of(first_, times_[first_ - 1]).c_str());
-    } else {
+    if (!std::filesystem::exists(path(frames_state), error)) {
         std::fprintf(out_, "note: no saved state in %s: the run starts from the beginning\n", deck_.output.c_str());
+        return;
     }
+    const std::string text = read_file(path(frames_state)), csv = read_file(path("frames.csv"));
+    const std::string first = text.substr(0, text.find('\n'));
+    before_.x.resize(problem_.mesh().x.size());
+    const std::size_t bytes = before_.x.size() * sizeof(double);
+    const auto last = parse_int(first.substr(first.rfind(' ') + 1), 1, static_cast<int>(times_.size()));
+    if (!first.starts_with(state_of(problem_)) || !last || text.size() != first.size() + 1 + bytes)
+        throw UsageError("cannot resume: ", path(frames_state), " is of another run or program; without resume=1 this ",
+                         "run starts from the beginning and removes it");
+    std::memcpy(before_.x.data(), text.data() + first.size() + 1, bytes);
+    before_.motions = motions_of(deck_at(deck_, times_[*last - 1], *last), problem_.base);
+    for (const std::string_view line : split(csv, '\n')) {
+        const auto cell = split(line, ',');
+        const auto number = parse_int(cell[0]), code = cell.size() > 3 ? parse_int(cell[3]) : std::nullopt;
+        if (!number || !code || *number > *last) continue;
+        Row row{*number, times_[*number - 1], std::string(cell[2])};
+        row.code = static_cast<ExitCode>(*code);
+        add(row, std::string(line) + "\n");
+    }
+    resumed_ = done_;
+    std::fprintf(out_, "resumes after %s\n", name_of(done_, times_[done_ - 1]).c_str());
 }
 
-void FrameRun::announce() {
-    const Mesh& mesh = problem_.mesh();
-    if (!deck_.title.empty()) std::fprintf(out_, "%s\n", deck_.title.c_str());
-    std::fprintf(out_, "%s: %d nodes, %s of degree %d, %d boundary faces; %s; %s\n", deck_.mesh.c_str(), mesh.nodes(),
-                 mesh.elements_text().c_str(), mesh.degree, mesh.face_count(),
-                 counted(max_threads(), "thread").c_str(), counted(times_.size(), "frame").c_str());
-    for (const std::string& note : problem_.notes) std::fprintf(out_, "note: %s\n", note.c_str());
+// Of the problem, each once.
+void FrameRun::tell_notes() {
+    for (const std::string& note : problem_.notes) {
+        if (std::find(told_.begin(), told_.end(), note) != told_.end()) continue;
+        std::fprintf(out_, "note: %s\n", note.c_str());
+        told_.push_back(note);
+    }
     problem_.notes.clear();
 }
 
+// Its code is the lowest but success.
+void FrameRun::add(const Row& row, const std::string& line) {
+    done_ = row.number;
+    csv_ += line;
+    if (row.has_mesh()) series_.emplace_back(frame_name(row.number) + ".vtk", row.t);
+    if (row.code != ExitCode::success) worst_ = worst_ == ExitCode::success ? row.code : std::min(worst_, row.code);
+}
+
 // Files of the frame, and what of it goes into the table.
-ExitCode FrameRun::keep(const Deck& now, Solution& solution, Row& row) {
+void FrameRun::keep(const Deck& now, Solution& solution, Row& row) {
     round_as_file(problem_, solution.x);
     examine(now, problem_, solution);
+    const AlIteration& last = solution.al.iterations.back();
     row.status = status_row(solution.al.status).name;
     row.newton_steps = solution.al.newton_iterations + solution.al.earlier_newton_iterations +
                        solution.coarse_newton_iterations;
-    row.max_distortion = solution.al.iterations.back().max_distortion;
-    row.relative_quality = solution.al.iterations.back().relative_quality;
+    row.max_distortion = last.max_distortion;
+    row.relative_quality = last.relative_quality;
     row.min_scaled_jacobian = solution.certificate.min_scaled_jacobian;
     row.certified = solution.injectivity.certified;
     const Summary summary = summarise(problem_, solution);
     write_summary(deck_, summary);
-    if (solution.al.status != Status::converged || !row.certified) {
+    if (!row.has_mesh() || !row.certified) {
+        row.code = row.has_mesh() ? ExitCode::not_certified : ExitCode::not_converged;
         write_results(deck_, problem_, solution);
         print_ending(out_, now, problem_, solution, 0);
     }
-    if (solution.al.status != Status::converged) return ExitCode::not_converged;
+    if (!row.has_mesh()) return;
     write_frame(deck_, problem_, solution, row.number);
-    row.has_mesh = true;
-    state_.x = solution.x;
-    state_.frame_of_x = row.number;
-    if (!row.certified) return ExitCode::not_certified;
-    for (const Expectation& expectation : deck_.expectations)
-        if (const ExpectationResult result = check(expectation, summary); !result.holds) {
-            row.note = result.text;
-            return ExitCode::expectation_failed;
-        }
-    return ExitCode::success;
+    before_ = {solution.x, problem_.motions};
+    for (const Expectation& expectation : deck_.expectations) {
+        const ExpectationResult result = check(expectation, summary);
+        if (result.holds || row.code != ExitCode::success) continue;
+        row.code = ExitCode::expectation_failed;
+        row.note = result.text;
+    }
 }
 
-ExitCode FrameRun::solve_frame(const Deck& now, Row& row) {
+void FrameRun::solve(const Deck& now, Row& row) {
     if (row.number > 1) move_target(now, problem_);
-    for (const std::string& note : problem_.notes)
-        if (std::exchange(told_, note) != note) std::fprintf(out_, "note: %s\n", note.c_str());
-    problem_.notes.clear();
-    FrameBefore before;
-    if (const int n = state_.frame_of_x)
-        before = {state_.x, motions_of(deck_at(deck_, times_[n - 1], n), problem_.base)};
-    Solution solution = solver_.solve(now, before, row.started_from);
-    if (interrupted()) return ExitCode::not_converged;
-    return keep(now, solution, row);
+    tell_notes();
+    Solution solution = solver_.solve(now, before_, row.started_from);
+    if (!interrupted()) keep(now, solution, row);
 }
 
 void FrameRun::print(const Row& row) {
-    const int done = row.number - first_, left = static_cast<int>(times_.size()) - row.number;
     std::fprintf(out_, "%6d  %9.4g  %-10s", row.number, row.t, row.status.c_str());
     if (!row.started_from.empty())
         std::fprintf(out_, "  %6d  %9.4g  %8.6f  %8s  %-6s  %7.3fs  %.2fs left", row.newton_steps, row.max_distortion,
                      row.relative_quality, rounded_down(row.min_scaled_jacobian, 4).c_str(), row.started_from.c_str(),
-                     row.seconds, left * spent_ / done);
+                     row.seconds, static_cast<double>(times_.size() - done_) * spent_ / (done_ - resumed_));
     std::fprintf(out_, "%s%s\n", row.note.empty() ? "" : "  ", row.note.c_str());
     std::fflush(out_);
 }
 
-void FrameRun::end_frame(const Row& row) {
-    state_.csv += csv_of(row);
-    state_.frames = row.number;
-    if (row.has_mesh && deck_.vtk != VtkOutput::none) {
-        state_.series.emplace_back(frame_name(row.number) + ".vtk", row.t);
-        write_series(deck_.output + "/frames.vtk.series", state_.series);
-    }
-    write_file(deck_.output + "/frames.csv", state_.csv);
-    print(row);
-}
-
 ExitCode FrameRun::run() {
     resume();
-    const ResultsFolder folder(deck_);
-    announce();
+    const ResultsFolder folder(deck_at(deck_, times_[0], 1));
+    print_mesh(out_, deck_, problem_, 0);
     write_deck(deck_, problem_);
+    told_ = std::exchange(problem_.notes, {});
     const CatchInterrupts catching;
     std::fprintf(out_, "%6s  %9s  %-10s  %6s  %9s  %8s  %8s  %-6s  %8s\n", "frame", "t", "status", "Newton", "max eta",
                  "q", "Jacobian", "from", "time");
-    for (int k = first_; k < static_cast<int>(times_.size()); ++k) {
+    while (done_ < static_cast<int>(times_.size())) {
         const Stopwatch watch;
-        Row row;
-        row.number = k + 1;
-        row.t = times_[k];
-        ExitCode code = ExitCode::success;
-        std::optional<Error> refused;
+        Row row{done_ + 1, times_[done_]};
+        const std::string name = name_of(row.number, row.t);
         try {
-            code = solve_frame(deck_at(deck_, row.t, row.number), row);
+            solve(deck_at(deck_, row.t, row.number), row);
         } catch (const Error& error) {
-            refused = error;
-            code = error.exit_code;
+            row.code = error.exit_code;
             row.status = "refused";
             row.note = error.what();
         }
-        if (!refused && interrupted()) {
-            std::fprintf(out_, "interrupted in %s; try resume=1, which goes on from here\n",
-                         name_of(row.number, row.t).c_str());
+        if (row.note.empty() && interrupted()) {
+            std::fprintf(out_, "interrupted in %s; try resume=1, which goes on from here\n", name.c_str());
             return ExitCode::not_converged;
         }
         spent_ += row.seconds = watch.seconds();
-        const bool goes_on = code == ExitCode::success || code == ExitCode::expectation_failed || deck_.keep_going;
-        end_frame(row);
-        state_.worst = worse(state_.worst, code);
-        if (!goes_on) {
-            if (refused) throw Error(code, concat(name_of(row.number, row.t), ": ", refused->what()));
-            std::fprintf(out_, "%s failed, and the run ends there; keep_going = yes goes on\n",
-                         name_of(row.number, row.t).c_str());
-            return code;
-        }
-        write_file(state_path(), text_of(state_, problem_));
+        add(row, csv_of(row));
+        write_file(path("frames.csv"), csv_);
+        if (deck_.vtk != VtkOutput::none && row.has_mesh()) write_series(path("frames.vtk.series"), series_);
+        if (row.code != ExitCode::success && row.code != ExitCode::expectation_failed && !deck_.keep_going)
+            throw Error(row.code, concat(name, ": ", row.note.empty() ? row.status : row.note,
+                                         "\nthe frames before it are there; keep_going = yes goes on with the next"));
+        print(row);
+        if (!row.has_mesh()) continue;
+        std::string state = concat(state_of(problem_), row.number, "\n");
+        state.append(reinterpret_cast<const char*>(before_.x.data()), before_.x.size() * sizeof(double));
+        write_file(path(frames_state), state);
     }
-    remove_file(state_path());
-    std::fprintf(out_, "%s%s; results in %s\n", counted(times_.size(), "frame").c_str(),
-                 state_.worst == ExitCode::success ? ", all certified valid and injective"
-                                                   : ", not all as wanted: see frames.csv",
-                 deck_.output.c_str());
-    return state_.worst;
+    remove_file(path(frames_state));
+    const bool good = worst_ == ExitCode::success;
+    std::fprintf(out_, "%s, %s; results in %s\n", counted(times_.size(), "frame").c_str(),
+                 good ? "all certified valid and injective" : "not all as wanted: frames.csv", deck_.output.c_str());
+    return worst_;
 }
 
 }  // namespace

@@ -245,26 +245,6 @@ void set_frame(const Deck& deck, Problem& problem) {
     problem.frame.length = unit_of_length(deck, volume(problem.mesh(), problem.ideal()), problem.mesh().dim);
 }
 
-// While it lives, the level is in the file's frame, to the last bit.
-class InFile {
-public:
-    explicit InFile(Problem& problem) : problem_(problem) {
-        problem.level->mesh.x.swap(problem.file_x);
-        ideal_ = problem.ideal_of(problem.mesh());
-        problem.level->ideal.swap(ideal_);
-    }
-    ~InFile() {
-        problem_.level->mesh.x.swap(problem_.file_x);
-        problem_.level->ideal.swap(ideal_);
-    }
-    InFile(const InFile&) = delete;
-    InFile& operator=(const InFile&) = delete;
-
-private:
-    Problem& problem_;
-    std::vector<double> ideal_;
-};
-
 // Along what nodes slide; null where none does.
 std::shared_ptr<SlidingSurfaces> make_surfaces(const Deck& deck, const SurfacesOfWhole& whole, Problem& problem) {
     BoundaryTarget& target = problem.target;
@@ -375,7 +355,14 @@ Problem make_problem(const Deck& deck) {
 }
 
 void move_target(const Deck& deck, Problem& problem) {
-    const InFile in_file(problem);
+    std::vector<double> ideal;  // in the file's frame, as file_x is
+    const auto swap_frames = [&](Problem* of) {
+        of->level->mesh.x.swap(of->file_x);
+        if (ideal.empty()) ideal = of->ideal_of(of->mesh());
+        of->level->ideal.swap(ideal);
+    };
+    swap_frames(&problem);
+    const std::unique_ptr<Problem, decltype(swap_frames)&> swap_back(&problem, swap_frames);
     read_motions(deck, problem);
     problem.target = target_on(problem, *problem.level, problem.level_placed);
     problem.node_target = problem.target.node;

@@ -24,20 +24,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// frame-0001.msh
+// frame-0001.msh, and what is told of all of them.
 bool is_of_frame(const std::string& name) {
-    const std::string_view first = "frame-";
-    const std::size_t dot = name.find('.');
+    const std::string ending = name.substr(std::min(name.find_first_not_of("0123456789", 6), name.size()));
     return name == "frames.csv" || name == "frames.vtk.series" || name == frames_state ||
-           (name.starts_with(first) && dot != std::string::npos &&
-            name.find_first_not_of("0123456789", first.size()) == dot &&
-            (name.ends_with(".msh") || name.ends_with(".su2") || name.ends_with(".vtk")));
+           (name.starts_with("frame-") && (ending == ".msh" || ending == ".su2" || ending == ".vtk"));
 }
 
 // Of a Newton step or a frame: who resumes a run does not take it again.
 bool is_of_step(const std::string& name) {
-    return is_of_frame(name) || name == "iterates.vtk.series" || (name.starts_with("iterate-") && name.ends_with(".vtk")) ||
-           name == "A.mtx" || name == "b.mtx";
+    return is_of_frame(name) || name == "iterates.vtk.series" ||
+           (name.starts_with("iterate-") && name.ends_with(".vtk")) || name == "A.mtx" || name == "b.mtx";
 }
 
 // What a run may write, but for deck.txt and the checkpoint.

@@ -31,6 +31,8 @@ namespace {
 
 constexpr double worth_telling = 0.5e9;  // bytes
 
+}  // namespace
+
 void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double bytes) {
     const Mesh& mesh = problem.mesh();
     if (!deck.title.empty()) std::fprintf(out, "%s\n", deck.title.c_str());
@@ -41,6 +43,8 @@ void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double
     if (bytes > worth_telling) std::fprintf(out, "about %.2g GB of memory will be needed\n", bytes / 1e9);
     std::fflush(out);
 }
+
+namespace {
 
 bool starts_coarse(const Deck& deck) {
     if (sets_boundary(deck.method.moving)) return false;

@@ -10,6 +10,9 @@ namespace almesh {
 
 class Checkpoint;
 
+// What is run, on the terminal. bytes: of memory that will be needed.
+void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double bytes);
+
 // The solution on coarser meshes, where the deck starts from there, the functional, and Algorithm 1. checkpoint: null
 // for none.
 Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint, Report& report, std::FILE* out);

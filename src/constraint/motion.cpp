@@ -123,8 +123,8 @@ constexpr std::array<MotionForm, 13> forms = {{
          return true;
      }},
     {.name = "expression", .form = "expression \"X\" \"Y\" [\"Z\"]",
-     .meaning = "moves each point to these formulas of x, y, z, t: numbers, pi, + - * / ^, parentheses, sin cos tan asin "
-                "acos atan sinh cosh tanh exp log sqrt abs, and with two arguments atan2 min max hypot",
+     .meaning = "moves each point to these formulas of x, y, z, t: numbers, pi, + - * / ^, parentheses, sin cos tan "
+                "asin acos atan sinh cosh tanh exp log sqrt abs, and with two arguments atan2 min max hypot",
      .formulas = true, .affine = false,
      .move = [](Step step, Vec<3>& d) {
          const Vec<3> x = d;
@@ -197,7 +197,7 @@ void check_numbers(const MotionForm& form, Step step) {
 bool depends_on_time(Step step) {
     const auto names_time = [](const Expression& formula) { return formula.names_time(); };
     return std::any_of(step.formulas.begin(), step.formulas.end(), names_time) ||
-           std::any_of(step.timed.begin(), step.timed.end(), [](const TimedNumber& n) { return n.formula.names_time(); });
+           std::any_of(step.timed.begin(), step.timed.end(), [](const auto& n) { return n.formula.names_time(); });
 }
 
 TimedNumber timed_number(const MotionForm& form, int clause, std::size_t place, std::string_view text) {
@@ -380,9 +380,9 @@ Motion at_time(Motion motion, double t, int frame) {
         step.file = numbered(step.file, frame);
         for (const TimedNumber& timed : step.timed) {
             const double value = timed.formula({}, t);
-            if (!std::isfinite(value)) refuse(*step.form, with_quotes(timed.formula.text()), " is not finite at t = ", t);
-            std::vector<double>& numbers = timed.clause == 0 ? step.numbers : timed.clause == 1 ? step.axis : step.about;
-            numbers[timed.place] = value;
+            if (!std::isfinite(value))
+                refuse(*step.form, with_quotes(timed.formula.text()), " is not finite at t = ", t);
+            (timed.clause == 0 ? step.numbers : timed.clause == 1 ? step.axis : step.about)[timed.place] = value;
         }
         check_numbers(*step.form, step);
     }

@@ -85,8 +85,8 @@ Motion shortest(Motion motion);
 double turn(const Motion& motion);  // sum of the angles of its steps, without sign, in degrees
 
 // Whether a mesh that has followed the motion `before` leads to `now`, the same steps with other numbers: no turn from
-// one to the other is above 90 degrees, nor, but for those as they are written, the whole turn above 180, from where the
-// shorter way is the other one.
+// one to the other is above 90 degrees, and the whole one, unless it is taken as written, not above 180: from there on
+// the other way round is the shorter one.
 bool leads_to(const Motion& before, const Motion& now, bool as_written);
 
 BoundaryHold hold_of(const Motion& motion);
