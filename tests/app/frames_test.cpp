@@ -83,9 +83,14 @@ TEST_CASE("a motion of several periods does not drift, and its frames are the ru
         for (const char* quantity : {"max_distortion", "relative_quality", "min_scaled_jacobian"})
             CHECK(*parse_double(table[k].at(quantity)) ==
                   doctest::Approx(*parse_double(table[first].at(quantity))).epsilon(1e-9));
-        CHECK(table[k].at("newton_steps") == table[first].at("newton_steps"));
         CHECK(table[k].at("certified") == "yes");
     }
+    const auto steps = [&](int number) {
+        int sum = 0;
+        for (int k = 1; k <= period; ++k) sum += *parse_int(table[number * period + k].at("newton_steps"));
+        return sum;
+    };
+    for (int number = 1; number < periods; ++number) CHECK(steps(number) <= steps(0));
     const std::string alone = ring.folder.path("alone");
     REQUIRE(ring.run({pitch_and_plunge, "frames=3.375", "output=" + alone}).code == 0);
     CHECK(drift(frame(ring, 28), mesh_of(alone + "/frame-0001.msh")) < 1e-8);
