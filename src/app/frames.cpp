@@ -63,7 +63,6 @@ std::vector<double> times_of_file(const std::string& where, const std::string& p
     const std::string text = read_text_file(path);
     for (const std::string_view row : split(text, '\n'))
         add_times(concat(path, ":", ++line), row.substr(0, row.find('#')), times);
-    if (times.empty()) throw UsageError(path, ": no times");
     return times;
 } catch (const InputError& error) {
     throw UsageError(where, ": frames: ", error.what());
@@ -281,10 +280,11 @@ bool names_file(std::string_view frames) {
 
 std::vector<double> frame_times(const Deck& deck) {
     const std::string& where = deck.given.at("frames");
-    if (names_file(deck.frames)) return times_of_file(where, deck.frames);
     if (deck.frames.find(':') != std::string::npos) return times_of_range(where, deck.frames);
     std::vector<double> times;
-    add_times(where, deck.frames, times);
+    if (names_file(deck.frames)) times = times_of_file(where, deck.frames);
+    else add_times(where, deck.frames, times);
+    if (times.empty()) throw UsageError(where, ": frames: no times in ", deck.frames);
     return times;
 }
 

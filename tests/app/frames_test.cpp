@@ -158,7 +158,8 @@ TEST_CASE("times: a range, a list, a file") {
     CHECK(has(refusal("0 : 1"), "expected FROM : STEP : TO"));
     CHECK(has(refusal(folder.path("none.txt")), "a.deck:2: frames: cannot read"));
     CHECK(has(refusal(folder.write("times.txt", "0\n1\n0.5\n")), "times.txt:3: frames: the times run backwards"));
-    CHECK(has(refusal(folder.write("times.txt", "# none\n")), "no times"));
+    CHECK(has(refusal(folder.write("times.txt", "# none\n")), "a.deck:2: frames: no times in "));
+    CHECK(has(refusal(", ,"), "no times in , ,"));
 }
 
 TEST_CASE("what is written: meshes in the formats of the deck, a series, a table") {
