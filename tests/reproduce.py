@@ -75,7 +75,7 @@ class Run:
         self.values["exit_code"] = str(done.returncode)
         with (self.folder / "history.csv").open(newline="") as lines:
             history = list(csv.DictReader(lines))
-        self.values |= {name: [row for row in history if row["kind"] == "al"][-1][name] for name in LIMITS}
+        self.values |= {name: [row for row in history if row["kind"] in ("al", "local")][-1][name] for name in LIMITS}
         steps = [[text for name, text in row.items() if name not in ("run", "seconds")] for row in history]
         # The id of the run depends on the paths in its deck.
         mesh = (self.folder / "final.msh").read_bytes().replace(self.values["run"].encode(), b"")

@@ -1,6 +1,7 @@
 #include "app/curved_part.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "check/straightened.hpp"
 #include "constraint/sliding_boundary.hpp"
@@ -46,6 +47,26 @@ bool keeps_rest(const CurvedPart& part, const std::vector<double>& x) {
     return true;
 }
 
+// By their vertices: the part has them by type.
+std::vector<int> faces_of_whole(const Mesh& mesh, const std::vector<char>& chosen, const CurvedPart& part) {
+    const auto sorted = [](std::vector<int> vertices) {
+        std::sort(vertices.begin(), vertices.end());
+        return vertices;
+    };
+    std::map<std::vector<int>, int> known;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (const auto of = mesh.face_vertices(f); chosen[mesh.face_element[f]])
+            known[sorted({of.begin(), of.end()})] = f;
+    std::vector<int> faces;
+    for (int f = 0; f < part.mesh.face_count(); ++f) {
+        std::vector<int> vertices;
+        for (const int i : part.mesh.face_vertices(f)) vertices.push_back(part.node[i]);
+        const bool is_cut = part.mesh.face_boundary[f] == part.mesh.cut;
+        faces.push_back(is_cut ? -1 : known.at(sorted(std::move(vertices))));
+    }
+    return faces;
+}
+
 }  // namespace
 
 CurvedPart curved_part(const Problem& whole, const std::vector<char>& chosen, const std::vector<double>& x,
@@ -60,8 +81,7 @@ CurvedPart curved_part(const Problem& whole, const std::vector<char>& chosen, co
         for (int k = 0; k < mesh.element_nodes(e); ++k) part.node[node[k]] = mesh.element(e)[k];
         part.element.push_back(e);
     }
-    for (int f = 0; f < mesh.face_count(); ++f)
-        if (chosen[mesh.face_element[f]]) part.face.push_back(f);
+    part.face = faces_of_whole(mesh, chosen, part);
     part.on_cut.resize(part.mesh.nodes(), 0);
     for_face_nodes(part.mesh, [&](int f, std::size_t k) {
         if (part.mesh.face_boundary[f] == part.mesh.cut) part.on_cut[part.mesh.faces[k]] = 1;

@@ -11,7 +11,7 @@ namespace almesh {
 struct CurvedPart {
     Mesh mesh;  // in the run's frame; x: the straight-sided form
     std::vector<double> file, start, curved;  // nodes x dim: as in the file, as they are, and where the boundary is to go
-    std::vector<int> node, element, face;  // of the part -> of the whole; faces: but for those at the cut
+    std::vector<int> node, element, face;  // of the part -> of the whole; -1 for faces at the cut
     std::vector<char> on_cut;     // per node
 };
 

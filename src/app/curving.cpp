@@ -131,6 +131,8 @@ public:
         return std::move(solution_);
     }
 
+    bool leaves_straight = false;  // whether an element could not be curved again at all
+
 private:
     const Stopwatch watch_;
     Deck deck_;
@@ -193,6 +195,7 @@ private:
             if (boundary == Boundary::flattens) flatten(part, deck_.min_scaled_jacobian);
             if (curve(part, freed, boundary, place[0])) return;
         }
+        leaves_straight = true;
     }
 
     // Whether the part is certified, and makes no element worse than it may be. around: an element, to tell the place.
@@ -280,7 +283,7 @@ Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, 
     curving.curve_parts();
     curving.set_target();
     Solution solution = curving.solution();
-    if (as_whole && !keeps_boundary && !interrupted()) {
+    if (as_whole && !keeps_boundary && !curving.leaves_straight && !interrupted()) {
         Solution whole = solve(settings, problem);
         if (is_certified(deck, problem, whole) &&
             whole.al.distortion.max_distortion <= solution.al.distortion.max_distortion)

@@ -246,20 +246,14 @@ void set_frame(const Deck& deck, Problem& problem) {
 }
 
 // Along what nodes slide; null where none does.
-std::shared_ptr<SlidingSurfaces> make_surfaces(const Deck& deck, const SurfacesOfWhole& whole, Problem& problem) {
+std::shared_ptr<SlidingSurfaces> make_surfaces(const Deck& deck, Problem& problem) {
     BoundaryTarget& target = problem.target;
     if (target.prescribes_all()) return nullptr;
     const auto is_free = [](BoundaryHold hold) { return hold == BoundaryHold::free; };
     if (std::all_of(target.hold.begin(), target.hold.end(), is_free))
         throw UsageError(deck.path, ": all boundaries are free: give at least one of them a motion");
-    std::shared_ptr<SlidingSurfaces> sliding;
-    if (whole.surfaces) {
-        sliding = std::make_shared<SlidingSurfaces>(*whole.surfaces, whole.face, problem.base, problem.frame);
-        keep_where_unknown(problem.mesh(), *sliding, target);
-    } else {
-        const std::vector<OtherSurface> other = read_other_surfaces(deck, problem.base, problem.notes);
-        sliding = surfaces_at(1, deck, problem, problem.mesh(), target, problem.motions, other);
-    }
+    const std::vector<OtherSurface> other = read_other_surfaces(deck, problem.base, problem.notes);
+    const auto sliding = surfaces_at(1, deck, problem, problem.mesh(), target, problem.motions, other);
     if (sliding) note_surfaces(deck, problem.mesh(), *sliding, problem.notes);
     return sliding;
 }
@@ -367,7 +361,7 @@ void move_target(const Deck& deck, Problem& problem) {
     problem.target = target_on(problem, *problem.level, problem.level_placed);
     problem.node_target = problem.target.node;
     change_folded_target(deck, problem);
-    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, {}, problem);
+    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, problem);
     finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
     problem.sliding = sliding;
 }
@@ -383,8 +377,7 @@ CheckedTarget checked_target(const Deck& deck, Problem& problem) {
             problem.target, problem.node_target, folds_when_refined, problem.is_own_ideal};
 }
 
-Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash, std::vector<std::string> notes,
-                     const SurfacesOfWhole& whole) {
+Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash, std::vector<std::string> notes) {
     Problem problem;
     problem.base = std::move(base.mesh);
     problem.is_own_ideal = base.is_own_ideal;
@@ -400,7 +393,7 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
     problem.curves_in_place = curves_in_place(deck, problem);
     if (!problem.curves_in_place) change_folded_target(deck, problem);
     set_frame(deck, problem);
-    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, whole, problem);
+    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, problem);
     if (problem.curves_in_place || !deck.frames.empty()) problem.file_x = problem.mesh().x;
     finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
     problem.sliding = sliding;

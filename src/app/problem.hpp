@@ -46,16 +46,8 @@ struct Problem {
 // themselves included. The level has no energy and no constraint yet.
 Problem make_problem(const Deck& deck);
 
-// Surfaces of the mesh that a base was cut out of.
-struct SurfacesOfWhole {
-    const SlidingSurfaces* surfaces = nullptr;
-    std::vector<int> face;  // of the base, but for those at the cut -> of the whole
-};
-
-// The same on a mesh in memory. mesh_hash: of the file that it comes from. whole: freed nodes slide along these
-// surfaces, where there are any.
-Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash, std::vector<std::string> notes = {},
-                     const SurfacesOfWhole& whole = {});
+// The same on a mesh in memory. mesh_hash: of the file that it comes from.
+Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash, std::vector<std::string> notes = {});
 
 // Gives the problem the target of the deck's motions as they are now, at another time; all else stays.
 void move_target(const Deck& deck, Problem& problem);

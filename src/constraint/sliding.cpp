@@ -259,7 +259,8 @@ SlidingSurfaces::SlidingSurfaces(const SlidingSurfaces& whole, const std::vector
                                  const Frame& frame)
     : dim_(whole.dim_), place_(part.face_count(), -1), frame_(frame), basis_(whole.basis_), points_(whole.points_),
       surface_(whole.surface_), boundary_(whole.boundary_), faces_(part.boundaries.size()) {
-    for (std::size_t f = 0; f < face.size(); ++f) place_[f] = whole.place_[face[f]];
+    for (std::size_t f = 0; f < face.size(); ++f)
+        if (face[f] >= 0) place_[f] = whole.place_[face[f]];
     for (std::size_t b = 0; b < whole.faces_.size(); ++b) faces_[b].part = whole.faces_[b].part;
 }
 

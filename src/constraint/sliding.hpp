@@ -35,7 +35,7 @@ public:
                     double feature_angle, const Frame& frame, const std::vector<OtherSurface>& other = {});
 
     // Those of `whole` for a mesh that was cut out of its own: face[f] is the whole's face that is face f of the part;
-    // faces at the cut, behind these, slide along nothing. No boundary of the whole slides along another mesh.
+    // -1 for those at the cut, which slide along nothing. No boundary of the whole slides along another mesh.
     SlidingSurfaces(const SlidingSurfaces& whole, const std::vector<int>& face, const Mesh& part, const Frame& frame);
 
     int parts() const { return static_cast<int>(surface_.size()); }

@@ -47,8 +47,8 @@ TEST_CASE("the decks of inputs/targets, inputs/cad and inputs/cells hold what th
     if (!std::filesystem::is_directory("inputs")) return;
     for (const char* name : {"targets/flap", "targets/wave", "cad/cylinder-box", "cad/layers", "cad/torus",
                              "cad/torus-in-sphere", "cad/ellipsoid", "cad/narrow-face", "cad/sliver-face",
-                             "cad/sphere-pole", "cad/concave-edge", "cad/tangent-faces", "cad/face-twice",
-                             "cells/circle", "cells/circle-far", "cells/circle-turned", "cells/curving",
+                             "cad/sphere-pole", "cad/poles", "cad/cone-apex", "cad/torus-seam", "cad/all-edges",
+                             "cad/concave-edge", "cad/tangent-faces", "cad/face-twice", "cells/circle", "cells/circle-far", "cells/circle-turned", "cells/curving",
                              "cells/airfoil"}) {
         CAPTURE(name);
         const TemporaryFolder folder;
