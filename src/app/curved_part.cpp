@@ -14,8 +14,9 @@ namespace almesh {
 namespace {
 
 constexpr int most_al_iterations = 6, most_newton_steps = 12;  // what needs more is not to be had
-constexpr int first_newton_steps = 8;  // after which the boundary has come so near to its target,
-constexpr double nearer = 0.05;        // or never will
+// After these steps what can be had is a third of the way from its target or less, what cannot more than half of it.
+constexpr int first_newton_steps = 4;
+constexpr double nearer = 0.4;
 
 std::vector<double> gathered(const std::vector<double>& field, const std::vector<int>& node, int dim) {
     std::vector<double> of_part;
