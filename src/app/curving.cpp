@@ -31,12 +31,16 @@ constexpr Attempt attempts[] = {{Boundary::stays, 1},
                                 {Boundary::flattens, 1}};
 const char* const what[] = {"boundary as in the file", "nodes slide", "nodes around slide", "faces are flatter"};
 
-constexpr std::size_t most_at_once = 48;  // elements straightened in one part
+// Elements straightened in one part, and the blocks of their Hessians.
+constexpr std::size_t most_at_once = 48;
+constexpr double most_work = 19200;
 
 int count(const std::vector<char>& some) { return static_cast<int>(std::count(some.begin(), some.end(), 1)); }
 
-// The chosen elements in sets of neighbours, by their vertices, of at most so many.
-std::vector<std::vector<int>> places_of(const Mesh& mesh, const std::vector<char>& chosen, std::size_t most) {
+double work_of(const Mesh& mesh, int e) { return std::pow(mesh.element_nodes(e), 2); }
+
+// The chosen elements in sets of neighbours, by their vertices, each small enough for one part.
+std::vector<std::vector<int>> places_of(const Mesh& mesh, const std::vector<char>& chosen) {
     std::vector<std::vector<int>> at_vertex(mesh.nodes()), places;
     for (int e = 0; e < mesh.element_count(); ++e)
         for (int k = 0; k < mesh.cell(e).vertices && chosen[e]; ++k) at_vertex[mesh.element(e)[k]].push_back(e);
@@ -44,13 +48,15 @@ std::vector<std::vector<int>> places_of(const Mesh& mesh, const std::vector<char
     for (int first = 0; first < mesh.element_count(); ++first) {
         if (!is_left[first]) continue;
         std::vector<int>& place = places.emplace_back(1, first);
+        double work = work_of(mesh, first);
         is_left[first] = 0;
         for (std::size_t next = 0; next < place.size(); ++next) {
             const int* const node = mesh.element(place[next]);
             for (int k = 0; k < mesh.cell(place[next]).vertices; ++k)
                 for (const int e : at_vertex[node[k]]) {
-                    if (!is_left[e] || place.size() == most) continue;
+                    if (!is_left[e] || place.size() == most_at_once || work + work_of(mesh, e) > most_work) continue;
                     is_left[e] = 0;
+                    work += work_of(mesh, e);
                     place.push_back(e);
                 }
         }
@@ -76,7 +82,7 @@ public:
     // From here on the mesh is valid.
     void straighten(std::FILE* out) {
         const StraightenedMesh found = straightened(mesh_.x);
-        places_ = places_of(mesh_, found.was_at_fault, most_at_once);
+        places_ = places_of(mesh_, found.was_at_fault);
         const auto count = std::count_if(found.was_at_fault.begin(), found.was_at_fault.end(),
                                          [](char was) { return was != 0; });
         if (count == 0)
@@ -242,8 +248,7 @@ Deck impatient(Deck deck) {
 
 bool is_small(const Mesh& mesh) {
     double work = 0;
-    for (const ElementGroup& group : mesh.element_groups())
-        work += group.count * std::pow(group.cell->node_count(mesh.degree), 2);
+    for (int e = 0; e < mesh.element_count(); ++e) work += work_of(mesh, e);
     return work <= small_work;
 }
 
