@@ -10,7 +10,8 @@ namespace almesh {
 
 struct CurvedPart {
     Mesh mesh;  // in the run's frame; x: the straight-sided form
-    std::vector<double> file, start, curved;  // nodes x dim: as in the file, as they are, and where the boundary is to go
+    // Nodes x dim: as in the file, as they are, and where the boundary is to go.
+    std::vector<double> file, start, curved;
     std::vector<int> node, element, face;  // of the part -> of the whole; -1 for faces at the cut
     std::vector<char> on_cut;     // per node
 };

@@ -23,13 +23,13 @@ enum class Boundary { stays, slides, slides_around, flattens };
 struct Attempt {
     Boundary boundary;
     double reach;
+    const char* what;
 };
-constexpr Attempt attempts[] = {{Boundary::stays, 1},
-                                {Boundary::stays, 2},
-                                {Boundary::slides, 1},
-                                {Boundary::slides_around, 1},
-                                {Boundary::flattens, 1}};
-const char* const what[] = {"boundary as in the file", "nodes slide", "nodes around slide", "faces are flatter"};
+constexpr Attempt attempts[] = {{Boundary::stays, 1, "boundary as in the file"},
+                                {Boundary::stays, 2, "boundary as in the file"},
+                                {Boundary::slides, 1, "nodes slide"},
+                                {Boundary::slides_around, 1, "nodes around slide"},
+                                {Boundary::flattens, 1, "faces are flatter"}};
 
 // Elements straightened in one part, and the blocks of their Hessians.
 constexpr std::size_t most_at_once = 48;
@@ -199,13 +199,13 @@ private:
                 if (boundary == Boundary::slides_around) freed = freed_nodes_around(part, faults);
             }
             if (boundary == Boundary::flattens) flatten(part, deck_.min_scaled_jacobian);
-            if (curve(part, freed, boundary, place[0])) return;
+            if (curve(part, freed, attempt.what, place[0])) return;
         }
         leaves_straight = true;
     }
 
     // Whether the part is certified, and makes no element worse than it may be. around: an element, to tell the place.
-    bool curve(const CurvedPart& part, const std::vector<char>& freed, Boundary boundary, int around) {
+    bool curve(const CurvedPart& part, const std::vector<char>& freed, const char* what, int around) {
         const Stopwatch watch;
         const CurvedPartResult found = almesh::curve(deck_, part, freed, freed.empty() ? nullptr : surfaces_.get());
         bool is_better = found.certificate.valid;
@@ -219,8 +219,7 @@ private:
         stage.last.seconds = watch.seconds();
         stage.newton_iterations = found.al.newton_iterations;
         const Vec<3> at = problem_.frame.to_file(element_centre(mesh_, mesh_.x, around));
-        stage.part = concat(part.mesh.element_count(), " elements around ", position_text(at.data(), mesh_.dim), ": ",
-                            what[static_cast<int>(boundary)]);
+        stage.part = concat(part.mesh.element_count(), " elements around ", position_text(at.data(), mesh_.dim), ": ", what);
         observe_(stage);
         int& steps = is_better ? solution_.al.newton_iterations : solution_.al.earlier_newton_iterations;
         steps += found.al.newton_iterations;

@@ -17,9 +17,9 @@ namespace almesh {
 //   5. what was straightened stays so.
 // Each is a problem of its own on the elements around, whose other nodes are fixed, and counts when it is certified.
 //
-// A small mesh, whose nodes can all move in about a second, is solved as a whole: before, where the boundary alone makes
-// no element invalid, else after, with the boundary that was found, unless step 5 was needed. deck.local_repair: never or
-// always only as parts.
+// A small mesh, whose nodes can all move in about a second, is solved as a whole: before, where the boundary alone
+// makes no element invalid, else after, with the boundary that was found, unless step 5 was needed. deck.local_repair:
+// never or always only as parts.
 // What is certified last is the result, also where the run is interrupted. On return the problem's target is where the
 // boundary is, faces that are not where the file has them flat (target.straight), nodes that slid freed.
 Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, const StageObserver& observe,

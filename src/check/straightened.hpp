@@ -1,5 +1,5 @@
-// A curved mesh with as few elements straightened, by as little, as make it valid: it shows that a certified mesh exists,
-// and where that cannot be the curved one.
+// A curved mesh with as few elements straightened, by as little, as make it valid: it shows that a certified mesh
+// exists, and where that cannot be the curved one.
 //
 // The nodes of an element at fault go a quarter of the way from their curved to their straight positions, then another,
 // until all are there; nodes that elements share go as far as the one that asks most. The last step of all is the

@@ -72,7 +72,8 @@ TEST_CASE("elements that are inverted in the file are repaired, and nodes away f
 }
 
 TEST_CASE("a bump that inverts elements of any type: certified, with the boundary as it is or flatter") {
-    for (const Mesh& linear : {square_mesh(6), mixed_mesh(8), cube_mesh(3), solid_mesh(3, "hhh"), solid_mesh(3, "hdpuh")})
+    for (const Mesh& linear :
+         {square_mesh(6), mixed_mesh(8), cube_mesh(3), solid_mesh(3, "hhh"), solid_mesh(3, "hdpuh")})
         for (const int degree : {2, 3}) {
             const TemporaryFolder folder;
             Mesh mesh = raise_degree(linear, degree);
@@ -130,7 +131,8 @@ TEST_CASE("where sliding is not wanted faces are flatter than they came, as few 
 
 TEST_CASE("a mesh in thin layers, all of whose elements at a curved wall are inverted") {
     const TemporaryFolder folder;
-    const Outcome outcome = almesh_with({"inputs/cad/layers.deck", "local_repair=1", "output=" + folder.path("layers")});
+    const Outcome outcome = almesh_with({"inputs/cad/layers.deck", "local_repair=1",
+                                         "output=" + folder.path("layers")});
     CHECK(outcome.code == 0);
     CHECK(has(outcome.out, ": nodes around slide\n"));
     CHECK(std::stod(summary_of(folder.path("layers")).at("max_distortion")) < 2);

@@ -29,7 +29,7 @@ std::vector<double> with_bump(const Mesh& mesh, double height) {
 
 }  // namespace
 
-TEST_CASE("elements that are not valid are straightened, by as little as makes them valid; all others keep their bits") {
+TEST_CASE("elements that are not valid are straightened, by as little as that needs; all others keep their bits") {
     const std::vector<std::pair<Mesh, double>> bumps = {
         {square_mesh(6), 0.1}, {cube_mesh(3), 0.3}, {solid_mesh(3, "hhh"), 0.3}};
     for (const auto& [base, height] : bumps) {
