@@ -98,6 +98,7 @@ void check_result(const std::string& mesh_path, const std::string& folder, const
     // the elements cannot follow a motion that is not affine.
     if (settings.contains("surface") && settings.at("surface") == "slide") return;
     const auto summary = test::summary_of(folder);
+    if (test::number(summary, "straight_faces") > 0) return;  // flatter than they came, anywhere up to straight
     const double size = largest_coordinate(before) + largest_coordinate(after),
                  error = test::number(summary, "max_boundary_error");
     run.tolerance = 1.001 * (error + test::number(summary, "largest_slide")) + 1e-12 * size;
