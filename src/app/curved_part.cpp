@@ -139,14 +139,11 @@ void flatten(CurvedPart& part, double bound) {
     });
 }
 
-CurvedPartResult curve(const Deck& settings, const CurvedPart& part, const std::vector<char>& freed,
+CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const std::vector<char>& freed,
                        const SlidingSurfaces* surfaces) {
-    Deck deck = settings;
-    deck.degree = deck.refine = 0;
-    AugmentedLagrangianParams& limits = deck.method;
+    AugmentedLagrangianParams limits = deck.method;
     limits.max_iterations = std::min(limits.max_iterations, most_al_iterations);
     limits.max_newton_iterations = std::min(limits.max_newton_iterations, most_newton_steps);
-    limits.checkpoint = nullptr;
     Problem problem;
     problem.base = part.mesh;
     problem.base.x = part.curved;

@@ -75,26 +75,26 @@ class Curving {
 public:
     Curving(const Deck& deck, Problem& problem, const StageObserver& observe)
         : deck_(deck), problem_(problem), mesh_(problem.mesh()), observe_(observe), freed_(mesh_.nodes(), 0) {
-        deck_.method.checkpoint = nullptr;
-        if (deck_.distortion.objective == Objective::minimax) deck_.distortion.objective = Objective::squared;
+        if (is_minimax_) deck_.distortion.objective = Objective::squared;
     }
 
     // From here on the mesh is valid.
     void straighten(std::FILE* out) {
         const StraightenedMesh found = straightened(mesh_.x);
         places_ = places_of(mesh_, found.was_at_fault);
-        const auto count = std::count_if(found.was_at_fault.begin(), found.was_at_fault.end(),
-                                         [](char was) { return was != 0; });
-        if (count == 0)
+        const int at_fault = count(found.was_at_fault);
+        if (at_fault == 0)
             std::fprintf(out, "no element is invalid in the file: nothing moves (local_repair = 0: all nodes do)\n");
         else
-            std::fprintf(out, "%d of %d elements straightened, to be curved again in parts%s:\n",
-                         static_cast<int>(count), mesh_.element_count(),
+            std::fprintf(out, "%s%d of %d elements straightened, to be curved again in parts%s:\n",
+                         is_minimax_ ? "note: parts of the mesh are curved with objective = squared\n" : "",
+                         at_fault, mesh_.element_count(),
                          found.injectivity.certified ? "" : ", which does not make the mesh valid and injective yet");
     }
 
     void curve_parts() {
-        for (const std::vector<int>& place : places_) curve_around(place);
+        for (const std::vector<int>& place : places_)
+            if (!interrupted()) curve_around(place);
         if (!places_.empty()) straightened(solution_.x);  // parts that overlap each other, if there are any
     }
 
@@ -142,6 +142,7 @@ public:
 private:
     const Stopwatch watch_;
     Deck deck_;
+    const bool is_minimax_ = deck_.distortion.objective == Objective::minimax;
     Problem& problem_;
     const Mesh& mesh_;
     const StageObserver& observe_;
@@ -195,8 +196,9 @@ private:
             std::vector<char> freed;
             if (boundary == Boundary::slides || boundary == Boundary::slides_around) {
                 if (!can_slide()) continue;
-                freed = freed_nodes(part, faults.none() ? elements_of(part, is_of_place) : elements_of(part, faults));
                 if (boundary == Boundary::slides_around) freed = freed_nodes_around(part, faults);
+                else freed = freed_nodes(part, faults.none() ? elements_of(part, is_of_place)
+                                                             : elements_of(part, faults));
             }
             if (boundary == Boundary::flattens) flatten(part, deck_.min_scaled_jacobian);
             if (curve(part, freed, attempt.what, place[0])) return;
@@ -277,8 +279,8 @@ Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, 
                           (deck.local_repair == LocalRepair::automatic && is_small(problem.mesh()));
     const Deck settings = deck.local_repair == LocalRepair::no ? deck : impatient(deck);
     const bool keeps_boundary =
-        find_faults(problem.mesh(), problem.ideal(), problem.target, deck.min_scaled_jacobian).none();
-    if (as_whole && keeps_boundary) {
+        as_whole && find_faults(problem.mesh(), problem.ideal(), problem.target, deck.min_scaled_jacobian).none();
+    if (keeps_boundary) {
         Solution whole = solve(settings, problem);
         if (is_certified(deck, problem, whole)) return whole;
     }

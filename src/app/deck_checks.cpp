@@ -21,6 +21,9 @@ void check_local_repair(const Deck& deck) {
     if (deck.start == Start::file) refuse(deck.given.at("start"), "start = FILE");
     for (const char* key : {"refine", "degree", "frames"})
         if (deck.given.contains(key)) refuse(deck.given.at(key), key);
+    if (deck.surface == SurfaceKind::keep || deck.surface == SurfaceKind::slide)
+        refuse(deck.given.at("surface"), "surface = keep or slide");
+    if (deck.distortion.delta > 0) refuse(deck.given.at("delta"), "delta");
     if (deck.split != Split::never) refuse(deck.given.at("split"), "split");
     if (sets_boundary(deck.method.moving)) refuse(deck.given.at("method"), "this method");
 }

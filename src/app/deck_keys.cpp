@@ -180,8 +180,8 @@ const std::vector<DeckKey>& deck_keys() {
          "elements stay valid; auto: 1 with algorithm = adaptive, else 0."},
         {"local_repair", choice<&Deck::local_repair>({"auto", "0", "1"}),
          "Curved meshes whose boundaries are all fixed. 1: only the nodes of elements that are invalid in the mesh file "
-         "move, and those of as many elements around them as a valid mesh needs; 0: all nodes; auto: all nodes of a "
-         "small mesh, 1 for others that have invalid elements."},
+         "move, and those of as many elements around them as a valid mesh needs; 0: all nodes; auto: 0 for a small "
+         "mesh, else 1."},
         {"min_scaled_jacobian", number<&Deck::min_scaled_jacobian>({0, 0.5}),
          "Curved meshes whose boundaries are all fixed: an element whose scaled Jacobian is not above this counts as "
          "invalid."},
@@ -190,8 +190,9 @@ const std::vector<DeckKey>& deck_keys() {
          "surfaces: nodes slide along the edge between them, and corners do not slide."},
         {"surface", choice<&Deck::surface>({"auto", "keep", "slide", "straighten"}),
          "What is done where no valid mesh has the target as its boundary. auto: the boundary nodes there slide along "
-         "the surface; keep: the run is refused; slide: all prescribed boundary nodes slide; straighten: faces there "
-         "are made flat, as few as a valid mesh needs."},
+         "the surface, and of fixed boundaries faces become flatter where that does not help; keep: the run is refused; "
+         "slide: all prescribed boundary nodes slide; straighten: faces there are made flat, or of fixed boundaries "
+         "flatter, as few as a valid mesh needs."},
         {"split", choice<&Deck::split>({"never", "auto", "around"}),
          "auto: triangles and tetrahedra that the target inverts, wherever the nodes inside are, are divided by nodes "
          "inside; all others stay as they are, and so do the boundaries; around: so are those that share an edge with "

@@ -164,7 +164,7 @@ std::string remedies(const Deck& deck, const Problem& problem, const Solution& s
     if (problem.split_elements > 0 && deck.split == Split::automatic) to_try = "split = around; " + to_try;
     if (problem.target.freed.empty() || problem.curves_in_place) return to_try;
     if (problem.mesh().degree == 1) return to_try + "; split = auto, so that no nodes slide";
-    return concat(to_try, "; surface = straighten", ": faces become flat where nodes now slide");
+    return to_try + "; surface = straighten: faces become flat where nodes now slide";
 }
 
 void print_diagnosis(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
@@ -257,11 +257,12 @@ Diagnosis diagnose(const Deck& deck, const Problem& problem, const Solution& sol
 }
 
 void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {
+    const bool is_in_parts = problem.curves_in_place && solution.al.iterations.size() == 1;
     std::string others;
     if (const int steps = solution.coarse_newton_iterations) others = concat(steps, " more on coarser meshes");
     if (const int steps = solution.al.earlier_newton_iterations)
         others += concat(others.empty() ? "" : ", ", steps,
-                         problem.curves_in_place                           ? " more in parts that were given up"
+                         is_in_parts                                       ? " more in parts that were given up"
                          : deck.distortion.objective == Objective::minimax ? " more with earlier powers"
                                                                            : " more in earlier load increments");
     if (!others.empty()) others = " (" + others + ")";

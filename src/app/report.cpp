@@ -60,7 +60,10 @@ std::string reason_of_cut(Nw row) {
     return row.step.cuts_decrease ? "insufficient decrease" : "none";
 }
 
-const char* kind(const Stage& stage) { return !stage.part.empty() ? "local" : stage.power ? "power" : stage.fraction < 1 ? "part" : "coarse"; }
+const char* kind(const Stage& stage) {
+    if (!stage.part.empty()) return "local";
+    return stage.power ? "power" : stage.fraction < 1 ? "part" : "coarse";
+}
 
 std::string update(Al row) {
     if (!row.stage) return to_string(row.it.update);
@@ -76,7 +79,8 @@ constexpr bool at_start = true;
 
 constexpr auto columns = std::to_array<Column>({
     {{"kind", "al: an augmented Lagrangian iteration; newton: a step of its minimisation; coarse: the whole solution "
-              "on a coarser mesh; part: that of a part of the motion; power: that with an earlier power"},
+              "on a coarser mesh; part: that of a part of the motion; power: that with an earlier power; local: that of a "
+              "part of the mesh"},
      [](Al r) { return std::string(r.stage ? kind(*r.stage) : "al"); },
      [](Nw) { return std::string("newton"); }, at_start},
     {{"al_iteration", "number of the augmented Lagrangian iteration; 0: the mesh at the start"},
@@ -96,7 +100,8 @@ constexpr auto columns = std::to_array<Column>({
     {{"newton_iterations", "Newton steps of the row: of the minimisation, coarser mesh, part or power"},
      al<&It::newton_iterations>},
     {{"newton_status", "how the minimisation ended"}, al<&It::newton_status>},
-    {{"update", "what was updated afterwards: lambda, mu; coarse, part, power: whether the next row starts from it"},
+    {{"update", "what was updated afterwards: lambda, mu; local: whether it was kept; coarse, part, power: "
+      "whether the next row starts from it"},
      update},
     {{"step_length", "step length t of the line search"}, nullptr, newton<&Step::step_length>},
     {{"cuts_inverted", "trial lengths refused because an element was inverted"}, nullptr, newton<&Step::cuts_inverted>},
@@ -117,7 +122,7 @@ constexpr auto columns = std::to_array<Column>({
     {{"local_nodes", "nodes of the local eliminations after the step"},
      nullptr, [](Nw r) { return text(r.step.local.nodes); }},
     {{"local_steps", "Newton steps of these eliminations"}, nullptr, [](Nw r) { return text(r.step.local.steps); }},
-    {{"nodes", "coarse, part, power: nodes of the mesh"}, [](Al r) { return r.stage ? text(r.stage->nodes) : ""; }},
+    {{"nodes", "coarse, part, power, local: nodes of the mesh, or of the part of it"}, [](Al r) { return r.stage ? text(r.stage->nodes) : ""; }},
     {{"fraction", "part: the fraction of the motion at its end"},
      [](Al r) { return r.stage && r.stage->fraction < 1 ? text(r.stage->fraction) : ""; }},
     {{"power", "power: exponent of eta - 1"},
@@ -126,7 +131,7 @@ constexpr auto columns = std::to_array<Column>({
      al<&It::relative_boundary_error>, nullptr, at_start},
     {{"run", "id of the run, the same in all of its files"},
      [](Al r) { return r.run; }, [](Nw r) { return r.run; }, at_start},
-    {{"seconds", "seconds since the iterations began; coarse, part, power: seconds that the row took"},
+    {{"seconds", "seconds since the iterations began; coarse, part, power, local: seconds that the row took"},
      al<&It::seconds>, nullptr, at_start},
 });
 

@@ -49,7 +49,13 @@ std::vector<double> straightened(const Mesh& mesh, const std::vector<double>& st
             }
         }
     }
-    if (was_at_fault) *was_at_fault = step;
+    if (!was_at_fault) return x;
+    was_at_fault->assign(mesh.element_count(), 0);
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int k = 0; k < mesh.element_nodes(e) && step[e] > 0; ++k) {
+            const double* const at = point(x, mesh.element(e)[k], mesh.dim);
+            if (!std::equal(at, at + mesh.dim, point(curved, mesh.element(e)[k], mesh.dim))) (*was_at_fault)[e] = 1;
+        }
     return x;
 }
 

@@ -18,7 +18,7 @@ namespace almesh {
 using ElementsAtFault = std::function<std::vector<int>(const std::vector<double>& x)>;
 
 // straight, curved: nodes x dim positions, equal at the vertices. Returns positions at which no elements are at fault
-// but straight ones. was_at_fault: if given, per element, whether it was.
+// but straight ones. was_at_fault: if given, per element, whether it was, and was not straight anyway.
 std::vector<double> straightened(const Mesh& mesh, const std::vector<double>& straight,
                                  const std::vector<double>& curved, const ElementsAtFault& at_fault,
                                  std::vector<char>* was_at_fault = nullptr);

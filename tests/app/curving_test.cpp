@@ -161,6 +161,13 @@ TEST_CASE("where no element is inverted in the file nothing moves") {
     CHECK(summary_of(folder.path("results")).at("newton_iterations") == "0");
 }
 
+TEST_CASE("a mesh with straight sides has nothing to repair") {
+    const RingDeck ring;
+    const Outcome outcome = ring.run({"boundary inner=fixed", "local_repair=1"});
+    CHECK(outcome.code == 0);
+    CHECK(has(outcome.out, "no element is invalid in the file: nothing moves"));
+}
+
 TEST_CASE("a part that cannot be repaired alone grows, to the whole mesh at last") {
     const TemporaryFolder folder;
     const Mesh mesh = with_bump(square_mesh(3), 0.3);
@@ -173,7 +180,7 @@ TEST_CASE("local_repair = 1 is refused where the mesh is to change") {
     const TemporaryFolder folder;
     const std::string deck = deck_of(folder, with_bump(square_mesh(8), 0.12));
     for (const char* setting : {"boundary all=translate 1 0", "boundary all=slide", "refine=1", "degree=4",
-                                "method=elasticity"}) {
+                                "method=elasticity", "surface=keep", "surface=slide", "delta=0.1"}) {
         const Outcome outcome = almesh_with({deck, setting});
         CHECK(outcome.code == 1);
         CHECK(has(outcome.error, "does not go with local_repair = 1"));
