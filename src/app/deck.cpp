@@ -5,7 +5,7 @@
 #include <fstream>
 #include <span>
 
-#include "app/frames.hpp"
+#include "app/frame_times.hpp"
 #include "app/renamed.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"

@@ -10,6 +10,7 @@
 #include "app/commands.hpp"
 #include "app/ending.hpp"
 #include "app/frame_solver.hpp"
+#include "app/frame_times.hpp"
 #include "app/results_folder.hpp"
 #include "app/solve.hpp"
 #include "base/files.hpp"
@@ -19,62 +20,10 @@
 namespace almesh {
 namespace {
 
-constexpr int most_frames = 1000000;
-
-double number_of(const std::string& where, std::string_view text) {
-    const auto value = parse_double(text);
-    if (!value) throw UsageError(where, ": frames: ", in_backquotes(text), " is not a number");
-    return *value;
-}
-
-// FROM : STEP : TO
-std::vector<double> times_of_range(const std::string& where, std::string_view text) {
-    const auto piece = split(text, ':');
-    if (piece.size() != 3) throw UsageError(where, ": frames = ", text, ": expected FROM : STEP : TO");
-    const double from = number_of(where, piece[0]), step = number_of(where, piece[1]), to = number_of(where, piece[2]);
-    if (!(step > 0)) throw UsageError(where, ": frames = ", text, ": the step must be > 0");
-    const double steps = std::floor((to - from) / step * (1 + 1e-12) + 1e-9);
-    if (!(steps >= 0 && steps < most_frames))
-        throw UsageError(where, ": frames = ", text, " are ", steps + 1, " times: expected 1 to ", most_frames);
-    constexpr int digits = 14;  // so that 35 steps of 0.01 are 0.35
-    std::vector<double> times;
-    for (int k = 0; k <= steps; ++k) {
-        std::string t;
-        append(t, from + k * step, digits);
-        times.push_back(*parse_double(t));
-    }
-    return times;
-}
-
-// Separated by commas, blanks or line ends.
-void add_times(const std::string& where, std::string_view text, std::vector<double>& times) {
-    for (const std::string_view piece : split(text, ','))
-        for (const std::string_view word : words(piece)) {
-            const double t = number_of(where, word);
-            if (!times.empty() && t <= times.back())
-                throw UsageError(where, ": frames: the times run backwards, ", t, " is after ", times.back());
-            times.push_back(t);
-        }
-}
-
-std::vector<double> times_of_file(const std::string& where, const std::string& path) try {
-    std::vector<double> times;
-    int line = 0;
-    const std::string text = read_text_file(path);
-    for (const std::string_view row : split(text, '\n'))
-        add_times(concat(path, ":", ++line), row.substr(0, row.find('#')), times);
-    return times;
-} catch (const InputError& error) {
-    throw UsageError(where, ": frames: ", error.what());
-}
-
 // What the file of the state begins with, before the number of its frame.
 std::string state_of(const Problem& problem) {
     return concat("almesh frames, ", version(), " ", commit(), ", run ", problem.run_id, ", frame ");
 }
-
-// "frame 3, t = 0.04"
-std::string name_of(int number, double t) { return concat("frame ", number, ", t = ", t); }
 
 constexpr const char* heading =
     "frame,t,status,exit_code,newton_steps,max_distortion,relative_quality,min_scaled_jacobian,certified,started_from,"
@@ -160,7 +109,7 @@ void FrameRun::resume() {
         add(row, std::string(line) + "\n");
     }
     resumed_ = done_;
-    std::fprintf(out_, "resumes after %s\n", name_of(done_, times_[done_ - 1]).c_str());
+    std::fprintf(out_, "resumes after %s\n", frame_at(done_, times_[done_ - 1]).c_str());
 }
 
 // Of the problem, each once.
@@ -240,7 +189,7 @@ ExitCode FrameRun::run() {
     while (done_ < static_cast<int>(times_.size())) {
         const Stopwatch watch;
         Row row{done_ + 1, times_[done_]};
-        const std::string name = name_of(row.number, row.t);
+        const std::string name = frame_at(row.number, row.t);
         try {
             solve(deck_at(deck_, row.t, row.number), row);
         } catch (const Error& error) {
@@ -273,36 +222,6 @@ ExitCode FrameRun::run() {
 }
 
 }  // namespace
-
-bool names_file(std::string_view frames) {
-    return !frames.empty() && frames.find_first_of(",:") == std::string_view::npos && !parse_double(frames);
-}
-
-std::vector<double> frame_times(const Deck& deck) {
-    const std::string& where = deck.given.at("frames");
-    if (deck.frames.find(':') != std::string::npos) return times_of_range(where, deck.frames);
-    std::vector<double> times;
-    if (names_file(deck.frames)) times = times_of_file(where, deck.frames);
-    else add_times(where, deck.frames, times);
-    if (times.empty()) throw UsageError(where, ": frames: no times in ", deck.frames);
-    return times;
-}
-
-Deck deck_at(const Deck& deck, double t, int number) {
-    Deck now = deck;
-    for (DeckBoundary& boundary : now.boundaries) {
-        const std::string where = concat(boundary.where, ": boundary ", boundary.name, ", ", name_of(number, t), ": ");
-        try {
-            boundary.motion = at_time(std::move(boundary.motion), t, number);
-        } catch (const UsageError& error) {
-            throw UsageError(where, error.what());
-        }
-        for (const MotionStep& step : boundary.motion.steps)
-            if (std::error_code error; !step.file.empty() && !std::filesystem::exists(step.file, error))
-                throw UsageError(where, "no such file: ", step.file);
-    }
-    return now;
-}
 
 ExitCode run_frames(const Deck& deck, std::FILE* out) {
     const HandleSignal write_without_reader(SIGPIPE, SIG_IGN);

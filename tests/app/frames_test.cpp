@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "app/deck.hpp"
+#include "app/frame_times.hpp"
 #include "base/stopwatch.hpp"
 #include "support/child.hpp"
 #include "support/ring_deck.hpp"
