@@ -164,8 +164,9 @@ void select_faces(const Deck& deck, Mesh& mesh) {
 // The motion, with `slide` last where it prescribes positions.
 Motion sliding(const Motion& motion) {
     if (hold_of(motion) != BoundaryHold::prescribed) return motion;
-    const std::string steps = to_string(motion);
-    return parse_motion(steps == "fixed" ? "slide" : steps + "; slide");
+    Motion with = motion == parse_motion("fixed") ? Motion{} : motion;
+    with.steps.push_back(parse_motion("slide").steps.front());
+    return with;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "app/deck.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <span>
@@ -47,7 +48,7 @@ void read_key(Deck& deck, std::string name, std::string value, const std::string
     const DeckKey* const key = find_row(deck_keys(), name);
     if (!key) {
         std::vector<std::string> names = names_of(deck_keys());
-        names.insert(names.begin(), {"boundary", "volume", "select", "expect"});
+        names.insert(names.begin(), {"boundary", "volume", "select", "let", "expect"});
         throw UsageError("unknown key ", in_backquotes(name), did_you_mean(name, names));
     }
     if (const auto it = deck.given.find(key->name); it != deck.given.end())
@@ -80,7 +81,7 @@ void read_boundary(Deck& deck, const std::string& kind, std::string_view text, c
     const bool is_volume = kind == "volume";
     const std::string given = take_name(kind, text), shown = concat(kind, " ", with_quotes(given));
     const std::string name = is_volume ? volume_group(given) : given;
-    Motion motion = with_context(shown, [&] { return parse_motion(text); });
+    Motion motion = with_context(shown, [&] { return parse_motion(text, deck.constants); });
     if (is_volume && hold_of_rest(motion) != BoundaryHold::prescribed)
         throw UsageError(shown, ": all nodes of a volume follow its motion: it neither slides nor is free");
     for (MotionStep& step : motion.steps)
@@ -106,7 +107,7 @@ void read_selection(Deck& deck, std::string_view text, const std::string& where)
         if (selection.parts.empty())
             throw UsageError(shown, ": expected `part NUMBER`, as almesh info FILE numbers them");
     } else {
-        selection.condition = with_context(shown, [&] { return Condition(selection.text); });
+        selection.condition = with_context(shown, [&] { return Condition(selection.text, deck.constants); });
     }
     for (const DeckSelection& earlier : deck.selections)
         if (earlier.name == selection.name) check_repeat(shown, earlier.where, where);
@@ -130,10 +131,40 @@ void read_expectation(Deck& deck, std::string_view text, const std::string& wher
     deck.expectations.push_back(expectation);
 }
 
-// A setting without its comment.
-void read_setting(Deck& deck, std::string_view text, const std::string& where) {
+// Its value is known when all of them have been read.
+void read_constant(Deck& deck, std::string_view text, const std::string& where) {
+    const auto equals = std::min(text.find('='), text.size());
+    const std::string name(trim(text.substr(0, equals)));
+    check_constant_name(name);
+    if (equals == text.size()) throw UsageError("expected `let NAME = NUMBER`");
+    const std::string value(trim(text.substr(equals + 1)));
+    Constant* const earlier = find_row(deck.constants, name);
+    if (earlier) check_repeat("let " + name, earlier->where, where);
+    const Constant constant{name, without_quotes(value).value_or(value), where};
+    (earlier ? *earlier : deck.constants.emplace_back()) = constant;
+}
+
+void evaluate_constants(Deck& deck) {
+    Constants known;
+    for (Constant& constant : deck.constants) {
+        with_context(concat(constant.where, ": let ", constant.name), [&] {
+            const Expression formula(constant.text, known);
+            if (formula.names_point() || formula.names_time())
+                throw UsageError(in_backquotes(constant.text), " may name constants alone");
+            constant.value = formula({});
+            if (!std::isfinite(constant.value)) throw UsageError(in_backquotes(constant.text), " is not finite");
+        });
+        known.push_back(constant);
+    }
+}
+
+// A setting without its comment. constants: reads these alone, or else all others.
+void read_setting(Deck& deck, std::string_view text, const std::string& where, bool constants) {
     const std::string_view first = text.substr(0, std::min(text.find_first_of(" \t="), text.size()));
     const std::string_view rest = trim(text.substr(first.size()));
+    const bool is_constant = first == "let" && !rest.starts_with('=');
+    if (is_constant != constants) return;
+    if (is_constant) return read_constant(deck, rest, where);
     if (first == "boundary" || (first == "volume" && !rest.starts_with('=')))
         return read_boundary(deck, std::string(first), rest, where);
     if (first == "select" && !rest.starts_with('=')) return read_selection(deck, rest, where);
@@ -154,14 +185,14 @@ std::string_view without_comment(std::string_view line) {
     return line;
 }
 
-void read_line(Deck& deck, std::string_view line, const std::string& where) {
+void read_line(Deck& deck, std::string_view line, const std::string& where, bool constants) {
     const bool in_file = where != command_line;
     with_context(where, [&] {
         const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t'; };
         if (std::any_of(line.begin(), line.end(), is_control))
             throw UsageError("control characters: a deck is plain text, is this another file?");
         const std::string_view text = trim(in_file ? without_comment(line) : line);
-        if (!text.empty() || !in_file) read_setting(deck, text, where);
+        if (!text.empty() || !in_file) read_setting(deck, text, where, constants);
     });
 }
 
@@ -183,9 +214,13 @@ Deck parse_deck(std::string_view text, const std::string& path, const std::vecto
     deck.folder = fs::path(path).parent_path().string();
     deck.name = fs::path(path).stem().string();
     if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-    int number = 0;
-    for (const std::string_view line : split(text, '\n')) read_line(deck, line, path + ":" + std::to_string(++number));
-    for (const std::string& setting : overrides) read_line(deck, setting, command_line);
+    for (const bool constants : {true, false}) {  // a line may name those of the lines after it
+        int number = 0;
+        for (const std::string_view line : split(text, '\n'))
+            read_line(deck, line, path + ":" + std::to_string(++number), constants);
+        for (const std::string& setting : overrides) read_line(deck, setting, command_line, constants);
+        if (constants) evaluate_constants(deck);
+    }
     if (deck.mesh.empty()) throw UsageError(path, ": no mesh: add a line `mesh = FILE`, from the deck's folder");
     if (deck.output.empty()) deck.output = (fs::path("outputs") / deck.name).string();
     return deck;
@@ -222,6 +257,9 @@ std::string resolved(const Deck& deck) {
         for (const std::string& line : wrap("[" + key.value.legal + "] " + key.meaning, 98)) text += "# " + line + "\n";
         text += key.name + " = " + key.value.text(shown) + "\n";
     }
+    if (!deck.constants.empty()) text += "\n# Constants of the formulas.\n";
+    for (const Constant& constant : deck.constants)
+        text += "let " + constant.name + " = " + with_quotes(constant.text) + "\n";
     if (!deck.selections.empty()) text += "\n# Boundaries that the mesh file does not name.\n";
     for (const DeckSelection& selection : deck.selections)
         text += "select " + quoted_where_needed(selection.name, "#=\" \t") + " = " + selection.text + "\n";

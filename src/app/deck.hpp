@@ -5,6 +5,7 @@
 //   boundary "outer wall" = fixed
 //   volume solid = rotate 10 about 0 0
 //   select top = z > 0.99 and nz > 0.5
+//   let turn = 30
 //   expect relative_quality = 0.9365 +- 0.0005
 //
 // `#` starts a comment. A boundary name with blanks, and a text with a `#` or with blanks at its ends, stands in double
@@ -96,6 +97,7 @@ struct Deck {
     bool keep_going = false;
     int threads = 0;
 
+    Constants constants;                    // in the order written
     std::vector<DeckBoundary> boundaries;   // in the order written
     std::vector<DeckSelection> selections;  // in the order written
     std::vector<Expectation> expectations;  // in the order written

@@ -297,6 +297,10 @@ std::string keys_table() {
                        "Makes a boundary of outer faces, by a condition on x, y, z of their centres and nx, ny, nz of "
                        "their normals, or by the numbers of smooth parts, which almesh info shows."},
                       width);
+    text += table_row({"let NAME", "", "NUMBER",
+                       "A constant that formulas and numbers of steps may name: `translate NAME 0`, `rotate "
+                       "\"30*NAME\"`. A number, or a formula of the constants before it."},
+                      width);
     text += table_row({"expect QUANTITY", "", "<= | >= | = VALUE",
                        "What a quantity of the summary has to be at the end of the run, else the exit code is 5. A "
                        "decimal number after = needs `+- TOLERANCE`."},

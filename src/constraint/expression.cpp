@@ -6,6 +6,7 @@
 //     power = operand [^ signed],  operand = number | name | function ( sum {, sum} ) | ( sum )
 #include "constraint/expression.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
@@ -48,9 +49,12 @@ const std::array<Function, 17> functions = {{
     {"hypot", nullptr, [](double a, double b) { return std::hypot(a, b); }},
 }};
 
+bool is_of_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
+
 struct Parser {
     std::string_view text;
     std::vector<std::string> names;  // of the coordinates of a point
+    const Constants& constants;
     std::size_t at = 0;
     int depth = 0;
     std::array<bool, 6> named_at = {};  // which of the names stand in the text
@@ -168,8 +172,10 @@ struct Parser {
 
     Value named() {
         const std::size_t begin = at;
-        while (at < text.size() && std::isalnum(static_cast<unsigned char>(text[at]))) ++at;
+        while (at < text.size() && is_of_name(text[at])) ++at;
         const std::string_view name = text.substr(begin, at - begin);
+        if (const Constant* const constant = find_row(constants, name))
+            return [v = constant->value](const FormulaPoint&) { return v; };
         if (name == "pi") return [](const FormulaPoint&) { return std::numbers::pi; };
         for (std::size_t a = 0; a < names.size(); ++a)
             if (name == names[a]) {
@@ -181,6 +187,7 @@ struct Parser {
             std::vector<std::string> known = names_of(functions);
             known.insert(known.begin(), "pi");
             known.insert(known.begin(), names.begin(), names.end());
+            for (const Constant& constant : constants) known.push_back(constant.name);
             fail("unknown name " + in_backquotes(name) + did_you_mean(name, known), begin);
         }
         expect('(');
@@ -198,16 +205,26 @@ struct Parser {
 
 }  // namespace
 
-Expression::Expression(std::string_view text) : text_(text) {
-    Parser parser{text, {"x", "y", "z", "t"}};
+void check_constant_name(std::string_view name) {
+    const bool is_word = !name.empty() && std::isalpha(static_cast<unsigned char>(name[0])) &&
+                         std::all_of(name.begin(), name.end(), is_of_name);
+    if (!is_word)
+        throw UsageError("`let` needs a name of letters, digits and _, that begins with a letter: `let NAME = NUMBER`");
+    for (const std::string_view taken : {"x", "y", "z", "t", "nx", "ny", "nz", "pi", "and", "or", "axis", "about"})
+        if (name == taken || find_row(functions, name))
+            throw UsageError("the name ", in_backquotes(name), " has a meaning in formulas already: take another");
+}
+
+Expression::Expression(std::string_view text, const Constants& constants) : text_(text) {
+    Parser parser{text, {"x", "y", "z", "t"}, constants};
     value_ = parser.sum();
     parser.end();
     names_point_ = parser.named_at[0] || parser.named_at[1] || parser.named_at[2];
     names_time_ = parser.named_at[3];
 }
 
-Condition::Condition(std::string_view text) {
-    Parser parser{text, {"x", "y", "z", "nx", "ny", "nz"}};
+Condition::Condition(std::string_view text, const Constants& constants) {
+    Parser parser{text, {"x", "y", "z", "nx", "ny", "nz"}, constants};
     holds_ = parser.condition();
     parser.end();
 }

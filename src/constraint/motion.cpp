@@ -200,9 +200,11 @@ bool depends_on_time(Step step) {
            std::any_of(step.timed.begin(), step.timed.end(), [](const auto& n) { return n.formula.names_time(); });
 }
 
-TimedNumber timed_number(const MotionForm& form, int clause, std::size_t place, std::string_view text) {
-    Expression formula(text);
-    if (formula.names_point()) refuse(form, "the formula ", with_quotes(text), " of a number may name t alone");
+TimedNumber timed_number(const MotionForm& form, int clause, std::size_t place, std::string_view text,
+                         const Constants& constants) {
+    Expression formula(text, constants);
+    if (formula.names_point())
+        refuse(form, "the formula ", with_quotes(text), " of a number may name t and constants alone");
     return {clause, place, std::move(formula)};
 }
 
@@ -230,7 +232,7 @@ std::vector<std::string_view> quoted_words(std::string_view text) {
     return result;
 }
 
-MotionStep parse_step(std::string_view text) {
+MotionStep parse_step(std::string_view text, const Constants& constants) {
     const auto written = quoted_words(text);
     if (written.empty()) throw UsageError("a step of the motion is empty: put a step on both sides of every `;`");
     const MotionForm* const found = find_row(forms, written[0]);
@@ -241,6 +243,9 @@ MotionStep parse_step(std::string_view text) {
     MotionStep step;
     step.form = &form;
     const auto clause_of = [&step](int k) { return std::array{&step.numbers, &step.axis, &step.about}[k]; };
+    const auto is_formula = [&](std::string_view word) {
+        return word.starts_with('"') || find_row(constants, word);
+    };
     int clause = 0;
     for (std::size_t i = 1; i < written.size(); ++i) {
         if (form.file && step.file.empty()) {
@@ -265,17 +270,17 @@ MotionStep parse_step(std::string_view text) {
             continue;
         }
         if (form.formulas && written[i].starts_with('"')) {
-            step.formulas.emplace_back(without_quotes(written[i]).value_or(""));
+            step.formulas.emplace_back(without_quotes(written[i]).value_or(""), constants);
             continue;
         }
         if (const auto number = parse_double(written[i])) {
             clause_of(clause)->push_back(*number);
             continue;
         }
-        if (written[i].starts_with('"')) {
+        if (is_formula(written[i])) {
             std::vector<double>& numbers = *clause_of(clause);
             step.timed.push_back(
-                timed_number(form, clause, numbers.size(), without_quotes(written[i]).value_or("")));
+                timed_number(form, clause, numbers.size(), without_quotes(written[i]).value_or(""), constants));
             numbers.push_back(step.timed.back().formula({}));
             continue;
         }
@@ -283,7 +288,7 @@ MotionStep parse_step(std::string_view text) {
         const bool axis = form.axis && written[i] == "axis", about = form.about && written[i] == "about";
         if (!axis && !about) refuse(form, word, " is not a number (separate numbers by blanks)");
         clause = axis ? 1 : 2;
-        if (i + 1 == written.size() || (!parse_double(written[i + 1]) && !written[i + 1].starts_with('"')))
+        if (i + 1 == written.size() || (!parse_double(written[i + 1]) && !is_formula(written[i + 1])))
             refuse(form, word, " needs numbers");
         if (!clause_of(clause)->empty()) refuse(form, word, " stands twice");
     }
@@ -353,9 +358,9 @@ bool apply_step(Step step, Vec<3>& x) {
 
 }  // namespace
 
-Motion parse_motion(std::string_view text) {
+Motion parse_motion(std::string_view text, const Constants& constants) {
     Motion motion;
-    for (const std::string_view piece : split(text, ';')) motion.steps.push_back(parse_step(piece));
+    for (const std::string_view piece : split(text, ';')) motion.steps.push_back(parse_step(piece, constants));
     const auto is_file = [](Step step) { return step.form->file; };
     if (std::any_of(motion.steps.begin() + 1, motion.steps.end(), is_file))
         throw UsageError("positions from a file must be the first step: they belong to nodes where the mesh has them");

@@ -27,7 +27,7 @@ enum class BoundaryHold {
 
 struct MotionForm;  // a kind of step: one row of the table in motion.cpp
 
-// A number of a step that is written as a formula of t.
+// A number of a step that is written as a formula of t, or of constants.
 struct TimedNumber {
     int clause;  // 0: after the name, 1: after `axis`, 2: after `about`
     std::size_t place;
@@ -60,7 +60,7 @@ struct Motion {
 
 // Steps separated by `;`. Throws UsageError (without file and line: the deck adds them) naming the step, what is wrong
 // with it and its form.
-Motion parse_motion(std::string_view text);
+Motion parse_motion(std::string_view text, const Constants& constants = {});
 
 // The motion at the time t, in frame number `frame`, which replaces %d, or %04d for four digits, in names of files.
 // Throws UsageError where a number is not finite then, or makes no sense.

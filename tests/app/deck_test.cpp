@@ -153,6 +153,35 @@ TEST_CASE("names of earlier decks are read, and a note says the present one once
     CHECK(parsed("follow = never", {"follow=always"}).continuation == Continuation::always);
 }
 
+TEST_CASE("constants of formulas and of numbers of steps") {
+    const std::string text =
+        "boundary inner = rotate \"30*turn\" about shift 0; translate shift \"t + shift\"\n"
+        "let turn = 2\nlet shift = \"turn/4\"\nselect top = y > shift\n";
+    const auto numbers = [](const Deck& deck, int step) { return deck.boundaries.at(0).motion.steps.at(step).numbers; };
+    const Deck deck = parsed(text);
+    CHECK(numbers(deck, 0) == std::vector<double>{60});
+    CHECK(deck.boundaries[0].motion.steps[0].about == std::vector<double>{0.5, 0});
+    CHECK(numbers(deck, 1) == std::vector<double>{0.5, 0.5});
+    CHECK(deck.selections.at(0).condition.value()({0, 0.6, 0}, {}));
+    CHECK(to_string(deck.boundaries[0].motion) ==
+          "rotate \"30*turn\" about \"shift\" 0; translate \"shift\" \"t + shift\"");
+    const Deck other = parsed(text, {"let turn=8"});  // and what is made of it
+    CHECK(numbers(other, 0) == std::vector<double>{240});
+    CHECK(numbers(other, 1) == std::vector<double>{2, 2});
+    const Deck again = parse_deck(resolved(deck), "outputs/a/deck.txt", {"let turn = 8"});
+    CHECK(numbers(again, 1) == numbers(other, 1));
+    CHECK(resolved(parse_deck(resolved(deck), deck.output + "/deck.txt")) == resolved(deck));
+
+    CHECK(has(error_of("let a = 1\nlet a = 2"), "let a is already set (inputs/circle.deck:2)"));
+    CHECK(has(error_of("let a = b\nlet b = 2"), "inputs/circle.deck:2: let a: `b`, column 1: unknown name `b`"));
+    CHECK(has(error_of("let a = x"), "may name constants alone"));
+    CHECK(has(error_of("let a = 1/0"), "is not finite"));
+    CHECK(has(error_of("let sin = 1"), "inputs/circle.deck:2: the name `sin` has a meaning in formulas already"));
+    CHECK(has(error_of("let a"), "expected `let NAME = NUMBER`"));
+    CHECK(has(error_of("let 2a = 1"), "needs a name of letters"));
+    CHECK(has(error_of("boundary inner = translate shift 0"), "`shift` is not a number"));
+}
+
 TEST_CASE("errors name the place and what to do") {
     CHECK(error_of("\n\ndegre = 3") == "inputs/circle.deck:4: unknown key `degre`: did you mean `degree`?");
     CHECK(error_of("degree = 12") == "inputs/circle.deck:2: degree = 12: expected integer in 0..7");

@@ -66,3 +66,15 @@ TEST_CASE("a formula tells what it names") {
     CHECK(!Expression("z").names_time());
     CHECK_THROWS_AS(Condition("t > 1"), UsageError);
 }
+
+TEST_CASE("a formula may use constants") {
+    const Constants constants = {{"a", "0.5", "", 0.5}, {"long_name2", "4", "", 4}};
+    CHECK(Expression("a*x + long_name2", constants)({2, 0, 0}) == 5);
+    CHECK(!Expression("a", constants).names_point());
+    CHECK(Condition("x > a", constants)({0.6, 0, 0}, {}));
+    CHECK(!Condition("x > a", constants)({0.4, 0, 0}, {}));
+    CHECK(error_of("a").find("unknown name `a`") != std::string::npos);
+    for (const char* name : {"a", "B2", "long_name"}) CHECK_NOTHROW(check_constant_name(name));
+    for (const char* name : {"", "2a", "_a", "a-b", "a b", "x", "t", "pi", "sin", "axis"})
+        CHECK_THROWS_AS(check_constant_name(name), UsageError);
+}

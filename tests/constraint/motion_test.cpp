@@ -354,7 +354,8 @@ TEST_CASE("numbers that are formulas of t, formulas that name t, files by the nu
         CHECK_NOTHROW(at_time(parse_motion(text), 1, 1));
         CHECK_THROWS_AS(at_time(parse_motion(text), 0, 1), UsageError);
     }
-    CHECK(has(error_of("translate \"2*x\" 0"), "`translate`: the formula \"2*x\" of a number may name t alone"));
+    CHECK(has(error_of("translate \"2*x\" 0"),
+              "`translate`: the formula \"2*x\" of a number may name t and constants alone"));
     CHECK(has(error_of("scale \"1 - 1\""), "every factor must be > 0"));
     CHECK(has(error_of("rotate \"90*\""), "column 4"));
 }
