@@ -39,6 +39,7 @@ void check_repeat(const std::string& what, const std::string& earlier, const std
 
 // Paths start in the deck's folder, on the command line in the current one.
 std::string path_from(const std::string& where, const Deck& deck, const std::string& path) {
+    if (path == file_of_line) return path;
     const fs::path start = where == command_line ? fs::path() : fs::path(deck.folder);
     return (start / path).lexically_normal().string();
 }
@@ -198,6 +199,7 @@ void read_line(Deck& deck, std::string_view line, const std::string& where, bool
 
 // Path of `file` relative to `folder`, both given from the current folder; absolute where there is none.
 std::string relative_path(const std::string& folder, const std::string& file) {
+    if (file == file_of_line) return file;
     const fs::path from = fs::path(folder).lexically_normal(), to = fs::path(file);
     const bool reachable = from.is_relative() && to.is_relative() && !from.string().starts_with("..");
     const fs::path relative = reachable ? to.lexically_relative(from) : fs::path();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/frame_times.hpp"
 #include "app/results.hpp"
 #include "base/error.hpp"
 #include "io/msh.hpp"
@@ -82,6 +83,12 @@ void check_times(const Deck& deck) {
         if (deck.frames.empty() && depends_on_time(boundary.motion))
             throw UsageError(boundary.where, ": boundary ", boundary.name, " moves with the time t: ",
                              "give the times, such as `frames = 0 : 0.1 : 1`");
+    if (files_in_line(deck) > 0 && !is_coupled(deck.frames))
+        throw UsageError(deck.path, ": the file `-` of a motion is the one that standard input names with the time: "
+                         "it needs `frames = -`");
+    if (is_coupled(deck.frames) && deck.resume)
+        throw UsageError(deck.given.at("resume"), ": resume does not go with frames = -: start the run again and send "
+                         "the last times again, a mesh does not depend on those before it");
     for (const auto& [key, is_set] : {std::pair("split", deck.split != Split::never),
                                       std::pair("surface", deck.surface == SurfaceKind::straighten),
                                       std::pair("write_system", deck.write_system > 0),

@@ -261,9 +261,11 @@ const std::vector<DeckKey>& deck_keys() {
         {"resume", number<&Deck::resume>({0, 1}),
          "1: a run that was interrupted or killed goes on from its saved state. It ends with the same bits as a run "
          "without the interruption."},
-        {"frames", text<&Deck::frames>("FROM : STEP : TO, times or file"),
+        {"frames", text<&Deck::frames>("FROM : STEP : TO, times, file or -"),
          "Times t of a motion whose numbers and formulas name t, one mesh for each: 0 : 0.02 : 1, or 0, 0.1, 0.5, or a "
-         "file of times. \"\": one mesh, without time."},
+         "file of times. \"\": one mesh, without time. -: a line of standard input for each, `T` or `T FILE`, the file "
+         "that a step `file - displacement` takes; its answer is a line of standard output, `T converged MESH` or `T "
+         "STATUS SENTENCE`. The same T again replaces the mesh."},
         {"keep_going", choice<&Deck::keep_going>({"no", "yes"}),
          "Whether frames go on after one that fails; it stands in frames.csv."},
         {"threads", number<&Deck::threads>({0, 1024}),

@@ -65,7 +65,7 @@ std::vector<double> times_of_file(const std::string& where, const std::string& p
 std::string frame_at(int number, double t) { return concat("frame ", number, ", t = ", t); }
 
 bool names_file(std::string_view frames) {
-    return !frames.empty() && frames.find_first_of(",:") == std::string_view::npos && !parse_double(frames);
+    return !frames.empty() && !is_coupled(frames) && frames.find_first_of(",:") == std::string_view::npos && !parse_double(frames);
 }
 
 std::vector<double> frame_times(const Deck& deck) {
@@ -78,8 +78,9 @@ std::vector<double> frame_times(const Deck& deck) {
     return times;
 }
 
-Deck deck_at(const Deck& deck, double t, int number) {
+Deck deck_at(const Deck& deck, double t, int number, const std::vector<std::string>& files) {
     Deck now = deck;
+    auto file = files.begin();
     for (DeckBoundary& boundary : now.boundaries) {
         const std::string where = concat(boundary.where, ": boundary ", boundary.name, ", ", frame_at(number, t), ": ");
         try {
@@ -87,11 +88,31 @@ Deck deck_at(const Deck& deck, double t, int number) {
         } catch (const UsageError& error) {
             throw UsageError(where, error.what());
         }
-        for (const MotionStep& step : boundary.motion.steps)
+        for (MotionStep& step : boundary.motion.steps) {
+            if (step.file == file_of_line) step.file = *file++;
             if (std::error_code error; !step.file.empty() && !std::filesystem::exists(step.file, error))
                 throw UsageError(where, "no such file: ", step.file);
+        }
     }
     return now;
+}
+
+Deck deck_at_rest(const Deck& deck) {
+    Deck rest = deck;
+    for (DeckBoundary& boundary : rest.boundaries) {
+        std::vector<MotionStep>& steps = boundary.motion.steps;
+        const bool is_prescribed = hold_of(boundary.motion) == BoundaryHold::prescribed;
+        if (is_prescribed || steps.back().file == file_of_line) boundary.motion = parse_motion("fixed");
+        else steps.erase(steps.begin(), steps.end() - 1);
+    }
+    return rest;
+}
+
+int files_in_line(const Deck& deck) {
+    int count = 0;
+    for (const DeckBoundary& boundary : deck.boundaries)
+        for (const MotionStep& step : boundary.motion.steps) count += step.file == file_of_line;
+    return count;
 }
 
 }  // namespace almesh

@@ -5,9 +5,12 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 
 #include "app/boundaries.hpp"
 #include "app/commands.hpp"
+#include "app/coupling.hpp"
+#include "app/deck_checks.hpp"
 #include "app/ending.hpp"
 #include "app/frame_solver.hpp"
 #include "app/frame_times.hpp"
@@ -33,7 +36,7 @@ constexpr const char* heading =
 struct Row {
     int number = 0;
     double t = 0;
-    std::string status = "refused", started_from = {}, note = {};
+    std::string status = "refused", started_from = {}, note = {}, mesh = {};  // mesh: its file
     ExitCode code = ExitCode::success;
     int newton_steps = 0;
     double max_distortion = 0, relative_quality = 0, min_scaled_jacobian = 0, seconds = 0;
@@ -55,31 +58,47 @@ std::string csv_of(const Row& row) {
 
 class FrameRun {
 public:
-    FrameRun(const Deck& deck, std::FILE* out, std::vector<double> times)
-        : deck_(deck), out_(out), times_(std::move(times)), problem_(make_problem(deck_at(deck, times_[0], 1))) {}
+    // times: none where `coupling` has them. start: the deck whose target the problem has at first.
+    FrameRun(const Deck& deck, const Deck& start, std::FILE* out, std::vector<double> times, Coupling* coupling)
+        : deck_(deck), start_(start), out_(out), times_(std::move(times)), coupling_(coupling),
+          problem_(make_problem(start)) {}
     ExitCode run();
 
 private:
-    const Deck& deck_;
+    struct Done {
+        Row row;
+        std::string line;  // of frames.csv
+    };
+
+    const Deck &deck_, &start_;
     std::FILE* out_;
+    std::unique_ptr<std::FILE, int (*)(std::FILE*)> log_{nullptr, std::fclose};
     std::vector<double> times_;
+    Coupling* coupling_;  // null: there is none
     Problem problem_;
     FrameSolver solver_{problem_};
-    int done_ = 0, resumed_ = 0;  // frames; those that were done before
-    double spent_ = 0;            // seconds, on those since
-    ExitCode worst_ = ExitCode::success;
-    std::string csv_ = heading;
-    std::vector<std::pair<std::string, double>> series_;
+    std::vector<Done> done_;
+    std::size_t resumed_ = 0;  // of these, done before
+    double spent_ = 0;         // seconds, on those since
     FrameBefore before_;  // the last one with a mesh
+    double reached_ = -std::numeric_limits<double>::infinity();  // its time
+    std::vector<std::string> files_;  // of the line that asks for the frame
     std::vector<std::string> told_;  // notes
 
     std::string path(const char* name) const { return concat(deck_.output, "/", name); }
+    void begin();
     void resume();
+    bool next(Row& row);
     void tell_notes();
     void solve(const Deck& now, Row& row);
+    void solve_or_refuse(Row& row);
     void keep(const Deck& now, Solution& solution, Row& row);
     void add(const Row& row, const std::string& line);
+    void write_tables();
+    void save() const;
     void print(const Row& row);
+    void answer(const Row& row);
+    ExitCode end();
 };
 
 // The state is the last mesh, to the last bit. Rows of frames after it are computed anew.
@@ -108,8 +127,8 @@ void FrameRun::resume() {
         row.code = static_cast<ExitCode>(*code);
         add(row, std::string(line) + "\n");
     }
-    resumed_ = done_;
-    std::fprintf(out_, "resumes after %s\n", frame_at(done_, times_[done_ - 1]).c_str());
+    resumed_ = done_.size();
+    std::fprintf(out_, "resumes after %s\n", frame_at(*last, times_[*last - 1]).c_str());
 }
 
 // Of the problem, each once.
@@ -122,12 +141,28 @@ void FrameRun::tell_notes() {
     problem_.notes.clear();
 }
 
-// Its code is the lowest but success.
+// Where a time step is tried again, in the place of the first try; in vain, its mesh stays.
 void FrameRun::add(const Row& row, const std::string& line) {
-    done_ = row.number;
-    csv_ += line;
-    if (row.has_mesh()) series_.emplace_back(frame_name(row.number) + ".vtk", row.t);
-    if (row.code != ExitCode::success) worst_ = worst_ == ExitCode::success ? row.code : std::min(worst_, row.code);
+    const std::size_t place = row.number - 1;
+    if (place == done_.size()) done_.push_back({row, line});
+    else if (row.has_mesh() || !done_[place].row.has_mesh()) done_[place] = {row, line};
+}
+
+void FrameRun::write_tables() {
+    std::string csv = heading;
+    std::vector<std::pair<std::string, double>> series;
+    for (const auto& [row, line] : done_) {
+        csv += line;
+        if (row.has_mesh()) series.emplace_back(frame_name(row.number) + ".vtk", row.t);
+    }
+    write_file(path("frames.csv"), csv);
+    if (deck_.vtk != VtkOutput::none && !series.empty()) write_series(path("frames.vtk.series"), series);
+}
+
+void FrameRun::save() const {
+    std::string state = concat(state_of(problem_), done_.size(), "\n");
+    state.append(reinterpret_cast<const char*>(before_.x.data()), before_.x.size() * sizeof(double));
+    write_file(path(frames_state), state);
 }
 
 // Files of the frame, and what of it goes into the table.
@@ -150,8 +185,9 @@ void FrameRun::keep(const Deck& now, Solution& solution, Row& row) {
         print_ending(out_, now, problem_, solution, 0);
     }
     if (!row.has_mesh()) return;
-    write_frame(deck_, problem_, solution, row.number);
+    row.mesh = write_frame(deck_, problem_, solution, row.number);
     before_ = {solution.x, problem_.motions};
+    reached_ = row.t;
     for (const Expectation& expectation : deck_.expectations) {
         const ExpectationResult result = check(expectation, summary);
         if (result.holds || row.code != ExitCode::success) continue;
@@ -161,64 +197,109 @@ void FrameRun::keep(const Deck& now, Solution& solution, Row& row) {
 }
 
 void FrameRun::solve(const Deck& now, Row& row) {
-    if (row.number > 1) move_target(now, problem_);
+    if (row.number > 1 || coupling_) move_target(now, problem_);
     tell_notes();
     Solution solution = solver_.solve(now, before_, row.started_from);
     if (!interrupted()) keep(now, solution, row);
 }
 
+void FrameRun::solve_or_refuse(Row& row) {
+    try {
+        solve(deck_at(deck_, row.t, row.number, files_), row);
+    } catch (const Error& error) {
+        row.code = error.exit_code;
+        row.status = "refused";
+        row.note = error.what();
+    }
+}
+
 void FrameRun::print(const Row& row) {
     std::fprintf(out_, "%6d  %9.4g  %-10s", row.number, row.t, row.status.c_str());
     if (!row.started_from.empty())
-        std::fprintf(out_, "  %6d  %9.4g  %8.6f  %8s  %-6s  %7.3fs  %.2fs left", row.newton_steps, row.max_distortion,
+        std::fprintf(out_, "  %6d  %9.4g  %8.6f  %8s  %-6s  %7.3fs", row.newton_steps, row.max_distortion,
                      row.relative_quality, rounded_down(row.min_scaled_jacobian, 4).c_str(), row.started_from.c_str(),
-                     row.seconds, static_cast<double>(times_.size() - done_) * spent_ / (done_ - resumed_));
+                     row.seconds);
+    if (!row.started_from.empty() && !coupling_)
+        std::fprintf(out_, "  %.2fs left", static_cast<double>(times_.size() - done_.size()) * spent_ /
+                                               static_cast<double>(done_.size() - resumed_));
     std::fprintf(out_, "%s%s\n", row.note.empty() ? "" : "  ", row.note.c_str());
     std::fflush(out_);
 }
 
-ExitCode FrameRun::run() {
-    resume();
-    const ResultsFolder folder(deck_at(deck_, times_[0], 1));
+void FrameRun::answer(const Row& row) {
+    if (row.has_mesh() && row.certified) return coupling_->tell(row.status, row.mesh);
+    coupling_->tell(row.has_mesh() ? "not_certified" : row.status,
+                    row.note.empty() ? concat(path(frames_log), " says why") : row.note);
+}
+
+// The frame after the last one; where a coupled run asks for the same time again, the same frame. False: there is none.
+bool FrameRun::next(Row& row) {
+    row = {static_cast<int>(done_.size()) + 1};
+    if (!coupling_) {
+        if (done_.size() < times_.size()) row.t = times_[done_.size()];
+        return done_.size() < times_.size();
+    }
+    const std::optional<AskedFrame> asked = coupling_->next(reached_);
+    if (!asked) return false;
+    row.t = asked->t;
+    files_ = asked->files;
+    for (const Done& done : done_)
+        if (done.row.t == row.t) row.number = done.row.number;
+    return true;
+}
+
+void FrameRun::begin() {
+    if (coupling_) {
+        log_.reset(std::fopen(path(frames_log).c_str(), "w"));
+        if (!log_) throw InputError("cannot write to ", path(frames_log));
+        out_ = log_.get();
+        identify(deck_, problem_);
+    }
     print_mesh(out_, deck_, problem_, 0);
     write_deck(deck_, problem_);
     told_ = std::exchange(problem_.notes, {});
-    const CatchInterrupts catching;
     std::fprintf(out_, "%6s  %9s  %-10s  %6s  %9s  %8s  %8s  %-6s  %8s\n", "frame", "t", "status", "Newton", "max eta",
                  "q", "Jacobian", "from", "time");
-    while (done_ < static_cast<int>(times_.size())) {
+}
+
+// The code is the lowest but success.
+ExitCode FrameRun::end() {
+    ExitCode worst = ExitCode::success;
+    for (const auto& [row, line] : done_)
+        if (row.code != ExitCode::success) worst = worst == ExitCode::success ? row.code : std::min(worst, row.code);
+    remove_file(path(frames_state));
+    std::fprintf(out_, "%s, %s; results in %s\n", counted(done_.size(), "frame").c_str(),
+                 worst == ExitCode::success ? "all certified valid and injective" : "not all as wanted: frames.csv",
+                 deck_.output.c_str());
+    return worst;
+}
+
+ExitCode FrameRun::run() {
+    resume();
+    const ResultsFolder folder(start_);
+    begin();
+    for (Row row; next(row);) {
+        const CatchInterrupts catching;  // not while a coupled run waits
         const Stopwatch watch;
-        Row row{done_ + 1, times_[done_]};
         const std::string name = frame_at(row.number, row.t);
-        try {
-            solve(deck_at(deck_, row.t, row.number), row);
-        } catch (const Error& error) {
-            row.code = error.exit_code;
-            row.status = "refused";
-            row.note = error.what();
-        }
+        solve_or_refuse(row);
         if (row.note.empty() && interrupted()) {
             std::fprintf(out_, "interrupted in %s; try resume=1, which goes on from here\n", name.c_str());
+            if (coupling_) coupling_->tell("interrupted", "the run has ended");
             return ExitCode::not_converged;
         }
         spent_ += row.seconds = watch.seconds();
         add(row, csv_of(row));
-        write_file(path("frames.csv"), csv_);
-        if (deck_.vtk != VtkOutput::none && row.has_mesh()) write_series(path("frames.vtk.series"), series_);
-        if (row.code != ExitCode::success && row.code != ExitCode::expectation_failed && !deck_.keep_going)
+        write_tables();
+        const bool goes_on = row.code == ExitCode::success || row.code == ExitCode::expectation_failed;
+        if (!goes_on && !deck_.keep_going && !coupling_)
             throw Error(row.code, concat(name, ": ", row.note.empty() ? row.status : row.note,
                                          "\nthe frames before it are there; keep_going = yes goes on with the next"));
         print(row);
-        if (!row.has_mesh()) continue;
-        std::string state = concat(state_of(problem_), row.number, "\n");
-        state.append(reinterpret_cast<const char*>(before_.x.data()), before_.x.size() * sizeof(double));
-        write_file(path(frames_state), state);
+        if (coupling_) answer(row);
+        else if (row.has_mesh()) save();
     }
-    remove_file(path(frames_state));
-    const bool good = worst_ == ExitCode::success;
-    std::fprintf(out_, "%s, %s; results in %s\n", counted(times_.size(), "frame").c_str(),
-                 good ? "all certified valid and injective" : "not all as wanted: frames.csv", deck_.output.c_str());
-    return worst_;
+    return end();
 }
 
 }  // namespace
@@ -227,10 +308,15 @@ ExitCode run_frames(const Deck& deck, std::FILE* out) {
     const HandleSignal write_without_reader(SIGPIPE, SIG_IGN);
     const TimeLimit limit(deck.max_seconds);
     set_threads(deck.threads);
+    check_times(deck);
+    if (is_coupled(deck.frames)) {
+        Coupling coupling(stdin, out, files_in_line(deck));
+        return FrameRun(deck, deck_at_rest(deck), out, {}, &coupling).run();
+    }
     const std::vector<double> times = frame_times(deck);
     for (std::size_t k = 0; k < times.size() && !deck.keep_going; ++k)
         deck_at(deck, times[k], static_cast<int>(k) + 1);
-    return FrameRun(deck, out, times).run();
+    return FrameRun(deck, deck_at(deck, times[0], 1), out, times, nullptr).run();
 }
 
 }  // namespace almesh

@@ -402,9 +402,13 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
     if (const std::string loss = vtk_loss(problem.mesh().groups, problem.mesh().degree);
         deck.vtk != VtkOutput::none && !loss.empty())
         problem.notes.push_back(loss);
+    identify(deck, problem);
+    return problem;
+}
+
+void identify(const Deck& deck, Problem& problem) {
     problem.run_id = run_id(deck, problem.mesh_hash);
     problem.level->mesh.file.comment = concat(version(), ", run ", problem.run_id);
-    return problem;
 }
 
 std::shared_ptr<SlidingSurfaces> surfaces_in_place(const Deck& deck, const Problem& problem) {

@@ -52,6 +52,9 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
 // Gives the problem the target of the deck's motions as they are now, at another time; all else stays.
 void move_target(const Deck& deck, Problem& problem);
 
+// The run's id, and in the comment of meshes that are written, is that of this deck.
+void identify(const Deck& deck, Problem& problem);
+
 // The problem's target as folded_target.hpp checks and changes it.
 CheckedTarget checked_target(const Deck& deck, Problem& problem);
 

@@ -102,18 +102,20 @@ std::string numbered(const char* name, int number) {
 
 std::string iterate_name(int number) { return numbered("iterate-", number); }
 
-// The mesh, in the formats of the key `final`, and its VTK file.
-void write_mesh(const Deck& deck, const Problem& problem, const Solution& solution,
-                const std::vector<double>& positions, const std::string& name) {
+// The mesh, in the formats of the key `final`, and its VTK file. Returns the first one.
+std::string write_mesh(const Deck& deck, const Problem& problem, const Solution& solution,
+                       const std::vector<double>& positions, const std::string& name) {
     const Mesh in_file = as_in_file(problem.mesh());
     const std::string path = deck.output + "/" + name;
-    for (const FileFormat& format : final_formats(deck.final_format, in_file)) {
+    const std::vector<FileFormat> formats = final_formats(deck.final_format, in_file);
+    for (const FileFormat& format : formats) {
         if (format.kind == FileFormat::Kind::su2) write_su2(path + ".su2", in_file, positions);
         else write_msh(path + ".msh", in_file, positions, format);
     }
-    if (deck.vtk == VtkOutput::none) return;
-    write_volume(deck, problem, name.c_str(), solution.x, positions, solution.al.distortion.element_max,
-                 &solution.certificate.lower_bound);
+    if (deck.vtk != VtkOutput::none)
+        write_volume(deck, problem, name.c_str(), solution.x, positions, solution.al.distortion.element_max,
+                     &solution.certificate.lower_bound);
+    return path + (formats.front().kind == FileFormat::Kind::su2 ? ".su2" : ".msh");
 }
 
 // The elements around the diagnosis, with the way from each node of the boundary to its target.
@@ -234,8 +236,8 @@ void write_series(const std::string& path, const std::vector<std::pair<std::stri
 
 std::string frame_name(int number) { return numbered("frame-", number); }
 
-void write_frame(const Deck& deck, const Problem& problem, const Solution& solution, int number) {
-    write_mesh(deck, problem, solution, final_positions(problem, solution.x), frame_name(number));
+std::string write_frame(const Deck& deck, const Problem& problem, const Solution& solution, int number) {
+    return write_mesh(deck, problem, solution, final_positions(problem, solution.x), frame_name(number));
 }
 
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {

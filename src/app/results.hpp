@@ -69,8 +69,8 @@ void write_iterate(const Deck& deck, const Problem& problem, int number, const s
 void write_series(const std::string& path, const std::vector<std::pair<std::string, double>>& files);
 
 std::string frame_name(int number);  // frame-0001
-// frame-0001.msh, .su2 or both, as the key `final` says, and frame-0001.vtk.
-void write_frame(const Deck& deck, const Problem& problem, const Solution& solution, int number);
+// frame-0001.msh, .su2 or both, as the key `final` says, and frame-0001.vtk. Returns the path of the first one.
+std::string write_frame(const Deck& deck, const Problem& problem, const Solution& solution, int number);
 
 // How the final mesh is written: final.msh, final.su2, or both.
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh);

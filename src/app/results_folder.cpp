@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/coupling.hpp"
 #include "app/deck.hpp"
 #include "app/frames.hpp"
 #include "base/error.hpp"
@@ -27,7 +28,7 @@ namespace fs = std::filesystem;
 // frame-0001.msh, and what is told of all of them.
 bool is_of_frame(const std::string& name) {
     const std::string ending = name.substr(std::min(name.find_first_not_of("0123456789", 6), name.size()));
-    return name == "frames.csv" || name == "frames.vtk.series" || name == frames_state ||
+    return name == "frames.csv" || name == "frames.vtk.series" || name == frames_state || name == frames_log ||
            (name.starts_with("frame-") && (ending == ".msh" || ending == ".su2" || ending == ".vtk"));
 }
 

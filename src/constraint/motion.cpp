@@ -133,8 +133,9 @@ constexpr std::array<MotionForm, 13> forms = {{
      }},
     {.name = "file", .form = "file NAME [displacement] [else fixed|slide|free]",
      .meaning = "first step: the file has the positions (or displacements) of the boundary's nodes in rows "
-                "`node-id x y [z]`, separated by blanks or commas; its path starts in the deck's folder. `else`: nodes "
-                "that it leaves out stay where they are, slide along the boundary as the mesh has it, or are free",
+                "`node-id x y [z]`, separated by blanks or commas; its path starts in the deck's folder; `-`: see the "
+                "key frames. `else`: nodes that it leaves out stay where they are, slide along the boundary as the "
+                "mesh has it, or are free",
      .file = true},
     {.name = "mesh", .form = "mesh NAME",
      .meaning = "first step: takes the positions from the nodes with the same ids in this mesh, such as the final.msh "

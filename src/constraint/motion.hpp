@@ -25,6 +25,8 @@ enum class BoundaryHold {
     free         // to nothing
 };
 
+inline constexpr const char* file_of_line = "-";  // the name of a file that the coupled solver tells with the time
+
 struct MotionForm;  // a kind of step: one row of the table in motion.cpp
 
 // A number of a step that is written as a formula of t, or of constants.

@@ -1,0 +1,46 @@
+// frames = -: a solver beside this program asks for one mesh after the other, by lines of standard input, and goes on
+// when it has read the answer, a line of standard output. No line on one side is without one on the other.
+//
+//   asked:  T [FILE ...]                 the time, and the files of the deck's steps that are named `-`, in their order
+//   told:   T converged MESH             the mesh is on disk and certified
+//           T STATUS SENTENCE            there is none; STATUS: refused, stalled, not_certified, ...
+//
+// The same time again stands for a time step that is tried again, and replaces the mesh. What a run says of its
+// progress goes to frames.log.
+#pragma once
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace almesh {
+
+inline constexpr const char* frames_log = "frames.log";  // in the folder of results
+
+struct AskedFrame {
+    double t;
+    std::vector<std::string> files;
+};
+
+class Coupling {
+public:
+    // files: how many are in each line. Where it is one, it is all that follows the time, blanks included.
+    Coupling(std::FILE* in, std::FILE* out, int files) : in_(in), out_(out), files_(files) {}
+
+    // The next line; nothing at the end of the input. Lines that ask for no frame are told so, and passed over.
+    // reached: the time of the last mesh, before which there is none. Throws Error where the run is interrupted.
+    std::optional<AskedFrame> next(double reached);
+
+    // Of the frame that was asked for last. Throws InputError where nobody reads it.
+    void tell(const std::string& status, std::string what);
+
+private:
+    std::FILE *in_, *out_;
+    int files_;
+    std::string time_;  // as it was written
+
+    std::optional<std::string> read_line();
+    AskedFrame parse(const std::string& line, double reached);
+};
+
+}  // namespace almesh

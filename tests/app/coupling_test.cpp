@@ -1,0 +1,209 @@
+// A solver beside the program, which asks for one mesh after the other by lines.
+#include "app/coupling.hpp"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "support/child.hpp"
+#include "support/ring_deck.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+// The program in a process of its own, between two pipes.
+class Asked {
+public:
+    Asked(const RingDeck& ring, std::vector<std::string> settings) : error_(ring.folder.path("error.txt")) {
+        settings.insert(settings.begin(), ring.deck);
+        settings.push_back("frames=-");
+        int in[2], out[2];
+        REQUIRE(pipe(in) == 0);
+        REQUIRE(pipe(out) == 0);
+        child_ = fork();
+        if (child_ == 0) {
+            std::signal(SIGTERM, SIG_DFL);
+            dup2(in[0], 0);
+            for (const int end : {in[0], in[1], out[0]}) close(end);
+            std::FILE* const error = std::fopen(error_.c_str(), "w");
+            const int code = command_line(settings, fdopen(out[1], "w"), error);
+            std::fclose(error);
+            _exit(code);
+        }
+        close(in[0]);
+        close(out[1]);
+        in_ = fdopen(in[1], "w");
+        out_ = fdopen(out[0], "r");
+    }
+    ~Asked() { end(); }
+
+    std::string ask(const std::string& line) {
+        std::fprintf(in_, "%s\n", line.c_str());
+        std::fflush(in_);
+        return answer();
+    }
+    std::string answer() {
+        std::string text;
+        for (int c; (c = std::fgetc(out_)) != EOF && c != '\n';) text += static_cast<char>(c);
+        return text;
+    }
+    void stop_reading() { std::fclose(std::exchange(out_, nullptr)); }
+    void tell(const std::string& line) {
+        std::fprintf(in_, "%s\n", line.c_str());
+        std::fflush(in_);
+    }
+    pid_t process() const { return child_; }
+    int end() {
+        if (child_ == 0) return 0;
+        std::fclose(in_);
+        if (out_) std::fclose(out_);
+        int status = 0;
+        waitpid(std::exchange(child_, 0), &status, 0);
+        return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
+    }
+    std::string error() const { return text_of(error_); }
+
+private:
+    std::string error_;
+    pid_t child_ = 0;
+    std::FILE *in_ = nullptr, *out_ = nullptr;
+};
+
+// Of the nodes first .. first + 11: the inner boundary, or the outer one.
+std::string rows(double shift, int first = 1, int count = 12) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += concat(first + i, ",", shift, ",0\n");
+    return text;
+}
+
+const std::string by_file = "boundary inner=file - displacement";
+
+}  // namespace
+
+TEST_CASE("a line of input is a mesh, and a line of output when it is there") {
+    const RingDeck ring;
+    Asked run(ring, {by_file});
+    const std::string mesh = ring.output + "/frame-000";
+    for (int k = 1; k <= 3; ++k) {
+        const std::string file = ring.folder.write(concat("wall ", k, ".csv"), rows(0.2 * k));
+        CHECK(run.ask(concat(0.5 * k, " \t", file)) == concat(0.5 * k, " converged ", mesh, k, ".msh"));
+        CHECK(mesh_of(concat(mesh, k, ".msh")).x[0] == 1 + 0.2 * k);
+    }
+    CHECK(run.end() == 0);
+    CHECK(run.error().empty());
+    CHECK(has(text_of(ring.output + "/frames.log"), "3 frames, all certified valid and injective"));
+    CHECK(csv_rows(text_of(ring.output + "/frames.csv")).size() == 4);
+
+    const std::string other = ring.folder.path("listed");  // the same from a list of times, to the last bit
+    REQUIRE(ring.run({concat("boundary inner=file \"", ring.folder.path("wall %d.csv"), "\" displacement"),
+                      "frames=0.5:0.5:1.5", "output=" + other}).code == 0);
+    for (int k = 1; k <= 3; ++k)
+        CHECK(mesh_of(concat(mesh, k, ".msh")).x == mesh_of(concat(other, "/frame-000", k, ".msh")).x);
+}
+
+TEST_CASE("a time step that is tried again replaces its mesh; one that is refused leaves it") {
+    const RingDeck ring;
+    Asked run(ring, {by_file});
+    const std::string file = ring.folder.path("wall.csv"), second = ring.output + "/frame-0002.msh";
+    const auto ask = [&](double t, double shift) {
+        ring.folder.write("wall.csv", rows(shift));
+        return run.ask(concat(t, " ", file));
+    };
+    ask(0, 0.1);
+    ask(1, 0.5);
+    CHECK(ask(1, 0.75) == "1 converged " + second);
+    CHECK(mesh_of(second).x[0] == 1.75);
+    CHECK(has(ask(1, 9), "1 refused the target makes the boundary itself invalid"));
+    CHECK(mesh_of(second).x[0] == 1.75);
+    CHECK(has(ask(2, 9), "2 refused the target makes"));
+    CHECK(ask(1.5, 1) == concat("1.5 converged ", ring.output, "/frame-0004.msh"));
+    CHECK(has(ask(1, 1), "1 refused the times run backwards, the last mesh is of t = 1.5"));
+    CHECK(ask(2, 1.1) == concat("2 converged ", ring.output, "/frame-0003.msh"));
+    CHECK(run.end() == 0);
+    const auto table = csv_rows(text_of(ring.output + "/frames.csv"));
+    REQUIRE(table.size() == 5);
+    CHECK(table[2][2] == "converged");
+}
+
+TEST_CASE("what is wrong with a line or its file is answered in a line, and the run goes on") {
+    const RingDeck ring;
+    Asked run(ring, {by_file});
+    const std::string file = ring.folder.write("wall.csv", rows(0.1)), bad = ring.folder.path("bad.csv");
+    REQUIRE(has(run.ask("0 " + file), "0 converged"));
+    const auto refused = [&](const std::string& line, const std::string& why) {
+        const std::string answer = run.ask(line);
+        CHECK_MESSAGE(answer.starts_with(line.substr(0, line.find(' ')) + " refused "), answer);
+        CHECK_MESSAGE(has(answer, why), answer);
+    };
+    refused("nan " + file, "`nan` is not a number");
+    refused("next " + file, "expected a time and 1 file: `next` is not a number");
+    refused("-1 " + file, "the times run backwards, the last mesh is of t = 0");
+    refused("1", "the deck takes 1 file with each time, in its steps named `-`; here are 0");
+    refused("1 " + bad, "boundary inner, frame 2, t = 1: no such file: " + bad);
+    ring.folder.write("bad.csv", rows(0.1) + "13,0.1,0\n");
+    refused("1 " + bad, "bad.csv:13: node 13 is not on boundary inner");
+    ring.folder.write("bad.csv", rows(0.1, 1, 11));
+    refused("1 " + bad, "1 node of boundary inner missing, the first with id 12");
+    ring.folder.write("bad.csv", "1 nan 0\n");
+    refused("1 " + bad, "bad.csv:1: a coordinate `nan` is not a finite number");
+    ring.folder.write("bad.csv", "1 0\n");
+    refused("1 " + bad, "bad.csv:1: ");
+    CHECK(run.ask("\n1 " + file) == concat("1 converged ", ring.output, "/frame-0002.msh"));
+    CHECK(run.end() == 0);
+    CHECK(csv_rows(text_of(ring.output + "/frames.csv")).size() == 3);
+}
+
+TEST_CASE("no file, or one for each of several boundaries; formulas of t beside them") {
+    const RingDeck ring;
+    const std::string inner = ring.folder.write("inner.csv", rows(0.25)), outer = ring.folder.write("outer.csv",
+                                                                                                     rows(0.5, 37));
+    {
+        Asked run(ring, {"boundary inner=translate \"t\" 0"});
+        CHECK(has(run.ask("0.5"), "0.5 converged"));
+        CHECK(has(run.ask("0.75 " + inner), "refused the deck takes 0 files with each time"));
+        CHECK(mesh_of(ring.output + "/frame-0001.msh").x[0] == 1.5);
+    }
+    Asked run(ring, {by_file + "; translate \"t\" 0", "boundary outer=file - displacement"});
+    CHECK(has(run.ask("0.5 " + inner), "here is 1"));
+    CHECK(has(run.ask(concat("0.5 ", inner, " ", outer)), "0.5 converged"));
+    const Mesh mesh = mesh_of(ring.output + "/frame-0001.msh");
+    CHECK(mesh.x[0] == 1.75);
+    CHECK(mesh.x[2 * 36] == 6.5);
+}
+
+TEST_CASE("answers that nobody reads end the run, with its meshes; a second run in the folder is refused") {
+    const RingDeck ring;
+    Asked run(ring, {"boundary inner=translate \"t\" 0"});
+    REQUIRE(has(run.ask("0.5"), "converged"));
+    const Outcome second = ring.run({"frames=0,1"});
+    CHECK(second.code == 2);
+    CHECK(has(second.error, "another run writes to " + ring.output));
+    run.stop_reading();
+    run.tell("1");
+    CHECK(run.end() == 2);
+    CHECK(has(run.error(), "frames = -: nobody reads the answers any more; the meshes made so far are there"));
+    CHECK(csv_rows(text_of(ring.output + "/frames.csv")).size() == 3);
+    CHECK(std::filesystem::exists(ring.output + "/frame-0002.msh"));
+}
+
+TEST_CASE("a run that waits for a line ends with the signal") {
+    const RingDeck ring;
+    Asked run(ring, {"boundary inner=translate \"t\" 0"});
+    REQUIRE(has(run.ask("0.5"), "converged"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // until it waits
+    kill(run.process(), SIGTERM);
+    CHECK(run.end() == -SIGTERM);
+    CHECK(std::filesystem::exists(ring.output + "/frame-0001.msh"));
+    CHECK(ring.run({"frames=0,1"}).code == 0);  // the folder is free
+}
+
+TEST_CASE("files that a line names need frames = -, which does not go with resume") {
+    const RingDeck ring;
+    CHECK(has(ring.run({by_file}).error, "it needs `frames = -`"));
+    CHECK(has(ring.run({by_file, "frames=0,1"}).error, "it needs `frames = -`"));
+    CHECK(has(ring.run({by_file, "frames=-", "resume=1"}).error, "resume does not go with frames = -"));
+}
