@@ -31,7 +31,7 @@ FILE, LAST = "each from the file", "each from the last"
 METHODS = [
     ("almesh, frames", "frames", "#c2410c"),
     (f"almesh, {LAST}", "augmented_lagrangian", "#f29b4b"),
-    (f"elasticity, {FILE}, 10 increments", "elasticity 10", "#a9cbe6"),
+    (f"elasticity, {FILE}", "elasticity 1", "#a9cbe6"),
     (f"elasticity, {LAST}", "elasticity", "#16588e"),
     (f"RBF, {FILE}", "rbf file", "#b9dcc6"),
     (f"RBF, {LAST}", "rbf", "#2f6f4f"),
