@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """OpenFOAM on the meshes of a motion: a body in hexahedra, prisms, pyramids and tetrahedra pitches by 60 degrees.
-gmshToFoam reads the first mesh; of the others only the points are written, as TIME/polyMesh/points. checkMesh judges the
-mesh of each time, and potentialFoam solves the flow past the body on it. `make coupling`; Debian: openfoam."""
+gmshToFoam reads the first mesh; of the others only the points are written, as TIME/polyMesh/points. checkMesh judges
+the mesh of each time, and potentialFoam solves the flow past the body on it. `make coupling`; Debian: openfoam."""
 import os
 import re
 import shutil
@@ -17,10 +17,10 @@ boundary far = fixed
 frames = 0 : 0.125 : 1
 vtk = none
 """
-CONTROL = """startFrom startTime; startTime %s; stopAt endTime; endTime 2; deltaT 1; writeControl timeStep; writeInterval 1;
-writePrecision 17;"""
-SCHEMES = """ddtSchemes { default steadyState; } gradSchemes { default Gauss linear; } divSchemes { default Gauss linear; }
-laplacianSchemes { default Gauss linear corrected; } interpolationSchemes { default linear; }
+CONTROL = """startFrom startTime; startTime %s; stopAt endTime; endTime 2; deltaT 1; writeControl timeStep;
+writeInterval 1; writePrecision 17;"""
+SCHEMES = """ddtSchemes { default steadyState; } gradSchemes { default Gauss linear; }
+divSchemes { default Gauss linear; } laplacianSchemes { default Gauss linear corrected; } interpolationSchemes { default linear; }
 snGradSchemes { default corrected; }"""
 SOLUTION = """solvers { Phi { solver PCG; preconditioner DIC; tolerance 1e-10; relTol 0; } }
 potentialFlow { nNonOrthogonalCorrectors 20; PhiRefCell 0; PhiRefValue 0; }"""
