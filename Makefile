@@ -56,7 +56,7 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-models cad-examples cholmod paper gauntlet generated certificates defaults drift run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
+.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-models cad-examples cholmod paper gauntlet generated certificates defaults drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
         figures meshes lessons readmes check-lessons animation clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -250,6 +250,12 @@ cad-models: almesh ## mesh and curve the CAD models of a folder, beside gmsh's o
 cad-examples: almesh ## the same, coarse, of the solids that OpenCASCADE and gmsh ship (occt-misc, gmsh-doc): outputs/cad-examples/table.md
 	$(PYTHON) plot/cad_models.py $(wildcard /usr/share/opencascade/data/*/*.brep /usr/share/opencascade/data/*/*.step \
 	  /usr/share/doc/gmsh-doc/doc/gmsh/demos/*/*.st*p.gz) --edges 12 --turn 0 --output cad-examples
+
+# Each says so where its program is not installed. dolfinx is there for Debian's Python alone.
+coupling: almesh ## move meshes for other programs: dolfinx, CalculiX, OpenFOAM, those that are installed: outputs/coupling/
+	@for client in heat calculix openfoam; do \
+	  python=$$(for p in $(PYTHON) /usr/bin/python3; do $$p -c 'import dolfinx' 2>/dev/null && echo $$p && break; done); \
+	  $${python:-$(PYTHON)} plot/coupling/$$client.py || exit 1; echo; done
 
 drift: almesh ## ten periods of a moving plate, steps from the last mesh and from the file, elasticity and RBF beside it (scipy): outputs/drift/
 	$(PYTHON) plot/drift.py

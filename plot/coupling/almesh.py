@@ -1,0 +1,39 @@
+"""What the clients share: a run of almesh, and the nodes of the meshes that it writes. Standard library only."""
+import importlib.util
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+OUTPUTS = Path("outputs/coupling")
+
+
+def need(packages, *names):
+    """Ends the script, with a sentence, where one of these programs or Python modules is missing."""
+    missing = [name for name in names if not shutil.which(name) and not importlib.util.find_spec(name)]
+    if missing:
+        print(f"{', '.join(missing)} not found by {sys.executable}: apt-get install --no-install-recommends {packages}")
+        sys.exit()
+
+
+def new_folder(name):
+    """outputs/coupling/name, empty."""
+    folder = OUTPUTS / name
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    return folder
+
+
+def run(folder, deck):
+    """Runs a deck in the folder, with frames. Returns the meshes."""
+    path = folder / "motion.deck"
+    path.write_text(deck)
+    done = subprocess.run(["./almesh", path, f"output={folder}/mesh"], stdout=subprocess.PIPE, text=True, check=True)
+    print("almesh:", done.stdout.splitlines()[-1])
+    return sorted((folder / "mesh").glob("frame-*.msh"))
+
+
+def nodes(path):
+    """{id: (x, y, z)} of a mesh in MSH 2.2, in its order."""
+    _, *rows = path.read_text().split("$Nodes\n")[1].split("\n$EndNodes")[0].split("\n")
+    return {int(words[0]): tuple(map(float, words[1:])) for words in map(str.split, rows)}

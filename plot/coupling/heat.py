@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""A flow and the heat in it on a moving mesh, with dolfinx: a plate pitches and plunges in a box full of a viscous
+fluid, hot above and cold below. In each step Stokes' equations give the velocity u, and the temperature follows the
+conservative ALE form d/dt (T, s) + k (grad T, grad s) - (T (u - w), grad s) = 0, w the mesh's velocity. With u and w on
+the mesh halfway the heat is conserved, and T = 1 stays, to rounding. `make coupling`; Debian: python3-dolfinx."""
+import logging
+
+import almesh
+
+almesh.need("python3-dolfinx python3-gmsh python3-matplotlib python3-scipy", "dolfinx", "gmsh", "matplotlib", "scipy")
+
+import gmsh
+import matplotlib.pyplot as plt
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.io import gmshio
+from mpi4py import MPI
+from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import spsolve
+
+STEPS = 40
+DECK = f"""mesh = ../../../inputs/meshes/plate.msh
+boundary plate = rotate "60*sin(2*pi*t)" about 0 0; translate 0 "2*(1 - cos(2*pi*t))"
+boundary box = fixed
+frames = 0 : {1 / STEPS} : 1
+"""
+LU = {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps"}
+logging.disable(logging.INFO)  # of the compiler of forms
+folder = almesh.new_folder("heat")
+print("dolfinx: heat in the flow around a moving plate")
+meshes = almesh.run(folder, DECK)
+gmsh.initialize(["", "-v", "0"])
+gmsh.open(str(meshes[0]))
+domain, _, facets = gmshio.model_to_mesh(gmsh.model, MPI.COMM_WORLD, 0, gdim=2)
+x, order = domain.geometry.x, domain.geometry.input_global_indices
+frames = [np.array(list(almesh.nodes(path).values()))[order] for path in meshes]
+P1, P2 = ufl.FiniteElement("P", "triangle", 1), ufl.VectorElement("P", "triangle", 2)
+Q, flow = fem.FunctionSpace(domain, P1), fem.FunctionSpace(domain, P2 * P1)
+V, _ = flow.sub(0).collapse()
+w, wall, velocity = fem.Function(fem.VectorFunctionSpace(domain, ("P", 1))), fem.Function(V), fem.Function(V)
+triangles = Q.dofmap.list.array.reshape(-1, 3)
+node = np.empty(len(x), int)  # of each unknown of degree 1
+node[triangles] = domain.geometry.dofmap.array.reshape(-1, 3)
+pressure = fem.locate_dofs_topological((flow.sub(1), Q), 1, facets.indices[:1])
+fixed = [fem.dirichletbc(wall, fem.locate_dofs_topological((flow.sub(0), V), 1, facets.indices), flow.sub(0)),
+         fem.dirichletbc(fem.Function(Q), [dofs[:1] for dofs in pressure], flow.sub(1))]  # at one node: 0
+(u, p), (v, q) = ufl.TrialFunctions(flow), ufl.TestFunctions(flow)
+stokes = fem.petsc.LinearProblem((ufl.inner(ufl.grad(u), ufl.grad(v)) - p * ufl.div(v) - q * ufl.div(u)) * ufl.dx,
+                                 ufl.inner(fem.Constant(domain, (0.0, 0.0)), v) * ufl.dx, fixed, petsc_options=LU)
+T, s = ufl.TrialFunction(Q), ufl.TestFunction(Q)
+mass = T * s * ufl.dx
+spread = (2 * ufl.inner(ufl.grad(T), ufl.grad(s)) - T * ufl.inner(velocity - w, ufl.grad(s))) * ufl.dx  # k = 2
+
+
+def matrix(form):
+    assembled = fem.petsc.assemble_matrix(fem.form(form))
+    assembled.assemble()
+    return csr_matrix(assembled.getValuesCSR()[::-1])
+
+
+_, axes = plt.subplots(1, 4, figsize=(12, 3.2), layout="constrained")
+heat, one, now = np.where(x[node, 1] > 0, 1.0, 0.0), np.ones(len(x)), matrix(mass)
+print("t, area, heat, largest change of T = 1")
+for k, (old, new) in enumerate(zip(frames, frames[1:]), 1):
+    x[:] = (old + new) / 2
+    w.x.array[:] = STEPS * (new - old)[node, :2].flatten()
+    wall.interpolate(w)
+    velocity.x.array[:] = stokes.solve().sub(0).collapse().x.array
+    change, content = matrix(spread) / STEPS, now @ np.column_stack([heat, one])
+    x[:] = new
+    now = matrix(mass)
+    heat, one = spsolve(now + change, content).T
+    if k % 10 == 0:
+        print(f"{k / STEPS:4.2f}  {now.sum():.10f}  {(now @ heat).sum():.10f}  {abs(one - 1).max():.1e}")
+        ax = axes[k // 10 - 1]
+        ax.tripcolor(*new[node, :2].T, triangles, heat, shading="gouraud", clim=(0, 1))
+        ax.triplot(*new[node, :2].T, triangles, color="white", linewidth=0.15)
+        ax.set(title=f"t = {k / STEPS}", aspect="equal", xticks=[], yticks=[])
+plt.savefig(folder / "heat.png", dpi=110)
