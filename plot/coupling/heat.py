@@ -77,4 +77,4 @@ for k, (old, new) in enumerate(zip(frames, frames[1:]), 1):
         ax.tripcolor(*new[node, :2].T, triangles, heat, shading="gouraud", clim=(0, 1))
         ax.triplot(*new[node, :2].T, triangles, color="white", linewidth=0.15)
         ax.set(title=f"t = {k / STEPS}", aspect="equal", xticks=[], yticks=[])
-plt.savefig(folder / "heat.png", dpi=110)
+plt.savefig(folder / "heat.png", dpi=90)
