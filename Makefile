@@ -56,7 +56,7 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-models cad-examples cholmod paper gauntlet generated certificates defaults drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
+.PHONY: all run help test test-page page run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-models cad-examples cholmod paper gauntlet generated certificates defaults drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
         figures meshes lessons readmes check-lessons animation clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -262,6 +262,15 @@ drift: almesh ## ten periods of a moving plate, steps from the last mesh and fro
 
 defaults: almesh ## the table behind the defaults of objective and weight: outputs/defaults/table.md
 	$(PYTHON) plot/defaults.py
+
+page: almesh ## a page of results for a browser: mesh, frames, worst elements, tables (DECK=inputs/aircraft.deck, or RESULTS=outputs/circle; npm)
+	$(if $(RESULTS),,./almesh $(DECK) output=outputs/page $$(grep -q '^ *frames *=' $(DECK) || echo iterates=1); \
+	  code=$$?; [ $$code -eq 0 ] || [ $$code -ge 3 ] || exit $$code)
+	$(PYTHON) plot/page.py $(or $(RESULTS),outputs/page)
+page: DECK ?= inputs/circle.deck
+
+test-page: $(BUILD)/almesh python ## open such pages in a headless Chromium, use them, and look for errors (chromium, npm)
+	tests/page.py --build $(BUILD)
 
 animation: almesh ## moving pictures: Newton's iterates of one run, the circle on a tour: outputs/animation/ (and Pillow)
 	$(PYTHON) plot/animation.py

@@ -1,4 +1,4 @@
-"""Reader of the program's legacy VTK files, and the points and outlines of curved simplices for drawing.
+"""Meshes of the program's VTK files, and the points and outlines of curved simplices for drawing.
 
 Simplices of any degree p in VTK order: of lines and triangles the vertices, the edges (01, 12, 20), then recursively
 the inside. Of tetrahedra only the four vertices, first in any order, are of use here.
@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
+
+import vtk_file
 
 CELL_DIM = {3: 1, 21: 1, 68: 1, 5: 2, 22: 2, 69: 2, 10: 3, 24: 3, 71: 3}  # by VTK cell type
 
@@ -25,58 +27,15 @@ class VtkMesh:
         return next(p for p in range(1, 32) if len(lattice(self.cell_dim, p)) == self.cells.shape[1])
 
 
-# --------------------------------------------------------------------------------------------------------------- reader
-
-class Lines:
-    """The lines of a file, taken from the front."""
-
-    def __init__(self, path):
-        self.lines = path.read_text().split("\n")
-        self.next = 0
-
-    def words(self):
-        """Words of the next line that has some, [] at the end of the file."""
-        while self.next < len(self.lines):
-            self.next += 1
-            if words := self.lines[self.next - 1].split():
-                return words
-        return []
-
-    def numbers(self, rows, dtype=float):
-        """The numbers of the next rows, rows x numbers per row."""
-        block = " ".join(self.lines[self.next:self.next + rows])
-        self.next += rows
-        return np.fromstring(block, sep=" ", dtype=dtype).reshape(rows, -1)
-
-
 def read_vtk(path):
-    """The mesh in a file of the program (one cell type, ASCII). ValueError where the file is something else."""
-    lines = Lines(path)
-    lines.next = 2  # version and title
-    mesh = VtkMesh(np.empty((0, 3)), np.empty((0, 0), int), 0)
-    data, count = {}, 0
-    while words := lines.words():
-        match words[0]:
-            case "ASCII" | "DATASET":
-                pass
-            case "FIELD":
-                lines.next += 2 * int(words[2])
-            case "POINTS":
-                mesh.points = lines.numbers(int(words[1]))
-            case "CELLS":
-                mesh.cells = lines.numbers(int(words[1]), int)[:, 1:]
-            case "CELL_TYPES":
-                mesh.cell_dim = CELL_DIM[lines.numbers(int(words[1]), int)[0, 0]]
-            case "POINT_DATA" | "CELL_DATA":
-                data, count = mesh.point_data if words[0] == "POINT_DATA" else mesh.cell_data, int(words[1])
-            case "SCALARS":
-                lines.next += 1  # LOOKUP_TABLE
-                data[words[1]] = lines.numbers(count)[:, 0]
-            case "VECTORS":
-                data[words[1]] = lines.numbers(count)
-            case _:
-                raise ValueError(f"{path}:{lines.next}: `{words[0]}` is not expected in a file of this program")
-    return mesh
+    """The mesh in a file of the program (one cell type). ValueError where the file is something else."""
+    vtk = vtk_file.read(path)
+    points = np.array(vtk.points).reshape(-1, 3)
+    cells = np.array(vtk.cells).reshape(len(vtk.types), -1)[:, 1:]
+    point_data = {name: np.array(value) if len(value) == len(points) else np.array(value).reshape(-1, 3)
+                  for name, value in vtk.point_data.items()}
+    return VtkMesh(points, cells, CELL_DIM[vtk.types[0]], point_data,
+                   {name: np.array(value) for name, value in vtk.cell_data.items()})
 
 
 # ---------------------------------------------------------------------------------------------------- Lagrange cells

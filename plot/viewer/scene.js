@@ -1,0 +1,289 @@
+// The mesh of page.html: its data, what is drawn of it, and the camera. plot/page.py puts this into the page, then
+// panels.js, with three.js and what mesh_data() returns.
+const $ = id => document.getElementById(id);
+const fail = what => { $("picked").textContent = `This page cannot be shown: ${what}`; };
+addEventListener("error", event => fail(event.message));
+addEventListener("unhandledrejection", event => fail(event.reason));
+
+// --------------------------------------------------------------------------------- what the script put into the page
+async function unpacked(id) {
+  const text = atob($(id).textContent), bytes = new Uint8Array(text.length);
+  for (let k = 0; k < bytes.length; ++k) bytes[k] = text.charCodeAt(k);
+  $(id).remove();
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip")));
+}
+async function moduleAt(id, from, to) {
+  const text = (await (await unpacked(id)).text()).replaceAll(from, to);
+  return URL.createObjectURL(new Blob([text], {type: "text/javascript"}));
+}
+const three = await moduleAt("three", "./three.core.min.js", await moduleAt("three-core", "", ""));
+const THREE = await import(three);
+const {OrbitControls} = await import(await moduleAt("orbit-controls", "'three'", `'${three}'`));
+const data = await (await unpacked("data")).json(), numbers = await (await unpacked("numbers")).arrayBuffer();
+function rows([first, count], columns) {  // each row was written less the one before
+  const values = new Int32Array(numbers, 4 * first, count);
+  for (let k = columns; k < count; ++k) values[k] += values[k - columns];
+  return values;
+}
+const {dim, elements} = data, frames = data.labels.length, nodeCount = data.nodes[1] / frames / 3;
+const nodeRows = rows(data.nodes, 3 * nodeCount);
+for (const kind of data.kinds) kind.faces = rows(kind.faces, kind.nodes + 2);
+for (const field of data.fields)
+  field.values = field.values.map(place => place && new Float32Array(numbers, 4 * place[0], place[1]));
+
+function eachFace(callback) {  // with its kind, and its place in kind.faces: two elements, then the nodes
+  for (const kind of data.kinds) for (let f = 0; f < kind.faces.length; f += kind.nodes + 2) callback(kind, f);
+}
+
+// ----------------------------------------------------------------------------------------------------------- the state
+let frame = data.first, field = data.fields[0], low, high, selected = -1, worst = [], isStale = true, isWaiting = false;
+const x = new Float32Array(3 * nodeCount);  // from the centre of the mesh, in units of half its diagonal
+const centroid = new Float32Array(3 * elements);  // the mean of the middles of an element's faces
+const keep = new Uint8Array(elements), unit = data.size / 2;
+let normal = null, planeLow = 0, planeHigh = 1;  // of the plane that cuts, towards what is cut away
+const coordinate = (e, a) => centroid[3 * e + a] * unit + data.centre[a];
+const along = e => normal[0] * centroid[3 * e] + normal[1] * centroid[3 * e + 1] + normal[2] * centroid[3 * e + 2];
+function format(v, digits = 4) {
+  if (v === undefined) return "";
+  return Number.isFinite(v) ? String(+v.toPrecision(digits)) : "inverted";
+}
+
+function loadFrame() {
+  for (let k = 0; k < x.length; ++k) x[k] = nodeRows[frame * x.length + k] * (data.step / unit);
+  centroid.fill(0);
+  const count = new Uint8Array(elements);
+  eachFace(({faces, nodes, middle}, f) => {
+    for (const e of [faces[f], faces[f + 1]]) {
+      if (e < 0) continue;
+      ++count[e];
+      for (let k = 0; k < nodes; ++k)
+        for (let a = 0; a < 3; ++a) centroid[3 * e + a] += middle[k] * x[3 * faces[f + 2 + k] + a];
+    }
+  });
+  for (let k = 0; k < centroid.length; ++k) centroid[k] /= count[Math.floor(k / 3)];
+}
+
+// The closed parts of the surface; the outermost is the one that goes farthest from the centre.
+function surfaceParts() {
+  const parent = Int32Array.from({length: nodeCount}, (_, k) => k), reach = new Map();
+  const root = k => { while (parent[k] !== k) k = parent[k] = parent[parent[k]]; return k; };
+  const outside = callback => eachFace(({faces, nodes}, f) => {
+    if (faces[f + 1] < 0) for (let k = f + 2; k < f + 2 + nodes; ++k) callback(faces[k], faces[f + 2]);
+  });
+  outside((node, first) => { parent[root(node)] = root(first); });
+  outside(node => {
+    const r = root(node), distance = Math.hypot(x[3 * node], x[3 * node + 1], x[3 * node + 2]);
+    reach.set(r, Math.max(reach.get(r) ?? 0, distance));
+  });
+  const farthest = Math.max(...reach.values());
+  return {count: reach.size, isOutermost: node => reach.get(root(node)) === farthest};
+}
+
+// --------------------------------------------------------------------------------------------------------- the scene
+THREE.ColorManagement.enabled = false;
+const renderer = new THREE.WebGLRenderer({antialias: true}), canvas = renderer.domElement;
+renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
+renderer.setClearColor(0xffffff);
+renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+$("view").prepend(canvas);
+const scene = new THREE.Scene(), camera = new THREE.OrthographicCamera(-1, 1, 1, -1, -20, 40);
+const controls = new OrbitControls(camera, canvas), lamp = new THREE.DirectionalLight(0xffffff, 0.35 * Math.PI);
+Object.assign(controls, {zoomToCursor: true, enableRotate: dim === 3, zoomSpeed: 1.5});
+if (dim === 2) controls.mouseButtons.LEFT = THREE.MOUSE.PAN, controls.touches.ONE = THREE.TOUCH.PAN;
+lamp.position.set(0.3, 0.5, 1);
+camera.add(lamp);
+const Surface = dim === 2 ? THREE.MeshBasicMaterial : THREE.MeshLambertMaterial;
+const mesh = new THREE.Mesh(new THREE.BufferGeometry(), new Surface({
+  vertexColors: true, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1}));
+const lines = style => new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial(style));
+const edges = lines({color: 0x1d2733, transparent: true, opacity: 0.45});
+const marks = lines({color: 0x5b21b6, depthTest: false});
+for (const object of [mesh, edges, marks]) object.frustumCulled = false;
+scene.add(camera, new THREE.AmbientLight(0xffffff, 0.7 * Math.PI), mesh, edges, marks);
+
+// The numbers of an attribute with room for `count` rows of three, to be filled anew; the room grows by half.
+function room({geometry}, name, count, Type = Float32Array) {
+  let attribute = geometry.getAttribute(name);
+  if (!attribute || attribute.count < count) {
+    geometry.dispose();
+    attribute = new THREE.BufferAttribute(new Type(3 * Math.ceil(1.5 * count)), 3, Type === Uint8Array);
+    geometry.setAttribute(name, attribute);
+  }
+  geometry.setDrawRange(0, count);
+  attribute.needsUpdate = true;
+  return attribute.array;
+}
+
+// Colours from good to bad, those of the figures (style.py).
+const stops = [0xeef5fb, 0xc3dcee, 0x8fc3d9, 0xf7d57e, 0xf29b4b, 0xd9482b, 0x8c1127]
+  .map(c => [c >> 16, c >> 8 & 255, c & 255]);
+const ramp = Array.from({length: 256}, (_, i) => {
+  const at = i / 255 * (stops.length - 1), k = Math.min(Math.floor(at), stops.length - 2);
+  return stops[k].map((c, a) => Math.round(c + (at - k) * (stops[k + 1][a] - c)));
+});
+function share(v) {  // of the way from low to high
+  if (high <= low) return field.worst < 0 ? 1 : 0;
+  const s = $("log").checked ? Math.log(v / low) / Math.log(high / low) : (v - low) / (high - low);
+  return Math.min(Math.max(s, 0), 1);
+}
+function colour(v) {
+  if (v === undefined) return [205, 210, 216];
+  return ramp[Math.round(255 * (field.worst > 0 ? share(v) : 1 - share(v)))];
+}
+
+// The points of a face, sum_a N_a x_a, and its normals there.
+function evaluate({nodes, points, basis, faces, triangles}, f, point, normals) {
+  for (let q = 0, w = 0; q < 3 * points; q += 3) {
+    point[q] = point[q + 1] = point[q + 2] = 0;
+    for (let k = f + 2; k < f + 2 + nodes; ++k, ++w)
+      for (let a = 0; a < 3; ++a) point[q + a] += basis[w] * x[3 * faces[k] + a];
+  }
+  if (!normals) return;
+  normals.fill(0);
+  for (let t = 0; t < triangles.length; t += 3) {
+    const [a, b, c] = [3 * triangles[t], 3 * triangles[t + 1], 3 * triangles[t + 2]];
+    const ux = point[b] - point[a], uy = point[b + 1] - point[a + 1], uz = point[b + 2] - point[a + 2];
+    const vx = point[c] - point[a], vy = point[c + 1] - point[a + 1], vz = point[c + 2] - point[a + 2];
+    const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+    const length = Math.sqrt(nx * nx + ny * ny + nz * nz) || 1;
+    for (const k of [a, b, c]) normals[k] += nx / length, normals[k + 1] += ny / length, normals[k + 2] += nz / length;
+  }
+}
+
+// Draws the faces between elements that are kept and others, or none; and the outlines of the worst elements.
+let owners = new Int32Array(0);  // the element of each triangle drawn
+function rebuild() {
+  const isMarked = new Uint8Array(elements), shown = [], outlined = [], values = field.values[frame];
+  const plane = planeLow + $("place").value * (planeHigh - planeLow), side = $("flip").checked ? -1 : 1;
+  for (let e = 0; e < elements; ++e) keep[e] = !normal || side * (along(e) - plane) <= 0;
+  for (const e of $("marks").checked ? [...worst, selected] : [selected]) if (e >= 0) isMarked[e] = 1;
+  let corners = 0, ends = 0, markedEnds = 0;
+  eachFace((kind, f) => {
+    const a = kind.faces[f], b = kind.faces[f + 1];
+    if (isMarked[a] || b >= 0 && isMarked[b]) outlined.push([kind, f]), markedEnds += kind.outline.length;
+    if (keep[a] === (b < 0 ? 0 : keep[b])) return;
+    if (b < 0 && parts && !$("outer").checked && parts.isOutermost(kind.faces[f + 2])) return;
+    shown.push([kind, f]), corners += kind.triangles.length, ends += kind.outline.length;
+  });
+  const position = room(mesh, "position", corners), tint = room(mesh, "color", corners, Uint8Array);
+  const direction = dim === 3 && room(mesh, "normal", corners);
+  const ofEdges = room(edges, "position", ends), ofMarks = room(marks, "position", markedEnds);
+  if (owners.length < corners / 3) owners = new Int32Array(corners / 2);
+  const point = new Float32Array(3 * Math.max(...data.kinds.map(kind => kind.points)));
+  const normals = dim === 3 && point.slice();
+  const copy = (to, at, from, list) => {
+    for (let k = 0; k < list.length; ++k) for (let q = 3 * list[k], a = 0; a < 3; ++a) to[at++] = from[q + a];
+    return at;
+  };
+  let p = 0, l = 0, m = 0;
+  for (const [kind, f] of shown) {
+    const element = keep[kind.faces[f]] ? kind.faces[f] : kind.faces[f + 1], rgb = colour(values?.[element]);
+    evaluate(kind, f, point, normals);
+    if (direction) copy(direction, p, normals, kind.triangles);
+    const first = p;
+    p = copy(position, p, point, kind.triangles);
+    for (let k = first; k < p; ++k) tint[k] = rgb[(k - first) % 3];
+    owners.fill(element, first / 9, p / 9);
+    l = copy(ofEdges, l, point, kind.outline);
+  }
+  for (const [kind, f] of outlined) evaluate(kind, f, point), m = copy(ofMarks, m, point, kind.outline);
+}
+
+// ---------------------------------------------------------------------------------------------- drawing and the camera
+const tags = Array.from({length: 10}, (_, k) => {
+  const tag = Object.assign(document.createElement("div"), {className: "mark", textContent: k + 1});
+  tag.style.zIndex = 10 - k;
+  return tag;
+});
+$("help").before(...tags);
+const draw = () => { if (!isWaiting) isWaiting = true, requestAnimationFrame(drawNow); };
+const update = () => { isStale = true; draw(); };
+function drawNow() {
+  isWaiting = false;
+  if (isStale) isStale = false, rebuild();
+  edges.visible = $("edges").checked;
+  renderer.render(scene, camera);
+  const {clientWidth: w, clientHeight: h} = canvas, at = new THREE.Vector3();
+  tags.forEach((tag, k) => {
+    tag.hidden = !(k in worst) || !$("marks").checked;
+    if (tag.hidden) return;
+    at.fromArray(centroid, 3 * worst[k]).project(camera);
+    tag.style.transform = `translate(${(at.x + 1) / 2 * w + 5}px, ${(1 - at.y) / 2 * h - 22}px)`;
+  });
+}
+function resize() {  // the target is in the middle of what the legend leaves free
+  const {clientWidth: w, clientHeight: h} = $("view"), middle = (w + (w > 700 ? 240 : 0)) / 2;
+  renderer.setSize(w, h);
+  Object.assign(camera, {left: -w / h, right: w / h});
+  camera.setViewOffset(w, h, w / 2 - middle, 0, w, h);
+  draw();
+}
+function look(direction, up) {  // from there, so that all that is drawn is seen
+  if (isStale) isStale = false, rebuild();
+  camera.up.set(...up);
+  camera.position.set(...direction);
+  camera.lookAt(0, 0, 0);
+  camera.updateMatrixWorld();
+  const box = new THREE.Box3(), point = new THREE.Vector3(), turn = camera.quaternion.clone().invert();
+  const {array} = mesh.geometry.getAttribute("position"), {count} = mesh.geometry.drawRange;
+  for (let k = 0; k < 3 * count; k += 3) box.expandByPoint(point.fromArray(array, k).applyQuaternion(turn));
+  if (box.isEmpty()) box.set(point.set(-1, -1, -1), new THREE.Vector3(1, 1, 1));
+  const size = box.getSize(new THREE.Vector3());
+  box.getCenter(controls.target).applyQuaternion(camera.quaternion);
+  camera.position.set(...direction).setLength(4).add(controls.target);
+  camera.zoom = 1.84 * Math.min(1 / size.y, (camera.right + 2 * camera.view.offsetX / camera.view.height) / size.x);
+  camera.updateProjectionMatrix();
+  controls.update();
+  draw();
+}
+const fit = () => dim === 2 ? look([0, 0, 1], [0, 1, 0]) : look([1, -1.6, 0.9], [0, 0, 1]);
+
+let flight = 0;
+function fly(e) {  // to where its size, the mean of its longest and shortest edge, fills a third of the height
+  const lengths = [];
+  eachFace(({faces, corners}, f) => {
+    if (faces[f] !== e && faces[f + 1] !== e) return;
+    corners.forEach((corner, k) => {
+      const p = 3 * faces[f + 2 + corner], q = 3 * faces[f + 2 + corners[(k + 1) % corners.length]];
+      lengths.push(Math.hypot(x[p] - x[q], x[p + 1] - x[q + 1], x[p + 2] - x[q + 2]) || 1e-9);
+    });
+  });
+  const size = Math.sqrt(Math.max(...lengths) * Math.min(...lengths));
+  const from = controls.target.clone(), to = new THREE.Vector3().fromArray(centroid, 3 * e), start = performance.now();
+  const zoom = [camera.zoom, 2 / (3 * size)], offset = camera.position.clone().sub(from);
+  cancelAnimationFrame(flight);
+  const step = now => {
+    const t = Math.min(Math.max((now - start) / 600, 0), 1), s = t * t * (3 - 2 * t);
+    controls.target.lerpVectors(from, to, s);
+    camera.position.copy(controls.target).add(offset);
+    camera.zoom = zoom[0] ** (1 - s) * zoom[1] ** s;
+    camera.updateProjectionMatrix();
+    controls.update();
+    draw();
+    if (t < 1) flight = requestAnimationFrame(step);
+  };
+  flight = requestAnimationFrame(step);
+}
+
+// The plane is at a right angle to an axis or the view; what is between it and the viewer is cut away.
+function chooseCut(value) {
+  const view = camera.position.clone().sub(controls.target).normalize().toArray();
+  $("cut").value = value;
+  $("flip").checked = false;
+  $("place").disabled = value === "";
+  normal = value === "" ? null : value === "3" ? view : [0, 1, 2].map(a => a === +value ? Math.sign(view[a]) || 1 : 0);
+  planeLow = Infinity, planeHigh = -Infinity;
+  for (let e = 0; normal && e < elements; ++e) {
+    planeLow = Math.min(planeLow, along(e));
+    planeHigh = Math.max(planeHigh, along(e));
+  }
+  showCut();
+}
+function showCut() {
+  const a = +$("cut").value, plane = planeLow + $("place").value * (planeHigh - planeLow);
+  $("at").textContent = !normal || a === 3 ? "" : `${"xyz"[a]} = ${format(plane * normal[a] * unit + data.centre[a])}`;
+  update();
+}
+
+loadFrame();
+const parts = dim === 3 ? surfaceParts() : null;
