@@ -11,6 +11,7 @@
 
 #include "app/deck.hpp"
 #include "app/linsolve.hpp"
+#include "app/sweep.hpp"
 #include "base/text.hpp"
 #include "io/mesh_format.hpp"
 
@@ -25,6 +26,9 @@ constexpr const char* help =
     "  almesh quality FILE           certify and measure any mesh (Gmsh MSH 1, 2.2, 4.0, 4.1, SU2, VTK)\n"
     "                                before=FILE: and how far the boundary is from where that file has it\n"
     "                                both take keys: almesh quality FILE threads=1\n"
+    "  almesh sweep DECK [key=value ...]\n"
+    "                                run a deck once for each value of its lines `sweep KEY = VALUES`\n"
+    "                                --slurm: write the script of a job array for that; --collect: gather its runs\n"
     "  almesh linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] [preconditioner=ilu0|ssor] [threads=N]\n"
     "                 [block=1|2|3] [ordering=nested_dissection|minimum_degree|rcm|natural]\n"
     "                                solve a symmetric system in Matrix Market format and time it\n"
@@ -73,6 +77,7 @@ std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, 
     std::string before;
     if (first == "quality") return quality(deck_of_mesh(arguments, &before), before, out);
     if (first == "info") return info(deck_of_mesh(arguments), out);
+    if (first == "sweep") return sweep({arguments.begin() + 1, arguments.end()}, out);
     if (first == "linsolve") return linsolve({arguments.begin() + 1, arguments.end()}, out);
     if (first.starts_with("-")) throw UsageError("unknown option ", first, "; see almesh --help");
     return std::nullopt;

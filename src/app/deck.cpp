@@ -49,7 +49,7 @@ void read_key(Deck& deck, std::string name, std::string value, const std::string
     const DeckKey* const key = find_row(deck_keys(), name);
     if (!key) {
         std::vector<std::string> names = names_of(deck_keys());
-        names.insert(names.begin(), {"boundary", "volume", "select", "let", "expect"});
+        names.insert(names.begin(), {"boundary", "volume", "select", "let", "expect", "sweep"});
         throw UsageError("unknown key ", in_backquotes(name), did_you_mean(name, names));
     }
     if (const auto it = deck.given.find(key->name); it != deck.given.end())
@@ -159,6 +159,31 @@ void evaluate_constants(Deck& deck) {
     }
 }
 
+void read_sweep(Deck& deck, std::string_view text, const std::string& where) {
+    Sweep sweep = parse_sweep(text);
+    sweep.where = where;
+    std::string none;
+    use_present_names(deck, sweep.key, none);
+    if (!find_row(deck_keys(), sweep.key) && !find_row(deck.constants, sweep.key))
+        throw UsageError("sweep ", sweep.key, ": there is no such key, nor a line `let ", sweep.key, " = ...`",
+                         did_you_mean(sweep.key, names_of(deck_keys())));
+    const auto is_same = [&](const Sweep& other) { return other.key == sweep.key; };
+    if (const auto it = std::find_if(deck.sweeps.begin(), deck.sweeps.end(), is_same); it != deck.sweeps.end())
+        check_repeat("sweep " + sweep.key, it->where, where);
+    std::erase_if(deck.sweeps, is_same);
+    deck.sweeps.push_back(std::move(sweep));
+}
+
+// Those of what the command line gives one value.
+void remove_set_sweeps(Deck& deck) {
+    std::erase_if(deck.sweeps, [&](const Sweep& sweep) {
+        const Constant* const constant = find_row(deck.constants, sweep.key);
+        const auto key = deck.given.find(sweep.key);
+        return (key != deck.given.end() && key->second == command_line) ||
+               (constant && constant->where == command_line);
+    });
+}
+
 // A setting without its comment. constants: reads these alone, or else all others.
 void read_setting(Deck& deck, std::string_view text, const std::string& where, bool constants) {
     const std::string_view first = text.substr(0, std::min(text.find_first_of(" \t="), text.size()));
@@ -170,6 +195,7 @@ void read_setting(Deck& deck, std::string_view text, const std::string& where, b
         return read_boundary(deck, std::string(first), rest, where);
     if (first == "select" && !rest.starts_with('=')) return read_selection(deck, rest, where);
     if (first == "expect") return read_expectation(deck, rest, where);
+    if (first == "sweep") return read_sweep(deck, rest, where);
     const auto equals = text.find('=');
     if (equals == std::string_view::npos)
         throw UsageError("expected `key = value`, got ", in_backquotes(text.substr(0, 60)));
@@ -223,6 +249,7 @@ Deck parse_deck(std::string_view text, const std::string& path, const std::vecto
         for (const std::string& setting : overrides) read_line(deck, setting, command_line, constants);
         if (constants) evaluate_constants(deck);
     }
+    remove_set_sweeps(deck);
     if (deck.mesh.empty()) throw UsageError(path, ": no mesh: add a line `mesh = FILE`, from the deck's folder");
     if (deck.output.empty()) deck.output = (fs::path("outputs") / deck.name).string();
     return deck;

@@ -7,6 +7,7 @@
 //   select top = z > 0.99 and nz > 0.5
 //   let turn = 30
 //   expect relative_quality = 0.9365 +- 0.0005
+//   sweep refine = 0, 1, 2
 //
 // `#` starts a comment. A boundary name with blanks, and a text with a `#` or with blanks at its ends, stands in double
 // quotes; a `"` inside cannot be written. Every key, its legal values and meaning: the table of deck_keys.cpp. Settings
@@ -22,6 +23,7 @@
 
 #include "app/base_mesh.hpp"
 #include "app/summary.hpp"
+#include "app/sweep.hpp"
 #include "check/certificate.hpp"
 #include "constraint/expression.hpp"
 #include "constraint/target.hpp"
@@ -101,6 +103,7 @@ struct Deck {
     std::vector<DeckBoundary> boundaries;   // in the order written
     std::vector<DeckSelection> selections;  // in the order written
     std::vector<Expectation> expectations;  // in the order written
+    std::vector<Sweep> sweeps;              // in the order written, for `almesh sweep`
 
     std::string path, folder, name;            // of the deck file: inputs/circle.deck, inputs, circle
     std::map<std::string, std::string> given;  // key -> where it was set, for errors found later

@@ -307,6 +307,10 @@ std::string keys_table() {
                        "What a quantity of the summary has to be at the end of the run, else the exit code is 5. A "
                        "decimal number after = needs `+- TOLERANCE`."},
                       width);
+    text += table_row({"sweep KEY", "", "VALUE, VALUE, ... | FROM:STEP:TO",
+                       "Values of a key for almesh sweep DECK, which runs all combinations of the lines of this kind, "
+                       "each in a folder named by its values, and makes a table of them, sweep.csv."},
+                      width);
     const auto list = [&text](const char* title, const std::vector<Named>& rows, std::size_t name_width) {
         text += std::string("\n") + title + ":\n";
         for (const Named& row : rows) text += table_row({row.name, row.meaning}, {name_width, 100 - name_width});

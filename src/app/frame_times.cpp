@@ -11,38 +11,19 @@
 namespace almesh {
 namespace {
 
-constexpr int most_frames = 1000000;
+constexpr int most_numbers = 1000000;
 
-double number_of(const std::string& where, std::string_view text) {
+double number_of(const std::string& what, std::string_view text) {
     const auto value = parse_double(text);
-    if (!value) throw UsageError(where, ": frames: ", in_backquotes(text), " is not a number");
+    if (!value) throw UsageError(what, ": ", in_backquotes(text), " is not a number");
     return *value;
-}
-
-// FROM : STEP : TO
-std::vector<double> times_of_range(const std::string& where, std::string_view text) {
-    const auto piece = split(text, ':');
-    if (piece.size() != 3) throw UsageError(where, ": frames = ", text, ": expected FROM : STEP : TO");
-    const double from = number_of(where, piece[0]), step = number_of(where, piece[1]), to = number_of(where, piece[2]);
-    if (!(step > 0)) throw UsageError(where, ": frames = ", text, ": the step must be > 0");
-    const double steps = std::floor((to - from) / step * (1 + 1e-12) + 1e-9);
-    if (!(steps >= 0 && steps < most_frames))
-        throw UsageError(where, ": frames = ", text, " are ", steps + 1, " times: expected 1 to ", most_frames);
-    constexpr int digits = 14;  // so that 35 steps of 0.01 are 0.35
-    std::vector<double> times;
-    for (int k = 0; k <= steps; ++k) {
-        std::string t;
-        append(t, from + k * step, digits);
-        times.push_back(*parse_double(t));
-    }
-    return times;
 }
 
 // Separated by commas, blanks or line ends.
 void add_times(const std::string& where, std::string_view text, std::vector<double>& times) {
     for (const std::string_view piece : split(text, ','))
         for (const std::string_view word : words(piece)) {
-            const double t = number_of(where, word);
+            const double t = number_of(where + ": frames", word);
             if (!times.empty() && t <= times.back())
                 throw UsageError(where, ": frames: the times run backwards, ", t, " is after ", times.back());
             times.push_back(t);
@@ -62,6 +43,24 @@ std::vector<double> times_of_file(const std::string& where, const std::string& p
 
 }  // namespace
 
+std::vector<double> numbers_of_range(const std::string& what, std::string_view text) {
+    const auto piece = split(text, ':');
+    if (piece.size() != 3) throw UsageError(what, " = ", text, ": expected FROM : STEP : TO");
+    const double from = number_of(what, piece[0]), step = number_of(what, piece[1]), to = number_of(what, piece[2]);
+    if (!(step > 0)) throw UsageError(what, " = ", text, ": the step must be > 0");
+    const double steps = std::floor((to - from) / step * (1 + 1e-12) + 1e-9);
+    if (!(steps >= 0 && steps < most_numbers))
+        throw UsageError(what, " = ", text, " are ", steps + 1, " numbers: expected 1 to ", most_numbers);
+    constexpr int digits = 14;  // so that 35 steps of 0.01 are 0.35
+    std::vector<double> numbers;
+    for (int k = 0; k <= steps; ++k) {
+        std::string number;
+        append(number, from + k * step, digits);
+        numbers.push_back(*parse_double(number));
+    }
+    return numbers;
+}
+
 std::string frame_at(int number, double t) { return concat("frame ", number, ", t = ", t); }
 
 bool names_file(std::string_view frames) {
@@ -70,7 +69,7 @@ bool names_file(std::string_view frames) {
 
 std::vector<double> frame_times(const Deck& deck) {
     const std::string& where = deck.given.at("frames");
-    if (deck.frames.find(':') != std::string::npos) return times_of_range(where, deck.frames);
+    if (deck.frames.find(':') != std::string::npos) return numbers_of_range(where + ": frames", deck.frames);
     std::vector<double> times;
     if (names_file(deck.frames)) times = times_of_file(where, deck.frames);
     else add_times(where, deck.frames, times);

@@ -11,6 +11,9 @@ struct Deck;
 inline bool is_coupled(std::string_view frames) { return frames == "-"; }  // lines of standard input have the times
 bool names_file(std::string_view frames);  // whether the value of the key is no list of times
 
+// Of the text FROM : STEP : TO. what: which the messages begin with. Throws UsageError.
+std::vector<double> numbers_of_range(const std::string& what, std::string_view text);
+
 // Ascending. Throws UsageError with the line of the deck, or of the file of times.
 std::vector<double> frame_times(const Deck& deck);
 

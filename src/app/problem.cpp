@@ -42,17 +42,6 @@ RawMesh read_mesh_file(const Deck& deck, std::string& hash) {
     return raw;
 }
 
-// Wherever the results go, on however many threads, and in however many pieces.
-std::string run_id(Deck deck, const std::string& mesh_hash) {
-    const Deck defaults;
-    deck.output = ".";
-    deck.threads = defaults.threads;
-    deck.max_seconds = defaults.max_seconds;
-    deck.checkpoint = defaults.checkpoint;
-    deck.resume = defaults.resume;
-    return hash_of(resolved(deck) + mesh_hash);
-}
-
 Mesh discretised(const Mesh& base, int refinements, int degree) {
     const Mesh refined = refine(base, refinements);
     return degree == 1 ? linear_part(refined) : interpolated(refined, degree);
@@ -311,6 +300,16 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
 }
 
 }  // namespace
+
+std::string run_id(Deck deck, const std::string& mesh_hash) {
+    const Deck defaults;
+    deck.output = ".";
+    deck.threads = defaults.threads;
+    deck.max_seconds = defaults.max_seconds;
+    deck.checkpoint = defaults.checkpoint;
+    deck.resume = defaults.resume;
+    return hash_of(resolved(deck) + mesh_hash);
+}
 
 DistortionParams distortion_of(const Deck& deck) {
     DistortionParams params = deck.distortion;

@@ -42,6 +42,9 @@ struct Problem {
     const std::vector<double>& ideal() const { return level->ideal; }
 };
 
+// Wherever the results go, on however many threads, and in however many pieces.
+std::string run_id(Deck deck, const std::string& mesh_hash);
+
 // Throws UsageError or InputError for everything that can be wrong before solving, target faces that are invalid
 // themselves included. The level has no energy and no constraint yet.
 Problem make_problem(const Deck& deck);

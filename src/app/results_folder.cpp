@@ -16,6 +16,7 @@
 #include "app/coupling.hpp"
 #include "app/deck.hpp"
 #include "app/frames.hpp"
+#include "app/sweep.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "method/checkpoint.hpp"
@@ -40,9 +41,10 @@ bool is_of_step(const std::string& name) {
 
 // What a run may write, but for deck.txt and the checkpoint.
 bool is_result(const std::string& name) {
-    constexpr std::array<std::string_view, 9> results = {"final.msh",    "final.su2", "initial.vtk",
+    constexpr std::array<std::string_view, 10> results = {"final.msh",    "final.su2", "initial.vtk",
                                                          "final.vtk",    "boundary.vtk", "stop.vtk",
-                                                         "history.csv",  "summary.txt",  "expectations.csv"};
+                                                         "history.csv",  "summary.txt",  "expectations.csv",
+                                                          sweep_row};
     return is_of_step(name) || std::find(results.begin(), results.end(), name) != results.end();
 }
 
@@ -70,6 +72,17 @@ void check_is_not_result(const std::string& file, const std::string& where, cons
                      ", which this run would replace: give it another folder, `output = FOLDER`");
 }
 
+// The deck's folder, where nothing that the run reads is among the results.
+const std::string& checked_folder(const Deck& deck) {
+    check_is_not_result(deck.mesh, deck.given.contains("mesh") ? deck.given.at("mesh") : deck.path, deck);
+    if (deck.start == Start::file) check_is_not_result(deck.start_file, deck.given.at("start"), deck);
+    for (const DeckBoundary& boundary : deck.boundaries)
+        for (const MotionStep& step : boundary.motion.steps)
+            if (!step.file.empty()) check_is_not_result(step.file, boundary.where, deck);
+    make_folder(deck.output);
+    return deck.output;
+}
+
 std::string host() {
     char name[256] = {};
     return gethostname(name, sizeof name - 1) == 0 ? name : "this machine";
@@ -79,25 +92,17 @@ std::string host() {
 
 std::string checkpoint_folder(const Deck& deck) { return deck.output + "/checkpoint"; }
 
-ResultsFolder::ResultsFolder(const Deck& deck) {
-    check_is_not_result(deck.mesh, deck.given.contains("mesh") ? deck.given.at("mesh") : deck.path, deck);
-    if (deck.start == Start::file) check_is_not_result(deck.start_file, deck.given.at("start"), deck);
-    for (const DeckBoundary& boundary : deck.boundaries)
-        for (const MotionStep& step : boundary.motion.steps)
-            if (!step.file.empty()) check_is_not_result(step.file, boundary.where, deck);
-    make_folder(deck.output);
-    lock(deck.output);
+ResultsFolder::ResultsFolder(const Deck& deck) : lock_(checked_folder(deck)) {
     if (!deck.resume) Checkpoint::remove(checkpoint_folder(deck));
     for (const std::string& name : names_in(deck.output))
         if (is_part(name) || (is_result(name) && !(deck.resume && is_of_step(name))))
             remove_file(deck.output + "/" + name);
 }
 
-void ResultsFolder::lock(const std::string& folder) {
-    lock_path_ = folder + "/almesh.lock";
+FolderLock::FolderLock(const std::string& folder) : path_(folder + "/almesh.lock") {
     for (;;) {
-        const int file = open(lock_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-        if (file < 0) throw InputError("cannot write to ", lock_path_, ": ", std::strerror(errno));
+        const int file = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+        if (file < 0) throw InputError("cannot write to ", path_, ": ", std::strerror(errno));
         if (flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
             char owner[300] = {};
             if (read(file, owner, sizeof owner - 1) <= 0) std::strcpy(owner, "another process");
@@ -106,21 +111,21 @@ void ResultsFolder::lock(const std::string& folder) {
                              "): wait for its end, or give this one another folder, `output = FOLDER`");
         }
         struct stat locked {}, there {};
-        const bool is_there = fstat(file, &locked) == 0 && stat(lock_path_.c_str(), &there) == 0;
+        const bool is_there = fstat(file, &locked) == 0 && stat(path_.c_str(), &there) == 0;
         if (is_there && locked.st_ino == there.st_ino) {  // else its owner has just removed it
-            lock_ = file;
+            file_ = file;
             break;
         }
         close(file);
     }
     const std::string owner = concat("process ", getpid(), " on ", host());
-    if (ftruncate(lock_, 0) != 0 || write(lock_, owner.data(), owner.size()) < 0)
-        throw InputError("cannot write to ", lock_path_, ": ", std::strerror(errno));
+    if (ftruncate(file_, 0) != 0 || write(file_, owner.data(), owner.size()) < 0)
+        throw InputError("cannot write to ", path_, ": ", std::strerror(errno));
 }
 
-ResultsFolder::~ResultsFolder() {
-    unlink(lock_path_.c_str());
-    close(lock_);
+FolderLock::~FolderLock() {
+    unlink(path_.c_str());
+    close(file_);
 }
 
 }  // namespace almesh

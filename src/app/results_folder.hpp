@@ -8,26 +8,33 @@ struct Deck;
 
 std::string checkpoint_folder(const Deck& deck);  // in that of the results
 
+// Of the operating system on the file almesh.lock in the folder, for the life of the object; a killed process, and those
+// that it has started, lose it with their end. The file says whose it is. Throws InputError where another one has it.
+class FolderLock {
+public:
+    explicit FolderLock(const std::string& folder);
+    ~FolderLock();
+    FolderLock(const FolderLock&) = delete;
+    FolderLock& operator=(const FolderLock&) = delete;
+
+private:
+    std::string path_;
+    int file_ = -1;  // its descriptor
+};
+
 // From here on the folder belongs to this run, until the end of the object: it is made where it is missing and locked,
 // and what an earlier run has left in it is removed, so that whatever lies there after a run was killed is that run's.
 // deck.txt, of which the run writes a new one at once, stays until then, and with `resume` what earlier steps of the
-// run have left. The lock is that of the operating system on the file almesh.lock, which a killed process loses; the
-// file says whose it is.
+// run have left.
 //
 // Throws InputError where the folder cannot be made or written to, where another run has it, and UsageError where the
 // mesh or a file of targets is among the results that would be removed: nothing has been touched then.
 class ResultsFolder {
 public:
     explicit ResultsFolder(const Deck& deck);
-    ~ResultsFolder();
-    ResultsFolder(const ResultsFolder&) = delete;
-    ResultsFolder& operator=(const ResultsFolder&) = delete;
 
 private:
-    std::string lock_path_;
-    int lock_ = -1;  // file descriptor
-
-    void lock(const std::string& folder);
+    FolderLock lock_;
 };
 
 }  // namespace almesh

@@ -40,6 +40,7 @@ void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double
                  mesh.nodes(), mesh.elements_text().c_str(), mesh.degree,
                  mesh.face_count(), max_threads(), max_threads() == 1 ? "" : "s");
     for (const std::string& note : problem.notes) std::fprintf(out, "note: %s\n", note.c_str());
+    if (!deck.sweeps.empty()) std::fprintf(out, "note: one run, without the lines `sweep`: almesh sweep runs all\n");
     if (bytes > worth_telling) std::fprintf(out, "about %.2g GB of memory will be needed\n", bytes / 1e9);
     std::fflush(out);
 }

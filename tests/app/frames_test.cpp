@@ -154,7 +154,7 @@ TEST_CASE("times: a range, a list, a file") {
     CHECK(has(refusal("0, nan"), "`nan` is not a number"));
     CHECK(has(refusal("0 : inf : 1"), "`inf` is not a number"));
     CHECK(has(refusal("0 : -0.1 : 1"), "the step must be > 0"));
-    CHECK(has(refusal("1 : 0.1 : 0"), "are -9 times"));
+    CHECK(has(refusal("1 : 0.1 : 0"), "are -9 numbers"));
     CHECK(has(refusal("0 : 1e-9 : 1"), "expected 1 to 1000000"));
     CHECK(has(refusal("0 : 1"), "expected FROM : STEP : TO"));
     CHECK(has(refusal(folder.path("none.txt")), "a.deck:2: frames: cannot read"));
