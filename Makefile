@@ -235,6 +235,9 @@ gauntlet: almesh ## run the decks of large motions, inputs/gauntlet/, and compar
 	@for deck in inputs/gauntlet/*.deck; do ./almesh $$deck vtk=none; echo; done
 	$(PYTHON) plot/gauntlet.py
 
+slurm: almesh python ## a sweep as a job array of Slurm on this machine, with a job that is killed (root; Debian: slurm-wlm)
+	$(PYTHON) tests/slurm.py --program ./almesh
+
 certificates: $(BUILD)/almesh-tests ## the certificate beside dense samples of ten thousand random elements of each cell and degree (ELEMENTS=100000)
 	ALMESH_ELEMENTS=$(or $(ELEMENTS),10000) $(BUILD)/almesh-tests -sf='*certificate_samples_test.cpp'
 

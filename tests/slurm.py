@@ -143,7 +143,8 @@ def main():
     program = str(Path(parser.parse_args().program).resolve())
     missing = [name for name in ("munged", "slurmctld", "slurmd", "sbatch") if not shutil.which(name)]
     if missing or os.geteuid() != 0:
-        print(f"not run: {'no ' + missing[0] if missing else 'Slurm`s daemons want root'}; Debian: apt install slurm-wlm")
+        reason = f"there is no {missing[0]}" if missing else "Slurm's daemons want root"
+        print(f"not run: {reason}; Debian: apt install slurm-wlm")
         return 77
     with tempfile.TemporaryDirectory() as name, Cluster(Path(name)):
         held = check_array(program, Path(name))

@@ -174,9 +174,10 @@ void read_sweep(Deck& deck, std::string_view text, const std::string& where) {
     deck.sweeps.push_back(std::move(sweep));
 }
 
-// Those of what the command line gives one value.
+// Those in the file of what the command line gives one value.
 void remove_set_sweeps(Deck& deck) {
     std::erase_if(deck.sweeps, [&](const Sweep& sweep) {
+        if (sweep.where == command_line) return false;
         const Constant* const constant = find_row(deck.constants, sweep.key);
         const auto key = deck.given.find(sweep.key);
         return (key != deck.given.end() && key->second == command_line) ||

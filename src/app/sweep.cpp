@@ -183,9 +183,11 @@ void SweepRun::add_run(const std::vector<std::string>& values) {
     run.values = values;
     std::vector<std::string> settings = settings_;
     for (std::size_t s = 0; s < values.size(); ++s) {
-        const std::string setting = concat(deck_.sweeps[s].key, "=", values[s]);
-        settings.push_back((find_row(deck_keys(), deck_.sweeps[s].key) ? "" : "let ") + setting);
-        run.name += (s == 0 ? "" : ",") + as_name(setting);
+        const std::string& key = deck_.sweeps[s].key;
+        const std::string name = find_row(deck_keys(), key) ? key : "let " + key;
+        std::erase_if(settings, [&](const std::string& earlier) { return split(earlier, '=')[0] == name; });
+        settings.push_back(concat(name, "=", values[s]));
+        run.name += (s == 0 ? "" : ",") + as_name(concat(key, "=", values[s]));
     }
     if (!names_.insert(run.name).second) run.name += concat("-", run.number);
     try {
@@ -193,6 +195,7 @@ void SweepRun::add_run(const std::vector<std::string>& values) {
     } catch (const UsageError& error) {
         throw UsageError(deck_.sweeps.front().where, ": the run ", run.name, ": ", error.what());
     }
+    run.deck.sweeps.clear();
     run.deck.output = deck_.output + "/" + run.name;
     if (run.deck.threads == 0) run.deck.threads = 1;
     std::string& hash = mesh_hash_[run.deck.mesh];
@@ -314,7 +317,7 @@ ExitCode SweepRun::write_script() const {
         "exec ", command, " --run \"$SLURM_ARRAY_TASK_ID/", tasks, "\"\n");
     make_folder(deck_.output);
     write_file(path("sweep.sh"), script);
-    std::fprintf(out_, "%s in %s of a job array; submit it, then gather what it has made:\n  sbatch %s\n  %s --collect\n",
+    std::fprintf(out_, "%s in %s of a job array; submit it, then gather:\n  sbatch %s\n  %s --collect\n",
                  counted(runs_.size(), "run").c_str(), counted(tasks, "task").c_str(), path("sweep.sh").c_str(),
                  command.c_str());
     return ExitCode::success;

@@ -130,6 +130,7 @@ TEST_CASE("constants are swept, and products of them and keys are named by their
     const Mesh away = mesh_of(ring.output + "/far=2,degree=1/final.msh");
     CHECK(near.x != away.x);
     CHECK(sweep_of(ring, {"let far=0.25", "sweep degree=1, 2"}).code == 0);
+    CHECK(sweep_of(ring, {"let far = 0.25", "sweep far=0.5, 2", "sweep degree=1"}).code == 0);
     CHECK(std::filesystem::exists(ring.output + "/degree=2/final.msh"));
     CHECK(has(sweep_of(ring, {"sweep near=1, 2"}).error, "sweep near: there is no such key, nor a line `let near"));
 }
@@ -149,7 +150,7 @@ TEST_CASE("what is wrong with a sweep is said before anything runs") {
     CHECK(has(refusal({"sweep degree=1,2,1"}), "`1` is there twice"));
     CHECK(has(refusal({"sweep degree"}), "expected `sweep KEY = VALUE, VALUE, ...`"));
     CHECK(has(refusal({"sweep degree=3:1:1"}), "sweep degree = 3:1:1 are -1 numbers"));
-    CHECK(has(refusal({"sweep mu0=1:0.001:400", "sweep penalty_factor=1:0.001:400"}), "more than 100000 runs"));
+    CHECK(has(refusal({"sweep mu0=1:0.001:400", "sweep omega_star=1:0.001:400"}), "more than 100000 runs"));
     CHECK(has(refusal({"sweep degree=1,2", "sweep degree=1,2"}), "sweep degree is already set"));
     CHECK(has(refusal({"sweep degree=1,2", "--slrum"}), "did you mean `--slurm`?"));
     CHECK(has(refusal({"sweep degree=1,2", "--run", "0/2"}), "expected K/N"));
