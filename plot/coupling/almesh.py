@@ -1,4 +1,5 @@
 """What the clients share: a run of almesh, and the nodes of the meshes that it writes. Standard library only."""
+import csv
 import importlib.util
 import shutil
 import subprocess
@@ -31,6 +32,31 @@ def run(folder, deck):
     done = subprocess.run(["./almesh", path, f"output={folder}/mesh"], stdout=subprocess.PIPE, text=True, check=True)
     print("almesh:", done.stdout.splitlines()[-1])
     return sorted((folder / "mesh").glob("frame-*.msh"))
+
+
+class Coupled:
+    """A run with frames = -, which makes a mesh when it is told to."""
+
+    def __init__(self, folder, deck):
+        path, self.folder = folder / "motion.deck", folder
+        path.write_text(deck)
+        self.run = subprocess.Popen(["./almesh", path, f"output={folder}/mesh", "frames=-"], text=True, bufsize=1,
+                                    stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+
+    def mesh(self, t, *files):
+        """The mesh of time t; the files say where the boundary is."""
+        print(t, *files, file=self.run.stdin)
+        _, status, mesh = self.run.stdout.readline().rstrip().split(" ", 2)
+        return Path(mesh) if status == "converged" else sys.exit(f"t = {t}: {status}: {mesh}")
+
+    def end(self):
+        self.run.stdin.close()
+        code = self.run.wait()
+        with (self.folder / "mesh" / "frames.csv").open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        eta = max(float(row["max_distortion"]) for row in rows)
+        print(f"almesh: {len(rows)} meshes, {sum(row['certified'] == 'yes' for row in rows)} of them certified, "
+              f"eta up to {eta:.3f}; exit code {code}")
 
 
 def nodes(path):
