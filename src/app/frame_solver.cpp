@@ -1,10 +1,18 @@
-// x_k = argmin E over the meshes whose boundary is at g_D(t_k), from x_{k-1} or from the ideal mesh; E does not change.
+// x_k = argmin E over the meshes whose boundary is at g_D(t_k); E does not change. From y = x_{k-1}, the ideal mesh or
+//
+//     x_{k-1} + (t_k - t_{k-1}) / (t_{k-1} - t_{k-2}) (x_{k-1} - x_{k-2}),
+//
+// the first step takes the boundary to its target, and the nodes inside to the minimum of the quadratic model at y with
+// it there: H_II d_I = -(g_I + H_IB d_B), d_B = g_D - y_B. Newton's method with the boundary fixed goes on. Where that
+// step is not valid, Algorithm 1 takes the boundary to its target.
 #include "app/frame_solver.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "app/solve.hpp"
 #include "app/volumes.hpp"
+#include "base/index.hpp"
 #include "method/functional.hpp"
 #include "method/levels.hpp"
 #include "method/snap.hpp"
@@ -29,13 +37,37 @@ bool is_valid(const Level& level, const std::vector<double>& x) {
     return std::isfinite(level.energy->energy(x)) && level.energy->certified(x);
 }
 
+std::vector<char> of_boundary(const Level& level) {
+    std::vector<char> fixed(level.mesh.nodes(), 0);
+    for (const int node : level.constraint->nodes()) fixed[node] = 1;
+    return fixed;
+}
+
+// Nothing but the distortion, of the nodes that are not fixed. Near its minimum the rounding of eta counts: the energy
+// of (eta - 1)^2 is known to 2 (eta - 1) eps, however small it is.
+struct Distortion : AugmentedFunctional {
+    double rounding = 0;
+
+    Distortion(const Level& level, const std::vector<double>& x, std::vector<char> nodes)
+        : AugmentedFunctional(*level.energy, *level.constraint,
+                              std::vector<double>(level.constraint->multipliers(), 0.0), 0, std::move(nodes)) {
+        constexpr double unit = 4 * std::numeric_limits<double>::epsilon();
+        rounding = unit * distortion.mean_slope(distortion.energy(x)) * distortion.domain_volume();
+    }
+    double rounding_error(const std::vector<double>&, std::vector<double>&) const override { return rounding; }
+};
+
 }  // namespace
 
-Solution FrameSolver::solve(const Deck& deck, const FrameBefore& before, std::string& started_from) {
+Solution FrameSolver::solve(const Deck& deck, double t, const FramesBefore& before, std::string& started_from) {
     if (!before.x.empty() && may_follow(deck)) {
         prepare(deck);
-        if (const std::vector<double>* const x = start(deck, before, started_from)) {
-            Solution solution = solve_from(deck, *x);
+        std::vector<double> x;
+        started_from = start(t, before, follows(deck, before), x);
+        if (!started_from.empty()) {
+            const HessianKind kind = started_from == "ideal" ? HessianKind::damping : HessianKind::full;
+            Solution solution = lead(deck, x, kind);
+            if (solution.al.status == Status::stalled) solution = solve_from(deck, x);
             const Status status = solution.al.status;
             if (status == Status::converged || status == Status::interrupted) return solution;
         }
@@ -44,27 +76,55 @@ Solution FrameSolver::solve(const Deck& deck, const FrameBefore& before, std::st
     return solve_anew(deck);
 }
 
-// A quadrature that was refined on the way would be another functional.
+bool FrameSolver::is_valid_between(const std::vector<double>& from, const std::vector<double>& to) const {
+    DistortionEnergy& energy = *problem_.level->energy;
+    const QuadratureState as_it_is = energy.quadrature();
+    const bool valid = energy.valid_fraction(from, to) == 1;
+    energy.set_quadrature(as_it_is);  // no step has been made: nothing is to be refined
+    return valid;
+}
+
+// A quadrature that was refined on the way would be another functional, and so would one that is about to be.
 void FrameSolver::prepare(const Deck& deck) {
     const Level& level = *problem_.level;
     if (!level.energy || !level.energy->quadrature().refinements.empty()) set_functional(deck, problem_);
     else set_constraint(deck, problem_);
+    level.energy->set_quadrature({});
 }
 
-// The nearer to the target of the ideal mesh and the one before, of those that lead there; null for none.
-const std::vector<double>* FrameSolver::start(const Deck& deck, const FrameBefore& before, std::string& started_from) {
+// Whether the frame before leads to this one.
+bool FrameSolver::follows(const Deck& deck, const FramesBefore& before) const {
+    const bool as_written = deck.continuation == Continuation::always;
+    for (std::size_t b = 0; b < before.motions.size(); ++b)
+        if (!leads_to(before.motions[b], problem_.motions[b], as_written)) return false;
+    return true;
+}
+
+// x: the nearest to the target of those that lead there. Returns its name, "" for none.
+std::string FrameSolver::start(double t, const FramesBefore& before, bool from_before, std::vector<double>& x) const {
     constexpr double about_equal = 1.1;  // so that rounding does not decide
     constexpr double most_turn = 90;     // as leads_to() has it
     const Level& level = *problem_.level;
-    const bool as_written = deck.continuation == Continuation::always;
-    bool from_before = true;
-    for (std::size_t b = 0; b < before.motions.size(); ++b)
-        from_before = from_before && leads_to(before.motions[b], problem_.motions[b], as_written);
-    const auto distance = [&](const std::vector<double>& x) { return level.constraint->projected_norm(x); };
-    const bool from_ideal = level.turn <= most_turn && is_valid(level, level.ideal) &&
-                            (!from_before || distance(level.ideal) <= about_equal * distance(before.x));
-    started_from = from_ideal ? "ideal" : "before";
-    return from_ideal ? &level.ideal : from_before ? &before.x : nullptr;
+    const auto distance = [&](const std::vector<double>& y) { return level.constraint->projected_norm(y); };
+    std::string name;
+    if (from_before) {
+        name = "before";
+        x = before.x;
+        const double ratio = (t - before.t) / (before.t - before.earlier_t);
+        std::vector<double> beyond = before.earlier;
+        for (std::size_t i = 0; i < beyond.size(); ++i) beyond[i] = x[i] + ratio * (x[i] - beyond[i]);
+        if (!beyond.empty() && distance(beyond) < distance(x) && std::isfinite(level.energy->energy(beyond)) &&
+            is_valid_between(x, beyond)) {
+            name = "beyond";
+            x.swap(beyond);
+        }
+    }
+    if (level.turn <= most_turn && is_valid(level, level.ideal) &&
+        (name.empty() || distance(level.ideal) <= about_equal * distance(x))) {
+        name = "ideal";
+        x = level.ideal;
+    }
+    return name;
 }
 
 Newton& FrameSolver::newton(const Deck& deck) {
@@ -75,6 +135,34 @@ Newton& FrameSolver::newton(const Deck& deck) {
     }
     newton_->recall(fresh_);
     return *newton_;
+}
+
+// Stalled where the first step is not valid, or there is none.
+Solution FrameSolver::lead(const Deck& deck, const std::vector<double>& x, HessianKind kind) {
+    Level& level = *problem_.level;
+    Solution solution;
+    solution.al.status = Status::stalled;
+    if (!settles(deck)) return solution;
+    solution.x = x;
+    const std::vector<double> target = level.constraint->targets(x);
+    const int dim = level.mesh.dim;
+    std::vector<double> d(x.size(), 0.0);
+    for (std::size_t k = 0; k < target.size(); ++k) {
+        const std::size_t i = offset(level.constraint->nodes()[k / dim], dim, k % dim);
+        d[i] = target[k] - x[i];
+        solution.x[i] = target[k];
+    }
+    const std::vector<char> fixed = of_boundary(level);
+    if (!newton(deck).lead(Distortion(level, x, {}), kind, fixed, x, d)) return solution;
+    for (std::size_t i = 0; i < x.size(); ++i)
+        if (!fixed[i / dim]) solution.x[i] += d[i];
+    if (!std::isfinite(level.energy->energy(solution.x)) || !is_valid_between(x, solution.x)) return solution;
+    solution.al.newton_iterations = 1;
+    solution.al.lambda.assign(level.constraint->multipliers(), 0.0);
+    solution.al.iterations.emplace_back();
+    solution.al.status = Status::converged;
+    settle(deck, solution);
+    return solution;
 }
 
 // Near the solution a large penalty costs no steps. What settles needs no more than to come near.
@@ -120,10 +208,7 @@ void FrameSolver::settle(const Deck& deck, Solution& solution) {
     solution.al.status = Status::stalled;
     if (nodes_off_target(*level.constraint, solution.x) > 0) return;
     constexpr double of_tolerance = 1e-7;
-    std::vector<char> fixed(level.mesh.nodes(), 0);
-    for (const int node : level.constraint->nodes()) fixed[node] = 1;
-    const AugmentedFunctional inside(*level.energy, *level.constraint,
-                                     std::vector<double>(level.constraint->multipliers(), 0.0), 0, fixed);
+    const Distortion inside(level, solution.x, of_boundary(level));
     NewtonParams wanted;
     wanted.omega = of_tolerance * deck.method.omega_star;
     wanted.first = HessianKind::full;

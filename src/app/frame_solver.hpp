@@ -5,25 +5,23 @@
 #include <vector>
 
 #include "app/deck.hpp"
+#include "app/frame_state.hpp"
 #include "app/problem.hpp"
 #include "app/results.hpp"
 #include "method/newton.hpp"
 
 namespace almesh {
 
-// The mesh of an earlier frame.
-struct FrameBefore {
-    std::vector<double> x;  // in the run's frame; empty: there is none
-    std::vector<Motion> motions;
-};
-
 class FrameSolver {
 public:
     explicit FrameSolver(Problem& problem) : problem_(problem) {}
 
-    // The problem has the target of `deck`, which is of one time. started_from: on return "before", "ideal" or, where
-    // the run was one of its own, "anew".
-    Solution solve(const Deck& deck, const FrameBefore& before, std::string& started_from);
+    // The problem has the target of `deck`, which is of the time t. started_from: on return "beyond", the mesh that the
+    // two before extrapolate to, "before", "ideal" or, where the run was one of its own, "anew".
+    Solution solve(const Deck& deck, double t, const FramesBefore& before, std::string& started_from);
+
+    // Whether every mesh (1 - s) from + s to, 0 <= s <= 1, is certified valid. Both are.
+    bool is_valid_between(const std::vector<double>& from, const std::vector<double>& to) const;
 
 private:
     Problem& problem_;
@@ -32,7 +30,9 @@ private:
 
     Newton& newton(const Deck& deck);
     void prepare(const Deck& deck);
-    const std::vector<double>* start(const Deck& deck, const FrameBefore& before, std::string& started_from);
+    bool follows(const Deck& deck, const FramesBefore& before) const;
+    std::string start(double t, const FramesBefore& before, bool from_before, std::vector<double>& x) const;
+    Solution lead(const Deck& deck, const std::vector<double>& x, HessianKind kind);
     Solution solve_from(const Deck& deck, const std::vector<double>& x);
     Solution solve_anew(const Deck& deck);
     bool settles(const Deck& deck) const;

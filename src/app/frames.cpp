@@ -3,12 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
 #include <limits>
 
 #include "app/boundaries.hpp"
-#include "app/commands.hpp"
 #include "app/coupling.hpp"
 #include "app/deck_checks.hpp"
 #include "app/ending.hpp"
@@ -22,11 +19,6 @@
 
 namespace almesh {
 namespace {
-
-// What the file of the state begins with, before the number of its frame.
-std::string state_of(const Problem& problem) {
-    return concat("almesh frames, ", version(), " ", commit(), ", run ", problem.run_id, ", frame ");
-}
 
 constexpr const char* heading =
     "frame,t,status,exit_code,newton_steps,max_distortion,relative_quality,min_scaled_jacobian,certified,started_from,"
@@ -80,8 +72,7 @@ private:
     std::vector<Done> done_;
     std::size_t resumed_ = 0;  // of these, done before
     double spent_ = 0;         // seconds, on those since
-    FrameBefore before_;  // the last one with a mesh
-    double reached_ = -std::numeric_limits<double>::infinity();  // its time
+    FramesBefore before_;      // with a mesh
     std::vector<std::string> files_;  // of the line that asks for the frame
     std::vector<std::string> told_;  // notes
 
@@ -95,40 +86,33 @@ private:
     void keep(const Deck& now, Solution& solution, Row& row);
     void add(const Row& row, const std::string& line);
     void write_tables();
-    void save() const;
     void print(const Row& row);
     void answer(const Row& row);
     ExitCode end();
 };
 
-// The state is the last mesh, to the last bit. Rows of frames after it are computed anew.
+// Rows of frames after the state are computed anew.
 void FrameRun::resume() {
-    std::error_code error;
     if (!deck_.resume) return;
-    if (!std::filesystem::exists(path(frames_state), error)) {
+    const int last = read_state(deck_, problem_, before_);
+    if (last == 0) {
         std::fprintf(out_, "note: no saved state in %s: the run starts from the beginning\n", deck_.output.c_str());
         return;
     }
-    const std::string text = read_file(path(frames_state)), csv = read_file(path("frames.csv"));
-    const std::string first = text.substr(0, text.find('\n'));
-    before_.x.resize(problem_.mesh().x.size());
-    const std::size_t bytes = before_.x.size() * sizeof(double);
-    const auto last = parse_int(first.substr(first.rfind(' ') + 1), 1, static_cast<int>(times_.size()));
-    if (!first.starts_with(state_of(problem_)) || !last || text.size() != first.size() + 1 + bytes)
-        throw UsageError("cannot resume: ", path(frames_state), " is of another run or program; without resume=1 this ",
-                         "run starts from the beginning and removes it");
-    std::memcpy(before_.x.data(), text.data() + first.size() + 1, bytes);
-    before_.motions = motions_of(deck_at(deck_, times_[*last - 1], *last), problem_.base);
+    if (last > static_cast<int>(times_.size()) || times_[last - 1] != before_.t)
+        throw UsageError("cannot resume: the times of the frames are not those of the run before");
+    before_.motions = motions_of(deck_at(deck_, before_.t, last), problem_.base);
+    const std::string csv = read_file(path("frames.csv"));
     for (const std::string_view line : split(csv, '\n')) {
         const auto cell = split(line, ',');
         const auto number = parse_int(cell[0]), code = cell.size() > 3 ? parse_int(cell[3]) : std::nullopt;
-        if (!number || !code || *number > *last) continue;
+        if (!number || !code || *number > last) continue;
         Row row{*number, times_[*number - 1], std::string(cell[2])};
         row.code = static_cast<ExitCode>(*code);
         add(row, std::string(line) + "\n");
     }
     resumed_ = done_.size();
-    std::fprintf(out_, "resumes after %s\n", frame_at(*last, times_[*last - 1]).c_str());
+    std::fprintf(out_, "resumes after %s\n", frame_at(last, before_.t).c_str());
 }
 
 // Of the problem, each once.
@@ -159,12 +143,6 @@ void FrameRun::write_tables() {
     if (deck_.vtk != VtkOutput::none && !series.empty()) write_series(path("frames.vtk.series"), series);
 }
 
-void FrameRun::save() const {
-    std::string state = concat(state_of(problem_), done_.size(), "\n");
-    state.append(reinterpret_cast<const char*>(before_.x.data()), before_.x.size() * sizeof(double));
-    write_file(path(frames_state), state);
-}
-
 // Files of the frame, and what of it goes into the table.
 void FrameRun::keep(const Deck& now, Solution& solution, Row& row) {
     round_as_file(problem_, solution.x);
@@ -186,8 +164,7 @@ void FrameRun::keep(const Deck& now, Solution& solution, Row& row) {
     }
     if (!row.has_mesh()) return;
     row.mesh = write_frame(deck_, problem_, solution, row.number);
-    before_ = {solution.x, problem_.motions};
-    reached_ = row.t;
+    before_.push(solution.x, row.t, problem_.motions);
     for (const Expectation& expectation : deck_.expectations) {
         const ExpectationResult result = check(expectation, summary);
         if (result.holds || row.code != ExitCode::success) continue;
@@ -199,7 +176,7 @@ void FrameRun::keep(const Deck& now, Solution& solution, Row& row) {
 void FrameRun::solve(const Deck& now, Row& row) {
     if (row.number > 1 || coupling_) move_target(now, problem_);
     tell_notes();
-    Solution solution = solver_.solve(now, before_, row.started_from);
+    Solution solution = solver_.solve(now, row.t, before_, row.started_from);
     if (!interrupted()) keep(now, solution, row);
 }
 
@@ -239,7 +216,7 @@ bool FrameRun::next(Row& row) {
         if (done_.size() < times_.size()) row.t = times_[done_.size()];
         return done_.size() < times_.size();
     }
-    const std::optional<AskedFrame> asked = coupling_->next(reached_);
+    const std::optional<AskedFrame> asked = coupling_->next(before_.x.empty() ? -std::numeric_limits<double>::infinity() : before_.t);
     if (!asked) return false;
     row.t = asked->t;
     files_ = asked->files;
@@ -297,7 +274,7 @@ ExitCode FrameRun::run() {
                                          "\nthe frames before it are there; keep_going = yes goes on with the next"));
         print(row);
         if (coupling_) answer(row);
-        else if (row.has_mesh()) save();
+        else if (row.has_mesh()) save_state(deck_, problem_, before_, row.number);
     }
     return end();
 }

@@ -14,8 +14,6 @@ namespace almesh {
 
 struct Deck;
 
-inline constexpr const char* frames_state = "frames.state";  // in the folder of results, until the run has ended
-
 // The exit code is that of the worst frame. Throws Error where a frame cannot begin, unless keep_going.
 ExitCode run_frames(const Deck& deck, std::FILE* out);
 

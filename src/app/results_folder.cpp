@@ -15,7 +15,7 @@
 
 #include "app/coupling.hpp"
 #include "app/deck.hpp"
-#include "app/frames.hpp"
+#include "app/frame_state.hpp"
 #include "app/sweep.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"

@@ -156,7 +156,7 @@ std::vector<double> Newton::bend_of_inside(const std::vector<double>& x, const B
     double longest = 0;
     for (const double component : d_) longest = std::max(longest, std::abs(component));
     const double t = std::min(1.0, small_move / longest);
-    std::vector<double> B(x.size()), y(x.size()), w;
+    std::vector<double> B(x.size()), y(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) B[i] = y[i] = x[i] + t * d_[i];
     bend(t, y);
     std::vector<char> is_bent(x.size() / H_.d, 0);
@@ -165,20 +165,37 @@ std::vector<double> Newton::bend_of_inside(const std::vector<double>& x, const B
         if (std::abs(B[i]) > flat * longest * longest) is_bent[i / H_.d] = 1;
     }
     if (std::count(is_bent.begin(), is_bent.end(), 1) == 0) return {};
+    return complete(is_bent, {}, std::move(B), at);
+}
+
+bool Newton::lead(const Functional& E, HessianKind kind, const std::vector<char>& fixed, const std::vector<double>& x,
+                  std::vector<double>& d) {
+    gradient(E, x);
+    E.hessian(x, kind, H_);
+    NewtonResult counts;
+    forcing_.start();
+    solver_.set_tolerance(forcing_.value);
+    d = complete(fixed, g_, std::move(d), counts);
+    return !d.empty();
+}
+
+// d plus what minimises the model at the nodes that are not fixed: H_II e_I = -(g + H d)_I; empty where there is none.
+std::vector<double> Newton::complete(const std::vector<char>& fixed, const std::vector<double>& g,
+                                     std::vector<double> d, NewtonResult& at) {
     const TimeAdder adder(time.linear);
     BlockCsr of_inside = H_;
-    to_rows(H_, B, y);
-    std::vector<double> HB(x.size());
-    multiply(H_, y.data(), HB.data());
-    to_nodes(H_, HB, y);
-    for (double& force : y) force = -force;
-    fix_nodes(is_bent, H_.d, y);
-    fix_nodes(is_bent, of_inside);
-    const SolveResult solve = solver_.solve(of_inside, y, w);
+    std::vector<double> force, Hd(d.size()), inside;
+    to_rows(H_, d, force);
+    multiply(H_, force.data(), Hd.data());
+    to_nodes(H_, Hd, force);
+    for (std::size_t i = 0; i < force.size(); ++i) force[i] = g.empty() ? -force[i] : -force[i] - g[i];
+    fix_nodes(fixed, H_.d, force);
+    fix_nodes(fixed, of_inside);
+    const SolveResult solve = solver_.solve(of_inside, force, inside);
     at.work += solve.work;
     if (solve.status != SolveStatus::success) return {};
-    for (std::size_t i = 0; i < x.size(); ++i) w[i] += B[i];
-    return w;
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] += inside[i];
+    return d;
 }
 
 // The next Hessian to try where `kind` gave no step; false where there is none.

@@ -129,6 +129,11 @@ public:
     NewtonResult minimise(const Functional& E, const NewtonParams& params, std::vector<double>& x,
                           const NewtonObserver& observe = {});
 
+    // The step from x that takes the nodes `fixed` by what d has there, and the others to the minimum of the model with
+    // the Hessian of this kind, H_II d_I = -(g_I + H_IB d_B); d is zero there. False where there is none.
+    bool lead(const Functional& E, HessianKind kind, const std::vector<char>& fixed, const std::vector<double>& x,
+              std::vector<double>& d);
+
 private:
     BlockCsr H_;
     LinearSolver solver_;
@@ -149,6 +154,8 @@ private:
     void search(const Functional& E, std::vector<double>& x, NewtonResult& at, NewtonStep& step);
     std::vector<double> bend_of_inside(const std::vector<double>& x, const BendFunction& bend,
                                        NewtonResult& at);
+    std::vector<double> complete(const std::vector<char>& fixed, const std::vector<double>& g, std::vector<double> d,
+                                 NewtonResult& at);
     bool weaken(HessianKind& kind);
     void eliminate_locally(const Functional& E, double gained, std::vector<double>& x, NewtonResult& at,
                            NewtonStep& step);

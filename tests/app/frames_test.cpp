@@ -178,7 +178,8 @@ TEST_CASE("what is written: meshes in the formats of the deck, a series, a table
     const Table table = frames_of(ring.output);
     REQUIRE(table.size() == 3);
     CHECK(table[2].at("t") == "1");
-    CHECK(table[2].at("started_from") == "before");
+    CHECK(table[1].at("started_from") == "ideal");
+    CHECK(table[2].at("started_from") == "beyond");
     const Mesh first = frame(ring, 1), last = frame(ring, 3);
     for (int f = 0; f < first.face_count(); ++f) {
         if (first.boundaries[first.face_boundary[f]] != "inner") continue;
@@ -294,7 +295,7 @@ TEST_CASE("numbers that make no sense at some time, and keys that do not go with
     CHECK(has(error_of({"boundary inner=translate \"1/(t-1)\" 0", "frames=0,1"}),
               "command line: boundary inner, frame 2, t = 1: `translate`: \"1/(t-1)\" is not finite"));
     CHECK(has(error_of({"boundary inner=scale \"1-t\"", "frames=0,1"}), "frame 2, t = 1: `scale`: every factor must"));
-    CHECK(has(error_of({"boundary inner=translate \"x\" 0", "frames=0,1"}), "may name t alone"));
+    CHECK(has(error_of({"boundary inner=translate \"x\" 0", "frames=0,1"}), "may name t and constants alone"));
     for (const char* other : {"split=auto", "surface=straighten", "write_system=1", "iterates=1"})
         CHECK(has(error_of({other, "frames=0,1"}), "does not go with frames"));
     CHECK(has(error_of({"local_repair=1", "boundary inner=fixed", "frames=0,1"}), "frames does not go with local"));
