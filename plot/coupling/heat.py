@@ -43,10 +43,9 @@ node[triangles] = domain.geometry.dofmap.array.reshape(-1, 3)
 pressure = fem.locate_dofs_topological((flow.sub(1), Q), 1, facets.indices[:1])
 fixed = [fem.dirichletbc(wall, fem.locate_dofs_topological((flow.sub(0), V), 1, facets.indices), flow.sub(0)),
          fem.dirichletbc(fem.Function(Q), [dofs[:1] for dofs in pressure], flow.sub(1))]  # at one node: 0
-(u, p), (v, q) = ufl.TrialFunctions(flow), ufl.TestFunctions(flow)
+(u, p), (v, q), T, s = ufl.TrialFunctions(flow), ufl.TestFunctions(flow), ufl.TrialFunction(Q), ufl.TestFunction(Q)
 stokes = fem.petsc.LinearProblem((ufl.inner(ufl.grad(u), ufl.grad(v)) - p * ufl.div(v) - q * ufl.div(u)) * ufl.dx,
                                  ufl.inner(fem.Constant(domain, (0.0, 0.0)), v) * ufl.dx, fixed, petsc_options=LU)
-T, s = ufl.TrialFunction(Q), ufl.TestFunction(Q)
 mass = T * s * ufl.dx
 spread = (2 * ufl.inner(ufl.grad(T), ufl.grad(s)) - T * ufl.inner(velocity - w, ufl.grad(s))) * ufl.dx  # k = 2
 
@@ -71,7 +70,8 @@ for k in range(1, STEPS + 1):
     now = matrix(mass)
     heat, one = spsolve(now + change, content).T
     if k % 10 == 0:
-        print(f"{k / STEPS:.2f}  {now.sum() / 399 - 1:.1e}  {(now @ heat).sum() / 199.5 - 1:.1e}  {abs(one - 1).max():.1e}")
+        print(f"{k / STEPS:.2f}  {now.sum() / 399 - 1:8.1e}  {(now @ heat).sum() / 199.5 - 1:8.1e}  "
+              f"{abs(one - 1).max():.1e}")
         ax = axes[k // 10 - 1]
         ax.tripcolor(*new[node, :2].T, triangles, heat, shading="gouraud", clim=(0, 1))
         ax.triplot(*new[node, :2].T, triangles, color="white", linewidth=0.15)
