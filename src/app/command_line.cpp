@@ -26,6 +26,8 @@ constexpr const char* help =
     "  almesh quality FILE           certify and measure any mesh (Gmsh MSH 1, 2.2, 4.0, 4.1, SU2, VTK)\n"
     "                                before=FILE: and how far the boundary is from where that file has it\n"
     "                                both take keys: almesh quality FILE threads=1\n"
+    "  almesh adjoint DECK dJ-dx.csv [...]  run it; derivatives of each J by the boundary and the deck's constants\n"
+    "  almesh tangent DECK [dg.csv ...]     run it; displacements of all nodes by boundary velocities and constants\n"
     "  almesh sweep DECK [key=value ...]\n"
     "                                run a deck once for each value of its lines `sweep KEY = VALUES`\n"
     "                                --slurm: write the script of a job array for that; --collect: gather its runs\n"
@@ -47,7 +49,7 @@ constexpr const char* help =
     "  0  the run converged, and the mesh is certified valid and injective\n"
     "  1  the command line or the deck is wrong\n"
     "  2  the mesh, the target or the output folder cannot be used\n"
-    "  3  the run did not converge; the last mesh is written\n"
+    "  3  the run did not converge, or its mesh has no derivative; the last mesh is written\n"
     "  4  the run converged, but the mesh is not certified\n"
     "  5  the mesh is certified, but an `expect` line of the deck does not hold\n";
 
@@ -77,6 +79,7 @@ std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, 
     std::string before;
     if (first == "quality") return quality(deck_of_mesh(arguments, &before), before, out);
     if (first == "info") return info(deck_of_mesh(arguments), out);
+    if (first == "adjoint" || first == "tangent") return differentiate(arguments, out);
     if (first == "sweep") return sweep({arguments.begin() + 1, arguments.end()}, out);
     if (first == "linsolve") return linsolve({arguments.begin() + 1, arguments.end()}, out);
     if (first.starts_with("-")) throw UsageError("unknown option ", first, "; see almesh --help");

@@ -1,6 +1,7 @@
 // The program's commands, but for linsolve.hpp. Results go to `out`.
 #pragma once
 #include <cstdio>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,13 +13,23 @@ struct Certificate;
 struct Deck;
 struct Frame;
 struct Mesh;
+struct Problem;
+struct Solution;
 
 // arguments: without the program's name. Prints errors to `error`; returns the exit code.
 int command_line(const std::vector<std::string>& arguments, std::FILE* out, std::FILE* error);
 
 // One run of a deck, from the mesh file to the files of results, with a table of its iterations. Throws Error for what
 // the user can mend before anything is solved.
-ExitCode run(const Deck& deck, std::FILE* out);
+struct RunHooks {
+    std::function<void(const Problem&)> begins;                    // before the folder of results is touched
+    std::function<std::string(const Problem&, Solution&)> solved;  // where it converged; returns what went wrong, or ""
+};
+ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks = {});
+
+// Derivatives of the moved mesh (method/derivative.hpp). arguments: `adjoint` or `tangent`, a deck, files of vectors at
+// nodes, settings. Throws Error where there is none.
+ExitCode differentiate(const std::vector<std::string>& arguments, std::FILE* out);
 
 // Certificate and statistics of the deck's mesh. success: every element is certified valid, else not_certified. before:
 // a file of the same mesh, from which the distance of the boundary is measured; "": none. Throws InputError for a file

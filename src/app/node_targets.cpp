@@ -82,30 +82,25 @@ void follow_vertices(const Mesh& mesh, int boundary, bool all, std::vector<char>
     });
 }
 
-// positions, left_out: of the nodes of the mesh, x dim; left_out is set to 1 at those that slide or are free.
-void read_places(const Mesh& mesh, int boundary, const Motion& motion, std::vector<double>& positions,
-                 std::vector<double>& left_out) {
-    const MotionStep& step = *file_step(motion);
-    const auto nodes = nodes_by_id(mesh, boundary);
-    const std::string text = without_commas(read_text_file(step.file));
-    TextScanner in(text, step.file);
+}  // namespace
+
+void read_node_rows(const Mesh& mesh, const std::string& path, const std::unordered_map<long long, int>& nodes,
+                    const std::string& place, std::vector<double>& value, std::vector<char>& known) {
+    const std::string text = without_commas(read_text_file(path));
+    TextScanner in(text, path);
     std::vector<int> line(mesh.nodes(), 0);
-    std::vector<char> known(mesh.nodes(), 0);
+    known.assign(mesh.nodes(), 0);
     if (in.next_line() && std::isalpha(static_cast<unsigned char>(*in.at))) in.rest_of_line();
     while (in.next_line()) {
         const long long id = in.integer("a node id", std::numeric_limits<long long>::min(),
                                         std::numeric_limits<long long>::max());
         const auto found = nodes.find(id);
-        if (found == nodes.end()) in.fail("node ", id, " is not on boundary ", mesh.boundaries[boundary]);
+        if (found == nodes.end()) in.fail("node ", id, " is not ", place);
         const int node = found->second;
         if (known[node]) in.fail("node ", id, " is here already, in line ", line[node]);
         known[node] = 1;
         line[node] = in.line;
-        for (int a = 0; a < mesh.dim; ++a) {
-            const double value = in.real("a coordinate");
-            double& x = positions[offset(node, mesh.dim, a)];
-            x = step.displacement ? mesh.x[offset(node, mesh.dim, a)] + value : value;
-        }
+        for (int a = 0; a < mesh.dim; ++a) value[offset(node, mesh.dim, a)] = in.real("a coordinate");
         if (mesh.dim == 2 && in.at != in.end && *in.at != '\n') {
             const std::string rest(in.rest_of_line());
             if (!rest.empty() && parse_double(rest) != 0.0)
@@ -113,6 +108,19 @@ void read_places(const Mesh& mesh, int boundary, const Motion& motion, std::vect
         }
         in.end_of_line();
     }
+}
+
+namespace {
+
+// positions, left_out: of the nodes of the mesh, x dim; left_out is set to 1 at those that slide or are free.
+void read_places(const Mesh& mesh, int boundary, const Motion& motion, std::vector<double>& positions,
+                 std::vector<double>& left_out) {
+    const MotionStep& step = *file_step(motion);
+    const auto nodes = nodes_by_id(mesh, boundary);
+    std::vector<char> known;
+    read_node_rows(mesh, step.file, nodes, "on boundary " + mesh.boundaries[boundary], positions, known);
+    for (std::size_t k = 0; k < positions.size() && step.displacement; ++k)
+        if (known[k / mesh.dim]) positions[k] += mesh.x[k];
     if (!step.rest)
         refuse_missing(mesh, boundary, step.file, known, nodes,
                        "; to move only those that it has: `file NAME else fixed`, `else slide` or `else free`");

@@ -1,6 +1,8 @@
 // Positions of single nodes from files: the steps `file` and `mesh` of a motion.
 #pragma once
 #include <optional>
+#include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "constraint/target.hpp"
@@ -20,5 +22,10 @@ struct NodeTargets {
 // where there is one, for ids that are no nodes of the boundary (`file` only), doubled ones, missing nodes and faces,
 // and numbers that are none.
 NodeTargets read_node_targets(const Mesh& mesh, const std::vector<Motion>& motions);
+
+// A file of rows `node-id x y [z]`, vectors at nodes; at others `value` stays. nodes: those that it may have, by their
+// ids; place: what these are on, for messages. known: on return, per node, whether the file has it.
+void read_node_rows(const Mesh& mesh, const std::string& path, const std::unordered_map<long long, int>& nodes,
+                    const std::string& place, std::vector<double>& value, std::vector<char>& known);
 
 }  // namespace almesh

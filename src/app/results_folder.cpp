@@ -39,13 +39,17 @@ bool is_of_step(const std::string& name) {
            (name.starts_with("iterate-") && name.ends_with(".vtk")) || name == "A.mtx" || name == "b.mtx";
 }
 
+bool is_derivative(const std::string& name) {
+    return (name.starts_with("adjoint-") || name.starts_with("tangent-")) && name.ends_with(".csv");
+}
+
 // What a run may write, but for deck.txt and the checkpoint.
 bool is_result(const std::string& name) {
     constexpr std::array<std::string_view, 10> results = {"final.msh",    "final.su2", "initial.vtk",
                                                          "final.vtk",    "boundary.vtk", "stop.vtk",
                                                          "history.csv",  "summary.txt",  "expectations.csv",
                                                           sweep_row};
-    return is_of_step(name) || std::find(results.begin(), results.end(), name) != results.end();
+    return is_of_step(name) || is_derivative(name) || std::find(results.begin(), results.end(), name) != results.end();
 }
 
 // Left by a process that was killed while it wrote a result: "final.msh.part1234".

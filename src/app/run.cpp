@@ -244,7 +244,7 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
     return solution;
 }
 
-ExitCode run(const Deck& deck, std::FILE* out) {
+ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     if (!deck.frames.empty()) return run_frames(deck, out);
     // 1. Mesh, target and everything that can be wrong with them; the folder for the results.
     const Stopwatch watch;
@@ -252,6 +252,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     const TimeLimit limit(deck.max_seconds);
     set_threads(deck.threads);
     Problem problem = make_problem(deck);
+    if (hooks.begins) hooks.begins(problem);
     const std::unique_ptr<Checkpoint> checkpoint = make_checkpoint(deck, problem, out);
     const ResultsFolder folder(deck);
     const double bytes = predicted_bytes(problem.mesh(), deck.linear);
@@ -275,6 +276,9 @@ ExitCode run(const Deck& deck, std::FILE* out) {
     solution.time.setup += setup_seconds;
     solution.time.write += write_seconds;
 
+    std::string failed;
+    if (hooks.solved && solution.al.status == Status::converged) failed = hooks.solved(problem, solution);
+
     // 3. What was reached: certificates, files.
     round_as_file(problem, solution.x);
     examine(deck, problem, solution);
@@ -293,6 +297,7 @@ ExitCode run(const Deck& deck, std::FILE* out) {
 
     const bool expected = expectations_hold(out, deck, summary);
     if (solution.al.status != Status::converged) return ExitCode::not_converged;
+    if (!failed.empty()) throw Error(ExitCode::not_converged, failed);
     if (!solution.injectivity.certified) return ExitCode::not_certified;
     return expected ? ExitCode::success : ExitCode::expectation_failed;
 }

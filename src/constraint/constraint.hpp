@@ -13,9 +13,16 @@
 #include <memory>
 #include <vector>
 
+#include "base/small_matrix.hpp"
 #include "linalg/block_csr.hpp"
 
 namespace almesh {
+
+// How far a node at x is from where it should be: r is zero where P c = 0.
+struct SurfaceDistance {
+    Vec<3> r{};
+    Mat<3> slope{};  // D, of r with respect to x
+};
 
 // C as a function of the positions y of some nodes (nodes x dim), all others fixed: for local minimisations.
 class ConstraintPart {
@@ -64,6 +71,11 @@ public:
     // node: numbers in the mesh of the nodes of the part. pattern: of the part's Hessian.
     virtual std::unique_ptr<ConstraintPart> part(const std::vector<double>& x, const std::vector<double>& lambda,
                                                  double mu, const std::vector<int>& node, const BlockCsr& pattern) = 0;
+
+    // For derivatives of the solution. Of nodes()[t] at x: r, where it is prescribed the distance from its target, and
+    // D; sum over k of force_k times the second derivative of r_k.
+    virtual SurfaceDistance distance(int t, const Vec<3>& x) const = 0;
+    virtual Mat<3> second_derivative_at(int /*t*/, const Vec<3>& /*x*/, const Vec<3>& /*force*/) const { return {}; }
 
     // As vector fields on the boundary, for pictures and to carry them to a finer mesh: nodes().size() x dim.
     virtual const std::vector<int>& nodes() const = 0;  // mesh nodes that the constraint acts on, ascending

@@ -146,6 +146,15 @@ std::vector<char> Dirichlet::off_target(const std::vector<double>& x) const {
     return off;
 }
 
+SurfaceDistance Dirichlet::distance(int t, const Vec<3>& x) const {
+    SurfaceDistance from_target;
+    for (int a = 0; a < trace_.dim; ++a) {
+        from_target.r[a] = x[a] - g_h_[offset(t, trace_.dim, a)];
+        from_target.slope[a][a] = 1;
+    }
+    return from_target;
+}
+
 namespace {
 
 // u = y - x

@@ -55,6 +55,7 @@ public:
     std::vector<double> constraint_field(const std::vector<double>& x) const override;
     std::vector<double> targets(const std::vector<double>& /*x*/) const override { return g_h_; }
     std::vector<char> off_target(const std::vector<double>& x) const override;
+    SurfaceDistance distance(int t, const Vec<3>& x) const override;
 
 private:
     const Mesh& mesh_;

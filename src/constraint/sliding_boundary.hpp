@@ -56,10 +56,8 @@ public:
     std::vector<double> targets(const std::vector<double>& x) const override;
     std::vector<char> off_target(const std::vector<double>& x) const override;
 
-    // r of a trace node at x, and D.
-    SurfaceDistance distance(int trace_node, const Vec<3>& x) const;
-    // Sum over k of force_k times the second derivative of r_k; zero for nodes that do not slide.
-    Mat<3> second_derivative_at(int trace_node, const Vec<3>& x, const Vec<3>& force) const;
+    SurfaceDistance distance(int trace_node, const Vec<3>& x) const override;
+    Mat<3> second_derivative_at(int trace_node, const Vec<3>& x, const Vec<3>& force) const override;
 
 private:
     TraceSpace trace_;

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "constraint/constraint.hpp"
 #include "constraint/sliding.hpp"
 #include "constraint/target.hpp"
 #include "mesh/mesh.hpp"
@@ -24,11 +25,6 @@ std::array<double, 3> distances(const SlidingSurfaces& sliding, const std::vecto
 
 // The sum r of the vectors from the projections onto the surfaces of the parts to x: zero where x is on
 // all of them, since their normals are linearly independent.
-struct SurfaceDistance {
-    Vec<3> r{};
-    Mat<3> slope{};  // of r with respect to x
-};
-
 SurfaceDistance distance_to(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x);
 
 // Sum over k of force_k times the second derivative of r_k: that of r = d n, n n' + d S, without the terms that vanish

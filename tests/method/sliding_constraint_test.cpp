@@ -184,6 +184,19 @@ public:
         return multiplier_field(values(x));
     }
 
+    SurfaceDistance distance(int t, const Vec<3>& x) const override {  // r = sum of h grad h
+        SurfaceDistance sum;
+        for (const Condition& condition : all_.conditions) {
+            if (condition.node != nodes_[t]) continue;
+            const auto d = condition.at(x.data(), all_.circle);
+            for (int a = 0; a < 2; ++a) {
+                sum.r[a] += d.h * d.h1[a];
+                for (int b = 0; b < 2; ++b) sum.slope[a][b] += d.h1[a] * d.h1[b] + d.h * d.h2[a][b];
+            }
+        }
+        return sum;
+    }
+
     int parts = 0;  // made so far
 
 private:

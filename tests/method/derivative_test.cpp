@@ -1,0 +1,132 @@
+#include "method/derivative.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "base/text.hpp"
+#include "linalg/vector_ops.hpp"
+#include "method/snap.hpp"
+#include "support/meshes.hpp"
+#include "support/minimisation.hpp"
+
+using namespace almesh;
+using namespace almesh::test;
+
+namespace {
+
+// A mesh whose boundary `moved` has gone by (1 + a) times `way`, at its minimum.
+struct Moved {
+    Minimisation problem;
+    Derivative derivative;
+    std::vector<double> x;
+    std::string why;
+
+    Moved(const Mesh& mesh, const std::string& moved, const Vec<3>& way, double a, Objective objective,
+          const PowerParams& power = {}, const LinearSolverParams& linear = {})
+        : problem(mesh, {{moved, translation(mesh.dim, way, a)}}, objective),
+          derivative(problem.mesh, problem.distortion, problem.constraint, linear) {
+        REQUIRE(problem.solve({}, x).status == Status::converged);
+        REQUIRE(snap_to_targets(problem.distortion, problem.constraint, x) == 0);
+        if (power.p != 2) problem.distortion.set_power(power);
+        why = derivative.settle(x);
+    }
+
+    static std::string translation(int dim, const Vec<3>& way, double a) {
+        std::string text = "translate";
+        for (int k = 0; k < dim; ++k) text += concat(" ", (1 + a) * way[k]);
+        return text;
+    }
+};
+
+BoundaryChange shift_of(const Mesh& mesh, const std::string& boundary, const Vec<3>& way) {
+    BoundaryChange change{std::vector<double>(mesh.x.size(), 0.0), std::vector<double>(mesh.x.size(), 0.0)};
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (mesh.boundaries[mesh.face_boundary[f]] != boundary) return;
+        for (int a = 0; a < mesh.dim; ++a) change.shift[offset(mesh.faces[k], mesh.dim, a)] = way[a];
+    });
+    return change;
+}
+
+std::vector<double> some_numbers(std::size_t count) {
+    std::vector<double> numbers(count);
+    for (std::size_t i = 0; i < count; ++i) numbers[i] = std::sin(1.0 + 7.3 * static_cast<double>(i));
+    return numbers;
+}
+
+// Of the tangent from differences of minimisations of the fourth order, relative to its largest entry.
+double error_of_tangent(const Mesh& mesh, const std::string& moved, const Vec<3>& way, Objective objective,
+                        const PowerParams& power = {}) {
+    constexpr double h = 2e-3;
+    Moved here(mesh, moved, way, 0, objective, power);
+    REQUIRE(here.why == "");
+    std::vector<double> error = here.derivative.tangent(shift_of(mesh, moved, way));
+    const double size = norm_inf(error);
+    REQUIRE(size >= std::abs(way[0]));
+    for (const double k : {-2, -1, 1, 2}) {
+        const Moved there(mesh, moved, way, k * h, objective, power);
+        REQUIRE(there.why == "");
+        axpy((k == -2 ? -1 : k == -1 ? 8 : k == 1 ? -8 : 1) / (12 * h), there.x, error);
+    }
+    return norm_inf(error) / size;
+}
+
+}  // namespace
+
+TEST_CASE("the tangent is the derivative of minimisations") {
+    for (const Objective objective : {Objective::squared, Objective::deviation, Objective::size_shape})
+        for (const int degree : {1, 2, 3, 4}) {
+            CAPTURE(degree);
+            const Mesh ring = raise_degree(ring_mesh(8, 2, 4), degree);
+            CHECK(error_of_tangent(ring, "inner", {0.6, 0.2, 0}, objective) < 1e-9);
+        }
+    const PowerParams of_minimax{8, 0.3, 0.002};
+    CHECK(error_of_tangent(ring_mesh(8, 2, 4), "inner", {0.6, 0.2, 0}, Objective::deviation, of_minimax) < 1e-9);
+}
+
+TEST_CASE("adjoint and tangent agree, whatever the solver") {
+    for (const SolverKind kind : {SolverKind::automatic, SolverKind::cg}) {
+        const Mesh ring = raise_degree(ring_mesh(12, 3, 4), 2);
+        Moved here(ring, "inner", {0.6, 0.2, 0}, 0, Objective::squared, {}, {.kind = kind});
+        REQUIRE(here.why == "");
+        for (const std::string boundary : {"inner", "outer"}) {
+            BoundaryChange change = shift_of(ring, boundary, {0.3, -1, 0});
+            for (std::size_t i = 0; i < change.shift.size(); ++i) change.shift[i] *= std::cos(static_cast<double>(i));
+            const std::vector<double> dJ_dx = some_numbers(ring.x.size());
+            const double tangent = dot(dJ_dx, here.derivative.tangent(change));
+            const double adjoint = dot(here.derivative.adjoint(dJ_dx).shift, change.shift);
+            CHECK(std::abs(tangent - adjoint) < 1e-12 * norm_2(dJ_dx) * norm_2(change.shift));
+            CHECK(std::abs(tangent) > 0.01);
+        }
+        CHECK(here.derivative.failure() == "");
+    }
+}
+
+TEST_CASE("a motion of all boundaries takes the nodes inside along") {
+    const Mesh ring = ring_mesh(12, 3, 4);
+    Moved here(ring, "inner", {0.6, 0.2, 0}, 0, Objective::squared);
+    BoundaryChange all = shift_of(ring, "inner", {0.3, -1, 0});
+    axpy(1, shift_of(ring, "outer", {0.3, -1, 0}).shift, all.shift);
+    const std::vector<double> dx = here.derivative.tangent(all);
+    for (int i = 0; i < ring.nodes(); ++i) {
+        CHECK(dx[2 * i] == doctest::Approx(0.3).epsilon(1e-11));
+        CHECK(dx[2 * i + 1] == doctest::Approx(-1).epsilon(1e-11));
+    }
+}
+
+TEST_CASE("what has no derivative says why") {
+    // At the identity (eta - 1)^2 is flat.
+    CHECK(Moved(ring_mesh(12, 3, 4), "inner", {}, 0, Objective::deviation).why.starts_with("the Hessian at the mesh is "
+                                                                                           "singular or indefinite"));
+    // Where nothing has been minimised: the target inverts elements, or the minimum is too far.
+    for (const auto& [way, reason] : {std::pair(2.5, "of the boundary cannot be set to the target"),
+                                      std::pair(0.55, "the gradient is not small enough")}) {
+        const Minimisation problem(ring_mesh(12, 3, 4), {{"inner", Moved::translation(2, {way, 0, 0}, 0)}},
+                                   Objective::squared);
+        Derivative derivative(problem.mesh, problem.distortion, problem.constraint, {});
+        std::vector<double> x = problem.ideal;
+        const std::string why = derivative.settle(x);
+        CAPTURE(why);
+        CHECK(why.find(reason) != std::string::npos);
+    }
+}
