@@ -13,8 +13,8 @@ by one:
 
   times (a number before or with `s` or `ms`), memory (`MB`, `GB`), `threads`   not compared
   integers                                                                      equal
-  numbers of magnitude 1e-6 and more                                            to 1 %, or half a unit of the last digit
-  smaller ones                                                                  to a factor of 10; below 1e-12 all equal
+  other numbers                                                                 to a unit of the last digit shown
+  those below 1e-12, which are made of rounding errors                          all equal
 
 Comments in the lines above a block or a table, which a reader does not see, say how it is checked:
 
@@ -22,6 +22,7 @@ Comments in the lines above a block or a table, which a reader does not see, say
   <!-- before: COMMAND --> is run before the block
   <!-- file: NAME -->      the block is the contents of this file
   <!-- needs: COMMAND -->  the block is left out, with a message, where this command fails
+  <!-- within: 2 % -->     numbers of the block that are no integers may differ by so much; for rounding that grows
   <!-- table: COMMAND -->  prints the table below; columns named `time ...` or `share ...` are left out
   <!-- in: FILE before: TEXT -->   the block ```cpp below goes into this file of a copy of the source, before the line
                                    with this text
@@ -52,6 +53,7 @@ LESSONS = ROOT / "inputs" / "lessons"
 READMES = [ROOT / "README.md", *(ROOT / folder / "README.md" for folder in ("inputs", "outputs", "src", "tests", "plot"))]
 SHOWN_ROOT = "/home/you/almesh"
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+INTEGER = re.compile(r"[-+]?\d+")
 TIMES = re.compile(r"\b\d[\d.e+-]*\s?(ms|s|MB|GB|threads?)\b")
 COMMENT = re.compile(r"<!-- (.*) -->")
 FILE_NAME = re.compile(r"`((?:[\w.-]+/)*[\w-]+\.(?:cpp|hpp|py|deck|msh|md|geo|csv|txt|sh|png))`")
@@ -73,6 +75,11 @@ class Block:
     def values(self, name):
         """What the comments above say after `name: `."""
         return [mark[len(name) + 2:] for mark in self.marks if mark.startswith(name + ": ")]
+
+    @property
+    def within(self):
+        """The relative difference that its numbers may have."""
+        return max([float(value.removesuffix(" %")) / 100 for value in self.values("within")], default=0.0)
 
     @property
     def slow(self):
@@ -204,52 +211,50 @@ def run_in(folder, command, seconds):
 
 # ------------------------------------------------------------------------------------------------- comparing texts
 
-def near(a, b):
-    """Whether the words are the same or numbers that are near enough."""
+def near(a, b, within=0.0):
+    """Whether the words are the same or numbers that are near enough; a is the one shown."""
     numbers_a, numbers_b = list(NUMBER.finditer(a)), list(NUMBER.finditer(b))
     if a == b:
         return True
     if not numbers_a or len(numbers_a) != len(numbers_b) or NUMBER.sub("#", a) != NUMBER.sub("#", b):
         return False
-    return all(near_numbers(x.group(), y.group()) for x, y in zip(numbers_a, numbers_b))
+    return all(near_numbers(x.group(), y.group(), within) for x, y in zip(numbers_a, numbers_b))
 
 
-def near_numbers(a, b):
-    if re.fullmatch(r"[-+]?\d+", a) and re.fullmatch(r"[-+]?\d+", b):
+def near_numbers(a, b, within):
+    if INTEGER.fullmatch(a) and INTEGER.fullmatch(b):
         return int(a) == int(b)
     x, y = float(a), float(b)
     if max(abs(x), abs(y)) < 1e-12:
         return True
-    if max(abs(x), abs(y)) < 1e-6:
-        return x * y > 0 and 0.1 <= x / y <= 10
-    return abs(x - y) <= 0.01 * max(abs(x), abs(y)) or abs(x - y) <= 1.01 * last_digit(a)
+    return abs(x - y) <= max(1.01 * last_digit(b if INTEGER.fullmatch(a) else a), within * max(abs(x), abs(y)))
 
 
 def last_digit(text):
-    """Half a unit of the last digit that is shown."""
+    """A unit of the last digit that is shown."""
     mantissa, _, exponent = text.lower().partition("e")
-    return 0.5 * 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+    return 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
 
 
-def same_line(shown, printed):
+def same_line(shown, printed, within=0.0):
     shown, printed = TIMES.sub("TIME", shown).split(), TIMES.sub("TIME", printed).split()
-    return len(shown) == len(printed) and all(map(near, shown, printed))
+    return len(shown) == len(printed) and all(near(a, b, within) for a, b in zip(shown, printed))
 
 
-def first_difference(shown, printed):
+def first_difference(shown, printed, within=0.0):
     """None, or (line of shown, text of printed there). `...` in shown matches any lines, also none."""
     at = 0
     while shown[at:] and shown[at].strip() != "...":
         if at == len(printed):
             return at, "(nothing more)"
-        if not same_line(shown[at], printed[at]):
+        if not same_line(shown[at], printed[at], within):
             return at, printed[at]
         at += 1
     if at == len(shown):
         return None if at == len(printed) else (at, printed[at])
     rest, shown = printed[at:], shown[at + 1:]
-    starts = [i for i in range(len(rest) + 1) if not shown or i == len(rest) or same_line(shown[0], rest[i])]
-    differences = [first_difference(shown, rest[i:]) for i in starts]
+    starts = [i for i in range(len(rest) + 1) if not shown or i == len(rest) or same_line(shown[0], rest[i], within)]
+    differences = [first_difference(shown, rest[i:], within) for i in starts]
     if not shown or None in differences:
         return None
     where, text = differences[0]
@@ -415,7 +420,7 @@ class Document:
         if lines is None:
             return None
         lines = trimmed(lines)
-        difference = first_difference(lines, trimmed(printed.split("\n")))
+        difference = first_difference(lines, trimmed(printed.split("\n")), block.within)
         if difference:
             at, got = difference
             there = lines[at] if at < len(lines) else "(nothing more)"
@@ -427,7 +432,7 @@ class Document:
         if failure:
             return self.note(block.start, command, f"{failure}\n{printed[-2000:]}")
         lines, rows = without_times(block.lines), [row for row in printed.split("\n") if row.startswith("|")]
-        difference = first_difference(lines, without_times(rows))
+        difference = first_difference(lines, without_times(rows), block.within)
         if difference:
             at, got = difference
             self.note(block.start, command, f"the table shows  {lines[at] if at < len(lines) else '(nothing more)'}\n"
@@ -483,6 +488,9 @@ def self_test():
         "what is printed": console("printf 'a 1\\nb 2\\n'", "a 1", "b 2"),
         "another time": console("echo took 0.31 s, 5 MB", "took 0.02 s, 7 MB"),
         "the last digit": console("echo 0.93652", "0.9365"),
+        "a unit of the last digit": console("echo 0.9366", "0.9365"),
+        "a rounding error": console("echo 3.1e-16", "1.8e-16"),
+        "a number within its tolerance": console("echo 1.01e-3", "1.00e-3", mark="<!-- within: 2 % -->"),
         "lines left out": console("seq 9", "1", "...", "8", "9"),
         "a file of its own": console("echo 5 > made-here && cat made-here", "5"),
         "a command before": console("cat made-here", "6", mark="<!-- before: echo 6 > made-here -->"),
@@ -493,7 +501,11 @@ def self_test():
     }
     wrong = {
         "a stale count": console("echo 12 steps", "11 steps"),
-        "a stale number": console("echo q 0.9365", "q 0.9165"),
+        "a stale number": console("echo q 0.9367", "q 0.9365"),
+        "a stale number of seven digits": console("echo 1519.4267", "1530.1069"),
+        "a stale small number": console("echo 1.125e-08", "1.129e-08"),
+        "a number that is no integer any more": console("echo 5.3", "5"),
+        "a number beyond its tolerance": console("echo 1.05e-3", "1.00e-3", mark="<!-- within: 2 % -->"),
         "a missing line": console("printf 'a\\nb\\n'", "a"),
         "a missing line after `...`": console("seq 9", "1", "...", "8"),
         "a line too many": console("echo a", "a", "b"),

@@ -2,11 +2,12 @@
 //
 //     minimise  E(x) = integral of eta^2 (deviation: of (eta - 1)^2)  over the positions x of the interior nodes
 //
+//   04_newton decrease
 //   04_newton [pure | search | projected | switching] [angle of the swirl in degrees] [deviation] [bent]
 //
 // pure: the full Hessian, full steps. search: with Armijo's condition. projected: the positive semidefinite part of the
 // Hessian, triangle by triangle. switching: full after a full step where it is positive definite, else projected. None
-// of them: all four, compared.
+// of them: all four, compared. decrease: x^2 in one variable, by any decrease and by Armijo's condition.
 #include <cctype>
 #include <cmath>
 #include <cstdio>
@@ -114,6 +115,23 @@ void write(const Run& run, const std::string& path) {
     std::fclose(csv);
 }
 
+// Minimises x^2 from 1 with directions that go nearly twice as far as they should, d = -(2 - 2^{-k-1}) x: |x| after 5,
+// 10, ... steps, where a step is taken if it lowers x^2 by c1 t |slope| or more.
+void compare_decrease() {
+    std::printf("steps   any decrease       c1 = 1e-4\n");
+    double x[2] = {1, 1};
+    for (int k = 1; k <= 20; ++k) {
+        for (const int method : {0, 1}) {
+            double& now = x[method];
+            const double c1 = method == 0 ? 0 : 1e-4, d = -(2 - std::exp2(-k - 1)) * now, slope = 2 * now * d;
+            double t = 1;
+            while (!((now + t * d) * (now + t * d) <= now * now + c1 * t * slope)) t /= 2;
+            now += t * d;
+        }
+        if (k % 5 == 0) std::printf("%5d %14.6f %15.3e\n", k, std::abs(x[0]), std::abs(x[1]));
+    }
+}
+
 }  // namespace
 
 int main(int count, char** argument) {
@@ -127,8 +145,9 @@ int main(int count, char** argument) {
         else method = word;
         if (word != method) problem += "-" + word;
     }
+    if (method == "decrease") return compare_decrease(), 0;
     if (!std::set<std::string>{"", "pure", "search", "projected", "switching"}.contains(method))
-        return std::fprintf(stderr, "no method '%s': pure, search, projected, switching\n", method.c_str()), 2;
+        return std::fprintf(stderr, "no method '%s': decrease, pure, search, projected, switching\n", method.c_str()), 2;
     const std::set<int> fixed(mesh.faces.begin(), mesh.faces.end());
     for (int i = 0; i < 2 * mesh.nodes(); ++i)
         if (!fixed.contains(i / 2)) interior.push_back(i);

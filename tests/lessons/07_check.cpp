@@ -72,7 +72,8 @@ EXERCISE("7.4", "the method of multipliers") {
                 for (int j = 0; j < 2; ++j) aKa += a[i] * inverted[i][j] * a[j], aKb += a[i] * inverted[i][j] * b[j];
             const double g = 7, kappa = 1 / aKa, lambda = (g - aKb) * kappa, factor = std::abs(kappa / (kappa + mu));
             const Multiplier found = method_of_multipliers(K, b, a, g, mu);
-            const std::string where = concat(" with K = diag(", K[0][0], ", ", K[1][1], "), mu = ", mu);
+            const std::string where =
+                concat(" with K = (", K[0][0], " ", K[0][1], "; ", K[1][0], " ", K[1][1], "), mu = ", mu);
             expect_close(concat("lambda", where), found.lambda, lambda, 1e-6,
                          "K x - b = lambda a and a' x = g hold at the end");
             // |c| after the first subproblem, and then times the factor.
