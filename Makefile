@@ -33,7 +33,8 @@ BENCH_OBJECTS := $(BENCH:%.cpp=$(BUILD)/%.o)
 # (src/lessons/exercises/, where students write) or with the solutions.
 LESSON_PROGRAMS := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/[0-9]*.cpp))
 CHECKED   := $(sort $(patsubst tests/lessons/%_check.cpp,%,$(wildcard tests/lessons/*_check.cpp)))
-CHECKS    := $(CHECKED:%=$(BUILD)/lessons/check-%) $(CHECKED:%=$(BUILD)/lessons/solved-%)
+SOLVED    := $(CHECKED:%=$(BUILD)/lessons/solved-%)
+CHECKS    := $(CHECKED:%=$(BUILD)/tests/lessons/%_check.o) $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a
 # Only `make fuzz` has libFuzzer's entry; the harnesses are in the tests too.
 FUZZ      := $(filter-out tests/fuzz/%_test.cpp,$(wildcard tests/fuzz/*.cpp)) tests/support/meshes.cpp
 FUZZ_OBJECTS := $(FUZZ:%.cpp=$(BUILD)/%.o)
@@ -188,11 +189,6 @@ $(BUILD)/libalmesh.a: $(LIBRARY)
 
 .SECONDARY: $(LESSON_OBJECTS)
 
-$(BUILD)/lessons/check-%: $(BUILD)/src/lessons/exercises/%.o $(BUILD)/tests/lessons/%_check.o $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a
-	@mkdir -p $(@D)
-	$(call said,LINK,$@)
-	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
-
 $(BUILD)/lessons/solved-%: $(BUILD)/src/lessons/solutions/%.o $(BUILD)/tests/lessons/%_check.o $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a
 	@mkdir -p $(@D)
 	$(call said,LINK,$@)
@@ -204,18 +200,18 @@ $(BUILD)/lessons/%: $(BUILD)/src/lessons/%.o $(BUILD)/libalmesh.a
 	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
 lesson-%: almesh FORCE ## run the commands of a lesson's handout and draw its picture: make lesson-01
-	$(MAKE) $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(BUILD)/lessons/check-$*
+	$(MAKE) $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(BUILD)/lessons/solved-$*
 	tests/documents.py --show --build $(BUILD) $*
 	$(PYTHON) $(wildcard plot/lessons/$*_*.py)
 
 check-lesson-%: FORCE ## check your answers to a lesson's exercises: make check-lesson-01 (ANSWERS=solutions: the solutions)
-	@$(MAKE) --no-print-directory $(BUILD)/lessons/$(if $(ANSWERS),solved,check)-$*
-	@$(BUILD)/lessons/$(if $(ANSWERS),solved,check)-$* $(wildcard inputs/lessons/$*-*)/$(or $(ANSWERS),exercises)
+	@$(MAKE) --no-print-directory $(filter %/$*_check.o %/exercise.o %.a,$(CHECKS))
+	@tests/lessons/answers.py --build $(BUILD) --lesson $* $(or $(ANSWERS),exercises)
 
 check-lessons: $(CHECKS) ## check the answers to all exercises: a table, and outputs/lessons/answers.csv (ANSWERS=solutions)
 	@tests/lessons/answers.py --build $(BUILD) $(or $(ANSWERS),exercises)
 
-lessons: python $(BUILD)/almesh $(LESSON_PROGRAMS) $(CHECKS) ## run the commands of all documents, compare with the output shown; check the solutions
+lessons: python $(BUILD)/almesh $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ## run the commands of all documents, compare with the output shown; check the solutions
 	tests/lessons/answers.py --build $(BUILD) --self-test
 	tests/documents.py --build $(BUILD) --self-test
 	tests/documents.py --build $(BUILD)

@@ -1,55 +1,265 @@
 #!/usr/bin/env python3
-"""Checks the answers to all exercises of the course.
+"""Checks the answers to the exercises of the course: each in a process and a folder of its own, with limits of time,
+memory and output, so that no answer can spoil the others' rows.
 
   tests/lessons/answers.py [--build FOLDER] [exercises | solutions]   a table, and outputs/lessons/answers.csv
+  tests/lessons/answers.py [--build FOLDER] --lesson NN [...]         one lesson, and what a wrong answer shows
   tests/lessons/answers.py [--build FOLDER] --self-test               the checks themselves: each solution holds, and
                                                                       no template does, and says why
 
-The programs build/lessons/check-NN and solved-NN are made by `make check-lessons` and `make lessons`. Exit code 1 where an
-answer does not hold, or the self-test fails. Standard library only.
+It compiles the answers itself, with the command in FOLDER/flags, and links them with what `make` has built of the
+checks: a file that is missing or that does not compile is a reason in the rows of its lesson. An answer may include
+headers of the standard library and those of its exercises. What it writes into its folder is told; what it writes
+elsewhere cannot be seen. Exit code 1 where an answer does not hold, or the self-test fails. Standard library only.
 """
 import argparse
 import csv
-import io
+import os
+import re
+import resource
+import shlex
+import shutil
+import signal
 import subprocess
 import sys
+import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 LESSONS = sorted((ROOT / "inputs" / "lessons").glob("[0-9][0-9]-*"))
-PROGRAM = {"exercises": "check", "solutions": "solved"}
+MESHES = ("circle.msh", "cube.msh", "square.msh")  # of inputs/meshes/, which exercises read
+EXERCISE = re.compile(r'^EXERCISE\("([\d.]+)", "(.*)"\)', re.MULTILINE)
+INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+MEGABYTE = 1 << 20
 
 
-def check(lesson, answers, build):
-    """Rows [number, title, "yes" or "no", message]."""
-    program = ROOT / build / "lessons" / f"{PROGRAM[answers]}-{lesson.name[:2]}"
-    if not (ROOT / "tests" / "lessons" / f"{lesson.name[:2]}_check.cpp").exists():
-        return []
-    done = subprocess.run([program, lesson.relative_to(ROOT) / answers, "--csv"], cwd=ROOT, text=True,
-                          stdout=subprocess.PIPE, timeout=120)
-    if done.returncode not in (0, 1):
-        sys.exit(f"{program} ended with exit code {done.returncode}")
-    return list(csv.reader(io.StringIO(done.stdout)))
+@dataclass
+class Limits:
+    seconds: int = 30         # of processor time; four times as much by the clock
+    memory: int = 2048        # MB
+    output: int = 16          # MB of one file, and of what is printed
+    compilation: int = 120    # seconds
 
 
-def table(answers, build):
+@dataclass
+class Row:
+    number: str
+    title: str
+    message: str              # "" where the answer holds
+    printed: str = ""
+
+    @property
+    def holds(self):
+        return self.message == ""
+
+
+@dataclass
+class Answers:
+    """Where the answers to a lesson are."""
+    lesson: Path              # inputs/lessons/NN-name
+    source: Path              # NN.cpp
+    decks: Path               # the folder with decks, which need not exist
+    build: Path
+    name: str                 # of the program
+
+    @property
+    def number(self):
+        return self.lesson.name[:2]
+
+    @property
+    def program(self):
+        return self.build / "lessons" / self.name
+
+    @property
+    def exercises(self):
+        return EXERCISE.findall((ROOT / "tests" / "lessons" / f"{self.number}_check.cpp").read_text())
+
+
+def answers_of(lesson, kind, build):
+    name = {"exercises": "check", "solutions": "solved"}[kind] + "-" + lesson.name[:2]
+    return Answers(lesson, ROOT / "src" / "lessons" / kind / f"{lesson.name[:2]}.cpp", lesson / kind, build, name)
+
+
+# ------------------------------------------------------------------------------------------------- compiling
+
+def environment():
+    return {**os.environ, "OMP_NUM_THREADS": "1", "LC_ALL": "C"}
+
+
+def run(command, folder, seconds, limits=None, output=None):
+    """The exit code (negative: a signal; None: took too long). Nothing that it has started goes on."""
+    def prepare():
+        for kind, most in limits or []:
+            resource.setrlimit(kind, (most, most))
+    process = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
+                               env=environment(), preexec_fn=prepare, start_new_session=True)
+    try:
+        return process.wait(seconds)
+    except subprocess.TimeoutExpired:
+        return None
+    finally:
+        try:
+            os.killpg(process.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+        process.wait()
+
+
+def text_of(path, most=20000):
+    with path.open("rb") as file:
+        return file.read(most).decode(errors="replace").replace("\0", "?")
+
+
+def foreign_header(answers):
+    """A header of the library that the answers include, although the exercises do not need it."""
+    header = f"lessons/exercises/{answers.number}.hpp"
+    allowed = [header, *INCLUDE.findall((ROOT / "src" / header).read_text())]
+    return next((name for name in INCLUDE.findall(text_of(answers.source, MEGABYTE)) if name not in allowed), None)
+
+
+def compiled(answers, limits):
+    """"" or why there is no program."""
+    name = shown(answers.source)
+    if not answers.source.is_file():
+        return f"{name} is missing: `git checkout {name}` brings the template back"
+    number, program, flags = answers.number, answers.program, (answers.build / "flags").read_text()
+    if header := foreign_header(answers):
+        return f"{name} includes \"{header}\": an answer stands on the standard library and on {number}.hpp"
+    objects = answers.build / "tests" / "lessons"
+    parts = [objects / f"{number}_check.o", objects / "exercise.o", answers.build / "libalmesh.a"]
+    headers = [*(ROOT / "src" / "lessons").glob("*.hpp"), ROOT / "src" / "lessons" / "exercises" / f"{number}.hpp"]
+    used = [answers.source, *parts, *headers, answers.build / "flags"]
+    if program.exists() and program.stat().st_mtime > max(path.stat().st_mtime for path in used):
+        return ""
+    program.parent.mkdir(parents=True, exist_ok=True)
+    program.unlink(missing_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        log, new = Path(folder) / "log", Path(folder) / "program"
+        command = [*shlex.split(flags), "-Wno-error", answers.source, *parts, "-o", new]
+        with log.open("wb") as output:
+            code = run(command, ROOT, limits.compilation, [(resource.RLIMIT_FSIZE, 512 * MEGABYTE)], output)
+        if code is None:
+            return f"{name} takes more than {limits.compilation} s to compile"
+        if code != 0:
+            lines = text_of(log).splitlines()
+            errors = [line for line in lines if "error" in line or "undefined reference" in line]
+            return f"{name} does not compile: {(errors or lines or ['no reason given'])[0].replace(str(ROOT) + '/', '')}"
+        shutil.move(new, program)
+    return ""
+
+
+def shown(path):
+    return path.relative_to(ROOT) if path.is_relative_to(ROOT) else path
+
+
+# ------------------------------------------------------------------------------------------------- one exercise
+
+def bench(folder, answers):
+    """A folder that has of the checkout what an exercise may read; the copy is the answer's to spoil."""
+    (folder / "inputs" / "meshes").mkdir(parents=True)
+    for name in MESHES:
+        shutil.copy2(ROOT / "inputs" / "meshes" / name, folder / "inputs" / "meshes")
+    lesson = folder / "inputs" / "lessons" / answers.lesson.name
+    shutil.copytree(answers.lesson, lesson, ignore=shutil.ignore_patterns("exercises", "solutions"))
+    decks = lesson / "answers"
+    shutil.copytree(answers.decks, decks) if answers.decks.is_dir() else decks.mkdir()
+    (folder / "outputs").mkdir()
+    return decks.relative_to(folder)
+
+
+def contents(folder):
+    """Files that belong to the exercise, and when they were written."""
+    return {path.relative_to(folder): path.stat().st_mtime_ns for path in folder.rglob("*")
+            if path.is_file() and "outputs" not in path.relative_to(folder).parts[:1]}
+
+
+def ending(code, limits):
+    """How a program ended that should have given a verdict."""
+    if code is None:
+        return f"still waits after {4 * limits.seconds} s"
+    if code >= 0:
+        return f"ends the whole program, with exit code {code}, instead of returning"
+    name = signal.Signals(-code).name
+    if name in ("SIGXCPU", "SIGKILL"):
+        return f"takes more than {limits.seconds} s: is there a loop that does not end?"
+    if name == "SIGXFSZ":
+        return f"prints or writes more than {limits.output} MB: is there a loop that does not end?"
+    hint = {"SIGSEGV": ": an index out of range, or a function that calls itself without end?",
+            "SIGFPE": ": an integer division by zero?", "SIGABRT": ": a failed assertion, or an index out of range?"}
+    return f"crashes ({name}){hint.get(name, '')}"
+
+
+def check_one(answers, number, limits):
+    """(message, what it printed)"""
+    sanitized = "-fsanitize" in (answers.build / "flags").read_text()
+    bounds = [(resource.RLIMIT_CPU, limits.seconds), (resource.RLIMIT_FSIZE, limits.output * MEGABYTE),
+              (resource.RLIMIT_CORE, 0)]
+    if not sanitized:  # they reserve terabytes of addresses
+        bounds.append((resource.RLIMIT_AS, limits.memory * MEGABYTE))
+    with tempfile.TemporaryDirectory(prefix="almesh-answer-") as outside:
+        folder, verdict, log = Path(outside) / "checkout", Path(outside) / "verdict", Path(outside) / "printed"
+        folder.mkdir()
+        decks = bench(folder, answers)
+        before = contents(folder)
+        with log.open("wb") as output:
+            code = run([answers.program, decks, number, verdict], folder, 4 * limits.seconds, bounds, output)
+        printed = text_of(log)
+        if code not in (0, 1) or not verdict.is_file():
+            return ending(code, limits), printed
+        after = contents(folder)
+        touched = sorted(str(path) for path in before.keys() | after.keys() if before.get(path) != after.get(path))
+        if touched:
+            return f"writes or removes {touched[0]}: an answer returns its result and touches no files", printed
+        return text_of(verdict).replace(f"{decks}/", f"{shown(answers.decks)}/"), printed
+
+
+def check(answers, limits=Limits()):
+    """A row for each exercise, whatever the answers do."""
+    reason = compiled(answers, limits)
+    rows = []
+    for number, title in answers.exercises:
+        message, printed = (reason, "") if reason else check_one(answers, number, limits)
+        rows.append(Row(number, title, " ".join(message.split())[:1000], printed))
+    return rows
+
+
+# ------------------------------------------------------------------------------------------------- tables
+
+def show(rows):
+    for row in rows:
+        print(f"  {row.number:<5} {row.title:<50} {'holds' if row.holds else 'does not hold yet'}")
+        if not row.holds:
+            print(f"        {row.message}")
+            for line in row.printed.splitlines()[:10]:
+                print(f"        it printed: {line[:100]}")
+    print(f"{sum(row.holds for row in rows)} of {len(rows)} answers hold", flush=True)
+
+
+def write(path, rows):
+    """All of the table or nothing: a reader never finds half of it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = path.with_suffix(".unfinished")
+    with unfinished.open("w", newline="") as file:
+        csv.writer(file).writerows([["lesson", "number", "exercise", "holds", "message"], *rows])
+    unfinished.replace(path)
+
+
+def table(kind, build):
     rows = []
     for lesson in LESSONS:
-        found = check(lesson, answers, build)
-        rows += [[lesson.name, *row] for row in found]
-        marks = " ".join(f"{number}{'+' if holds == 'yes' else '-'}" for number, _, holds, _ in found)
-        print(f"{lesson.name:<16} {sum(row[2] == 'yes' for row in found):>2} of {len(found):>2}   {marks}", flush=True)
+        found = check(answers_of(lesson, kind, build))
+        rows += [[lesson.name, row.number, row.title, "yes" if row.holds else "no", row.message] for row in found]
+        marks = " ".join(f"{row.number}{'+' if row.holds else '-'}" for row in found)
+        print(f"{lesson.name:<16} {sum(row.holds for row in found):>2} of {len(found):>2}   {marks}", flush=True)
     held = sum(row[3] == "yes" for row in rows)
     print(f"{'all':<16} {held:>2} of {len(rows):>2}   make check-lesson-NN says what a wrong one shows")
-    path = ROOT / "outputs" / "lessons" / "answers.csv"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="") as file:
-        csv.writer(file).writerows([["lesson", "number", "exercise", "holds", "message"], *rows])
+    write(ROOT / "outputs" / "lessons" / "answers.csv", rows)
     return 0 if held == len(rows) else 1
 
 
 def is_template(lesson):
-    """Whether nothing has been written into the lesson's exercises yet: a student's answers are not for the self-test."""
+    """Whether the lesson's exercises are as they were: a student's answers are not for the self-test."""
     number = lesson.name[:2]
     changed = subprocess.run(["git", "status", "--porcelain", "--", f"src/lessons/exercises/{number}.cpp",
                               lesson / "exercises"], cwd=ROOT, text=True, capture_output=True)
@@ -59,13 +269,12 @@ def is_template(lesson):
 def self_test(build):
     failures, count = [], 0
     for lesson in LESSONS:
-        solved, template = (check(lesson, answers, build) for answers in ("solutions", "exercises"))
+        solved, template = (check(answers_of(lesson, kind, build)) for kind in ("solutions", "exercises"))
         count += len(solved)
-        failures += [f"{number} {title}: the solution does not hold: {message}"
-                     for number, title, holds, message in solved if holds != "yes"]
-        failures += [f"{number} {title}: the template holds as it is, or fails without a word"
-                     for number, title, holds, message in template
-                     if is_template(lesson) and (holds == "yes" or len(message) < 10)]
+        failures += [f"{row.number} {row.title}: the solution does not hold: {row.message}" for row in solved
+                     if not row.holds]
+        failures += [f"{row.number} {row.title}: the template holds as it is, or fails without a word"
+                     for row in template if is_template(lesson) and len(row.message) < 10]
     print(f"{count} exercises: " + (f"{len(failures)} FAILURES" if failures else
                                     "every solution holds, every template fails with a message"))
     print("\n".join(failures), file=sys.stderr, end="\n" if failures else "")
@@ -75,10 +284,21 @@ def self_test(build):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build")
+    parser.add_argument("--lesson")
     parser.add_argument("--self-test", action="store_true")
-    parser.add_argument("answers", nargs="?", choices=PROGRAM, default="exercises")
+    parser.add_argument("answers", nargs="?", choices=("exercises", "solutions"), default="exercises")
     options = parser.parse_args()
-    return self_test(options.build) if options.self_test else table(options.answers, options.build)
+    build = (ROOT / options.build).resolve()
+    if options.self_test:
+        return self_test(build)
+    if not options.lesson:
+        return table(options.answers, build)
+    lesson = next((lesson for lesson in LESSONS if lesson.name.startswith(options.lesson)), None)
+    if lesson is None:
+        sys.exit(f"there is no lesson {options.lesson}: 01 to {len(LESSONS)}")
+    rows = check(answers_of(lesson, options.answers, build))
+    show(rows)
+    return 0 if all(row.holds for row in rows) else 1
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 #include <exception>
 #include <filesystem>
+#include <fstream>
+#include <new>
 
 #include "support/program.hpp"
 
@@ -30,14 +32,23 @@ std::string verdict(const Entry& exercise) {
     try {
         exercise.check();
         return "";
+    } catch (const Unmet& unmet) {
+        return unmet.what();
+    } catch (const std::bad_alloc&) {
+        return "asks for more memory than it can have";
     } catch (const std::exception& error) {
-        return error.what();
+        return concat("throws an exception: ", error.what());
+    } catch (...) {
+        return "throws something that is no std::exception";
     }
 }
 
-std::string quoted(std::string text) {
-    for (std::size_t at = 0; (at = text.find('"', at)) != std::string::npos; at += 2) text.insert(at, 1, '"');
-    return '"' + text + '"';
+void print(const Entry& exercise, const std::string& message) {
+    const char* const number = exercise.number.c_str();
+    const char* const title = exercise.title.c_str();
+    if (message.empty()) std::printf("  %-5s %-50s holds\n", number, title);
+    else std::printf("  %-5s %-50s does not hold yet\n        %s\n", number, title, message.c_str());
+    std::fflush(stdout);
 }
 
 }  // namespace
@@ -89,29 +100,24 @@ std::map<std::string, std::string> keys_of_deck(const std::string& name) {
 
 }  // namespace almesh::lessons
 
-// check-NN FOLDER [--csv]: checks the exercises of a lesson; FOLDER has the decks among their answers. Exit code 0
-// where all hold. --csv: rows `number,title,holds,message` instead of the table.
+// check-NN FOLDER: checks the exercises of a lesson; FOLDER has the decks among their answers. Exit code 0 where all
+// hold. check-NN FOLDER NUMBER FILE: one of them; FILE gets the message, or nothing where the answer holds.
 int main(int count, char** argument) {
     using namespace almesh::lessons;
-    if (count < 2) {
-        std::fprintf(stderr, "usage: %s FOLDER-WITH-DECKS [--csv]\n", argument[0]);
+    if (count != 2 && count != 4) {
+        std::fprintf(stderr, "usage: %s FOLDER-WITH-DECKS [NUMBER FILE]\n", argument[0]);
         return 2;
     }
     answers() = argument[1];
-    const bool csv = count > 2 && std::string(argument[2]) == "--csv";
     std::size_t held = 0;
     for (const auto& exercise : exercises()) {
+        if (count == 4 && exercise.number != argument[2]) continue;
         const std::string message = verdict(exercise);
-        const char* const number = exercise.number.c_str();
-        const char* const title = exercise.title.c_str();
         held += message.empty();
-        if (csv)
-            std::printf("%s,%s,%s,%s\n", number, quoted(title).c_str(), message.empty() ? "yes" : "no",
-                        quoted(message).c_str());
-        else if (message.empty()) std::printf("  %-5s %-50s holds\n", number, title);
-        else std::printf("  %-5s %-50s does not hold yet\n        %s\n", number, title, message.c_str());
-        std::fflush(stdout);
+        if (count == 2) print(exercise, message);
+        else std::ofstream(argument[3]) << message;
     }
-    if (!csv) std::printf("%zu of %zu answers hold\n", held, exercises().size());
+    if (count == 4) return held == 1 ? 0 : 1;
+    std::printf("%zu of %zu answers hold\n", held, exercises().size());
     return held == exercises().size() ? 0 : 1;
 }
