@@ -263,7 +263,7 @@ defaults: almesh ## the table behind the defaults of objective and weight: outpu
 	$(PYTHON) plot/defaults.py
 
 page: almesh ## a page of results for a browser: mesh, frames, worst elements, tables (DECK=inputs/aircraft.deck, or RESULTS=outputs/circle; npm)
-	$(if $(RESULTS),,./almesh $(DECK) output=outputs/page $$(grep -q '^ *frames *=' $(DECK) || echo iterates=1); \
+	$(if $(RESULTS),,./almesh $(DECK) output=outputs/page $$(grep -sq '^ *frames *=' $(DECK) || echo iterates=1); \
 	  code=$$?; [ $$code -eq 0 ] || [ $$code -ge 3 ] || exit $$code)
 	$(PYTHON) plot/page.py $(or $(RESULTS),outputs/page)
 page: DECK ?= inputs/circle.deck

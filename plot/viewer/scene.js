@@ -52,15 +52,20 @@ function loadFrame() {
   for (let k = 0; k < x.length; ++k) x[k] = nodeRows[frame * x.length + k] * (data.step / unit);
   centroid.fill(0);
   const count = new Uint8Array(elements);
+  const add = (e, mx, my, mz) => {
+    ++count[e];
+    centroid[3 * e] += mx, centroid[3 * e + 1] += my, centroid[3 * e + 2] += mz;
+  };
   eachFace(({faces, nodes, middle}, f) => {
-    for (const e of [faces[f], faces[f + 1]]) {
-      if (e < 0) continue;
-      ++count[e];
-      for (let k = 0; k < nodes; ++k)
-        for (let a = 0; a < 3; ++a) centroid[3 * e + a] += middle[k] * x[3 * faces[f + 2 + k] + a];
+    let mx = 0, my = 0, mz = 0;
+    for (let k = 0; k < nodes; ++k) {
+      const n = 3 * faces[f + 2 + k];
+      mx += middle[k] * x[n], my += middle[k] * x[n + 1], mz += middle[k] * x[n + 2];
     }
+    add(faces[f], mx, my, mz);
+    if (faces[f + 1] >= 0) add(faces[f + 1], mx, my, mz);
   });
-  for (let k = 0; k < centroid.length; ++k) centroid[k] /= count[Math.floor(k / 3)];
+  for (let e = 0; e < elements; ++e) for (let a = 0; a < 3; ++a) centroid[3 * e + a] /= count[e];
 }
 
 // The closed parts of the surface; the outermost is the one that goes farthest from the centre.
