@@ -56,6 +56,7 @@ enum class Snap { automatic, no, yes };
 enum class LocalRepair { automatic, no, yes };
 enum class SurfaceKind { automatic, keep, slide, straighten };
 enum class Split { never, automatic, around };
+enum class Velocity { no, nodes, faces };
 enum class VtkOutput { ascii, binary, none };
 // As written in the deck; those of one version of MSH stand from msh22 on.
 enum class FinalFormat { input, msh, su2, both, msh22, msh22_binary, msh40, msh40_binary, msh41, msh41_binary };
@@ -97,6 +98,7 @@ struct Deck {
     std::string wall;  // boundary name, "" for none
     std::string frames;  // times, or path of a file of them; "": one run without time
     bool keep_going = false;
+    Velocity velocity = Velocity::no;
     int threads = 0;
 
     Constants constants;                    // in the order written

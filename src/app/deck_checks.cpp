@@ -89,6 +89,8 @@ void check_times(const Deck& deck) {
     if (is_coupled(deck.frames) && deck.resume)
         throw UsageError(deck.given.at("resume"), ": resume does not go with frames = -: start the run again and send "
                          "the last times again, a mesh does not depend on those before it");
+    if (deck.velocity != Velocity::no && deck.frames.empty())
+        throw UsageError(deck.given.at("velocity"), ": velocity needs frames, the times of a motion");
     for (const auto& [key, is_set] : {std::pair("split", deck.split != Split::never),
                                       std::pair("surface", deck.surface == SurfaceKind::straighten),
                                       std::pair("write_system", deck.write_system > 0),

@@ -268,6 +268,11 @@ const std::vector<DeckKey>& deck_keys() {
          "STATUS SENTENCE`. The same T again replaces the mesh."},
         {"keep_going", choice<&Deck::keep_going>({"no", "yes"}),
          "Whether frames go on after one that fails; it stands in frames.csv."},
+        {"velocity", choice<&Deck::velocity>({"no", "nodes", "faces"}),
+         "What is written of the motion of the mesh, with frames. nodes: displacement from the mesh file, and the "
+         "velocity by differences in t of first and second order, in frame-0001-velocity.csv and the VTK file, 0 in "
+         "the first frame; faces: also the volume that each face has swept since the frame before, in "
+         "frame-0002-swept.csv, > 0 from `element` to `neighbour`: an element gains what its faces sweep."},
         {"threads", number<&Deck::threads>({0, 1024}),
          "Number of threads; 0: all, or OMP_NUM_THREADS where that is set."},
     };

@@ -64,7 +64,8 @@ std::vector<double> numbers_of_range(const std::string& what, std::string_view t
 std::string frame_at(int number, double t) { return concat("frame ", number, ", t = ", t); }
 
 bool names_file(std::string_view frames) {
-    return !frames.empty() && !is_coupled(frames) && frames.find_first_of(",:") == std::string_view::npos && !parse_double(frames);
+    return !frames.empty() && !is_coupled(frames) && frames.find_first_of(",:") == std::string_view::npos &&
+           !parse_double(frames);
 }
 
 std::vector<double> frame_times(const Deck& deck) {

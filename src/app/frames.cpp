@@ -11,6 +11,7 @@
 #include "app/ending.hpp"
 #include "app/frame_solver.hpp"
 #include "app/frame_times.hpp"
+#include "app/mesh_velocity.hpp"
 #include "app/results_folder.hpp"
 #include "app/solve.hpp"
 #include "base/files.hpp"
@@ -73,6 +74,7 @@ private:
     std::size_t resumed_ = 0;  // of these, done before
     double spent_ = 0;         // seconds, on those since
     FramesBefore before_;      // with a mesh
+    MeshVelocity velocity_;
     std::vector<std::string> files_;  // of the line that asks for the frame
     std::vector<std::string> told_;  // notes
 
@@ -102,6 +104,8 @@ void FrameRun::resume() {
     if (last > static_cast<int>(times_.size()) || times_[last - 1] != before_.t)
         throw UsageError("cannot resume: the times of the frames are not those of the run before");
     before_.motions = motions_of(deck_at(deck_, before_.t, last), problem_.base);
+    if (!before_.earlier.empty()) velocity_.add(before_.earlier_t, before_.earlier);
+    velocity_.add(before_.t, before_.x);
     const std::string csv = read_file(path("frames.csv"));
     for (const std::string_view line : split(csv, '\n')) {
         const auto cell = split(line, ',');
@@ -163,7 +167,11 @@ void FrameRun::keep(const Deck& now, Solution& solution, Row& row) {
         print_ending(out_, now, problem_, solution, 0);
     }
     if (!row.has_mesh()) return;
-    row.mesh = write_frame(deck_, problem_, solution, row.number);
+    MeshVelocity velocity = velocity_;
+    if (deck_.velocity != Velocity::no) velocity.add(row.t, solution.x);
+    row.mesh = write_frame(deck_, problem_, solution, row.number, velocity.point_data(deck_, problem_));
+    velocity.write(deck_, problem_, path(frame_name(row.number).c_str()));
+    velocity_ = std::move(velocity);
     before_.push(solution.x, row.t, problem_.motions);
     for (const Expectation& expectation : deck_.expectations) {
         const ExpectationResult result = check(expectation, summary);
@@ -216,7 +224,8 @@ bool FrameRun::next(Row& row) {
         if (done_.size() < times_.size()) row.t = times_[done_.size()];
         return done_.size() < times_.size();
     }
-    const std::optional<AskedFrame> asked = coupling_->next(before_.x.empty() ? -std::numeric_limits<double>::infinity() : before_.t);
+    const double reached = before_.x.empty() ? -std::numeric_limits<double>::infinity() : before_.t;
+    const std::optional<AskedFrame> asked = coupling_->next(reached);
     if (!asked) return false;
     row.t = asked->t;
     files_ = asked->files;

@@ -39,9 +39,9 @@ VtkFormat format_of(const Deck& deck) { return deck.vtk == VtkOutput::binary ? V
 // x, in the run's frame, and positions, in the file's, are the same points.
 void write_volume(const Deck& deck, const Problem& problem, const char* what, const std::vector<double>& x,
                   std::vector<double> positions, const std::vector<double>& distortion,
-                  const std::vector<double>* scaled_jacobian) {
+                  const std::vector<double>* scaled_jacobian, std::vector<VtkArray> point_data = {}) {
     const Mesh& mesh = problem.mesh();
-    std::vector<VtkArray> point_data, cell_data = {{"distortion", 1, distortion}};
+    std::vector<VtkArray> cell_data = {{"distortion", 1, distortion}};
     if (!deck.wall.empty())
         point_data.push_back({"wall_distance", 1,
                               scaled(wall_distance(mesh, x, mesh.boundaries_in(deck.wall)), problem.frame.length)});
@@ -104,7 +104,8 @@ std::string iterate_name(int number) { return numbered("iterate-", number); }
 
 // The mesh, in the formats of the key `final`, and its VTK file. Returns the first one.
 std::string write_mesh(const Deck& deck, const Problem& problem, const Solution& solution,
-                       const std::vector<double>& positions, const std::string& name) {
+                       const std::vector<double>& positions, const std::string& name,
+                       const std::vector<VtkArray>& point_data = {}) {
     const Mesh in_file = as_in_file(problem.mesh());
     const std::string path = deck.output + "/" + name;
     const std::vector<FileFormat> formats = final_formats(deck.final_format, in_file);
@@ -114,7 +115,7 @@ std::string write_mesh(const Deck& deck, const Problem& problem, const Solution&
     }
     if (deck.vtk != VtkOutput::none)
         write_volume(deck, problem, name.c_str(), solution.x, positions, solution.al.distortion.element_max,
-                     &solution.certificate.lower_bound);
+                     &solution.certificate.lower_bound, point_data);
     return path + (formats.front().kind == FileFormat::Kind::su2 ? ".su2" : ".msh");
 }
 
@@ -236,8 +237,9 @@ void write_series(const std::string& path, const std::vector<std::pair<std::stri
 
 std::string frame_name(int number) { return numbered("frame-", number); }
 
-std::string write_frame(const Deck& deck, const Problem& problem, const Solution& solution, int number) {
-    return write_mesh(deck, problem, solution, final_positions(problem, solution.x), frame_name(number));
+std::string write_frame(const Deck& deck, const Problem& problem, const Solution& solution, int number,
+                        const std::vector<VtkArray>& point_data) {
+    return write_mesh(deck, problem, solution, final_positions(problem, solution.x), frame_name(number), point_data);
 }
 
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {

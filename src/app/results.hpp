@@ -16,6 +16,7 @@ namespace almesh {
 
 struct Deck;
 struct Problem;
+struct VtkArray;
 enum class FinalFormat;
 
 // Seconds of a run. Timings are of the iterations on the coarser meshes and on the deck's own; the others of what is
@@ -70,7 +71,9 @@ void write_series(const std::string& path, const std::vector<std::pair<std::stri
 
 std::string frame_name(int number);  // frame-0001
 // frame-0001.msh, .su2 or both, as the key `final` says, and frame-0001.vtk. Returns the path of the first one.
-std::string write_frame(const Deck& deck, const Problem& problem, const Solution& solution, int number);
+// point_data: for the latter.
+std::string write_frame(const Deck& deck, const Problem& problem, const Solution& solution, int number,
+                        const std::vector<VtkArray>& point_data);
 
 // How the final mesh is written: final.msh, final.su2, or both.
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh);

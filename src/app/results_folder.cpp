@@ -30,7 +30,8 @@ namespace fs = std::filesystem;
 bool is_of_frame(const std::string& name) {
     const std::string ending = name.substr(std::min(name.find_first_not_of("0123456789", 6), name.size()));
     return name == "frames.csv" || name == "frames.vtk.series" || name == frames_state || name == frames_log ||
-           (name.starts_with("frame-") && (ending == ".msh" || ending == ".su2" || ending == ".vtk"));
+           (name.starts_with("frame-") && (ending == ".msh" || ending == ".su2" || ending == ".vtk" ||
+                                           ending == "-velocity.csv" || ending == "-swept.csv"));
 }
 
 // Of a Newton step or a frame: who resumes a run does not take it again.

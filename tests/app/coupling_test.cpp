@@ -129,6 +129,25 @@ TEST_CASE("a time step that is tried again replaces its mesh; one that is refuse
     CHECK(table[2][2] == "converged");
 }
 
+TEST_CASE("velocities of a time step that is tried again are relative to the step before it") {
+    const RingDeck ring;
+    Asked run(ring, {by_file, "velocity=faces"});
+    const std::string file = ring.folder.path("wall.csv");
+    const auto speed = [&](double t, double shift, int number) {
+        ring.folder.write("wall.csv", rows(shift));
+        CHECK(has(run.ask(concat(t, " ", file)), "converged"));
+        return *parse_double(csv_rows(text_of(concat(ring.output, "/frame-000", number, "-velocity.csv")))[1][3]);
+    };
+    CHECK(speed(0, 0, 1) == 0);
+    CHECK(speed(0.5, 0.25, 2) == doctest::Approx(0.5).epsilon(1e-14));
+    CHECK(speed(1, 1, 3) == doctest::Approx(1.5).epsilon(1e-14));
+    const std::string tried = text_of(ring.output + "/frame-0003-swept.csv");
+    CHECK(speed(1, 0.75, 3) == doctest::Approx(1).epsilon(1e-14));
+    CHECK(text_of(ring.output + "/frame-0003-swept.csv") != tried);
+    CHECK(speed(1, 1, 3) == doctest::Approx(1.5).epsilon(1e-14));
+    CHECK(run.end() == 0);
+}
+
 TEST_CASE("what is wrong with a line or its file is answered in a line, and the run goes on") {
     const RingDeck ring;
     Asked run(ring, {by_file});

@@ -1,0 +1,91 @@
+#include "check/swept_volumes.hpp"
+
+#include <algorithm>
+
+#include "base/parallel.hpp"
+#include "base/small_matrix.hpp"
+#include "mesh/lagrange.hpp"
+#include "mesh/quadrature.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double sweep_work = 500;  // simple operations of a face
+
+// A type of face: the basis and its derivatives at the points of a rule that is exact.
+struct SweepRule {
+    Quadrature points;
+    int nodes;
+    std::vector<double> N, dN;  // points x nodes, x (dim - 1)
+
+    SweepRule(const CellType& cell, int degree) : points(cell_quadrature(cell, 3 * degree)) {
+        const LagrangeBasis basis(cell, degree);
+        nodes = basis.count;
+        N.resize(offset(points.count, nodes));
+        dN.resize(N.size() * cell.dim);
+        for (int q = 0; q < points.count; ++q) {
+            basis.values(&points.xi[q * cell.dim], &N[offset(q, nodes)]);
+            basis.gradients(&points.xi[q * cell.dim], &dN[offset(q, nodes * cell.dim)]);
+        }
+    }
+};
+
+// w . n dA at point q, s of the way. Tangents are relative to the first node: their derivatives' sum is zero.
+double flux(const SweepRule& rule, int q, double s, const std::vector<int>& node, int dim,
+            const std::vector<double>& before, const std::vector<double>& now) {
+    Vec<3> w{}, first{}, tangent[2] = {};
+    for (int i = 0; i < rule.nodes; ++i)
+        for (int a = 0; a < dim; ++a) {
+            const std::size_t at = offset(node[i], dim, a);
+            const double way = now[at] - before[at], x = before[at] + s * way;
+            if (i == 0) first[a] = x;
+            w[a] += rule.N[offset(q, rule.nodes, i)] * way;
+            for (int k = 0; k + 1 < dim; ++k)
+                tangent[k][a] += rule.dN[offset(q, rule.nodes * (dim - 1), i * (dim - 1) + k)] * (x - first[a]);
+        }
+    return dim == 2 ? w[0] * tangent[0][1] - w[1] * tangent[0][0] : dot(w, cross(tangent[0], tangent[1]));
+}
+
+}  // namespace
+
+std::vector<MeshFace> mesh_faces(const Mesh& mesh) {
+    const int most = mesh.most_sides();
+    std::vector<Side> sides;
+    for_sides(mesh, [&](int e, int k, int number) { sides.push_back(side_of_element(mesh, e, k, number)); });
+    std::vector<MeshFace> faces;
+    for_equal_sides(sides, [&](std::span<const Side> same) {
+        for (std::size_t i = 0; i < same.size(); i += 2)
+            faces.push_back({same[i].number / most, same[i].number % most,
+                             i + 1 < same.size() ? same[i + 1].number / most : -1});
+    });
+    std::sort(faces.begin(), faces.end(), [](const MeshFace& a, const MeshFace& b) {
+        return a.element != b.element ? a.element < b.element : a.side < b.side;
+    });
+    return faces;
+}
+
+std::vector<int> nodes_of(const Mesh& mesh, const SideNodes& local, const MeshFace& face) {
+    std::vector<int> nodes;
+    for (const int i : local.of(mesh.cell(face.element), face.side)) nodes.push_back(mesh.element(face.element)[i]);
+    return nodes;
+}
+
+std::vector<double> swept_volumes(const Mesh& mesh, const std::vector<MeshFace>& faces,
+                                  const std::vector<double>& before, const std::vector<double>& now) {
+    const SideNodes local(mesh.dim, mesh.degree);
+    const SweepRule flat(simplex(mesh.dim - 1), mesh.degree), quad(quadrilateral(), mesh.degree);
+    const Quadrature steps = simplex_quadrature(1, 2);  // the integrand is of degree dim - 1 in s
+    std::vector<double> volume(faces.size(), 0.0);
+    parallel_for(static_cast<int>(faces.size()), [&](int f) {
+        const std::vector<int> node = nodes_of(mesh, local, faces[f]);
+        const bool is_flat = mesh.cell(faces[f].element).face_type(faces[f].side).is_simplex();
+        const SweepRule& rule = is_flat ? flat : quad;
+        for (int j = 0; j < steps.count; ++j)
+            for (int q = 0; q < rule.points.count; ++q)
+                volume[f] += steps.weight[j] * rule.points.weight[q] *
+                             flux(rule, q, steps.xi[j], node, mesh.dim, before, now);
+    }, sweep_work);
+    return volume;
+}
+
+}  // namespace almesh
