@@ -271,8 +271,8 @@ page: DECK ?= inputs/circle.deck
 test-page: $(BUILD)/almesh python ## open such pages in a headless Chromium, use them, and look for errors (chromium, npm)
 	tests/page.py --build $(BUILD)
 
-animation: almesh ## moving pictures: Newton's iterates of one run, the circle on a tour: outputs/animation/ (and Pillow)
-	$(PYTHON) plot/animation.py
+animation: almesh ## moving pictures: Newton's iterates of one run, the circle on a tour: outputs/animation/ (RESULTS=outputs/frames/pitch: the frames of a run; and Pillow)
+	$(PYTHON) plot/animation.py $(RESULTS)
 
 compare: almesh ## other ways to move a mesh beside the augmented Lagrangian method (matplotlib): outputs/compare/tables.md
 	$(PYTHON) plot/compare.py

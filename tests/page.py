@@ -255,7 +255,8 @@ def check_page(browser, name, folder, pictures):
 
 UNTIL_PLAYED = "(async (play, label) => { const before = label.textContent; play.click(); " \
                "for (let k = 0; k < 1000 && label.textContent === before; ++k) " \
-               "await new Promise(f => setTimeout(f, 5)); play.click(); })(document.getElementById('play'), document.getElementById('label'))"
+               "await new Promise(f => setTimeout(f, 5)); play.click(); })" \
+               "(document.getElementById('play'), document.getElementById('label'))"
 TIME_OF_CUT = "(begin => { for (let k = 0; k < 5; ++k) page.rebuild(); return (performance.now() - begin) / 5; })" \
               "(performance.now())"
 RUNS = {"circle": ["inputs/circle.deck", "iterates=1"], "curving": ["inputs/curving.deck", "vtk=binary"],
