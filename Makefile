@@ -31,7 +31,7 @@ BENCH     := $(shell find tests/bench -name '*.cpp' -not -name compare_cholmod.c
 BENCH_OBJECTS := $(BENCH:%.cpp=$(BUILD)/%.o)
 # The course: a program for each lesson that is code, and its exercises, checked with the answers of the templates
 # (src/lessons/exercises/, where students write) or with the solutions.
-LESSON_PROGRAMS := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/[0-9]*.cpp))
+LESSON_PROGRAMS := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/*.cpp))
 CHECKED   := $(sort $(patsubst tests/lessons/%_check.cpp,%,$(wildcard tests/lessons/*_check.cpp)))
 SOLVED    := $(CHECKED:%=$(BUILD)/lessons/solved-%)
 CHECKS    := $(CHECKED:%=$(BUILD)/tests/lessons/%_check.o) $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a
@@ -213,6 +213,7 @@ check-lessons: $(CHECKS) ## check the answers to all exercises: a table, and out
 
 lessons: python $(BUILD)/almesh $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ## run the commands of all documents, compare with the output shown; check the solutions
 	tests/lessons/answers.py --build $(BUILD) --self-test
+	tests/lessons/one_file.py --build $(BUILD)
 	tests/documents.py --build $(BUILD) --self-test
 	tests/documents.py --build $(BUILD)
 

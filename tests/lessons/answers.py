@@ -144,7 +144,8 @@ def compiled(answers, limits):
         if code != 0:
             lines = text_of(log).splitlines()
             errors = [line for line in lines if "error" in line or "undefined reference" in line]
-            return f"{name} does not compile: {(errors or lines or ['no reason given'])[0].replace(str(ROOT) + '/', '')}"
+            reason = (errors or lines or ["no reason given"])[0].replace(f"{ROOT}/", "")
+            return f"{name} does not compile: {reason}"
         shutil.move(new, program)
     return ""
 

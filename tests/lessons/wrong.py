@@ -1,0 +1,227 @@
+#!/usr/bin/env python3
+"""Tests what checks the answers to the exercises: that wrong answers are refused, with a message that helps, and that
+broken ones spoil nothing.
+
+  tests/lessons/wrong.py [--build FOLDER] [--all] [NN ...]    of all lessons, or of those named
+
+Wrong answers are changes of the solutions, three of them for each exercise, in wrong.txt:
+
+  1.3 the power of 2D          number of the exercise, what is wrong
+  - std::cbrt(det * det)       once in the solution, or in one of the lesson's decks
+  + det                        what takes its place; several lines become one
+  > size                       what the message has to say, for one that helps
+
+The first of every exercise of a lesson are compiled together, so are the second and the third. Broken answers are made
+from the solutions: a line that crashes, never ends, prints without end, ... goes into the function of one exercise. Its
+row has to give the reason, all other exercises have to hold, and the table has to be whole. --all: a hundred of them;
+otherwise one of each kind, and of the wrong answers the first of each exercise. Exit code 1 where something is not
+noticed. `answers.py` has the commands. Standard library only.
+"""
+import argparse
+import csv
+import re
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from answers import LESSONS, ROOT, Answers, Limits, check, write
+
+WRONG = Path(__file__).resolve().parent / "wrong.txt"
+PER_EXERCISE = 3
+LIMITS = Limits(seconds=30)
+TIGHT = Limits(seconds=2, memory=512, output=1)
+BROKEN = 100
+
+
+def solution_of(lesson):
+    return ROOT / "src" / "lessons" / "solutions" / f"{lesson.name[:2]}.cpp"
+
+
+def graded(lesson, source, decks, build, limits):
+    """The rows for answers that are the text `source` and the decks {name: text}; None: there is no such file."""
+    with tempfile.TemporaryDirectory(prefix="almesh-wrong-") as name:
+        folder, number = Path(name), lesson.name[:2]
+        if source is not None:
+            (folder / f"{number}.cpp").write_text(source)
+        (folder / "decks").mkdir()
+        for deck, text in decks.items():
+            (folder / "decks" / deck).write_text(text)
+        answers = Answers(lesson, folder / f"{number}.cpp", folder / "decks", build, f"wrong-{number}")
+        answers.program.unlink(missing_ok=True)
+        rows = check(answers, limits)
+        answers.program.unlink(missing_ok=True)
+        return rows
+
+
+def solved(lesson):
+    """(source, decks)"""
+    folder = lesson / "solutions"
+    return solution_of(lesson).read_text(), {deck.name: deck.read_text() for deck in folder.glob("*.deck")}
+
+
+# ------------------------------------------------------------------------------------------------- wrong answers
+
+@dataclass
+class Wrong:
+    exercise: str
+    name: str
+    old: str
+    new: str
+    says: str
+
+    def put_into(self, source, decks):
+        """"" or what is wrong with this entry; the source comes back changed."""
+        places = [name for name, text in decks.items() if self.old in text]
+        count = source.count(self.old) + sum(text.count(self.old) for text in decks.values())
+        if count != 1:
+            return source, f"`{self.old}` is {count} times in the solutions, not once"
+        for name in places:
+            decks[name] = decks[name].replace(self.old, self.new)
+        return source.replace(self.old, self.new), ""
+
+
+def wrong_answers():
+    """{exercise: its wrong answers}"""
+    found = {}
+    for entry in re.split(r"\n\s*\n", WRONG.read_text()):
+        lines = [line for line in entry.split("\n") if line and not line.startswith("#")]
+        if not lines:
+            continue
+        number, name = lines[0].split(" ", 1)
+        parts = {mark: "\n".join(line[2:] for line in lines[1:] if line[:1] == mark) for mark in "-+>"}
+        found.setdefault(number, []).append(Wrong(number, name, parts["-"], parts["+"], parts[">"]))
+    return found
+
+
+def test_wrong(lesson, build, which, failures):
+    """How many wrong answers were tried; what was not noticed goes into `failures`."""
+    entries, tried = wrong_answers(), 0
+    for k in which:
+        source, decks = solved(lesson)
+        chosen = {number: found[k] for number, found in entries.items()
+                  if number.split(".")[0].zfill(2) == lesson.name[:2] and k < len(found)}
+        for wrong in chosen.values():
+            source, problem = wrong.put_into(source, decks)
+            if problem:
+                failures.append(f"{wrong.exercise} {wrong.name}: {problem}")
+        for row in graded(lesson, source, decks, build, LIMITS):
+            if row.number not in chosen:
+                failures.append(f"{row.number} has no wrong answer {k + 1} in wrong.txt")
+                continue
+            wrong, tried = chosen[row.number], tried + 1
+            if row.holds:
+                failures.append(f"{row.number} {wrong.name}: the wrong answer holds")
+            elif wrong.says not in row.message:
+                failures.append(f"{row.number} {wrong.name}: the message does not say `{wrong.says}`: {row.message}")
+    return tried
+
+
+# ------------------------------------------------------------------------------------------------- broken answers
+
+INCLUDES = "".join(f"#include <{name}>\n" for name in ("cstdio", "cstdlib", "fstream", "unistd.h", "vector"))
+RECURSION = ("struct R { static int f(int i) { volatile int a[1000]; a[i % 1000] = i; return f(i + 1) + a[0]; } };"
+             " if (R::f(0) == 1) std::abort();")
+# What goes into a function, what its row has to say, whether all rows of the lesson have to.
+KINDS = [
+    ("this is no C++;", "does not compile", True),
+    ("extern int nowhere(); nowhere();", "does not compile", True),
+    ("std::abort();", "crashes (SIGABRT)", False),
+    ("*static_cast<volatile int*>(nullptr) = 1;", "crashes (SIGSEGV)", False),
+    (RECURSION, "crashes (SIGSEGV)", False),
+    ("for (volatile int i = 0;; i = i) {}", "a loop that does not end", False),
+    ("for (;;) sleep(1);", "still waits", False),
+    ("for (;;) std::puts(\"I am here, and here, and here\");", "prints or writes more than", False),
+    ("for (std::vector<double*> all;;) all.push_back(new double[1 << 20]{});", "more memory", False),
+    ("std::exit(0);", "ends the whole program", False),
+    ("throw 1;", "throws something", False),
+    ("throw std::vector<int>().at(1);", "throws an exception", False),
+    ("std::ofstream(\"inputs/meshes/square.msh\") << 1;", "writes or removes inputs/meshes/square.msh", False),
+    ("std::ofstream(\"notes.txt\") << 1;", "writes or removes notes.txt", False),
+    ("std::remove(\"inputs/meshes/circle.msh\");", "writes or removes inputs/meshes/circle.msh", False),
+]
+
+
+def functions(lesson):
+    """{exercise: the place in the solution where the body of its function begins}, where it has one of its own."""
+    source, header = (path.read_text() for path in (
+        solution_of(lesson), ROOT / "src" / "lessons" / "exercises" / f"{lesson.name[:2]}.hpp"))
+    places = {}
+    for number, declaration in re.findall(r"^// (\d+\.\d+)(.*?)(?=^// \d+\.\d+|\Z)", header, re.DOTALL | re.MULTILINE):
+        declared = re.search(r"^[\w:<>, ]+ (\w+)\([^;]*\);", declaration, re.MULTILINE)
+        defined = declared and re.search(rf"^[\w:<>, ]+ {declared[1]}\([^;{{]*\) {{", source, re.MULTILINE)
+        if defined:
+            places[number] = defined.end()
+    return places
+
+
+def test_broken(lesson, number, place, kind, build, failures):
+    """One answer that is broken in the way `kind` (as in KINDS)."""
+    line, says, everywhere = kind
+    source, decks = solved(lesson)
+    users = {"5.3": ["5.4"], "8.2": ["8.1"]}  # exercises whose solution calls that of others
+    rows = graded(lesson, INCLUDES + source[:place] + "\n    " + line + "\n" + source[place:], decks, build, TIGHT)
+    for row in rows:
+        broken = everywhere or row.number == number
+        if broken and says not in row.message:
+            failures.append(f"{number} with `{line}`: row {row.number} does not say `{says}`: {row.message}")
+        if not broken and not row.holds and number not in users.get(row.number, []) and needs_little(row.number):
+            failures.append(f"{number} with `{line}`: the sound answer {row.number} is refused: {row.message}")
+    whole_table(rows, failures)
+
+
+def needs_little(number):
+    """Whether the exercise is not a deck: these may need more than the tight limits."""
+    return not number.startswith(("9.5", "11.5", "12."))
+
+
+def whole_table(rows, failures):
+    """What is written can be read again, row for row."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "answers.csv"
+        cells = [["lesson", row.number, row.title, "no", row.message] for row in rows]
+        write(path, cells)
+        with path.open(newline="") as file:
+            if list(csv.reader(file))[1:] != cells:
+                failures.append("answers.csv is not what was written")
+
+
+def test_files(lesson, build, failures):
+    """Files that are not there or hold no text, and decks that are not there."""
+    source, decks = solved(lesson)
+    for text, says in ((None, "is missing"), ("", "undefined reference"), ("\0\1\2", "does not compile"),
+                       ('#include "energy/densities.hpp"\n' + source, 'includes "energy/densities.hpp"')):
+        rows = graded(lesson, text, decks, build, TIGHT)
+        failures += [f"{row.number}: `{says}` is not said: {row.message}" for row in rows if says not in row.message]
+    with_deck = [row for row in graded(lesson, source, {}, build, LIMITS) if not row.holds]
+    failures += [f"{row.number}: a deck that is missing is not told: {row.message}" for row in with_deck
+                 if ".deck" not in row.message]
+    if bool(with_deck) != bool(decks):
+        failures.append(f"{lesson.name}: without decks {len(with_deck)} answers are refused")
+
+
+# ------------------------------------------------------------------------------------------------- command line
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", default="build")
+    parser.add_argument("--all", action="store_true")
+    parser.add_argument("lesson", nargs="*")
+    options = parser.parse_args()
+    build = (ROOT / options.build).resolve()
+    lessons = [lesson for lesson in LESSONS if not options.lesson or lesson.name[:2] in options.lesson]
+    failures = []
+    wrong = sum(test_wrong(lesson, build, range(PER_EXERCISE if options.all else 1), failures) for lesson in lessons)
+    places = [(lesson, number, place) for lesson in lessons for number, place in functions(lesson).items()]
+    count = BROKEN if options.all else len(KINDS)
+    for k in range(count):
+        test_broken(*places[k * 7 % len(places)], KINDS[k % len(KINDS)], build, failures)
+    test_files(lessons[len(lessons) // 2], build, failures)
+    print(f"{wrong} wrong and {count} broken answers: " + (f"{len(failures)} NOT NOTICED" if failures else
+                                                           "each is refused with its reason, and spoils no other"))
+    print("\n".join(failures), file=sys.stderr, end="\n" if failures else "")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
