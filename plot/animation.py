@@ -10,6 +10,7 @@ their frames as PNG files.
 Ends with exit code 1 where a run does not.
 """
 import math
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -118,7 +119,7 @@ def of_results(folder):
 def save(images, path, milliseconds):
     images = [image.convert("RGB").quantize(64, dither=Image.Dither.NONE) for image in images]
     images[0].save(path, save_all=True, append_images=images[1:], loop=0, duration=milliseconds, optimize=True)
-    return f"{path}: {len(images)} frames"
+    return f"{os.path.relpath(path)}: {len(images)} frames"
 
 
 def main():

@@ -32,7 +32,9 @@ THREE = "three-0.185.0"
 THREE_SHA512 = "+yRrcRO2iZa8uzvNNl0d7cL4huhgKgBvVJ0njcTe8xFqZ6DMAFZdCKDP91SEAuj25bNAj7k1QQdf+srZywVK6w=="
 THREE_FILES = {"three-core": "build/three.core.min.js", "three": "build/three.module.min.js",
                "orbit-controls": "examples/jsm/controls/OrbitControls.js"}
-MOST_NUMBERS = 40_000_000  # of all frames; of more only every second, third, ... is shown
+MOST_NUMBERS = 15_000_000  # of all frames; of more only every second, third, ... is shown
+
+TIME = "t = {:.6g}"
 
 # What cell data mean: name, explanation, whether the largest (1) or the least (-1) are the worst.
 FIELDS = {
@@ -81,7 +83,7 @@ def three_files():
 
 def frame_files(folder):
     """[(label, path)] of the meshes to show, the kind of the series, and the number of the frame to begin with."""
-    for name, label, first in (("frames", "t = {:.6g}", 0), ("iterates", "Newton step {:g}", -1)):
+    for name, label, first in (("frames", TIME, 0), ("iterates", "Newton step {:g}", -1)):
         if (series := folder / f"{name}.vtk.series").exists():
             files = json.loads(series.read_text())["files"]
             if files:
@@ -290,6 +292,15 @@ def tables(folder):
     return found
 
 
+def frame_rows(folder, labels):
+    """Of each row of frames.csv the frame to show; -1 where there is none, as of one that failed."""
+    if not (path := folder / "frames.csv").exists():
+        return []
+    with path.open(newline="") as file:
+        names = [TIME.format(float(row["t"])) for row in csv.DictReader(file)]
+    return [labels.index(name) if name in labels else -1 for name in names]
+
+
 def write_page(folder):
     """Writes page.html into the folder; returns a line that says what is in it."""
     files, series, first = frame_files(folder)
@@ -298,7 +309,7 @@ def write_page(folder):
     data, parts["numbers"] = mesh_data(frames)
     title = frames[-1][1].title.rsplit(", ", 1)[0]
     data |= {"first": first % len(frames), "notes": notes, "state": state(folder), "tables": tables(folder),
-             "keys": explanations()}
+             "keys": explanations(), "rows": frame_rows(folder, data["labels"])}
     parts["data"] = json.dumps(data, separators=(",", ":")).encode()
     packed = {name: base64.b64encode(gzip.compress(part, 6, mtime=0)).decode() for name, part in parts.items()}
     scripts = "\n".join(f'<script type="text/plain" id="{name}">{text}</script>' for name, text in packed.items())

@@ -12,6 +12,7 @@ import argparse
 import base64
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -249,6 +250,10 @@ def check_page(browser, name, folder, pictures):
     browser.drag(2, 700, 2, 700)
     browser.drag(*tag, *tag)
     check(browser.text_of("picked").startswith(f"element {shown}\n"), f"{name}: a click at the element flown to")
+    if browser.value("document.querySelector('table.frames') !== null"):
+        for row, shown in ((3, "t = 0.125 "), (2, "t = 0.125 "), (5, "t = 0.25 ")):  # of the second there is no mesh
+            browser.click(f"table.frames tbody tr:nth-child({row}) td")
+            check(browser.text_of("label").startswith(shown), f"{name}: a click at row {row} of frames.csv")
     for trouble in browser.troubles():
         check(False, f"{name}: {str(trouble)[:400]}")
 
@@ -291,6 +296,8 @@ def main():
             print(f"pages are left out: {reason}")
             skipped = len(PAGES)
         else:
+            series = folder / "frames" / "frames.vtk.series"
+            series.write_text(re.sub(r'.*"frame-0002.vtk".*\n', "", series.read_text()))
             browser = Browser(folder / "chromium")
             for run in PAGES:
                 check_page(browser, run, folder / run, arguments.pictures)

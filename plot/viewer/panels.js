@@ -85,7 +85,7 @@ function showFrame(k) {
   $("frame").value = k;
   $("label").textContent = `${data.labels[k]} (${k + 1} of ${frames})` +
     (worst.length ? `: worst ${field.title} ${format(field.values[k][worst[0]])}` : "");
-  document.querySelectorAll(".frames tbody tr").forEach((row, i) => row.classList.toggle("on", i === k));
+  document.querySelectorAll(".frames tbody tr").forEach((row, i) => row.classList.toggle("on", data.rows[i] === k));
   update();
 }
 function showTable(k) {
@@ -94,7 +94,7 @@ function showTable(k) {
   const rows = data.tables[k].rows.map(row => row.map(t => /^-?\d+\.\d{7,}/.test(t) ? format(+t, 6) : t));
   table.className = name;
   fill(table, columns.map(explained), name === "summary" ? rows.map(([key, value]) => [explained(key), value]) : rows,
-    name === "frames" && (i => i < frames && showFrame(i)));
+    name === "frames" && (i => data.rows[i] >= 0 && showFrame(data.rows[i])));
   $("table").replaceChildren(table);
   [...$("tabs").children].forEach((tab, i) => tab.classList.toggle("on", i === k));
 }
