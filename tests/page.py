@@ -210,9 +210,8 @@ def check_page(browser, name, folder, pictures):
     browser.click("#marks")
     changes("marks")
     has_inside = browser.value("document.getElementById('outer-label').checkVisibility()")
-    if has_inside:
+    if has_inside and browser.value("document.getElementById('outer').checked"):
         browser.click("#outer")
-        changes("the outermost surface")
     frames = int(browser.value("document.getElementById('frame').max")) + 1  # colours are of ids: the mesh has to move
     for k in (0, frames // 3, frames - 1):
         label = browser.text_of("label")
@@ -222,6 +221,7 @@ def check_page(browser, name, folder, pictures):
     changes("a step of playing")
     if has_inside:
         browser.click("#outer")
+        changes("the outermost surface")
     browser.set("field", 0)
     browser.click("#marks")
     browser.click("#edges")

@@ -154,6 +154,7 @@ canvas.addEventListener("click", event => {
 controls.addEventListener("change", draw);
 
 $("outer-label").hidden = !parts || parts.count < 2;
+$("outer").checked = !parts?.isFar;
 $("space").hidden = dim === 2;
 document.querySelector("footer").hidden = frames < 2;
 if (data.tables.length) showTable(0);

@@ -80,8 +80,8 @@ function surfaceParts() {
     const r = root(node), distance = Math.hypot(x[3 * node], x[3 * node + 1], x[3 * node + 2]);
     reach.set(r, Math.max(reach.get(r) ?? 0, distance));
   });
-  const farthest = Math.max(...reach.values());
-  return {count: reach.size, isOutermost: node => reach.get(root(node)) === farthest};
+  const [farthest, next = farthest] = [...reach.values()].sort((a, b) => b - a);
+  return {count: reach.size, isOutermost: node => reach.get(root(node)) === farthest, isFar: farthest > 4 * next};
 }
 
 // --------------------------------------------------------------------------------------------------------- the scene
@@ -157,6 +157,7 @@ function evaluate({nodes, points, basis, faces, triangles}, f, point, normals) {
 
 // Draws the faces between elements that are kept and others, or none; and the outlines of the worst elements.
 let owners = new Int32Array(0);  // the element of each triangle drawn
+const isDrawn = new Uint8Array(nodeCount);
 function rebuild() {
   const isMarked = new Uint8Array(elements), shown = [], outlined = [], values = field.values[frame];
   const plane = planeLow + $("place").value * (planeHigh - planeLow), side = $("flip").checked ? -1 : 1;
@@ -181,7 +182,9 @@ function rebuild() {
     return at;
   };
   let p = 0, l = 0, m = 0;
+  isDrawn.fill(0);
   for (const [kind, f] of shown) {
+    for (let k = f + 2; k < f + 2 + kind.nodes; ++k) isDrawn[kind.faces[k]] = 1;
     const element = keep[kind.faces[f]] ? kind.faces[f] : kind.faces[f + 1], rgb = colour(values?.[element]);
     evaluate(kind, f, point, normals);
     if (direction) copy(direction, p, normals, kind.triangles);
@@ -223,15 +226,16 @@ function resize() {  // the target is in the middle of what the legend leaves fr
   camera.setViewOffset(w, h, w / 2 - middle, 0, w, h);
   draw();
 }
-function look(direction, up) {  // from there, so that all that is drawn is seen
+function look(direction, up) {  // from there, so that all that is drawn is seen, wherever it is in other frames
   if (isStale) isStale = false, rebuild();
   camera.up.set(...up);
   camera.position.set(...direction);
   camera.lookAt(0, 0, 0);
   camera.updateMatrixWorld();
   const box = new THREE.Box3(), point = new THREE.Vector3(), turn = camera.quaternion.clone().invert();
-  const {array} = mesh.geometry.getAttribute("position"), {count} = mesh.geometry.drawRange;
-  for (let k = 0; k < 3 * count; k += 3) box.expandByPoint(point.fromArray(array, k).applyQuaternion(turn));
+  for (let k = 0; k < frames * nodeCount; ++k)
+    if (isDrawn[k % nodeCount])
+      box.expandByPoint(point.fromArray(nodeRows, 3 * k).multiplyScalar(data.step / unit).applyQuaternion(turn));
   if (box.isEmpty()) box.set(point.set(-1, -1, -1), new THREE.Vector3(1, 1, 1));
   const size = box.getSize(new THREE.Vector3());
   box.getCenter(controls.target).applyQuaternion(camera.quaternion);
