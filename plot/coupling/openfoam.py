@@ -40,4 +40,4 @@ for k, mesh in enumerate(meshes):
     if "Mesh OK." not in check:
         sys.exit(f"t = {t:g}: checkMesh refuses the mesh:\n{check}")
     print(f"{t:<5g}  {number('Total volume =', check):.10g}  {number('non-orthogonality Max:', check):.4g}  "
-          f"{number('Max skewness =', check):.3g}  Mesh OK  {number('Continuity error =', flow):.1e}")
+          f"{number('Max skewness =', check):.3g}  Mesh OK  {number('Continuity error =', flow):.0e}")

@@ -74,5 +74,5 @@ for k in range(2 * STEPS):
     place = 2 * middle - place
     print(f"{(k + 1) * DT:.2f}  {place[0]:7.4f}  {place[1]:7.4f}  {np.degrees(place[2]):7.2f}  {count}")
 velocity(2 * STEPS * DT, place, 0)
-print(f"at the end the plate is {abs(place).max():.1e} from its start, the nodes at most {abs(x - start).max():.1e}")
+print(f"at the end the plate is {abs(place).max():.0e} from its start, the nodes at most {abs(x - start).max():.0e}")
 coupled.end()
