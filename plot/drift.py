@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Drift: a plate pitches and plunges for some periods, and its mesh is moved step by step. A method that starts each step
-from the mesh that the last one left adds up what the steps do to the elements; one that starts from the mesh of the file
-does not. Writes to outputs/drift/
+"""Drift: a plate pitches and plunges for some periods, and its mesh is moved step by step. A method that starts each
+step from the mesh that the last one left adds up what the steps do to the elements; one that starts from the mesh of
+the file does not. Writes to outputs/drift/
 
   drift.csv   the worst shape quality of the mesh at each time, as `almesh quality` prints it
   table.md    the worst of some periods, and how far nodes are from where they were at t = 0.25

@@ -1,5 +1,5 @@
-"""What the clients of OpenFOAM share: a case, of which gmshToFoam reads the first mesh. It keeps the order of the nodes,
-so that the points of each later mesh, TIME/polyMesh/points, are those of its file. Standard library only."""
+"""What the clients of OpenFOAM share: a case, whose first mesh gmshToFoam reads. It keeps the order of the nodes, so
+that the points of each later mesh, TIME/polyMesh/points, are those of its file. Standard library only."""
 import os
 import subprocess
 import sys

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """OpenFOAM on a moving mesh: a piston compresses a cylinder to a quarter, and scalarTransportFoam solves for the dust
-in it, which the piston sweeps up while it diffuses. The flux of the mesh is what almesh says its faces have swept. A step
-is a run on the mesh at its end; the volumes before (V0) and the flux (meshPhi) are files, which OpenFOAM reads where a
-run with a moving mesh goes on. Dust is conserved, and even dust that may pass all walls stays even, to rounding.
+in it, which the piston sweeps up while it diffuses. The flux of the mesh is what almesh says its faces have swept. A
+step is a run on the mesh at its end; the volumes before (V0) and the flux (meshPhi) are files, which OpenFOAM reads
+where a run with a moving mesh goes on. Dust is conserved, and even dust that may pass all walls stays even.
 `make coupling`; Debian: openfoam."""
 import almesh
 

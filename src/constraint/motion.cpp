@@ -287,7 +287,7 @@ MotionStep parse_step(std::string_view text, const Constants& constants) {
         }
         const std::string word = in_backquotes(written[i]);
         const bool axis = form.axis && written[i] == "axis", about = form.about && written[i] == "about";
-        if (!axis && !about) refuse(form, word, " is not a number (separate numbers by blanks)");
+        if (!axis && !about) refuse(form, word, " is not a number (blanks separate numbers, formulas need quotes)");
         clause = axis ? 1 : 2;
         if (i + 1 == written.size() || (!parse_double(written[i + 1]) && !is_formula(written[i + 1])))
             refuse(form, word, " needs numbers");

@@ -167,6 +167,7 @@ TEST_CASE("bad motions are refused with the reason and the form") {
     CHECK(has(error_of("translate 1 2 3 4"), "4 numbers"));
     CHECK(has(error_of("translate 8, 0"), "`8,` is not a number"));
     CHECK(has(error_of("translate nan 0"), "`nan` is not a number"));
+    CHECK(has(error_of("translate t 0"), "`t` is not a number (blanks separate numbers, formulas need quotes)"));
     CHECK(has(error_of("translate 1 0 about 0 0"), "`about` is not a number"));
     CHECK(has(error_of(""), "empty"));
     CHECK(has(error_of("translate 1 0;"), "empty"));
