@@ -58,7 +58,7 @@ said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
 .PHONY: all run help test test-page page run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-models cad-examples cholmod paper gauntlet generated certificates defaults drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
-        figures meshes lessons readmes check-lessons animation clean FORCE
+        figures meshes lessons readmes check-lessons wrong-answers animation clean FORCE
 
 all: almesh ## build the program ./almesh
 
@@ -213,9 +213,13 @@ check-lessons: $(CHECKS) ## check the answers to all exercises: a table, and out
 
 lessons: python $(BUILD)/almesh $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ## run the commands of all documents, compare with the output shown; check the solutions
 	tests/lessons/answers.py --build $(BUILD) --self-test
+	tests/lessons/wrong.py --build $(BUILD)
 	tests/lessons/one_file.py --build $(BUILD)
 	tests/documents.py --build $(BUILD) --self-test
 	tests/documents.py --build $(BUILD)
+
+wrong-answers: $(CHECKS) ## try all wrong answers to the exercises and a hundred broken ones: each is refused with its reason
+	tests/lessons/wrong.py --build $(BUILD) --all
 
 readmes: almesh python ## run all commands of the READMEs, also those of minutes, and compare with what is shown
 	tests/documents.py --build $(BUILD) --slow README.md */README.md

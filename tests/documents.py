@@ -50,7 +50,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 LESSONS = ROOT / "inputs" / "lessons"
-READMES = [ROOT / "README.md", *(ROOT / folder / "README.md" for folder in ("inputs", "outputs", "src", "tests", "plot"))]
+FOLDERS = ("inputs", "inputs/lessons", "outputs", "src", "tests", "plot")
+READMES = [ROOT / "README.md", *(ROOT / folder / "README.md" for folder in FOLDERS)]
 SHOWN_ROOT = "/home/you/almesh"
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 INTEGER = re.compile(r"[-+]?\d+")

@@ -147,7 +147,8 @@ int main(int count, char** argument) {
     }
     if (method == "decrease") return compare_decrease(), 0;
     if (!std::set<std::string>{"", "pure", "search", "projected", "switching"}.contains(method))
-        return std::fprintf(stderr, "no method '%s': decrease, pure, search, projected, switching\n", method.c_str()), 2;
+        return std::fprintf(stderr,
+                            "no method '%s': decrease, pure, search, projected or switching\n", method.c_str()), 2;
     const std::set<int> fixed(mesh.faces.begin(), mesh.faces.end());
     for (int i = 0; i < 2 * mesh.nodes(); ++i)
         if (!fixed.contains(i / 2)) interior.push_back(i);

@@ -6,31 +6,54 @@
 namespace almesh::lessons {
 namespace {
 
-const Triangle ideal = {{{0, 0}, {2, 0}, {0.5, 1.5}}}, physical = {{{1, 1}, {3, 2}, {0.5, 4}}};
-
-EXERCISE("1.1", "the Jacobian of an affine map") {
-    const Mat<2> F = jacobian_of_map(ideal, physical);
-    for (int v = 0; v < 3; ++v)
-        for (int i = 0; i < 2; ++i) {
-            const double image = physical[0][i] + F[i][0] * (ideal[v][0] - ideal[0][0]) +
-                                 F[i][1] * (ideal[v][1] - ideal[0][1]);
-            expect_close(concat("coordinate ", i, " of the image of vertex ", v), image, physical[v][i], 1e-12,
-                         "F has to take the edges of the ideal triangle to those of the physical one");
-        }
-    const Mat<2> identity = jacobian_of_map(ideal, ideal);
-    expect_close("F of a triangle mapped to itself, entry 1 1,", identity[0][0], 1, 1e-12);
+Lengths lengths_of(const std::array<Vec<2>, 3>& t) {
+    Lengths length;
+    for (int i = 0; i < 3; ++i) length[i] = std::hypot(t[(i + 1) % 3][0] - t[i][0], t[(i + 1) % 3][1] - t[i][1]);
+    return length;
 }
 
-EXERCISE("1.2", "eta in 2D") {
-    const double angle = 0.7, scale = 3;
-    const double c = scale * std::cos(angle), s = scale * std::sin(angle);
-    expect_close("eta of a rotation times a scaling", eta_2d({{{c, -s}, {s, c}}}), 1, 1e-12,
-                 "these are the maps without distortion");
-    expect_close("eta of diag(1, 2)", eta_2d({{{1, 0}, {0, 2}}}), 1.25, 1e-12);
-    expect_close("eta of a shear by 1", eta_2d({{{1, 1}, {0, 1}}}), 1.5, 1e-12);
-    expect(std::isinf(eta_2d({{{1, 0}, {0, -1}}})), "eta of a reflection is ", eta_2d({{{1, 0}, {0, -1}}}),
-           ", expected infinity: a line search could accept the inverted triangle");
-    expect(std::isinf(eta_2d({{{1, 0}, {1, 0}}})), "eta of a triangle of no area is not infinite");
+EXERCISE("1.1", "eta from the lengths of the edges") {
+    expect_close("eta of the triangle (3, 4, 5) and one twice as large", eta_of_lengths({3, 4, 5}, {6, 8, 10}), 1,
+                 1e-12, "a scaling does not distort");
+    const std::array<Vec<2>, 3> ideal = {{{0, 0}, {2, 0}, {0.5, 1.5}}};
+    for (const Vec<2>& x : {Vec<2>{0.5, 4}, Vec<2>{3, 0.2}, Vec<2>{-2, 1}}) {
+        const std::array<Vec<2>, 3> physical = {{{1, 1}, {3, 2}, x}};
+        const auto edges = [](const std::array<Vec<2>, 3>& t) {
+            return Mat<2>{{{t[1][0] - t[0][0], t[2][0] - t[0][0]}, {t[1][1] - t[0][1], t[2][1] - t[0][1]}}};
+        };
+        const Mat<2> A = edges(physical), W = inverse<2>(edges(ideal));
+        Mat<2> F{};
+        for (int i = 0; i < 2; ++i)
+            for (int j = 0; j < 2; ++j)
+                for (int k = 0; k < 2; ++k) F[i][j] += A[i][k] * W[k][j];
+        if (determinant(F) < 0) F = {{F[0], {-F[1][0], -F[1][1]}}};  // lengths know nothing of orientation
+        expect_close(concat("eta of the triangle (1, 1), (3, 2), (", x[0], ", ", x[1], ")"),
+                     eta_of_lengths(lengths_of(ideal), lengths_of(physical)), distortion<2>(F, 0.0), 1e-11,
+                     "put both triangles into the plane, or weigh the squares of the lengths by the ideal cotangents");
+    }
+    for (const Lengths& none : {Lengths{1, 2, 3}, Lengths{1, 1, 3}, Lengths{7, 2, 3}}) {
+        const double found = eta_of_lengths({3, 4, 5}, none);
+        expect(std::isinf(found) && found > 0, "eta for lengths ", none[0], ", ", none[1], ", ", none[2], " is ", found,
+               ", expected infinity: they make no triangle with an area");
+    }
+}
+
+EXERCISE("1.2", "a level set of eta") {
+    for (const Vec<2>& apex : {Vec<2>{0.5, 0.8}, Vec<2>{-0.3, 0.1}})
+        for (const double eta : {1.01, 1.5, 7.0}) {
+            const Circle circle = level_set(apex, eta);
+            for (double angle = 0.1; angle < 6.3; angle += 0.7) {
+                const double x = circle.centre[0] + circle.radius * std::cos(angle),
+                             y = circle.centre[1] + circle.radius * std::sin(angle);
+                const double found = distortion<2>(Mat<2>{{{1, (x - apex[0]) / apex[1]}, {0, y / apex[1]}}}, 0.0);
+                const std::string at = concat("(", x, ", ", y, ") of your circle for eta = ", eta);
+                expect(y > 0, "the point ", at, " is not above the edge: the triangle is inverted there");
+                expect_close(concat("eta at ", at), found, eta, 1e-9,
+                             circle.centre == apex ? "the circle is not centred at the apex: eta grows faster towards "
+                                                     "the edge"
+                                                   : "eta = 1 + |x - apex|^2 / (2 y apex_y): complete the square");
+            }
+        }
 }
 
 EXERCISE("1.3", "eta in 3D") {

@@ -19,30 +19,28 @@ EXERCISE("4.1", "the order of convergence") {
     }
 }
 
-EXERCISE("4.2", "backtracking by Armijo's condition") {
-    int calls = 0;
-    const auto counted = [&](auto E) {
-        return [&calls, E](double t) {
-            expect(++calls < 100, "E has been called 100 times: the loop does not end");
-            return E(t);
-        };
+EXERCISE("4.2", "the step at which a triangle inverts") {
+    using Vertices = std::array<Vec<2>, 3>;
+    const Vertices x = {{{0, 0}, {1, 0}, {0, 1}}};
+    const auto expect_t = [&](const char* what, const Vertices& d, double expected, const char* hint) {
+        const double t = first_inversion(x, d);
+        expect(t == expected || std::abs(t - expected) <= 1e-13 * expected, "t for ", what, " is ", t, ", expected ",
+               expected, ": ", hint);
     };
-    const auto quadratic = [](double t) { return 1 - t + 0.5 * t * t; };
-    expect_close("t of 1 - t + t^2 / 2", backtracked(counted(quadratic), -1), 1, 0, "the full step is good");
-    const auto steep = [](double t) { return 1 - t + 3 * t * t; };
-    expect_close("t of 1 - t + 3 t^2", backtracked(counted(steep), -1), 0.25, 0, "E(1) = 3, E(1/2) = 1.25 > E(0)");
-    const auto barrier = [](double t) { return t < 0.3 ? 1 - t : INFINITY; };
-    expect_close("t of 1 - t up to a barrier at 0.3", backtracked(counted(barrier), -1), 0.25, 0,
-                 "infinite energies must be refused");
-    const auto undefined = [](double t) { return t < 0.3 ? 1 - t : NAN; };
-    expect_close("t of 1 - t that is nan from 0.3 on", backtracked(counted(undefined), -1), 0.25, 0,
-                 "nan <= E is false, and so is nan > E: ask for what is wanted, not for its contrary");
-    const auto flat = [](double t) { return t == 1 ? 1 - 5e-5 : 1 - t; };
-    expect_close("t where E(1) = E(0) - 5e-5 and slope = -1", backtracked(counted(flat), -1), 0.5, 0,
-                 "less than the 1e-4 that Armijo asks for: any decrease is not enough");
-    calls = 0;
-    expect_close("t for a slope of +1", backtracked(counted(quadratic), 1), 0, 0, "not a descent direction");
-    expect(calls == 0, "E is called although the slope is positive");
+    expect_t("one vertex that goes down", {{{0, 0}, {0, 0}, {0, -2}}}, 0.5, "it reaches the opposite edge");
+    expect_t("one vertex that goes up", {{{0, 0}, {0, 0}, {0, 2}}}, INFINITY,
+             "the area grows; a root at t < 0 lies behind");
+    expect_t("a translation", {{{3, 5}, {3, 5}, {3, 5}}}, INFINITY, "the area stays as it is");
+    expect_t("a triangle that turns", {{{0, 0}, {0, 1}, {-1, 0}}}, INFINITY, "1 + t^2 has no root");
+    expect_t("two vertices that swap", {{{0, 0}, {-1, 1}, {1, -1}}}, 0.5, "1 - 2 t: the area is linear here");
+    expect_t("a triangle that grows first", {{{0, 0}, {1, 0}, {0, -1}}}, 1,
+             "1 - t^2: the area has a root on either side");
+    expect_t("two vertices that go down at different speeds", {{{0, 0}, {-3, 0}, {0, -1}}}, 1.0 / 3,
+             "(1 - 3 t)(1 - t): the triangle is valid again after the second root, but the first one counts");
+    for (const double small : {1e-6, 1e-9, 1e-12})
+        expect_t("an area that is almost linear in t", {{{0, 0}, {small, 0}, {0, -2}}}, 0.5,
+                 "(1 + small t)(1 - 2 t): -b + root loses its digits where 4 a c is small; the product of the roots is "
+                 "c / a");
 }
 
 EXERCISE("4.3", "the positive semidefinite part of a matrix") {
@@ -110,13 +108,15 @@ double minimum(const std::function<double(double)>& f, const std::function<doubl
     const auto finite_only = [&](const std::function<double(double)>& derivative) {
         return [&](double x) {
             expect(std::isfinite(f(x)), "a derivative is called at x = ", x, ", where f is infinite");
-            expect(++calls < 1000, "no minimum after 1000 calls of derivatives, start ", from, ", now at x = ", x);
+            expect(++calls < 1000, "no minimum after 1000 calls of derivatives, start ", from, ", now at x = ", x,
+                   ": is any decrease enough for you, where Armijo asks for more?");
             return derivative(x);
         };
     };
     const double x = minimise(
         [&](double y) {
-            expect(++calls < 10000, "no minimum after 10000 calls of f, start ", from);
+            expect(++calls < 10000, "no minimum after 10000 calls of f, start ", from,
+                   ": is any decrease enough for you, or is a nan taken for one?");
             return f(y);
         },
         finite_only(f1), finite_only(f2), from);
@@ -131,6 +131,15 @@ EXERCISE("4.5", "Newton's method in one variable") {
     const auto f2 = [](double x) { return 2 * (1 - std::log(x)) / (x * x); };
     for (const double from : {0.05, 0.9, 2.0, 20.0, 1000.0})
         expect_close(concat("the minimum of log(x)^2 from ", from), minimum(f, f1, f2, from), 1, 1e-6);
+    const auto undefined = [](double x) { return x > 0 ? std::log(x) * std::log(x) : NAN; };
+    expect_close("the minimum of log(x)^2, nan for x < 0, from 0.9", minimum(undefined, f1, f2, 2.0), 1, 1e-6,
+                 "every comparison with nan is false");
+    // Newton's step goes from x to -0.99992 x: lower, but by less than Armijo asks for.
+    const double p = 1.50002;
+    const auto power = [p](double x) { return std::pow(std::abs(x), p); };
+    const auto power1 = [p](double x) { return p * std::copysign(std::pow(std::abs(x), p - 1), x); };
+    const auto power2 = [p](double x) { return p * (p - 1) * std::pow(std::abs(x), p - 2); };
+    expect_close("the minimum of |x|^1.50002 from 1", minimum(power, power1, power2, 1), 0, 1e-6);
     const auto wells = [](double x) { return x * x * (x * x - 2); };
     const auto wells1 = [](double x) { return 4 * x * (x * x - 1); };
     const auto wells2 = [](double x) { return 12 * x * x - 4; };

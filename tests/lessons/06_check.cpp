@@ -56,6 +56,9 @@ EXERCISE("6.4", "the condition number") {
 }
 
 EXERCISE("6.5", "one penalty") {
+    expect_only("once", {"mesh = ../../../meshes/circle.msh", "boundary inner = translate 8 0",
+                         "boundary outer = fixed", "method = penalty", "objective = squared", "length_scale = 1",
+                         "omega_star = 1e-6", "epsilon_star = 1e-8", "wall_tolerance = 1"}, {"mu0"});
     const double mu0 = parse_double(keys_of_deck("once")["mu0"]).value_or(NAN);
     expect(mu0 > 0, "once.deck has no mu0 above 0");
     const auto summary = run_deck("once");
@@ -65,7 +68,6 @@ EXERCISE("6.5", "one penalty") {
            " needs one iteration too: that is more stiffness than was asked for");
     const double exponent = std::log10(mu0);
     expect_close("log10 of mu0", exponent, std::round(exponent), 1e-9, "a power of ten is asked for");
-    expect(number(run_deck("once", {"mu0=10"}), "al_iterations") == 5, "the rest of the deck must stay as it is");
 }
 
 }  // namespace

@@ -10,13 +10,14 @@ namespace {
 
 EXERCISE("9.1", "how many straight edges a circle needs") {
     const auto off = [](int n, double R) { return R * (1 - std::cos(std::numbers::pi / n)); };
-    for (const auto& [R, tolerance] : {std::pair(1.0, 0.06), std::pair(1.0, 1e-3), std::pair(5.0, 1e-3)}) {
+    for (const auto& [R, tolerance] : {std::pair(1.0, 0.06), std::pair(1.0, 1e-3), std::pair(5.0, 1e-3),
+                                       std::pair(1.0, 0.3), std::pair(2.0, 0.2), std::pair(1.0, 0.99)}) {
         const int n = edges_needed(R, tolerance);
         expect(n >= 3, "R = ", R, " and tolerance ", tolerance, " give ", n, " edges: no polygon");
         expect(off(n, R) <= tolerance, n, " edges of a circle of radius ", R, " are off by ", off(n, R), ", more than ",
                tolerance, ": an edge sees the angle 2 pi / n, half of it to either side of its middle");
-        expect(off(n - 1, R) > tolerance, n - 1, " edges of a circle of radius ", R, " are enough for ", tolerance,
-               ", the answer was ", n);
+        expect(n == 3 || off(n - 1, R) > tolerance, n - 1, " edges of a circle of radius ", R, " are enough for ",
+               tolerance, ", the answer was ", n, ": 1 - cos(a) is less than a^2 / 2 where the angle is not small");
     }
 }
 
@@ -57,10 +58,21 @@ EXERCISE("9.4", "a certificate") {
                        ": said to be positive, but at t = ", t, " the value is ", least,
                        b_0 > 0 && b_2 > 0 ? ": positive ends prove nothing" : "");
             }
+    // Narrow dips that a sample of many thousand points does not meet, and narrow gaps.
+    for (int k = 1; k <= 20; ++k)
+        for (const double least : {-1e-11, 1e-11}) {
+            const double t = std::fmod(0.6180339887 * k, 1);  // q = (t - t_k)^2 + least
+            const bool said = positive_everywhere({t * t + least, t * t - t + least, (1 - t) * (1 - t) + least});
+            expect(said == (least > 0), "(t - ", t, ")^2 + ", least, " is said ", said ? "" : "not ",
+                   "to be positive: its least value is ", least, ", between the points of a sample; halve until the ",
+                   "coefficients prove it or an end disproves it");
+        }
     expect(positive > 0 && positive < all, "the same answer for all ", all, " quadratics");
 }
 
 EXERCISE("9.5", "a fine wall with few nodes (fine_wall.deck)") {
+    expect_only("fine_wall", {"mesh = ../ring.msh", "boundary wall = circle 0 0 1", "boundary outer = circle 0 0 3"},
+                {"degree", "refine"});
     const auto summary = run_deck("fine_wall");
     expect(summary.at("status") == "converged", "the run ends with ", summary.at("status"));
     expect(summary.at("certified_valid") == "yes", "an element is not certified valid");
@@ -70,7 +82,6 @@ EXERCISE("9.5", "a fine wall with few nodes (fine_wall.deck)") {
            "nodes; a higher degree is cheaper");
     expect(error <= 2e-6, "|c_D| is ", error, " with ", nodes, " nodes in degree ", number(summary, "degree"),
            ", expected at most 2e-6");
-    expect(error > 0, "|c_D| is 0: with target = nodal the circle itself is not the target any more");
 }
 
 }  // namespace

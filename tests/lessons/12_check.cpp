@@ -88,6 +88,7 @@ EXERCISE("12.3", "a valid start") {
 }
 
 EXERCISE("12.4", "an ellipse (ellipse.deck)") {
+    expect_only("ellipse", {"mesh = ../../../meshes/circle.msh", "boundary outer = fixed"}, {"boundary inner"});
     const auto summary = run_deck("ellipse");
     expect(summary.at("status") == "converged", "the run ends with ", summary.at("status"));
     expect(summary.at("certified_valid") == "yes", "an element is not certified valid");
@@ -107,6 +108,10 @@ EXERCISE("12.4", "an ellipse (ellipse.deck)") {
 }
 
 EXERCISE("12.5", "row 3 of Table 1 (table_row.deck)") {
+    expect_only("table_row", {"mesh = ../../../meshes/circle.msh", "boundary inner = translate 8 0",
+                              "boundary outer = fixed", "algorithm = paper", "length_scale = 1", "mu0 = 24",
+                              "omega0 = 0.1", "epsilon0 = 1e-4", "omega_star = 1e-6",
+                              "epsilon_star = 1e-14"}, {"refine", "objective"});
     const auto summary = run_deck("table_row");
     expect(number(summary, "elements") == 26272, "the mesh has ", number(summary, "elements"),
            " triangles, the row has 26272: each refinement makes four of one");

@@ -30,6 +30,8 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 LESSONS = sorted((ROOT / "inputs" / "lessons").glob("[0-9][0-9]-*"))
 MESHES = ("circle.msh", "cube.msh", "square.msh")  # of inputs/meshes/, which exercises read
 EXERCISE = re.compile(r'^EXERCISE\("([\d.]+)", "(.*)"\)', re.MULTILINE)
+# What headers that the exercises need would do in place of the student.
+LIBRARY = re.compile(r"\b(matrix_of_cells|pattern_of_cells|density_gradient|distortion<)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 MEGABYTE = 1 << 20
 
@@ -118,6 +120,12 @@ def foreign_header(answers):
     return next((name for name in INCLUDE.findall(text_of(answers.source, MEGABYTE)) if name not in allowed), None)
 
 
+def call_of_library(answers):
+    code = re.sub(r"//[^\n]*|/\*.*?\*/", "", text_of(answers.source, MEGABYTE), flags=re.DOTALL)
+    found = LIBRARY.search(code)
+    return found[1].strip("<") if found else None
+
+
 def compiled(answers, limits):
     """"" or why there is no program."""
     name = shown(answers.source)
@@ -132,6 +140,8 @@ def compiled(answers, limits):
     used = [answers.source, *parts, *headers, answers.build / "flags"]
     if program.exists() and program.stat().st_mtime > max(path.stat().st_mtime for path in used):
         return ""
+    if function := call_of_library(answers):
+        return f"{name} calls {function}, which is the library's: write what it does yourself"
     program.parent.mkdir(parents=True, exist_ok=True)
     program.unlink(missing_ok=True)
     with tempfile.TemporaryDirectory() as folder:

@@ -1,5 +1,6 @@
 #include "lessons/exercise.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -96,6 +97,21 @@ std::map<std::string, std::string> keys_of_deck(const std::string& name) {
             keys[std::string(trim(line.substr(0, equals)))] = std::string(trim(line.substr(equals + 1)));
     }
     return keys;
+}
+
+void expect_only(const std::string& name, const std::vector<std::string>& fixed, const std::vector<std::string>& free) {
+    std::map<std::string, std::string> keys = keys_of_deck(name);
+    for (const std::string& line : fixed) {
+        const std::size_t equals = line.find(" = ");
+        const std::string key = line.substr(0, equals), value = line.substr(equals + 3);
+        expect(keys[key] == value, path_of(name), " has `", key, " = ", keys[key], "`, expected `", line,
+               "`: only what the exercise asks for may change");
+        keys.erase(key);
+    }
+    for (const auto& [key, value] : keys) {
+        const bool may = key == "title" || key == "output" || std::find(free.begin(), free.end(), key) != free.end();
+        expect(may, path_of(name), " has the line `", key, " = ", value, "`, which is not asked for");
+    }
 }
 
 }  // namespace almesh::lessons

@@ -41,6 +41,10 @@ double number(const std::map<std::string, std::string>& summary, const std::stri
 // The text of that deck without comments and blanks at the ends of lines: what the student set.
 std::map<std::string, std::string> keys_of_deck(const std::string& name);
 
+// Unmet where the deck has other lines than `fixed` ("key = value"), lines for the keys that `free` names, a title and
+// an output.
+void expect_only(const std::string& name, const std::vector<std::string>& fixed, const std::vector<std::string>& free);
+
 struct Exercise {
     Exercise(const char* number, const char* title, void (*check)());
 };

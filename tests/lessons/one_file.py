@@ -4,9 +4,9 @@ moved, a plate and a boundary layer that are turned.
 
   tests/lessons/one_file.py [--build FOLDER]
 
-Both have to take the same iterations with the same updates, the same Newton steps from the second minimisation on (the
-first differs: the program damps its first steps), and to end with the same q, largest eta and |c_D|; the mesh of the one
-file has to be certified by the program. The file includes the standard library alone and has 600 lines or less. Exit
+Both have to take the same iterations with the same updates, the same Newton steps from the second minimisation on (in
+the first the program damps its steps), and to end with the same q, largest eta and |c_D|; the mesh of the one file has
+to be certified by the program. The file includes the standard library alone and has 600 lines or less. Exit
 code 1 where something differs. Standard library only.
 """
 import argparse

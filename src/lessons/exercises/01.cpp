@@ -5,12 +5,12 @@
 
 namespace almesh::lessons {
 
-Mat<2> jacobian_of_map(const Triangle& /*ideal*/, const Triangle& /*physical*/) {
-    return {};  // ANSWER 1.1
+double eta_of_lengths(const Lengths& /*ideal*/, const Lengths& /*physical*/) {
+    return 0;  // ANSWER 1.1
 }
 
-double eta_2d(const Mat<2>& /*F*/) {
-    return 0;  // ANSWER 1.2
+Circle level_set(const Vec<2>& /*apex*/, double /*eta*/) {
+    return {};  // ANSWER 1.2
 }
 
 double eta_3d(const Mat<3>& /*F*/) {

@@ -6,15 +6,21 @@
 
 namespace almesh::lessons {
 
-using Triangle = std::array<Vec<2>, 3>;  // vertices, counter-clockwise
+using Lengths = std::array<double, 3>;  // of the edges of a triangle
 
-// 1.1 The Jacobian F of the affine map that takes the vertices of `ideal` to those of `physical`, one by one.
-Mat<2> jacobian_of_map(const Triangle& ideal, const Triangle& physical);
+// 1.1 eta of the affine map that takes the edges of one triangle to those of another, from their lengths alone: edge i
+// becomes edge i, nothing is turned over. Infinite where the lengths of the physical one make no triangle.
+double eta_of_lengths(const Lengths& ideal, const Lengths& physical);
 
-// 1.2 eta of the map, Eq. 1 with n = 2: infinite where det F is not positive.
-double eta_2d(const Mat<2>& F);
+// 1.2 The circle on which a vertex x has to be for the triangle (0, 0), (1, 0), x to have a given eta > 1, where the
+// ideal triangle has x = apex, apex[1] > 0.
+struct Circle {
+    Vec<2> centre;
+    double radius;
+};
+Circle level_set(const Vec<2>& apex, double eta);
 
-// 1.3 The same for tetrahedra, n = 3.
+// 1.3 eta of tetrahedra, Eq. 1 with n = 3: infinite where det F is not positive.
 double eta_3d(const Mat<3>& F);
 
 // 1.4 eta_delta, Eqs. 2 and 3, n = 2, finite for every F but 0. It must keep its digits where det F is negative and

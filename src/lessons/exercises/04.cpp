@@ -9,7 +9,7 @@ double order_of_convergence(const std::vector<double>& /*size*/) {
     return 1;  // ANSWER 4.1
 }
 
-double backtracked(const std::function<double(double)>& /*E*/, double /*slope*/) {
+double first_inversion(const std::array<Vec<2>, 3>& /*x*/, const std::array<Vec<2>, 3>& /*d*/) {
     return 1;  // ANSWER 4.2
 }
 

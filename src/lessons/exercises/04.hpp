@@ -1,5 +1,6 @@
 // Exercises of lesson 4. Answers go into 04.cpp; `make check-lesson-04` says which hold.
 #pragma once
+#include <array>
 #include <functional>
 #include <vector>
 
@@ -12,12 +13,9 @@ namespace almesh::lessons {
 // last three of them.
 double order_of_convergence(const std::vector<double>& size);
 
-// 4.2 Backtracking: the first t of 1, 1/2, 1/4, ... that satisfies Armijo's condition
-//
-//     E(t) <= E(0) + 1e-4 t slope,   E(t) the energy at x + t d (maybe infinite), slope = g.d
-//
-// and 0, without a call of E, where d is no descent direction.
-double backtracked(const std::function<double(double)>& E, double slope);
+// 4.2 The smallest t > 0 at which the triangle with vertices x_i + t d_i has no area; infinite where there is none. The
+// triangle x is counter-clockwise. All digits are wanted, also where the area is almost a linear function of t.
+double first_inversion(const std::array<Vec<2>, 3>& x, const std::array<Vec<2>, 3>& d);
 
 // 4.3 The positive semidefinite part of a symmetric 2 x 2 matrix: the same eigenvectors, negative eigenvalues set to 0.
 Mat<2> positive_part(const Mat<2>& A);
@@ -27,8 +25,9 @@ Mat<2> positive_part(const Mat<2>& A);
 void fix_nodes(BlockCsr& H, std::vector<double>& g, const std::vector<char>& fixed);
 
 // 4.5 Newton's method in one variable with all that is needed: from x, where f is finite, to |f'| <= 1e-7. Where
-// f'' <= 0 take |f''| in its place (if that is 0: 1); use your answer to 4.2. f1 and f2, the derivatives of f, must
-// not be called where f is infinite.
+// f'' <= 0 take |f''| in its place (if that is 0: 1). Of the steps 1, 1/2, 1/4, ... times Newton's take the first that
+// satisfies Armijo's condition with c1 = 1e-4; f may be infinite or nan. f1 and f2, the derivatives of f, must not be
+// called where it is.
 double minimise(const std::function<double(double)>& f, const std::function<double(double)>& f1,
                 const std::function<double(double)>& f2, double x);
 

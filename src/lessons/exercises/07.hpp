@@ -9,8 +9,9 @@ namespace almesh::lessons {
 
 using Vector = std::vector<double>;
 
-// 7.1 The multipliers after one update, line 10 of Algorithm 1. lambda, c: two numbers for each node of the boundary.
-Vector updated_multipliers(const Vector& lambda, const Vector& c, double mu);
+// 7.1 The exact multiplier of a single mode, to which the updates would lead, after one of them. lambda: before it;
+// c_1: the constraint at the minimum for lambda; c_2: at that for the multiplier after the update; mu: the penalty.
+double exact_multiplier(double lambda, double mu, double c_1, double c_2);
 
 // 7.2 The forces f = M lambda / |1| of a polygonal wall. edges: pairs of nodes; lambda: two numbers for each node. In
 // the scalar product with the weight 1/h an edge of any length adds (2 1; 1 2)/6 to M and 1 to |1|^2.

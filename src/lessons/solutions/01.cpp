@@ -5,23 +5,27 @@
 
 namespace almesh::lessons {
 
-Mat<2> jacobian_of_map(const Triangle& ideal, const Triangle& physical) {
-    const auto edges = [](const Triangle& t) {
-        Mat<2> columns;
-        for (int i = 0; i < 2; ++i) columns[i] = {t[1][i] - t[0][i], t[2][i] - t[0][i]};
-        return columns;
-    };
-    const Mat<2> A = edges(physical), W_inverse = inverse<2>(edges(ideal));
-    Mat<2> F{};
-    for (int i = 0; i < 2; ++i)
-        for (int j = 0; j < 2; ++j)
-            for (int k = 0; k < 2; ++k) F[i][j] += A[i][k] * W_inverse[k][j];
-    return F;
+// Heron's formula; not a number where there is no triangle.
+static double area(const Lengths& l) {
+    return std::sqrt((l[0] + l[1] + l[2]) * (l[1] + l[2] - l[0]) * (l[2] + l[0] - l[1]) * (l[0] + l[1] - l[2])) / 4;
 }
 
-double eta_2d(const Mat<2>& F) {
-    const double det = determinant(F);
-    return det > 0 ? frobenius_squared<2>(F) / (2 * det) : INFINITY;
+double eta_of_lengths(const Lengths& ideal, const Lengths& physical) {
+    // |F|^2 |ideal| = 1/2 sum_i cot(a_i) physical_i^2, a_i the ideal angle opposite to edge i; by the law of cosines
+    // cot(a_i) = (the squares of the other two edges - its own) / (4 |ideal|). det F = |physical| / |ideal|.
+    const double A = area(ideal), B = area(physical);
+    if (!(B > 0)) return INFINITY;
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) {
+        const double own = ideal[i], second = ideal[(i + 1) % 3], third = ideal[(i + 2) % 3];
+        sum += (second * second + third * third - own * own) * physical[i] * physical[i];
+    }
+    return sum / (16 * A * B);
+}
+
+Circle level_set(const Vec<2>& apex, double eta) {
+    // F = (1, (x - apex_x) / apex_y; 0, y / apex_y): eta = 1 + |x - apex|^2 / (2 y apex_y), and complete the square.
+    return {{apex[0], apex[1] * eta}, apex[1] * std::sqrt(eta * eta - 1)};
 }
 
 double eta_3d(const Mat<3>& F) {

@@ -11,12 +11,16 @@ double order_of_convergence(const std::vector<double>& size) {
     return std::log(last[0] / last[-1]) / std::log(last[-1] / last[-2]);
 }
 
-double backtracked(const std::function<double(double)>& E, double slope) {
-    if (!(slope < 0)) return 0;
-    const double start = E(0);
-    double t = 1;
-    while (!(E(t) <= start + 1e-4 * t * slope)) t /= 2;
-    return t;
+double first_inversion(const std::array<Vec<2>, 3>& x, const std::array<Vec<2>, 3>& d) {
+    const auto cross = [](const Vec<2>& u, const Vec<2>& v) { return u[0] * v[1] - u[1] * v[0]; };
+    const auto edge = [](const auto& p, int k) { return Vec<2>{p[k][0] - p[0][0], p[k][1] - p[0][1]}; };
+    // Twice the area is c + b t + a t^2.
+    const double c = cross(edge(x, 1), edge(x, 2)), a = cross(edge(d, 1), edge(d, 2));
+    const double b = cross(edge(x, 1), edge(d, 2)) + cross(edge(d, 1), edge(x, 2)), discriminant = b * b - 4 * a * c;
+    if (discriminant < 0) return INFINITY;
+    const double root = std::sqrt(discriminant);
+    if (b < 0) return 2 * c / (root - b);  // no difference of numbers that are nearly equal
+    return a < 0 ? -(b + root) / (2 * a) : INFINITY;
 }
 
 Mat<2> positive_part(const Mat<2>& A) {
@@ -45,7 +49,10 @@ double minimise(const std::function<double(double)>& f, const std::function<doub
                 const std::function<double(double)>& f2, double x) {
     while (std::abs(f1(x)) > 1e-7) {
         const double curvature = std::abs(f2(x)), d = -f1(x) / (curvature > 0 ? curvature : 1);
-        x += backtracked([&](double t) { return f(x + t * d); }, f1(x) * d) * d;
+        const double start = f(x), slope = f1(x) * d;
+        double t = 1;
+        while (!(f(x + t * d) <= start + 1e-4 * t * slope)) t /= 2;  // true of nan too
+        x += t * d;
     }
     return x;
 }

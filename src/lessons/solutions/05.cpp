@@ -22,7 +22,8 @@ double reach_of_translation(double r, double R) { return r * std::log(R / r); }
 double determinant_of_profile(double theta, double slope) { return 1 + slope * (1 - std::cos(theta)); }
 
 double determinant_at_circle(double theta, double R) {
-    return determinant_of_profile(theta, -2 * R * R / (R * R - 1));  // s(r) = (R^2 / r^2 - 1) / (R^2 - 1)
+    const double slope_at_1 = -2 * R * R / (R * R - 1);  // s(r) = (R^2 / r^2 - 1) / (R^2 - 1)
+    return 1 + slope_at_1 * (1 - std::cos(theta));
 }
 
 }  // namespace almesh::lessons

@@ -5,10 +5,8 @@
 
 namespace almesh::lessons {
 
-Vector updated_multipliers(const Vector& lambda, const Vector& c, double mu) {
-    Vector next = lambda;
-    for (std::size_t i = 0; i < c.size(); ++i) next[i] -= mu * c[i];
-    return next;
+double exact_multiplier(double lambda, double mu, double c_1, double c_2) {
+    return lambda - mu * c_1 / (1 - c_2 / c_1);  // lambda - mu (c_1 + c_2 + c_3 + ...), a geometric series
 }
 
 Vector wall_forces(const std::vector<std::array<int, 2>>& edges, const Vector& lambda) {

@@ -8,7 +8,7 @@ namespace almesh::lessons {
 double contraction(double kappa, double weight, double step) { return 1 - step / (kappa + weight); }
 
 int updates_as_printed(double mu, double q) {
-    const double factor = std::abs(contraction(0, mu * mu, mu));
+    const double factor = std::abs(1 - 1 / mu);  // 8.1 with kappa = 0, weight mu^2 and step mu
     if (factor >= 1) return -1;
     int updates = 0;
     for (double error = 1; error > 1 / q; error *= factor) ++updates;
