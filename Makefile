@@ -33,7 +33,7 @@ BENCH_OBJECTS := $(BENCH:%.cpp=$(BUILD)/%.o)
 # (src/lessons/exercises/, where students write) or with the solutions.
 LESSON_PROGRAMS := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/*.cpp))
 CHECKED   := $(sort $(patsubst tests/lessons/%_check.cpp,%,$(wildcard tests/lessons/*_check.cpp)))
-SOLVED    := $(CHECKED:%=$(BUILD)/lessons/solved-%)
+SOLVED    := $(patsubst src/lessons/solutions/%.cpp,$(BUILD)/lessons/solved-%,$(wildcard src/lessons/solutions/*.cpp))
 CHECKS    := $(CHECKED:%=$(BUILD)/tests/lessons/%_check.o) $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a
 # Only `make fuzz` has libFuzzer's entry; the harnesses are in the tests too.
 FUZZ      := $(filter-out tests/fuzz/%_test.cpp,$(wildcard tests/fuzz/*.cpp)) tests/support/meshes.cpp
@@ -58,7 +58,7 @@ said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
 .PHONY: all run help test test-page page run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-models cad-examples cholmod paper gauntlet generated certificates defaults drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
-        figures meshes lessons readmes check-lessons wrong-answers animation clean FORCE
+        figures meshes lessons readmes check-lessons student wrong-answers animation clean FORCE
 
 all: almesh ## build the program ./almesh
 
@@ -200,19 +200,32 @@ $(BUILD)/lessons/%: $(BUILD)/src/lessons/%.o $(BUILD)/libalmesh.a
 	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
 lesson-%: almesh FORCE ## run the commands of a lesson's handout and draw its picture: make lesson-01
-	$(MAKE) $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(BUILD)/lessons/solved-$*
+	$(MAKE) $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(filter %/solved-$*,$(SOLVED))
 	tests/documents.py --show --build $(BUILD) $*
-	$(PYTHON) $(wildcard plot/lessons/$*_*.py)
+	@if $(PYTHON) -c 'import numpy, matplotlib' 2>/dev/null; then $(PYTHON) $(wildcard plot/lessons/$*_*.py); else \
+	  echo 'no picture without numpy and matplotlib: apt-get install python3-numpy python3-matplotlib (or pip)'; fi
 
 check-lesson-%: FORCE ## check your answers to a lesson's exercises: make check-lesson-01 (ANSWERS=solutions: the solutions)
 	@$(MAKE) --no-print-directory $(filter %/$*_check.o %/exercise.o %.a,$(CHECKS))
 	@tests/lessons/answers.py --build $(BUILD) --lesson $* $(or $(ANSWERS),exercises)
+
+watch-%: FORCE ## check a lesson's answers at each save, and say what is next: make watch-04
+	@$(MAKE) --no-print-directory $(filter %/$*_check.o %/exercise.o %.a,$(CHECKS))
+	@tests/lessons/answers.py --build $(BUILD) --lesson $* --watch
+
+hint-%: ## a hint for an exercise, here 4.2: make hint-04-2 (MORE=1: nearly the answer)
+	@tests/lessons/hints.py $* $(if $(MORE),--more)
+
+student: ## export the course without solutions as a folder that stands alone: make student TO=../course
+	@tests/lessons/student.py $(TO)
 
 check-lessons: $(CHECKS) ## check the answers to all exercises: a table, and outputs/lessons/answers.csv (ANSWERS=solutions)
 	@tests/lessons/answers.py --build $(BUILD) $(or $(ANSWERS),exercises)
 
 lessons: python $(BUILD)/almesh $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ## run the commands of all documents, compare with the output shown; check the solutions
 	tests/lessons/answers.py --build $(BUILD) --self-test
+	tests/lessons/hints.py --self-test
+	tests/lessons/student.py --self-test
 	tests/lessons/wrong.py --build $(BUILD)
 	tests/lessons/one_file.py --build $(BUILD)
 	tests/documents.py --build $(BUILD) --self-test

@@ -4,6 +4,7 @@ memory and output, so that no answer can spoil the others' rows.
 
   tests/lessons/answers.py [--build FOLDER] [exercises | solutions]   a table, and outputs/lessons/answers.csv
   tests/lessons/answers.py [--build FOLDER] --lesson NN [...]         one lesson, and what a wrong answer shows
+  tests/lessons/answers.py [--build FOLDER] --lesson NN --watch       again at each save, and what is next
   tests/lessons/answers.py [--build FOLDER] --self-test               the checks themselves: each solution holds, and
                                                                       no template does, and says why
 
@@ -23,6 +24,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -144,6 +146,7 @@ def compiled(answers, limits):
         return f"{name} calls {function}, which is the library's: write what it does yourself"
     program.parent.mkdir(parents=True, exist_ok=True)
     program.unlink(missing_ok=True)
+    begun = time.time_ns()
     with tempfile.TemporaryDirectory() as folder:
         log, new = Path(folder) / "log", Path(folder) / "program"
         command = [*shlex.split(flags), "-Wno-error", answers.source, *parts, "-o", new]
@@ -157,6 +160,7 @@ def compiled(answers, limits):
             reason = (errors or lines or ["no reason given"])[0].replace(f"{ROOT}/", "")
             return f"{name} does not compile: {reason}"
         shutil.move(new, program)
+    os.utime(program, ns=(begun, begun))  # older than what is saved during the compilation
     return ""
 
 
@@ -247,6 +251,24 @@ def show(rows):
     print(f"{sum(row.holds for row in rows)} of {len(rows)} answers hold", flush=True)
 
 
+def watch(answers, rounds=None):
+    """Checks the answers now and whenever one of their files has been saved, `rounds` times in all; None: for ever."""
+    seen = None
+    while rounds != 0:
+        files = [answers.source, *answers.decks.glob("*.deck")]
+        now = {path: path.stat().st_mtime_ns for path in files if path.exists()}
+        if now == seen:
+            time.sleep(0.3)
+            continue
+        seen, rounds = now, rounds and rounds - 1
+        print(f"\n{time.strftime('%H:%M:%S')}  {shown(answers.source)}")
+        rows = check(answers)
+        show(rows)
+        left = [row.number for row in rows if not row.holds]
+        print(f"next: {left[0]}; a hint: make hint-{answers.number}-{left[0].split('.')[1]}" if left else
+              "all done: on to the next lesson", flush=True)
+
+
 def write(path, rows):
     """All of the table or nothing: a reader never finds half of it."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -296,6 +318,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", default="build")
     parser.add_argument("--lesson")
+    parser.add_argument("--watch", action="store_true")
     parser.add_argument("--self-test", action="store_true")
     parser.add_argument("answers", nargs="?", choices=("exercises", "solutions"), default="exercises")
     options = parser.parse_args()
@@ -307,6 +330,11 @@ def main():
     lesson = next((lesson for lesson in LESSONS if lesson.name.startswith(options.lesson)), None)
     if lesson is None:
         sys.exit(f"there is no lesson {options.lesson}: 01 to {len(LESSONS)}")
+    if options.watch:
+        try:
+            return watch(answers_of(lesson, options.answers, build))
+        except KeyboardInterrupt:
+            return 0
     rows = check(answers_of(lesson, options.answers, build))
     show(rows)
     return 0 if all(row.holds for row in rows) else 1

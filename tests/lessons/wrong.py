@@ -18,14 +18,17 @@ otherwise one of each kind, and of the wrong answers the first of each exercise.
 noticed. `answers.py` has the commands. Standard library only.
 """
 import argparse
+import contextlib
 import csv
+import io
 import re
 import sys
 import tempfile
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 
-from answers import LESSONS, ROOT, Answers, Limits, check, write
+from answers import LESSONS, ROOT, Answers, Limits, check, watch, write
 
 WRONG = Path(__file__).resolve().parent / "wrong.txt"
 PER_EXERCISE = 3
@@ -202,6 +205,25 @@ def test_files(lesson, build, failures):
         failures.append(f"{lesson.name}: without decks {len(with_deck)} answers are refused")
 
 
+def test_watch(lesson, build, failures):
+    """A save is seen: first the solution with a mistake, then without."""
+    source, _ = solved(lesson)
+    with tempfile.TemporaryDirectory(prefix="almesh-wrong-") as name:
+        answers = Answers(lesson, Path(name) / f"{lesson.name[:2]}.cpp", Path(name), build, f"wrong-{lesson.name[:2]}")
+        wrong = wrong_answers()["1.3"][0]
+        answers.source.write_text(wrong.put_into(source, {})[0])
+        save = threading.Timer(8, lambda: answers.source.write_text(source))
+        save.start()
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            watch(answers, rounds=2)
+        save.join()
+        answers.program.unlink(missing_ok=True)
+    parts = printed.getvalue().split("next: 1.3; a hint: make hint-01-3")
+    if len(parts) != 2 or "all done" not in parts[1]:
+        failures.append(f"watching does not see a save, or not what is next: {printed.getvalue()}")
+
+
 # ------------------------------------------------------------------------------------------------- command line
 
 def main():
@@ -219,6 +241,8 @@ def main():
     for k in range(count):
         test_broken(*places[k * 7 % len(places)], KINDS[k % len(KINDS)], build, failures)
     for lesson in lessons:
+        if lesson.name[:2] == "01":
+            test_watch(lesson, build, failures)
         if lesson.name[:2] in ("03", "07"):  # without and with a deck
             test_files(lesson, build, failures)
     print(f"{wrong} wrong and {count} broken answers: " + (f"{len(failures)} NOT NOTICED" if failures else
