@@ -69,6 +69,7 @@ struct Deck {
     int degree = 0;
     int refine = 0;
     TargetKind target = TargetKind::exact;
+    SharedNodes::Rule shared_nodes = SharedNodes::refuse;
     DistortionParams distortion;  // but for weight_exponent and power:
     std::optional<double> weight_exponent;
     std::optional<int> power;

@@ -127,6 +127,9 @@ const std::vector<DeckKey>& deck_keys() {
         {"target", choice<&Deck::target>({"exact", "nodal"}),
          "Target of the boundary. exact: the motion of each of its points; nodal: the polynomial through the moved "
          "nodes. Where a boundary slides or is free, the target is always nodal."},
+        {"shared_nodes", choice<&Deck::shared_nodes>({"refuse", "first", "mean"}),
+         "A node of two boundaries whose motions disagree is refused, goes with the boundary whose line stands first, or "
+         "to the mean of the positions."},
         {"objective",
          choice<&Deck::distortion, &Distortion::objective>({"squared", "deviation", "size_shape", "minimax"}),
          "What is minimised. squared: the integral of eta^2, as in the paper's tables; deviation: that of (eta - "

@@ -97,10 +97,14 @@ void read_node_rows(const Mesh& mesh, const std::string& path, const std::unorde
         const auto found = nodes.find(id);
         if (found == nodes.end()) in.fail("node ", id, " is not ", place);
         const int node = found->second;
-        if (known[node]) in.fail("node ", id, " is here already, in line ", line[node]);
+        for (int a = 0; a < mesh.dim; ++a) {
+            const double here = in.real("a coordinate");
+            double& v = value[offset(node, mesh.dim, a)];
+            if (known[node] && here != v) in.fail("node ", id, " is here already, in line ", line[node], ", elsewhere");
+            v = here;
+        }
+        if (!known[node]) line[node] = in.line;
         known[node] = 1;
-        line[node] = in.line;
-        for (int a = 0; a < mesh.dim; ++a) value[offset(node, mesh.dim, a)] = in.real("a coordinate");
         if (mesh.dim == 2 && in.at != in.end && *in.at != '\n') {
             const std::string rest(in.rest_of_line());
             if (!rest.empty() && parse_double(rest) != 0.0)

@@ -72,11 +72,11 @@ std::vector<double> between(const std::vector<double>& x, std::vector<double> X,
 // where they take that of the mesh; mesh: curved by the same fraction. placed: by files, at the end of the motion.
 // Throws InputError where boundaries that share nodes do not agree there.
 BoundaryTarget target_at(double fraction, const Mesh& mesh, const std::vector<double>& ideal,
-                         std::vector<Motion> motions, PlacedNodes placed) {
+                         std::vector<Motion> motions, PlacedNodes placed, const SharedNodes& shared) {
     for (Motion& motion : motions)
         if (fraction < 1) motion = at_fraction(motion, fraction);
     for (PlacedBoundary& boundary : placed) boundary.x = between(ideal, std::move(boundary.x), fraction);
-    return make_target(mesh, motions, placed);
+    return make_target(mesh, motions, placed, shared);
 }
 
 // The target of the level, which is in the file's frame. placed: as below.
@@ -84,7 +84,7 @@ BoundaryTarget target_on(const Problem& problem, const Level& level, PlacedNodes
     for (PlacedBoundary& boundary : placed)
         for (std::vector<double>* const field : {&boundary.x, &boundary.left_out})
             if (!field->empty()) *field = on_level(problem.shape(), std::move(*field), level);
-    BoundaryTarget target = target_at(1, level.mesh, level.ideal, problem.motions, placed);
+    BoundaryTarget target = target_at(1, level.mesh, level.ideal, problem.motions, placed, problem.shared);
     prescribe_shared_nodes(level.mesh, target);
     return target;
 }
@@ -145,7 +145,7 @@ std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const Deck& deck, 
     PlacedNodes placed = problem.placed;
     for (PlacedBoundary& boundary : placed)  // nodes that a file leaves out slide along the boundary as the mesh has it
         if (!boundary.left_out.empty()) boundary = {{}, std::vector<double>(shape.x.size(), 1.0)};
-    const BoundaryTarget of_shape = target_at(fraction, shape, ideal, motions, std::move(placed));
+    const BoundaryTarget of_shape = target_at(fraction, shape, ideal, motions, std::move(placed), problem.shared);
     return std::make_shared<SlidingSurfaces>(shape, of_shape.node, sliding, deck.feature_angle, problem.frame, other);
 }
 
@@ -198,6 +198,9 @@ bool curves_in_place(const Deck& deck, const Problem& problem) {
 
 void read_motions(const Deck& deck, Problem& problem) {
     problem.motions = motions_of(deck, problem.base);
+    problem.shared = {deck.shared_nodes, {}};
+    for (const std::string& name : problem.base.boundaries)
+        problem.shared.rank.push_back(static_cast<int>(motion_for(deck, name) - deck.boundaries.data()));
     NodeTargets targets = read_node_targets(problem.base, problem.motions);
     problem.raised = std::move(targets.raised);
     problem.placed = problem.level_placed = std::move(targets.placed);
@@ -258,7 +261,7 @@ std::unique_ptr<Constraint> constraint_at(double fraction, const Deck& deck, con
     in_file.x = frame.to_file(between(level.ideal, level.mesh.x, fraction), level.mesh.dim);
     try {
         BoundaryTarget target =
-            target_at(fraction, in_file, frame.to_file(level.ideal, level.mesh.dim), motions, placed);
+            target_at(fraction, in_file, frame.to_file(level.ideal, level.mesh.dim), motions, placed, problem.shared);
         prescribe_shared_nodes(in_file, target);
         target.freed = of_whole.freed;
         if (!of_whole.straight.empty()) make_straight(in_file, of_whole.straight, target);

@@ -19,6 +19,7 @@ struct Problem {
     Mesh base;                     // as read, with the boundaries of the deck
     bool is_own_ideal = false;     // it is curved, and itself the ideal mesh
     std::vector<Motion> motions;   // of its boundaries
+    SharedNodes shared;            // and what they do with nodes that they share
     std::optional<Mesh> raised;    // and of the degree of the meshes that place its boundaries, where that is higher
     std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in the run's frame
     BoundaryTarget target;         // in the run's frame

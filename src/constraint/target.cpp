@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -76,8 +77,9 @@ double share_of_edge(const std::vector<double>& i, const std::vector<double>& k,
     return k.size() == 4 ? share / sum : share;
 }
 
-// A node on two boundaries must have one target, to a small part of the faces around it.
-void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
+// Per node: whether two boundaries send it to positions that differ by more than a small part of the faces around it.
+// refuse: throws then.
+std::vector<char> disputed_nodes(const Mesh& mesh, const BoundaryTarget& target, bool refuse) {
     const int dim = mesh.dim;
     const double rounding = 1e-14 * extent(mesh);
     std::vector<double> size(mesh.face_count());
@@ -86,6 +88,7 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
         int face;
         std::size_t k;
     };
+    std::vector<char> disputed(mesh.nodes(), 0);
     std::vector<First> first(mesh.nodes(), {-1, 0});  // place in `faces` that first gave the target
     for_face_nodes(mesh, [&](int f, std::size_t k) {
         if (target.hold_of_node(mesh, f, k) != BoundaryHold::prescribed) return;
@@ -97,13 +100,68 @@ void check_shared_nodes(const Mesh& mesh, const BoundaryTarget& target) {
         for (int c = 0; c < dim; ++c) way[c] = b[c] - a[c];
         const double tolerance = 1e-6 * std::min(size[seen.face], size[f]);
         if (std::max({std::abs(way[0]), std::abs(way[1]), std::abs(way[2])}) <= tolerance + rounding) return;
+        disputed[mesh.faces[k]] = 1;
+        if (!refuse) return;
         std::string apart;
         append(apart, length(way), 4);
         throw InputError("node ", mesh.file.node_id[mesh.faces[k]], " lies on two boundaries whose motions disagree: ",
                          mesh.boundaries[mesh.face_boundary[seen.face]], " takes it to ", position_text(a, dim), ", ",
                          mesh.boundaries[mesh.face_boundary[f]], " to ", position_text(b, dim), ", ", apart,
-                         " apart; if one of them is a wall along which the other moves, let it `slide`");
+                         " apart; if one of them is a wall along which the other moves, let it `slide`; else say who "
+                         "has the node, `shared_nodes = first` or `mean`");
     });
+    return disputed;
+}
+
+// Where disputed nodes go.
+std::map<int, Vec<3>> settled_positions(const Mesh& mesh, const BoundaryTarget& target, const SharedNodes& shared,
+                                        const std::vector<char>& disputed) {
+    std::map<int, std::map<std::pair<int, int>, std::size_t>> claims;  // node -> rank, boundary -> place in `faces`
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        const int node = mesh.faces[k], b = mesh.face_boundary[f];
+        if (disputed[node] && target.hold_of_node(mesh, f, k) == BoundaryHold::prescribed)
+            claims[node].try_emplace({shared.rank.empty() ? b : shared.rank[b], b}, k);
+    });
+    std::map<int, Vec<3>> positions;
+    for (const auto& [node, places] : claims) {
+        const std::size_t count = shared.rule == SharedNodes::first ? 1 : places.size();
+        auto place = places.begin();
+        for (std::size_t i = 0; i < count; ++i, ++place)
+            for (int a = 0; a < mesh.dim; ++a)
+                positions[node][a] += target.node[place->second * mesh.dim + a] / static_cast<double>(count);
+    }
+    return positions;
+}
+
+// Takes disputed nodes to one position, and the faces at them along.
+void share_nodes(const Mesh& mesh, const SharedNodes& shared, BoundaryTarget& target) {
+    const auto positions = settled_positions(
+        mesh, target, shared, disputed_nodes(mesh, target, shared.rule == SharedNodes::refuse));
+    const int dim = mesh.dim;
+    for (std::size_t g = 0; g < target.rules.size() && !positions.empty(); ++g) {
+        const FaceRule& rule = target.rules[g];
+        const LagrangeBasis basis(*rule.faces.cell, mesh.degree);
+        for (int f = rule.faces.first; f < rule.faces.first + rule.faces.count; ++f) {
+            if (target.hold_of_face(mesh, f) != BoundaryHold::prescribed) continue;
+            double* const node = &target.node[mesh.face_start(f) * dim];
+            std::vector<double> shift(basis.count * dim, 0.0);
+            for (int i = 0; i < basis.count; ++i) {
+                const auto found = positions.find(mesh.face(f)[i]);
+                const std::vector<double> weight = basis.vertex_weights(i);
+                for (int a = 0; a < dim; ++a) {
+                    double& by = shift[i * dim + a];
+                    if (found != positions.end()) by = found->second[a] - node[i * dim + a];
+                    else if (i >= basis.cell.vertices) by = on_flat_face(shift.data(), weight, mesh.degree, dim, a);
+                    node[i * dim + a] = found != positions.end() ? found->second[a] : node[i * dim + a] + by;
+                }
+            }
+            for (int q = 0; q < rule.quadrature.count; ++q)
+                for (int i = 0; i < basis.count; ++i)
+                    for (int a = 0; a < dim; ++a)
+                        target.sample[rule.sample(f, q) * dim + a] +=
+                            rule.values[offset(q, basis.count, i)] * shift[i * dim + a];
+        }
+    }
 }
 
 // Face x face node; empty where no file leaves nodes out to slide or to be free.
@@ -135,7 +193,8 @@ std::vector<FaceRule> rules_of(const Mesh& mesh, int exactness) {
 
 }  // namespace
 
-BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed) {
+BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed,
+                           const SharedNodes& shared) {
     const int dim = mesh.dim;
     for (const Motion& each : motion) check_dimension(each, dim);
     BoundaryTarget target;
@@ -167,7 +226,7 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, 
             }
         }, move_work * (m + points));
     }
-    check_shared_nodes(mesh, target);
+    share_nodes(mesh, shared, target);
     return target;
 }
 

@@ -50,10 +50,17 @@ struct PlacedBoundary {
 
 using PlacedNodes = std::vector<PlacedBoundary>;  // per boundary, or empty
 
+// What becomes of a node whose boundaries send it to different positions: an error, that of the boundary of the lowest
+// rank, or the mean of theirs. The faces at it follow as their basis functions do.
+struct SharedNodes {
+    enum Rule { refuse, first, mean } rule = refuse;
+    std::vector<int> rank{};  // per boundary
+};
+
 // motion: one per mesh.boundaries. Throws UsageError where one does not fit the dimension, InputError where a
-// projection is undefined (a node at the centre), or where two boundaries send a node they share to different
-// positions.
-BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed = {});
+// projection is undefined (a node at the centre), or where two boundaries disagree on a node and the rule is `refuse`.
+BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed = {},
+                           const SharedNodes& shared = {});
 
 // x (node_count x dim) with the boundary nodes at their positions in the target: the first face that holds a node
 // decides.

@@ -249,6 +249,9 @@ TEST_CASE("a frame that fails ends the run with its code; keep_going goes on wit
     CHECK(std::filesystem::exists(ring.output + "/frame-0002.msh"));
     CHECK(!std::filesystem::exists(ring.output + "/frame-0003.msh"));
     REQUIRE(frames_of(ring.output).size() == 3);
+    CHECK(has(ring.run({hits, "frames=0, 0.6"}).error, "frame 2, t = 0.6: the target makes the boundary itself invalid"));
+    CHECK(has(ring.run({hits, "frames=0, 0.6"}).error, "in the target it crosses face "));
+    REQUIRE(ring.run({hits, "frames=0, 0.3, 1, 1.8"}).code == 2);
     CHECK(frames_of(ring.output)[2].at("status") == "refused");
     CHECK(has(text_of(ring.output + "/frames.csv"), ",\"the target makes the boundary itself invalid"));
 
@@ -280,6 +283,22 @@ TEST_CASE("a node of two boundaries that part in a frame is refused with both na
                              "left to (-2.25, 0), 0.75 apart"})
         CHECK_MESSAGE(has(outcome.error, part), outcome.error);
     CHECK(frames_of(folder.path("out")).size() == 3);
+    for (const auto& [rule, x] : {std::pair("first", -0.09), std::pair("mean", -0.195)}) {
+        CHECK(almesh_with({deck, concat("shared_nodes=", rule), "frames=0.3"}).code == 0);
+        CHECK(mesh_of(folder.path("out/frame-0001.msh")).x[0] == doctest::Approx(x).epsilon(1e-14));
+    }
+}
+
+TEST_CASE("who reads the progress may go away") {
+    const RingDeck ring;
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    close(ends[0]);
+    std::FILE* const out = fdopen(ends[1], "w");
+    setvbuf(out, nullptr, _IONBF, 0);
+    CHECK(command_line({ring.deck, pitch_and_plunge, "frames=0, 0.1, 0.2"}, out, stderr) == 0);
+    std::fclose(out);
+    CHECK(frames_of(ring.output).size() == 3);
 }
 
 TEST_CASE("numbers that make no sense at some time, and keys that do not go with frames, are refused at once") {

@@ -116,6 +116,30 @@ TEST_CASE("the target is in the trace space, and takes few quadrature points, un
     CHECK(projected.rules[0].quadrature.count == mesh.degree + 6);
 }
 
+TEST_CASE("a node of boundaries that disagree goes with the first of them, or to their mean, and the faces go along") {
+    for (const int degree : {1, 2, 3}) {
+        const Mesh mesh = raise_degree(square_mesh(2), degree);
+        std::vector<Motion> motion;
+        SharedNodes shared;
+        for (const std::string& name : mesh.boundaries) {  // left and bottom have the origin
+            motion.push_back(parse_motion(name == "left" ? "translate -0.25 0" : "fixed"));
+            shared.rank.push_back(name == "left" ? 0 : name == "top" ? 2 : 1);
+        }
+        for (const auto& [rule, shift] : {std::pair(SharedNodes::first, -0.25), std::pair(SharedNodes::mean, -0.125)}) {
+            shared.rule = rule;
+            const BoundaryTarget target = make_target(mesh, motion, {}, shared);
+            for_points(mesh, target, "left", [&, by = shift](const double* x, const double* g) {
+                const bool at_corner_face = std::min(x[1], 1 - x[1]) < 0.5;
+                const double share = at_corner_face ? 1 - std::min(x[1], 1 - x[1]) / 0.5 : 0;
+                CHECK(std::hypot(g[0] + 0.25 - share * (0.25 + by), g[1] - x[1]) < 1e-14);
+            });
+            for_points(mesh, target, "bottom", [&, by = shift](const double* x, const double* g) {
+                CHECK(std::hypot(g[0] - x[0] - std::max(0.0, 1 - x[0] / 0.5) * by, g[1]) < 1e-14);
+            });
+        }
+    }
+}
+
 TEST_CASE("two boundaries that send a shared node to different places are refused by id and name") {
     const Mesh mesh = square_mesh(2);
     const std::string message = error_of(mesh, {{"left", "translate 0 0.5"}});
