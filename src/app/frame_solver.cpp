@@ -63,7 +63,7 @@ Solution FrameSolver::solve(const Deck& deck, double t, const FramesBefore& befo
     if (!before.x.empty() && may_follow(deck)) {
         prepare(deck);
         std::vector<double> x;
-        started_from = start(t, before, follows(deck, before), x);
+        started_from = start(t, before, leads(deck, before.motions, problem_.motions), x);
         if (!started_from.empty()) {
             const HessianKind kind = started_from == "ideal" ? HessianKind::damping : HessianKind::full;
             Solution solution = lead(deck, x, kind);
@@ -74,6 +74,13 @@ Solution FrameSolver::solve(const Deck& deck, double t, const FramesBefore& befo
     }
     started_from = "anew";
     return solve_anew(deck);
+}
+
+bool FrameSolver::leads(const Deck& deck, const std::vector<Motion>& before, const std::vector<Motion>& now) const {
+    const bool as_written = deck.continuation == Continuation::always;
+    for (std::size_t b = 0; b < before.size(); ++b)
+        if (!leads_to(before[b], now[b], as_written)) return false;
+    return true;
 }
 
 bool FrameSolver::is_valid_between(const std::vector<double>& from, const std::vector<double>& to) const {
@@ -90,14 +97,6 @@ void FrameSolver::prepare(const Deck& deck) {
     if (!level.energy || !level.energy->quadrature().refinements.empty()) set_functional(deck, problem_);
     else set_constraint(deck, problem_);
     level.energy->set_quadrature({});
-}
-
-// Whether the frame before leads to this one.
-bool FrameSolver::follows(const Deck& deck, const FramesBefore& before) const {
-    const bool as_written = deck.continuation == Continuation::always;
-    for (std::size_t b = 0; b < before.motions.size(); ++b)
-        if (!leads_to(before.motions[b], problem_.motions[b], as_written)) return false;
-    return true;
 }
 
 // x: the nearest to the target of those that lead there. Returns its name, "" for none.

@@ -20,6 +20,9 @@ public:
     // two before extrapolate to, "before", "ideal" or, where the run was one of its own, "anew".
     Solution solve(const Deck& deck, double t, const FramesBefore& before, std::string& started_from);
 
+    // Whether the motions of one frame lead to those of another: leads_to().
+    bool leads(const Deck& deck, const std::vector<Motion>& before, const std::vector<Motion>& now) const;
+
     // Whether every mesh (1 - s) from + s to, 0 <= s <= 1, is certified valid. Both are.
     bool is_valid_between(const std::vector<double>& from, const std::vector<double>& to) const;
 
@@ -30,7 +33,6 @@ private:
 
     Newton& newton(const Deck& deck);
     void prepare(const Deck& deck);
-    bool follows(const Deck& deck, const FramesBefore& before) const;
     std::string start(double t, const FramesBefore& before, bool from_before, std::vector<double>& x) const;
     Solution lead(const Deck& deck, const std::vector<double>& x, HessianKind kind);
     Solution solve_from(const Deck& deck, const std::vector<double>& x);

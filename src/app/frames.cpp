@@ -10,6 +10,7 @@
 #include "app/deck_checks.hpp"
 #include "app/ending.hpp"
 #include "app/frame_solver.hpp"
+#include "app/frame_table.hpp"
 #include "app/frame_times.hpp"
 #include "app/mesh_velocity.hpp"
 #include "app/results_folder.hpp"
@@ -21,33 +22,7 @@
 namespace almesh {
 namespace {
 
-constexpr const char* heading =
-    "frame,t,status,exit_code,newton_steps,max_distortion,relative_quality,min_scaled_jacobian,certified,started_from,"
-    "seconds,note\n";
-
-// A row of frames.csv.
-struct Row {
-    int number = 0;
-    double t = 0;
-    std::string status = "refused", started_from = {}, note = {}, mesh = {};  // mesh: its file
-    ExitCode code = ExitCode::success;
-    int newton_steps = 0;
-    double max_distortion = 0, relative_quality = 0, min_scaled_jacobian = 0, seconds = 0;
-    bool certified = false;
-
-    bool has_mesh() const { return status == status_row(Status::converged).name; }
-};
-
-std::string csv_of(const Row& row) {
-    std::string note = row.note, numbers = ",,,,";
-    std::replace(note.begin(), note.end(), '\n', ' ');
-    std::replace(note.begin(), note.end(), '"', '\'');
-    if (!row.started_from.empty())
-        numbers = concat(row.newton_steps, ",", row.max_distortion, ",", row.relative_quality, ",",
-                         row.min_scaled_jacobian, ",", row.certified ? "yes" : "no");
-    return concat(row.number, ",", row.t, ",", row.status, ",", static_cast<int>(row.code), ",", numbers, ",",
-                  row.started_from, ",", rounded_down(row.seconds, 4), ",", with_quotes(note), "\n");
-}
+constexpr int most_halvings = 3;  // of the time between two frames
 
 class FrameRun {
 public:
@@ -58,11 +33,6 @@ public:
     ExitCode run();
 
 private:
-    struct Done {
-        Row row;
-        std::string line;  // of frames.csv
-    };
-
     const Deck &deck_, &start_;
     std::FILE* out_;
     std::unique_ptr<std::FILE, int (*)(std::FILE*)> log_{nullptr, std::fclose};
@@ -70,26 +40,29 @@ private:
     Coupling* coupling_;  // null: there is none
     Problem problem_;
     FrameSolver solver_{problem_};
-    std::vector<Done> done_;
+    FrameTable done_{deck_};
     std::size_t resumed_ = 0;  // of these, done before
     double spent_ = 0;         // seconds, on those since
     FramesBefore before_;      // with a mesh
     MeshVelocity velocity_;
     std::vector<std::string> files_;  // of the line that asks for the frame
     std::vector<std::string> told_;  // notes
+    int between_ = 0;           // frames between the last one and this one,
+    bool way_is_valid_ = true;  // through which the nodes go
 
     std::string path(const char* name) const { return concat(deck_.output, "/", name); }
     void begin();
     void resume();
-    bool next(Row& row);
+    bool next(FrameRow& row);
     void tell_notes();
-    void solve(const Deck& now, Row& row);
-    void solve_or_refuse(Row& row);
-    void keep(const Deck& now, Solution& solution, Row& row);
-    void add(const Row& row, const std::string& line);
-    void write_tables();
-    void print(const Row& row);
-    void answer(const Row& row);
+    void solve_or_refuse(FrameRow& row);
+    void solve(FrameRow& row, int halvings);
+    bool may_halve(const FrameRow& row) const;
+    bool solve_between(const FrameRow& row, int halvings);
+    std::string path_to(const Solution& solution, double t) const;
+    void keep(const Deck& now, Solution& solution, FrameRow& row);
+    void print(const FrameRow& row);
+    void answer(const FrameRow& row);
     ExitCode end();
 };
 
@@ -106,15 +79,7 @@ void FrameRun::resume() {
     before_.motions = motions_of(deck_at(deck_, before_.t, last), problem_.base);
     if (!before_.earlier.empty()) velocity_.add(before_.earlier_t, before_.earlier);
     velocity_.add(before_.t, before_.x);
-    const std::string csv = read_file(path("frames.csv"));
-    for (const std::string_view line : split(csv, '\n')) {
-        const auto cell = split(line, ',');
-        const auto number = parse_int(cell[0]), code = cell.size() > 3 ? parse_int(cell[3]) : std::nullopt;
-        if (!number || !code || *number > last) continue;
-        Row row{*number, times_[*number - 1], std::string(cell[2])};
-        row.code = static_cast<ExitCode>(*code);
-        add(row, std::string(line) + "\n");
-    }
+    done_.read(last);
     resumed_ = done_.size();
     std::fprintf(out_, "resumes after %s\n", frame_at(last, before_.t).c_str());
 }
@@ -129,27 +94,8 @@ void FrameRun::tell_notes() {
     problem_.notes.clear();
 }
 
-// Where a time step is tried again, in the place of the first try; in vain, its mesh stays.
-void FrameRun::add(const Row& row, const std::string& line) {
-    const std::size_t place = row.number - 1;
-    if (place == done_.size()) done_.push_back({row, line});
-    else if (row.has_mesh() || !done_[place].row.has_mesh()) done_[place] = {row, line};
-}
-
-void FrameRun::write_tables() {
-    std::string csv = heading;
-    std::vector<std::pair<std::string, double>> series;
-    for (const auto& [row, line] : done_) {
-        csv += line;
-        if (row.has_mesh()) series.emplace_back(frame_name(row.number) + ".vtk", row.t);
-    }
-    write_file(path("frames.csv"), csv);
-    if (deck_.vtk != VtkOutput::none && !series.empty()) write_series(path("frames.vtk.series"), series);
-}
-
 // Files of the frame, and what of it goes into the table.
-void FrameRun::keep(const Deck& now, Solution& solution, Row& row) {
-    round_as_file(problem_, solution.x);
+void FrameRun::keep(const Deck& now, Solution& solution, FrameRow& row) {
     examine(now, problem_, solution);
     const AlIteration& last = solution.al.iterations.back();
     row.status = status_row(solution.al.status).name;
@@ -159,6 +105,7 @@ void FrameRun::keep(const Deck& now, Solution& solution, Row& row) {
     row.relative_quality = last.relative_quality;
     row.min_scaled_jacobian = solution.certificate.min_scaled_jacobian;
     row.certified = solution.injectivity.certified;
+    if (row.between > 0 && !(row.has_mesh() && row.certified)) return;
     const Summary summary = summarise(problem_, solution);
     write_summary(deck_, summary);
     if (!row.has_mesh() || !row.certified) {
@@ -169,8 +116,8 @@ void FrameRun::keep(const Deck& now, Solution& solution, Row& row) {
     if (!row.has_mesh()) return;
     MeshVelocity velocity = velocity_;
     if (deck_.velocity != Velocity::no) velocity.add(row.t, solution.x);
-    row.mesh = write_frame(deck_, problem_, solution, row.number, velocity.point_data(deck_, problem_));
-    velocity.write(deck_, problem_, path(frame_name(row.number).c_str()));
+    row.mesh = write_frame(deck_, problem_, solution, row.file_name(), velocity.point_data(deck_, problem_));
+    velocity.write(deck_, problem_, path(row.file_name().c_str()));
     velocity_ = std::move(velocity);
     before_.push(solution.x, row.t, problem_.motions);
     for (const Expectation& expectation : deck_.expectations) {
@@ -181,16 +128,66 @@ void FrameRun::keep(const Deck& now, Solution& solution, Row& row) {
     }
 }
 
-void FrameRun::solve(const Deck& now, Row& row) {
+// Of the nodes from the frame before; of a time step that is tried again, from the one before its first try.
+std::string FrameRun::path_to(const Solution& solution, double t) const {
+    const std::vector<double>& from = before_.t == t ? before_.earlier : before_.x;
+    if (from.empty() || solution.al.status != Status::converged) return "";
+    return solver_.is_valid_between(from, solution.x) ? frame_path::valid : frame_path::not_valid;
+}
+
+// Where the way from the frame before is not valid, frames at times between come first.
+void FrameRun::solve(FrameRow& row, int halvings) {
+    const Deck now = deck_at(deck_, row.t, row.number, files_);
     if (row.number > 1 || coupling_) move_target(now, problem_);
     tell_notes();
     Solution solution = solver_.solve(now, row.t, before_, row.started_from);
-    if (!interrupted()) keep(now, solution, row);
+    if (interrupted()) return;
+    round_as_file(problem_, solution.x);
+    row.path = path_to(solution, row.t);
+    if (row.path == frame_path::not_valid && halvings < most_halvings && may_halve(row)) {
+        const bool divided = solve_between(row, halvings + 1);
+        return solve(row, divided ? halvings + 1 : most_halvings);
+    }
+    if (row.path == frame_path::not_valid) {
+        way_is_valid_ = false;
+        row.note = "the straight way of the nodes from the frame before is not valid";
+    }
+    if (row.between > 0) row.between = ++between_;
+    else if (!way_is_valid_) row.path = frame_path::not_valid;
+    else if (between_ > 0) row.path = concat("split ", between_);
+    keep(now, solution, row);
 }
 
-void FrameRun::solve_or_refuse(Row& row) {
+// Whether there are motions at the time halfway, which lead from one frame to the other.
+bool FrameRun::may_halve(const FrameRow& row) const try {
+    for (const DeckBoundary& boundary : deck_.boundaries)
+        for (const MotionStep& step : boundary.motion.steps)
+            if (coupling_ || step.file.find('%') != std::string::npos) return false;
+    const auto halfway = motions_of(deck_at(deck_, 0.5 * (before_.t + row.t), row.number), problem_.base);
+    return solver_.leads(deck_, before_.motions, halfway) && solver_.leads(deck_, halfway, problem_.motions);
+} catch (const UsageError&) {
+    return false;
+}
+
+// The frame at that time. Whether it has a mesh.
+bool FrameRun::solve_between(const FrameRow& row, int halvings) try {
+    const Stopwatch watch;
+    FrameRow between{row.number, 1, 0.5 * (before_.t + row.t)};
+    solve(between, halvings);
+    if (!between.has_mesh() || !between.certified) return false;
+    between.seconds = watch.seconds();
+    done_.add(between);
+    print(between);
+    return true;
+} catch (const InputError&) {
+    return false;  // a target that folds
+}
+
+void FrameRun::solve_or_refuse(FrameRow& row) {
+    between_ = 0;
+    way_is_valid_ = true;
     try {
-        solve(deck_at(deck_, row.t, row.number, files_), row);
+        solve(row, 0);
     } catch (const Error& error) {
         row.code = error.exit_code;
         row.status = "refused";
@@ -198,27 +195,27 @@ void FrameRun::solve_or_refuse(Row& row) {
     }
 }
 
-void FrameRun::print(const Row& row) {
-    std::fprintf(out_, "%6d  %9.4g  %-10s", row.number, row.t, row.status.c_str());
+void FrameRun::print(const FrameRow& row) {
+    std::fprintf(out_, "%6s  %9.4g  %-10s", row.label().c_str(), row.t, row.status.c_str());
     if (!row.started_from.empty())
         std::fprintf(out_, "  %6d  %9.4g  %8.6f  %8s  %-6s  %7.3fs", row.newton_steps, row.max_distortion,
                      row.relative_quality, rounded_down(row.min_scaled_jacobian, 4).c_str(), row.started_from.c_str(),
                      row.seconds);
-    if (!row.started_from.empty() && !coupling_)
+    if (!row.started_from.empty() && !coupling_ && row.between == 0)
         std::fprintf(out_, "  %.2fs left", static_cast<double>(times_.size() - done_.size()) * spent_ /
                                                static_cast<double>(done_.size() - resumed_));
     std::fprintf(out_, "%s%s\n", row.note.empty() ? "" : "  ", row.note.c_str());
     std::fflush(out_);
 }
 
-void FrameRun::answer(const Row& row) {
+void FrameRun::answer(const FrameRow& row) {
     if (row.has_mesh() && row.certified) return coupling_->tell(row.status, row.mesh);
     coupling_->tell(row.has_mesh() ? "not_certified" : row.status,
                     row.note.empty() ? concat(path(frames_log), " says why") : row.note);
 }
 
 // The frame after the last one; where a coupled run asks for the same time again, the same frame. False: there is none.
-bool FrameRun::next(Row& row) {
+bool FrameRun::next(FrameRow& row) {
     row = {static_cast<int>(done_.size()) + 1};
     if (!coupling_) {
         if (done_.size() < times_.size()) row.t = times_[done_.size()];
@@ -229,8 +226,8 @@ bool FrameRun::next(Row& row) {
     if (!asked) return false;
     row.t = asked->t;
     files_ = asked->files;
-    for (const Done& done : done_)
-        if (done.row.t == row.t) row.number = done.row.number;
+    for (std::size_t k = 0; k < done_.size(); ++k)
+        if (done_[k].t == row.t) row.number = done_[k].number;
     return true;
 }
 
@@ -248,23 +245,21 @@ void FrameRun::begin() {
                  "q", "Jacobian", "from", "time");
 }
 
-// The code is the lowest but success.
 ExitCode FrameRun::end() {
-    ExitCode worst = ExitCode::success;
-    for (const auto& [row, line] : done_)
-        if (row.code != ExitCode::success) worst = worst == ExitCode::success ? row.code : std::min(worst, row.code);
     remove_file(path(frames_state));
-    std::fprintf(out_, "%s, %s; results in %s\n", counted(done_.size(), "frame").c_str(),
-                 worst == ExitCode::success ? "all certified valid and injective" : "not all as wanted: frames.csv",
-                 deck_.output.c_str());
-    return worst;
+    const int folded = done_.count(frame_path::not_valid);
+    const bool good = done_.code() == ExitCode::success;
+    std::fprintf(out_, "%s, %s%s; results in %s\n", counted(done_.size(), "frame").c_str(),
+                 good ? "all certified valid and injective" : "not all as wanted: frames.csv",
+                 folded > 0 ? concat(", but not the way to ", folded, " of them").c_str() : "", deck_.output.c_str());
+    return done_.code();
 }
 
 ExitCode FrameRun::run() {
     resume();
     const ResultsFolder folder(start_);
     begin();
-    for (Row row; next(row);) {
+    for (FrameRow row; next(row);) {
         const CatchInterrupts catching;  // not while a coupled run waits
         const Stopwatch watch;
         const std::string name = frame_at(row.number, row.t);
@@ -275,8 +270,7 @@ ExitCode FrameRun::run() {
             return ExitCode::not_converged;
         }
         spent_ += row.seconds = watch.seconds();
-        add(row, csv_of(row));
-        write_tables();
+        done_.add(row);
         const bool goes_on = row.code == ExitCode::success || row.code == ExitCode::expectation_failed;
         if (!goes_on && !deck_.keep_going && !coupling_)
             throw Error(row.code, concat(name, ": ", row.note.empty() ? row.status : row.note,

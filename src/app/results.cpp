@@ -228,18 +228,31 @@ void write_iterate(const Deck& deck, const Problem& problem, int number, const s
     write_series(deck.output + "/iterates.vtk.series", files);
 }
 
+namespace {
+
+constexpr const char* end_of_series = "\n  ]\n}\n";
+
+std::string row_of_series(const std::string& name, double time) {
+    return concat("    {\"name\": \"", name, "\", \"time\": ", time, "}");
+}
+
+}  // namespace
+
 void write_series(const std::string& path, const std::vector<std::pair<std::string, double>>& files) {
     std::string rows;
-    for (const auto& [name, time] : files)
-        rows += concat(rows.empty() ? "" : ",\n", "    {\"name\": \"", name, "\", \"time\": ", time, "}");
-    write_file(path, concat("{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n", rows, "\n  ]\n}\n"));
+    for (const auto& [name, time] : files) rows += (rows.empty() ? "" : ",\n") + row_of_series(name, time);
+    write_file(path, concat("{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n", rows, end_of_series));
+}
+
+void append_to_series(const std::string& path, const std::string& name, double time) {
+    append_to_file(path, ",\n" + row_of_series(name, time), end_of_series);
 }
 
 std::string frame_name(int number) { return numbered("frame-", number); }
 
-std::string write_frame(const Deck& deck, const Problem& problem, const Solution& solution, int number,
+std::string write_frame(const Deck& deck, const Problem& problem, const Solution& solution, const std::string& name,
                         const std::vector<VtkArray>& point_data) {
-    return write_mesh(deck, problem, solution, final_positions(problem, solution.x), frame_name(number), point_data);
+    return write_mesh(deck, problem, solution, final_positions(problem, solution.x), name, point_data);
 }
 
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {

@@ -69,10 +69,11 @@ void write_iterate(const Deck& deck, const Problem& problem, int number, const s
 // An animation for ParaView: names of files beside it, with their times.
 void write_series(const std::string& path, const std::vector<std::pair<std::string, double>>& files);
 
+void append_to_series(const std::string& path, const std::string& name, double time);  // which has one already
+
 std::string frame_name(int number);  // frame-0001
-// frame-0001.msh, .su2 or both, as the key `final` says, and frame-0001.vtk. Returns the path of the first one.
-// point_data: for the latter.
-std::string write_frame(const Deck& deck, const Problem& problem, const Solution& solution, int number,
+// name.msh, .su2 or both, as the key `final` says, and name.vtk, with point_data. Returns the path of the first one.
+std::string write_frame(const Deck& deck, const Problem& problem, const Solution& solution, const std::string& name,
                         const std::vector<VtkArray>& point_data);
 
 // How the final mesh is written: final.msh, final.su2, or both.

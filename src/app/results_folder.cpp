@@ -26,12 +26,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// frame-0001.msh, and what is told of all of them.
+// frame-0001.msh, frame-0001-1.msh, and what is told of all of them.
 bool is_of_frame(const std::string& name) {
-    const std::string ending = name.substr(std::min(name.find_first_not_of("0123456789", 6), name.size()));
+    const std::string ending = name.substr(std::min(name.find_first_not_of("-0123456789", 6), name.size()));
     return name == "frames.csv" || name == "frames.vtk.series" || name == frames_state || name == frames_log ||
            (name.starts_with("frame-") && (ending == ".msh" || ending == ".su2" || ending == ".vtk" ||
-                                           ending == "-velocity.csv" || ending == "-swept.csv"));
+                                           ending == "velocity.csv" || ending == "swept.csv"));
 }
 
 // Of a Newton step or a frame: who resumes a run does not take it again.

@@ -87,6 +87,25 @@ void write_file(const std::string& path, const std::function<void(const TextSink
     cannot("write to", path, std::strerror(reason));
 }
 
+void append_to_file(const std::string& path, std::string_view text, std::string_view tail) {
+    const auto start_of_tail = [&](std::FILE* file) {
+        return std::fseek(file, -static_cast<long>(tail.size()), SEEK_END) == 0 ? std::ftell(file) : -1;
+    };
+    const auto put = [](std::FILE* file, std::string_view piece) {
+        return std::fwrite(piece.data(), 1, piece.size(), file) == piece.size() && std::fflush(file) == 0;
+    };
+    const File file(std::fopen(path.c_str(), "rb+"), std::fclose);
+    const long at = file ? start_of_tail(file.get()) : -1;
+    if (at < 0) cannot("write to", path, std::strerror(errno));
+    if (put(file.get(), concat(text, tail))) return;
+    const int reason = errno;
+    std::error_code error;
+    std::fseek(file.get(), at, SEEK_SET);
+    put(file.get(), tail);
+    fs::resize_file(path, at + tail.size(), error);
+    cannot("write to", path, std::strerror(reason));
+}
+
 void remove_file(const std::string& path) {
     std::error_code error;
     fs::remove(path, error);

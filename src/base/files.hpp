@@ -26,6 +26,10 @@ void write_file(const std::string& path, std::string_view content);
 using TextSink = std::function<void(std::string_view)>;
 void write_file(const std::string& path, const std::function<void(const TextSink&)>& fill);
 
+// Puts `text` before the tail that the file ends with. Where there is no room for it the file stays as it is. Throws
+// InputError.
+void append_to_file(const std::string& path, std::string_view text, std::string_view tail = {});
+
 // Formats rows 0 .. count - 1 and hands them to the sink; row(part, i) appends row i to `part`. Blocks of rows are
 // formatted in parallel and written in order: the same text for any number of threads, and one block per thread in
 // memory.

@@ -2,6 +2,7 @@
 #include "app/frames.hpp"
 
 #include <doctest/doctest.h>
+#include <sys/resource.h>
 
 #include <chrono>
 #include <cmath>
@@ -32,6 +33,12 @@ Table frames_of(const std::string& folder) {
             table.back()[rows[0][c]] = rows[k][c];
         }
     return table;
+}
+
+const std::map<std::string, std::string>& row_of(const Table& table, const std::string& frame) {
+    const auto found = std::find_if(table.begin(), table.end(), [&](const auto& row) { return row.at("frame") == frame; });
+    REQUIRE(found != table.end());
+    return *found;
 }
 
 std::string name_of(int frame) { return "frame-" + std::string(frame < 10 ? "000" : "00") + std::to_string(frame); }
@@ -104,7 +111,14 @@ TEST_CASE("a boundary that turns all the way round has the mesh with it, and is 
     const RingDeck ring;
     REQUIRE(ring.run({"boundary inner=rotate \"360*t\"", "frames=0 : 0.1 : 3"}).code == 0);
     for (int k = 1; k <= 21; ++k) CHECK(drift(frame(ring, k), frame(ring, k + 10)) < 1e-8);
-    CHECK(frames_of(ring.output)[10].at("max_distortion") == frames_of(ring.output)[0].at("max_distortion"));
+    const Table table = frames_of(ring.output);
+    CHECK(row_of(table, "11").at("max_distortion") == row_of(table, "1").at("max_distortion"));
+    // From 180 to 216 degrees the other way round is the shorter one, and nothing lies between.
+    for (const auto& row : table) {
+        CAPTURE(row.at("frame"));
+        const bool jumps = row.at("frame").ends_with("7");
+        CHECK((row.at("path") == "not valid") == jumps);
+    }
 }
 
 TEST_CASE("curved and sliding boundaries, and volumes in space, do not drift either") {
@@ -139,6 +153,71 @@ TEST_CASE("curved and sliding boundaries, and volumes in space, do not drift eit
         for (const int k : {1, 2})
             CHECK(*parse_double(table[k].at(quantity)) ==
                   doctest::Approx(*parse_double(upward[k + 1].at(quantity))).epsilon(1e-10));
+}
+
+TEST_CASE("the way from frame to frame is valid everywhere, through frames at times between where it has to be") {
+    const RingDeck ring(ring_mesh(24, 6, 6));
+    const std::string turns = "boundary inner=rotate \"85*t\"; rotate \"100*t\"; translate \"100*max(0, t - 2)\" 0";
+    for (const char* const resume : {"resume=0", "resume=1"}) {
+        CHECK(ring.run({turns, "frames=0, 0.5, 1.5, 4", resume}).code == 2);  // the last one folds
+        const Table table = frames_of(ring.output);
+        REQUIRE(table.size() == 6);
+        CHECK(row_of(table, "2").at("path") == "valid");
+        CHECK(row_of(table, "3-1").at("t") == "1");
+        CHECK(row_of(table, "3-1").at("path") == "valid");
+        CHECK(row_of(table, "3-2").at("t") == "1.25");
+        CHECK(row_of(table, "3-2").at("path") == "valid");
+        CHECK(row_of(table, "3").at("path") == "split 2");
+        CHECK(has(text_of(ring.output + "/frames.vtk.series"),
+                  "0.5},\n    {\"name\": \"frame-0003-1.vtk\", \"time\": 1},\n"
+                  "    {\"name\": \"frame-0003-2.vtk\", \"time\": 1.25},\n    {\"name\": \"frame-0003.vtk"));
+    }
+    const Mesh before = frame(ring, 2), after = frame(ring, 3);
+    const Mesh first = mesh_of(ring.output + "/frame-0003-1.msh"), second = mesh_of(ring.output + "/frame-0003-2.msh");
+    const auto least_area = [&](const Mesh& from, const Mesh& to) {
+        double least = 1e300;
+        for (int s = 0; s <= 1000; ++s) {
+            const auto at = [&](int i, int a) {
+                return from.x[2 * i + a] + 0.001 * s * (to.x[2 * i + a] - from.x[2 * i + a]);
+            };
+            for (int e = 0; e < from.element_count(); ++e) {
+                const int *const v = from.element(e), i = v[0], j = v[1], k = v[2];
+                least = std::min(least, (at(j, 0) - at(i, 0)) * (at(k, 1) - at(i, 1)) -
+                                            (at(j, 1) - at(i, 1)) * (at(k, 0) - at(i, 0)));
+            }
+        }
+        return least;
+    };
+    CHECK(least_area(before, first) > 0);
+    CHECK(least_area(first, second) > 0);
+    CHECK(least_area(second, after) > 0);
+    CHECK(least_area(before, after) < 0);
+}
+
+TEST_CASE("where a disk is full the frames before stay, and the run goes on when there is room again") {
+    const RingDeck ring(ring_mesh(24, 6, 6));
+    const std::vector<std::string> settings = {pitch_and_plunge, "frames=0:0.05:1"};
+    REQUIRE(ring.run(settings).code == 0);
+    const auto bits = [&] {
+        std::vector<std::string> all = {text_of(ring.output + "/frames.vtk.series")};
+        for (int k = 1; k <= 21; ++k) all.push_back(text_of(ring.output + "/" + name_of(k) + ".msh"));
+        for (const auto& row : frames_of(ring.output)) all.push_back(row.at("frame") + row.at("max_distortion"));
+        return all;
+    };
+    const auto whole = bits();
+    const auto size_of = [&](const char* name) { return text_of(ring.output + "/" + name).size(); };
+    for (const std::size_t room : {size_of("frames.csv") / 2, size_of("frames.vtk.series") / 2}) {
+        const auto run = [&](std::size_t limit_of_files) {
+            std::signal(SIGXFSZ, SIG_IGN);
+            const rlimit limit = {limit_of_files, limit_of_files};
+            setrlimit(RLIMIT_FSIZE, &limit);
+            return ring.run({pitch_and_plunge, "frames=0:0.05:1", "resume=1"}).code;
+        };
+        std::filesystem::remove_all(ring.output);
+        CHECK(in_child([&] { return run(room); }, [](pid_t) {}) == 2);
+        CHECK(ring.run({pitch_and_plunge, "frames=0:0.05:1", "resume=1"}).code == 0);
+        CHECK(bits() == whole);
+    }
 }
 
 TEST_CASE("times: a range, a list, a file") {
@@ -320,7 +399,7 @@ TEST_CASE("numbers that make no sense at some time, and keys that do not go with
     CHECK(has(error_of({"local_repair=1", "boundary inner=fixed", "frames=0,1"}), "frames does not go with local"));
 }
 
-TEST_CASE("a run of frames killed at random moments and resumed ends with the same bits") {
+TEST_CASE("a run of frames killed at fifty random moments and resumed ends with the same bits") {
     const RingDeck ring(ring_mesh(24, 6, 6));
     const std::vector<std::string> settings = {pitch_and_plunge, "frames=0:0.125:2", "vtk=none", "degree=2"};
     const auto bits = [&] {
@@ -338,12 +417,12 @@ TEST_CASE("a run of frames killed at random moments and resumed ends with the sa
     std::mt19937 random(20261126);
     std::vector<std::string> resumed = settings;
     resumed.push_back("resume=1");
-    for (int kills = 0; kills < 20;) {
+    for (int kills = 0; kills < 50;) {
         REQUIRE(ring.run({"frames=0"}).code == 0);  // something else in the folder
         int code = -SIGKILL;
         for (bool first = true; code == -SIGKILL; first = false) {
             code = in_child([&] { return ring.run(first ? settings : resumed).code; }, [&](pid_t child) {
-                if (kills >= 20) return;
+                if (kills >= 50) return;
                 std::this_thread::sleep_for(std::chrono::duration<double>(moment(random)));
                 kill(child, SIGKILL);
             });

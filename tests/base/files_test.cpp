@@ -1,13 +1,16 @@
 #include "base/files.hpp"
 
 #include <doctest/doctest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
 
 #include "base/error.hpp"
+#include "support/child.hpp"
 #include "support/targets.hpp"
 
 using namespace almesh;
@@ -68,6 +71,30 @@ TEST_CASE("writing through a symbolic link keeps the link") {
     write_file(scratch / "link.txt", "new");
     CHECK(fs::is_symlink(scratch / "link.txt"));
     CHECK(read_text_file(scratch / "real.txt") == "new");
+}
+
+TEST_CASE("text is put before the tail of a file; where there is no room for it the file stays as it is") {
+    const Scratch scratch;
+    const std::string path = scratch / "list.txt";
+    write_file(path, "[1]");
+    append_to_file(path, ",2", "]");
+    CHECK(read_file(path) == "[1,2]");
+    append_to_file(path, "\n");
+    CHECK(read_file(path) == "[1,2]\n");
+    CHECK_THROWS_AS(append_to_file(scratch / "none", "a"), InputError);
+    const auto without_room = [&] {
+        std::signal(SIGXFSZ, SIG_IGN);
+        const rlimit limit = {10, 10};
+        setrlimit(RLIMIT_FSIZE, &limit);
+        try {
+            append_to_file(path, ",3,4,5,6,7,8", "]\n");
+        } catch (const InputError&) {
+            return 2;
+        }
+        return 0;
+    };
+    CHECK(test::in_child(without_room, [](pid_t) {}) == 2);
+    CHECK(read_file(path) == "[1,2]\n");
 }
 
 TEST_CASE("what cannot be read is named with its reason") {

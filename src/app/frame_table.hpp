@@ -1,0 +1,67 @@
+// What is told of the frames of a motion: frames.csv, a row for each, and frames.vtk.series, which plays their VTK
+// files. Both grow at their ends.
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.hpp"
+
+namespace almesh {
+
+struct Deck;
+
+// How the nodes go from the frame before to this one, each on a straight line.
+namespace frame_path {
+inline constexpr const char* valid = "valid";          // certified: no element is inverted on the way
+inline constexpr const char* not_valid = "not valid";  // and not by frames at times between either
+}  // namespace frame_path
+
+struct FrameRow {
+    int number = 0;  // from 1
+    int between = 0;  // 1, 2, ... of those at times between the frame before and this one; 0: of the time itself
+    double t = 0;
+    std::string status = "refused", started_from = {}, path = {}, note = {};
+    std::string mesh = {};  // its file
+    ExitCode code = ExitCode::success;
+    int newton_steps = 0;
+    double max_distortion = 0, relative_quality = 0, min_scaled_jacobian = 0, seconds = 0;
+    bool certified = false;
+
+    bool has_mesh() const;
+    std::string label() const;      // "3", or "3-1"
+    std::string file_name() const;  // "frame-0003", or "frame-0003-1"
+};
+
+class FrameTable {
+public:
+    explicit FrameTable(const Deck& deck) : deck_(deck) {}
+
+    // The rows of an earlier run, up to the frame `last`.
+    void read(int last);
+    // The next one; those between come before their frame, and are written with it. A frame that is asked for again
+    // takes the place of the first try; in vain, its mesh stays.
+    void add(const FrameRow& row);
+
+    std::size_t size() const { return frames_.size(); }  // frames, without those between
+    const FrameRow& operator[](std::size_t k) const { return frames_[k].row; }
+    ExitCode code() const;                   // the lowest of a frame but success
+    int count(const std::string& path) const;  // frames
+
+private:
+    struct Entry {
+        FrameRow row;
+        std::string lines;  // of it and of those between
+        std::vector<std::pair<std::string, double>> meshes;
+    };
+
+    const Deck& deck_;
+    std::vector<Entry> frames_;
+    Entry next_;          // what is between
+    bool begun_ = false;  // whether both files are there, of this run
+
+    bool place(const FrameRow& row, const std::string& line);
+    void write();
+};
+
+}  // namespace almesh
