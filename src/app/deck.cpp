@@ -61,6 +61,20 @@ void read_key(Deck& deck, std::string name, std::string value, const std::string
     if (key->name == "frames" && names_file(deck.frames)) deck.frames = path_from(where, deck, deck.frames);
 }
 
+// The formulas of a motion with other paths in their tables, table(FILE).
+template <class Path>
+std::string with_tables(std::string_view text, const Path& path) {
+    constexpr std::string_view word = "table(";
+    std::string result;
+    for (;;) {
+        const std::size_t begin = text.find(word), end = text.find(')', begin);
+        if (end == std::string_view::npos) return result.append(text);
+        const std::size_t name = begin + word.size();
+        result.append(text.substr(0, name)).append(path(std::string(trim(text.substr(name, end - name)))));
+        text.remove_prefix(end);
+    }
+}
+
 // Reads and removes `NAME =` at the beginning of `text`. kind: boundary, volume or select.
 std::string take_name(std::string_view kind, std::string_view& text) {
     const std::string_view what = kind == "select" ? "CONDITION" : "MOTION";
@@ -82,11 +96,12 @@ void read_boundary(Deck& deck, const std::string& kind, std::string_view text, c
     const bool is_volume = kind == "volume";
     const std::string given = take_name(kind, text), shown = concat(kind, " ", with_quotes(given));
     const std::string name = is_volume ? volume_group(given) : given;
-    Motion motion = with_context(shown, [&] { return parse_motion(text, deck.constants); });
+    const auto path = [&](const std::string& file) { return path_from(where, deck, file); };
+    Motion motion = with_context(shown, [&] { return parse_motion(with_tables(text, path), deck.constants); });
     if (is_volume && hold_of_rest(motion) != BoundaryHold::prescribed)
         throw UsageError(shown, ": all nodes of a volume follow its motion: it neither slides nor is free");
     for (MotionStep& step : motion.steps)
-        if (!step.file.empty()) step.file = path_from(where, deck, step.file);
+        if (!step.file.empty()) step.file = path(step.file);
     DeckBoundary* const earlier = find_row(deck.boundaries, name);
     if (earlier) check_repeat(shown, earlier->where, where);
     (earlier ? *earlier : deck.boundaries.emplace_back()) = {name, motion, where, is_volume};
@@ -294,12 +309,14 @@ std::string resolved(const Deck& deck) {
     for (const DeckSelection& selection : deck.selections)
         text += "select " + quoted_where_needed(selection.name, "#=\" \t") + " = " + selection.text + "\n";
     if (!deck.boundaries.empty()) text += "\n# Motions of the boundaries.\n";
+    const auto from_output = [&](const std::string& file) { return relative_path(deck.output, file); };
     for (DeckBoundary boundary : deck.boundaries) {
         for (MotionStep& step : boundary.motion.steps)
-            if (!step.file.empty()) step.file = relative_path(deck.output, step.file);
+            if (!step.file.empty()) step.file = from_output(step.file);
         const std::string kind = boundary.is_volume ? "volume " : "boundary ";
         const std::string name = boundary.is_volume ? boundary.name.substr(kind.size()) : boundary.name;
-        text += kind + quoted_where_needed(name, "#=\" \t") + " = " + to_string(boundary.motion) + "\n";
+        text += kind + quoted_where_needed(name, "#=\" \t") + " = " +
+                with_tables(to_string(boundary.motion), from_output) + "\n";
     }
     if (!deck.expectations.empty()) text += "\n# Checked at the end of the run.\n";
     for (const Expectation& expectation : deck.expectations) text += "expect " + to_string(expectation) + "\n";

@@ -3,7 +3,7 @@
 //     condition = conjunction {or conjunction},  conjunction = comparison {and comparison},
 //     comparison = sum (<|<=|>|>=) sum,
 //     sum = product {(+|-) product},  product = signed {(*|/) signed},  signed = [+|-] signed | power,
-//     power = operand [^ signed],  operand = number | name | function ( sum {, sum} ) | ( sum )
+//     power = operand [^ signed],  operand = number | name | function ( sum {, sum} ) | table(FILE) | ( sum )
 #include "constraint/expression.hpp"
 
 #include <algorithm>
@@ -11,11 +11,13 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <numbers>
 #include <vector>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "constraint/time_table.hpp"
 
 namespace almesh {
 namespace {
@@ -170,9 +172,24 @@ struct Parser {
         return [v = *number](const FormulaPoint&) { return v; };
     }
 
+    // Behind `table(`, in a formula that may name t.
+    Value table() {
+        constexpr std::size_t time = 3;
+        const std::size_t end = text.find(')', at);
+        if (end == std::string_view::npos) fail("expected `)` behind the name of a file", text.size());
+        const std::string path(trim(text.substr(at, end - at)));
+        at = end + 1;
+        named_at[time] = true;
+        return [f = std::make_shared<const TimeTable>(path)](const FormulaPoint& x) { return (*f)(x[time]); };
+    }
+
     Value named() {
         const std::size_t begin = at;
         while (at < text.size() && is_of_name(text[at])) ++at;
+        if (text.substr(begin).starts_with("table(") && names.back() == "t") {
+            ++at;
+            return table();
+        }
         const std::string_view name = text.substr(begin, at - begin);
         if (const Constant* const constant = find_row(constants, name))
             return [v = constant->value](const FormulaPoint&) { return v; };
@@ -210,7 +227,7 @@ void check_constant_name(std::string_view name) {
                          std::all_of(name.begin(), name.end(), is_of_name);
     if (!is_word)
         throw UsageError("`let` needs a name of letters, digits and _, that begins with a letter: `let NAME = NUMBER`");
-    for (const std::string_view taken : {"x", "y", "z", "t", "nx", "ny", "nz", "pi", "and", "or", "axis", "about"})
+    for (const std::string_view taken : {"x", "y", "z", "t", "nx", "ny", "nz", "pi", "and", "or", "axis", "about", "table"})
         if (name == taken || find_row(functions, name))
             throw UsageError("the name ", in_backquotes(name), " has a meaning in formulas already: take another");
 }

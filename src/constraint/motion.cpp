@@ -124,7 +124,8 @@ constexpr std::array<MotionForm, 13> forms = {{
      }},
     {.name = "expression", .form = "expression \"X\" \"Y\" [\"Z\"]",
      .meaning = "moves each point to these formulas of x, y, z, t: numbers, pi, + - * / ^, parentheses, sin cos tan "
-                "asin acos atan sinh cosh tanh exp log sqrt abs, and with two arguments atan2 min max hypot",
+                "asin acos atan sinh cosh tanh exp log sqrt abs, with two arguments atan2 min max hypot, and "
+                "table(FILE) of rows `t value`",
      .formulas = true, .affine = false,
      .move = [](Step step, Vec<3>& d) {
          const Vec<3> x = d;
@@ -282,7 +283,8 @@ MotionStep parse_step(std::string_view text, const Constants& constants) {
             std::vector<double>& numbers = *clause_of(clause);
             step.timed.push_back(
                 timed_number(form, clause, numbers.size(), without_quotes(written[i]).value_or(""), constants));
-            numbers.push_back(step.timed.back().formula({}));
+            const Expression& formula = step.timed.back().formula;
+            numbers.push_back(formula.names_time() ? 0 : formula({}));
             continue;
         }
         const std::string word = in_backquotes(written[i]);
@@ -384,6 +386,7 @@ Motion at_time(Motion motion, double t, int frame) {
     for (MotionStep& step : motion.steps) {
         step.t = t;
         step.file = numbered(step.file, frame);
+        for (const Expression& formula : step.formulas) formula({}, t);  // t is in the range of its tables
         for (const TimedNumber& timed : step.timed) {
             const double value = timed.formula({}, t);
             if (!std::isfinite(value))

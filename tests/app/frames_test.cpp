@@ -242,6 +242,44 @@ TEST_CASE("times: a range, a list, a file") {
     CHECK(has(refusal(", ,"), "no times in , ,"));
 }
 
+TEST_CASE("a number of a step from a table of times and values") {
+    const RingDeck ring;
+    const std::string frames = "frames=0, 0.5, 1, 1.5";
+    ring.folder.write("shift.csv", "time,shift  # of the wall\n0,0\n\n1, 2\n2 1\n");
+    const std::string again = ring.folder.path("again");
+    std::string text = text_of(ring.deck);
+    text.replace(text.find("translate 2 0"), 13, "translate \"table(shift.csv)/4\" 0; rotate \"-t\"");
+    ring.folder.write("ring.deck", text);
+    REQUIRE(ring.run({frames}).code == 0);
+    const auto meshes = [](const std::string& folder) {
+        std::vector<std::vector<double>> all;
+        for (int k = 1; k <= 4; ++k) all.push_back(mesh_of(folder + "/" + name_of(k) + ".msh").x);
+        return all;
+    };
+    const auto of_the_table = meshes(ring.output);
+    REQUIRE(almesh_with({ring.output + "/deck.txt", "output=" + again}).code == 0);  // finds the table as well
+    CHECK(meshes(again) == of_the_table);
+    REQUIRE(ring.run({frames, "boundary inner=translate \"min(2*t, 3 - t)/4\" 0; rotate \"-t\""}).code == 0);
+    CHECK(meshes(ring.output) == of_the_table);
+    const auto refusal_of = [&](const std::string& table, const std::string& times) {
+        ring.folder.write("shift.csv", table);
+        const Outcome outcome = ring.run({"frames=" + times});
+        CHECK(outcome.code == 1);
+        return outcome.error;
+    };
+    const std::string path = ring.folder.path("shift.csv");
+    CHECK(has(refusal_of("0 0\n2 1\n", "1, 3"),
+              "frame 2, t = 3: t = 3 is outside of the table " + path + ", from 0 to 2"));
+    CHECK(has(refusal_of("0 0\n2 1\n1 1\n", "0"), path + ":3: the times run backwards, 1 is after 2"));
+    CHECK(has(refusal_of("0 0\n1 nan\n", "0"), path + ":2: expected a row `t value` of two finite numbers"));
+    CHECK(has(refusal_of("0 0 0\n", "0"), path + ":1: expected a row"));
+    CHECK(has(refusal_of("t value\n", "0"), path + ": no rows"));
+    ring.folder.write("shift.csv", "0 0\n2 1\n");
+    CHECK(has(ring.run({frames, "boundary inner=expression \"x + table(none.csv\" \"y\""}).error, "expected `)`"));
+    std::filesystem::remove(path);
+    CHECK(has(ring.run({frames}).error, "cannot read " + path));
+}
+
 TEST_CASE("what is written: meshes in the formats of the deck, a series, a table") {
     const RingDeck ring;
     const std::string move = "boundary inner=expression \"x + t\" \"y - t*x/10\"";
