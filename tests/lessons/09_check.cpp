@@ -39,6 +39,8 @@ EXERCISE("9.3", "Bezier coefficients of a quadratic") {
     expect_close("b_1 of 1 - 5 t + 6 t^2", b[1], -1.5, 1e-12,
                  "the middle coefficient is not a value: q(1/2) = (b_0 + 2 b_1 + b_2) / 4");
     expect_close("b_2 of 1 - 5 t + 6 t^2", b[2], 2, 1e-12);
+    const Quadratic line = bezier_coefficients(3, 5, 7);
+    expect_close("b_1 of 3 + 4 t", line[1], 5, 1e-12, "the coefficients of a linear function are its values");
 }
 
 EXERCISE("9.4", "a certificate") {

@@ -9,10 +9,12 @@ namespace almesh::lessons {
 namespace {
 
 EXERCISE("11.1", "the exponent of a growth") {
-    expect_close("the exponent of t = n^2 from 10 to 20", growth_exponent(10, 100, 20, 400), 2, 1e-12);
+    expect_close("the exponent of t = n^2 from 10 to 20", growth_exponent(10, 100, 20, 400), 2, 1e-12,
+                 "the slope in logarithmic axes");
     expect_close("the exponent of t = 7 n^1.5 from 4 to 9", growth_exponent(4, 56, 9, 189), 1.5, 1e-12,
                  "the slope between the points in logarithmic axes: a factor before n does not count");
-    expect_close("the exponent of a constant", growth_exponent(3, 5, 8, 5), 0, 1e-12);
+    expect_close("the exponent of a constant", growth_exponent(3, 5, 8, 5), 0, 1e-12,
+                 "it has the slope 0 in logarithmic axes");
 }
 
 EXERCISE("11.2", "a factor predicted") {

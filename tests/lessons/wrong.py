@@ -127,6 +127,7 @@ INCLUDES = "".join(f"#include <{name}>\n" for name in ("cstdio", "cstdlib", "fst
 RECURSION = ("struct R { static int f(int i) { volatile int a[1000]; a[i % 1000] = i; return f(i + 1) + a[0]; } };"
              " if (R::f(0) == 1) std::abort();")
 # What goes into a function, what its row has to say, whether all rows of the lesson have to.
+CIRCLE, SQUARE = "inputs/meshes/circle.msh", "inputs/meshes/square.msh"
 KINDS = [
     ("this is no C++;", "does not compile", True),
     ("extern int nowhere(); nowhere();", "does not compile", True),
@@ -140,9 +141,9 @@ KINDS = [
     ("std::exit(0);", "ends the whole program", False),
     ("throw 1;", "throws something", False),
     ("throw std::vector<int>().at(1);", "throws an exception", False),
-    ("std::ofstream(\"inputs/meshes/square.msh\") << 1;", "writes or removes inputs/meshes/square.msh", False),
-    ("std::ofstream(\"notes.txt\") << 1;", "writes or removes notes.txt", False),
-    ("std::remove(\"inputs/meshes/circle.msh\");", "writes or removes inputs/meshes/circle.msh", False),
+    (f'static std::ofstream mesh("{SQUARE}"); mesh << 1;', f"writes or removes {SQUARE}", False),
+    ("static std::ofstream notes(\"notes.txt\"); notes << 1;", "writes or removes notes.txt", False),
+    (f'static const int gone = std::remove("{CIRCLE}"); (void)gone;', f"writes or removes {CIRCLE}", False),
 ]
 
 
