@@ -57,7 +57,7 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test test-page page run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-models cad-examples cholmod paper gauntlet generated certificates defaults drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
+.PHONY: all run help test test-page page run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-models cad-examples cholmod paper gauntlet generated certificates defaults derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
         figures meshes lessons readmes check-lessons student wrong-answers animation clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -276,6 +276,9 @@ coupling: almesh ## move meshes for other programs: dolfinx, CalculiX, OpenFOAM,
 
 drift: almesh ## ten periods of a moving plate, steps from the last mesh and from the file, elasticity and RBF beside it (scipy): outputs/drift/
 	$(PYTHON) plot/drift.py
+
+derivatives: almesh ## derivatives of the moved mesh beside differences of runs: outputs/derivatives/table.md, outputs/figures/derivatives.png
+	$(PYTHON) plot/derivatives.py
 
 defaults: almesh ## the table behind the defaults of objective and weight: outputs/defaults/table.md
 	$(PYTHON) plot/defaults.py

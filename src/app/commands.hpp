@@ -22,13 +22,13 @@ int command_line(const std::vector<std::string>& arguments, std::FILE* out, std:
 // One run of a deck, from the mesh file to the files of results, with a table of its iterations. Throws Error for what
 // the user can mend before anything is solved.
 struct RunHooks {
-    std::function<void(const Problem&)> begins;                    // before the folder of results is touched
-    std::function<std::string(const Problem&, Solution&)> solved;  // where it converged; returns what went wrong, or ""
+    std::function<void(const Problem&)> begins;             // before the folder of results is touched
+    std::function<void(const Problem&, Solution&)> solved;  // where it converged; an Error is told when all is written
 };
 ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks = {});
 
 // Derivatives of the moved mesh (method/derivative.hpp). arguments: `adjoint` or `tangent`, a deck, files of vectors at
-// nodes, settings. Throws Error where there is none.
+// nodes, settings. Throws Error where there are none.
 ExitCode differentiate(const std::vector<std::string>& arguments, std::FILE* out);
 
 // Certificate and statistics of the deck's mesh. success: every element is certified valid, else not_certified. before:

@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <optional>
 #include <unordered_map>
 
 #include "app/commands.hpp"
@@ -24,59 +23,48 @@
 namespace almesh {
 namespace {
 
-using Values = std::vector<double>;
+using Values = std::vector<double>;  // nodes x dim
 
-struct Column {
-    std::string name;
-    Values value;  // nodes x dim
-};
-
-// Nodes that are not free.
-std::vector<char> held_nodes(const Problem& problem) {
-    const Mesh& mesh = problem.mesh();
-    std::vector<char> held(mesh.nodes(), 0);
-    for_face_nodes(mesh, [&](int f, std::size_t k) {
-        if (problem.target.hold_of_node(mesh, f, k) != BoundaryHold::free) held[mesh.faces[k]] = 1;
-    });
-    return held;
+// Of the mesh, or of its boundaries.
+std::vector<char> chosen_nodes(const Mesh& mesh, bool all) {
+    std::vector<char> chosen(mesh.nodes(), all);
+    for (const int node : mesh.faces) chosen[node] = 1;
+    return chosen;
 }
 
-// A row for each node of the mesh; of the tangent, of boundaries that are not free.
-Column read_column(const Problem& problem, const std::string& path, bool adjoint) {
-    const Mesh& mesh = problem.mesh();
-    const std::vector<char> chosen = adjoint ? std::vector<char>(mesh.nodes(), 1) : held_nodes(problem);
-    const std::string place = adjoint ? "in the mesh" : "on a boundary that has a motion";
+// A row for each node of the mesh, or of its boundaries.
+Values read_values(const Mesh& mesh, const std::string& path, bool all) {
+    const std::vector<char> chosen = chosen_nodes(mesh, all);
     std::unordered_map<long long, int> nodes;
     for (int i = 0; i < mesh.nodes(); ++i)
         if (chosen[i]) nodes[mesh.file.node_id[i]] = i;
-    Column column{std::filesystem::path(path).stem().string(), Values(mesh.x.size(), 0.0)};
+    Values values(mesh.x.size(), 0.0);
     std::vector<char> known;
-    read_node_rows(mesh, path, nodes, place, column.value, known);
+    read_node_rows(mesh, path, nodes, all ? "in the mesh" : "on a boundary", values, known);
     for (int i = 0; i < mesh.nodes(); ++i)
         if (chosen[i] && !known[i])
-            throw InputError(path, ": node ", mesh.file.node_id[i], ", which is ", place, ", has no row; of ",
-                             nodes.size(), " there are ", std::count(known.begin(), known.end(), 1),
-                             ". Give zeros where there is nothing");
-    return column;
+            throw InputError(path, ": node ", mesh.file.node_id[i], " has no row, as all nodes ",
+                             all ? "of the mesh" : "of boundaries", " must: zeros where there is nothing");
+    return values;
 }
 
-void write_column(const Deck& deck, const Mesh& mesh, const std::vector<char>& chosen, const std::string& name,
-                  const Values& value) {
+void write_values(const std::string& path, const Mesh& mesh, const Values& values, bool all) {
+    const std::vector<char> chosen = chosen_nodes(mesh, all);
     std::string text = mesh.dim == 2 ? "node,x,y\n" : "node,x,y,z\n";
     for (int i = 0; i < mesh.nodes(); ++i) {
         if (!chosen[i]) continue;
         text += std::to_string(mesh.file.node_id[i]);
-        for (int a = 0; a < mesh.dim; ++a) text += "," + to_text(value[offset(i, mesh.dim, a)]);
+        for (int a = 0; a < mesh.dim; ++a) text += "," + to_text(values[offset(i, mesh.dim, a)]);
         text += "\n";
     }
-    write_file(deck.output + "/" + name + ".csv", text);
+    write_file(path, text);
 }
 
 // r and D'f of the target with another value of the constant.
 BoundaryChange residual_at(const Deck& deck, const Problem& problem, const Derivative& derivative,
-                           const Constant& constant, double value) {
+                           const std::string& constant, double value) {
+    const std::string setting = concat("let ", constant, "=", value);
     Deck at = deck;
-    const std::string setting = concat("let ", constant.name, "=", value);
     at.boundaries = parse_deck(resolved(deck), deck.output + "/deck.txt", {setting}).boundaries;
     Problem other = make_problem(at);
     if (other.target.freed != problem.target.freed || other.target.straight != problem.target.straight)
@@ -88,140 +76,115 @@ BoundaryChange residual_at(const Deck& deck, const Problem& problem, const Deriv
 // Of the boundary by the constant. Steps h: of its value, or of a hundredth where that is less.
 BoundaryChange change_by(const Deck& deck, const Problem& problem, const Derivative& derivative,
                          const Constant& constant) {
+    using Weights = std::array<double, 7>;
     constexpr double accuracy = 1e-9, steps[] = {1e-2, 1e-3, 1e-4};
-    const BoundaryChange here = derivative.residual(*problem.level->constraint);
-    std::string why;
+    std::string why = "the target, or a surface along which nodes slide, is not smooth there";
     for (const double step : steps) try {
             const double h = step * std::max(std::abs(constant.value), 1e-2);
-            std::vector<BoundaryChange> at;  // a - 3 h, ..., a + 3 h
-            for (int k = -3; k <= 3; ++k)
-                at.push_back(k == 0 ? here : residual_at(deck, problem, derivative, constant, constant.value + k * h));
-            const auto differences = [&](Values BoundaryChange::*const field, const std::array<double, 7>& weight) {
-                Values sum(here.shift.size(), 0.0);
-                for (int k = 0; k < 7; ++k) axpy(weight[k] / (60 * h), at[k].*field, sum);
-                return sum;
-            };
-            const auto slope = [&](Values BoundaryChange::*const field) {
-                return differences(field, {-1, 9, -45, 0, 45, -9, 1});
-            };
-            const auto difference_from_biased = [&](Values BoundaryChange::*const field) {  // of these formulas
-                return norm_inf(differences(field, {-1, 9, -30, 50, -45, 21, -4}));
-            };
-            const BoundaryChange change{slope(&BoundaryChange::shift), slope(&BoundaryChange::force)};
-            const double shift = norm_inf(change.shift), force = std::max(norm_inf(change.force), norm_inf(here.force));
-            if (difference_from_biased(&BoundaryChange::shift) <= accuracy * shift &&
-                difference_from_biased(&BoundaryChange::force) <= accuracy * std::max(1.0, shift) * force)
-                return derivative.change(change);
-            why = "the target, or a surface along which nodes slide, is not smooth there";
+            const Values zero(problem.mesh().x.size(), 0.0);
+            BoundaryChange slope{zero, zero};
+            Values error = zero;  // slope less that of the fourth order
+            for (int k = -3; k <= 3; ++k) {
+                const BoundaryChange at =
+                    k == 0 ? derivative.residual(*problem.level->constraint)
+                           : residual_at(deck, problem, derivative, constant.name, constant.value + k * h);
+                const double sixth = Weights{-1, 9, -45, 0, 45, -9, 1}[k + 3] / (60 * h);
+                axpy(sixth, at.shift, slope.shift);
+                axpy(sixth, at.force, slope.force);
+                axpy(Weights{-1, 9, -30, 50, -45, 21, -4}[k + 3] / (60 * h), at.shift, error);
+            }
+            if (norm_inf(error) <= accuracy * norm_inf(slope.shift)) return derivative.change(slope);
         } catch (const Error& refused) {
             why = refused.what();
         }
     throw Error(ExitCode::not_converged, concat("no derivative by ", constant.name, ": ", why));
 }
 
-// Of a run, once it has converged.
-class Differentiation {
-public:
-    Differentiation(const Deck& deck, bool adjoint, const std::vector<std::string>& files)
-        : deck_(deck), adjoint_(adjoint), files_(files) {}
-
-    std::string told;  // for the terminal
-
-    void read(const Problem& problem) {
-        for (const std::string& file : files_) {
-            columns_.push_back(read_column(problem, file, adjoint_));
-            const auto is_same = [&](const Column& other) { return other.name == columns_.back().name; };
-            if (std::count_if(columns_.begin(), columns_.end(), is_same) > 1 ||
-                find_row(deck_.constants, columns_.back().name))
-                throw UsageError(file, ": another file or a constant has the name ", columns_.back().name,
-                                 ", by which results are called");
-        }
-    }
-
-    std::string solved(const Problem& problem, Solution& solution) {
-        if (problem.curves_in_place)
-            return "no derivative: the mesh was made valid by parts, and is no minimum of one functional";
-        Level& level = *problem.level;
-        Derivative derivative(level.mesh, *level.energy, *level.constraint, deck_.linear);
-        if (const std::string why = derivative.settle(solution.x); !why.empty()) return "no derivative: " + why;
-        measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
-        try {
-            if (adjoint_) write_adjoint(problem, derivative);
-            else write_tangent(problem, derivative);
-        } catch (const Error& error) {
-            return error.what();
-        }
-        return derivative.failure();
-    }
-
-private:
-    const Deck& deck_;
-    bool adjoint_;
-    const std::vector<std::string>& files_;
-    std::vector<Column> columns_;
-
-    void write_adjoint(const Problem& problem, Derivative& derivative) {
-        std::vector<BoundaryChange> changes, gradients;
-        for (const Constant& constant : deck_.constants)
-            changes.push_back(change_by(deck_, problem, derivative, constant));
-        std::string table = "constant,value";
-        for (const Column& column : columns_) {
-            gradients.push_back(derivative.adjoint(column.value));
-            if (!derivative.failure().empty()) return;
-            write_column(deck_, problem.mesh(), held_nodes(problem), "adjoint-" + column.name, gradients.back().shift);
-            table += "," + column.name;
-        }
-        for (std::size_t a = 0; a < changes.size(); ++a) {
-            table += concat("\n", deck_.constants[a].name, ",", deck_.constants[a].value);
-            for (std::size_t j = 0; j < columns_.size(); ++j) {
-                const double slope = problem.frame.length * (dot(gradients[j].shift, changes[a].shift) +
-                                                             dot(gradients[j].force, changes[a].force));
-                table += "," + to_text(slope);
-                told += concat("d ", columns_[j].name, " / d ", deck_.constants[a].name, " = ", slope, "\n");
-            }
-        }
-        write_file(deck_.output + "/adjoint-constants.csv", table + "\n");
-    }
-
-    void write_tangent(const Problem& problem, Derivative& derivative) {
-        const auto write = [&](const std::string& name, const BoundaryChange& change, double unit) {
-            Values dx = derivative.tangent(change);
-            scale(static_cast<int>(dx.size()), unit, dx.data());
-            if (!derivative.failure().empty()) return;
-            write_column(deck_, problem.mesh(), std::vector<char>(problem.mesh().nodes(), 1), "tangent-" + name, dx);
-        };
-        for (const Column& column : columns_) write(column.name, {column.value, Values(column.value.size(), 0.0)}, 1);
-        for (const Constant& constant : deck_.constants)
-            write(constant.name, change_by(deck_, problem, derivative, constant), problem.frame.length);
-    }
+struct Column {
+    std::string name;
+    Values values;
 };
+
+// Returns what the terminal is told.
+std::string write_adjoint(const Deck& deck, const Problem& problem, Derivative& derivative,
+                          const std::vector<Column>& functions) {
+    std::vector<BoundaryChange> slopes;
+    std::string told, table = "constant,value";
+    for (const Column& J : functions) {
+        slopes.push_back(derivative.adjoint(J.values));
+        write_values(deck.output + "/adjoint-" + J.name + ".csv", problem.mesh(), slopes.back().shift, false);
+        table += "," + J.name;
+    }
+    for (const Constant& constant : deck.constants) {
+        const BoundaryChange change = change_by(deck, problem, derivative, constant);
+        table += concat("\n", constant.name, ",", constant.value);
+        for (std::size_t j = 0; j < functions.size(); ++j) {
+            const double slope =
+                problem.frame.length * (dot(slopes[j].shift, change.shift) + dot(slopes[j].force, change.force));
+            table += "," + to_text(slope);
+            told += concat("d ", functions[j].name, " / d ", constant.name, " = ", slope, "\n");
+        }
+    }
+    if (!deck.constants.empty()) write_file(deck.output + "/adjoint-constants.csv", table + "\n");
+    return told;
+}
+
+void write_tangent(const Deck& deck, const Problem& problem, Derivative& derivative,
+                   const std::vector<Column>& velocities) {
+    const auto write = [&](const std::string& name, const BoundaryChange& change, double unit) {
+        Values dx = derivative.tangent(change);
+        for (double& entry : dx) entry *= unit;
+        write_values(deck.output + "/tangent-" + name + ".csv", problem.mesh(), dx, true);
+    };
+    for (const Column& g : velocities) write(g.name, {g.values, Values(g.values.size(), 0.0)}, 1);
+    for (const Constant& constant : deck.constants)
+        write(constant.name, change_by(deck, problem, derivative, constant), problem.frame.length);
+}
 
 }  // namespace
 
 ExitCode differentiate(const std::vector<std::string>& arguments, std::FILE* out) {
-    const bool adjoint = arguments[0] == "adjoint";
+    const std::string& command = arguments[0];
+    const bool adjoint = command == "adjoint";
     std::vector<std::string> files, settings;
     for (std::size_t i = 2; i < arguments.size(); ++i)
         (arguments[i].find('=') == std::string::npos ? files : settings).push_back(arguments[i]);
     if (arguments.size() < 2 || (adjoint && files.empty()))
-        throw UsageError(arguments[0], " takes a deck and files of vectors at nodes: almesh ", arguments[0],
+        throw UsageError(command, " takes a deck and files of vectors at nodes: almesh ", command,
                          adjoint ? " DECK dJ-dx.csv [...] [key=value ...]" : " DECK [dg.csv ...] [key=value ...]");
     const Deck deck = read_deck(arguments[1], settings);
-    if (!adjoint && files.empty() && deck.constants.empty())
-        throw UsageError("tangent: nothing to differentiate by: give files of velocities of the boundary, or the deck "
-                         "constants, `let NAME = NUMBER`");
-    if (!deck.frames.empty()) throw UsageError(arguments[0], ": many frames have no derivative: give it one time");
+    if (files.empty() && deck.constants.empty())
+        throw UsageError(command, ": nothing to differentiate by: give files of velocities of the boundary, or the "
+                         "deck constants, `let NAME = NUMBER`");
+    if (!deck.frames.empty()) throw UsageError(command, ": many frames have no derivative: give the deck one time");
     if (deck.method.moving != MovingMethod::augmented_lagrangian)
-        throw UsageError(arguments[0], ": only meshes of method = augmented_lagrangian have derivatives");
-    Differentiation differentiation(deck, adjoint, files);
-    const ExitCode ended = run(deck, out, {[&](const Problem& problem) { differentiation.read(problem); },
-                                           [&](const Problem& problem, Solution& solution) {
-                                               return differentiation.solved(problem, solution);
-                                           }});
+        throw UsageError(command, ": only meshes of method = augmented_lagrangian have derivatives");
+
+    std::vector<Column> columns;
+    std::string told;
+    const auto begins = [&](const Problem& problem) {
+        for (const std::string& file : files) {
+            const std::string name = std::filesystem::path(file).stem().string();
+            if (find_row(columns, name) || find_row(deck.constants, name))
+                throw UsageError(file, ": another file or a constant has the name ", name, ", which results get");
+            columns.push_back({name, read_values(problem.mesh(), file, adjoint)});
+        }
+    };
+    const auto solved = [&](const Problem& problem, Solution& solution) {
+        if (problem.curves_in_place)
+            throw Error(ExitCode::not_converged,
+                        "no derivative: the mesh was made valid by parts, and is no minimum of one functional");
+        Level& level = *problem.level;
+        Derivative derivative(level.mesh, *level.energy, *level.constraint, deck.linear);
+        derivative.settle(solution.x);
+        measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
+        if (adjoint) told = write_adjoint(deck, problem, derivative, columns);
+        else write_tangent(deck, problem, derivative, columns);
+    };
+    const ExitCode ended = run(deck, out, {begins, solved});
     if (ended == ExitCode::not_converged)
         throw Error(ended, concat(arguments[1], ": no derivative: the run did not converge"));
-    std::fputs(differentiation.told.c_str(), out);
-    std::fprintf(out, "derivatives in %s/%s-*.csv\n", deck.output.c_str(), arguments[0].c_str());
+    std::fprintf(out, "%sderivatives in %s/%s-*.csv\n", told.c_str(), deck.output.c_str(), command.c_str());
     return ended;
 }
 

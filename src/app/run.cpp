@@ -277,7 +277,11 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     solution.time.write += write_seconds;
 
     std::string failed;
-    if (hooks.solved && solution.al.status == Status::converged) failed = hooks.solved(problem, solution);
+    if (hooks.solved && solution.al.status == Status::converged) try {
+            hooks.solved(problem, solution);
+        } catch (const Error& error) {
+            failed = error.what();
+        }
 
     // 3. What was reached: certificates, files.
     round_as_file(problem, solution.x);

@@ -104,14 +104,14 @@ struct LinearSolver::Iterative {
         M = make_preconditioner(copy ? *copy : A, order->start, dimension, params);
     }
 
-    SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
+    SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, bool again = false) {
         SolveResult result;
         result.relative_residual = 1;
         result.used = std::holds_alternative<Gmres>(method) ? SolverKind::gmres : SolverKind::cg;
         const BlockCsr& B = copy ? *copy : A;
         const Stopwatch factorisation;
         if (copy) copy_values(A, place, *copy);
-        const FactorResult factored = M->factor(B);
+        const FactorResult factored = again ? FactorResult{SolveStatus::success} : M->factor(B);
         result.factor_seconds = factorisation.seconds();
         result.status = factored.status;
         if (factored.bad_row >= 0) result.bad_node = B.node_of(factored.bad_row);
@@ -143,12 +143,12 @@ struct LinearSolver::Direct {
     Direct(const BlockCsr& A, const CholeskyParams& params)
         : cholesky(A, params), residual(A.size()), correction(A.size()) {}
 
-    SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
+    SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x, bool again) {
         SolveResult result;
         result.relative_residual = 1;
         x.assign(A.size(), 0.0);
         const Stopwatch factorisation;
-        const FactorResult factored = cholesky.factor(A);
+        const FactorResult factored = again ? FactorResult{SolveStatus::success} : cholesky.factor(A);
         result.work = factor_of_flops * std::pow(cholesky.flops(), power_of_flops);
         result.factor_seconds = factorisation.seconds();
         result.status = factored.status;
@@ -297,10 +297,16 @@ void LinearSolver::analyse(const BlockCsr& A) {
     else direct(A);
 }
 
-SolveResult LinearSolver::solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
-    if (!A.order) return direct(A).solve(A, b, x);
+SolveResult LinearSolver::solve_again(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
+    x.assign(A.size(), 0.0);
+    return direct_ ? solve_directly(A, b, x, true) : iterative_->solve(A, b, x, true);
+}
+
+SolveResult LinearSolver::solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
+                                         bool again) {
+    if (!A.order) return direct(A).solve(A, b, x, again);
     to_rows(A, b, b_);
-    SolveResult result = direct(A).solve(A, b_, x_);
+    SolveResult result = direct(A).solve(A, b_, x_, again);
     to_nodes(A, x_, x);
     if (result.bad_node >= 0) result.bad_node = A.node_of(result.bad_node);
     return result;

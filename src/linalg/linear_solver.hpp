@@ -96,6 +96,9 @@ public:
     SolveResult solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
                       bool may_be_indefinite = false);
 
+    // The same with the matrix of the last solve, a success of the only solver that the parameters allow.
+    SolveResult solve_again(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
+
     // What the first solve does with the pattern of A before it looks at the values.
     void analyse(const BlockCsr& A);
 
@@ -115,7 +118,8 @@ public:
 private:
     struct Iterative;
     struct Direct;
-    SolveResult solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x);
+    SolveResult solve_directly(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
+                               bool again = false);
     Iterative& iterative(const BlockCsr& A);
     Direct& direct(const BlockCsr& A);
     bool iterative_first(const BlockCsr& A);

@@ -23,12 +23,10 @@
 // functional that the last minimisation had: with objective = minimax of its last power, the scale of eta held.
 #pragma once
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "constraint/constraint.hpp"
 #include "energy/distortion_energy.hpp"
-#include "linalg/direct/cholesky.hpp"
 #include "linalg/linear_solver.hpp"
 #include "mesh/mesh.hpp"
 
@@ -44,24 +42,24 @@ public:
     Derivative(const Mesh& mesh, DistortionEnergy& energy, const Constraint& constraint,
                const LinearSolverParams& linear);
 
-    // Sets the boundary of x, the result of a run, to its target, makes x stationary to rounding by Newton's method,
-    // and factors P (H + K) P there: by Cholesky, unless the parameters say otherwise or it does not fit the memory.
-    // Returns why x has no derivative, as a sentence; "" where it has.
-    std::string settle(std::vector<double>& x);
+    // Sets the boundary of x, the result of a run, to its target; makes x stationary to rounding by Newton's method.
+    void settle(std::vector<double>& x);
 
-    std::vector<double> tangent(const BoundaryChange& change);          // dx
-    BoundaryChange adjoint(const std::vector<double>& dJ_dx);  // dJ/dG, dJ/dq
-    std::string failure() const { return failure_; }  // of the solves since settle(); "" where there was none
+    // There: dx; dJ/dG and dJ/dq. The first call factors P (H + K) P, by Cholesky unless `linear` says otherwise or it
+    // does not fit the memory. As settle() they throw Error, which says why x has no derivative.
+    std::vector<double> tangent(const BoundaryChange& change);
+    BoundaryChange adjoint(const std::vector<double>& dJ_dx);
 
     // r and D'f of the boundary's nodes at x, with f as it is, for another constraint on them; and the change of the
     // boundary that has these derivatives.
     BoundaryChange residual(const Constraint& other) const;
-    BoundaryChange change(const BoundaryChange& of_residual) const;
+    BoundaryChange change(BoundaryChange of_residual) const;
 
 private:
     // Of one of the constraint's nodes.
     struct Node {
-        Mat<3> P, D_inverse, K;  // D_inverse: of D where it is not zero
+        int node;
+        Mat<3> P, D_inverse, K;  // D_inverse: where D is not zero
         Vec<3> f;
     };
 
@@ -69,21 +67,18 @@ private:
     DistortionEnergy& energy_;
     const Constraint& constraint_;
     LinearSolverParams linear_;
-    std::vector<int> trace_;   // per node: its number among the constraint's, or -1
-    std::vector<Node> nodes_;  // of the constraint
+    std::vector<Node> nodes_;
+    std::vector<int> place_;  // per node: which of these it is, or -1
     std::vector<double> x_;
-    BlockCsr H_, A_;           // A = P (H + K) P, and on the rest of each diagonal block a multiple of 1
-    std::unique_ptr<Cholesky> cholesky_;
-    std::unique_ptr<LinearSolver> iterative_;
-    std::string failure_;
+    BlockCsr H_, A_;          // A = P (H + K) P, and on the rest of each diagonal block a multiple of 1
+    std::unique_ptr<LinearSolver> solver_;
+    bool is_assembled_ = false, is_factored_ = false;  // A, at x
 
-    std::vector<double> set_point(const std::vector<double>& x);  // returns P grad E
+    std::vector<double> set_point(const std::vector<double>& x);  // returns -P grad E
     void assemble();
-    std::string factor();
-    std::vector<double> solve(const std::vector<double>& b);
-    void project(std::vector<double>& v) const;  // P v
-    std::vector<double> times_hessian(const std::vector<double>& v) const;
-    double largest_strain(const std::vector<double>& d) const;
+    std::vector<double> solve(const std::vector<double>& b);  // P A^-1 b
+    void project(std::vector<double>& v) const;               // P v
+    std::vector<double> times_hessian(const std::vector<double>& v);
 };
 
 }  // namespace almesh

@@ -15,6 +15,7 @@
 #include "linalg/ordering/ordering.hpp"
 #include "linalg/ordering/graph.hpp"
 #include "linalg/krylov/ilu0.hpp"
+#include "method/derivative.hpp"
 
 namespace almesh::bench {
 namespace {
@@ -168,6 +169,42 @@ void measure_assembly(const std::string& name, NewtonSystem& system, const Machi
     time_assembly(name + " plain", plain, system, 1, table, serial);
 }
 
+// -------------------------------------------------------------------------------------------------------- derivatives
+
+// At the minimum that is near the ideal mesh: a function's adjoint, for which the Hessian is assembled and factored,
+// and that of each further one, beside a Newton step there: gradient, Hessian, direction, a trial of the line search.
+void measure_derivatives(const std::string& name, const std::vector<std::string>& settings, const Machine& machine,
+                         Table& table) {
+    NewtonSystem system(name, settings);
+    const Problem& problem = system.problem;
+    DistortionEnergy& energy = system.distortion();
+    std::vector<double> x = problem.ideal(), d(x.size()), g(x.size());
+    Derivative settled(problem.mesh(), energy, *problem.level->constraint, {});
+    settled.settle(x);
+    for (const int threads : machine.threads) {
+        set_threads(threads);
+        LinearSolver solver(problem.mesh().dim, {});
+        const auto step = [&] {
+            std::fill(g.begin(), g.end(), 0.0);
+            energy.add_gradient(x, g);
+            std::fill(system.A.value.begin(), system.A.value.end(), 0.0);
+            energy.add_hessian(x, HessianKind::full, system.A);
+            problem.level->constraint->add_hessian(x, std::vector<double>(problem.level->constraint->multipliers()),
+                                                   1e7, false, system.A);
+            if (solver.solve(system.A, system.b, d).status != SolveStatus::success) std::printf("no Newton step\n");
+            if (!std::isfinite(energy.energy(x)) || energy.valid_fraction(x, x) < 1) std::printf("no valid mesh\n");
+        };
+        step();  // analyses and allocates
+        const double of_step = best_seconds(budget, step);
+        const double of_first =
+            best_seconds(budget, [&] { settled.settle(x); }, [&] { settled.adjoint(system.b); });
+        const double of_next = best_seconds(budget, [&] { settled.adjoint(system.b); });
+        table.add("derivative", name, threads, "Newton step", of_step, "s");
+        table.add("derivative", name, threads, "first function", of_first / of_step, "steps");
+        table.add("derivative", name, threads, "each further one", of_next / of_step, "steps");
+    }
+}
+
 // -------------------------------------------------------------------------------------------------------- certificate
 
 // k x k x k hexahedra, none of them a parallelepiped.
@@ -227,6 +264,10 @@ void measure_kernels(const Machine& machine, bool quick, Table& table) {
         measure_products(chosen.name, system, machine, table);
         measure_assembly(chosen.name, system, machine, table);
     }
+    const std::vector<std::string> step = {"objective=squared", "boundary inner=translate 0.01 0"};
+    measure_derivatives(quick ? "circle-refined-2" : "circle-refined-4", step, machine, table);
+    if (!quick) measure_derivatives("aircraft", {"objective=squared"}, machine, table);
+    table.print("derivative", "Derivatives of functions of the mesh, in Newton steps");
     table.print("cholesky",
                 "Sparse Cholesky of the first Newton matrix: factor against the peak, solve against the bandwidth");
     table.print("sparse",
