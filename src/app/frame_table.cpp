@@ -47,6 +47,12 @@ FrameRow row_of(std::string_view line) {
 
 }  // namespace
 
+void FrameRow::refuse(const Error& error) {
+    code = error.exit_code;
+    status = "refused";
+    note = error.what();
+}
+
 bool FrameRow::has_mesh() const { return status == status_row(Status::converged).name; }
 std::string FrameRow::label() const { return between > 0 ? concat(number, "-", between) : std::to_string(number); }
 

@@ -28,6 +28,7 @@ struct FrameRow {
     double max_distortion = 0, relative_quality = 0, min_scaled_jacobian = 0, seconds = 0;
     bool certified = false;
 
+    void refuse(const Error& error);
     bool has_mesh() const;
     std::string label() const;      // "3", or "3-1"
     std::string file_name() const;  // "frame-0003", or "frame-0003-1"

@@ -189,9 +189,7 @@ void FrameRun::solve_or_refuse(FrameRow& row) {
     try {
         solve(row, 0);
     } catch (const Error& error) {
-        row.code = error.exit_code;
-        row.status = "refused";
-        row.note = error.what();
+        row.refuse(error);
     }
 }
 
@@ -270,7 +268,12 @@ ExitCode FrameRun::run() {
             return ExitCode::not_converged;
         }
         spent_ += row.seconds = watch.seconds();
-        done_.add(row);
+        try {
+            done_.add(row);
+        } catch (const InputError& error) {  // a disk that is full
+            if (!coupling_) throw;
+            row.refuse(error);
+        }
         const bool goes_on = row.code == ExitCode::success || row.code == ExitCode::expectation_failed;
         if (!goes_on && !deck_.keep_going && !coupling_)
             throw Error(row.code, concat(name, ": ", row.note.empty() ? row.status : row.note,

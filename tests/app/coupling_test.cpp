@@ -171,6 +171,12 @@ TEST_CASE("what is wrong with a line or its file is answered in a line, and the 
     refused("1 " + bad, "bad.csv:1: a coordinate `nan` is not a finite number");
     ring.folder.write("bad.csv", "1 0\n");
     refused("1 " + bad, "bad.csv:1: ");
+    const std::string table = ring.output + "/frames.csv";
+    std::filesystem::remove(table);
+    std::filesystem::create_directory(table);  // as if the disk were full
+    const std::string full = run.ask("1 " + file);
+    CHECK_MESSAGE((full.starts_with("1 refused ") && has(full, table)), full);
+    std::filesystem::remove(table);
     CHECK(run.ask("\n1 " + file) == concat("1 converged ", ring.output, "/frame-0002.msh"));
     CHECK(run.end() == 0);
     CHECK(csv_rows(text_of(ring.output + "/frames.csv")).size() == 3);
