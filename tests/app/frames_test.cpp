@@ -36,7 +36,8 @@ Table frames_of(const std::string& folder) {
 }
 
 const std::map<std::string, std::string>& row_of(const Table& table, const std::string& frame) {
-    const auto found = std::find_if(table.begin(), table.end(), [&](const auto& row) { return row.at("frame") == frame; });
+    const auto is_it = [&](const auto& row) { return row.at("frame") == frame; };
+    const auto found = std::find_if(table.begin(), table.end(), is_it);
     REQUIRE(found != table.end());
     return *found;
 }
@@ -45,15 +46,18 @@ std::string name_of(int frame) { return "frame-" + std::string(frame < 10 ? "000
 
 Mesh frame(const RingDeck& ring, int number) { return mesh_of(ring.output + "/" + name_of(number) + ".msh"); }
 
-// The largest distance of a node in two meshes, in parts of the shortest edge at it.
+// The largest distance of a node in two meshes of simplices, in parts of the shortest edge at it.
 double drift(const Mesh& a, const Mesh& b) {
-    const auto distance = [&](const Mesh& p, int i, const Mesh& q, int j) {
-        return std::hypot(p.x[2 * i] - q.x[2 * j], p.x[2 * i + 1] - q.x[2 * j + 1]);
+    const int n = a.dim;
+    const auto distance = [n](const Mesh& p, int i, const Mesh& q, int j) {
+        double squared = 0;
+        for (int c = 0; c < n; ++c) squared += std::pow(p.x[n * i + c] - q.x[n * j + c], 2);
+        return std::sqrt(squared);
     };
     std::vector<double> edge(a.nodes(), 1e300);
     for (int e = 0; e < a.element_count(); ++e)
-        for (int k = 0; k < 3; ++k)
-            for (int l = 0; l < 3; ++l)
+        for (int k = 0; k <= n; ++k)
+            for (int l = 0; l <= n; ++l)
                 if (const int i = a.element(e)[k], j = a.element(e)[l]; i != j)
                     edge[i] = std::min(edge[i], distance(a, i, a, j));
     double largest = 0;
@@ -217,6 +221,34 @@ TEST_CASE("where a disk is full the frames before stay, and the run goes on when
         CHECK(in_child([&] { return run(room); }, [](pid_t) {}) == 2);
         CHECK(ring.run({pitch_and_plunge, "frames=0:0.05:1", "resume=1"}).code == 0);
         CHECK(bits() == whole);
+    }
+}
+
+TEST_CASE("a body in space that pitches and plunges does not drift either, and its frames do not become dearer") {
+    const TemporaryFolder folder;
+    const std::string out = folder.path("out");
+    folder.write("shell.msh", text_of("inputs/meshes/sphere-shell.msh"));
+    const std::string deck = folder.write(
+        "shell.deck", "mesh = shell.msh\nvtk = none\noutput = " + out +
+                          "\nboundary inner = rotate \"20*sin(2*pi*t)\" axis 0 1 0 about 0.3 0 0; "
+                          "translate 0 0 \"0.6*sin(2*pi*t + 1)\"\nboundary outer = fixed\nframes = 0 : 0.125 : 4\n");
+    const auto mesh = [&](int number) { return mesh_of(out + "/" + name_of(number) + ".msh"); };
+    for (const char* const solver : {"cholesky", "cg"}) {
+        REQUIRE(almesh_with({deck, concat("solver=", solver)}).code == 0);
+        const Table table = frames_of(out);
+        REQUIRE(table.size() == 33);
+        int steps[4] = {};
+        for (int k = 9; k < 33; ++k) {
+            CHECK(drift(mesh(k % 8 + 9), mesh(k + 1)) < 1e-8);
+            CHECK(table[k].at("path") == "valid");
+            CHECK(table[k].at("started_from") != "anew");
+            for (const char* quantity : {"max_distortion", "relative_quality"})
+                CHECK(*parse_double(table[k].at(quantity)) ==
+                      doctest::Approx(*parse_double(table[k % 8 + 8].at(quantity))).epsilon(1e-9));
+            steps[(k - 1) / 8] += *parse_int(table[k].at("newton_steps"));
+        }
+        CHECK(steps[2] <= steps[1]);
+        CHECK(steps[3] <= steps[1]);
     }
 }
 

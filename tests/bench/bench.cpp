@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
         make_folder("outputs");
         const bench::Machine machine = bench::measure_machine(table);
         bench::measure_decks(machine, quick, table);
+        bench::measure_frames(machine, quick, table);
         bench::measure_scaling(quick, table);
         bench::measure_kernels(machine, quick, table);
         write_file("outputs/bench.csv", table.csv());

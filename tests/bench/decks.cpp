@@ -163,7 +163,40 @@ void measure_family(const Family& family, bool quick, Table& table) {
     std::fflush(stdout);
 }
 
+// A motion by about one edge of the moved boundary per frame.
+struct Motion {
+    const char *deck, *boundary;
+    int frames;
+    bool cheap;
+};
+
+const Motion motions[] = {{"circle", "inner=translate \"0.8*sin(t/4)\" 0", 100, true},
+                          {"aircraft", "aircraft=translate \"0.6*sin(t/20)\" 0 0", 10, false}};
+
+// A frame that starts from those before: what the others take longer than the first three.
+double warm_frame_seconds(const Motion& motion, int threads) {
+    constexpr int first = 3, repetitions = 3;
+    const auto best = [&](int frames) {
+        std::vector<double> seconds;
+        for (int k = 0; k < repetitions; ++k)
+            seconds.push_back(run_deck(motion.deck, {"boundary " + std::string(motion.boundary), "algorithm=adaptive",
+                                                     "frames=1 : 1 : " + std::to_string(frames), "vtk=none",
+                                                     threads_setting(threads)}).wall);
+        return *std::min_element(seconds.begin(), seconds.end());
+    };
+    return (best(first + motion.frames) - best(first)) / motion.frames;
+}
+
 }  // namespace
+
+void measure_frames(const Machine& machine, bool quick, Table& table) {
+    for (const Motion& motion : motions)
+        for (const int threads : machine.threads)
+            if (motion.cheap || !quick)
+                table.add("frames", motion.deck, threads, "warm frame", 1e3 * warm_frame_seconds(motion, threads),
+                          "ms");
+    table.print("frames", "Motions by an edge per frame: a frame with its certificates and files, best of runs");
+}
 
 void measure_decks(const Machine& machine, bool quick, Table& table) {
     for (const BenchDeck& deck : decks)
