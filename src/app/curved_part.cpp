@@ -13,10 +13,11 @@
 namespace almesh {
 namespace {
 
-constexpr int most_al_iterations = 6, most_newton_steps = 12;  // what needs more is not to be had
-// After these steps what can be had is a third of the way from its target or less, what cannot more than half of it.
-constexpr int first_newton_steps = 4;
-constexpr double nearer = 0.4;
+constexpr int most_al_iterations = 6, most_newton_steps = 16;  // what needs more is not to be had
+constexpr double first_penalty = 1e3, next_penalty = 1e5;  // in units of |1|^2
+// What can be had comes this near to its target, of the way there, within a few steps with the first penalty, and ten
+// times as near with the next one.
+constexpr double near = 0.25, nearer = 0.1;
 
 std::vector<double> gathered(const std::vector<double>& field, const std::vector<int>& node, int dim) {
     std::vector<double> of_part;
@@ -45,6 +46,40 @@ bool keeps_rest(const CurvedPart& part, const std::vector<double>& x) {
     for (int i = 0; i < part.mesh.nodes(); ++i)
         if (part.on_cut[i] && !std::equal(point(x, i, dim), point(x, i, dim) + dim, point(part.start, i, dim)))
             return false;
+    return true;
+}
+
+// From the start in result.x: with penalties that grow while the boundary comes near enough to its target. Whether it
+// does.
+bool minimise(const Deck& deck, const Level& level, int first_steps, CurvedPartResult& result) {
+    Newton newton(level.energy->hessian_pattern(), deck.linear, {.forcing = deck.forcing});
+    AlStart start;
+    start.lambda.assign(level.constraint->multipliers(), 0.0);  // not cold: the mesh is near
+    AlResult& al = result.al;
+    const auto distance = [&] { return level.constraint->projected_norm(result.x); };
+    const double way = distance();
+    const auto minimise_with = [&](double mu, int al_iterations, int newton_steps) {
+        start.mu = mu;
+        AugmentedLagrangianParams limits = deck.method;
+        limits.max_iterations = std::min(limits.max_iterations, al_iterations);
+        limits.max_newton_iterations = std::min(limits.max_newton_iterations, newton_steps);
+        const int steps = al.newton_iterations;
+        al = minimise(*level.energy, *level.constraint, newton, limits, result.x, {}, start);
+        al.newton_iterations += steps;
+    };
+    const auto update_multipliers = [&] {
+        level.constraint->update_multipliers(result.x, al.iterations.back().mu, start.lambda);
+    };
+    minimise_with(first_penalty, 1, first_steps);
+    if (al.status == Status::max_newton_iterations && distance() <= near * way)
+        minimise_with(first_penalty, 1, most_newton_steps - first_steps);
+    const double left = distance();
+    if (al.iterations.back().newton_status != Status::converged && left > near * way) return false;
+    update_multipliers();
+    minimise_with(next_penalty, 1, most_newton_steps / 2);
+    if (al.status == Status::max_newton_iterations || distance() > nearer * left) return false;
+    update_multipliers();
+    minimise_with(next_penalty, most_al_iterations, most_newton_steps);
     return true;
 }
 
@@ -140,10 +175,7 @@ void flatten(CurvedPart& part, double bound) {
 }
 
 CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const std::vector<char>& freed,
-                       const SlidingSurfaces* surfaces) {
-    AugmentedLagrangianParams limits = deck.method;
-    limits.max_iterations = std::min(limits.max_iterations, most_al_iterations);
-    limits.max_newton_iterations = std::min(limits.max_newton_iterations, most_newton_steps);
+                       const SlidingSurfaces* surfaces, int first_steps) {
     Problem problem;
     problem.base = part.mesh;
     problem.base.x = part.curved;
@@ -158,22 +190,8 @@ CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const std::vect
     }
     set_functional(deck, problem);
     const Level& level = *problem.level;
-    AlStart start;
-    start.mu = largest_start_penalty;
-    start.lambda.assign(level.constraint->multipliers(), 0.0);  // not cold: the mesh is near
-    Newton newton(level.energy->hessian_pattern(), deck.linear, {.forcing = deck.forcing});
     CurvedPartResult result{part.start, {}, {}};
-    AugmentedLagrangianParams first = limits;
-    first.max_newton_iterations = std::min(limits.max_newton_iterations, first_newton_steps);
-    result.al = minimise(*level.energy, *level.constraint, newton, first, result.x, {}, start);
-    const auto distance = [](const AlIteration& row) { return row.projected_constraint_norm; };
-    if (result.al.status == Status::max_newton_iterations) {
-        if (distance(result.al.iterations.back()) > nearer * distance(result.al.iterations[0])) return result;
-        const int steps = result.al.newton_iterations;
-        start.lambda = std::move(result.al.lambda);
-        result.al = minimise(*level.energy, *level.constraint, newton, limits, result.x, {}, start);
-        result.al.newton_iterations += steps;
-    }
+    if (!minimise(deck, level, first_steps, result)) return result;
     if (snap_to_targets(*level.energy, *level.constraint, result.x) > 0 || !keeps_rest(part, result.x)) return result;
     result.certificate = certify(part.mesh, result.x, deck.certificate);
     Mesh mesh = part.mesh;

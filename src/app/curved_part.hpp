@@ -42,8 +42,9 @@ struct CurvedPartResult {
     Certificate certificate;
 };
 
-// freed: nodes that slide along these surfaces of the whole; none, and null, for no node.
+// freed: nodes that slide along these surfaces of the whole; none, and null, for no node. It is given up where its
+// boundary is not near its target after the first Newton steps, with a small penalty.
 CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const std::vector<char>& freed,
-                       const SlidingSurfaces* surfaces);
+                       const SlidingSurfaces* surfaces, int first_steps);
 
 }  // namespace almesh

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "app/curved_part.hpp"
 #include "base/error.hpp"
@@ -17,30 +18,31 @@ namespace {
 constexpr double small_work = 5e5;  // blocks of all elements' Hessians: about a second for all steps of a solution
 constexpr int most_al_iterations = 6, most_newton_steps = 20;  // of the whole mesh, when there is another way
 
-// What is done with the boundary of a part, and how far the part reaches around the elements that were straightened,
-// in units of their edges.
+// What is tried, in this order, each where those before have left elements straightened: with the boundary of a part,
+// whose largest number of these elements is at_once (of tetrahedra of degree 3), how far around them in units of their
+// edges, and with how many Newton steps before it has to be near (curved_part.hpp).
 enum class Boundary { stays, slides, slides_around, flattens };
 struct Attempt {
     Boundary boundary;
+    int at_once;
     double reach;
+    int first_steps;
     const char* what;
 };
-constexpr Attempt attempts[] = {{Boundary::stays, 1, "boundary as in the file"},
-                                {Boundary::stays, 2, "boundary as in the file"},
-                                {Boundary::slides, 1, "nodes slide"},
-                                {Boundary::slides_around, 1, "nodes around slide"},
-                                {Boundary::flattens, 1, "faces are flatter"}};
-
-// Elements straightened in one part, and the blocks of their Hessians.
-constexpr std::size_t most_at_once = 48;
-constexpr double most_work = 19200;
+constexpr Attempt attempts[] = {{Boundary::stays, 48, 1, 8, "boundary as in the file"},
+                                {Boundary::stays, 48, 2, 8, "boundary as in the file"},
+                                {Boundary::slides, 48, 1, 4, "nodes slide"},
+                                {Boundary::slides_around, 192, 1, 16, "nodes around slide"},
+                                {Boundary::slides_around, 12, 1, 4, "nodes around slide"},
+                                {Boundary::flattens, 48, 1, 16, "faces are flatter"}};
 
 int count(const std::vector<char>& some) { return static_cast<int>(std::count(some.begin(), some.end(), 1)); }
 
 double work_of(const Mesh& mesh, int e) { return std::pow(mesh.element_nodes(e), 2); }
 
-// The chosen elements in sets of neighbours, by their vertices, each small enough for one part.
-std::vector<std::vector<int>> places_of(const Mesh& mesh, const std::vector<char>& chosen) {
+// The chosen elements in sets of neighbours, by their vertices, each of so many at most, or with that work.
+std::vector<std::vector<int>> places_of(const Mesh& mesh, const std::vector<char>& chosen, std::size_t at_once) {
+    constexpr double work_of_one = 400;
     std::vector<std::vector<int>> at_vertex(mesh.nodes()), places;
     for (int e = 0; e < mesh.element_count(); ++e)
         for (int k = 0; k < mesh.cell(e).vertices && chosen[e]; ++k) at_vertex[mesh.element(e)[k]].push_back(e);
@@ -54,7 +56,8 @@ std::vector<std::vector<int>> places_of(const Mesh& mesh, const std::vector<char
             const int* const node = mesh.element(place[next]);
             for (int k = 0; k < mesh.cell(place[next]).vertices; ++k)
                 for (const int e : at_vertex[node[k]]) {
-                    if (!is_left[e] || place.size() == most_at_once || work + work_of(mesh, e) > most_work) continue;
+                    if (!is_left[e] || place.size() == at_once) continue;
+                    if (work + work_of(mesh, e) > work_of_one * static_cast<double>(at_once)) continue;
                     is_left[e] = 0;
                     work += work_of(mesh, e);
                     place.push_back(e);
@@ -81,7 +84,7 @@ public:
     // From here on the mesh is valid.
     void straighten(std::FILE* out) {
         const StraightenedMesh found = straightened(mesh_.x);
-        places_ = places_of(mesh_, found.was_at_fault);
+        is_straightened_ = found.was_at_fault;
         const int at_fault = count(found.was_at_fault);
         if (at_fault == 0)
             std::fprintf(out, "no element is invalid in the file: nothing moves (local_repair = 0: all nodes do)\n");
@@ -93,10 +96,15 @@ public:
     }
 
     void curve_parts() {
-        for (const std::vector<int>& place : places_)
-            if (!interrupted()) curve_around(place);
-        if (!places_.empty()) straightened(solution_.x);  // parts that overlap each other, if there are any
+        if (count(is_straightened_) == 0) return;
+        for (const Attempt& attempt : attempts)
+            for (const std::vector<int>& place : places_of(mesh_, is_straightened_, attempt.at_once))
+                if (!interrupted() && curve_around(place, attempt))
+                    for (const int e : place) is_straightened_[e] = 0;
+        straightened(solution_.x);  // parts that overlap each other, if there are any
     }
+
+    bool leaves_straight() const { return count(is_straightened_) > 0; }  // for what could not be curved again at all
 
     // The target is where the boundary is, and what was freed is free to slide.
     void set_target() {
@@ -137,8 +145,6 @@ public:
         return std::move(solution_);
     }
 
-    bool leaves_straight = false;  // whether an element could not be curved again at all
-
 private:
     const Stopwatch watch_;
     Deck deck_;
@@ -149,8 +155,9 @@ private:
     Solution solution_;
     double gradient_norm_ = 0;  // the largest of those with which parts ended
     std::vector<char> freed_;   // per node: whether it has slid, or could have
-    std::vector<std::vector<int>> places_;  // elements that were straightened, in sets
-    std::vector<double> bound_;             // per element: of its scaled Jacobian, from below
+    std::vector<char> is_straightened_;  // per element: by straighten(), and not curved again yet
+    std::vector<double> bound_;          // per element: of its scaled Jacobian, from below
+    std::set<std::vector<int>> slid_;            // places whose nodes around have slid, to no avail
     std::shared_ptr<SlidingSurfaces> surfaces_;  // null: not made yet
     bool has_no_surfaces_ = false;
 
@@ -175,7 +182,8 @@ private:
         return !has_no_surfaces_;
     }
 
-    void curve_around(const std::vector<int>& place) {
+    // Whether the elements of the place are curved then.
+    bool curve_around(const std::vector<int>& place, const Attempt& attempt) {
         std::vector<char> is_of_place(mesh_.element_count(), 0);
         std::vector<double> curved = solution_.x;
         for (const int e : place) {
@@ -185,31 +193,30 @@ private:
                 if (!freed_[i]) std::copy_n(point(mesh_.x, i, mesh_.dim), mesh_.dim, point(curved, i, mesh_.dim));
             }
         }
-        if (curved == solution_.x) return;  // others around have done it
-        for (const Attempt& attempt : attempts) {
-            if (interrupted()) return;
-            CurvedPart part =
-                curved_part(problem_, surroundings(mesh_, is_of_place, attempt.reach), solution_.x, curved);
-            const TargetFaults faults = find_faults(part, deck_.min_scaled_jacobian);
-            const Boundary boundary = attempt.boundary;
-            if (boundary == Boundary::stays ? !faults.none() : boundary != Boundary::slides && faults.none()) continue;
-            std::vector<char> freed;
-            if (boundary == Boundary::slides || boundary == Boundary::slides_around) {
-                if (!can_slide()) continue;
-                if (boundary == Boundary::slides_around) freed = freed_nodes_around(part, faults);
-                else freed = freed_nodes(part, faults.none() ? elements_of(part, is_of_place)
-                                                             : elements_of(part, faults));
-            }
-            if (boundary == Boundary::flattens) flatten(part, deck_.min_scaled_jacobian);
-            if (curve(part, freed, attempt.what, place[0])) return;
+        if (curved == solution_.x) return true;  // others around have done it
+        if (attempt.boundary == Boundary::slides_around && slid_.contains(place)) return false;
+        CurvedPart part = curved_part(problem_, surroundings(mesh_, is_of_place, attempt.reach), solution_.x, curved);
+        TargetFaults faults = find_faults(part, deck_.min_scaled_jacobian);
+        const Boundary boundary = attempt.boundary;
+        if (boundary == Boundary::stays ? !faults.none() : boundary == Boundary::flattens && faults.none()) return false;
+        std::vector<char> freed;
+        if (boundary == Boundary::flattens) flatten(part, deck_.min_scaled_jacobian);
+        else if (boundary != Boundary::stays) {
+            if (!can_slide()) return false;
+            if (faults.none())
+                for (const int e : elements_of(part, is_of_place)) faults.elements.push_back({{e, 0, true}});
+            freed = boundary == Boundary::slides ? freed_nodes(part, elements_of(part, faults))
+                                                 : freed_nodes_around(part, faults);
         }
-        leaves_straight = true;
+        return curve(part, freed, attempt, place);
     }
 
-    // Whether the part is certified, and makes no element worse than it may be. around: an element, to tell the place.
-    bool curve(const CurvedPart& part, const std::vector<char>& freed, const char* what, int around) {
+    // Whether the part is certified, and makes no element worse than it may be.
+    bool curve(const CurvedPart& part, const std::vector<char>& freed, const Attempt& attempt,
+               const std::vector<int>& place) {
         const Stopwatch watch;
-        const CurvedPartResult found = almesh::curve(deck_, part, freed, freed.empty() ? nullptr : surfaces_.get());
+        const CurvedPartResult found =
+            almesh::curve(deck_, part, freed, freed.empty() ? nullptr : surfaces_.get(), attempt.first_steps);
         bool is_better = found.certificate.valid;
         for (std::size_t e = 0; e < part.element.size() && is_better; ++e)
             is_better = found.certificate.lower_bound[e] >
@@ -220,11 +227,13 @@ private:
         stage.last = found.al.iterations.back();
         stage.last.seconds = watch.seconds();
         stage.newton_iterations = found.al.newton_iterations;
-        const Vec<3> at = problem_.frame.to_file(element_centre(mesh_, mesh_.x, around));
-        stage.part = concat(part.mesh.element_count(), " elements around ", position_text(at.data(), mesh_.dim), ": ", what);
+        const Vec<3> at = problem_.frame.to_file(element_centre(mesh_, mesh_.x, place[0]));
+        stage.part = concat(part.mesh.element_count(), " elements around ", position_text(at.data(), mesh_.dim), ": ", attempt.what);
         observe_(stage);
         int& steps = is_better ? solution_.al.newton_iterations : solution_.al.earlier_newton_iterations;
         steps += found.al.newton_iterations;
+        if (!is_better && attempt.boundary == Boundary::slides_around && !found.certificate.lower_bound.empty())
+            slid_.insert(place);
         if (!is_better) return false;
         gradient_norm_ = std::max(gradient_norm_, stage.last.gradient_norm);
         for (std::size_t e = 0; e < part.element.size(); ++e)
@@ -289,7 +298,7 @@ Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, 
     curving.curve_parts();
     curving.set_target();
     Solution solution = curving.solution();
-    if (as_whole && !keeps_boundary && !curving.leaves_straight && !interrupted()) {
+    if (as_whole && !keeps_boundary && !curving.leaves_straight() && !interrupted()) {
         Solution whole = solve(settings, problem);
         if (is_certified(deck, problem, whole) &&
             whole.al.distortion.max_distortion <= solution.al.distortion.max_distortion)
