@@ -207,6 +207,8 @@ private:
                 for (const int e : elements_of(part, is_of_place)) faults.elements.push_back({{e, 0, true}});
             freed = boundary == Boundary::slides ? freed_nodes(part, elements_of(part, faults))
                                                  : freed_nodes_around(part, faults);
+            for (std::size_t k = 0; k < part.curved.size(); ++k)  // where nodes are that surfaces leave no way to go
+                if (freed[k / mesh_.dim]) part.curved[k] = part.file[k];
         }
         return curve(part, freed, attempt, place);
     }
@@ -299,7 +301,10 @@ Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, 
     curving.set_target();
     Solution solution = curving.solution();
     if (as_whole && !keeps_boundary && !curving.leaves_straight() && !interrupted()) {
-        Solution whole = solve(settings, problem);
+        Deck from_parts = settings;
+        from_parts.start = Start::file;
+        problem.start = solution.x;
+        Solution whole = solve(from_parts, problem);
         if (is_certified(deck, problem, whole) &&
             whole.al.distortion.max_distortion <= solution.al.distortion.max_distortion)
             return whole;
