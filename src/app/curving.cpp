@@ -198,7 +198,8 @@ private:
         CurvedPart part = curved_part(problem_, surroundings(mesh_, is_of_place, attempt.reach), solution_.x, curved);
         TargetFaults faults = find_faults(part, deck_.min_scaled_jacobian);
         const Boundary boundary = attempt.boundary;
-        if (boundary == Boundary::stays ? !faults.none() : boundary == Boundary::flattens && faults.none()) return false;
+        if (boundary == Boundary::stays && !faults.none()) return false;
+        if (boundary == Boundary::flattens && faults.none()) return false;
         std::vector<char> freed;
         if (boundary == Boundary::flattens) flatten(part, deck_.min_scaled_jacobian);
         else if (boundary != Boundary::stays) {
@@ -230,7 +231,8 @@ private:
         stage.last.seconds = watch.seconds();
         stage.newton_iterations = found.al.newton_iterations;
         const Vec<3> at = problem_.frame.to_file(element_centre(mesh_, mesh_.x, place[0]));
-        stage.part = concat(part.mesh.element_count(), " elements around ", position_text(at.data(), mesh_.dim), ": ", attempt.what);
+        stage.part = concat(part.mesh.element_count(), " elements around ", position_text(at.data(), mesh_.dim), ": ",
+                            attempt.what);
         observe_(stage);
         int& steps = is_better ? solution_.al.newton_iterations : solution_.al.earlier_newton_iterations;
         steps += found.al.newton_iterations;
