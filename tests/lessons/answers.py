@@ -207,10 +207,10 @@ def ending(code, limits):
 
 def check_one(answers, number, limits):
     """(message, what it printed)"""
-    sanitized = "-fsanitize" in (answers.build / "flags").read_text()
     bounds = [(resource.RLIMIT_CPU, limits.seconds), (resource.RLIMIT_FSIZE, limits.output * MEGABYTE),
               (resource.RLIMIT_CORE, 0)]
-    if not sanitized:  # they reserve terabytes of addresses
+    sanitized = "-fsanitize" in (answers.build / "flags").read_text()  # these reserve terabytes of addresses
+    if sys.platform == "linux" and not sanitized:
         bounds.append((resource.RLIMIT_AS, limits.memory * MEGABYTE))
     with tempfile.TemporaryDirectory(prefix="almesh-answer-") as outside:
         folder, verdict, log = Path(outside) / "checkout", Path(outside) / "verdict", Path(outside) / "printed"
