@@ -118,8 +118,8 @@ std::string FrameSolver::start(double t, const FramesBefore& before, bool from_b
             x.swap(beyond);
         }
     }
-    if (level.turn <= most_turn && is_valid(level, level.ideal) &&
-        (name.empty() || distance(level.ideal) <= about_equal * distance(x))) {
+    const auto ideal_is_near = [&] { return name.empty() || distance(level.ideal) <= about_equal * distance(x); };
+    if (level.turn <= most_turn && ideal_is_near() && is_valid(level, level.ideal)) {
         name = "ideal";
         x = level.ideal;
     }
