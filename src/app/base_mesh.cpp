@@ -27,6 +27,7 @@ Mesh straight_mesh(const RawMesh& raw, const CertificateParams& params, std::vec
 
 BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateParams& params,
                          std::vector<std::string>& notes) {
+    if (is_improved(ideal)) return {build_mesh(raw, notes, Folds::keep), true};
     const std::size_t told = notes.size();
     const bool is_linear = degree_of(raw) == 1;
     std::string against_straight;

@@ -1,4 +1,4 @@
-// The mesh of a file, and which mesh is the ideal one (ideal = auto | straight | given).
+// The mesh of a file, and which mesh is the ideal one (key ideal).
 #pragma once
 #include <string>
 #include <vector>
@@ -12,8 +12,15 @@ namespace almesh {
 enum class IdealKind {
     automatic,  // straight, but given where the straight-sided form is not valid and the mesh of the file is certified
     straight,   // the straight-sided form of the mesh, as in the paper
-    given       // the mesh as it is in the file, with its curved elements
+    given,      // the mesh as it is in the file, with its curved elements
+    // The mesh of the file may have inverted elements (improve.hpp), and the ideal elements are
+    regular,    // regular cells of the size of the elements around,
+    size,       // regular cells with edges of a length that a formula gives,
+    mesh        // or those of another mesh with the same elements
 };
+
+// Whether the mesh is to be made better: ideal and first mesh are not the same.
+inline bool is_improved(IdealKind ideal) { return ideal >= IdealKind::regular; }
 
 struct BaseMesh {
     Mesh mesh;

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "app/deck.hpp"
+#include "app/improve.hpp"
 #include "app/linsolve.hpp"
 #include "app/sweep.hpp"
 #include "base/text.hpp"
@@ -26,6 +27,8 @@ constexpr const char* help =
     "  almesh quality FILE           certify and measure any mesh (Gmsh MSH 1, 2.2, 4.0, 4.1, SU2, VTK)\n"
     "                                before=FILE: and how far the boundary is from where that file has it\n"
     "                                both take keys: almesh quality FILE threads=1\n"
+    "  almesh improve FILE [key=value ...]\n"
+    "                                make a mesh valid and its elements better; boundary nodes slide along the boundary\n"
     "  almesh adjoint DECK dJ-dx.csv [...]  run it; derivatives of each J by the boundary and the deck's constants\n"
     "  almesh tangent DECK [dg.csv ...]     run it; displacements of all nodes by boundary velocities and constants\n"
     "  almesh sweep DECK [key=value ...]\n"
@@ -117,6 +120,7 @@ ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
     }
     const auto printed = print_result(arguments, out);
     if (!printed && is_mesh(arguments[0])) refuse_mesh(arguments[0]);
+    if (!printed && arguments[0] == "improve") return run(improvement_deck(arguments), out);
     if (!printed) return run(read_deck(arguments[0], {arguments.begin() + 1, arguments.end()}), out);
     if (std::fflush(out) != 0 || std::ferror(out)) throw InputError("cannot write the output: ", std::strerror(errno));
     return *printed;

@@ -58,6 +58,7 @@ void read_key(Deck& deck, std::string name, std::string value, const std::string
     deck.given[key->name] = where;
     if (key->name == "mesh" && !deck.mesh.empty()) deck.mesh = path_from(where, deck, deck.mesh);
     if (key->name == "start" && deck.start == Start::file) deck.start_file = path_from(where, deck, deck.start_file);
+    if (key->name == "ideal" && !deck.ideal_file.empty()) deck.ideal_file = path_from(where, deck, deck.ideal_file);
     if (key->name == "frames" && names_file(deck.frames)) deck.frames = path_from(where, deck, deck.frames);
 }
 
@@ -295,6 +296,7 @@ std::string resolved(const Deck& deck) {
     Deck shown = deck;
     shown.mesh = relative_path(deck.output, deck.mesh);
     if (deck.start == Start::file) shown.start_file = relative_path(deck.output, deck.start_file);
+    if (!deck.ideal_file.empty()) shown.ideal_file = relative_path(deck.output, deck.ideal_file);
     if (names_file(deck.frames)) shown.frames = relative_path(deck.output, deck.frames);
     std::string text = "# Every key with its value: repeats the run from the folder in which it was started.\n";
     for (const DeckKey& key : deck_keys()) {

@@ -76,6 +76,7 @@ struct Deck {
     AugmentedLagrangianParams method;
     std::optional<int> increments;
     IdealKind ideal = IdealKind::automatic;
+    std::string ideal_size, ideal_file;  // formula of x, y, z; path as seen from the current folder
     Start start = Start::automatic;
     std::string start_file;  // path as seen from the current folder
     Continuation continuation = Continuation::automatic;

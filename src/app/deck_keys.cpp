@@ -107,6 +107,36 @@ DeckValue start() {
     return value;
 }
 
+// A word, or one with a formula or a file after it.
+DeckValue ideal() {
+    DeckValue value = choice<&Deck::ideal>({"auto", "straight", "given", "regular"},
+                                           "auto | straight | given | regular | size FORMULA | mesh FILE");
+    value.set = [of_words = value.set](Deck& deck, std::string_view written) -> Hint {
+        const auto space = std::min(written.find_first_of(" \t"), written.size());
+        const auto argument = without_quotes(trim(written.substr(space)));
+        deck.ideal_size.clear();
+        deck.ideal_file.clear();
+        if (space == written.size() || !argument) return of_words(deck, written);
+        if (written.starts_with("size ")) {
+            if (Expression(*argument, deck.constants).names_time()) return " (it may name x, y, z, not the time)";
+            deck.ideal = IdealKind::size;
+            deck.ideal_size = *argument;
+        } else if (written.starts_with("mesh ")) {
+            deck.ideal = IdealKind::mesh;
+            deck.ideal_file = *argument;
+        } else {
+            return of_words(deck, written);
+        }
+        return std::nullopt;
+    };
+    value.text = [of_words = value.text](const Deck& deck) {
+        if (deck.ideal == IdealKind::size) return "size " + with_quotes(deck.ideal_size);
+        if (deck.ideal == IdealKind::mesh) return "mesh " + with_quotes(deck.ideal_file);
+        return of_words(deck);
+    };
+    return value;
+}
+
 using Distortion = DistortionParams;
 using Method = AugmentedLagrangianParams;
 using Linear = LinearSolverParams;
@@ -166,10 +196,13 @@ const std::vector<DeckKey>& deck_keys() {
         {"algorithm", choice<&Deck::method, &Method::algorithm>({"adaptive", "paper", "literal"}),
          "Schedule of the augmented Lagrangian method. adaptive: the multipliers are updated after every "
          "minimisation; paper: Algorithm 1 as corrected; literal: Algorithm 1 as printed."},
-        {"ideal", choice<&Deck::ideal>({"auto", "straight", "given"}),
+        {"ideal", ideal(),
          "Ideal mesh, whose elements have no distortion. straight: the mesh of the file with straight sides, as in the "
          "paper; given: as it is in the file, curved elements included; auto: straight, but given where the mesh folds "
-         "with straight sides and is valid with curved ones."},
+         "with straight sides and is valid with curved ones. With the others the mesh of the file may have inverted "
+         "elements, which are made valid first. regular: regular cells, of the size of the elements around; size: with "
+         "edges of the length that a formula of x, y, z gives at the element; mesh: the elements of the same nodes, by "
+         "their ids, in another file."},
         {"start", start(),
          "First iterate. identity: the ideal mesh; coarse: the solution on the mesh refined less, or of lower degree, "
          "which is found the same way; auto: coarse with algorithm = adaptive, else identity. A file: the positions "

@@ -152,6 +152,9 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
             return against_distance(deck, problem, solution);
         case Status::inverted:
         case Status::invalid_start:
+            if (is_improved(deck.ideal))
+                return "another mesh file: with its boundary where it is, no positions of the nodes inside were found "
+                       "at which these elements are valid";
             return "method = augmented_lagrangian, which moves the boundary and the mesh together; " +
                    less_motion(solution);
     }

@@ -8,6 +8,7 @@
 #include "app/commands.hpp"
 #include "app/deck_checks.hpp"
 #include "app/folded_target.hpp"
+#include "app/improve.hpp"
 #include "app/memory.hpp"
 #include "app/node_targets.hpp"
 #include "app/other_surfaces.hpp"
@@ -190,7 +191,7 @@ bool curves_in_place(const Deck& deck, const Problem& problem) {
     const auto is_fixed = [](const Motion& motion) { return motion == parse_motion("fixed"); };
     return (problem.mesh().degree > 1 || deck.local_repair == LocalRepair::yes) && deck.distortion.delta == 0 &&
            deck.frames.empty() && deck.start != Start::file &&
-           (!problem.is_own_ideal || deck.local_repair == LocalRepair::yes) &&
+           !is_improved(deck.ideal) && (!problem.is_own_ideal || deck.local_repair == LocalRepair::yes) &&
            deck.split == Split::never && deck.method.moving == MovingMethod::augmented_lagrangian &&
            (deck.surface == SurfaceKind::automatic || deck.surface == SurfaceKind::straighten) &&
            std::all_of(problem.motions.begin(), problem.motions.end(), is_fixed);
@@ -295,6 +296,7 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
                     Level& level) {
     DistortionParams distortion = distortion_of(deck);
     distortion.curved_ideal = problem.is_own_ideal;
+    distortion.regular = problem.regular;
     level.energy = make_energy(level.mesh, level.ideal, distortion);
     level.energy->order_hessian([&](const BlockCsr& pattern) {
         return sweep_order(pattern, level.mesh.dim, deck.linear, vertex_interpolation(level.mesh));
@@ -339,6 +341,7 @@ Problem make_problem(const Deck& deck) {
     check_times(deck);
     check_method(deck);
     check_local_repair(deck);
+    check_improve(deck);
     std::string mesh_hash;
     std::vector<std::string> notes = deck.notes;
     BaseMesh base = build_base_mesh(read_mesh_file(deck, mesh_hash), deck.ideal, deck.certificate, notes);
@@ -347,7 +350,9 @@ Problem make_problem(const Deck& deck) {
                         "ideal mesh (ideal = given)");
     assign_boundaries(deck, base.mesh, notes);
     Problem problem = make_problem(deck, std::move(base), mesh_hash, std::move(notes));
-    if (deck.start == Start::file) problem.start = read_start(deck, problem.mesh(), problem.frame);
+    if (is_improved(deck.ideal)) set_ideal_elements(deck, problem);
+    if (deck.start == Start::file)
+        problem.start = read_positions(deck, "start", deck.start_file, problem.mesh(), problem.frame);
     return problem;
 }
 
@@ -397,7 +402,7 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
     if (!problem.curves_in_place) change_folded_target(deck, problem);
     set_frame(deck, problem);
     const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, problem);
-    if (problem.curves_in_place || !deck.frames.empty()) problem.file_x = problem.mesh().x;
+    if (problem.curves_in_place || is_improved(deck.ideal) || !deck.frames.empty()) problem.file_x = problem.mesh().x;
     finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
     problem.sliding = sliding;
     take_to_run(problem.frame, *problem.level);

@@ -27,8 +27,9 @@ struct Problem {
     std::vector<double> curved_target;  // and before faces were made straight; empty where none was
     int split_elements = 0;           // of the file: inverted by the target, and divided in the base mesh
     bool curves_in_place = false;     // it is curved, and its boundary is to stay where the file has it (curving.hpp)
-    std::vector<double> file_x;       // curved in place, frames: mesh().x in units of the file, nodes x dim
+    std::vector<double> file_x;       // curved in place, improved, frames: mesh().x in units of the file, nodes x dim
     std::vector<double> start;        // start = FILE: the first iterate, in the run's frame
+    std::vector<double> regular;      // DistortionParams::regular, in the run's frame
     PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
     Frame frame;                   // of the run, by the mesh file

@@ -6,6 +6,7 @@
 #include "app/curving.hpp"
 #include "app/ending.hpp"
 #include "app/frames.hpp"
+#include "app/improve.hpp"
 #include "app/memory.hpp"
 #include "app/problem.hpp"
 #include "app/report.hpp"
@@ -270,8 +271,9 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
         return solve(settings, of, checkpoint.get(), report, out);
     };
     const StageObserver add_stage = [&](const Stage& stage) { report.add(stage); };
-    Solution solution = problem.curves_in_place ? curve_in_place(deck, problem, solve_problem, add_stage, out)
-                                                 : solve_problem(deck, problem);
+    Solution solution = problem.curves_in_place   ? curve_in_place(deck, problem, solve_problem, add_stage, out)
+                        : is_improved(deck.ideal) ? improve(deck, problem, solve_problem, out)
+                                                  : solve_problem(deck, problem);
     solution.predicted_bytes = bytes;
     solution.time.setup += setup_seconds;
     solution.time.write += write_seconds;

@@ -11,8 +11,9 @@
 
 namespace almesh {
 
-std::vector<double> read_start(const Deck& deck, const Mesh& mesh, const Frame& frame) try {
-    const RawMesh raw = read_mesh(deck.start_file);
+std::vector<double> read_positions(const Deck& deck, const std::string& key, const std::string& path,
+                                   const Mesh& mesh, const Frame& frame) try {
+    const RawMesh raw = read_mesh(path);
     std::set<std::vector<long long>> elements;  // their ids, ascending
     for (const RawElement& element : raw.elements) {
         std::vector<long long> ids;
@@ -43,7 +44,7 @@ std::vector<double> read_start(const Deck& deck, const Mesh& mesh, const Frame& 
     throw InputError("it is not valid, element ", mesh.file.element_id[worst - bound.begin()],
                      " has a scaled Jacobian >= ", rounded_down(*worst, 3));
 } catch (const InputError& error) {
-    throw InputError(deck.given.at("start"), ": start = ", deck.start_file, ": ", error.what());
+    throw InputError(deck.given.at(key), ": ", key, " = ", key == "start" ? "" : "mesh ", path, ": ", error.what());
 }
 
 }  // namespace almesh

@@ -72,6 +72,9 @@ void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, con
         }
         const Mesh part = part_of(mesh, chosen, "rest");
         const std::vector<double> x = of_part(part, mesh, volume.cells, solution.x);
+        params.regular.clear();
+        if (!problem.regular.empty())
+            for (const int e : volume.cells) params.regular.push_back(problem.regular[e]);
         const auto energy = make_energy(part, of_part(part, mesh, volume.cells, problem.ideal()), params);
         const DistortionStatistics found = energy->statistics(x);
         std::fprintf(out, "%-*s  %8zu  %9.3e  %8.6f  %9.4g  >= %s\n", static_cast<int>(width), volume.name.c_str(),

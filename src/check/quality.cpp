@@ -14,6 +14,7 @@
 #include "energy/densities.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/quadrature.hpp"
+#include "mesh/regular_cell.hpp"
 
 namespace almesh {
 namespace {
@@ -21,30 +22,11 @@ namespace {
 constexpr int worst_listed = 10;
 constexpr int bar_length = 50;  // characters of the longest bar
 
-// Edge vectors of the regular tetrahedron of edge length 1, in columns; the first two are those of the triangle.
-const Mat<3> regular_edges = {
-    {{1, 0.5, 0.5}, {0, std::sqrt(0.75), std::sqrt(1.0 / 12)}, {0, 0, std::sqrt(2.0 / 3)}}};
-
-// Vertices of the cell all of whose edges have length 1: a product of regular simplices, or half an octahedron.
-template <int n>
-std::vector<double> regular_cell(const CellType& cell) {
-    if (cell.is_collapsed) return {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5, 0.5, std::sqrt(0.5)};
-    std::vector<double> x;
-    for (const MultiIndex& corner : cell.corners)
-        for (int a = 0; a < cell.dim; ++a) {
-            const auto [factor, from, to] = cell.coordinate(a);
-            x.push_back(0);
-            for (int k = 0; k < cell.factors[factor]; ++k)
-                x.back() += regular_edges[to - from - 1][k] * corner[from + 1 + k];
-        }
-    return x;
-}
-
 // At the points of the quadrature: inverse Jacobians of the regular cell.
 template <int n>
 std::vector<Mat<n>> from_regular(const CellType& cell, const Quadrature& quadrature) {
     const ReferenceElement linear = reference_element(cell, 1, quadrature);
-    const std::vector<double> x = regular_cell<n>(cell);
+    const std::vector<double> x = regular_cell(cell);
     constexpr int vertices[] = {0, 1, 2, 3, 4, 5, 6, 7};
     std::vector<Mat<n>> inverses;
     for (int q = 0; q < linear.points; ++q) inverses.push_back(inverse<n>(jacobian_at<n>(vertices, x, linear, q)));

@@ -54,7 +54,8 @@ public:
         share_ = in_all_lanes(1);
         is_ideal_curved_ = !ideal.curved.empty();
         if (!is_ideal_curved_) return;
-        gather(ideal.curved, ideal_position_);
+        if (ideal.has_one) scale(ideal);
+        else gather(ideal.curved, ideal_position_);
         inverse_mean_ = select(ideal.jacobian > 0, 1.0 / ideal.jacobian, Lanes{});
     }
 
@@ -210,6 +211,14 @@ private:
             }
         for (int i = m_ - 1; i >= 0; --i)
             for (int a = 0; a < n; ++a) to[i * n + a] -= to[a];
+    }
+
+    // The one ideal element to the mean Jacobian of each.
+    void scale(const IdealLanes<n>& ideal) const {
+        const Lanes factor = select(ideal.jacobian > 0, 1 / inverse_cbrt(ideal.jacobian), in_all_lanes(1));
+        for (int i = 0; i < m_; ++i)
+            for (int a = 0; a < n; ++a)
+                ideal_position_[i * n + a] = (ideal.curved[i * n + a] - ideal.curved[a]) * factor;
     }
 
     Mat<n, Lanes> jacobian(int q) const { return jacobian(position_, q); }

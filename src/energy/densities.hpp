@@ -3,16 +3,18 @@
 //
 // A measure of distortion has the form
 //
-//     eta(F) = |F|^2 r(D),   D = det F,   |F| the Frobenius norm,
+//     eta(F) = S r(D),   S = |F|^2,   D = det F,   |F| the Frobenius norm,
 //
 // and gives r with its derivatives:
 //
 //     Shape         r = 1 / (n sigma_delta^{2/n}),   sigma_delta = (D + sqrt(D^2 + 4 delta^2)) / 2     (Eqs. 1, 3)
 //     ShapeAndSize  r = that of Shape times (sigma_delta + 1/sigma_delta) / 2
+//     Tangled       r = half of that of Shape,   S = |F|^2 + n
 //
 // Shape is 1 for a rotation times a scaling; with the size factor of Garanzha, Kaporin, Kudryavtseva, Protais, Ray,
 // Sokolov ("Foldover-free maps in 50 lines of code", ACM TOG 40, 2021) only rotations have 1. Both grow without bound
 // towards D = 0; with delta = 0 they are infinite for D <= 0, so that no line search accepts an inverted element.
+// With delta, Shape is 0 for an element that is a point; Tangled is large there, as the energy of the paper above is.
 //
 // A density is a struct with the measure that it is a function of, f with two derivatives, and f'/2 at the eta where f
 // has a given value (which scales the damping of Newton's method). f must be increasing and convex for eta >= 1. To
@@ -43,6 +45,7 @@ T regularised_determinant(T D, T w, double delta) {
 }
 
 struct Shape {
+    static constexpr bool adds_n = false;  // to |F|^2
     template <int n, class T>
     static T factor(T D, double delta) {
         const T sigma = regularised_determinant<T>(D, sqrt(D * D + 4 * delta * delta), delta);
@@ -62,6 +65,7 @@ struct Shape {
 };
 
 struct ShapeAndSize {
+    static constexpr bool adds_n = false;
     template <int n, class T>
     static T factor(T D, double delta) {
         const T sigma = regularised_determinant<T>(D, sqrt(D * D + 4 * delta * delta), delta);
@@ -79,10 +83,32 @@ struct ShapeAndSize {
     }
 };
 
+struct Tangled {
+    static constexpr bool adds_n = true;
+    template <int n, class T>
+    static T factor(T D, double delta) {
+        return 0.5 * Shape::factor<n>(D, delta);
+    }
+
+    template <int n, class T>
+    static DeterminantFactor<T> derivatives(T D, double delta) {
+        const auto [r, r1, r2] = Shape::derivatives<n>(D, delta);
+        return {0.5 * r, 0.5 * r1, 0.5 * r2};
+    }
+};
+
+// S
+template <class Measure, int n, class T>
+T squared_stretch(const Mat<n, T>& F) {
+    const T S = frobenius_squared<n>(F);
+    if constexpr (Measure::adds_n) return S + n;
+    else return S;
+}
+
 // eta(F); infinite where delta = 0 and det F is not positive (nan included).
 template <int n, class T = double, class Measure = Shape>
 T distortion(const Mat<n, T>& F, double delta, Measure = {}) {
-    const T D = determinant(F), eta = frobenius_squared<n>(F) * Measure::template factor<n>(D, delta);
+    const T D = determinant(F), eta = squared_stretch<Measure, n>(F) * Measure::template factor<n>(D, delta);
     if (delta > 0) return eta;
     return select(D > 0, eta, std::numeric_limits<double>::infinity());
 }
@@ -137,6 +163,7 @@ template <class Body>
 auto with_density(const DistortionParams& params, const Body& body) {
     const bool from_one = params.objective != Objective::squared, of_size = params.objective == Objective::size_shape;
     const auto& [p, M, kappa] = params.power;
+    if (params.objective == Objective::tangled) return body(Quadratic<Tangled>{false});
     if (p == 2 && M == 1 && kappa == 0)
         return of_size ? body(Quadratic<ShapeAndSize>{true}) : body(Quadratic<Shape>{from_one});
     return of_size ? body(Power<ShapeAndSize>{true, p, M, kappa}) : body(Power<Shape>{from_one, p, M, kappa});
@@ -145,7 +172,7 @@ auto with_density(const DistortionParams& params, const Body& body) {
 // df/dF. F must have finite distortion.
 template <int n, class T = double, class Density>
 Mat<n, T> density_gradient(const Mat<n, T>& F, double delta, Density density) {
-    const T S = frobenius_squared<n>(F);
+    const T S = squared_stretch<typename Density::Measure, n>(F);
     const auto [r, r1, r2] = Density::Measure::template derivatives<n>(determinant(F), delta);
     const T f1 = density.f1(S * r), along_F = 2 * f1 * r, along_C = f1 * S * r1;
     const Mat<n, T> C = cofactor(F);

@@ -56,7 +56,7 @@ template <int n, class Density>
 Tensor<n> full_hessian(const Mat<n, Lanes>& J, const Mat<n, Lanes>& ideal_inverse, Lanes weight,
                        const Density& density, double delta) {
     const Mat<n, Lanes> F = multiply<n>(J, ideal_inverse), transposed = transpose<n>(ideal_inverse);
-    const Lanes S = frobenius_squared<n>(F);
+    const Lanes S = squared_stretch<typename Density::Measure, n>(F);
     const auto [r, r1, r2] = Density::Measure::template derivatives<n>(determinant(F), delta);
     const Lanes f1 = weight * density.f1(S * r), f2 = weight * density.f2(S * r), Sr1 = S * r1;
     const Mat<n, Lanes> D_J = multiply<n>(cofactor(F), transposed), metric = multiply<n>(ideal_inverse, transposed);
@@ -103,7 +103,7 @@ FrameHessian<n> projected_in_frame(const Mat<n, Lanes>& F, const Density& densit
     H.U = svd.U;
     H.V = svd.V;
     const Vec<n, Lanes>& s = svd.s;
-    const Lanes S = frobenius_squared<n>(F);
+    const Lanes S = squared_stretch<typename Density::Measure, n>(F);
     const auto [r, r1, r2] = Density::Measure::template derivatives<n>(determinant(F), delta);
     const Lanes f1 = density.f1(S * r), Sr1 = S * r1;
     const auto f2 = density.f2(S * r);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "mesh/regular_cell.hpp"
 
 namespace almesh {
 namespace {
@@ -33,16 +34,20 @@ GroupEnergy::GroupEnergy(const DistortionParams& params, const Mesh& mesh, const
       element_count_(mesh.element_count()),
       rules_(mesh.cell(), mesh.degree, params.exactness),
       reference_(rules_.common()) {
-    params_.curved_ideal = params.curved_ideal || !mesh.cell().is_simplex();
+    has_one_ideal_ = !params.regular.empty() && mesh.cell().is_collapsed;
+    params_.curved_ideal = params.regular.empty() && (params.curved_ideal || !mesh.cell().is_simplex());
     if (params_.curved_ideal) curved_ideal_ = ideal;
+    if (has_one_ideal_) curved_ideal_ = regular_nodes(mesh.cell(), mesh.degree);
 }
 
 GroupEnergy::GroupEnergy(const GroupEnergy& whole, const std::vector<int>& place, const std::vector<int>& node)
     : DistortionEnergy(whole.params_, whole.dim_),
       element_count_(static_cast<int>(place.size())),
       rules_(whole.rules_.part(place)),
-      reference_(rules_.common()) {
-    if (whole.curved_ideal_.empty()) return;
+      reference_(rules_.common()),
+      has_one_ideal_(whole.has_one_ideal_) {
+    if (has_one_ideal_) curved_ideal_ = whole.curved_ideal_;
+    if (has_one_ideal_ || whole.curved_ideal_.empty()) return;
     for (const int i : node) {
         const double* const y = point(whole.curved_ideal_, i, dim_);
         curved_ideal_.insert(curved_ideal_.end(), y, y + dim_);
@@ -81,7 +86,9 @@ IdealElement ideal_element(const Mesh& mesh, int e, const std::vector<double>& i
                            const ReferenceElement& reference) {
     IdealElement of{};
     with_dimension(mesh.dim, [&](auto n) {
-        const Mat<n> A = straight_jacobian<n>(mesh.element(e), ideal), inverse_of_A = inverse<n>(A);
+        const Mat<n> A = params.regular.empty() ? straight_jacobian<n>(mesh.element(e), ideal)
+                                                : regular_jacobian<n>(mesh.cell(e), params.regular[e]);
+        const Mat<n> inverse_of_A = inverse<n>(A);
         const std::array<double, 2> exponents = weight_exponents(params, mesh.dim);
         of.jacobian = params.curved_ideal ? mean_jacobian<n>(mesh.element(e), ideal, reference) : determinant(A);
         of.weight = std::pow(of.jacobian, exponents[0]);

@@ -7,9 +7,12 @@
 namespace almesh {
 namespace {
 
-std::unique_ptr<GroupEnergy> energy_of(const Mesh& group, const std::vector<double>& ideal,
-                                       const DistortionParams& params) {
-    return std::unique_ptr<GroupEnergy>(static_cast<GroupEnergy*>(make_energy(group, ideal, params).release()));
+std::unique_ptr<GroupEnergy> energy_of(const Mesh& mesh, const ElementGroup& group, const std::vector<double>& ideal,
+                                       DistortionParams params) {
+    if (!params.regular.empty())
+        params.regular = {params.regular.begin() + group.first, params.regular.begin() + group.first + group.count};
+    auto energy = make_energy(of_one_type(mesh, group), ideal, params);
+    return std::unique_ptr<GroupEnergy>(static_cast<GroupEnergy*>(energy.release()));
 }
 
 }  // namespace
@@ -20,7 +23,7 @@ MixedEnergy::MixedEnergy(const Mesh& mesh, const std::vector<double>& ideal, con
     : DistortionEnergy(params, mesh.dim) {
     std::array<double, 2> sum{};
     for (const ElementGroup& of : mesh.groups) {
-        groups_.push_back(energy_of(of_one_type(mesh, of), ideal, params));
+        groups_.push_back(energy_of(mesh, of, ideal, params));
         volume_ += groups_.back()->domain_volume();
         for (int k = 0; k < 2; ++k) sum[k] += groups_.back()->domain_volume() / groups_.back()->weight_units()[k];
     }

@@ -1,5 +1,6 @@
 // The choices that a deck and Newton's method make for the energy.
 #pragma once
+#include <vector>
 
 namespace almesh {
 
@@ -7,7 +8,8 @@ enum class Objective {
     squared,     // eta^2: the tables of the paper
     deviation,   // (eta - 1)^2: its Eq. 5
     size_shape,  // (eta - 1)^2 of the distortion of shape and size
-    minimax      // powers of eta - 1 that are raised in the run (method/p_norm.hpp)
+    minimax,     // powers of eta - 1 that are raised in the run (method/p_norm.hpp)
+    tangled      // eta^2 of a measure for meshes with inverted elements (app/untangling.hpp), not in decks
 };
 
 // The density M^2 (s^p + kappa s^2), s = (eta - 1) / M or eta / M; as it stands here, the square.
@@ -26,6 +28,9 @@ struct DistortionParams {
     Assembly assembly = Assembly::simd;
     PowerParams power = {};
     bool curved_ideal = false;  // A of each point of the ideal element, not of its vertices
+    // Volume per element: each has an ideal element of its own, the regular cell of its type of this volume, instead
+    // of that in the ideal mesh; empty: none has.
+    std::vector<double> regular = {};
 };
 
 enum class HessianKind {

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "energy/densities.hpp"
 #include "linalg/dense_solve.hpp"
@@ -38,7 +39,7 @@ double determinant_second_derivative(const Mat<n>& F, int i, int j, int k, int l
 template <int n, class Density>
 void add_second_derivative(const Mat<n>& F, Density density, double delta, double w, double* A) {
     const Mat<n> C = cofactor(F);
-    const double S = frobenius_squared<n>(F);
+    const double S = squared_stretch<typename Density::Measure, n>(F);
     const DeterminantFactor<double> factor = Density::Measure::template derivatives<n>(determinant(F), delta);
     const double r = factor.r, r1 = factor.r1, r2 = factor.r2;
     const double f1 = density.f1(S * r), f2 = density.f2(S * r);
@@ -105,6 +106,8 @@ void PlainEnergy::every_point(const std::vector<double>& x, const Body& body) co
     with_dimension(dim_, [&](auto dimension) {
         constexpr int n = dimension;
         std::vector<double> gradient(offset(m, n));
+        std::vector<int> first_nodes(m);
+        std::iota(first_nodes.begin(), first_nodes.end(), 0);
         for (int e = 0; e < element_count_; ++e) {
             const IdealElement& ideal = ideal_[e];
             const ElementRule& rule = rules_.of(e);
@@ -113,7 +116,10 @@ void PlainEnergy::every_point(const std::vector<double>& x, const Body& body) co
             double share = 1;  // det A over its mean
             for (int q = 0; q < rule.reference.points; ++q) {
                 if (!curved_ideal_.empty()) {
-                    const Mat<n> A = jacobian_at<n>(element(e), curved_ideal_, rule.reference, q);
+                    Mat<n> A = jacobian_at<n>(has_one_ideal_ ? first_nodes.data() : element(e), curved_ideal_,
+                                              rule.reference, q);
+                    for (int i = 0; i < n && has_one_ideal_; ++i)
+                        for (double& a : A[i]) a *= std::cbrt(ideal.jacobian);
                     inverse_A = inverse<n>(A);
                     share = determinant(A) / ideal.jacobian;
                 }

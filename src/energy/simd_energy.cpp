@@ -177,7 +177,7 @@ void SimdEnergy::every_batch(int block, const std::vector<double>& x, const Body
         const int batch = k / lanes;
         elements.start(&nodes_[offset(k, reference_.nodes)], x,
                        {reinterpret_cast<const Mat<n, Lanes>&>(ideal_inverse_[offset(batch, n * n)]),
-                        ideal_jacobian_[batch], curved_ideal_});
+                        ideal_jacobian_[batch], curved_ideal_, has_one_ideal_});
         body(elements, batch);
     }
 }
@@ -201,7 +201,7 @@ void SimdEnergy::every_refined(const std::vector<double>& x, int size, const Com
                 CurvedBatch<n(), PointLanes> element(rules_.refined()[r].rule->lanes, *products_);
                 element.start(singles_[r].nodes.data(), x,
                               {reinterpret_cast<const Mat<n(), Lanes>&>(singles_[r].ideal_inverse.front()),
-                               in_all_lanes(singles_[r].ideal.jacobian), curved_ideal_});
+                               in_all_lanes(singles_[r].ideal.jacobian), curved_ideal_, has_one_ideal_});
                 compute(element, r, &of_refined_[offset(r - first, size)]);
             };
             parallel_for_uneven(end - first, compute_one, 10.0 * points_of(order[0]) * reference_.nodes);

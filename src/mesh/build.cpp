@@ -155,7 +155,7 @@ std::vector<int> negative_elements(const MeshBuild& build, Folds folds) {
 
 enum class Orientation {
     of_vertices,  // every element so that its straight-sided form has a positive volume
-    of_file       // as the file has them, all reversed where most of these have a negative one
+    of_file       // as the file has them, all reversed where the mesh has a negative one, which the boundary tells
 };
 
 // The mesh, or where elements are folded and oriented by their vertices, no more than its elements and their folds.
@@ -177,8 +177,7 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
     fill_elements(build);
     std::vector<int> turned = negative_elements(build, folds);
     if (orientation == Orientation::of_file) {
-        const bool are_most = 2 * static_cast<int>(turned.size()) > mesh.element_count();
-        turned.resize(are_most ? mesh.element_count() : 0);
+        turned.resize(volume(mesh, mesh.x) < 0 ? mesh.element_count() : 0);
         std::iota(turned.begin(), turned.end(), 0);
     }
     reverse(mesh, turned);

@@ -15,7 +15,7 @@ namespace almesh {
 // one of them is inverted.
 enum class Folds {
     refuse,
-    keep  // oriented as most elements are in the file, so that the others count as inverted
+    keep  // oriented as in the file, or all reversed where the volume is negative, so that the others count as inverted
 };
 
 // Points, curves of 3D meshes, faces inside the mesh and those without a tag beside others that have one are kept

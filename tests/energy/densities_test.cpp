@@ -133,6 +133,8 @@ TEST_CASE("a density that is no quadratic: slopes of gradient and Hessian, and i
     check_quartic<2, ShapeAndSize>();
     check_quartic<3, Shape>();
     check_quartic<3, ShapeAndSize>();
+    check_quartic<2, Tangled>();
+    check_quartic<3, Tangled>();
 }
 
 TEST_CASE("powers: slopes of gradient and Hessian, their damping, and the square among them") {

@@ -1,0 +1,171 @@
+#include "app/improve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/start_mesh.hpp"
+#include "app/untangling.hpp"
+#include "base/error.hpp"
+#include "base/interrupt.hpp"
+#include "base/text.hpp"
+#include "check/scaled_jacobian.hpp"
+#include "geometry/patch.hpp"
+#include "mesh/local_size.hpp"
+#include "mesh/regular_cell.hpp"
+#include "method/comparators.hpp"
+
+namespace almesh {
+namespace {
+
+// What must not fall: at the corners, and everywhere relative to the straight element.
+struct LeastJacobian {
+    double corner, certified;
+    bool is_below(const LeastJacobian& other) const { return corner < other.corner || certified < other.certified; }
+};
+
+LeastJacobian least_jacobian(const Deck& deck, const Mesh& mesh, const std::vector<double>& x) {
+    return {least_corner_jacobian(mesh, x), certify(mesh, x, deck.certificate).min_scaled_jacobian};
+}
+
+std::vector<char> valid_elements(const Deck& deck, const Mesh& mesh, const std::vector<double>& x) {
+    std::vector<char> valid;
+    for (const double bound : certify(mesh, x, deck.certificate).lower_bound) valid.push_back(bound > 0);
+    return valid;
+}
+
+// Of the regular cells with edges as long as the formula has it at the middle of the elements.
+std::vector<double> volumes_by_size(const Deck& deck, const Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    const Expression size(deck.ideal_size, deck.constants);
+    std::vector<double> volumes;
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        const Vec<3> at = problem.frame.to_file(element_centre(mesh, mesh.x, e));
+        const double length = size(at);
+        if (!(length > 0) || !std::isfinite(length))
+            throw UsageError(deck.given.at("ideal"), ": ideal = size: `", deck.ideal_size, "` is ", length,
+                             " at element ", mesh.file.element_id[e], " at ", position_text(at.data(), mesh.dim),
+                             ": it has to be a positive length everywhere");
+        double volume = std::pow(length / problem.frame.length, mesh.dim);
+        with_dimension(mesh.dim, [&](auto n) { volume *= regular_volume<n()>(mesh.cell(e)); });
+        volumes.push_back(volume);
+    }
+    return volumes;
+}
+
+// Whether no element is asked to be other than good, and the boundary to be elsewhere than on its surface.
+bool may_stay(const Deck& deck, const Problem& problem) {
+    const auto stays = [](const Motion& motion) {
+        return motion == parse_motion("fixed") || motion == parse_motion("slide");
+    };
+    return deck.ideal == IdealKind::regular && std::all_of(problem.motions.begin(), problem.motions.end(), stays);
+}
+
+// Simplices all of whose vertices are on their own boundary faces, and these in one line or plane, are valid nowhere.
+void refuse_flat(const Mesh& mesh, const Frame& frame, const std::vector<int>& invalid) {
+    for (const int e : invalid) {
+        if (!mesh.cell(e).is_simplex()) continue;
+        const int faces = static_cast<int>(std::count(mesh.face_element.begin(), mesh.face_element.end(), e));
+        const std::vector<Vec<3>> x = positions(mesh, mesh.x, mesh.element(e), mesh.dim + 1);
+        double size = 0;
+        for (const Vec<3>& vertex : x) size = std::max(size, length(vertex - x[0]));
+        if (faces < 2 || std::abs(volume(mesh, mesh.x, e)) > 1e-12 * std::pow(size, mesh.dim)) continue;
+        throw InputError("element ", mesh.file.element_id[e], " at ",
+                         position_text(frame.to_file(element_centre(mesh, mesh.x, e)).data(), mesh.dim), " has ", faces,
+                         " faces on the boundary, which lie in one ", mesh.dim == 2 ? "line" : "plane",
+                         ": wherever its nodes are there, it has no volume: take it out of the mesh, or divide the "
+                         "element beside it");
+    }
+}
+
+// A run that ended at x before Algorithm 1.
+Solution ended_at(const Problem& problem, std::vector<double> x, Status status) {
+    Solution solution;
+    Level& level = *problem.level;
+    solution.x = std::move(x);
+    solution.al.lambda.assign(level.constraint->multipliers(), 0.0);
+    solution.al.iterations.push_back(measured(*level.energy, *level.constraint, solution.x, solution.al.distortion));
+    solution.al.status = interrupted() ? Status::interrupted : status;
+    return solution;
+}
+
+// Moves x, the mesh of the file, to a valid one. Whether it could.
+bool untangle(const Deck& deck, const Problem& problem, std::vector<double>& x, std::FILE* out) {
+    const Mesh& mesh = problem.mesh();
+    std::vector<double> volumes = problem.regular;
+    for (int e = 0; e < mesh.element_count() && problem.regular.empty(); ++e)
+        volumes.push_back(volume(mesh, problem.ideal(), e));
+    const std::vector<int> invalid = certify(mesh, x, deck.certificate).uncertified;
+    refuse_flat(mesh, problem.frame, invalid);
+    set_functional(deck, problem);
+    const auto energy = make_energy(
+        mesh, problem.ideal(), {.objective = Objective::tangled, .curved_ideal = true, .regular = problem.regular});
+    const UntanglingResult found =
+        untangle_regions(mesh, volumes, *energy, *problem.level->constraint, deck.linear, x);
+    std::fprintf(out, "%s invalid in the file, %zu left after %s in %s\n", counted(invalid.size(), "element").c_str(),
+                 found.left.size(), counted(found.newton_iterations, "Newton step").c_str(),
+                 counted(found.regions, "region").c_str());
+    return found.left.empty();
+}
+
+}  // namespace
+
+Deck improvement_deck(const std::vector<std::string>& arguments) {
+    if (arguments.size() < 2) throw UsageError("improve takes a mesh file: almesh improve FILE [key=value ...]");
+    std::vector<std::string> settings(arguments.begin() + 1, arguments.end());
+    settings[0] = "mesh=" + quoted_where_needed(settings[0], "#\"");
+    return parse_deck("ideal = regular\nboundary rest = slide\n", arguments[1], settings);
+}
+
+void check_improve(const Deck& deck) {
+    if (!is_improved(deck.ideal)) return;
+    const auto refuse = [&](const std::string& key) {
+        throw UsageError(deck.given.at(key), ": ", key,
+                         " does not go with ideal = regular, size or mesh: leave it out");
+    };
+    if (!deck.frames.empty()) refuse("frames");
+    if (deck.start == Start::coarse) refuse("start");
+    if (deck.local_repair == LocalRepair::yes) refuse("local_repair");
+    if (deck.split != Split::never) refuse("split");
+    if (sets_boundary(deck.method.moving)) refuse("method");
+}
+
+void set_ideal_elements(const Deck& deck, Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    if (deck.ideal == IdealKind::mesh) {
+        problem.level->ideal = read_positions(deck, "ideal", deck.ideal_file, mesh, problem.frame);
+    } else if (deck.ideal == IdealKind::size) {
+        problem.regular = volumes_by_size(deck, problem);
+    } else {
+        problem.regular = local_volumes(mesh, mesh.x, valid_elements(deck, mesh, mesh.x));
+    }
+}
+
+Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
+    const Mesh& mesh = problem.mesh();
+    std::vector<double> x = problem.start.empty() ? mesh.x : problem.start;
+    const bool was_valid = certify(mesh, x, deck.certificate).valid;
+    if (!was_valid && !untangle(deck, problem, x, out)) return ended_at(problem, std::move(x), Status::inverted);
+    problem.start = x;
+    const LeastJacobian before = least_jacobian(deck, mesh, x);
+    const auto is_worse = [&](const Solution& solution) {
+        return was_valid && may_stay(deck, problem) && least_jacobian(deck, mesh, solution.x).is_below(before);
+    };
+    Solution solution = solve(deck, problem);
+    if (is_worse(solution) && deck.distortion.objective != Objective::minimax && !interrupted()) {
+        std::fprintf(out, "note: an element became worse than the worst was: with objective = minimax\n");
+        Deck other = deck;
+        other.distortion.objective = Objective::minimax;
+        solution = solve(other, problem);
+    }
+    if (is_worse(solution)) {
+        std::fprintf(out, "note: an element became worse than the worst was: the mesh stays as it is\n");
+        set_functional(deck, problem);
+        solution = ended_at(problem, std::move(x), Status::converged);
+    }
+    std::fprintf(out, "least scaled Jacobian of a corner: %s before, %s after\n",
+                 rounded_down(least_corner_jacobian(mesh, mesh.x), 4).c_str(),
+                 rounded_down(least_corner_jacobian(mesh, solution.x), 4).c_str());
+    return solution;
+}
+
+}  // namespace almesh

@@ -1,0 +1,31 @@
+// Makes a mesh with inverted elements valid, the nodes of its boundary fixed: the distortion with the regularised
+// determinant of Eq. 3 is minimised for smaller and smaller delta, on the schedule of Garanzha, Kaporin, Kudryavtseva,
+// Protais, Ray, Sokolov ("Foldover-free maps in 50 lines of code", ACM TOG 40, 2021). With the least determinant D of
+// the mesh and the fall s of the energy, s = 1 - E_k / E_k-1, but between 1/10 and 1/2, the next delta is such that
+//
+//     sigma_delta'(D) = (1 - s) sigma_delta(D) =: m,   that is   delta'^2 = m (m - D).
+//
+// Only regions around inverted elements take part, each with its own delta, first with one layer of elements around,
+// then with two, four, ..., where that does not do. What a region comes to counts only where it is certified valid: valid
+// elements stay so.
+#pragma once
+#include <vector>
+
+#include "constraint/constraint.hpp"
+#include "energy/distortion_energy.hpp"
+#include "linalg/linear_solver.hpp"
+
+namespace almesh {
+
+struct UntanglingResult {
+    std::vector<int> left;  // elements that are not certified valid, the worst first
+    int regions = 0;        // that were untangled
+    int newton_iterations = 0;
+};
+
+// x: node_count x dim. energy: without regularisation, on return too; its ideal elements have these volumes, per
+// element. constraint: has no say, the nodes that it acts on stay where they are.
+UntanglingResult untangle_regions(const Mesh& mesh, const std::vector<double>& volume, DistortionEnergy& energy,
+                                  Constraint& constraint, const LinearSolverParams& linear, std::vector<double>& x);
+
+}  // namespace almesh

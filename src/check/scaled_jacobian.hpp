@@ -1,0 +1,14 @@
+// The scaled Jacobian at the corners of elements: the determinant of the unit vectors along the edges at a vertex, over
+// that of the regular cell (Knupp, Int. J. Numer. Meth. Eng. 48, 2000; the Verdict library). 1 for the regular cell,
+// not positive where the corner is flat or inverted. Curves between the vertices are seen by the certificate alone.
+#pragma once
+#include <vector>
+
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+// The least of all corners of all elements. x: node_count x dim.
+double least_corner_jacobian(const Mesh& mesh, const std::vector<double>& x);
+
+}  // namespace almesh

@@ -1,0 +1,14 @@
+// The volume that each element of a mesh would have if it were like those around it: for ideal elements of elements
+// that are bad, or inverted, themselves.
+#pragma once
+#include <vector>
+
+#include "mesh/mesh.hpp"
+
+namespace almesh {
+
+// x: node_count x dim. valid: per element, whether its volume counts; where none does, all are of the same volume.
+// The volumes are positive, and their sum is that of the mesh where this is positive.
+std::vector<double> local_volumes(const Mesh& mesh, const std::vector<double>& x, const std::vector<char>& valid);
+
+}  // namespace almesh

@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+"""Meshes with inverted elements, made by disturbing grids, and whether `almesh improve` makes them valid.
+
+    tests/untangle.py [--keep] [NAME ...]     all cases, or those whose name contains one of these; --keep: the meshes and
+                                              results in the folder untangle
+
+Every case has a solution: the grid itself, or what it was before. Prints a line for each case that fails, and the count.
+Exit code 1 unless all come out certified."""
+import itertools
+import math
+import random
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ALMESH = Path(__file__).resolve().parent.parent / "almesh"
+KUHN = list(itertools.permutations(range(3)))
+TYPES = {"tri": 2, "quad": 3, "tet": 4, "hex": 5, "prism": 6, "pyramid": 7}
+
+
+class Grid:
+    """Cells of one kind on a box of n cells in each direction; nodes are indices of the lattice, mapped by `place`."""
+
+    def __init__(self, kind, n, hole=0):
+        self.kind, self.dim = kind, 2 if kind in ("tri", "quad") else 3
+        self.x, self.cells, self.number = [], [], {}
+        for corner in itertools.product(range(n), repeat=self.dim):
+            if all(hole <= c < n - hole for c in corner) and hole:
+                continue
+            at = [tuple(c + s for c, s in zip(corner, step)) for step in itertools.product((0, 1), repeat=self.dim)]
+            getattr(self, kind)(corner, at)
+        self.of_hole = [i for p, i in self.number.items() if hole and all(hole <= c <= n - hole for c in p)]
+        self.inner = [i for p, i in self.number.items() if all(0 < c < n for c in p) and i not in self.of_hole]
+        self.size = 1 / n
+        for p, i in self.number.items():
+            self.x[i] = [c / n for c in p] + [0] * (3 - self.dim)
+
+    def node(self, p):
+        if p not in self.number:
+            self.number[p] = len(self.x)
+            self.x.append(None)
+        return self.number[p]
+
+    def add(self, *points):
+        self.cells.append([self.node(p) for p in points])
+
+    def tri(self, corner, at):
+        a, d, b, c = at
+        for cell in ([(a, b, c), (a, c, d)] if sum(corner) % 2 else [(a, b, d), (b, c, d)]):
+            self.add(*cell)
+
+    def quad(self, _, at):
+        self.add(at[0], at[2], at[3], at[1])
+
+    def tet(self, corner, _):
+        for path in KUHN:
+            points = [corner]
+            for axis in path:
+                points.append(tuple(c + (k == axis) for k, c in enumerate(points[-1])))
+            even = sum(path[i] > path[j] for i in range(3) for j in range(i + 1, 3)) % 2 == 0
+            self.add(*(points if even else [points[0], points[2], points[1], points[3]]))
+
+    def hex(self, _, at):
+        self.add(*(at[k] for k in (0, 4, 6, 2, 1, 5, 7, 3)))
+
+    def prism(self, _, at):
+        for ring in ((0, 4, 6), (0, 6, 2)):
+            self.add(*(at[k] for k in ring), *(at[k + 1] for k in ring))
+
+    def pyramid(self, corner, at):
+        top = tuple(c + 0.5 for c in corner)
+        for base in ((0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)):
+            self.add(*(at[k] for k in base), top)
+
+    def text(self):
+        lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(self.x))]
+        lines += [f"{i + 1} {p[0]!r} {p[1]!r} {p[2]!r}" for i, p in enumerate(self.x)]
+        lines += ["$EndNodes", "$Elements", str(len(self.cells))]
+        lines += [f"{k + 1} {TYPES[self.kind]} 2 1 1 " + " ".join(str(i + 1) for i in cell)
+                  for k, cell in enumerate(self.cells)]
+        return "\n".join(lines + ["$EndElements", ""])
+
+
+def turned(p, centre=0.5):
+    """By 180 degrees in the plane of x and y around the middle, within the half of the box; outside linearly less."""
+    r = max(abs(p[0] - centre), abs(p[1] - centre)) / centre
+    s = 1 if r <= 0.5 else 2 - 2 * r
+    return [centre + (1 - 2 * s) * (p[0] - centre), centre + (1 - 2 * s) * (p[1] - centre), p[2]]
+
+
+def disturb(grid, how, rnd):
+    x, dim = grid.x, grid.dim
+    inside = lambda: [rnd.random() if k < dim else 0 for k in range(3)]
+    if how == "pushed":
+        i = rnd.choice(grid.inner)
+        for k in range(dim):
+            x[i][k] += rnd.choice((-1, 1)) * (1.3 + rnd.random()) * grid.size
+    elif how == "random":
+        for i in grid.inner:
+            x[i] = inside()
+    elif how == "point":
+        at = inside()
+        for i in grid.inner:
+            x[i] = list(at)
+    elif how == "doubled":
+        for i in rnd.sample(grid.inner, max(1, len(grid.inner) // 5)):
+            x[i] = list(x[rnd.choice(grid.inner)])
+    elif how == "noise":
+        for i in grid.inner:
+            for k in range(dim):
+                x[i][k] += rnd.gauss(0, 0.7 * grid.size)
+    elif how == "turned":
+        for i in grid.inner:
+            x[i] = turned(x[i])
+    elif how.startswith("hole"):
+        angle = math.radians(float(how[4:]))
+        for i in grid.of_hole:
+            u, v = x[i][0] - 0.5, x[i][1] - 0.5
+            x[i][:2] = [0.5 + u * math.cos(angle) - v * math.sin(angle), 0.5 + u * math.sin(angle) + v * math.cos(angle)]
+    elif how.startswith("bent"):
+        for p in x:
+            r, a = 0.4 + p[0], 1.6 * math.pi * p[1]
+            p[:2] = [r * math.cos(a), r * math.sin(a)]
+        at = list(x[grid.inner[0]])
+        for i in grid.inner:
+            x[i] = list(at) if how == "bent-point" else [c + (k < dim) * rnd.gauss(0, 0.5) for k, c in enumerate(x[i])]
+    elif how == "mirrored":
+        for i in grid.inner:
+            x[i][0] = 1 - x[i][0]
+
+
+def curved(path, degree, rnd, scatter):
+    """The mesh raised to this degree, its nodes inside scattered."""
+    out = path.parent / "raised"
+    deck = path.parent / "raise.deck"
+    deck.write_text(f"mesh = {path.name}\nboundary rest = fixed\ndegree = {degree}\nfinal = msh22\nvtk = none\n"
+                    f"output = {out}\nideal = given\n")
+    subprocess.run([ALMESH, deck], capture_output=True, check=True)
+    lines = (out / "final.msh").read_text().split("\n")
+    start = lines.index("$Nodes") + 2
+    for k in range(start, lines.index("$EndNodes")):
+        i, *p = lines[k].split()
+        p = [float(c) for c in p]
+        dim = 2 if all(float(line.split()[3]) == 0 for line in lines[start:lines.index("$EndNodes")]) else 3
+        if all(1e-9 < c < 1 - 1e-9 for c in p[:dim]):
+            p = [c + rnd.gauss(0, scatter) if a < dim else c for a, c in enumerate(p)]
+        lines[k] = " ".join([i] + [repr(c) for c in p])
+    path.write_text("\n".join(lines))
+
+
+def cases():
+    for kind, sizes in (("tri", (5, 9)), ("tet", (3, 5)), ("quad", (4, 8)), ("hex", (3, 4)), ("prism", (3, 4)),
+                        ("pyramid", (3,))):
+        for how in ("pushed", "random", "point", "doubled", "noise", "turned", "mirrored"):
+            for n in sizes:
+                yield f"{kind}-{how}-{n}", kind, how, n, 1
+    for kind, sizes in (("tri", (6, 9)), ("quad", (6, 9)), ("tet", (4,)), ("hex", (4,)), ("prism", (4,))):
+        for how in ("bent-point", "bent-random"):
+            for n in sizes:
+                yield f"{kind}-{how}-{n}", kind, how, n, 1
+    for kind, n in (("tri", 12), ("quad", 12), ("tet", 9), ("hex", 9)):
+        for angle in (45, 90, 180):
+            yield f"{kind}-hole-{angle}", kind, f"hole{angle}", n, 1
+    for kind in ("tri", "quad", "tet", "hex"):
+        for degree in (2, 3):
+            for seed in (1, 2, 3):
+                yield f"{kind}-scattered-{degree}-{seed}", kind, "none", 3 if kind in ("tri", "quad") else 2, degree
+
+
+def main():
+    names = [a for a in sys.argv[1:] if not a.startswith("--")]
+    chosen = [c for c in cases() if not names or any(n in c[0] for n in names)]
+    certified = 0
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary) if "--keep" not in sys.argv else Path("untangle")
+        folder.mkdir(exist_ok=True)
+        for name, kind, how, n, degree in chosen:
+            rnd = random.Random(name)
+            grid = Grid(kind, n, n // 3 if how.startswith("hole") else 0)
+            disturb(grid, how, rnd)
+            path = folder / f"{name}.msh"
+            path.write_text(grid.text())
+            if degree > 1:
+                curved(path, degree, rnd, 0.3 * grid.size)
+            run = subprocess.run([ALMESH, "improve", path, f"output={folder / name}", "vtk=none", "threads=1"],
+                                 capture_output=True, text=True)
+            certified += run.returncode == 0
+            if run.returncode != 0:
+                print(f"{name}: exit code {run.returncode}: {(run.stderr or run.stdout).strip().splitlines()[-1]}")
+    print(f"{certified} of {len(chosen)} cases certified")
+    return 0 if certified == len(chosen) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
