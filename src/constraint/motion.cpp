@@ -210,6 +210,15 @@ TimedNumber timed_number(const MotionForm& form, int clause, std::size_t place, 
     return {clause, place, std::move(formula)};
 }
 
+// At t = 0, until the time is known; 0 where a table does not have it.
+double at_start(const Expression& formula) {
+    try {
+        return formula({});
+    } catch (const UsageError&) {
+        return 0;
+    }
+}
+
 // A file's name with the number in place of %d, or of %0Nd with at least N digits.
 std::string numbered(const std::string& name, int number) {
     const std::size_t at = name.find('%'), end = at == std::string::npos ? at : name.find('d', at);
@@ -283,8 +292,7 @@ MotionStep parse_step(std::string_view text, const Constants& constants) {
             std::vector<double>& numbers = *clause_of(clause);
             step.timed.push_back(
                 timed_number(form, clause, numbers.size(), without_quotes(written[i]).value_or(""), constants));
-            const Expression& formula = step.timed.back().formula;
-            numbers.push_back(formula.names_time() ? 0 : formula({}));
+            numbers.push_back(at_start(step.timed.back().formula));
             continue;
         }
         const std::string word = in_backquotes(written[i]);
