@@ -54,7 +54,7 @@ void write_values(const std::string& path, const Mesh& mesh, const Values& value
     for (int i = 0; i < mesh.nodes(); ++i) {
         if (!chosen[i]) continue;
         text += std::to_string(mesh.file.node_id[i]);
-        for (int a = 0; a < mesh.dim; ++a) text += "," + to_text(values[offset(i, mesh.dim, a)]);
+        for (int a = 0; a < mesh.dim; ++a) text += concat(",", values[offset(i, mesh.dim, a)]);
         text += "\n";
     }
     write_file(path, text);
@@ -121,7 +121,7 @@ std::string write_adjoint(const Deck& deck, const Problem& problem, Derivative& 
         for (std::size_t j = 0; j < functions.size(); ++j) {
             const double slope =
                 problem.frame.length * (dot(slopes[j].shift, change.shift) + dot(slopes[j].force, change.force));
-            table += "," + to_text(slope);
+            table += concat(",", slope);
             told += concat("d ", functions[j].name, " / d ", constant.name, " = ", slope, "\n");
         }
     }
