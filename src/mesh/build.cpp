@@ -150,7 +150,7 @@ std::vector<int> negative_elements(const MeshBuild& build, Folds folds) {
     const int first = first_in_file(build, flat);
     build.refuse(build.element(first), "with the vertices ",
                  build.node_ids(mesh.element(first), mesh.cell(first).vertices), " has no volume, the first of ",
-                 counted(flat.size(), "such element"));
+                 counted(flat.size(), "such element"), folds == Folds::refuse ? "; `almesh improve` gives it one" : "");
 }
 
 enum class Orientation {
@@ -194,7 +194,7 @@ Mesh oriented_mesh(const RawMesh& raw, std::vector<std::string>& notes, Folds fo
                      name_of(build.element(mesh.folded[0][0])), ", the first of ",
                      counted(mesh.folded.size(), "such pair"),
                      mesh.degree == 1
-                         ? ": the mesh folds over itself; `almesh quality` tells where"
+                         ? ": the mesh folds over itself; `almesh quality` tells where, `almesh improve` mends it"
                          : " without their curves: the straight form of the mesh folds over itself");
     if (!mesh.folded.empty() && orientation == Orientation::of_vertices) return std::move(build.mesh);
     set_winding(mesh, turned);

@@ -232,5 +232,5 @@ TEST_CASE("along a curved mesh whose straight form folds, but not along one that
     const std::string path = ring.folder.write("folded.msh", msh_of(folded));
     const Outcome refused = ring.run({"boundary inner=fixed", "boundary outer=slide along " + path});
     CHECK(refused.code == 2);
-    CHECK(has(refused.error, ": the mesh folds over itself; `almesh quality` tells where"));
+    CHECK(has(refused.error, ": the mesh folds over itself; `almesh quality` tells where, `almesh improve` mends it"));
 }
