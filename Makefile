@@ -273,7 +273,7 @@ cad-examples: almesh ## the same, coarse, of the solids that OpenCASCADE and gms
 
 # Each says so where its program is not installed. dolfinx is there for Debian's Python alone.
 coupling: almesh ## move meshes for other programs: dolfinx, CalculiX, OpenFOAM, those that are installed: outputs/coupling/
-	@for client in heat sinking calculix openfoam piston; do \
+	@for client in heat sinking shape calculix openfoam piston; do \
 	  python=$$(for p in $(PYTHON) /usr/bin/python3; do $$p -c 'import dolfinx' 2>/dev/null && echo $$p && break; done); \
 	  $${python:-$(PYTHON)} plot/coupling/$$client.py || exit 1; echo; done
 

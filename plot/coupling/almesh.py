@@ -34,6 +34,26 @@ def run(folder, deck):
     return sorted((folder / "mesh").glob("frame-*.msh"))
 
 
+def move(folder, *J):
+    """Runs the folder's motion.deck, or differentiates functions of its mesh. Returns what summary.txt says."""
+    command = ["./almesh", *["adjoint"][:len(J)], folder / "motion.deck", *J, f"output={folder}/mesh"]
+    subprocess.run(command, stdout=subprocess.DEVNULL, check=True)
+    return dict(line.split(" = ") for line in (folder / "mesh" / "summary.txt").read_text().splitlines())
+
+
+def adjoint(folder, ids, rows):
+    """{id: derivatives by the boundary's nodes} of a function with these derivatives by the nodes of the moved mesh."""
+    write_nodes(folder / "J.csv", ids, rows)
+    move(folder, folder / "J.csv")
+    _, *rows = (folder / "mesh" / "adjoint-J.csv").read_text().splitlines()
+    return {int(words[0]): tuple(map(float, words[1:])) for words in (row.split(",") for row in rows)}
+
+
+def write_nodes(path, ids, rows):
+    """A node file, or one of derivatives."""
+    path.write_text("".join(",".join(map(str, [i, *row])) + "\n" for i, row in zip(ids, rows)))
+
+
 class Coupled:
     """A run with frames = -, which makes a mesh when it is told to."""
 

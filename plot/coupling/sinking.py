@@ -53,7 +53,7 @@ def velocity(t, place, weight):
     """Of the plate at (x, y, angle) at time t, and its turning: those at which the drag is equal to the weight."""
     c, s = np.cos(place[2]), np.sin(place[2])
     target = start[on_plate, :2] @ [[c, s], [-s, c]] + place[:2]
-    (folder / "plate.csv").write_text("".join(f"{ids[i]},{a!r},{b!r}\n" for i, (a, b) in zip(on_plate, target)))
+    almesh.write_nodes(folder / "plate.csv", [ids[i] for i in on_plate], target)
     nodes = almesh.nodes(coupled.mesh(t, folder / "plate.csv"))
     x[:] = [nodes[i] for i in ids]
     for motion, mode in zip(flows, np.eye(3)):
