@@ -3,46 +3,16 @@
 //
 //   rotate      d -> d cos t + (u x d) sin t + u (u . d) (1 - cos t), u the unit axis (Rodrigues' formula)
 //   projection  d -> d_axial + r d_radial / |d_radial|, the closest point at distance r from the centre or the axis
-#include "constraint/motion.hpp"
+#include "constraint/motion_form.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
-#include <span>
 #include <utility>
 
-#include "base/error.hpp"
-#include "base/small_matrix.hpp"
-
 namespace almesh {
-
-struct MotionForm {
-    const char* name;
-    const char* form;  // as it is written
-    const char* meaning;
-    std::size_t fewest = 0, most = 0;  // numbers after the name
-    bool axis = false, about = false;  // whether these clauses may follow
-    bool per_axis = false;             // its numbers are one for each axis, or a single one where that is allowed
-    bool turns = false;                // its first number is an angle in degrees
-    bool twists = false;               // its first number is a rate, a part of which is a part of the motion
-    bool file = false;                 // the name of a file comes first
-    bool mesh = false;                 // which is a mesh
-    bool along = false;                // a mesh and one of its boundaries may be named
-    bool formulas = false;             // formulas in double quotes, one for each axis, in place of numbers
-    bool affine = true;                // false: targets are projected onto the trace space, not interpolated
-    int projection_in = 0;             // the dimension a projection acts in; so many leading numbers are its centre
-    BoundaryHold hold = BoundaryHold::prescribed;  // by the last step of a motion
-    // Why its numbers make no sense, whatever the dimension; "" where they do.
-    const char* (*fault)(const MotionStep&) = [](const MotionStep&) { return ""; };
-    // Moves a point given relative to the centre; false where its image is undefined. nullptr: every point stays.
-    bool (*move)(const MotionStep&, Vec<3>& d) = nullptr;
-};
-
 namespace {
-
-using Step = const MotionStep&;
 
 Vec<3> padded(std::span<const double> v) {
     Vec<3> result{};
@@ -174,188 +144,6 @@ constexpr std::array<MotionForm, 13> forms = {{
     {.name = "free", .form = "free", .meaning = "the nodes may move anywhere", .hold = BoundaryHold::free},
 }};
 
-template <class... Parts>
-[[noreturn]] void refuse(const MotionForm& form, const Parts&... why) {
-    throw UsageError(in_backquotes(form.name), ": ", why..., "; expected ", form.form);
-}
-
-void check(const MotionForm& form, Step step) {
-    const std::size_t count = step.numbers.size();
-    if (count < form.fewest || count > form.most) refuse(form, counted(count, "number"));
-    if (form.formulas && step.formulas.size() != 2 && step.formulas.size() != 3)
-        refuse(form, counted(step.formulas.size(), "formula"), " in double quotes");
-    if (form.file && step.file.empty()) refuse(form, "the name of the file is missing");
-    if (!step.axis.empty() && step.axis.size() != 3) refuse(form, "`axis` needs 3 numbers");
-    if (!step.about.empty() && step.about.size() != 2 && step.about.size() != 3)
-        refuse(form, "`about` needs 2 numbers, or 3 in 3D");
-}
-
-// Of its numbers, which may be known only with the time.
-void check_numbers(const MotionForm& form, Step step) {
-    if (const std::string why = form.fault(step); !why.empty()) refuse(form, why);
-    if (form.projection_in && step.numbers.back() <= 0) refuse(form, "the radius must be > 0");
-}
-
-bool depends_on_time(Step step) {
-    const auto names_time = [](const Expression& formula) { return formula.names_time(); };
-    return std::any_of(step.formulas.begin(), step.formulas.end(), names_time) ||
-           std::any_of(step.timed.begin(), step.timed.end(), [](const auto& n) { return n.formula.names_time(); });
-}
-
-TimedNumber timed_number(const MotionForm& form, int clause, std::size_t place, std::string_view text,
-                         const Constants& constants) {
-    Expression formula(text, constants);
-    if (formula.names_point())
-        refuse(form, "the formula ", with_quotes(text), " of a number may name t and constants alone");
-    return {clause, place, std::move(formula)};
-}
-
-// At t = 0, until the time is known; 0 where a table does not have it.
-double at_start(const Expression& formula) {
-    try {
-        return formula({});
-    } catch (const UsageError&) {
-        return 0;
-    }
-}
-
-// A file's name with the number in place of %d, or of %0Nd with at least N digits.
-std::string numbered(const std::string& name, int number) {
-    const std::size_t at = name.find('%'), end = at == std::string::npos ? at : name.find('d', at);
-    if (end == std::string::npos) return name;
-    const std::string width = name.substr(at + 1, end - at - 1), digits = std::to_string(number);
-    const auto least = width.empty() ? std::optional<int>(0) : parse_int(width, 0, 20);
-    if (!least) return name;
-    const std::size_t zeros = digits.size() < std::size_t(*least) ? *least - digits.size() : 0;
-    return name.substr(0, at) + std::string(zeros, '0') + digits + name.substr(end + 1);
-}
-
-// Words, and texts in double quotes with their quotes.
-std::vector<std::string_view> quoted_words(std::string_view text) {
-    std::vector<std::string_view> result;
-    for (text = trim(text); !text.empty(); text = trim(text)) {
-        const std::size_t close = text[0] == '"' ? closing_quote(text) : std::string_view::npos;
-        const std::size_t end = std::min(close == std::string_view::npos ? text.find_first_of(" \t") : close + 1,
-                                         text.size());
-        result.push_back(text.substr(0, end));
-        text.remove_prefix(end);
-    }
-    return result;
-}
-
-MotionStep parse_step(std::string_view text, const Constants& constants) {
-    const auto written = quoted_words(text);
-    if (written.empty()) throw UsageError("a step of the motion is empty: put a step on both sides of every `;`");
-    const MotionForm* const found = find_row(forms, written[0]);
-    if (!found)
-        throw UsageError("unknown motion ", in_backquotes(written[0]), did_you_mean(written[0], names_of(forms)),
-                         " All motions: almesh --keys");
-    const MotionForm& form = *found;
-    MotionStep step;
-    step.form = &form;
-    const auto clause_of = [&step](int k) { return std::array{&step.numbers, &step.axis, &step.about}[k]; };
-    const auto is_formula = [&](std::string_view word) {
-        return word.starts_with('"') || find_row(constants, word);
-    };
-    int clause = 0;
-    for (std::size_t i = 1; i < written.size(); ++i) {
-        if (form.file && step.file.empty()) {
-            step.file = without_quotes(written[i]).value_or("");
-            continue;
-        }
-        if (form.file && !form.mesh && written[i] == "displacement" && !step.displacement) {
-            step.displacement = true;
-            continue;
-        }
-        if (form.file && !form.mesh && written[i] == "else" && !step.rest) {
-            step.rest = i + 1 < written.size() ? find_row(forms, written[++i]) : nullptr;
-            if (!step.rest || step.rest->move || step.rest->file)
-                refuse(form, "`else` needs one of the words fixed, slide, free");
-            continue;
-        }
-        if (form.along && (written[i] == "along" || (written[i] == "boundary" && !step.file.empty()))) {
-            std::string& name = written[i] == "along" ? step.file : step.boundary;
-            if (!name.empty()) refuse(form, in_backquotes(written[i]), " stands twice");
-            if (i + 1 < written.size()) name = without_quotes(written[++i]).value_or("");
-            if (name.empty()) refuse(form, "a name is missing after ", in_backquotes(written[i]));
-            continue;
-        }
-        if (form.formulas && written[i].starts_with('"')) {
-            step.formulas.emplace_back(without_quotes(written[i]).value_or(""), constants);
-            continue;
-        }
-        if (const auto number = parse_double(written[i])) {
-            clause_of(clause)->push_back(*number);
-            continue;
-        }
-        if (is_formula(written[i])) {
-            std::vector<double>& numbers = *clause_of(clause);
-            step.timed.push_back(
-                timed_number(form, clause, numbers.size(), without_quotes(written[i]).value_or(""), constants));
-            numbers.push_back(at_start(step.timed.back().formula));
-            continue;
-        }
-        const std::string word = in_backquotes(written[i]);
-        const bool axis = form.axis && written[i] == "axis", about = form.about && written[i] == "about";
-        if (!axis && !about) refuse(form, word, " is not a number (blanks separate numbers, formulas need quotes)");
-        clause = axis ? 1 : 2;
-        if (i + 1 == written.size() || (!parse_double(written[i + 1]) && !is_formula(written[i + 1])))
-            refuse(form, word, " needs numbers");
-        if (!clause_of(clause)->empty()) refuse(form, word, " stands twice");
-    }
-    check(form, step);
-    if (!depends_on_time(step)) check_numbers(form, step);
-    return step;
-}
-
-std::string to_string(Step step) {
-    std::string text = step.form->name;
-    if (step.form->along && !step.file.empty()) text += " along";
-    if (!step.file.empty()) text += ' ' + quoted_where_needed(step.file, "#=;\" \t");
-    if (!step.boundary.empty()) text += " boundary " + quoted_where_needed(step.boundary, "#=;\" \t");
-    if (step.displacement) text += " displacement";
-    if (step.rest) text += concat(" else ", step.rest->name);
-    for (const Expression& formula : step.formulas) text += ' ' + with_quotes(formula.text());
-    int clause = 0;
-    for (const auto& [word, numbers] :
-         {std::pair("", step.numbers), std::pair(" axis", step.axis), std::pair(" about", step.about)}) {
-        if (!numbers.empty()) text += word;
-        std::vector<std::string> written;
-        for (const double v : numbers) written.push_back(to_text(v));
-        for (const TimedNumber& timed : step.timed)
-            if (timed.clause == clause) written[timed.place] = with_quotes(timed.formula.text());
-        for (const std::string& number : written) text += ' ' + number;
-        ++clause;
-    }
-    return text;
-}
-
-// Why the step does not fit `dim` dimensions; "" where it does.
-std::string misfit(Step step, int dim) {
-    const MotionForm& form = *step.form;
-    const std::string n = std::to_string(dim), in_dimensions = " in " + n + "D";
-    const std::size_t width = dim, count = step.numbers.size();
-    std::string why;
-    if (form.projection_in && form.projection_in != dim)
-        why = " does not act" + in_dimensions + (dim == 3 ? ": use a sphere or a cylinder" : ": use a circle");
-    else if (form.axis && step.axis.empty() != (dim == 2))
-        why = (dim == 3 ? " needs `axis AX AY AZ`" : " must not have an axis") + in_dimensions;
-    else if (form.per_axis && count != 1 && count != width)
-        why = " needs " + (form.fewest == 1 ? "one factor or " + n : n + " components") + in_dimensions;
-    else if (form.formulas && step.formulas.size() != width)
-        why = " needs " + n + " formulas" + in_dimensions;
-    else if (!step.about.empty() && step.about.size() != width)
-        why = " needs " + n + " numbers after `about`" + in_dimensions;
-    return why.empty() ? "" : in_backquotes(to_string(step)) + why;
-}
-
-// Of the first step that does not fit.
-std::string misfit(const Motion& motion, int dim) {
-    for (Step step : motion.steps)
-        if (const std::string why = misfit(step, dim); !why.empty()) return why;
-    return "";
-}
-
 bool apply_step(Step step, Vec<3>& x) {
     const MotionForm& form = *step.form;
     if (!form.move) return true;
@@ -369,50 +157,7 @@ bool apply_step(Step step, Vec<3>& x) {
 
 }  // namespace
 
-Motion parse_motion(std::string_view text, const Constants& constants) {
-    Motion motion;
-    for (const std::string_view piece : split(text, ';')) motion.steps.push_back(parse_step(piece, constants));
-    const auto is_file = [](Step step) { return step.form->file; };
-    if (std::any_of(motion.steps.begin() + 1, motion.steps.end(), is_file))
-        throw UsageError("positions from a file must be the first step: they belong to nodes where the mesh has them");
-    const auto is_alone = [](Step step) {
-        return !step.form->move && !step.form->file && step.form->hold != BoundaryHold::slides;
-    };
-    const auto alone = std::find_if(motion.steps.begin(), motion.steps.end(), is_alone);
-    if (motion.steps.size() > 1 && alone != motion.steps.end())
-        throw UsageError(in_backquotes(alone->form->name), " beside other steps: a ", alone->form->name,
-                         " boundary is not moved, remove one or the other");
-    const auto slides = [](Step step) { return step.form->hold == BoundaryHold::slides; };
-    if (std::any_of(motion.steps.begin(), motion.steps.end() - 1, slides))
-        throw UsageError("`slide` must be the last step: the steps before it move the surface along which nodes slide");
-    const std::string in_2d = misfit(motion, 2), in_3d = misfit(motion, 3);
-    if (!in_2d.empty() && !in_3d.empty()) throw UsageError("fits no dimension: ", in_2d, "; ", in_3d);
-    return motion;
-}
-
-Motion at_time(Motion motion, double t, int frame) {
-    for (MotionStep& step : motion.steps) {
-        step.t = t;
-        step.file = numbered(step.file, frame);
-        for (const Expression& formula : step.formulas) formula({}, t);  // t is in the range of its tables
-        for (const TimedNumber& timed : step.timed) {
-            const double value = timed.formula({}, t);
-            if (!std::isfinite(value))
-                refuse(*step.form, with_quotes(timed.formula.text()), " is not finite at t = ", t);
-            (timed.clause == 0 ? step.numbers : timed.clause == 1 ? step.axis : step.about)[timed.place] = value;
-        }
-        check_numbers(*step.form, step);
-    }
-    return motion;
-}
-
-bool depends_on_time(const Motion& motion) {
-    return std::any_of(motion.steps.begin(), motion.steps.end(), [](Step step) { return depends_on_time(step); });
-}
-
-void check_dimension(const Motion& motion, int dim) {
-    if (const std::string why = misfit(motion, dim); !why.empty()) throw UsageError(why);
-}
+constinit const std::span<const MotionForm> form_table = forms;
 
 bool apply(const Motion& motion, int dim, double* x) {
     Vec<3> y{};
@@ -475,12 +220,6 @@ BoundaryHold hold_of(const Motion& motion) { return motion.steps.back().form->ho
 BoundaryHold hold_of_rest(const Motion& motion) {
     const MotionForm* const rest = motion.steps.front().rest;
     return rest && hold_of(motion) == BoundaryHold::prescribed ? rest->hold : hold_of(motion);
-}
-
-std::string to_string(const Motion& motion) {
-    std::string text;
-    for (const MotionStep& step : motion.steps) text += (text.empty() ? "" : "; ") + to_string(step);
-    return text;
 }
 
 std::vector<Named> motion_forms() {
