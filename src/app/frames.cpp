@@ -2,7 +2,6 @@
 #include "app/frames.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "app/boundaries.hpp"
@@ -46,7 +45,7 @@ private:
     FramesBefore before_;      // with a mesh
     MeshVelocity velocity_;
     std::vector<std::string> files_;  // of the line that asks for the frame
-    std::vector<std::string> told_;  // notes
+    std::vector<std::string> told_;   // notes
     int between_ = 0;           // frames between the last one and this one,
     bool way_is_valid_ = true;  // through which the nodes go
 

@@ -19,8 +19,8 @@ struct NodeTargets {
 // motions: per boundary. The nodes of `file`, and of `mesh` where both meshes are linear, are those with the same ids;
 // else the faces of `mesh` are those with the same vertices, as they are curved there. Nodes that a `file` with `else`
 // leaves out are where the mesh has them; between vertices they follow these. Throws InputError, with the line
-// where there is one, for ids that are no nodes of the boundary (`file` only), doubled ones that differ, missing nodes and faces,
-// and numbers that are none.
+// where there is one, for ids that are no nodes of the boundary (`file` only), doubled ones that differ, missing nodes
+// and faces, and numbers that are none.
 NodeTargets read_node_targets(const Mesh& mesh, const std::vector<Motion>& motions);
 
 // A file of rows `node-id x y [z]`, vectors at nodes; at others `value` stays. nodes: those that it may have, by their

@@ -13,20 +13,13 @@ namespace {
 constexpr double sweep_work = 500;  // simple operations of a face
 
 // A type of face: the basis and its derivatives at the points of a rule that is exact.
-struct SweepRule {
-    Quadrature points;
-    int nodes;
-    std::vector<double> N, dN;  // points x nodes, x (dim - 1)
+struct SweepRule : ReferenceElement {
+    std::vector<double> values;  // points x nodes
 
-    SweepRule(const CellType& cell, int degree) : points(cell_quadrature(cell, 3 * degree)) {
-        const LagrangeBasis basis(cell, degree);
-        nodes = basis.count;
-        N.resize(offset(points.count, nodes));
-        dN.resize(N.size() * cell.dim);
-        for (int q = 0; q < points.count; ++q) {
-            basis.values(&points.xi[q * cell.dim], &N[offset(q, nodes)]);
-            basis.gradients(&points.xi[q * cell.dim], &dN[offset(q, nodes * cell.dim)]);
-        }
+    SweepRule(const CellType& type, int p) : SweepRule(LagrangeBasis(type, p), cell_quadrature(type, 3 * p)) {}
+    SweepRule(const LagrangeBasis& basis, const Quadrature& rule)
+        : ReferenceElement(reference_element(basis.cell, basis.degree, rule)), values(offset(points, nodes)) {
+        for (int q = 0; q < points; ++q) basis.values(&rule.xi[q * rule.dim], &values[offset(q, nodes)]);
     }
 };
 
@@ -39,9 +32,9 @@ double flux(const SweepRule& rule, int q, double s, const std::vector<int>& node
             const std::size_t at = offset(node[i], dim, a);
             const double way = now[at] - before[at], x = before[at] + s * way;
             if (i == 0) first[a] = x;
-            w[a] += rule.N[offset(q, rule.nodes, i)] * way;
+            w[a] += rule.values[offset(q, rule.nodes, i)] * way;
             for (int k = 0; k + 1 < dim; ++k)
-                tangent[k][a] += rule.dN[offset(q, rule.nodes * (dim - 1), i * (dim - 1) + k)] * (x - first[a]);
+                tangent[k][a] += rule.gradients[offset(q, rule.nodes * (dim - 1), i * (dim - 1) + k)] * (x - first[a]);
         }
     return dim == 2 ? w[0] * tangent[0][1] - w[1] * tangent[0][0] : dot(w, cross(tangent[0], tangent[1]));
 }
@@ -81,8 +74,8 @@ std::vector<double> swept_volumes(const Mesh& mesh, const std::vector<MeshFace>&
         const bool is_flat = mesh.cell(faces[f].element).face_type(faces[f].side).is_simplex();
         const SweepRule& rule = is_flat ? flat : quad;
         for (int j = 0; j < steps.count; ++j)
-            for (int q = 0; q < rule.points.count; ++q)
-                volume[f] += steps.weight[j] * rule.points.weight[q] *
+            for (int q = 0; q < rule.points; ++q)
+                volume[f] += steps.weight[j] * rule.weight[q] *
                              flux(rule, q, steps.xi[j], node, mesh.dim, before, now);
     }, sweep_work);
     return volume;

@@ -227,7 +227,8 @@ void check_constant_name(std::string_view name) {
                          std::all_of(name.begin(), name.end(), is_of_name);
     if (!is_word)
         throw UsageError("`let` needs a name of letters, digits and _, that begins with a letter: `let NAME = NUMBER`");
-    for (const std::string_view taken : {"x", "y", "z", "t", "nx", "ny", "nz", "pi", "and", "or", "axis", "about", "table"})
+    for (const std::string_view taken :
+         {"x", "y", "z", "t", "nx", "ny", "nz", "pi", "and", "or", "axis", "about", "table"})
         if (name == taken || find_row(functions, name))
             throw UsageError("the name ", in_backquotes(name), " has a meaning in formulas already: take another");
 }

@@ -10,13 +10,8 @@
 
 namespace almesh {
 
-TimeTable::TimeTable(const std::string& path) : path_(path) {
-    std::string text;
-    try {
-        text = read_text_file(path);
-    } catch (const InputError& error) {
-        throw UsageError(error.what());
-    }
+TimeTable::TimeTable(const std::string& path) try : path_(path) {
+    const std::string text = read_text_file(path);
     int number = 0;
     bool is_first = true;
     for (const std::string_view line : split(text, '\n')) {
@@ -27,13 +22,16 @@ TimeTable::TimeTable(const std::string& path) : path_(path) {
         if (word.empty()) continue;
         const auto t = parse_double(word[0]), value = parse_double(word.back());
         if (std::exchange(is_first, false) && !t && !value) continue;
-        if (word.size() != 2 || !t || !value) throw UsageError(path, ":", number, ": expected a row `t value` of two finite numbers");
+        if (word.size() != 2 || !t || !value)
+            throw UsageError(path, ":", number, ": expected a row `t value` of two finite numbers");
         if (!t_.empty() && *t <= t_.back())
             throw UsageError(path, ":", number, ": the times run backwards, ", *t, " is after ", t_.back());
         t_.push_back(*t);
         value_.push_back(*value);
     }
     if (t_.empty()) throw UsageError(path, ": no rows `t value`");
+} catch (const InputError& error) {
+    throw UsageError(error.what());
 }
 
 double TimeTable::operator()(double t) const {
