@@ -1,4 +1,4 @@
-// The program's commands, but for linsolve.hpp. Results go to `out`.
+// The program's commands, but for linsolve.hpp and sweep.hpp. Results go to `out`.
 #pragma once
 #include <cstdio>
 #include <functional>

@@ -2,8 +2,8 @@
 //
 // Where the mesh has inverted elements, it is made valid first (untangling.hpp), with the boundary where it is. The
 // distortion relative to the ideal elements is then minimised from there, by the method and with the boundary of the
-// deck. With ideal = regular and a boundary that only slides,
-// a valid mesh stays as it is where this would lower its least scaled Jacobian.
+// deck. With ideal = regular and boundaries that are fixed or only slide, a valid mesh stays as it is where this would
+// lower its least scaled Jacobian.
 #pragma once
 #include <cstdio>
 #include <string>

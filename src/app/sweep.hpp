@@ -34,8 +34,8 @@ Sweep parse_sweep(std::string_view text);
 //
 // Otherwise as many runs at a time as there are cores for their threads. Writes sweep.csv in the deck's folder of
 // results: a row for each run that has ended, with all quantities of its summary. The exit code is the lowest of a run
-// but success, not_converged where runs are missing. Throws UsageError for what is wrong with any run's deck before
-// the first one starts, and InputError where another sweep writes to the folder.
+// but success; a run that is missing counts as not_converged. Throws UsageError for what is wrong with any run's deck
+// before the first one starts, and InputError where another sweep writes to the folder.
 ExitCode sweep(const std::vector<std::string>& arguments, std::FILE* out);
 
 }  // namespace almesh
