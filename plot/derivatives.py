@@ -39,10 +39,9 @@ def run(deck, settings, a):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode not in (0, 5):  # 5: what the deck expects is of its own motion
         sys.exit(f"{' '.join(command)} ended with exit code {done.returncode}: {done.stderr}")
-    lines = open(f"{folder}/final.msh", encoding="utf-8").read().split("$Nodes\n")[1].split("$EndNodes")[0].split("\n")
-    nodes = {row.split()[0]: [float(v) for v in row.split()[1:]] for row in lines[1:] if row}
+    nodes = runs.nodes(f"{folder}/final.msh")
     rows = [row.split(",") for row in open(f"{folder}/tangent-a.csv", encoding="utf-8").read().split()[1:]]
-    return ([v for row in rows for v in nodes[row[0]][:len(row) - 1]], [float(v) for row in rows for v in row[1:]])
+    return ([v for row in rows for v in nodes[int(row[0])][:len(row) - 1]], [float(v) for row in rows for v in row[1:]])
 
 
 def error(deck, settings, a, h, tangent):

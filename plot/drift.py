@@ -40,10 +40,8 @@ METHODS = [
 
 def read_nodes(path):
     """Ids and positions (nodes x 3) of a mesh in MSH 2.2."""
-    lines = path.read_text().split("\n")
-    first = lines.index("$Nodes") + 2
-    rows = np.array([line.split() for line in lines[first:first + int(lines[first - 1])]], float)
-    return rows[:, 0].astype(int), rows[:, 1:]
+    nodes = runs.nodes(path)
+    return np.array(list(nodes)), np.array(list(nodes.values()))
 
 
 def write_nodes(path, positions):

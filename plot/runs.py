@@ -1,5 +1,5 @@
 """What a run leaves in outputs/<deck>/: summary.txt, expectations.csv, history.csv and deck.txt; what `make bench` leaves
-in outputs/bench.csv. Standard library only."""
+in outputs/bench.csv; the nodes of a mesh. Standard library only."""
 import csv
 from pathlib import Path
 
@@ -70,6 +70,12 @@ def al_rows(deck):
 def deck_lines(deck):
     """Lines of the resolved deck."""
     return path_of(deck, "deck.txt").read_text().splitlines()
+
+
+def nodes(path):
+    """{id: [x, y, z]} of a mesh in MSH 2.2, in its order."""
+    _, *rows = Path(path).read_text().split("$Nodes\n")[1].split("\n$EndNodes")[0].split("\n")
+    return {int(words[0]): [float(word) for word in words[1:]] for words in map(str.split, rows)}
 
 
 def bench(group):

@@ -43,18 +43,12 @@ def read_vtk(path):
 @lru_cache
 def lattice(dim, p):
     """Barycentric multi-indices (sum p) of the nodes of a simplex, VTK order: nodes x (dim + 1). dim 3: any order."""
-    if dim == 3:
-        return np.array([(i, j, k, p - i - j - k)
-                         for i in range(p + 1) for j in range(p + 1 - i) for k in range(p + 1 - i - j)])
-    if p == 0:
-        return np.zeros((1, dim + 1), int)
-    nodes = [p * row for row in np.eye(dim + 1, dtype=int)]
-    for a, b in [(0, 1)] if dim == 1 else [(0, 1), (1, 2), (2, 0)]:
-        for s in range(1, p):
-            nodes.append((p - s) * np.eye(dim + 1, dtype=int)[a] + s * np.eye(dim + 1, dtype=int)[b])
-    if dim == 2 and p >= 3:
-        nodes.extend(lattice(2, p - 3) + 1)
-    return np.array(nodes)
+    if dim == 1:
+        return np.array([(p - s, s) for s in (0, p, *range(1, p))])
+    if dim == 2:
+        return np.array([(p - u - v, u, v) for u, v in vtk_file.triangle_nodes(p)])
+    return np.array([(i, j, k, p - i - j - k)
+                     for i in range(p + 1) for j in range(p + 1 - i) for k in range(p + 1 - i - j)])
 
 
 def shape_functions(dim, p, barycentric):
