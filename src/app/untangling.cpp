@@ -8,6 +8,7 @@
 #include "base/disjoint_sets.hpp"
 #include "base/interrupt.hpp"
 #include "check/certificate.hpp"
+#include "mesh/part.hpp"
 #include "mesh/quadrature.hpp"
 #include "method/local_functional.hpp"
 #include "method/newton.hpp"
@@ -67,16 +68,10 @@ private:
 
     // The nodes of inverted elements and of so many layers around them, in sets that have no element in common.
     std::vector<Moves> regions(int layers) const {
-        Moves near(mesh_.nodes(), 0), seen;
+        Moves near(mesh_.nodes(), 0);
         for (const int e : result_.left) for_nodes(e, [&](int i) { near[i] = 1; });
-        for (int layer = 0; layer < layers; ++layer) {
-            seen = near;
-            for (int e = 0; e < mesh_.element_count(); ++e) {
-                bool touches = false;
-                for_nodes(e, [&](int i) { touches = touches || seen[i]; });
-                if (touches) for_nodes(e, [&](int i) { near[i] = 1; });
-            }
-        }
+        for (int layer = 0; layer < layers; ++layer)
+            for (const int e : elements_around(mesh_, near).place) for_nodes(e, [&](int i) { near[i] = 1; });
         for (int i = 0; i < mesh_.nodes(); ++i) near[i] = near[i] && !E_.fixed[i];
         DisjointSets sets(mesh_.nodes());
         for (int e = 0; e < mesh_.element_count(); ++e) {
@@ -93,16 +88,6 @@ private:
         std::vector<Moves> all;
         for (auto& [root, moves] : found) all.push_back(std::move(moves));
         return all;
-    }
-
-    std::vector<int> elements_of(const Moves& moves) const {
-        std::vector<int> elements;
-        for (int e = 0; e < mesh_.element_count(); ++e) {
-            bool moves_one = false;
-            for_nodes(e, [&](int i) { moves_one = moves_one || moves[i]; });
-            if (moves_one) elements.push_back(e);
-        }
-        return elements;
     }
 
     // Over the points of the elements, relative to the ideal ones.
@@ -141,7 +126,7 @@ private:
             local->write(y, x);
             return std::max(least_fall, 1 - found.energy / found.start_energy);
         };
-        const std::vector<int> elements = elements_of(moves);
+        const std::vector<int> elements = elements_around(mesh_, moves).place;
         double D = least_determinant(elements, x);
         double delta = std::sqrt(first_sigma * (first_sigma - std::min(D, 0.0)));
         for (int k = 0; k < most_deltas && delta > least_delta && !is_valid() && !interrupted(); ++k) {

@@ -9,7 +9,7 @@
 //
 //     Shape         r = 1 / (n sigma_delta^{2/n}),   sigma_delta = (D + sqrt(D^2 + 4 delta^2)) / 2     (Eqs. 1, 3)
 //     ShapeAndSize  r = that of Shape times (sigma_delta + 1/sigma_delta) / 2
-//     Tangled       r = half of that of Shape,   S = |F|^2 + n
+//     Tangled       r = that of Shape,   S = |F|^2 + n
 //
 // Shape is 1 for a rotation times a scaling; with the size factor of Garanzha, Kaporin, Kudryavtseva, Protais, Ray,
 // Sokolov ("Foldover-free maps in 50 lines of code", ACM TOG 40, 2021) only rotations have 1. Both grow without bound
@@ -83,18 +83,8 @@ struct ShapeAndSize {
     }
 };
 
-struct Tangled {
+struct Tangled : Shape {
     static constexpr bool adds_n = true;
-    template <int n, class T>
-    static T factor(T D, double delta) {
-        return 0.5 * Shape::factor<n>(D, delta);
-    }
-
-    template <int n, class T>
-    static DeterminantFactor<T> derivatives(T D, double delta) {
-        const auto [r, r1, r2] = Shape::derivatives<n>(D, delta);
-        return {0.5 * r, 0.5 * r1, 0.5 * r2};
-    }
 };
 
 // S
