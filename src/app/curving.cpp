@@ -157,7 +157,7 @@ private:
     std::vector<char> freed_;   // per node: whether it has slid, or could have
     std::vector<char> is_straightened_;  // per element: by straighten(), and not curved again yet
     std::vector<double> bound_;          // per element: of its scaled Jacobian, from below
-    std::set<std::vector<int>> slid_;            // places whose nodes around have slid, to no avail
+    std::set<std::vector<int>> slid_;    // places whose nodes around have slid, to no avail
     std::shared_ptr<SlidingSurfaces> surfaces_;  // null: not made yet
     bool has_no_surfaces_ = false;
 

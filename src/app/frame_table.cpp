@@ -16,9 +16,8 @@ constexpr const char* heading =
     "frame,t,status,exit_code,newton_steps,max_distortion,relative_quality,min_scaled_jacobian,certified,started_from,"
     "path,seconds,note\n";
 
-std::string path_of(const Deck& deck, const char* name) { return concat(deck.output, "/", name); }
-std::string csv_of(const Deck& deck) { return path_of(deck, "frames.csv"); }
-std::string series_of(const Deck& deck) { return path_of(deck, "frames.vtk.series"); }
+std::string csv_of(const Deck& deck) { return deck.output + "/frames.csv"; }
+std::string series_of(const Deck& deck) { return deck.output + "/frames.vtk.series"; }
 
 std::string line_of(const FrameRow& row) {
     std::string note = row.note, numbers = ",,,,";

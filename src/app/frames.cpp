@@ -115,8 +115,9 @@ void FrameRun::keep(const Deck& now, Solution& solution, FrameRow& row) {
     if (!row.has_mesh()) return;
     MeshVelocity velocity = velocity_;
     if (deck_.velocity != Velocity::no) velocity.add(row.t, solution.x);
-    row.mesh = write_frame(deck_, problem_, solution, row.file_name(), velocity.point_data(deck_, problem_));
-    velocity.write(deck_, problem_, path(row.file_name().c_str()));
+    const std::vector<VtkArray> columns = velocity.point_data(deck_, problem_);
+    row.mesh = write_frame(deck_, problem_, solution, row.file_name(), columns);
+    velocity.write(deck_, problem_, columns, path(row.file_name().c_str()));
     velocity_ = std::move(velocity);
     before_.push(solution.x, row.t, problem_.motions);
     for (const Expectation& expectation : deck_.expectations) {

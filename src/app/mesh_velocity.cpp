@@ -38,10 +38,10 @@ std::vector<VtkArray> MeshVelocity::point_data(const Deck& deck, const Problem& 
             {"velocity_2", dim, velocity(2, length)}};
 }
 
-void MeshVelocity::write(const Deck& deck, const Problem& problem, const std::string& base) {
-    if (deck.velocity == Velocity::no) return;
+void MeshVelocity::write(const Deck& deck, const Problem& problem, const std::vector<VtkArray>& columns,
+                         const std::string& base) {
+    if (columns.empty()) return;
     const Mesh& mesh = problem.mesh();
-    const std::vector<VtkArray> columns = point_data(deck, problem);
     write_file(base + "-velocity.csv", [&](const TextSink& sink) {
         std::string heading = "node";
         for (const VtkArray& column : columns)

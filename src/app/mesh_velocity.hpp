@@ -23,8 +23,8 @@ public:
     // 0, and at the second v_2 is v_1.
     std::vector<VtkArray> point_data(const Deck& deck, const Problem& problem) const;
 
-    // Of it, as the deck wants it: BASE-velocity.csv, and where there is a moment before BASE-swept.csv.
-    void write(const Deck& deck, const Problem& problem, const std::string& base);
+    // Of point_data(), as the deck wants it: BASE-velocity.csv, and where there is a moment before BASE-swept.csv.
+    void write(const Deck& deck, const Problem& problem, const std::vector<VtkArray>& columns, const std::string& base);
 
 private:
     struct Moment {

@@ -82,40 +82,6 @@ void follow_vertices(const Mesh& mesh, int boundary, bool all, std::vector<char>
     });
 }
 
-}  // namespace
-
-void read_node_rows(const Mesh& mesh, const std::string& path, const std::unordered_map<long long, int>& nodes,
-                    const std::string& place, std::vector<double>& value, std::vector<char>& known) {
-    const std::string text = without_commas(read_text_file(path));
-    TextScanner in(text, path);
-    std::vector<int> line(mesh.nodes(), 0);
-    known.assign(mesh.nodes(), 0);
-    if (in.next_line() && std::isalpha(static_cast<unsigned char>(*in.at))) in.rest_of_line();
-    while (in.next_line()) {
-        const long long id = in.integer("a node id", std::numeric_limits<long long>::min(),
-                                        std::numeric_limits<long long>::max());
-        const auto found = nodes.find(id);
-        if (found == nodes.end()) in.fail("node ", id, " is not ", place);
-        const int node = found->second;
-        for (int a = 0; a < mesh.dim; ++a) {
-            const double here = in.real("a coordinate");
-            double& v = value[offset(node, mesh.dim, a)];
-            if (known[node] && here != v) in.fail("node ", id, " is here already, in line ", line[node], ", elsewhere");
-            v = here;
-        }
-        if (!known[node]) line[node] = in.line;
-        known[node] = 1;
-        if (mesh.dim == 2 && in.at != in.end && *in.at != '\n') {
-            const std::string rest(in.rest_of_line());
-            if (!rest.empty() && parse_double(rest) != 0.0)
-                in.fail("expected the end of the line, or a third coordinate of 0, got ", in_backquotes(rest));
-        }
-        in.end_of_line();
-    }
-}
-
-namespace {
-
 // positions, left_out: of the nodes of the mesh, x dim; left_out is set to 1 at those that slide or are free.
 void read_places(const Mesh& mesh, int boundary, const Motion& motion, std::vector<double>& positions,
                  std::vector<double>& left_out) {
@@ -231,6 +197,36 @@ void read_faces_of_mesh(const Mesh& mesh, int boundary, const RawMesh& other, st
 }
 
 }  // namespace
+
+void read_node_rows(const Mesh& mesh, const std::string& path, const std::unordered_map<long long, int>& nodes,
+                    const std::string& place, std::vector<double>& value, std::vector<char>& known) {
+    const std::string text = without_commas(read_text_file(path));
+    TextScanner in(text, path);
+    std::vector<int> line(mesh.nodes(), 0);
+    known.assign(mesh.nodes(), 0);
+    if (in.next_line() && std::isalpha(static_cast<unsigned char>(*in.at))) in.rest_of_line();
+    while (in.next_line()) {
+        const long long id = in.integer("a node id", std::numeric_limits<long long>::min(),
+                                        std::numeric_limits<long long>::max());
+        const auto found = nodes.find(id);
+        if (found == nodes.end()) in.fail("node ", id, " is not ", place);
+        const int node = found->second;
+        for (int a = 0; a < mesh.dim; ++a) {
+            const double here = in.real("a coordinate");
+            double& v = value[offset(node, mesh.dim, a)];
+            if (known[node] && here != v) in.fail("node ", id, " is here already, in line ", line[node], ", elsewhere");
+            v = here;
+        }
+        if (!known[node]) line[node] = in.line;
+        known[node] = 1;
+        if (mesh.dim == 2 && in.at != in.end && *in.at != '\n') {
+            const std::string rest(in.rest_of_line());
+            if (!rest.empty() && parse_double(rest) != 0.0)
+                in.fail("expected the end of the line, or a third coordinate of 0, got ", in_backquotes(rest));
+        }
+        in.end_of_line();
+    }
+}
 
 NodeTargets read_node_targets(const Mesh& mesh, const std::vector<Motion>& motions) {
     NodeTargets targets;

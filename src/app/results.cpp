@@ -100,6 +100,12 @@ std::string numbered(const char* name, int number) {
     return name + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits;
 }
 
+constexpr const char* end_of_series = "\n  ]\n}\n";
+
+std::string row_of_series(const std::string& name, double time) {
+    return concat("    {\"name\": \"", name, "\", \"time\": ", time, "}");
+}
+
 std::string iterate_name(int number) { return numbered("iterate-", number); }
 
 // The mesh, in the formats of the key `final`, and its VTK file. Returns the first one.
@@ -227,16 +233,6 @@ void write_iterate(const Deck& deck, const Problem& problem, int number, const s
     for (int k = 0; k <= number; ++k) files.emplace_back(iterate_name(k) + ".vtk", k * deck.iterates);
     write_series(deck.output + "/iterates.vtk.series", files);
 }
-
-namespace {
-
-constexpr const char* end_of_series = "\n  ]\n}\n";
-
-std::string row_of_series(const std::string& name, double time) {
-    return concat("    {\"name\": \"", name, "\", \"time\": ", time, "}");
-}
-
-}  // namespace
 
 void write_series(const std::string& path, const std::vector<std::pair<std::string, double>>& files) {
     std::string rows;

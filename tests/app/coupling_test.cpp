@@ -42,11 +42,7 @@ public:
     ~Asked() { end(); }
 
     std::string ask(const std::string& line) {
-        std::fprintf(in_, "%s\n", line.c_str());
-        std::fflush(in_);
-        return answer();
-    }
-    std::string answer() {
+        tell(line);
         std::string text;
         for (int c; (c = std::fgetc(out_)) != EOF && c != '\n';) text += static_cast<char>(c);
         return text;

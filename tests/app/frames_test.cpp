@@ -398,8 +398,9 @@ TEST_CASE("a frame that fails ends the run with its code; keep_going goes on wit
     CHECK(std::filesystem::exists(ring.output + "/frame-0002.msh"));
     CHECK(!std::filesystem::exists(ring.output + "/frame-0003.msh"));
     REQUIRE(frames_of(ring.output).size() == 3);
-    CHECK(has(ring.run({hits, "frames=0, 0.6"}).error, "frame 2, t = 0.6: the target makes the boundary itself invalid"));
-    CHECK(has(ring.run({hits, "frames=0, 0.6"}).error, "in the target it crosses face "));
+    outcome = ring.run({hits, "frames=0, 0.6"});
+    CHECK(has(outcome.error, "frame 2, t = 0.6: the target makes the boundary itself invalid"));
+    CHECK(has(outcome.error, "in the target it crosses face "));
     REQUIRE(ring.run({hits, "frames=0, 0.3, 1, 1.8"}).code == 2);
     CHECK(frames_of(ring.output)[2].at("status") == "refused");
     CHECK(has(text_of(ring.output + "/frames.csv"), ",\"the target makes the boundary itself invalid"));
