@@ -201,6 +201,14 @@ AlStart start_from_file(const Problem& problem, std::vector<double>& x) {
     return start;
 }
 
+// Of a solution that converged, before it is rounded. Returns why that failed, "" where it did not.
+std::string use(const RunHooks& hooks, const Problem& problem, Solution& solution) try {
+    if (hooks.solved && solution.al.status == Status::converged) hooks.solved(problem, solution);
+    return "";
+} catch (const Error& error) {
+    return error.what();
+}
+
 }  // namespace
 
 Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint, Report& report, std::FILE* out) {
@@ -278,12 +286,7 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     solution.time.setup += setup_seconds;
     solution.time.write += write_seconds;
 
-    std::string failed;
-    if (hooks.solved && solution.al.status == Status::converged) try {
-            hooks.solved(problem, solution);
-        } catch (const Error& error) {
-            failed = error.what();
-        }
+    const std::string failed = use(hooks, problem, solution);
 
     // 3. What was reached: certificates, files.
     round_as_file(problem, solution.x);
