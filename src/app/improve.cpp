@@ -88,13 +88,13 @@ Solution ended_at(const Problem& problem, std::vector<double> x, Status status) 
     return solution;
 }
 
-// Moves x, the mesh of the file, to a valid one. Whether it could.
-bool untangle(const Deck& deck, const Problem& problem, std::vector<double>& x, std::FILE* out) {
+// Moves x, the first mesh, which has these invalid elements, to a valid one. Whether it could.
+bool untangle(const Deck& deck, const Problem& problem, const std::vector<int>& invalid, std::vector<double>& x,
+              std::FILE* out) {
     const Mesh& mesh = problem.mesh();
     std::vector<double> volumes = problem.regular;
     for (int e = 0; e < mesh.element_count() && problem.regular.empty(); ++e)
         volumes.push_back(volume(mesh, problem.ideal(), e));
-    const std::vector<int> invalid = certify(mesh, x, deck.certificate).uncertified;
     refuse_flat(mesh, problem.frame, invalid);
     set_functional(deck, problem);
     const auto energy = make_energy(
@@ -143,8 +143,10 @@ void set_ideal_elements(const Deck& deck, Problem& problem) {
 Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
     std::vector<double> x = problem.start.empty() ? mesh.x : problem.start;
-    const bool was_valid = certify(mesh, x, deck.certificate).valid;
-    if (!was_valid && !untangle(deck, problem, x, out)) return ended_at(problem, std::move(x), Status::inverted);
+    const std::vector<int> invalid = certify(mesh, x, deck.certificate).uncertified;
+    const bool was_valid = invalid.empty();
+    if (!was_valid && !untangle(deck, problem, invalid, x, out))
+        return ended_at(problem, std::move(x), Status::inverted);
     problem.start = x;
     const LeastJacobian before = least_jacobian(deck, mesh, x);
     const auto is_worse = [&](const Solution& solution) {

@@ -16,7 +16,7 @@
 namespace almesh {
 namespace {
 
-constexpr double first_sigma = 1;      // of the least determinant
+constexpr double first_sigma = 1;  // of the least determinant
 constexpr double least_fall = 0.1, most_fall = 0.5;  // s
 constexpr double least_delta = 1e-9;
 constexpr int most_deltas = 100, steps_of_delta = 5, steps_of_barrier = 20;

@@ -6,8 +6,8 @@
 //     sigma_delta'(D) = (1 - s) sigma_delta(D) =: m,   that is   delta'^2 = m (m - D).
 //
 // Only regions around inverted elements take part, each with its own delta, first with one layer of elements around,
-// then with two, four, ..., where that does not do. What a region comes to counts only where it is certified valid: valid
-// elements stay so.
+// then with two, four, ..., where that does not do. What a region comes to counts only where it is certified valid:
+// valid elements stay so.
 #pragma once
 #include <vector>
 

@@ -298,7 +298,6 @@ void LinearSolver::analyse(const BlockCsr& A) {
 }
 
 SolveResult LinearSolver::solve_again(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x) {
-    x.assign(A.size(), 0.0);
     return direct_ ? solve_directly(A, b, x, true) : iterative_->solve(A, b, x, true);
 }
 
