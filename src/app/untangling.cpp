@@ -40,8 +40,10 @@ public:
         int before = 0;  // nodes that could move in the last round
         for (int layers = 1; !result_.left.empty() && !interrupted(); layers *= 2) {
             int count = 0;
-            for (const Moves& moves : regions(layers)) {
-                count += static_cast<int>(std::count(moves.begin(), moves.end(), 1));
+            for (const auto& [first, nodes] : regions(layers)) {
+                Moves moves(mesh_.nodes(), 0);
+                for (const int i : nodes) moves[i] = 1;
+                count += static_cast<int>(nodes.size());
                 result_.regions += untangle(moves);
             }
             const std::size_t invalid = result_.left.size();
@@ -67,7 +69,7 @@ private:
     }
 
     // The nodes of inverted elements and of so many layers around them, in sets that have no element in common.
-    std::vector<Moves> regions(int layers) const {
+    std::map<int, std::vector<int>> regions(int layers) const {
         Moves near(mesh_.nodes(), 0);
         for (const int e : result_.left) for_nodes(e, [&](int i) { near[i] = 1; });
         for (int layer = 0; layer < layers; ++layer)
@@ -82,12 +84,10 @@ private:
                 first = i;
             });
         }
-        std::map<int, Moves> found;
+        std::map<int, std::vector<int>> found;  // by the least of their nodes
         for (int i = 0; i < mesh_.nodes(); ++i)
-            if (near[i]) found.try_emplace(sets.find(i), mesh_.nodes(), 0).first->second[i] = 1;
-        std::vector<Moves> all;
-        for (auto& [root, moves] : found) all.push_back(std::move(moves));
-        return all;
+            if (near[i]) found[sets.find(i)].push_back(i);
+        return found;
     }
 
     // Over the points of the elements, relative to the ideal ones.

@@ -43,13 +43,11 @@ std::vector<double> local_volumes(const Mesh& mesh, const std::vector<double>& x
         if (valid[e]) V[e] = std::max(of, 0.0);
     }
     if (std::all_of(V.begin(), V.end(), [](double v) { return v == 0; })) std::fill(V.begin(), V.end(), 1);
-    for (bool is_filled = false; !is_filled;) {
+    for (std::vector<double> before; V != before;) {  // what hangs together with no element that has one stays 0
+        before = V;
         const std::vector<double> of_vertices = at_vertices(mesh, V);
-        const std::vector<double> before = V;
-        is_filled = true;
         for (int e = 0; e < mesh.element_count(); ++e)
-            if (V[e] == 0 && (V[e] = mean_of_vertices(mesh, e, of_vertices)) == 0) is_filled = false;
-        if (V == before) break;  // what hangs together with no element that has one
+            if (V[e] == 0) V[e] = mean_of_vertices(mesh, e, of_vertices);
     }
     const std::vector<double> of_vertices = at_vertices(mesh, V);
     for (int e = 0; e < mesh.element_count(); ++e) V[e] = mean_of_vertices(mesh, e, of_vertices);

@@ -78,7 +78,8 @@ void Derivative::settle(std::vector<double>& x) {
             set_node(next, of.node, mesh_.dim, at_node(on_target, place_[of.node], mesh_.dim));
         if (++steps > most_steps || !std::isfinite(decrement) || !std::isfinite(energy_.energy(next)))
             throw no_derivative("the gradient is not small enough: relative to E its Newton decrement is ",
-                                rounded_down(decrement, 3), ", and may be ", acceptable);
+                                rounded_down(decrement, 3), ", and may be ", acceptable,
+                                "; a mesh far from the origin has few digits: move it there");
         x = std::move(next);
     }
     set_point(x);
