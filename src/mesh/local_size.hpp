@@ -8,7 +8,7 @@
 namespace almesh {
 
 // x: node_count x dim. valid: per element, whether its volume counts; where none does, all are of the same volume.
-// The volumes are positive, and their sum is that of the mesh where this is positive.
+// The volumes are positive; the sum of a mesh in one piece is that of the mesh where this is positive.
 std::vector<double> local_volumes(const Mesh& mesh, const std::vector<double>& x, const std::vector<char>& valid);
 
 }  // namespace almesh

@@ -87,7 +87,6 @@ void Derivative::settle(std::vector<double>& x) {
 
 std::vector<double> Derivative::set_point(const std::vector<double>& x) {
     x_ = x;
-    is_assembled_ = is_factored_ = false;
     std::vector<double> gradient(x.size(), 0.0);
     energy_.add_gradient(x, gradient);
     for (Node& of : nodes_) {
@@ -100,13 +99,14 @@ std::vector<double> Derivative::set_point(const std::vector<double>& x) {
         of.f = times(of.D_inverse, times(of.P, force) - force);
         of.K = constraint_.second_derivative_at(place_[of.node], at, of.f);
     }
+    assemble();
     for (double& entry : gradient) entry = -entry;
     project(gradient);
     return gradient;
 }
 
 void Derivative::assemble() {
-    if (std::exchange(is_assembled_, true)) return;
+    is_factored_ = false;
     std::fill(H_.value.begin(), H_.value.end(), 0.0);
     energy_.add_hessian(x_, HessianKind::full, H_);
     std::copy(H_.value.begin(), H_.value.end(), A_.value.begin());
@@ -136,7 +136,6 @@ void Derivative::assemble() {
 
 std::vector<double> Derivative::solve(const std::vector<double>& b) {
     std::vector<double> y;
-    assemble();
     SolveResult result = is_factored_ ? solver_->solve_again(A_, b, y) : solver_->solve(A_, b, y);
     if (result.status == SolveStatus::too_large) {
         linear_.kind = SolverKind::cg;
@@ -159,7 +158,6 @@ void Derivative::project(std::vector<double>& v) const {
 }
 
 std::vector<double> Derivative::times_hessian(const std::vector<double>& v) {
-    assemble();
     std::vector<double> rows, product(v.size()), result;
     to_rows(H_, v, rows);
     multiply(H_, rows.data(), product.data());

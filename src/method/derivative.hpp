@@ -72,7 +72,7 @@ private:
     std::vector<double> x_;
     BlockCsr H_, A_;          // A = P (H + K) P, and on the rest of each diagonal block a multiple of 1
     std::unique_ptr<LinearSolver> solver_;
-    bool is_assembled_ = false, is_factored_ = false;  // A, at x
+    bool is_factored_ = false;  // A, at x
 
     std::vector<double> set_point(const std::vector<double>& x);  // returns -P grad E
     void assemble();
