@@ -73,14 +73,14 @@ BoundaryChange residual_at(const Deck& deck, const Problem& problem, const Deriv
     return derivative.residual(*other.level->constraint);
 }
 
-// Of the boundary by the constant. Steps h: of its value, or of a hundredth where that is less.
+// Of the boundary by the constant. Steps h: of its value, or of a hundredth where that is less, of 1 or of the mesh.
 BoundaryChange change_by(const Deck& deck, const Problem& problem, const Derivative& derivative,
                          const Constant& constant) {
     using Weights = std::array<double, 7>;
     constexpr double accuracy = 1e-9, steps[] = {1e-2, 1e-3, 1e-4};
     std::string why = "the target, or a surface along which nodes slide, is not smooth there";
-    for (const double step : steps) try {
-            const double h = step * std::max(std::abs(constant.value), 1e-2);
+    for (const double unit : {1.0, problem.frame.length}) for (const double step : steps) try {
+            const double h = step * std::max(std::abs(constant.value), 1e-2 * unit);
             const Values zero(problem.mesh().x.size(), 0.0);
             BoundaryChange slope{zero, zero};
             Values error = zero;  // slope less that of the fourth order

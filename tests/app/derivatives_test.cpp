@@ -115,6 +115,20 @@ TEST_CASE("derivatives in three dimensions, along planes, edges and a moving sur
     Case{cube, {"boundary sides=free"}}.check(1e-8);
 }
 
+TEST_CASE("a derivative by a length is the same in every unit of the mesh") {
+    Values tangent[2];
+    for (const bool small : {false, true}) {
+        Mesh mesh = ring_mesh(12, 3, 6);
+        for (double& x : mesh.x) x *= small ? 1e-9 : 1;
+        const RingDeck ring(mesh, concat("vtk = none\nlet a = ", small ? 1e-9 : 1.0, "\n"));
+        const std::string way = small ? "a*cos(a*1e9)" : "a*cos(a)";
+        REQUIRE(Case{ring, {"boundary inner=translate \"" + way + "\" 0"}}.run("tangent", {}).error == "");
+        tangent[small] = values_in(ring.output + "/tangent-a.csv");
+    }
+    axpy(-1, tangent[0], tangent[1]);
+    CHECK(norm_inf(tangent[1]) < 1e-9 * norm_inf(tangent[0]));
+}
+
 TEST_CASE("what cannot be differentiated is refused with a sentence") {
     const RingDeck ring(ring_mesh(12, 3, 6), "threads = 1\nvtk = none\n");
     const auto refusal = [&](std::vector<std::string> arguments, int code) {
