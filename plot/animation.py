@@ -5,7 +5,8 @@ their frames as PNG files.
 
   plot/animation.py                 runs ./almesh, draws; needs numpy, matplotlib and Pillow
   plot/animation.py RESULTS ...     only draws frames.gif or iterates.gif into these folders of results, from what
-                                    frames.vtk.series or iterates.vtk.series lists: plane meshes of any cells and degree
+                                    frames.vtk.series or iterates.vtk.series lists, else meshes.gif, of initial.vtk and
+                                    final.vtk: plane meshes of any cells and degree
 
 Ends with exit code 1 where a run does not.
 """
