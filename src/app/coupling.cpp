@@ -1,7 +1,5 @@
 #include "app/coupling.hpp"
 
-#include <algorithm>
-
 #include "base/error.hpp"
 #include "base/interrupt.hpp"
 
@@ -45,9 +43,8 @@ std::optional<AskedFrame> Coupling::next(double reached) {
     }
 }
 
-void Coupling::tell(const std::string& status, std::string what) {
-    std::replace(what.begin(), what.end(), '\n', ' ');
-    std::fprintf(out_, "%s %s %s\n", time_.c_str(), status.c_str(), what.c_str());
+void Coupling::tell(const std::string& status, const std::string& what) {
+    std::fprintf(out_, "%s %s %s\n", time_.c_str(), status.c_str(), on_one_line(what).c_str());
     if (std::fflush(out_) != 0 || std::ferror(out_))
         throw InputError("frames = -: nobody reads the answers any more; the meshes made so far are there");
 }

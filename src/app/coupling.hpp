@@ -32,7 +32,7 @@ public:
     std::optional<AskedFrame> next(double reached);
 
     // Of the frame that was asked for last. Throws InputError where nobody reads it.
-    void tell(const std::string& status, std::string what);
+    void tell(const std::string& status, const std::string& what);
 
 private:
     std::FILE *in_, *out_;

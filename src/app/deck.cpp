@@ -179,23 +179,21 @@ void read_sweep(Deck& deck, std::string_view text, const std::string& where) {
     Sweep sweep = parse_sweep(text);
     sweep.where = where;
     std::string none;
-    use_present_names(deck, sweep.key, none);
-    if (!find_row(deck_keys(), sweep.key) && !find_row(deck.constants, sweep.key))
-        throw UsageError("sweep ", sweep.key, ": there is no such key, nor a line `let ", sweep.key, " = ...`",
-                         did_you_mean(sweep.key, names_of(deck_keys())));
-    const auto is_same = [&](const Sweep& other) { return other.key == sweep.key; };
-    if (const auto it = std::find_if(deck.sweeps.begin(), deck.sweeps.end(), is_same); it != deck.sweeps.end())
-        check_repeat("sweep " + sweep.key, it->where, where);
-    std::erase_if(deck.sweeps, is_same);
-    deck.sweeps.push_back(std::move(sweep));
+    use_present_names(deck, sweep.name, none);
+    if (!find_row(deck_keys(), sweep.name) && !find_row(deck.constants, sweep.name))
+        throw UsageError("sweep ", sweep.name, ": there is no such key, nor a line `let ", sweep.name, " = ...`",
+                         did_you_mean(sweep.name, names_of(deck_keys())));
+    Sweep* const earlier = find_row(deck.sweeps, sweep.name);
+    if (earlier) check_repeat("sweep " + sweep.name, earlier->where, where);
+    (earlier ? *earlier : deck.sweeps.emplace_back()) = std::move(sweep);
 }
 
 // Those in the file of what the command line gives one value.
 void remove_set_sweeps(Deck& deck) {
     std::erase_if(deck.sweeps, [&](const Sweep& sweep) {
         if (sweep.where == command_line) return false;
-        const Constant* const constant = find_row(deck.constants, sweep.key);
-        const auto key = deck.given.find(sweep.key);
+        const Constant* const constant = find_row(deck.constants, sweep.name);
+        const auto key = deck.given.find(sweep.name);
         return (key != deck.given.end() && key->second == command_line) ||
                (constant && constant->where == command_line);
     });

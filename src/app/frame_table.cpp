@@ -20,8 +20,7 @@ std::string csv_of(const Deck& deck) { return deck.output + "/frames.csv"; }
 std::string series_of(const Deck& deck) { return deck.output + "/frames.vtk.series"; }
 
 std::string line_of(const FrameRow& row) {
-    std::string note = row.note, numbers = ",,,,";
-    std::replace(note.begin(), note.end(), '\n', ' ');
+    std::string note = on_one_line(row.note), numbers = ",,,,";
     std::replace(note.begin(), note.end(), '"', '\'');
     if (!row.started_from.empty())
         numbers = concat(row.newton_steps, ",", row.max_distortion, ",", row.relative_quality, ",",

@@ -50,10 +50,10 @@ std::string as_name(std::string text) {
     return text;
 }
 
-std::string cell(std::string text) {
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    std::replace(text.begin(), text.end(), '"', '\'');
-    return text.find(',') == std::string::npos ? text : with_quotes(text);
+std::string cell(const std::string& text) {
+    std::string line = on_one_line(text);
+    std::replace(line.begin(), line.end(), '"', '\'');
+    return line.find(',') == std::string::npos ? line : with_quotes(line);
 }
 
 std::string in_shell_quotes(const std::string& text) {
@@ -73,16 +73,17 @@ std::string row_in(const Run& run) {
 // number, exit code, values, the quantities of summary.txt, and a note.
 std::string heading(const Deck& deck) {
     std::string row = "number,exit_code";
-    for (const Sweep& sweep : deck.sweeps) row += "," + sweep.key;
+    for (const Sweep& sweep : deck.sweeps) row += "," + sweep.name;
     for (const Named& quantity : summary_quantities()) row += concat(",", quantity.name);
     return row + ",note\n";
 }
 
 // All but its number.
 std::string row_of(const Run& run, ExitCode code, const std::string& note) {
-    std::map<std::string, std::string, std::less<>> summary = {{"status", "refused"}};
-    if (note.empty()) summary.clear();
-    const std::string text = note.empty() ? read_file(run.deck.output + "/summary.txt") : "";
+    const bool is_refused = code == ExitCode::usage || code == ExitCode::input;
+    std::map<std::string, std::string, std::less<>> summary;
+    const std::string text = note.empty() ? read_file(run.deck.output + "/summary.txt")
+                                          : concat("status = ", is_refused ? "refused" : "failed");
     for (const std::string_view line : split(text, '\n'))
         if (const auto at = line.find(" = "); at != std::string_view::npos)
             summary.emplace(line.substr(0, at), line.substr(at + 3));
@@ -183,7 +184,7 @@ void SweepRun::add_run(const std::vector<std::string>& values) {
     run.values = values;
     std::vector<std::string> settings = settings_;
     for (std::size_t s = 0; s < values.size(); ++s) {
-        const std::string& key = deck_.sweeps[s].key;
+        const std::string& key = deck_.sweeps[s].name;
         const std::string name = find_row(deck_keys(), key) ? key : "let " + key;
         std::erase_if(settings, [&](const std::string& earlier) { return split(earlier, '=')[0] == name; });
         settings.push_back(concat(name, "=", values[s]));
@@ -195,6 +196,7 @@ void SweepRun::add_run(const std::vector<std::string>& values) {
     } catch (const UsageError& error) {
         throw UsageError(deck_.sweeps.front().where, ": the run ", run.name, ": ", error.what());
     }
+    if (is_coupled(run.deck.frames)) throw UsageError(run.name, ": frames = - has no end that a sweep can wait for");
     run.deck.sweeps.clear();
     run.deck.output = deck_.output + "/" + run.name;
     if (run.deck.threads == 0) run.deck.threads = 1;
@@ -337,19 +339,19 @@ std::pair<int, int> task_of(const std::string& text) {
 Sweep parse_sweep(std::string_view text) {
     const auto equals = text.find('=');
     Sweep sweep;
-    sweep.key = trim(text.substr(0, equals));
-    if (equals == std::string_view::npos || words(sweep.key).size() != 1)
+    sweep.name = trim(text.substr(0, equals));
+    if (equals == std::string_view::npos || words(sweep.name).size() != 1)
         throw UsageError("expected `sweep KEY = VALUE, VALUE, ...` or `sweep KEY = FROM : STEP : TO`");
     for (const std::string_view value : split(text.substr(equals + 1), ',')) {
-        if (value.empty()) throw UsageError("sweep ", sweep.key, ": a value is missing");
+        if (value.empty()) throw UsageError("sweep ", sweep.name, ": a value is missing");
         if (value.find(':') == std::string_view::npos) sweep.values.emplace_back(value);
-        else for (const double number : numbers_of_range("sweep " + sweep.key, value))
+        else for (const double number : numbers_of_range("sweep " + sweep.name, value))
             sweep.values.push_back(to_text(number));
     }
     std::set<std::string> seen;
     for (const std::string& value : sweep.values)
         if (!seen.insert(value).second)
-            throw UsageError("sweep ", sweep.key, ": ", in_backquotes(value), " is there twice");
+            throw UsageError("sweep ", sweep.name, ": ", in_backquotes(value), " is there twice");
     return sweep;
 }
 

@@ -16,7 +16,7 @@
 namespace almesh {
 
 struct Sweep {
-    std::string key;
+    std::string name;                 // of the key or constant
     std::vector<std::string> values;  // as written, those of ranges as numbers
     std::string where;                // "circle.deck:12" or "command line"
 };

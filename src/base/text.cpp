@@ -171,6 +171,11 @@ std::string table_row(const std::vector<std::string>& cells, const std::vector<s
 
 std::string in_backquotes(std::string_view text) { return std::string("`").append(text).append("`"); }
 
+std::string on_one_line(std::string text) {
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return text;
+}
+
 std::string with_quotes(std::string_view text) { return std::string("\"").append(text).append("\""); }
 
 std::string quoted_where_needed(const std::string& text, const char* special) {

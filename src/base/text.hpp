@@ -66,6 +66,7 @@ std::vector<std::string> wrap(std::string_view text, std::size_t width);
 // Where a cell is wider than its column, the last one starts on a line of its own.
 std::string table_row(const std::vector<std::string>& cells, const std::vector<std::size_t>& width);
 
+std::string on_one_line(std::string text);         // a blank for each line end
 std::string in_backquotes(std::string_view text);  // a word of the user, as messages show it
 std::string with_quotes(std::string_view text);    // in double quotes; the text itself must not hold one
 

@@ -155,6 +155,7 @@ TEST_CASE("what is wrong with a sweep is said before anything runs") {
     CHECK(has(refusal({"sweep degree=1,2", "--slrum"}), "did you mean `--slurm`?"));
     CHECK(has(refusal({"sweep degree=1,2", "--run", "0/2"}), "expected K/N"));
     CHECK(has(refusal({"sweep degree=1,2", "--slurm", "--collect"}), "one at a time"));
+    CHECK(has(refusal({"sweep degree=1,2", "frames=-"}), "frames = - has no end that a sweep can wait for"));
     CHECK(has(almesh_with({"sweep"}).error, "sweep takes a deck"));
 }
 
