@@ -36,7 +36,7 @@ struct Run {
     std::string name;  // of its folder: mu0=10,refine=1
     std::vector<std::string> values;
     Deck deck;
-    std::string id;   // what sweep.row begins with: of program, deck and mesh
+    std::string id;   // what sweep.row begins with: of program, deck and its files
     std::string row;  // of sweep.csv, "" where the run has not ended
 };
 
@@ -149,12 +149,13 @@ private:
     Deck deck_;
     std::vector<Run> runs_;
     std::set<std::string> names_;
-    std::map<std::string, std::string> mesh_hash_;  // by path
+    std::map<std::string, std::string> hash_;  // of the files that decks name, by path
     std::map<pid_t, Child> children_;
     int done_ = 0, done_before_ = 0;
     Stopwatch watch_;
 
     void add_run(const std::vector<std::string>& values);
+    std::string hash_of_files(const Deck& deck);
     void read_rows();
     void end(pid_t process, int status);
     std::string path(const char* name) const { return concat(deck_.output, "/", name); }
@@ -200,10 +201,24 @@ void SweepRun::add_run(const std::vector<std::string>& values) {
     run.deck.sweeps.clear();
     run.deck.output = deck_.output + "/" + run.name;
     if (run.deck.threads == 0) run.deck.threads = 1;
-    std::string& hash = mesh_hash_[run.deck.mesh];
-    if (hash.empty()) hash = hash_of(read_file(run.deck.mesh));
-    run.id = concat("# ", version(), ", commit ", commit(), ", run ", run_id(run.deck, hash), "\n");
+    run.id = concat("# ", version(), ", commit ", commit(), ", run ", run_id(run.deck, hash_of_files(run.deck)), "\n");
     runs_.push_back(std::move(run));
+}
+
+// Of the mesh and of what is there of the others; those of frames are read when their time comes.
+std::string SweepRun::hash_of_files(const Deck& deck) {
+    std::vector<std::string> files = {deck.mesh, deck.start_file, deck.ideal_file};
+    for (const DeckBoundary& boundary : deck.boundaries)
+        for (const MotionStep& step : boundary.motion.steps) files.push_back(step.file);
+    std::string hashes;
+    for (const std::string& file : files) {
+        std::error_code error;
+        if (file != deck.mesh && !fs::is_regular_file(file, error)) continue;
+        std::string& hash = hash_[file];
+        if (hash.empty()) hash = hash_of(read_file(file));
+        hashes += hash;
+    }
+    return hashes;
 }
 
 void SweepRun::read_rows() {

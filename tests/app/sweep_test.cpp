@@ -80,6 +80,17 @@ TEST_CASE("runs that have ended are not done again; others of another deck, mesh
     CHECK(!has(sweep_of(ring, two_lines, "boundary inner=translate 1 0").out, "done before"));
 }
 
+TEST_CASE("a sweep whose deck names a node file notices that the file has changed") {
+    const RingDeck ring;
+    std::string rows;
+    for (int node = 1; node <= 12; ++node) rows += std::to_string(node) + ",0.5,0\n";
+    const std::string moved = "boundary inner=file " + ring.folder.write("inner.csv", rows) + " displacement";
+    REQUIRE(sweep_of(ring, two_lines, moved).code == 0);
+    CHECK(has(sweep_of(ring, two_lines, moved).out, "4 of 4 runs done before"));
+    ring.folder.write("inner.csv", rows.replace(rows.find("0.5"), 3, "0.6"));
+    CHECK(!has(sweep_of(ring, two_lines, moved).out, "done before"));
+}
+
 TEST_CASE("a run by hand in a folder of a sweep is not taken for the sweep's") {
     const RingDeck ring;
     REQUIRE(sweep_of(ring, two_lines).code == 0);
