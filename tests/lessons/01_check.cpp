@@ -85,5 +85,72 @@ EXERCISE("1.5", "how far a triangle is stretched") {
                      "solve eta = (s + 1/s) / 2 for the root that is at least 1");
 }
 
+using Tetrahedron = std::array<Vec<3>, 4>;
+
+SixLengths lengths_of(const Tetrahedron& t) {
+    SixLengths length;
+    const int edge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+    for (int k = 0; k < 6; ++k) {
+        const Vec<3> d = t[edge[k][1]] - t[edge[k][0]];
+        length[k] = std::sqrt(dot(d, d));
+    }
+    return length;
+}
+
+// The tetrahedron mapped by F with the singular values s.
+Tetrahedron stretched(const Tetrahedron& t, const Vec<3>& s) {
+    const Mat<3> turn = {{{0.6, -0.8, 0}, {0.8, 0.6, 0}, {0, 0, 1}}};
+    const Mat<3> tilt = {{{1, 0, 0}, {0, 0.28, -0.96}, {0, 0.96, 0.28}}};
+    const Mat<3> S = {{{s[0], 0, 0}, {0, s[1], 0}, {0, 0, s[2]}}};
+    const Mat<3> F = multiply<3>(multiply<3>(multiply<3>(tilt, turn), S), multiply<3>(turn, tilt));
+    Tetrahedron image;
+    for (int i = 0; i < 4; ++i) image[i] = {dot(F[0], t[i]), dot(F[1], t[i]), dot(F[2], t[i])};
+    return image;
+}
+
+double eta_of(const Vec<3>& s) { return dot(s, s) / (3 * std::pow(std::cbrt(s[0] * s[1] * s[2]), 2)); }
+
+void check_tetrahedra() {
+    const Tetrahedron ideal = {{{0, 0, 0}, {2, 0.3, 0}, {0.5, 1.5, 0.2}, {0.4, 0.1, 0.9}}};
+    for (const Vec<3>& s :
+         {Vec<3>{2, 2, 2}, Vec<3>{2, 1, 0.5}, Vec<3>{1, 0.3, 0.9}, Vec<3>{0.01, 1, 1}, Vec<3>{7, 7, 7e-3}}) {
+        const Measured found = measure_tetrahedron(lengths_of(ideal), lengths_of(stretched(ideal, s)));
+        const std::string of = concat(" of an F with the singular values ", s[0], ", ", s[1], ", ", s[2]);
+        const auto [least, most] = std::minmax({s[0], s[1], s[2]});
+        const double stretch = most / least;
+        expect_close("eta" + of, found.eta, eta_of(s), 1e-7,
+                     "with the scalar products of the edges from vertex 0, G of the ideal and P of the physical one, "
+                     "inverse(G) P has the trace |F|^2 and the determinant (det F)^2");
+        const bool squared = stretch > 1 && std::abs(found.stretch / (stretch * stretch) - 1) < 1e-3;
+        expect_close("the stretch" + of, found.stretch, stretch, 1e-5,
+                     squared ? "the eigenvalues of F'F are the squares of the singular values"
+                             : "the root of the largest eigenvalue of F'F over the smallest");
+    }
+    for (const SixLengths& none : {SixLengths{3, 5, 4, 4, 5, 3}, SixLengths{1, 1, 1, 1, 1, 1.8},
+                                   SixLengths{0.95, 1.97, 3, 0.9, 1.97, 0.95}}) {
+        const Measured found = measure_tetrahedron(lengths_of(ideal), none);
+        expect(std::isinf(found.eta) && std::isinf(found.stretch), "for the lengths ", none[0], ", ", none[1], ", ",
+               none[2], ", ", none[3], ", ", none[4], ", ", none[5], " eta is ", found.eta, " and the stretch ",
+               found.stretch, ", expected infinity: they make no tetrahedron with a volume",
+               none[0] == 0.95 ? ", not even triangles: a positive determinant is not enough, the matrix of scalar "
+                                 "products has to be positive definite"
+                               : "");
+    }
+}
+
+EXERCISE("1.6", "an hour: what eta says of a tetrahedron") {
+    check_tetrahedra();
+    expect_close("the largest stretch for eta = 1", largest_stretch(1), 1, 1e-7, "eta = 1 only for similar ones");
+    for (const double stretch : {1.5, 4.0, 1000.0}) {
+        const Vec<3> s = {stretch, std::sqrt((stretch * stretch + 1) / 2), 1};
+        const double eta = eta_of(s), found = largest_stretch(eta);
+        const std::string said = concat("for eta = ", eta, " you say ", found, ", but ");
+        expect(found > stretch * (1 - 1e-6), said, "diag(", s[0], ", ", s[1], ", 1) has that eta and the stretch ",
+               stretch, ": which singular value between the other two makes eta the smallest?");
+        expect(found < stretch * (1 + 1e-6), said, "no F of that eta has more than ", stretch,
+               ": the bound has to be one that some F attains");
+    }
+}
+
 }  // namespace
 }  // namespace almesh::lessons

@@ -31,4 +31,16 @@ double eta_regularised(const Mat<2>& F, double delta);
 // that distortion is stretched.
 double stretch_of(double eta);
 
+// 1.6 eta of the affine map that takes the edges of one tetrahedron to those of another, from their lengths alone, and
+// the largest singular value of its F over the smallest. Both infinite where the lengths of the physical one make no
+// tetrahedron with a volume.
+using SixLengths = std::array<double, 6>;  // of the edges 01, 02, 03, 12, 13, 23
+struct Measured {
+    double eta, stretch;
+};
+Measured measure_tetrahedron(const SixLengths& ideal, const SixLengths& physical);
+
+// 1.6, too: the largest `stretch` that a tetrahedron of a given eta >= 1 can have.
+double largest_stretch(double eta);
+
 }  // namespace almesh::lessons

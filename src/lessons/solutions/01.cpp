@@ -1,4 +1,5 @@
 // Solutions of the exercises of lesson 1.
+#include <algorithm>
 #include <cmath>
 
 #include "lessons/exercises/01.hpp"
@@ -42,6 +43,43 @@ double eta_regularised(const Mat<2>& F, double delta) {
 
 double stretch_of(double eta) {
     return eta + std::sqrt(eta * eta - 1);  // eta = (s + 1/s) / 2
+}
+
+// The scalar products of the three edges from vertex 0.
+static Mat<3> gram(const SixLengths& length) {
+    const int opposite[3][3] = {{-1, 3, 4}, {3, -1, 5}, {4, 5, -1}};  // the edge between the ends of two of them
+    Mat<3> G{};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const double between = i == j ? 0 : length[opposite[i][j]];
+            G[i][j] = (length[i] * length[i] + length[j] * length[j] - between * between) / 2;
+        }
+    return G;
+}
+
+// Of a matrix whose eigenvalues are real: the largest root of the characteristic polynomial, by Viete's cosine.
+static double largest_eigenvalue(const Mat<3>& M) {
+    const double mean = (M[0][0] + M[1][1] + M[2][2]) / 3;
+    Mat<3> D = M;
+    for (int i = 0; i < 3; ++i) D[i][i] -= mean;
+    const Mat<3> DD = multiply<3>(D, D);
+    const double p = std::sqrt(std::max(0.0, (DD[0][0] + DD[1][1] + DD[2][2]) / 6));
+    if (p == 0) return mean;
+    return mean + 2 * p * std::cos(std::acos(std::clamp(determinant(D) / (2 * p * p * p), -1.0, 1.0)) / 3);
+}
+
+Measured measure_tetrahedron(const SixLengths& ideal, const SixLengths& physical) {
+    const Mat<3> G = gram(physical);
+    if (!(determinant(G) > 0 && G[0][0] * G[1][1] > G[0][1] * G[0][1])) return {INFINITY, INFINITY};
+    // W' F'F W = A'A, so inverse(W'W) A'A is similar to F'F.
+    const Mat<3> C = multiply<3>(inverse<3>(gram(ideal)), G);
+    const double eta = (C[0][0] + C[1][1] + C[2][2]) / (3 * std::cbrt(determinant(C)));
+    return {eta, std::sqrt(largest_eigenvalue(C) * largest_eigenvalue(inverse<3>(C)))};
+}
+
+double largest_stretch(double eta) {
+    const double half = std::pow(eta, 1.5);  // of s + 1/s
+    return half + std::sqrt(half * half - 1);
 }
 
 }  // namespace almesh::lessons
