@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/curving.hpp"
 #include "app/start_mesh.hpp"
 #include "app/untangling.hpp"
 #include "base/error.hpp"
@@ -75,6 +76,19 @@ void refuse_flat(const Mesh& mesh, const Frame& frame, const std::vector<int>& i
                          ": wherever its nodes are there, it has no volume: take it out of the mesh, or divide the "
                          "element beside it");
     }
+}
+
+bool is_certified(const Deck& deck, const Problem& problem, const std::vector<double>& x) {
+    return certified_injective(problem, x, certify(problem.mesh(), x, deck.certificate)).certified;
+}
+
+// The boundary stays where it has it at x from here on.
+void fix_boundary(Problem& problem, const std::vector<double>& x) {
+    Mesh at = problem.mesh();
+    at.x = x;
+    problem.motions.assign(problem.motions.size(), parse_motion("fixed"));
+    problem.target = make_target(at, problem.motions);
+    problem.sliding = nullptr;
 }
 
 // A run that ended at x before Algorithm 1.
@@ -152,6 +166,10 @@ Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FI
     const auto is_worse = [&](const Solution& solution) {
         return was_valid && may_stay(deck, problem) && least_jacobian(deck, mesh, solution.x).is_below(before);
     };
+    const auto fails = [&](const Solution& solution) {
+        return may_stay(deck, problem) && !interrupted() &&
+               !(solution.al.status == Status::converged && is_certified(deck, problem, solution.x));
+    };
     Solution solution = solve(deck, problem);
     if (is_worse(solution) && deck.distortion.objective != Objective::minimax && !interrupted()) {
         std::fprintf(out, "note: an element became worse than the worst was: with objective = minimax\n");
@@ -159,8 +177,14 @@ Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FI
         other.distortion.objective = Objective::minimax;
         solution = solve(other, problem);
     }
-    if (is_worse(solution)) {
-        std::fprintf(out, "note: an element became worse than the worst was: the mesh stays as it is\n");
+    if (problem.sliding && fails(solution) && is_certified(deck, problem, x)) {
+        std::fprintf(out, "note: with nodes that slide no valid mesh was found: they stay where they are\n");
+        fix_boundary(problem, x);
+        solution = solve(deck, problem);
+    }
+    if (is_worse(solution) || (fails(solution) && is_certified(deck, problem, x))) {
+        std::fprintf(out, "note: no better mesh was found: the %smesh stays as it is\n",
+                     was_valid ? "" : "untangled ");
         set_functional(deck, problem);
         solution = ended_at(problem, std::move(x), Status::converged);
     }

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "check/scaled_jacobian.hpp"
+#include "mesh/part.hpp"
 #include "support/ring_deck.hpp"
 #include "support/solids.hpp"
 
@@ -85,6 +86,31 @@ TEST_CASE("a mesh of which most elements are inverted has the orientation of its
     const TemporaryFolder folder;
     folder.write("mirrored.msh", msh_of(mesh));
     CHECK(improved(folder, "mirrored.msh").code == 0);
+}
+
+TEST_CASE("where nodes that slide go past the corners of a hole the boundary stays where it is") {
+    const Mesh square = square_mesh(9);
+    std::vector<char> chosen;
+    for (int e = 0; e < square.element_count(); ++e) {
+        const Vec<3> at = element_centre(square, square.x, e);
+        chosen.push_back(std::max(std::abs(at[0] - 0.5), std::abs(at[1] - 0.5)) > 1.0 / 6);
+    }
+    const Mesh part = part_of(square, chosen, "hole");
+    const auto is_of_hole = [](const double* at) { return std::hypot(at[0] - 0.5, at[1] - 0.5) < 0.3; };
+    Mesh mesh = linear_mesh(2, part.x, part.elements,
+                            [&](const double* centre) { return is_of_hole(centre) ? "hole" : "outside"; });
+    const std::vector<char> fixed = on_boundary(mesh);
+    for (int i = 0; i < mesh.nodes(); ++i)
+        if (double* const at = point(mesh.x, i, 2); fixed[i] && is_of_hole(at)) at[0] = 1 - at[0], at[1] = 1 - at[1];
+    const TemporaryFolder folder;
+    folder.write("turned.msh", msh_of(mesh));
+    const Outcome outcome = improved(folder, "turned.msh");
+    CHECK(outcome.code == 0);
+    CHECK(outcome.error == "");
+    CHECK(has(outcome.out, "they stay where they are"));
+    const Mesh after = mesh_of(folder.path("results/final.msh"));
+    for (const int i : mesh.faces)
+        for (int a = 0; a < 2; ++a) CHECK(after.x[2 * i + a] == mesh.x[2 * i + a]);
 }
 
 TEST_CASE("the least scaled Jacobian of a valid mesh is never lower afterwards, and the boundary keeps its shape") {
