@@ -1,6 +1,7 @@
 #include "lessons/exercises/07.hpp"
 
 #include "lessons/circle.hpp"
+#include "lessons/dense.hpp"
 #include "lessons/exercise.hpp"
 
 namespace almesh::lessons {
@@ -106,6 +107,70 @@ EXERCISE("7.5", "three updates") {
     expect(before > 3, "mu0 = ", mu0 / 10, " needs ", before, " iterations only: a smaller penalty will do");
     const double exponent = std::log10(mu0);
     expect_close("log10 of mu0", exponent, std::round(exponent), 1e-9, "a power of ten is asked for");
+}
+
+using Rows = std::vector<Vector>;
+
+// The largest mode, without S: by Sylvester's law of inertia K - kappa M / |1|^2 has as many negative eigenvalues as
+// there are modes below kappa.
+double largest_mode(const Rows& K, const Rows& M, double one_squared) {
+    const int n = static_cast<int>(K.size()), boundary = static_cast<int>(M.size());
+    double low = 0, high = 1e6;
+    while (high - low > 1e-9 * high) {
+        const double kappa = 0.5 * (low + high);
+        std::vector<double> A;
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j) {
+                const int k = i - n + boundary, l = j - n + boundary;
+                A.push_back(K[i][j] - (k >= 0 && l >= 0 ? kappa * M[k][l] / one_squared : 0));
+            }
+        (negative_eigenvalues(n, A) == boundary ? high : low) = kappa;
+    }
+    return high;
+}
+
+// The five-point Laplacian, and 0.001, on m x m squares: (m - 1)^2 nodes inside, then 4 m around.
+struct Squares {
+    Rows K, M;
+    explicit Squares(int m) {
+        const auto number = [m](int i, int j) {
+            if (i > 0 && i < m && j > 0 && j < m) return (i - 1) * (m - 1) + j - 1;
+            return (m - 1) * (m - 1) + (j == 0 ? i : i == m ? m + j : j == m ? 3 * m - i : 4 * m - j);
+        };
+        K = Rows((m + 1) * (m + 1), Vector((m + 1) * (m + 1)));
+        M = Rows(4 * m, Vector(4 * m));
+        const auto join = [&](int a, int b, double weight) {
+            K[a][a] += weight, K[b][b] += weight, K[a][b] -= weight, K[b][a] -= weight;
+        };
+        for (int i = 0; i <= m; ++i)
+            for (int j = 0; j < m; ++j) {
+                const double weight = i == 0 || i == m ? 0.5 : 1;
+                join(number(i, j), number(i, j + 1), weight);
+                join(number(j, i), number(j + 1, i), weight);
+            }
+        for (std::size_t i = 0; i < K.size(); ++i) K[i][i] += 0.001;
+        for (int k = 0; k < 4 * m; ++k) {
+            const int next = (k + 1) % (4 * m);
+            M[k][k] += 1.0 / 3, M[next][next] += 1.0 / 3, M[k][next] += 1.0 / 6, M[next][k] += 1.0 / 6;
+        }
+    }
+};
+
+EXERCISE("7.6", "an hour: the stiffest mode") {
+    expect_close("a spring of stiffness 5 with M = 2 and |1|^2 = 8", stiffest_mode({{5}}, {{2}}, 8), 20, 1e-6,
+                 "nothing is inside, S = 5, and S v = kappa M v / |1|^2");
+    const double two = stiffest_mode({{4, 1}, {1, 3}}, {{2}}, 8);
+    expect(std::abs(two - 12) > 1e-6, "with K = (4 1; 1 3), M = 2, |1|^2 = 8 it is 12, from the 3 of K alone: the ",
+           "unknown inside does not stay where it is, it goes to its minimum, 4 x_0 + x_1 = 0");
+    expect_close("with K = (4 1; 1 3), M = 2, |1|^2 = 8", two, 11, 1e-6, "S = 3 - 1/4");
+    for (const int m : {3, 8, 13}) {
+        const Squares squares(m);
+        const double expected = largest_mode(squares.K, squares.M, 4 * m);
+        expect_close(concat("kappa / |1|^2 on ", m, " x ", m, " squares"),
+                     stiffest_mode(squares.K, squares.M, 4 * m) / (4 * m), expected / (4 * m), 1e-5,
+                     "the largest of all modes: a zigzag, neighbours move against each other; a smooth first guess "
+                     "hardly has it");
+    }
 }
 
 }  // namespace

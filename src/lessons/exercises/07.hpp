@@ -30,4 +30,11 @@ struct Multiplier {
 };
 Multiplier method_of_multipliers(const Mat<2>& K, const Vec<2>& b, const Vec<2>& a, double g, double mu);
 
+// 7.5 exercises/three.deck: the smallest power of ten for mu0 that needs three iterations.
+
+// 7.6 The stiffest mode of a quadratic E = 1/2 x' K x - b' x: the largest kappa with S v = kappa M v / |1|^2, S the
+// stiffness of the boundary when the other unknowns follow it. K: symmetric, positive definite, its rows; M: of its
+// last unknowns, those of the boundary.
+double stiffest_mode(std::vector<Vector> K, const std::vector<Vector>& M, double one_squared);
+
 }  // namespace almesh::lessons

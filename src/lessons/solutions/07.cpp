@@ -4,6 +4,23 @@
 #include <cmath>
 
 namespace almesh::lessons {
+namespace {
+
+// Gaussian elimination of the first `count` unknowns of a symmetric matrix. What is left of the others is their Schur
+// complement; false where a pivot is not positive.
+bool eliminate(std::vector<Vector>& A, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) {
+        if (!(A[k][k] > 0)) return false;
+        for (std::size_t i = k + 1; i < A.size(); ++i) {
+            const double factor = A[i][k] / A[k][k];
+            if (factor == 0) continue;
+            for (std::size_t j = k; j < A.size(); ++j) A[i][j] -= factor * A[k][j];
+        }
+    }
+    return true;
+}
+
+}  // namespace
 
 double exact_multiplier(double lambda, double mu, double c_1, double c_2) {
     return lambda - mu * c_1 / (1 - c_2 / c_1);  // lambda - mu (c_1 + c_2 + c_3 + ...), a geometric series
@@ -41,6 +58,26 @@ Multiplier method_of_multipliers(const Mat<2>& K, const Vec<2>& b, const Vec<2>&
         ++result.updates;
         if (std::abs(c) <= 1e-10 || result.updates == 10000) return result;
     }
+}
+
+double stiffest_mode(std::vector<Vector> K, const std::vector<Vector>& M, double one_squared) {
+    const std::size_t inside = K.size() - M.size(), boundary = M.size();
+    eliminate(K, inside);
+    // kappa M / |1|^2 - S is positive definite where kappa is above all modes.
+    const auto above = [&](double kappa) {
+        std::vector<Vector> A(boundary, Vector(boundary));
+        for (std::size_t i = 0; i < boundary; ++i)
+            for (std::size_t j = 0; j < boundary; ++j)
+                A[i][j] = kappa * M[i][j] / one_squared - K[inside + i][inside + j];
+        return eliminate(A, boundary);
+    };
+    double low = 0, high = 1;
+    while (!above(high)) low = high, high *= 2;
+    while (high - low > 1e-10 * high) {
+        const double middle = 0.5 * (low + high);
+        (above(middle) ? high : low) = middle;
+    }
+    return high;
 }
 
 }  // namespace almesh::lessons
