@@ -153,5 +153,48 @@ EXERCISE("2.5", "the second derivative of (eta - 1)^2") {
     }
 }
 
+// Each part of a number; `hint`: of what a wrong one shows.
+void expect_parts(const std::string& what, const Hyper& found, const Hyper& expected, const char* hint) {
+    const std::pair<const char*, double Hyper::*> parts[] = {
+        {"the value", &Hyper::value}, {"the part e1", &Hyper::one}, {"the part e2", &Hyper::two},
+        {"the part e1 e2", &Hyper::both}};
+    for (const auto& [name, part] : parts)
+        expect(std::abs(found.*part - expected.*part) <= 1e-10 * std::abs(expected.*part), name, " of ", what, " is ",
+               found.*part, ", expected ", expected.*part, ": ", hint);
+}
+
+// By hand: with r = sqrt(D^2 + 4 delta^2), sigma' = sigma / r and sigma'' = 2 delta^2 / r^3.
+Hyper eta_delta_by_hand(const Mat<2>& F, const Mat<2>& H, const Mat<2>& K, double delta) {
+    const double D = determinant(F), S = frobenius_squared<2>(F), r = std::sqrt(D * D + 4 * delta * delta);
+    const double s = D > 0 ? (D + r) / 2 : 2 * delta * delta / (r - D);
+    const double s1 = s / r, s2 = 2 * delta * delta / (r * r * r);
+    const double D_H = product<2>(cofactor(F), H), D_K = product<2>(cofactor(F), K), S_H = 2 * product<2>(F, H),
+                 S_K = 2 * product<2>(F, K), s_H = s1 * D_H, s_K = s1 * D_K,
+                 s_HK = s2 * D_H * D_K + s1 * product<2>(cofactor(H), K);
+    return {S / (2 * s), (S_H - S * s_H / s) / (2 * s), (S_K - S * s_K / s) / (2 * s),
+            (product<2>(H, K) - (S_H * s_K + S_K * s_H + S * s_HK) / (2 * s) + S * s_H * s_K / (s * s)) / s};
+}
+
+EXERCISE("2.6", "an hour: derivatives without formulas") {
+    const Hyper a = {2, 3, 5, 7}, b = {11, 13, 17, 19};
+    expect_parts("(2, 3, 5, 7) times (11, 13, 17, 19)", product(a, b), {22, 59, 89, 231},
+                 "multiply out: e1 of one times e2 of the other is e1 e2 too, e1 times e1 is 0");
+    expect_parts("(2, 3, 5, 7) times (11, 13, 17, 19), divided by (11, 13, 17, 19),", quotient(product(a, b), b), a,
+                 "a quotient is the number whose product with the divisor is the dividend; f = 1 / x has an f'' too");
+    expect_parts("the root of (2, 3, 5, 7), squared,", product(root(a), root(a)), a,
+                 "f(x) = f + f' one e1 + f' two e2 + (f' both + f'' one two) e1 e2, and f'' = -1 / (4 x^{3/2})");
+    const Mat<2> K = {{{0.1, 1}, {-0.6, 0.2}}};
+    for (const Mat<2>& F : {F2, Mat<2>{{{1, 0.3}, {0.5, -0.8}}}, Mat<2>{{{0.3, 0.9}, {0.1, 0.3}}}})
+        for (const double delta : {1.0, 0.1, 1e-6}) {
+            const Hyper expected = eta_delta_by_hand(F, H2, K, delta), found = eta_delta(F, H2, K, delta);
+            const double D = determinant(F);
+            const bool digits = D < -0.1 && delta < 1e-3;  // of D + r none are left
+            if (std::abs(D) < 0.1 && delta < 1e-3) continue;
+            expect_parts(concat("eta_delta where det F = ", D, ", delta = ", delta), found, expected,
+                         digits ? "det + sqrt(det^2 + 4 delta^2) cancels where det < 0, in all four parts: as in 1.4"
+                                : "|F|^2 / (2 sigma_delta) of F + e1 H + e2 K in these numbers from the start");
+        }
+}
+
 }  // namespace
 }  // namespace almesh::lessons

@@ -25,4 +25,17 @@ Mat<2> eta_second_2d(const Mat<2>& F, const Mat<2>& H);
 // 2.5 The derivative of W_F along H for W = (eta - 1)^2, Eq. 5, from eta, eta_F and eta_FF H.
 Mat<2> second_of_deviation(double eta, const Mat<2>& eta_F, const Mat<2>& eta_FF_H, const Mat<2>& H);
 
+// 2.6 Derivatives without a formula for them. Numbers value + one e1 + two e2 + both e1 e2, in which e1 e1 = e2 e2 = 0
+// and e1 e2 = e2 e1 is not: their product, quotient and square root (of value > 0).
+struct Hyper {
+    double value = 0, one = 0, two = 0, both = 0;
+};
+Hyper product(const Hyper& a, const Hyper& b);
+Hyper quotient(const Hyper& a, const Hyper& b);
+Hyper root(const Hyper& a);
+
+// 2.6, too: eta_delta (Eqs. 2 and 3, n = 2) of F + e1 H + e2 K, calculated in these numbers. Its parts are eta_delta,
+// the slopes along H and along K, and H : eta_FF K: all to ten digits, also where det F < 0 and delta is small.
+Hyper eta_delta(const Mat<2>& F, const Mat<2>& H, const Mat<2>& K, double delta);
+
 }  // namespace almesh::lessons

@@ -48,4 +48,42 @@ Mat<2> second_of_deviation(double eta, const Mat<2>& eta_F, const Mat<2>& eta_FF
     return sum<2>(2 * product(eta_F, H), eta_F, 2 * (eta - 1), eta_FF_H);
 }
 
+static Hyper sum(double s, const Hyper& a, double t, const Hyper& b) {
+    return {s * a.value + t * b.value, s * a.one + t * b.one, s * a.two + t * b.two, s * a.both + t * b.both};
+}
+
+Hyper product(const Hyper& a, const Hyper& b) {
+    return {a.value * b.value, a.value * b.one + a.one * b.value, a.value * b.two + a.two * b.value,
+            a.value * b.both + a.one * b.two + a.two * b.one + a.both * b.value};
+}
+
+// f(x), given f, f' and f'' at its value: Taylor's formula ends with the second-order term.
+static Hyper chain(const Hyper& x, double f, double f1, double f2) {
+    return {f, f1 * x.one, f1 * x.two, f1 * x.both + f2 * x.one * x.two};
+}
+
+Hyper quotient(const Hyper& a, const Hyper& b) {
+    const double inverse = 1 / b.value;
+    return product(a, chain(b, inverse, -inverse * inverse, 2 * inverse * inverse * inverse));
+}
+
+Hyper root(const Hyper& a) {
+    const double r = std::sqrt(a.value);
+    return chain(a, r, 0.5 / r, -0.25 / (r * a.value));
+}
+
+Hyper eta_delta(const Mat<2>& F, const Mat<2>& H, const Mat<2>& K, double delta) {
+    Hyper f[2][2], S;
+    for (int i = 0; i < 2; ++i)
+        for (int j = 0; j < 2; ++j) {
+            f[i][j] = {F[i][j], H[i][j], K[i][j], 0};
+            S = sum(1, S, 1, product(f[i][j], f[i][j]));
+        }
+    const Hyper D = sum(1, product(f[0][0], f[1][1]), -1, product(f[0][1], f[1][0]));
+    const Hyper r = root(sum(1, product(D, D), 4 * delta * delta, {1}));
+    // D + r loses its digits where D < 0, in all four parts.
+    const Hyper twice_sigma = D.value > 0 ? sum(1, D, 1, r) : quotient({4 * delta * delta}, sum(1, r, -1, D));
+    return quotient(S, twice_sigma);
+}
+
 }  // namespace almesh::lessons
