@@ -76,5 +76,67 @@ EXERCISE("8.5", "loose tolerances first") {
            "wrong anyway are work for nothing, and so are updates with a soft penalty");
 }
 
+// A chain of springs: E = 1/2 x' K x - b' x with K = tridiag(-1, 2 + ground, -1), c = a' x - 3.
+struct Chain {
+    double mu, ground;
+    std::vector<double> a, b;
+
+    int size() const { return static_cast<int>(a.size()); }
+    double step() const {  // below 2 / (largest eigenvalue of K + mu a a')
+        double aa = 0;
+        for (const double a_i : a) aa += a_i * a_i;
+        return 1 / (4 + ground + mu * aa);
+    }
+    double constraint(const std::vector<double>& x) const {
+        double c = -3;
+        for (int i = 0; i < size(); ++i) c += a[i] * x[i];
+        return c;
+    }
+    // K x - b - factor a; factor = lambda - mu c: the gradient.
+    std::vector<double> residual(const std::vector<double>& x, double factor) const {
+        std::vector<double> r(a.size());
+        for (int i = 0; i < size(); ++i)
+            r[i] = (2 + ground) * x[i] - (i > 0 ? x[i - 1] : 0) - (i + 1 < size() ? x[i + 1] : 0) - b[i] - factor * a[i];
+        return r;
+    }
+};
+
+double norm(const std::vector<double>& v) {
+    double squared = 0;
+    for (const double v_i : v) squared += v_i * v_i;
+    return std::sqrt(squared);
+}
+
+void expect_solved_with_at_most(int most, const Chain& chain) {
+    int count = 0;
+    const auto gradient = [&](const std::vector<double>& x, double lambda) {
+        expect(x.size() == chain.a.size(), "gradient was asked for ", x.size(), " unknowns of ", chain.a.size());
+        expect(++count < 20 * most, "after ", count, " gradients there is no end. |c| = ", chain.constraint(x),
+               ", lambda = ", lambda, ": lambda - mu c is the update, and tolerances have to go down to 1e-9");
+        return chain.residual(x, lambda - chain.mu * chain.constraint(x));
+    };
+    const ConstrainedMinimum found =
+        inexact_multipliers({chain.size(), chain.mu, chain.step(), gradient,
+                             [&](const std::vector<double>& x) { return chain.constraint(x); }});
+    const std::string where = concat(chain.size(), " springs, mu = ", chain.mu, ": ");
+    expect(found.x.size() == chain.a.size(), where, "x has ", found.x.size(), " entries");
+    const double c = std::abs(chain.constraint(found.x)), r = norm(chain.residual(found.x, found.lambda));
+    expect(c <= 1e-9, where, "at the end |c| is ", c, ", expected at most 1e-9");
+    expect(r <= 1e-8 * (1 + chain.mu), where, "at the end |grad E - lambda grad c| is ", r,
+           ": |c| is small, and this has to be too; line 7");
+    expect(count <= most, where, count, " gradients, ", most, " should do: while lambda is wrong by much, an exact ",
+           "minimum for it is worth nothing. |grad| need not be smaller than what the next update puts there, mu |c|");
+}
+
+EXERCISE("8.6", "an hour: inexact subproblems") {
+    std::vector<double> end(10), mean(16, 0.25), b(16);
+    end[9] = 1;
+    for (int i = 0; i < 16; ++i) b[i] = std::sin(i);
+    const std::vector<double> b_10(b.begin(), b.begin() + 10);
+    expect_solved_with_at_most(900, {1, 0.1, end, b_10});
+    expect_solved_with_at_most(1000, {4, 0.1, end, b_10});
+    expect_solved_with_at_most(600, {2, 0.2, mean, b});
+}
+
 }  // namespace
 }  // namespace almesh::lessons

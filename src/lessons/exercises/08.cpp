@@ -21,4 +21,8 @@ Settings next(const Settings& now, double /*c_squared*/, double /*mu0*/, double 
     return now;  // ANSWER 8.4
 }
 
+ConstrainedMinimum inexact_multipliers(const CostlyProblem& problem) {
+    return {std::vector<double>(problem.unknowns), 0};  // ANSWER 8.6
+}
+
 }  // namespace almesh::lessons

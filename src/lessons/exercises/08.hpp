@@ -1,5 +1,7 @@
 // Exercises of lesson 8. Answers go into 08.cpp; `make check-lesson-08` says which hold.
 #pragma once
+#include <functional>
+#include <vector>
 
 namespace almesh::lessons {
 
@@ -20,5 +22,23 @@ struct Settings {
     bool updates_lambda = false;  // whether line 10 is executed before the next subproblem
 };
 Settings next(const Settings& now, double c_squared, double mu0, double omega0, double epsilon0);
+
+// 8.5 exercises/loose.deck: tolerances with which 14 Newton steps are enough.
+
+// 8.6 minimise E(x) subject to c(x) = 0 by the method of multipliers and steepest descent: a step x <- x - step grad
+// takes x towards the minimum of E(x) - lambda c + mu/2 c^2, and its gradient is what costs. Start from x = 0 and
+// lambda = 0, end with |c| <= 1e-9 and |grad| <= 1e-9. Each subproblem only as well as it is worth: the calls of
+// `gradient` are counted.
+struct CostlyProblem {
+    int unknowns;
+    double mu, step;
+    std::function<std::vector<double>(const std::vector<double>& x, double lambda)> gradient;
+    std::function<double(const std::vector<double>& x)> constraint;  // c; costs nothing
+};
+struct ConstrainedMinimum {
+    std::vector<double> x;
+    double lambda = 0;
+};
+ConstrainedMinimum inexact_multipliers(const CostlyProblem& problem);
 
 }  // namespace almesh::lessons

@@ -1,7 +1,9 @@
 // Solutions of the exercises of lesson 8.
 #include "lessons/exercises/08.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace almesh::lessons {
 
@@ -33,6 +35,26 @@ Settings next(const Settings& now, double c_squared, double mu0, double omega0, 
         s.omega = omega0 / (s.m / m0);                   // 20
     }
     return s;
+}
+
+ConstrainedMinimum inexact_multipliers(const CostlyProblem& problem) {
+    const double tolerance = 1e-9;
+    const auto norm = [](const std::vector<double>& v) {
+        return std::sqrt(std::inner_product(v.begin(), v.end(), v.begin(), 0.0));
+    };
+    ConstrainedMinimum found = {std::vector<double>(problem.unknowns), 0};
+    while (true) {
+        std::vector<double> g = problem.gradient(found.x, found.lambda);
+        // As good as the multiplier allows: half of what its last update has put there.
+        const double omega = std::max(tolerance, 0.5 * norm(g));
+        while (norm(g) > omega) {
+            for (std::size_t i = 0; i < g.size(); ++i) found.x[i] -= problem.step * g[i];
+            g = problem.gradient(found.x, found.lambda);
+        }
+        const double c = problem.constraint(found.x);
+        if (std::abs(c) <= tolerance && norm(g) <= tolerance) return found;
+        found.lambda -= problem.mu * c;
+    }
 }
 
 }  // namespace almesh::lessons
