@@ -58,7 +58,7 @@ said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
 .PHONY: all run help test test-page page run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-models cad-examples cholmod paper gauntlet generated untangle slurm certificates defaults derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
-        figures meshes lessons readmes check-lessons student wrong-answers animation clean FORCE
+        figures meshes lessons readmes check-lessons student wrong-answers animation quality clean FORCE
 
 all: almesh ## build the program ./almesh
 
@@ -294,6 +294,9 @@ page: DECK ?= inputs/circle.deck
 
 test-page: $(BUILD)/almesh python ## open such pages in a headless Chromium, use them, and look for errors (chromium, npm)
 	tests/page.py --build $(BUILD)
+
+quality: ## the quality of elements before and after an almesh improve, as a picture (RESULTS=outputs/tangled; numpy, matplotlib): quality.png there
+	$(PYTHON) plot/quality.py $(RESULTS)
 
 animation: almesh ## moving pictures: Newton's iterates of one run, the circle on a tour: outputs/animation/ (RESULTS=outputs/frames/pitch: the frames of a run; and Pillow)
 	$(PYTHON) plot/animation.py $(RESULTS)

@@ -4,9 +4,11 @@
 #include <cmath>
 
 #include "app/curving.hpp"
+#include "app/quality_change.hpp"
 #include "app/start_mesh.hpp"
 #include "app/untangling.hpp"
 #include "base/error.hpp"
+#include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
 #include "check/scaled_jacobian.hpp"
@@ -154,7 +156,9 @@ void set_ideal_elements(const Deck& deck, Problem& problem) {
     }
 }
 
-Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
+namespace {
+
+Solution improved(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
     std::vector<double> x = problem.start.empty() ? mesh.x : problem.start;
     const std::vector<int> invalid = certify(mesh, x, deck.certificate).uncertified;
@@ -188,9 +192,16 @@ Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FI
         set_functional(deck, problem);
         solution = ended_at(problem, std::move(x), Status::converged);
     }
-    std::fprintf(out, "least scaled Jacobian of a corner: %s before, %s after\n",
-                 rounded_down(least_corner_jacobian(mesh, mesh.x), 4).c_str(),
-                 rounded_down(least_corner_jacobian(mesh, solution.x), 4).c_str());
+    return solution;
+}
+
+}  // namespace
+
+Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
+    Solution solution = improved(deck, problem, solve, out);
+    const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
+    print_quality_change(out, change);
+    write_file(deck.output + "/quality.csv", quality_csv(change));
     return solution;
 }
 

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "app/deck.hpp"
+#include "app/quality_change.hpp"
 #include "base/parallel.hpp"
 #include "check/boundary_distance.hpp"
 #include "check/certificate.hpp"
@@ -61,8 +62,7 @@ ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out) {
                  mesh.elements_text().c_str(), mesh.degree);
     for (const std::string& note : notes) std::fprintf(out, "note: %s\n", note.c_str());
 
-    std::vector<BoundaryDistance> distances;
-    if (!before.empty()) distances = boundary_distances(mesh, positions_before(before, mesh), mesh.x);
+    const std::vector<double> came = before.empty() ? mesh.x : positions_before(before, mesh);
 
     const QualityStatistics shape = mesh_quality(mesh, mesh.x);
     std::fprintf(out, "\nshape quality 1/eta against the regular %s: min %.4g, mean %.4g; edges %.4g to %.4g\n%s",
@@ -71,9 +71,13 @@ ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out) {
     std::fprintf(out, "\nworst elements (id, centre, quality):\n");
     for (const WorstElement& worst : shape.worst) print_element(out, mesh, worst.element, worst.centre, worst.quality);
 
-    if (!before.empty())
+    if (!before.empty()) {
+        const std::vector<BoundaryDistance> distances = boundary_distances(mesh, came, mesh.x);
         std::fprintf(out, distances.empty() ? "\nall faces are where %s has them\n" : "\n", before.c_str());
-    print_distances(out, mesh, distances, "those of " + before);
+        print_distances(out, mesh, distances, "those of " + before);
+        std::fprintf(out, "\nbefore: %s\n", before.c_str());
+        print_quality_change(out, quality_change(mesh, came, mesh.x));
+    }
 
     const Certificate certificate = certify(mesh, mesh.x, deck.certificate);
     std::fprintf(out, "\nscaled Jacobian >= %s everywhere", rounded_down(certificate.min_scaled_jacobian, 6).c_str());

@@ -41,7 +41,7 @@ double scaled_determinant(const Corner& corner, int dim, const std::vector<Vec<3
 
 }  // namespace
 
-double least_corner_jacobian(const Mesh& mesh, const std::vector<double>& x) {
+std::vector<double> corner_jacobians(const Mesh& mesh, const std::vector<double>& x) {
     std::vector<double> least(mesh.element_count(), 1);
     for (const ElementGroup& group : mesh.element_groups()) {
         const CellType& cell = *group.cell;
@@ -58,7 +58,12 @@ double least_corner_jacobian(const Mesh& mesh, const std::vector<double>& x) {
                                                   scaled_determinant(corner, cell.dim, of_regular));
         });
     }
-    return least.empty() ? 1 : *std::min_element(least.begin(), least.end());
+    return least;
+}
+
+double least_corner_jacobian(const Mesh& mesh, const std::vector<double>& x) {
+    const std::vector<double> of = corner_jacobians(mesh, x);
+    return of.empty() ? 1 : *std::min_element(of.begin(), of.end());
 }
 
 }  // namespace almesh

@@ -8,7 +8,10 @@
 
 namespace almesh {
 
-// The least of all corners of all elements. x: node_count x dim.
+// Per element: the least of its corners. x: node_count x dim.
+std::vector<double> corner_jacobians(const Mesh& mesh, const std::vector<double>& x);
+
+// The least of all elements.
 double least_corner_jacobian(const Mesh& mesh, const std::vector<double>& x);
 
 }  // namespace almesh
