@@ -104,5 +104,83 @@ EXERCISE("3.5", "the kernel of the Hessian") {
            "the four vectors are in the kernel, but they are not linearly independent");
 }
 
+// The colours are valid and few. Returns how many.
+int check_colours(const char* mesh, const BlockCsr& H) {
+    const std::vector<int> colour = colours(H);
+    expect(static_cast<int>(colour.size()) == H.n, mesh, " gets ", colour.size(), " entries, expected one for each of ",
+           H.n, " nodes");
+    int most = 0, count = 0;
+    for (int i = 0; i < H.n; ++i) {
+        std::vector<int> seen;  // columns of this row
+        for (int k = H.row[i]; k < H.row[i + 1]; ++k) {
+            const int j = H.col[k];
+            expect(colour[j] >= 0, "node ", j, " of ", mesh, " has the colour ", colour[j]);
+            for (const int other : seen)
+                expect(colour[j] != colour[other], "nodes ", other, " and ", j, " of ", mesh, " have one colour, ",
+                       colour[j], ", and both have a block in row ", i, ": the gradient at node ", i,
+                       " cannot tell which of them has moved");
+            seen.push_back(j);
+        }
+        most = std::max(most, static_cast<int>(seen.size()) - 1);
+        count = std::max(count, colour[i] + 1);
+    }
+    expect(count <= most * most + 1, mesh, " gets ", count, " colours, where ", most * most + 1,
+           " are enough, as no node has more than ", most, " neighbours: take the first colour that is not taken");
+    return count;
+}
+
+// Differences of a linear function give its matrix, whose blocks are not symmetric here.
+void check_linear(const Mesh& mesh, BlockCsr H) {
+    BlockCsr A = H;
+    for (std::size_t k = 0; k < A.value.size(); ++k) A.value[k] = std::sin(1.7 * static_cast<double>(k));
+    difference_hessian([&](const Vector& y) { return product(A, y); }, mesh.x, 0.5, H);
+    for (int i = 0; i < H.n; ++i)
+        for (int k = H.row[i]; k < H.row[i + 1]; ++k)
+            for (int ab = 0; ab < 4; ++ab) {
+                const double found = H.block(k)[ab], mirrored = A.block(k)[ab == 1 ? 2 : ab == 2 ? 1 : ab];
+                expect_close(concat("g is linear, and entry ", ab / 2 + 1, " ", ab % 2 + 1, " of the block (", i, ", ",
+                                    H.col[k], ")"),
+                             found, A.block(k)[ab], 1e-9,
+                             std::abs(found - mirrored) > 1e-9 ? ""
+                                                               : "the block is transposed: its rows belong to the "
+                                                                 "gradient, its columns to what moves");
+            }
+}
+
+EXERCISE("3.6", "an hour: the Hessian from a few gradients") {
+    check_colours("a star of six triangles",
+                  matrix_of_cells(7, 2, {0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5, 0, 5, 6, 0, 6, 1}, 3));
+    const Mesh coarse = unit_square(0), mesh = unit_square(1);
+    check_colours("inputs/meshes/square.msh", matrix_of_cells(coarse.nodes(), 2, coarse.elements, 3));
+    PlainEnergy energy(mesh, mesh.x, {.objective = Objective::squared});
+    BlockCsr H = energy.hessian_pattern();
+    const int count = check_colours("square.msh, refined,", H);
+    check_linear(mesh, H);
+
+    const Vector x = swirled(mesh, 30, true);
+    int calls = 0;
+    const auto gradient = [&](const Vector& y) {
+        ++calls;
+        Vector g(y.size(), 0.0);
+        energy.add_gradient(y, g);
+        return g;
+    };
+    BlockCsr exact = H;
+    energy.add_hessian(x, HessianKind::full, exact);
+    const auto error = [&](double h) {
+        difference_hessian(gradient, x, h, H);
+        double largest = 0;
+        for (std::size_t k = 0; k < H.value.size(); ++k)
+            largest = std::max(largest, std::abs(H.value[k] - exact.value[k]));
+        return largest / norm_inf(exact);
+    };
+    const double small = error(1e-6);
+    expect(calls <= 4 * count, "the gradient is called ", calls, " times, where ", 4 * count,
+           " are enough: four for each colour");
+    const double order = order_of(error, 1e-3, 4);
+    expect(order > 1.8, "the error falls as h^", order, ", expected h^2: central differences go to both sides of x");
+    expect(small < 1e-7, "with h = 1e-6 the largest error of the Hessian of a mesh is ", small, " times its norm");
+}
+
 }  // namespace
 }  // namespace almesh::lessons

@@ -1,6 +1,7 @@
 // Exercises of lesson 3. Answers go into 03.cpp; `make check-lesson-03` says which hold.
 #pragma once
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "base/small_matrix.hpp"
@@ -28,5 +29,14 @@ void add_to(BlockCsr& H, const std::array<int, 3>& triangle, const std::array<st
 
 // 3.5 Four vectors that span the kernel of the Hessian of an ideal mesh with the node positions x (x_0, y_0, x_1, ...).
 std::array<std::vector<double>, 4> kernel(const std::vector<double>& x);
+
+// 3.6 Colours 0, 1, ... of the nodes, greedily in their order: the first colour in which no earlier node has a block in
+// one of the rows in which this one has a block. H has the pattern of a mesh: row i the blocks of i and its neighbours.
+std::vector<int> colours(const BlockCsr& H);
+
+// 3.6, too: the Hessian by central differences with the step h of the gradient, which is called four times for each
+// colour. H has all blocks that are needed, with any numbers in them; H.row and H.col are the arrays of 3.2.
+using Gradient = std::function<std::vector<double>(const std::vector<double>& x)>;  // (x_0, y_0, x_1, y_1, ...)
+void difference_hessian(const Gradient& gradient, const std::vector<double>& x, double h, BlockCsr& H);
 
 }  // namespace almesh::lessons

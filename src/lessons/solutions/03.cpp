@@ -1,4 +1,5 @@
 // Solutions of the exercises of lesson 3.
+#include <algorithm>
 #include <set>
 
 #include "lessons/exercises/03.hpp"
@@ -49,6 +50,38 @@ std::array<std::vector<double>, 4> kernel(const std::vector<double>& x) {
     }
     v[3] = x;
     return v;
+}
+
+std::vector<int> colours(const BlockCsr& H) {
+    std::vector<int> colour(H.n, -1), taken(H.n, -1);  // taken[c]: the last node that must not have colour c
+    for (int i = 0; i < H.n; ++i) {
+        for (int k = H.row[i]; k < H.row[i + 1]; ++k)
+            for (int l = H.row[H.col[k]]; l < H.row[H.col[k] + 1]; ++l)
+                if (const int c = colour[H.col[l]]; c >= 0) taken[c] = i;
+        int& own = colour[i] = 0;
+        while (taken[own] == i) ++own;
+    }
+    return colour;
+}
+
+void difference_hessian(const Gradient& gradient, const std::vector<double>& x, double h, BlockCsr& H) {
+    const std::vector<int> colour = colours(H);
+    const int count = 1 + *std::max_element(colour.begin(), colour.end());
+    for (int c = 0; c < count; ++c)
+        for (int b = 0; b < 2; ++b) {
+            std::vector<double> right = x, left = x;
+            for (int j = 0; j < H.n; ++j)
+                if (colour[j] == c) {
+                    right[2 * j + b] += h;
+                    left[2 * j + b] -= h;
+                }
+            const std::vector<double> g_right = gradient(right), g_left = gradient(left);
+            for (int i = 0; i < H.n; ++i)
+                for (int k = H.row[i]; k < H.row[i + 1]; ++k)  // one at most of the row's nodes has moved
+                    if (colour[H.col[k]] == c)
+                        for (int a = 0; a < 2; ++a)
+                            H.block(k)[2 * a + b] = (g_right[2 * i + a] - g_left[2 * i + a]) / (2 * h);
+        }
 }
 
 }  // namespace almesh::lessons
