@@ -25,4 +25,11 @@ bool positive_everywhere(const Quadratic& b);
 
 // 9.5 exercises/fine_wall.deck: degree and refinement for |c_D| <= 2e-6 with at most 4000 nodes.
 
+// 9.6 A triangle of degree 2: its vertices 0, 1, 2, then the nodes of its edges 01, 12 and 20, which are the images of
+// their middles. J has the derivatives by l_1 and l_2, with l_0 = 1 - l_1 - l_2. The Bernstein coefficients of det J in
+// the same order, and whether det J > 0 everywhere: a proof, not a sample.
+using CurvedTriangle = std::array<std::array<double, 2>, 6>;
+std::array<double, 6> jacobian_coefficients(const CurvedTriangle& x);
+bool proved_valid(const CurvedTriangle& x);
+
 }  // namespace almesh::lessons
