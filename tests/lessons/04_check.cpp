@@ -2,6 +2,7 @@
 
 #include "energy/plain_energy.hpp"
 #include "lessons/dense.hpp"
+#include "lessons/eta_squared.hpp"
 #include "lessons/exercise.hpp"
 #include "lessons/square.hpp"
 #include "linalg/dense_solve.hpp"
@@ -148,6 +149,77 @@ EXERCISE("4.5", "Newton's method in one variable") {
     const double of_sine = minimum([](double x) { return std::sin(x); }, [](double x) { return std::cos(x); },
                                    [](double x) { return -std::sin(x); }, 0);
     expect_close("sin at its minimum, from 0, where f'' = 0,", std::sin(of_sine), -1, 1e-12);
+}
+
+Mat<2> turn(double angle) {
+    return {{{std::cos(angle), -std::sin(angle)}, {std::sin(angle), std::cos(angle)}}};
+}
+
+double along(const Mat<2>& A, const Mat<2>& B) {
+    return A[0][0] * B[0][0] + A[0][1] * B[0][1] + A[1][0] * B[1][0] + A[1][1] * B[1][1];
+}
+
+// One F = U diag(s1, s2) V', one density f.
+void check_curvatures(double s1, double s2, const char* density, double f1, double f2) {
+    const Mat<2> U = turn(0.7), V = turn(-1.9);
+    const auto turned = [&](const Mat<2>& A) { return multiply<2>(multiply<2>(U, A), transpose<2>(V)); };
+    const Mat<2> F = turned({{{s1, 0}, {0, s2}}});
+    const double eta = distortion<2>(F, 0), r = std::sqrt(0.5);
+    // H : W_FF K by lesson 2, from those of eta^2.
+    const auto second = [&](const Mat<2>& H, const Mat<2>& K) {
+        const double eta_H = along(W_F(F), H) / (2 * eta), eta_K = along(W_F(F), K) / (2 * eta);
+        return f2 * eta_H * eta_K + f1 * (along(H, W_FF(F, K)) - 2 * eta_H * eta_K) / (2 * eta);
+    };
+    const std::string of = concat(" where the singular values are ", s1, " and ", s2, ", density ", density, ",");
+    const Mat<2> twist = turned({{{0, -r}, {r, 0}}}), flip = turned({{{0, r}, {r, 0}}});
+    const Mat<2> first = turned({{{1, 0}, {0, 0}}}), other = turned({{{0, 0}, {0, 1}}});
+    const double trace = second(first, first) + second(other, other), size = std::max({1.0, trace, second(flip, flip)});
+    const auto found = curvatures(F, f1, f2);
+    const auto compare = [&](const std::string& what, double value, double expected, const char* hint) {
+        expect(std::abs(value - expected) <= 1e-9 * size, what, of, " is ", value, ", expected ", expected, ": ", hint);
+    };
+    compare("the twist's eigenvalue", found[0], second(twist, twist),
+            "(s1, -t; t, s2) has the determinant s1 s2 + t^2, and |F|^2 grows by 2 t^2; its length is sqrt 2 t");
+    compare("the flip's eigenvalue", found[1], second(flip, flip),
+            std::isnan(found[1]) ? "s1 = s2 is allowed, and nothing need be divided by s1 - s2"
+                                 : "(s1, t; t, s2) has the determinant s1 s2 - t^2; its length is sqrt 2 t");
+    compare("the sum of the stretches' eigenvalues", found[2] + found[3], trace,
+            "second derivatives by s1 and s2 of f(cosh x), x = log(s1 / s2): f' and f'' both count");
+    const double product = second(first, first) * second(other, other) - std::pow(second(first, other), 2);
+    expect(std::abs(found[2] * found[3] - product) <= 1e-9 * size * size, "the product of the stretches' eigenvalues",
+           of, " is ", found[2] * found[3], ", expected ", product, ": W_12 is not zero");
+
+    double expected[16];
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) {
+            Mat<2> H{}, K{};
+            H[i / 2][i % 2] = K[j / 2][j % 2] = 1;
+            expected[4 * i + j] = second(H, K);
+        }
+    project(4, expected);
+    const auto part = projected_second(F, f1, f2);
+    const auto on_part = [&](const Mat<2>& H) {
+        double sum = 0;
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j) sum += H[i / 2][i % 2] * part[i][j] * H[j / 2][j % 2];
+        return sum;
+    };
+    compare("the projected curvature along the twist", on_part(twist), 0, "its eigenvalue is negative: leave it out");
+    compare("the projected curvature along the flip", on_part(flip), found[1], "its eigenvalue is positive: it stays");
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j)
+            compare(concat("entry ", i + 1, " ", j + 1, " of the projected W_FF"), part[i][j], expected[4 * i + j],
+                    "the flip, and the positive part of the 2 x 2 matrix of the stretches, each with its directions");
+}
+
+EXERCISE("4.6", "an hour: the projection in closed form") {
+    for (const auto& [s1, s2] :
+         {std::array<double, 2>{2, 0.5}, {3, 2.9}, {1, 0.01}, {1, 1}, {0.2, 0.2}, {1, 0.9999999}}) {
+        const double eta = (s1 / s2 + s2 / s1) / 2;
+        check_curvatures(s1, s2, "eta", 1, 0);
+        check_curvatures(s1, s2, "eta^2", 2 * eta, 2);
+        check_curvatures(s1, s2, "(eta - 1)^2", 2 * (eta - 1), 2);
+    }
 }
 
 }  // namespace

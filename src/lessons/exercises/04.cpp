@@ -26,4 +26,12 @@ double minimise(const std::function<double(double)>& /*f*/, const std::function<
     return x;  // ANSWER 4.5
 }
 
+std::array<double, 4> curvatures(const Mat<2>& /*F*/, double /*f1*/, double /*f2*/) {
+    return {};  // ANSWER 4.6
+}
+
+std::array<std::array<double, 4>, 4> projected_second(const Mat<2>& /*F*/, double /*f1*/, double /*f2*/) {
+    return {};  // ANSWER 4.6
+}
+
 }  // namespace almesh::lessons

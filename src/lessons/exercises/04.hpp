@@ -31,4 +31,11 @@ void fix_nodes(BlockCsr& H, std::vector<double>& g, const std::vector<char>& fix
 double minimise(const std::function<double(double)>& f, const std::function<double(double)>& f1,
                 const std::function<double(double)>& f2, double x);
 
+// 4.6 The eigenvalues of W_FF, W = f(eta), in 2D, det F > 0, from the singular values of F; f1 >= 0 and f2 >= 0 are f'
+// and f'' at eta(F). Order: that of the twist, of the flip, the smaller and the larger one of the two stretches.
+std::array<double, 4> curvatures(const Mat<2>& F, double f1, double f2);
+
+// 4.6, too: W_FF without its negative eigenvalues. Rows and columns in the order F_11, F_12, F_21, F_22.
+std::array<std::array<double, 4>, 4> projected_second(const Mat<2>& F, double f1, double f2);
+
 }  // namespace almesh::lessons

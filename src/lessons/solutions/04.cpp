@@ -57,4 +57,55 @@ double minimise(const std::function<double(double)>& f, const std::function<doub
     return x;
 }
 
+namespace {
+
+struct Stretches {
+    double s1, s2;  // s1 >= s2
+    Mat<2> U, V;    // F = U diag(s1, s2) V'
+};
+
+// F is a matrix (a, -b; b, a), which turns and scales, plus a matrix (c, d; d, -c), which reflects and scales.
+Stretches singular_values(const Mat<2>& F) {
+    const double a = (F[0][0] + F[1][1]) / 2, b = (F[1][0] - F[0][1]) / 2, c = (F[0][0] - F[1][1]) / 2,
+                 d = (F[1][0] + F[0][1]) / 2, s1 = std::hypot(a, b) + std::hypot(c, d);
+    const double turn = std::atan2(b, a), tilt = std::atan2(d, c), u = (turn + tilt) / 2, v = (tilt - turn) / 2;
+    return {s1, determinant(F) / s1, {{{std::cos(u), -std::sin(u)}, {std::sin(u), std::cos(u)}}},
+            {{{std::cos(v), -std::sin(v)}, {std::sin(v), std::cos(v)}}}};
+}
+
+// The second derivatives of f(eta) by s1 and s2: eta = cosh(x) with x = log(s1 / s2).
+Mat<2> by_stretches(double s1, double s2, double f1, double f2) {
+    const double cosh = (s1 / s2 + s2 / s1) / 2, sinh = (s1 / s2 - s2 / s1) / 2;
+    const double first = f1 * sinh, second = f2 * sinh * sinh + f1 * cosh, mixed = -second / (s1 * s2);
+    return {{{(second - first) / (s1 * s1), mixed}, {mixed, (second + first) / (s2 * s2)}}};
+}
+
+}  // namespace
+
+std::array<double, 4> curvatures(const Mat<2>& F, double f1, double f2) {
+    const auto [s1, s2, U, V] = singular_values(F);
+    const Mat<2> A = by_stretches(s1, s2, f1, f2);
+    const double D = s1 * s2, eta = (s1 / s2 + s2 / s1) / 2;
+    const double larger = (A[0][0] + A[1][1]) / 2 + std::hypot((A[0][0] - A[1][1]) / 2, A[0][1]);
+    const double product = -f1 * f1 * (eta * eta - 1) / (D * D);  // det A
+    return {-f1 * (eta - 1) / D, f1 * (eta + 1) / D, larger > 0 ? product / larger : 0, larger};
+}
+
+std::array<std::array<double, 4>, 4> projected_second(const Mat<2>& F, double f1, double f2) {
+    const auto [s1, s2, U, V] = singular_values(F);
+    const auto [twist, flip, smaller, larger] = curvatures(F, f1, f2);
+    const Mat<2> A = by_stretches(s1, s2, f1, f2);
+    const double scale = larger > smaller ? larger / (larger - smaller) : 0;  // A+ = scale (A - smaller I)
+    std::array<std::array<double, 4>, 4> W;
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) {
+            const auto of = [&, &u = U, &v = V](int k, int l, int m) { return u[m / 2][k] * v[m % 2][l]; };  // u_k v_l'
+            W[i][j] = flip / 2 * (of(0, 1, i) + of(1, 0, i)) * (of(0, 1, j) + of(1, 0, j));
+            for (int k = 0; k < 2; ++k)
+                for (int l = 0; l < 2; ++l)
+                    W[i][j] += scale * (A[k][l] - (k == l ? smaller : 0)) * of(k, k, i) * of(l, l, j);
+        }
+    return W;
+}
+
 }  // namespace almesh::lessons
