@@ -24,15 +24,15 @@ Graph graph_of_edges(int n, const std::vector<std::array<int, 2>>& edges) {
     return graph;
 }
 
-// m x m points, neighbours in rows and columns joined.
-Graph grid(int m) {
+// Points, neighbours in rows and columns joined.
+Graph grid(int rows, int columns) {
     std::vector<std::array<int, 2>> edges;
-    for (int i = 0; i < m; ++i)
-        for (int j = 0; j < m; ++j) {
-            if (j + 1 < m) edges.push_back({i * m + j, i * m + j + 1});
-            if (i + 1 < m) edges.push_back({i * m + j, i * m + m + j});
+    for (int i = 0; i < rows; ++i)
+        for (int j = 0; j < columns; ++j) {
+            if (j + 1 < columns) edges.push_back({i * columns + j, i * columns + j + 1});
+            if (i + 1 < rows) edges.push_back({i * columns + j, (i + 1) * columns + j});
         }
-    return graph_of_edges(m * m, edges);
+    return graph_of_edges(rows * columns, edges);
 }
 
 Graph renumbered(const Graph& graph, const std::vector<int>& order) {
@@ -81,7 +81,7 @@ BlockCsr matrix_of(const Graph& graph, bool lower_only) {
 }
 
 EXERCISE("10.1", "a product with half a matrix") {
-    const Graph graph = grid(4);
+    const Graph graph = grid(4, 4);
     const BlockCsr A = matrix_of(graph, false), lower = matrix_of(graph, true);
     Vector x(A.n), expected(A.n);
     for (int i = 0; i < A.n; ++i) x[i] = 1 + std::sin(i);
@@ -103,7 +103,7 @@ EXERCISE("10.2", "counting fill") {
     compare("a star, its centre last", star_last, "no fill, but the entries of A count, and the diagonal");
     compare("a star, its centre first", star_first, "all leaves become neighbours of each other: L is full");
     for (const int m : {3, 6}) {
-        const Graph graph = grid(m);
+        const Graph graph = grid(m, m);
         compare("a grid", graph, "fill makes neighbours, whose elimination makes more fill");
         compare("a grid by nested dissection", renumbered(graph, nested_dissection(graph)), "every order counts alike");
     }
@@ -126,7 +126,7 @@ EXERCISE("10.3", "a tree without fill") {
 }
 
 EXERCISE("10.4", "a step of conjugate gradients") {
-    const BlockCsr A = matrix_of(grid(3), false);
+    const BlockCsr A = matrix_of(grid(3, 3), false);
     Vector x(A.n), b(A.n);
     for (int i = 0; i < A.n; ++i) x[i] = std::cos(3 * i);
     multiply(A, x.data(), b.data());
@@ -168,6 +168,49 @@ EXERCISE("10.5", "how many steps are enough") {
             expect(bound(k - 1) > factor * (1 - 1e-9), "kappa = ", kappa, ": ", k - 1, " steps are enough for ", factor,
                    ", the answer was ", k, ": it grows like the root of kappa, not like kappa");
         }
+}
+
+// By walking the elimination tree (Liu 1990): row i of L has the vertices between its earlier neighbours and i.
+int entries_by_tree(const Graph& graph) {
+    std::vector<int> parent(graph.size(), -1), seen(graph.size(), -1);
+    int entries = graph.size();
+    for (int i = 0; i < graph.size(); ++i) {
+        seen[i] = i;
+        for (int j : graph.neighbours(i))
+            for (; j < i && seen[j] != i; j = parent[j]) {
+                if (parent[j] < 0) parent[j] = i;
+                seen[j] = i;
+                ++entries;
+            }
+    }
+    return entries;
+}
+
+EXERCISE("10.6", "an hour: nested dissection counted") {
+    struct Case {
+        int rows, columns, most;
+    };
+    for (const auto& [rows, columns, most] : {Case{3, 3, 26}, Case{15, 15, 2350}, Case{20, 45, 13500},
+                                              Case{60, 5, 2450}, Case{63, 63, 88000}}) {
+        const int n = rows * columns;
+        const std::string where = concat(" of ", rows, " x ", columns, " points");
+        const std::vector<int> order = dissection_of_grid(rows, columns);
+        std::vector<int> sorted = order;
+        std::sort(sorted.begin(), sorted.end());
+        for (int v = 0; v < n; ++v)
+            expect(static_cast<int>(sorted.size()) == n && sorted[v] == v, "that is no order of the ", n, " points", where);
+        const int counted = entries_by_tree(renumbered(grid(rows, columns), order));
+        expect(counted <= most, "nnz(L)", where, " is ", counted, ", it can be ", most, ": cut across the longer side, ",
+               rows == columns ? "and number the separator after both halves, which are ordered alike"
+                               : "whichever that is in each piece");
+        const double foretold = entries_foretold(rows, columns);
+        expect(std::abs(foretold / counted - 1) < (n < 100 ? 0.3 : 0.06), foretold, " entries are foretold", where, ", ",
+               counted, " are counted: a separator has a border on those sides of its piece that have been cut, not ",
+               "where the grid ends, and its points have each other");
+    }
+    const auto per_point = [](int m) { return entries_foretold(m, m) / m / m; };
+    expect_close("from 1023 x 1023 to 2047 x 2047 points, the growth of nnz(L)/n", per_point(2047) - per_point(1023),
+                 7.62, 0.03, "it tends to 31/4 for each doubling");
 }
 
 }  // namespace

@@ -31,4 +31,10 @@ void cg_step(const BlockCsr& A, CgState& state);
 // `factor` < 1, from |e_k| <= 2 ((sqrt(kappa) - 1) / (sqrt(kappa) + 1))^k |e_0|; kappa > 1 is the condition number.
 int sufficient_steps(double kappa, double factor);
 
+// 10.6 Nested dissection of a grid of rows x columns points, point i * columns + j joined to its neighbours in row i and
+// column j. The order (order[new] = old), and the entries of L that it leads to, foretold to a few per cent by adding
+// up s^2/2 + s b over all separators: s points with b points around their piece that come later.
+std::vector<int> dissection_of_grid(int rows, int columns);
+double entries_foretold(int rows, int columns);
+
 }  // namespace almesh::lessons

@@ -67,4 +67,42 @@ int sufficient_steps(double kappa, double factor) {
     return static_cast<int>(std::ceil(std::log(factor / 2) / std::log(rate)));
 }
 
+namespace {
+
+// The points (row + i, column + j) of a grid with `stride` columns.
+void dissect(int row, int rows, int column, int columns, int stride, std::vector<int>& order) {
+    if (rows == 0 || columns == 0) return;
+    const int half = std::max(rows, columns) / 2;
+    if (rows >= columns) {
+        dissect(row, half, column, columns, stride, order);
+        dissect(row + half + 1, rows - half - 1, column, columns, stride, order);
+        for (int j = 0; j < columns; ++j) order.push_back((row + half) * stride + column + j);
+    } else {
+        dissect(row, rows, column, half, stride, order);
+        dissect(row, rows, column + half + 1, columns - half - 1, stride, order);
+        for (int i = 0; i < rows; ++i) order.push_back((row + i) * stride + column + half);
+    }
+}
+
+// across: how many of the two sides of length `columns` have later points behind them; along: of those of length `rows`.
+double entries(int rows, int columns, int across, int along) {
+    if (rows < columns) return entries(columns, rows, along, across);
+    if (columns == 0) return 0;
+    const double s = columns, b = columns * across + rows * along;
+    const int half = rows / 2, rest = rows - half - 1;
+    // A half has the separator on one side, and on the other what the piece had there.
+    return s * s / 2 + s * b + entries(half, columns, 1 + (across > 0), along) +
+           entries(rest, columns, 1 + (across > 1), along);
+}
+
+}  // namespace
+
+std::vector<int> dissection_of_grid(int rows, int columns) {
+    std::vector<int> order;
+    dissect(0, rows, 0, columns, columns, order);
+    return order;
+}
+
+double entries_foretold(int rows, int columns) { return entries(rows, columns, 0, 0); }
+
 }  // namespace almesh::lessons
