@@ -81,5 +81,109 @@ EXERCISE("5.5", "increments") {
            " increments are enough");
 }
 
+// In units of the motion, u of div(r^-p grad u) = 0 has the slope r^(p-1) / integral of it.
+double measured_reach(double p, double R) {
+    const int n = 400;
+    const double h = std::log(R) / n;
+    double integral = 0, steepest = 0;
+    for (int k = 0; k <= n; ++k) {  // Simpson's rule in log r
+        integral += h / 3 * (k == 0 || k == n ? 1 : k % 2 ? 4 : 2) * std::exp(p * k * h);
+        steepest = std::max(steepest, std::exp((p - 1) * k * h));
+    }
+    return integral / steepest;
+}
+
+// A ring from radius 1 to 6 with rows of nodes at radii that grow geometrically, as the triangles do; those inside are
+// shaken, and no two triangles are equally stiff.
+Extension shaken_ring(int rows, int around) {
+    Extension mesh;
+    const double growth = std::pow(6, 1.0 / rows);
+    for (int k = 0; k <= rows; ++k)
+        for (int i = 0; i < around; ++i) {
+            const double r = std::pow(growth, k), phi = (i + 0.5 * k) * 6.283185307179586 / around;
+            const double by = k == 0 || k == rows ? 0 : 0.2 * r * (growth - 1);
+            const double by_x = by * std::sin(7 * i + 3 * k), by_y = by * std::cos(5 * i);
+            mesh.x.push_back({r * std::cos(phi) + by_x, r * std::sin(phi) + by_y});
+            mesh.moved.push_back(k == 0);
+            mesh.held.push_back(k == rows);
+        }
+    for (int k = 0; k < rows; ++k)
+        for (int i = 0; i < around; ++i) {
+            const int a = k * around + i, b = k * around + (i + 1) % around, c = a + around, d = b + around;
+            mesh.triangles.push_back({a, c, b});
+            mesh.triangles.push_back({b, c, d});
+        }
+    for (std::size_t e = 0; e < mesh.triangles.size(); ++e)
+        mesh.stiffness.push_back(1.5 + std::sin(static_cast<double>(e)));
+    return mesh;
+}
+
+struct Reaches {
+    double first_inversion = INFINITY, largest_slope = INFINITY;
+};
+
+// From areas before and after, by a system of its own.
+Reaches measured_reaches(const Extension& mesh) {
+    const std::size_t n = mesh.x.size();
+    std::vector<double> K(n * n, 0.0), b(n, 0.0), u;
+    const auto edge = [&](const std::array<int, 3>& t, int i) {  // opposite to vertex i
+        const Vec<2>&from = mesh.x[t[(i + 1) % 3]], &to = mesh.x[t[(i + 2) % 3]];
+        return Vec<2>{to[0] - from[0], to[1] - from[1]};
+    };
+    const auto area = [&](const std::array<int, 3>& t) {
+        const Vec<2> p = edge(t, 0), q = edge(t, 1);
+        return (p[0] * q[1] - p[1] * q[0]) / 2;
+    };
+    for (std::size_t e = 0; e < mesh.triangles.size(); ++e)
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) {
+                const auto& t = mesh.triangles[e];
+                const Vec<2> p = edge(t, i), q = edge(t, j);
+                K[t[i] * n + t[j]] += mesh.stiffness[e] * (p[0] * q[0] + p[1] * q[1]) / (4 * area(t));
+            }
+    for (std::size_t i = 0; i < n; ++i)
+        if (mesh.moved[i] || mesh.held[i]) {
+            std::fill_n(&K[i * n], n, 0.0);
+            K[i * n + i] = 1;
+            b[i] = mesh.moved[i];
+        }
+    expect(solve_dense(K, b, u), "the check's own system is singular");
+    Reaches reach;
+    for (const auto& t : mesh.triangles) {
+        double by_x = 0, by_y = 0;  // twice the area times the gradient of u
+        for (int i = 0; i < 3; ++i) {
+            by_x -= edge(t, i)[1] * u[t[i]];
+            by_y += edge(t, i)[0] * u[t[i]];
+        }
+        if (by_x < 0) reach.first_inversion = std::min(reach.first_inversion, -2 * area(t) / by_x);
+        reach.largest_slope = std::min(reach.largest_slope, 2 * area(t) / std::hypot(by_x, by_y));
+    }
+    return reach;
+}
+
+EXERCISE("5.6", "an hour: the stiffness that gets farthest") {
+    for (const double R : {21.0, 3.0})
+        for (const double p : {0.0, 1e-12, 0.5, 1.0, 2.0, -1.0}) {
+            const double found = reach_with_stiffness(p, R), expected = measured_reach(p, R);
+            expect_close(concat("the reach for p = ", p, ", R = ", R), found, expected, 1e-6,
+                         p > 1 ? "r u' / r^p is constant: where is u' the steepest if p > 1?"
+                         : std::abs(p) < 1e-6 ? "(R^p - 1) / p tends to log R; std::expm1 keeps its digits"
+                                              : "r u' / r^p is constant, u falls from d to 0; det F = 1 + u' in front");
+        }
+    Extension mesh = shaken_ring(6, 14);
+    const double found = reach_of_mesh(mesh);
+    const Reaches expected = measured_reaches(mesh);
+    std::fill(mesh.stiffness.begin(), mesh.stiffness.end(), 1.0);
+    const Reaches uniform = measured_reaches(mesh);
+    const auto is = [&](double value) { return std::abs(found - value) < 1e-6 * value; };
+    expect_close("the reach on a ring of 168 triangles", found, expected.first_inversion, 1e-9,
+                 is(expected.largest_slope)
+                     ? "there |grad u| d is 1; but slopes across the motion shear triangles and do not invert them"
+                 : is(uniform.first_inversion)
+                     ? "that is the reach where all triangles are equally stiff"
+                     : "u of the motion d = 1 from one solve; then det F = 1 + d du/dx on each triangle");
+    expect_close("the same, all triangles equally stiff,", reach_of_mesh(mesh), uniform.first_inversion, 1e-9);
+}
+
 }  // namespace
 }  // namespace almesh::lessons

@@ -21,4 +21,12 @@ double determinant_of_profile(double /*theta*/, double /*slope*/) {
     return 1;  // ANSWER 5.4
 }
 
+double reach_with_stiffness(double /*p*/, double R) {
+    return R - 1;  // ANSWER 5.6
+}
+
+double reach_of_mesh(const Extension& /*mesh*/) {
+    return 0;  // ANSWER 5.6
+}
+
 }  // namespace almesh::lessons

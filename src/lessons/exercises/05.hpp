@@ -1,8 +1,10 @@
 // Exercises of lesson 5. Answers go into 05.cpp; `make check-lesson-05` says which hold.
 #pragma once
 #include <array>
+#include <vector>
 
 #include "base/small_matrix.hpp"
+#include "linalg/dense_solve.hpp"
 
 namespace almesh::lessons {
 
@@ -20,5 +22,20 @@ double determinant_at_circle(double theta, double R);
 // 5.4 The same for the extension u = (Q - I) x s(|x|) of a rotation Q with any profile s, s(1) = 1, given its slope
 // s'(1).
 double determinant_of_profile(double theta, double slope);
+
+// 5.6 How far the circle of radius 1 in the middle of one of radius R can be translated if the displacement u solves
+// div(r^-p grad u) = 0 in place of Laplace's equation: any p, 0 and numbers near it among them.
+double reach_with_stiffness(double p, double R);
+
+// 5.6, too: the same on a mesh, from one solve. Nodes with moved[i] go by d in the direction of x, those with held[i]
+// stay, the others solve sum over triangles of stiffness[e] |e| grad N_i . grad u = 0. Returns the smallest d > 0 at
+// which a triangle has no area, infinity if there is none. For the linear system take solve_dense.
+struct Extension {
+    std::vector<Vec<2>> x;                      // of each node
+    std::vector<std::array<int, 3>> triangles;  // counter-clockwise
+    std::vector<double> stiffness;              // of each triangle
+    std::vector<char> moved, held;              // of each node
+};
+double reach_of_mesh(const Extension& mesh);
 
 }  // namespace almesh::lessons
