@@ -1,5 +1,6 @@
 #include "lessons/exercises/11.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -66,6 +67,66 @@ EXERCISE("11.5", "inexact Newton steps (inexact.deck)") {
     expect(iterations <= 80, "conjugate gradients took ", iterations, " iterations in ",
            number(summary, "newton_iterations"), " Newton steps, at most 80 are wanted: far from the minimum Newton's ",
            "model is not worth ten digits (almesh --keys: forcing)");
+}
+
+// The entries of x that the product with the five-point matrix of m x m points takes; point k has the number place[k].
+std::vector<int> columns_of_grid(int m, const std::vector<int>& place) {
+    std::vector<int> columns;
+    for (int i = 0; i < m; ++i)
+        for (int j = 0; j < m; ++j) {
+            const int k = i * m + j;
+            if (i > 0) columns.push_back(place[k - m]);
+            if (j > 0) columns.push_back(place[k - 1]);
+            columns.push_back(place[k]);
+            if (j + 1 < m) columns.push_back(place[k + 1]);
+            if (i + 1 < m) columns.push_back(place[k + m]);
+        }
+    return columns;
+}
+
+// With the time of each line's last use, searched from end to end.
+long loads(const std::vector<int>& columns, int capacity) {
+    std::vector<std::array<long, 2>> kept(capacity, {-1, -1});  // line, time
+    long loaded = 0, time = 0;
+    for (const int column : columns) {
+        const auto is = [&](const std::array<long, 2>& line) { return line[0] == column / 8; };
+        auto at = std::find_if(kept.begin(), kept.end(), is);
+        if (at == kept.end()) {
+            at = std::min_element(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a[1] < b[1]; });
+            ++loaded;
+        }
+        *at = {column / 8, ++time};
+    }
+    return loaded;
+}
+
+EXERCISE("11.6", "an hour: what a product waits for") {
+    const auto expect_loads = [](const std::string& what, const std::vector<int>& columns, int capacity,
+                                 const char* hint) {
+        const long found = lines_loaded(columns, capacity), expected = loads(columns, capacity);
+        expect(found == expected, what, " through ", capacity, " lines loads ", found, ", expected ", expected, ": ", hint);
+    };
+    expect_loads("x_0 x_7 x_8 x_1", {0, 7, 8, 1}, 4, "x_0, x_1 and x_7 are in one line, which comes once");
+    expect_loads("x_0 x_8 x_0 x_16 x_8 x_0", {0, 8, 0, 16, 8, 0}, 2,
+                 "the line that goes is the one not used for longest; when x_16 comes that is the line of x_8");
+    for (const int m : {40, 64}) {
+        std::vector<int> place(m * m);
+        std::iota(place.begin(), place.end(), 0);
+        for (const int capacity : {4, 3 * m / 8 - 2, 3 * m / 8, 1000})
+            expect_loads(concat("a grid of ", m, " x ", m, " points, numbered by rows,"), columns_of_grid(m, place),
+                         capacity, "once for each line if three rows fit, three times if they do not");
+        for (int k = m * m - 1; k > 0; --k) std::swap(place[k], place[(k * 7919L + 13) % (k + 1)]);
+        expect_loads(concat("a grid of ", m, " x ", m, " points, numbered at random,"), columns_of_grid(m, place), 20,
+                     "nearly one for each entry");
+    }
+    const double rate = product_rate({1e6, 5e6, 1, 125000}, 1e12, 1e10);
+    expect_close("Gflop/s with 1e6 rows of five numbers, 125000 lines of x and 10 GB/s", rate / 1e9, 10 * 10 / 80.0, 1e-9,
+                 "1e7 flops for 60 MB of numbers and columns, 4 MB of rows, 8 MB of x and 8 MB of y");
+    expect_close("Gflop/s with 1e5 rows of 15 blocks of 3 x 3, 1e5 lines of x and 20 GB/s",
+                 product_rate({1e5, 1.5e6, 3, 1e5}, 1e12, 2e10) / 1e9, 20 * 27 / 123.2, 1e-9,
+                 "27 Mflop for 108 MB of numbers, 6.4 MB of columns and rows, 6.4 MB of x and 2.4 MB of y");
+    expect_close("Gflop/s of the same with a peak of 1 Gflop/s", product_rate({1e5, 1.5e6, 3, 1e5}, 1e9, 2e10) / 1e9, 1,
+                 1e-9, "no faster than the processor computes");
 }
 
 }  // namespace

@@ -22,4 +22,19 @@ double crossover(double a, double b);
 
 // 11.5 exercises/inexact.deck: the same mesh with at most half of the conjugate gradients' iterations.
 
+// 11.6 y = A x, row by row, from memory through a cache. How many lines of x are loaded: line k of it has the entries
+// 8 k to 8 k + 7, `columns` are the entries in the order of their use, and the cache, empty at first, keeps the
+// `capacity` lines that were used last.
+long lines_loaded(const std::vector<int>& columns, int capacity);
+
+// The flops per second of that product, no more than `peak`, and no more than the bytes allow that come and go in a
+// second (`bandwidth`): of A 8 for each number, 4 for the column of each block and the beginning of each row of
+// blocks; 64 for each line of x; 8 for each number of y, which is written only.
+struct SparseProduct {
+    double rows, blocks;  // rows of blocks, and blocks, of block x block numbers each
+    int block;
+    double lines;         // of x that are loaded
+};
+double product_rate(const SparseProduct& product, double peak, double bandwidth);
+
 }  // namespace almesh::lessons
