@@ -71,5 +71,51 @@ EXERCISE("6.5", "one penalty") {
     expect_close("log10 of mu0", exponent, std::round(exponent), 1e-9, "a power of ten is asked for");
 }
 
+// From x, with at most eight steps, to forces in balance.
+void check_penalised(const char* name, Constrained problem, const Vec<2>& x) {
+    for (const double mu : {1.0, 100.0, 1e4, 1e8, 1e12, 1e18}) {
+        const std::string of = concat(name, ", mu = ", mu);
+        int steps = 0;
+        Constrained counted = problem;
+        counted.f2 = [&](const Vec<2>& at) {
+            expect(++steps <= 8, of, ": more than 8 Newton steps. The force has to be an unknown of its own, not ",
+                   "mu c(x), and in the matrix it multiplies the second derivative of c");
+            return problem.f2(at);
+        };
+        const auto [end, force] = penalised_minimum(counted, mu, x);
+        const Vec<2> f1 = problem.f1(end), c1 = problem.c1(end);
+        const double unbalanced = std::hypot(f1[0] + force * c1[0], f1[1] + force * c1[1]), c = problem.c(end);
+        expect(std::abs(c - force / mu) < 1e-9, of, ": c is ", c, " and force / mu ", force / mu,
+               ", expected the same");
+        expect(unbalanced < 1e-9, of, ": f' + force c' has the length ", unbalanced, " where you stop",
+               std::abs(force - mu * c) < 1e-9 * std::abs(force)
+                   ? "; mu c(x) is lost in the rounding of x: the force has to come from the unknown y"
+                   : ", expected 0");
+    }
+}
+
+EXERCISE("6.6", "an hour: the force as an unknown") {
+    using V = Vec<2>;
+    using M = Mat<2>;
+    const Constrained circle = {[](const V&) { return V{1, 1}; }, [](const V&) { return M{}; },
+                                [](const V& x) { return x[0] * x[0] + x[1] * x[1] - 2; },
+                                [](const V& x) { return V{2 * x[0], 2 * x[1]}; },
+                                [](const V&) { return M{{{2, 0}, {0, 2}}}; }};
+    check_penalised("x + y, circle of lesson 6", circle, {-1.5, -0.3});
+    check_penalised("x + y, circle of lesson 6", circle, {-0.4, -1.8});
+    const Constrained parabola = {[](const V& x) { return V{2 * x[0] - 4, 2 * x[1]}; },
+                                  [](const V&) { return M{{{2, 0}, {0, 2}}}; },
+                                  [](const V& x) { return x[1] - x[0] * x[0]; },
+                                  [](const V& x) { return V{-2 * x[0], 1}; },
+                                  [](const V&) { return M{{{-2, 0}, {0, 0}}}; }};
+    check_penalised("(x - 2)^2 + y^2, parabola y = x^2", parabola, {2, 0});
+    const Constrained hyperbola = {[](const V& x) { return V{std::exp(x[0]), 2 * x[1]}; },
+                                   [](const V& x) { return M{{{std::exp(x[0]), 0}, {0, 2}}}; },
+                                   [](const V& x) { return x[0] * x[1] - 3; },
+                                   [](const V& x) { return V{x[1], x[0]}; },
+                                   [](const V&) { return M{{{0, 1}, {1, 0}}}; }};
+    check_penalised("exp x + y^2, hyperbola x y = 3", hyperbola, {2, 1});
+}
+
 }  // namespace
 }  // namespace almesh::lessons

@@ -28,4 +28,22 @@ double condition_with_penalty(const Mat<2>& K, const Vec<2>& a, double mu) {
     return large * large / det;
 }
 
+Penalised penalised_minimum(const Constrained& problem, double mu, Vec<2> x) {
+    Vec<2> f1 = problem.f1(x), c1 = problem.c1(x);
+    double y = -(f1[0] * c1[0] + f1[1] * c1[1]) / (c1[0] * c1[0] + c1[1] * c1[1]);
+    for (;;) {
+        const Vec<3> residual = {f1[0] + y * c1[0], f1[1] + y * c1[1], problem.c(x) - y / mu};
+        if (std::max({std::abs(residual[0]), std::abs(residual[1]), std::abs(residual[2])}) <= 1e-10) return {x, y};
+        const Mat<2> f2 = problem.f2(x), c2 = problem.c2(x);
+        Mat<3> K = {{{0, 0, c1[0]}, {0, 0, c1[1]}, {c1[0], c1[1], -1 / mu}}};
+        for (int a = 0; a < 2; ++a)
+            for (int b = 0; b < 2; ++b) K[a][b] = f2[a][b] + y * c2[a][b];
+        const Mat<3> inverted = inverse<3>(K);
+        for (int a = 0; a < 2; ++a) x[a] -= dot(inverted[a], residual);
+        y -= dot(inverted[2], residual);
+        f1 = problem.f1(x);
+        c1 = problem.c1(x);
+    }
+}
+
 }  // namespace almesh::lessons
