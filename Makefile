@@ -57,7 +57,7 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test test-page page run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh cad-models cad-examples cholmod paper gauntlet generated untangle slurm certificates defaults derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
+.PHONY: all run help test test-page page run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh compare-improve cad-models cad-examples cholmod paper gauntlet generated untangle slurm certificates defaults derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
         figures meshes lessons readmes check-lessons student wrong-answers animation quality clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -263,6 +263,9 @@ generated: almesh python ## run a hundred generated cases, twisted, bent, squeez
 
 compare-gmsh: almesh ## mend curved CAD meshes, beside gmsh's optimisers (python3-gmsh, numpy): outputs/compare-gmsh/table.md
 	$(PYTHON) plot/compare_gmsh.py
+
+compare-improve: almesh ## improve bad meshes, beside gmsh, Netgen, tetgen, foldover-free maps, SLIM (python3-gmsh, scipy): outputs/compare-improve/table.md (QUICK=1)
+	$(PYTHON) plot/compare_improve.py $(if $(QUICK),--quick)
 
 cad-models: almesh ## mesh and curve the CAD models of a folder, beside gmsh's optimisers (python3-gmsh; MODELS=folder): outputs/cad-models/table.md
 	$(PYTHON) plot/cad_models.py $(MODELS)
