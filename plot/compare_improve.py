@@ -5,8 +5,9 @@
   plot/compare_improve.py --quick  `make compare-improve QUICK=1`: seven cases, half a minute
   plot/compare_improve.py NAME...  those whose names contain one of the words
 
-Writes outputs/compare-improve/table.md, and table.csv with every method. ALMESH=FILE: another program than ./almesh. Needs gmsh's Python module, numpy and scipy (Debian:
-python3-gmsh python3-numpy python3-scipy). The cases are in improve_cases.py, the measure of all results in cell_mesh.py.
+Writes outputs/compare-improve/table.md, and table.csv with every method. ALMESH=FILE runs another program than ./almesh.
+Needs gmsh's Python module, numpy and scipy (Debian: python3-gmsh python3-numpy python3-scipy). The cases are in
+improve_cases.py, the measure of all results is in cell_mesh.py.
 
 Move nodes alone, the boundary fixed:
   gmsh Relocate     optimize("Relocate3D") or ("Relocate2D"), ten times

@@ -6,12 +6,13 @@ code", ACM TOG 40 (2021). With J the Jacobian matrix of the map from the ideal s
 
     E = sum |T| ((1 - theta) |J|^2 / chi^(2/d) + theta (D^2 + 1) / chi),   chi = (D + sqrt(eps^2 + D^2)) / 2,
 
-is minimised by L-BFGS for smaller and smaller eps: from the least D and the fall s >= 1/10 of E, with mu = (1 - s) chi(D),
+is minimised by L-BFGS for smaller and smaller eps: with the least D, the fall s >= 1/10 of E and mu = (1 - s) chi(D),
 eps = 2 sqrt(mu (mu - D)). theta = 1/2, and the tolerances are those of the authors' program.
 
-slim: M. Rabinovich, R. Poranne, D. Panozzo, O. Sorkine-Hornung, "Scalable locally injective mappings", ACM TOG 36 (2017).
-The symmetric Dirichlet energy sum |T| (|J|^2 + |J^-1|^2) is minimised by steps of weighted least squares: with J = U S V'
-the proxy is |W (J - R)|^2, R = U V', W = U sqrt((S - S^-3) / (S - 1)) U'. Each step is as long as the mesh stays valid.
+slim: M. Rabinovich, R. Poranne, D. Panozzo, O. Sorkine-Hornung, "Scalable locally injective mappings", ACM TOG 36
+(2017). The symmetric Dirichlet energy sum |T| (|J|^2 + |J^-1|^2) is minimised by steps of weighted least squares: with
+J = U S V' the proxy is |W (J - R)|^2, R = U V', W = U sqrt((S - S^-3) / (S - 1)) U'. Each step is as long as the mesh
+stays valid.
 
 Ideal simplices are regular; of quadrilaterals, hexahedra and prisms those at the corners, with the edges of the regular
 cell. Their volume is the mean of the cells' around.
