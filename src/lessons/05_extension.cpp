@@ -7,6 +7,7 @@
 //
 //   05_extension                            tables of translations and rotations
 //   05_extension "translate 4 0" 10         one motion, in increments
+//   05_extension stiffness                  how far translations get if triangles have the stiffness |e|^-q
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -27,6 +28,7 @@ namespace {
 const Mesh mesh = ring();
 BlockCsr K = matrix_of_cells(mesh.nodes(), 1, mesh.elements, 3);
 LinearSolver solver(2, {.kind = SolverKind::cholesky});
+double q = 0;  // the stiffness of a triangle is |e|^-q
 
 // On the mesh at x. Rows and columns of boundary nodes are those of the unit matrix; what the others have there goes to
 // the right-hand side b with the displacement u of the boundary, one coordinate of it.
@@ -36,9 +38,10 @@ void assemble(const Vector& x, const std::vector<char>& boundary, const Vector& 
         const int* const node = mesh.element(e);
         const Mat<2> A = straight_jacobian<2>(node, x), B = inverse<2>(A);
         const Vec<2> grad[3] = {{-B[0][0] - B[1][0], -B[0][1] - B[1][1]}, B[0], B[1]};
+        const double area = determinant(A) / 2, stiffness = std::pow(area, -q);
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
-                const double k = determinant(A) / 2 * (grad[i][0] * grad[j][0] + grad[i][1] * grad[j][1]);
+                const double k = stiffness * area * (grad[i][0] * grad[j][0] + grad[i][1] * grad[j][1]);
                 if (boundary[node[i]]) continue;
                 if (boundary[node[j]]) b[node[i]] -= k * u[node[j]];
                 else *K.block(K.find(node[i], node[j])) += k;
@@ -110,10 +113,19 @@ void print(const std::string& motion, int increments) {
     write_vtk(name, {motion, 2, 1, x, mesh.elements, 2, {}, {}, {}});
 }
 
+void print_stiffness() {
+    std::printf("   q  translation up to\n");
+    for (const double exponent : {0.0, 0.2, 0.3, 0.4, 0.5, 0.75, 1.0}) {
+        q = exponent;
+        std::printf("%4.2f  %17.2f\n", q, reach(translation, 20, 1));
+    }
+}
+
 }  // namespace
 
 int main(int count, char** argument) {
     std::filesystem::create_directories("outputs/lessons/05-extension");
+    if (count == 2) return print_stiffness(), 0;
     std::printf("motion                increments  inverted   max eta\n");
     if (count > 2) return print(argument[1], std::atoi(argument[2])), 0;
     for (const double by : {1.0, 2.0, 3.0, 4.0, 8.0}) print(translation(by), 1);
