@@ -133,8 +133,8 @@ EXERCISE("8.6", "an hour: inexact subproblems") {
     end[9] = 1;
     for (int i = 0; i < 16; ++i) b[i] = std::sin(i);
     const std::vector<double> b_10(b.begin(), b.begin() + 10);
-    expect_solved_with_at_most(900, {1, 0.1, end, b_10});
-    expect_solved_with_at_most(1000, {4, 0.1, end, b_10});
+    expect_solved_with_at_most(1500, {1, 0.1, end, b_10});
+    expect_solved_with_at_most(1300, {4, 0.1, end, b_10});
     expect_solved_with_at_most(600, {2, 0.2, mean, b});
 }
 

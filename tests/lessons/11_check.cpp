@@ -1,6 +1,7 @@
 #include "lessons/exercises/11.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
