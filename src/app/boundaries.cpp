@@ -174,16 +174,18 @@ Motion sliding(const Motion& motion) {
 void assign_boundaries(const Deck& deck, Mesh& mesh, std::vector<std::string>& notes) {
     if (!deck.selections.empty()) select_faces(deck, mesh);
     const MeshGroups groups(mesh);
-    check_names(deck, mesh, groups);
+    const bool keeps_inner = is_improved(deck.ideal) && motion_for(deck, "rest");
     Names inner, volumes;
     for (const DeckBoundary& line : deck.boundaries) {
         if (line.is_volume) volumes.push_back(plain_name(line));
         else if (has(groups.inner, line.name)) inner.push_back(line.name);
     }
-    if (!inner.empty() || !volumes.empty()) {
-        make_inner_boundaries(mesh, inner, volumes);
+    if (keeps_inner) inner = groups.inner;
+    if (!inner.empty() || !volumes.empty() || keeps_inner) {
+        make_inner_boundaries(mesh, inner, volumes, keeps_inner);
         drop_empty_boundaries(mesh);
     }
+    check_names(deck, mesh, groups);
     const Names free = names_of(inner_groups(mesh));
     if (!free.empty()) notes.push_back("inside the mesh, and free as no line moves them: " + list_of(free));
     merge_boundaries(deck, mesh);

@@ -84,6 +84,7 @@ struct Deck {
     LocalRepair local_repair = LocalRepair::automatic;
     double min_scaled_jacobian = 0.02;
     double feature_angle = 30;  // degrees
+    double surface_tolerance = 1e-3;  // of the local edge, of a mesh that is improved
     SurfaceKind surface = SurfaceKind::automatic;
     Split split = Split::never;
     std::optional<double> length_scale;

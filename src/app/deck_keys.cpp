@@ -224,6 +224,9 @@ const std::vector<DeckKey>& deck_keys() {
         {"feature_angle", number<&Deck::feature_angle>({1, 180}),
          "Angle in degrees. Neighbouring faces of a sliding boundary at this angle or more belong to different "
          "surfaces: nodes slide along the edge between them, and corners do not slide."},
+        {"surface_tolerance", number<&Deck::surface_tolerance>(not_negative),
+         "ideal = regular, size or mesh: boundaries that only slide, and surfaces between regions, stay within that of "
+         "the file's, in units of the local edge. Nodes of faces that would be farther off stay where they are."},
         {"surface", choice<&Deck::surface>({"auto", "keep", "slide", "straighten"}),
          "What is done where no valid mesh has the target as its boundary. auto: the boundary nodes there slide along "
          "the surface, and of fixed boundaries faces become flatter where that does not help; keep: the run is refused; "

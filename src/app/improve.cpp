@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/curving.hpp"
+#include "app/kept_surface.hpp"
 #include "app/quality_change.hpp"
 #include "app/start_mesh.hpp"
 #include "app/untangling.hpp"
@@ -198,7 +199,8 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, std::F
 }  // namespace
 
 Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
-    Solution solution = improved(deck, problem, solve, out);
+    Solution solution = improved(deck, problem, near_surface(problem, solve, out), out);
+    print_surface(out, deck, problem, solution.x);
     const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
     print_quality_change(out, change);
     write_file(deck.output + "/quality.csv", quality_csv(change));

@@ -9,6 +9,7 @@
 #include "app/deck_checks.hpp"
 #include "app/folded_target.hpp"
 #include "app/improve.hpp"
+#include "app/kept_surface.hpp"
 #include "app/memory.hpp"
 #include "app/node_targets.hpp"
 #include "app/other_surfaces.hpp"
@@ -350,7 +351,10 @@ Problem make_problem(const Deck& deck) {
                         "ideal mesh (ideal = given)");
     assign_boundaries(deck, base.mesh, notes);
     Problem problem = make_problem(deck, std::move(base), mesh_hash, std::move(notes));
-    if (is_improved(deck.ideal)) set_ideal_elements(deck, problem);
+    if (is_improved(deck.ideal)) {
+        set_ideal_elements(deck, problem);
+        hold_curved_faces(deck, problem);
+    }
     if (deck.start == Start::file)
         problem.start = read_positions(deck, "start", deck.start_file, problem.mesh(), problem.frame);
     return problem;

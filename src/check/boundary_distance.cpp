@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "base/parallel.hpp"
@@ -71,6 +72,19 @@ struct SampledFaces {
     }
 };
 
+double longest_edge(const Mesh& mesh, const std::vector<double>& x, int f) {
+    const std::vector<Vec<3>> corner = positions(mesh, x, mesh.face(f), mesh.face_cell(f).vertices);
+    double edge = 0;
+    for (std::size_t i = 0; i < corner.size(); ++i)  // around a quadrilateral
+        edge = std::max(edge, length(corner[(i + 1) % corner.size()] - corner[i]));
+    return edge;
+}
+
+bool is_rounding(const Mesh& mesh, const std::vector<double>& came, int f, double edge, double distance) {
+    const Vec<3> at = positions(mesh, came, mesh.face(f), 1)[0];
+    return distance <= rounding_of_edges * edge + rounding_of_positions * length(at);
+}
+
 // faces: what was found of the mesh's faces `of`.
 BoundaryDistance sum_of(const Mesh& mesh, const std::vector<double>& came, const std::vector<int>& of,
                         const std::vector<OfFace>& faces) {
@@ -79,11 +93,8 @@ BoundaryDistance sum_of(const Mesh& mesh, const std::vector<double>& came, const
     for (std::size_t k = 0; k < of.size(); ++k) {
         const OfFace& face = faces[k];
         area += face.area;
-        const std::vector<Vec<3>> corner = positions(mesh, came, mesh.face(of[k]), mesh.face_cell(of[k]).vertices);
-        double edge = 0;
-        for (std::size_t i = 0; i < corner.size(); ++i)  // around a quadrilateral
-            edge = std::max(edge, length(corner[(i + 1) % corner.size()] - corner[i]));
-        if (face.largest <= rounding_of_edges * edge + rounding_of_positions * length(corner[0])) continue;
+        const double edge = longest_edge(mesh, came, of[k]);
+        if (is_rounding(mesh, came, of[k], edge, face.largest)) continue;
         ++sum.moved;
         sum.moved_area += face.area;
         sum.largest = std::max(sum.largest, face.largest);
@@ -97,10 +108,10 @@ BoundaryDistance sum_of(const Mesh& mesh, const std::vector<double>& came, const
     return sum;
 }
 
-}  // namespace
-
-std::vector<BoundaryDistance> boundary_distances(const Mesh& mesh, const std::vector<double>& came,
-                                                 const std::vector<double>& x, const std::vector<char>& measured) {
+// Of each boundary that is measured and has moved faces: body(its faces, what was found of each).
+template <class Body>
+void for_moved_boundaries(const Mesh& mesh, const std::vector<double>& came, const std::vector<double>& x,
+                          const std::vector<char>& measured, const Body& body) {
     std::vector<std::vector<int>> faces_of(mesh.boundaries.size());
     for (int f = 0; f < mesh.face_count(); ++f)
         if (measured.empty() || measured[mesh.face_boundary[f]]) faces_of[mesh.face_boundary[f]].push_back(f);
@@ -110,7 +121,6 @@ std::vector<BoundaryDistance> boundary_distances(const Mesh& mesh, const std::ve
         });
     };
     const SampledFaces sampled(mesh, 6 * ((mesh.degree + 2) / 3));  // with the middles of edges and of triangles
-    std::vector<BoundaryDistance> distances;
     for (const std::vector<int>& of : faces_of) {
         if (std::none_of(of.begin(), of.end(), has_moved)) continue;
         std::vector<Patch> patches;
@@ -123,10 +133,34 @@ std::vector<BoundaryDistance> boundary_distances(const Mesh& mesh, const std::ve
                 return moved ? surface.find(y).distance : 0.0;
             });
         }, face_work);
+        body(of, found);
+    }
+}
+
+}  // namespace
+
+std::vector<BoundaryDistance> boundary_distances(const Mesh& mesh, const std::vector<double>& came,
+                                                 const std::vector<double>& x, const std::vector<char>& measured) {
+    std::vector<BoundaryDistance> distances;
+    for_moved_boundaries(mesh, came, x, measured, [&](const std::vector<int>& of, const std::vector<OfFace>& found) {
         const BoundaryDistance sum = sum_of(mesh, came, of, found);
         if (sum.moved > 0) distances.push_back(sum);
-    }
+    });
     return distances;
+}
+
+std::vector<double> relative_face_distances(const Mesh& mesh, const std::vector<double>& came,
+                                            const std::vector<double>& x, const std::vector<char>& measured) {
+    std::vector<double> relative(mesh.face_count(), 0.0);
+    for (const auto& [from, to] : {std::tie(came, x), std::tie(x, came)})
+        for_moved_boundaries(mesh, from, to, measured, [&](const std::vector<int>& of, const auto& found) {
+            for (std::size_t k = 0; k < of.size(); ++k) {
+                const double edge = std::min(longest_edge(mesh, came, of[k]), longest_edge(mesh, x, of[k]));
+                if (!is_rounding(mesh, came, of[k], edge, found[k].largest))
+                    relative[of[k]] = std::max(relative[of[k]], found[k].largest / edge);
+            }
+        });
+    return relative;
 }
 
 void print_distances(std::FILE* out, const Mesh& mesh, const std::vector<BoundaryDistance>& distances,
@@ -144,8 +178,10 @@ void print_distances(std::FILE* out, const Mesh& mesh, const std::vector<Boundar
                      of.relative_largest, of.relative_rms);
 }
 
-double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces& sliding,
-                              const std::vector<double>& x) {
+namespace {
+
+std::vector<double> distances_from_surfaces(const Mesh& mesh, const BoundaryTarget& target,
+                                            const SlidingSurfaces& sliding, const std::vector<double>& x) {
     const SampledFaces sampled(mesh, 2 * mesh.degree);
     std::vector<double> distance(mesh.face_count(), 0.0);
     parallel_for(mesh.face_count(), [&](int f) {
@@ -154,7 +190,23 @@ double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, co
         const auto from_surface = [&](const Vec<3>& y) { return length(y - on_surfaces(sliding, part, y)); };
         distance[f] = sampled.measure(f, x, from_surface).largest;
     }, face_work);
+    return distance;
+}
+
+}  // namespace
+
+double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces& sliding,
+                              const std::vector<double>& x) {
+    const std::vector<double> distance = distances_from_surfaces(mesh, target, sliding, x);
     return distance.empty() ? 0 : *std::max_element(distance.begin(), distance.end());
+}
+
+std::vector<char> curved_faces(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces& sliding,
+                               const std::vector<double>& x, double tolerance) {
+    const std::vector<double> distance = distances_from_surfaces(mesh, target, sliding, x);
+    std::vector<char> curved(mesh.face_count(), 0);
+    for (int f = 0; f < mesh.face_count(); ++f) curved[f] = distance[f] > tolerance * longest_edge(mesh, x, f);
+    return curved;
 }
 
 double largest_slide(const Mesh& mesh, const BoundaryTarget& target, const std::vector<double>& x) {

@@ -30,6 +30,11 @@ struct BoundaryDistance {
 std::vector<BoundaryDistance> boundary_distances(const Mesh& mesh, const std::vector<double>& came,
                                                  const std::vector<double>& x, const std::vector<char>& measured = {});
 
+// Per face: the largest d / h of its points from the faces of its boundary as they came, and of its points as it came
+// from them as they are; h: the shorter of its longest edge then and now.
+std::vector<double> relative_face_distances(const Mesh& mesh, const std::vector<double>& came,
+                                            const std::vector<double>& x, const std::vector<char>& measured = {});
+
 // A table with a row for each, below a line that says from what; nothing where there are none.
 void print_distances(std::FILE* out, const Mesh& mesh, const std::vector<BoundaryDistance>& distances,
                      const std::string& from);
@@ -38,6 +43,11 @@ void print_distances(std::FILE* out, const Mesh& mesh, const std::vector<Boundar
 // x: node_count x dim positions, target and x in units of sliding.unit().
 double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces& sliding,
                               const std::vector<double>& x);
+
+// Per face: whether it slides and somewhere is farther than the tolerance, in units of its longest edge, from its
+// surface, as a flat face of a round body is.
+std::vector<char> curved_faces(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces& sliding,
+                               const std::vector<double>& x, double tolerance);
 
 // Largest distance of a freed node from the position that the target had for it; 0 where none is freed.
 double largest_slide(const Mesh& mesh, const BoundaryTarget& target, const std::vector<double>& x);

@@ -68,10 +68,12 @@ struct InnerBuilder {
     Mesh& mesh;
     const Names& groups;
     const Names& volumes;
+    const bool between_groups;
     const int dim = mesh.dim, most_sides = mesh.most_sides();
     const std::vector<KeptFace> kept = kept_faces(mesh);
     const SideNodes side_nodes{dim, mesh.degree};
     std::vector<Names> volumes_of{};  // per element: of those wanted
+    Names region{};                   // per element, where the sides between regions are wanted
     std::vector<InnerFace> inner{};
     std::set<std::pair<const CellType*, int>> taken{};  // kept faces that are boundary faces now: KeptFace::place
 
@@ -80,6 +82,26 @@ struct InnerBuilder {
         for (const GroupCells& group : volume_groups(mesh))
             for (const int e : group.cells)
                 if (has(volumes, group.name)) volumes_of[e].push_back(volume_group(group.name));
+    }
+
+    void find_regions() {
+        if (!between_groups) return;
+        region.resize(mesh.element_count());
+        const std::vector<GroupCells> groups_of_elements = volume_groups(mesh);
+        for (const GroupCells& group : groups_of_elements)
+            for (const int e : group.cells) region[e] += (region[e].empty() ? "" : " + ") + group.name;
+        for (int e = 0; e < mesh.element_count() && groups_of_elements.empty(); ++e)
+            region[e] = "entity " + std::to_string(mesh.file.element_entity[e]);
+        for (std::string& name : region)
+            if (name.empty()) name = "the rest";
+    }
+
+    // Of the elements on both sides of a face; none where they are of the same region.
+    Names between(const std::array<int, 2>& side) const {
+        if (!between_groups || side[1] < 0) return {};
+        const auto [first, last] = std::minmax(region[side[0] / most_sides], region[side[1] / most_sides]);
+        if (first == last) return {};
+        return {"between " + first + " and " + last};
     }
 
     void find_faces() {
@@ -108,6 +130,7 @@ struct InnerBuilder {
                     }
                 }
             }
+            if (found.groups.empty()) found.groups = between(found.side);
             if (found.groups.empty()) return;
             if (face >= 0) add_groups(face, found.groups);
             else if (elements == 2) inner.push_back(std::move(found));
@@ -247,10 +270,11 @@ std::vector<GroupCells> volume_groups(const Mesh& mesh) {
     return std::move(list.groups);
 }
 
-void make_inner_boundaries(Mesh& mesh, const Names& groups, const Names& volumes) {
+void make_inner_boundaries(Mesh& mesh, const Names& groups, const Names& volumes, bool between_groups) {
     mesh.inner.assign(mesh.boundaries.size(), 0);
-    InnerBuilder builder{mesh, groups, volumes};
+    InnerBuilder builder{mesh, groups, volumes, between_groups};
     builder.find_volumes();
+    builder.find_regions();
     builder.find_faces();
     builder.orient();
     builder.append();

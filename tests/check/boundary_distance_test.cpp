@@ -225,6 +225,32 @@ TEST_CASE("the distance of a polygon from its circle is the sagitta, in any unit
     CHECK(distance_from_surfaces(mesh, target, in_units, mesh.x) == doctest::Approx(sagitta / 10));
 }
 
+TEST_CASE("faces of a polygon are curved where its sagitta is above the tolerance, in units of the edge") {
+    const Mesh mesh = ring_mesh(around, 2, radius);
+    const BoundaryTarget target = target_of(mesh, {{"inner", "slide"}, {"outer", "fixed"}});
+    const double relative = 0.5 * std::tan(0.5 * pi / around);  // 1 - cos a over 2 sin a
+    for (const double factor : {0.99, 1.01}) {
+        const auto curved = curved_faces(mesh, target, surfaces_of(mesh, target), mesh.x, factor * relative);
+        for (int f = 0; f < mesh.face_count(); ++f)
+            CHECK(curved[f] == (factor < 1 && mesh.boundaries[mesh.face_boundary[f]] == "inner"));
+    }
+}
+
+TEST_CASE("relative distances are measured both ways: a side that became shorter is where it was, but not all of it") {
+    const Mesh mesh = square_mesh(2);
+    std::vector<double> x = mesh.x;
+    for (int i = 0; i < mesh.nodes(); ++i)
+        if (mesh.x[2 * i] == 1 && mesh.x[2 * i + 1] == 1) x[2 * i + 1] = 0.9;
+    const int right = mesh.boundary_index("right"), top = mesh.boundary_index("top");
+    for (const BoundaryDistance& of : boundary_distances(mesh, mesh.x, x)) CHECK(of.boundary == top);
+    const std::vector<double> relative = relative_face_distances(mesh, mesh.x, x);
+    CHECK(relative[face_near(mesh, right, {1, 0.75, 0})] == doctest::Approx(0.1 / 0.4));
+    CHECK(relative[face_near(mesh, right, {1, 0.25, 0})] == 0);
+    CHECK(relative[face_near(mesh, top, {0.75, 1, 0})] == doctest::Approx(0.1 / 0.5));
+    CHECK(relative[face_near(mesh, top, {0.25, 1, 0})] == 0);
+    for (const double d : relative_face_distances(mesh, mesh.x, x, only(mesh, "left"))) CHECK(d == 0);
+}
+
 TEST_CASE("of faces that slide or have a node that is released: not of others that are free or prescribed") {
     const Mesh mesh = ring_mesh(around, 2, radius);
     const double unit_sagitta = 1 - std::cos(pi / around);

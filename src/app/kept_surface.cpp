@@ -1,0 +1,157 @@
+#include "app/kept_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/files.hpp"
+#include "base/text.hpp"
+#include "check/boundary_distance.hpp"
+#include "check/swept_volumes.hpp"
+#include "mesh/inner_boundary.hpp"
+#include "mesh/kept_cells.hpp"
+
+namespace almesh {
+namespace {
+
+// Per boundary: whether it stays where the file has it, but for nodes that slide.
+std::vector<char> kept_boundaries(const Problem& problem) {
+    std::vector<char> kept;
+    for (const Motion& motion : problem.motions)
+        kept.push_back(motion == parse_motion("fixed") || motion == parse_motion("slide"));
+    return kept;
+}
+
+std::vector<char> nodes_of_faces(const Mesh& mesh, const std::vector<char>& chosen) {
+    std::vector<char> nodes(mesh.nodes(), 0);
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (chosen[f]) nodes[mesh.faces[k]] = 1;
+    });
+    return nodes;
+}
+
+// Of points and, in 3D, of curves in a physical group.
+std::vector<char> nodes_of_features(const Mesh& mesh) {
+    std::vector<char> nodes(mesh.nodes(), 0);
+    for (const KeptCells& some : mesh.kept) {
+        const CellType& cell = mesh.cell_of(some);
+        const int width = cell.node_count(mesh.degree);
+        for (int c = 0; c < some.count() && cell.dim < mesh.dim - 1; ++c)
+            for (int i = 0; i < width && some.physical[c] > 0; ++i)
+                if (const int node = some.nodes[offset(c, width, i)]; node >= 0) nodes[node] = 1;
+    }
+    return nodes;
+}
+
+// Takes the freedom to slide from these nodes of boundaries that stay. Returns from how many.
+int hold(Problem& problem, const std::vector<char>& nodes) {
+    const Mesh& mesh = problem.mesh();
+    const std::vector<char> kept = kept_boundaries(problem);
+    BoundaryTarget& target = problem.target;
+    std::vector<BoundaryHold> holds;
+    std::vector<char> held(mesh.nodes(), 0);
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        const int node = mesh.faces[k];
+        const BoundaryHold is = target.hold_of_node(mesh, f, k);
+        const bool stays = is == BoundaryHold::slides && nodes[node] && kept[mesh.face_boundary[f]];
+        if (stays) held[node] = 1;
+        holds.push_back(stays ? BoundaryHold::prescribed : is);
+    });
+    const auto count = static_cast<int>(std::count(held.begin(), held.end(), 1));
+    if (count == 0) return 0;
+    for (int i = 0; i < mesh.nodes() && !target.freed.empty(); ++i)
+        if (held[i]) target.freed[i] = 0;
+    const auto is_prescribed = [](BoundaryHold h) { return h == BoundaryHold::prescribed; };
+    if (std::all_of(holds.begin(), holds.end(), is_prescribed)) {
+        target.hold.assign(target.hold.size(), BoundaryHold::prescribed);
+        target.freed.clear();
+        holds.clear();
+        problem.sliding = nullptr;
+    }
+    target.hold_of_nodes = std::move(holds);
+    return count;
+}
+
+std::vector<double> distances_of(const Problem& problem, const std::vector<double>& x) {
+    return relative_face_distances(problem.mesh(), problem.mesh().x, x, kept_boundaries(problem));
+}
+
+double largest(const std::vector<double>& distances) {
+    return distances.empty() ? 0 : *std::max_element(distances.begin(), distances.end());
+}
+
+// Changes of the volumes of the regions, relative to them: of curved elements too, by what their faces have swept.
+void print_volume_changes(std::FILE* out, const Mesh& mesh, const std::vector<double>& x) {
+    std::vector<GroupCells> regions = volume_groups(mesh);
+    if (regions.empty()) {
+        regions.push_back({"the mesh", {}});
+        for (int e = 0; e < mesh.element_count(); ++e) regions[0].cells.push_back(e);
+    }
+    const std::vector<MeshFace> faces = mesh_faces(mesh);
+    const std::vector<double> swept = swept_volumes(mesh, faces, mesh.x, x);
+    std::string text;
+    for (const GroupCells& region : regions) {
+        std::vector<char> is_in(mesh.element_count(), 0);
+        double before = 0, gained = 0;
+        for (const int e : region.cells) {
+            is_in[e] = 1;
+            before += volume(mesh, mesh.x, e);
+        }
+        for (std::size_t k = 0; k < faces.size(); ++k) {
+            const bool goes_out = is_in[faces[k].element];
+            const bool goes_in = faces[k].neighbour >= 0 && is_in[faces[k].neighbour];
+            if (goes_out != goes_in) gained += goes_out ? swept[k] : -swept[k];
+        }
+        text += (text.empty() ? "" : ", ") + region.name + " by ";
+        append(text, gained / before, 2);
+        text += " of it";
+    }
+    std::fprintf(out, "change of volume: %s\n", text.c_str());
+}
+
+}  // namespace
+
+void hold_curved_faces(const Deck& deck, Problem& problem) {
+    if (!problem.sliding) return;
+    const Mesh& mesh = problem.mesh();
+    const double tolerance = deck.surface_tolerance;
+    const auto note = [&](int count, const std::string& why) {
+        if (count > 0)
+            problem.notes.push_back(concat(counted(count, "boundary node"), count == 1 ? " stays" : " stay", why));
+    };
+    const std::vector<char> curved = curved_faces(mesh, problem.target, *problem.sliding, mesh.x, tolerance);
+    note(hold(problem, nodes_of_faces(mesh, curved)),
+         concat(": if they slid, faces would leave the surface by more than surface_tolerance = ", tolerance,
+                " of an edge"));
+    note(hold(problem, nodes_of_features(mesh)), ": named points and curves");
+}
+
+Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out) {
+    constexpr int attempts = 2;  // before all nodes stay
+    return [&problem, &solve, out](const Deck& deck, const Problem&) {
+        for (int attempt = 0;; ++attempt) {
+            Solution solution = solve(deck, problem);
+            if (solution.al.status != Status::converged) return solution;
+            const std::vector<double> distance = distances_of(problem, solution.x);
+            std::vector<char> off, boundary(problem.motions.size(), 0);
+            for (std::size_t f = 0; f < distance.size(); ++f) {
+                off.push_back(distance[f] > deck.surface_tolerance);
+                if (off[f]) boundary[problem.mesh().face_boundary[f]] = 1;
+            }
+            for (std::size_t f = 0; f < off.size() && attempt == attempts; ++f)
+                off[f] = boundary[problem.mesh().face_boundary[f]];
+            const int count = hold(problem, nodes_of_faces(problem.mesh(), off));
+            if (count == 0) return solution;
+            std::fprintf(out, "note: faces were off the file's surface by up to %.2g of an edge: %s more stay where they "
+                              "are\n", largest(distance), counted(count, "boundary node").c_str());
+        }
+    };
+}
+
+void print_surface(std::FILE* out, const Deck& deck, const Problem& problem, const std::vector<double>& x) {
+    const double distance = largest(distances_of(problem, x));
+    std::fprintf(out, "%s surface_tolerance: boundary and file are within %.2g of the local edge of each other\n",
+                 distance > deck.surface_tolerance ? "NOT within" : "within", distance);
+    print_volume_changes(out, problem.mesh(), x);
+}
+
+}  // namespace almesh

@@ -1,0 +1,26 @@
+// The boundary of a mesh that is improved, and the surfaces between its regions, stay within surface_tolerance, in
+// units of the local edge, of where the file has them: measured after the run, both ways (check/boundary_distance.hpp),
+// on boundaries that are fixed or only slide.
+//
+// A node that slides along a round body takes its flat faces off the file's by more, wherever it goes. So the nodes of
+// faces that are farther than that from the surface along which they slide stay from the beginning, and named points
+// and curves on the boundary do. Where a solution has faces that are off still, their nodes stay too, and it is found
+// again; the third time all nodes of these boundaries stay.
+#pragma once
+#include <cstdio>
+
+#include "app/problem.hpp"
+#include "app/results.hpp"
+
+namespace almesh {
+
+// Of a problem without functional. Notes how many nodes stay.
+void hold_curved_faces(const Deck& deck, Problem& problem);
+
+// Solves the problem so that its surface is within the tolerance. The problem must outlive it.
+Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out);
+
+// How far the surface is from that of the file, and by how much the volumes of the regions have changed.
+void print_surface(std::FILE* out, const Deck& deck, const Problem& problem, const std::vector<double>& x);
+
+}  // namespace almesh
