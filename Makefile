@@ -34,7 +34,8 @@ BENCH_OBJECTS := $(BENCH:%.cpp=$(BUILD)/%.o)
 LESSON_PROGRAMS := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/*.cpp))
 CHECKED   := $(sort $(patsubst tests/lessons/%_check.cpp,%,$(wildcard tests/lessons/*_check.cpp)))
 SOLVED    := $(patsubst src/lessons/solutions/%.cpp,$(BUILD)/lessons/solved-%,$(wildcard src/lessons/solutions/*.cpp))
-CHECKS    := $(CHECKED:%=$(BUILD)/tests/lessons/%_check.o) $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a
+CHECKS    := $(CHECKED:%=$(BUILD)/tests/lessons/%_check.o) $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a \
+             $(BUILD)/src/lessons/own/almesh.o $(BUILD)/src/lessons/own/rehearsal.o
 # Only `make fuzz` has libFuzzer's entry; the harnesses are in the tests too.
 FUZZ      := $(filter-out tests/fuzz/%_test.cpp,$(wildcard tests/fuzz/*.cpp)) tests/support/meshes.cpp
 FUZZ_OBJECTS := $(FUZZ:%.cpp=$(BUILD)/%.o)
@@ -215,6 +216,12 @@ watch-%: FORCE ## check a lesson's answers at each save, and say what is next: m
 
 hint-%: ## a hint for an exercise, here 4.2: make hint-04-2 (MORE=1: nearly the answer)
 	@tests/lessons/hints.py $* $(if $(MORE),--more)
+
+own-almesh: $(CHECKS) FORCE ## link your answers into a solver and run the paper's circle (BORROW="solver trace": with these parts of the library)
+	@tests/lessons/own.py --build $(BUILD) $(if $(BORROW),--borrow '$(BORROW)') $(if $(UNCHECKED),--unchecked) \
+	  $(or $(ANSWERS),exercises) $(if $(RUN),--run $(RUN))
+	@if $(PYTHON) -c 'import numpy, matplotlib' 2>/dev/null; then $(PYTHON) plot/lessons/own_almesh.py; else \
+	  echo 'no picture without numpy and matplotlib: apt-get install python3-numpy python3-matplotlib (or pip)'; fi
 
 student: ## export the course without solutions as a folder that stands alone: make student TO=../course
 	@tests/lessons/student.py $(TO)
