@@ -201,7 +201,7 @@ $(BUILD)/lessons/%: $(BUILD)/src/lessons/%.o $(BUILD)/libalmesh.a
 	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
 lesson-%: almesh FORCE ## run the commands of a lesson's handout and draw its picture: make lesson-01
-	$(MAKE) $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(filter %/solved-$*,$(SOLVED))
+	$(MAKE) $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(filter %/solved-$*,$(SOLVED)) $(if $(filter 12,$*),$(CHECKS))
 	tests/documents.py --show --build $(BUILD) $*
 	@if $(PYTHON) -c 'import numpy, matplotlib' 2>/dev/null; then $(PYTHON) $(wildcard plot/lessons/$*_*.py); else \
 	  echo 'no picture without numpy and matplotlib: apt-get install python3-numpy python3-matplotlib (or pip)'; fi
@@ -232,14 +232,16 @@ check-lessons: $(CHECKS) ## check the answers to all exercises: a table, and out
 lessons: python $(BUILD)/almesh $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ## run the commands of all documents, compare with the output shown; check the solutions
 	tests/lessons/answers.py --build $(BUILD) --self-test
 	tests/lessons/hints.py --self-test
-	tests/lessons/student.py --self-test
+	tests/lessons/student.py --self-test $(BUILD)
 	tests/lessons/wrong.py --build $(BUILD)
 	tests/lessons/one_file.py --build $(BUILD)
+	tests/lessons/wrong_own.py --build $(BUILD)
 	tests/documents.py --build $(BUILD) --self-test
 	tests/documents.py --build $(BUILD)
 
-wrong-answers: $(CHECKS) ## try all wrong answers to the exercises and a hundred broken ones: each is refused with its reason
+wrong-answers: $(CHECKS) $(BUILD)/lessons/almesh_in_one_file ## try all wrong answers to the exercises and a hundred broken ones: each is refused with its reason
 	tests/lessons/wrong.py --build $(BUILD) --all
+	tests/lessons/wrong_own.py --build $(BUILD) --all
 
 readmes: almesh python ## run all commands of the READMEs, also those of minutes, and compare with what is shown
 	tests/documents.py --build $(BUILD) --slow README.md */README.md

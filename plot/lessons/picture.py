@@ -47,8 +47,8 @@ def mesh(name):
     return read_vtk(LESSONS / name)
 
 
-def save(fig, name):
-    path = LESSONS / name / f"{name}.png"
+def save(fig, name, folder=None):
+    path = LESSONS / (folder or name) / f"{name}.png"
     path.parent.mkdir(parents=True, exist_ok=True)
     fig.draw_without_rendering()  # axes of equal aspect need a second layout
     fig.savefig(path, facecolor="white", dpi=110)

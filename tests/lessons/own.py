@@ -13,17 +13,19 @@ outputs/lessons/12-project/. Exit code 1 where a part is open or fails. Standard
 """
 import argparse
 import csv
+import io
 import re
-import resource
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 
 import answers as grader
-from answers import LESSONS, MEGABYTE, ROOT
+from answers import LESSONS, ROOT
 
 # Of each part the exercises that it is made of, and what it does; the names are those of src/lessons/own/parts.cpp.
 PARTS = {
@@ -41,7 +43,7 @@ PARTS = {
 }
 CIRCLE = ["inputs/meshes/circle.msh", "inner", "translate", "8", "0"]
 FOLDER = ROOT / "outputs" / "lessons" / "12-project"
-SECONDS = 120  # of the run, by the clock; it ends itself after 40 s of processor time
+LIMITS = grader.Limits(seconds=40, memory=4096, output=16)
 END = "the library's certificate of the result: "
 
 
@@ -96,10 +98,10 @@ def choose(kind, build, words, checked=True):
 
 
 def show(choice):
-    print(f"{'part':<12} {'exercises':<16} {'whose':<8} what it does")
+    print(f"{'part':<12} {'exercises':<20} {'whose':<8} what it does")
     for part, (numbers, what) in PARTS.items():
         whose = "open" if part in choice.failed else "library" if part in choice.borrowed else "yours"
-        print(f"{part:<12} {', '.join(numbers.split()):<16} {whose:<8} {what}")
+        print(f"{part:<12} {numbers.replace(' ', ', '):<20} {whose:<8} {what}")
     print(f"{len(choice.own)} of {len(PARTS)} parts are yours")
     for part, messages in choice.failed.items():
         for number, message in messages.items():
@@ -165,17 +167,34 @@ def linked(files, choice, build):
 
 # ------------------------------------------------------------------------------------------------- running
 
-def run(program, words, folder=ROOT):
-    """What it prints, while it does; Problem with the name of the part that fails."""
-    bounds = [(resource.RLIMIT_FSIZE, 64 * MEGABYTE), (resource.RLIMIT_CORE, 0)]
+def run(program, words, build, results=FOLDER, limits=LIMITS):
+    """Problem, with the name of the part that fails where one does; prints what the program says up to then. It runs
+    in a folder of its own with a copy of the mesh; what it writes comes to `results`."""
+    mesh = ROOT / words[0]
+    if not mesh.is_file():
+        raise Problem(f"there is no mesh {words[0]}")
     with tempfile.TemporaryDirectory(prefix="almesh-own-") as outside:
-        log = Path(outside) / "printed"
+        folder, log = Path(outside) / "checkout", Path(outside) / "printed"
+        folder.mkdir()
+        shutil.copy2(mesh, folder)
+        before = grader.contents(folder)
         with log.open("wb") as output:
-            code = grader.run([program, words[0], words[1], " ".join(words[2:])], folder, SECONDS, bounds, output)
-        printed = grader.text_of(log)
+            code = grader.run([program, mesh.name, words[1], " ".join(words[2:])], folder, 4 * limits.seconds,
+                              grader.bounds(build, limits), output)
+        printed, after = grader.text_of(log), grader.contents(folder)
+        touched = sorted(str(path) for path in before.keys() | after.keys() if before.get(path) != after.get(path))
+        written = folder / "outputs" / "lessons" / "12-project"
+        if code == 0 and not touched and END in printed:
+            results.mkdir(parents=True, exist_ok=True)
+            for name in ("own.csv", "own.vtk"):
+                shutil.copy2(written / name, results)
+    explain(code, printed, touched, limits)
+
+
+def explain(code, printed, touched, limits):
+    """Problem where the run has failed."""
     fails = re.search(r"^FAILS (\w*): (.*)", printed, re.MULTILINE)
-    text = printed[:fails.start()] if fails else printed
-    print(text.strip("\n"), flush=True)
+    print((printed[:fails.start()] if fails else printed).strip("\n"), flush=True)
     if fails and fails[1] in PARTS:
         numbers = exercises_of(fails[1])
         raise Problem(f"{fails[1]} fails (exercise{'s' if len(numbers) > 1 else ''} {', '.join(numbers)}): {fails[2]}\n"
@@ -184,14 +203,12 @@ def run(program, words, folder=ROOT):
     if fails:
         raise Problem(f"{fails[2]}\n  borrow these parts one by one to see whose fault it is: make own-almesh "
                       "BORROW=solver")
-    if code is None:
-        raise Problem(f"it is still at work after {SECONDS} s: does an answer wait for something?")
     if code == 2:
-        raise Problem("it has not begun: the last line above says why")
+        raise Problem("nothing was run: the line above says why")
     if code != 0 or END not in printed:
-        raise Problem("an answer ends the whole program instead of returning" if code >= 0 else
-                      grader.ending(code, grader.Limits()))
-    return text
+        raise Problem(f"an answer {grader.ending(code, limits)}")
+    if touched:
+        raise Problem(f"an answer writes or removes {touched[0]}: answers return their results and touch no files")
 
 
 def rows_of(folder=FOLDER):
@@ -220,10 +237,9 @@ def grade(kind, build):
             return (f"{len(choice.failed)} of {len(PARTS)} parts are open, the first is {part}: exercise "
                     f"{next(iter(messages))} does not hold yet; make own-almesh has the table")
         program = linked(sources(kind, choice), choice, build)
-        with tempfile.TemporaryDirectory(prefix="almesh-own-") as name:
-            (Path(name) / "inputs").symlink_to(ROOT / "inputs")
-            run(program, CIRCLE, Path(name))
-            rows = rows_of(Path(name) / "outputs" / "lessons" / "12-project")
+        with tempfile.TemporaryDirectory(prefix="almesh-own-") as results, redirect_stdout(io.StringIO()):
+            run(program, CIRCLE, build, Path(results))
+            rows = rows_of(Path(results))
         return "" if reproduces(rows) else f"{summary(rows)}: that is another minimum"
     except Problem as problem:
         return str(problem)
@@ -245,7 +261,7 @@ def main():
         show(choice)
         if choice.failed:
             return 1
-        run(linked(sources(options.answers, choice), choice, build), options.run)
+        run(linked(sources(options.answers, choice), choice, build), options.run, build)
         if options.run == CIRCLE:
             print(summary(rows_of()))
         print(f"results: {FOLDER.relative_to(ROOT)}/own.csv and own.vtk")

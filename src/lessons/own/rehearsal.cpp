@@ -2,6 +2,7 @@
 // derivatives made of them, against differences. Not the checks of the exercises once more: these ask for all that an
 // exercise says, here it is what this solver needs.
 #include <cmath>
+#include <cstdio>
 
 #include "base/text.hpp"
 #include "lessons/own/parts.hpp"
@@ -9,9 +10,18 @@
 namespace almesh::own {
 namespace {
 
+template <class Text>
+const Text& shown(const Text& text) { return text; }
+
+std::string shown(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
 template <class... Text>
 void need(const char* part, bool holds, const Text&... text) {
-    if (!holds) throw PartFails(part, concat(text...));
+    if (!holds) throw PartFails(part, concat(shown(text)...));
 }
 
 bool near(double value, double expected, double tolerance) {  // not for nan
@@ -58,6 +68,10 @@ void try_projection() {
     const Mat<2> part = positive_part({{{2, 0}, {0, -1}}});
     need("projection", near(part[0][0], 2, 1e-13) && near(part[1][1], 0, 1e-13) && near(part[0][1], 0, 1e-13),
          "of diag(2, -1) it leaves diag(", part[0][0], ", ", part[1][1], "), expected diag(2, 0)");
+    const Mat<2> full = positive_part({{{1, 2}, {2, 1}}});
+    need("projection", near(full[0][0], 1.5, 1e-13) && near(full[0][1], 1.5, 1e-13) && near(full[1][1], 1.5, 1e-13),
+         "of (1 2; 2 1) it leaves (", full[0][0], " ", full[0][1], "; ", full[1][0], " ", full[1][1],
+         "), expected (1.5 1.5; 1.5 1.5)");
     const Mat<4> A = second_derivative(F_0, true);  // v'Av >= 0
     for (int k = 0; k < 40; ++k) {
         Mat<2> v;
@@ -69,12 +83,13 @@ void try_projection() {
 }
 
 void try_line_search(const Problem& problem) {
-    const Corners p = corners(problem.triangles[0], problem.mesh.x);
-    Vector d(problem.mesh.x.size(), 0.0);  // vertex 0 goes through the opposite edge's middle at t = 1/4
-    for (int a = 0; a < 2; ++a) d[2 * problem.triangles[0][0] + a] = 4 * ((p[1][a] + p[2][a]) / 2 - p[0][a]);
-    const double until = valid_until(problem, problem.mesh.x, d);
-    need("line_search", until > 0 && until <= 0.25 + 1e-12, "a vertex crosses the opposite edge at t = 0.25, 4.2 sees ",
-         "the first inversion of the mesh at ", until);
+    for (const bool shrinks : {true, false}) {  // all areas times (1 - 2 t) (1 + t), and times (1 + 2 t) (1 - t)
+        Vector d = problem.mesh.x;
+        for (std::size_t i = 0; i < d.size(); i += 2) (shrinks ? d[i] : d[i + 1]) *= -1, d[i] *= 2;
+        const double until = valid_until(problem, problem.mesh.x, d), expected = shrinks ? 0.5 : 1;
+        need("line_search", until > 0 && until <= expected + 1e-9, "all triangles invert at t = ", expected,
+             ", 4.2 sees the first at ", until);
+    }
     for (const double limit : {2.0, 0.6, 0.2, 0.01}) {  // lower than Armijo's line up to the limit
         const auto phi = [limit, calls = 0](double t) mutable {
             if (++calls > 200) throw PartFails("line_search", "it asks for the energy more than 200 times");
@@ -82,8 +97,11 @@ void try_line_search(const Problem& problem) {
         };
         const double t = accepted_step(phi), expected = std::min(1.0, std::exp2(std::floor(std::log2(limit))));
         need("line_search", t == expected || (limit == 2 && t == 2), "with energies that are infinite from t = ", limit,
-             " on it takes t = ", t, ", expected ", expected, ": the first of 1, 1/2, 1/4, ...");
+             " on it takes t = ", t, ", expected ", expected, ": the first of 1, 1/2, 1/4, ... (4.5)");
     }
+    const double t = accepted_step([](double s) { return s == 1 ? -1e-5 : s * (s - 1); });
+    need("line_search", t > 0 && t < 1, "where the energy falls by 1e-5 of what the slope promises it takes t = ", t,
+         ", expected less than 1: Armijo asks for 1e-4 (4.5)");
 }
 
 void try_trace(const Problem& problem) {
@@ -117,8 +135,8 @@ void try_schedule() {
     const Settings raised = next(first, 1, 100, constants), kept = next(first, 0, 100, constants);
     need("schedule", !raised.updates_lambda && kept.updates_lambda, "8.4 updates lambda where |c|^2 <= epsilon, and ",
          "only there");
-    need("schedule", near(raised.mu, 1e4, 1e-12) && near(kept.mu, 100, 1e-12), "8.4 goes from mu = 100 to ", raised.mu,
-         " and ", kept.mu, ", expected 10000 where |c|^2 is too large and 100 else");
+    need("schedule", near(raised.mu, 1e4, 1e-12) && near(kept.mu, 100, 1e-12), "8.4 goes from mu = 100 to ",
+         raised.mu, " and ", kept.mu, ", expected 10000 where |c|^2 is too large and 100 else");
     for (const Settings& s : {raised, kept})
         need("schedule", s.omega < first.omega && s.epsilon < first.epsilon, "8.4 does not tighten: omega ",
              first.omega, " becomes ", s.omega, ", epsilon ", first.epsilon, " becomes ", s.epsilon);
@@ -129,6 +147,9 @@ void try_certificate() {
     const Corners opposite = {{{1, 1}, {0, 1}, {1, 0}}};  // turned by 180 degrees: all in one point half way
     need("certificate", valid_on_the_way(p, p), "a triangle that stays where it is is not certified");
     need("certificate", !valid_on_the_way(p, beyond), "a triangle that is inverted at the end is certified");
+    const double c = std::cos(2.5), s = std::sin(2.5);  // by 143 degrees: small half way, but not inverted
+    need("certificate", valid_on_the_way(p, {{{0, 0}, {c, s}, {-s, c}}}), "a triangle that turns by 143 degrees is not ",
+         "certified: its middle coefficient is negative, which proves nothing; halve");
     need("certificate", !valid_on_the_way(p, opposite), "a triangle that shrinks to a point on the way is certified: ",
          "sound ends prove nothing");
 }

@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Tests an almesh of one's own (own.py) with the solutions: that it takes the iterations of almesh_in_one_file and ends
+at the same mesh, also with each of its parts from the library; and that it tells which part it is, and why, where an
+answer is wrong, crashes or never ends.
+
+  tests/lessons/wrong_own.py [--build FOLDER] [--all]
+
+The wrong answers are those of wrong.txt. One that makes no difference to this solver may run, and then has to come to
+the same mesh; every other one has to be told under the name of its part. --all: every part from the library, every
+wrong answer, every kind of broken one; otherwise some of them. Exit code 1 where something is not noticed. Standard
+library only.
+"""
+import argparse
+import contextlib
+import io
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import own
+from answers import LESSONS, ROOT, Limits
+from wrong import INCLUDES, KINDS, functions, solved, wrong_answers
+
+TIGHT = Limits(seconds=5, memory=512, output=1)
+TOLD = 33  # wrong answers that have to be told, of all: what the others get wrong is not used here
+
+
+def tried(files, choice, build, limits=own.LIMITS):
+    """(what it says where it fails, or ""; the rows of its table)."""
+    with tempfile.TemporaryDirectory(prefix="almesh-own-") as results, contextlib.redirect_stdout(io.StringIO()):
+        try:
+            own.run(own.linked(files, choice, build), own.CIRCLE, build, Path(results), limits)
+            return "", own.rows_of(Path(results))
+        except own.Problem as problem:
+            return str(problem), []
+
+
+def with_answer(number, source, build, limits=own.LIMITS):
+    """The same with `source` in place of the solutions of the exercise's lesson."""
+    with tempfile.TemporaryDirectory(prefix="almesh-own-") as name:
+        path = Path(name) / "wrong" / f"{own.lesson_of(number)}.cpp"
+        path.parent.mkdir()
+        path.write_text(source)
+        choice = own.Choice([], {})
+        files = [path if file.name == path.name else file for file in own.sources("solutions", choice)]
+        return tried(files, choice, build, limits)
+
+
+def steps_of_one_file(build):
+    """Newton steps of each iteration."""
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run([build / "lessons" / "almesh_in_one_file", ROOT / own.CIRCLE[0], *own.CIRCLE[1:]],
+                              cwd=folder, text=True, capture_output=True, check=True)
+    return [line.split()[-1] for line in done.stdout.splitlines() if line[:3].strip().isdigit()]
+
+
+def test_parts(build, every, failures):
+    """All of the student, each part of the library, all of the library."""
+    expected = steps_of_one_file(build)
+    choices = [[], list(own.PARTS), *([part] for part in own.PARTS if every or part in ("solver", "assembly"))]
+    for borrowed in choices:
+        choice = own.Choice(borrowed, {})
+        message, rows = tried(own.sources("solutions", choice), choice, build)
+        steps = [row["newton"] for row in rows]
+        if message or not own.reproduces(rows) or steps != expected:
+            failures.append(f"with {borrowed or 'nothing'} borrowed: {message or own.summary(rows)}, steps {steps}")
+    if failure := own.grade("solutions", build):
+        failures.append(f"the solutions are no almesh of their own: {failure}")
+    return len(choices)
+
+
+def lesson(number):
+    return next(path for path in LESSONS if path.name[:2] == own.lesson_of(number))
+
+
+def test_wrong(build, every, failures):
+    """How many there were, and how many of them were told."""
+    entries, count, told = wrong_answers(), 0, 0
+    for part in own.PARTS:
+        numbers = own.exercises_of(part)
+        for number in numbers if every else numbers[:1]:
+            for wrong in entries[number] if every else entries[number][-1:]:
+                source, problem = wrong.put_into(*solved(lesson(number)))
+                message, rows = ("", []) if problem else with_answer(number, source, build)
+                count, told = count + 1, told + bool(message)
+                if problem or (message and not message.startswith(f"{part} fails")) or (
+                        not message and not own.reproduces(rows)):
+                    failures.append(f"{number} {wrong.name}: {problem or message or own.summary(rows)}")
+    if every and told < TOLD:
+        failures.append(f"{told} wrong answers are told, expected {TOLD} at least")
+    return count
+
+
+def test_broken(build, every, failures):
+    says = {"this is no C++;": "does not compile", "extern int nowhere(); nowhere();": "do not link",
+            "for (;;) sleep(1);": "still waits", "std::exit(0);": "ends the whole program", "throw 1;": "throws"}
+    kinds = [kind for kind in KINDS if "inputs/" not in kind[0]]
+    parts = list(own.PARTS)
+    for k, (line, _, _) in enumerate(kinds if every else kinds[2:6]):
+        part = parts[k % len(parts)]
+        number = own.exercises_of(part)[-1]
+        source, place = solved(lesson(number))[0], functions(lesson(number))[number]
+        message, _ = with_answer(number, f"{INCLUDES}{source[:place]}\n    {line}\n{source[place:]}", build, TIGHT)
+        if says.get(line, "") not in message or not (message.startswith(f"{part} fails") or line in says
+                                                     or "puts" in line or "notes.txt" in line and "notes" in message):
+            failures.append(f"{number} with `{line}`: {message or 'it runs'}")
+    return len(kinds) if every else 4
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", default="build")
+    parser.add_argument("--all", action="store_true")
+    options = parser.parse_args()
+    build, failures = (ROOT / options.build).resolve(), []
+    parts = test_parts(build, options.all, failures)
+    wrong = test_wrong(build, options.all, failures)
+    broken = test_broken(build, options.all, failures)
+    print(f"an almesh of one's own: {parts} choices of parts, {wrong} wrong and {broken} broken answers: " +
+          (f"{len(failures)} FAILURES" if failures else "the same mesh, or the part at fault is named"))
+    print("\n".join(failures), file=sys.stderr, end="\n" if failures else "")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
