@@ -133,8 +133,8 @@ void try_schedule() {
          ", both small ", ends(0, 0) ? "ends" : "goes on");
     const Settings first = {10, 100, constants.omega0, constants.epsilon0};
     const Settings raised = next(first, 1, 100, constants), kept = next(first, 0, 100, constants);
-    need("schedule", !raised.updates_lambda && kept.updates_lambda, "8.4 updates lambda where |c|^2 <= epsilon, and ",
-         "only there");
+    need("schedule", !raised.updates_lambda && kept.updates_lambda,
+         "8.4 updates lambda where |c|^2 <= epsilon, and only there");
     need("schedule", near(raised.mu, 1e4, 1e-12) && near(kept.mu, 100, 1e-12), "8.4 goes from mu = 100 to ",
          raised.mu, " and ", kept.mu, ", expected 10000 where |c|^2 is too large and 100 else");
     for (const Settings& s : {raised, kept})
