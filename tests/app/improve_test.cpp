@@ -10,6 +10,7 @@
 
 #include "check/scaled_jacobian.hpp"
 #include "mesh/part.hpp"
+#include "io/su2.hpp"
 #include "support/ring_deck.hpp"
 #include "support/solids.hpp"
 
@@ -46,6 +47,20 @@ Mesh tangled(Mesh mesh, Tangle how) {
 Outcome improved(const TemporaryFolder& folder, const std::string& name, std::vector<std::string> settings = {}) {
     settings.insert(settings.begin(), {"improve", folder.path(name), "output=" + folder.path("results"), "threads=1"});
     return almesh_with(settings);
+}
+
+// Of a mesh file: without nodes, boxes of entities, and what the program says of itself.
+std::string without_positions(const std::string& text) {
+    std::string rest, section;
+    for (const std::string& line : pieces(text, '\n')) {
+        if (line.starts_with("$") || line.starts_with("N")) section = line.substr(0, line.find('='));
+        if (section == "$Nodes" || section == "$Entities" || section == "NPOIN" || line.empty()) continue;
+        if (line.starts_with("almesh ") || line.starts_with("% almesh ")) continue;
+        rest += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+    }
+    const std::string own = "$Comments\n$EndComments\n";
+    if (rest.ends_with(own)) rest.resize(rest.size() - own.size());
+    return rest;
 }
 
 }  // namespace
@@ -127,6 +142,38 @@ TEST_CASE("the least scaled Jacobian of a valid mesh is never lower afterwards, 
         REQUIRE(has(outcome.out, "  after "));
         CHECK(words(outcome.out.substr(outcome.out.find("  after ")))[1] ==
               rounded_down(least_corner_jacobian(after, after.x), 4));
+    }
+}
+
+TEST_CASE("the file is written as it came but for positions: groups, faces inside or in no group, other sections") {
+    const std::string msh = text_of("inputs/meshes/inclusion.msh");  // 4.1, with faces between two groups
+    const Mesh mesh = mesh_of("inputs/meshes/inclusion.msh");
+    std::string ungrouped = msh_of(square_mesh(5)), no_faces;
+    ungrouped.erase(ungrouped.find("$PhysicalNames"), ungrouped.find("$Nodes") - ungrouped.find("$PhysicalNames"));
+    std::size_t faces = 0;
+    for (const std::string& line : pieces(ungrouped, '\n')) {
+        const auto cells = words(line);
+        const bool is_face = cells.size() == 7 && cells[1] == "1" && cells[2] == "2";
+        faces += is_face;
+        if (!is_face && !line.empty()) no_faces += line + "\n";
+    }
+    REQUIRE(faces == 20);
+    no_faces.replace(no_faces.find("$Elements\n70\n"), 13, "$Elements\n50\n");
+    const std::string extra = "$Comments\nby hand\n$EndComments\n"
+                              "$NodeData\n1\n\"u\"\n1\n0\n3\n0\n1\n1\n1 2.5\n$EndNodeData\n";
+    const std::string msh22 = msh_text(mesh, mesh.x, {FileFormat::Kind::msh, 22});
+    const std::string msh40 = msh_text(mesh, mesh.x, {FileFormat::Kind::msh, 40});
+    const TemporaryFolder other;
+    write_su2(other.path("mesh.su2"), mesh, mesh.x);
+    const std::string su2 = text_of(other.path("mesh.su2"));
+    for (const std::string& text : {msh + extra, msh22 + extra, msh40 + extra, su2, ungrouped, no_faces}) {
+        const bool is_su2 = !text.starts_with("$");
+        const TemporaryFolder folder;
+        folder.write(is_su2 ? "mesh.su2" : "mesh.msh", text);
+        REQUIRE(improved(folder, is_su2 ? "mesh.su2" : "mesh.msh").code == 0);
+        const std::string final = text_of(folder.path(is_su2 ? "results/final.su2" : "results/final.msh"));
+        CHECK(final != text);
+        CHECK(without_positions(final) == without_positions(text));
     }
 }
 
