@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Meshes with inverted elements, made by disturbing grids, and whether `almesh improve` makes them valid.
 
-    tests/untangle.py [--keep] [NAME ...]     all cases, or those whose name contains one of these; --keep: the meshes and
-                                              results in the folder untangle
+    tests/untangle.py [--keep] [--seed=N] [NAME ...]  all cases, or those whose name contains one of these, with other
+                                              random numbers; --keep: the meshes and results in the folder untangle
 
 Every case has a solution: the grid itself, or what it was before. Prints a line for each case that fails, and the count.
 Exit code 1 unless all come out certified."""
@@ -32,6 +32,9 @@ class Grid:
             getattr(self, kind)(corner, at)
         self.of_hole = [i for p, i in self.number.items() if hole and all(hole <= c <= n - hole for c in p)]
         self.inner = [i for p, i in self.number.items() if all(0 < c < n for c in p) and i not in self.of_hole]
+        # Nodes that slide along a side or face of the box, or along one of its edges, and in which directions.
+        ways = {i: [k for k, c in enumerate(p) if 0 < c < n] for p, i in self.number.items() if i not in self.of_hole}
+        self.sliding = {i: way for i, way in ways.items() if 0 < len(way) < self.dim}
         self.size = 1 / n
         for p, i in self.number.items():
             self.x[i] = [c / n for c in p] + [0] * (3 - self.dim)
@@ -89,6 +92,33 @@ def turned(p, centre=0.5):
     return [centre + (1 - 2 * s) * (p[0] - centre), centre + (1 - 2 * s) * (p[1] - centre), p[2]]
 
 
+def bend(x, angle):
+    for p in x:
+        r, a = 0.4 + p[0], angle * math.pi * p[1]
+        p[:2] = [r * math.cos(a), r * math.sin(a)]
+
+
+def slide(grid, how, rnd):
+    """Nodes of the boundary along it: one past its neighbours, some onto others, or all to random places."""
+    x, nodes = grid.x, list(grid.sliding)
+    if "pushed" in how:
+        i = rnd.choice(nodes)
+        for k in grid.sliding[i]:
+            by = (1.3 + rnd.random()) * grid.size
+            x[i][k] += by if x[i][k] < 0.5 else -by
+    elif "doubled" in how:
+        for i in rnd.sample(nodes, max(1, len(nodes) // 8)):
+            k = rnd.choice(grid.sliding[i])
+            x[i][k] += grid.size if x[i][k] < 0.5 else -grid.size
+    elif "shuffled" in how:
+        for i in nodes:
+            for k in grid.sliding[i]:
+                x[i][k] = grid.size + (1 - 2 * grid.size) * rnd.random()
+    if "random" in how:
+        for i in grid.inner:
+            x[i] = [rnd.random() if k < grid.dim else 0 for k in range(3)]
+
+
 def disturb(grid, how, rnd):
     x, dim = grid.x, grid.dim
     inside = lambda: [rnd.random() if k < dim else 0 for k in range(3)]
@@ -118,10 +148,12 @@ def disturb(grid, how, rnd):
         for i in grid.of_hole:
             u, v = x[i][0] - 0.5, x[i][1] - 0.5
             x[i][:2] = [0.5 + u * math.cos(angle) - v * math.sin(angle), 0.5 + u * math.sin(angle) + v * math.cos(angle)]
+    elif how.startswith("side"):
+        slide(grid, how, rnd)
+        if "arc" in how:
+            bend(x, 0.5)
     elif how.startswith("bent"):
-        for p in x:
-            r, a = 0.4 + p[0], 1.6 * math.pi * p[1]
-            p[:2] = [r * math.cos(a), r * math.sin(a)]
+        bend(x, 1.6)
         at = list(x[grid.inner[0]])
         for i in grid.inner:
             x[i] = list(at) if how == "bent-point" else [c + (k < dim) * rnd.gauss(0, 0.5) for k, c in enumerate(x[i])]
@@ -159,6 +191,11 @@ def cases():
         for how in ("bent-point", "bent-random"):
             for n in sizes:
                 yield f"{kind}-{how}-{n}", kind, how, n, 1
+    for kind, sizes in (("tri", (5, 9)), ("quad", (4, 8)), ("tet", (3, 5)), ("hex", (3, 4)), ("prism", (4,)),
+                        ("pyramid", (3,))):
+        for how in ("pushed", "doubled", "shuffled", "shuffled-random", "pushed-arc", "shuffled-arc"):
+            for n in sorted({max(n, 4 * ("arc" in how)) for n in sizes}):  # three tangled rows tell no cylinder
+                yield f"{kind}-side-{how}-{n}", kind, f"side-{how}", n, 1
     for kind, n in (("tri", 12), ("quad", 12), ("tet", 9), ("hex", 9)):
         for angle in (45, 90, 180):
             yield f"{kind}-hole-{angle}", kind, f"hole{angle}", n, 1
@@ -170,13 +207,14 @@ def cases():
 
 def main():
     names = [a for a in sys.argv[1:] if not a.startswith("--")]
+    seed = "".join(a[7:] for a in sys.argv[1:] if a.startswith("--seed="))
     chosen = [c for c in cases() if not names or any(n in c[0] for n in names)]
     certified = 0
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary) if "--keep" not in sys.argv else Path("untangle")
         folder.mkdir(exist_ok=True)
         for name, kind, how, n, degree in chosen:
-            rnd = random.Random(name)
+            rnd = random.Random(name + seed)
             grid = Grid(kind, n, n // 3 if how.startswith("hole") else 0)
             disturb(grid, how, rnd)
             path = folder / f"{name}.msh"

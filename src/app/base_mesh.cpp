@@ -1,8 +1,5 @@
 #include "app/base_mesh.hpp"
 
-#include <algorithm>
-#include <set>
-
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "mesh/build.hpp"
@@ -26,31 +23,11 @@ Mesh straight_mesh(const RawMesh& raw, const CertificateParams& params, std::vec
                      ": it has to be divided, or its nodes moved");
 }
 
-// Faces of boundaries that the file does not name are written as it has them: in no group, or not at all.
-void leave_unnamed(const RawMesh& raw, Mesh& mesh) {
-    std::set<long long> ids;
-    for (const RawElement& element : raw.elements) ids.insert(element.id);
-    const auto is_found = [&](const PhysicalGroup& group) {
-        return std::none_of(raw.groups.begin(), raw.groups.end(), [&](const PhysicalGroup& of_file) {
-            return of_file.dim == group.dim && of_file.tag == group.tag;
-        });
-    };
-    for (const PhysicalGroup& group : mesh.file.groups)
-        for (int f = 0; f < mesh.face_count() && is_found(group); ++f)
-            if (int& tag = mesh.file.face_physical[f]; tag == group.tag)
-                tag = ids.contains(mesh.file.face_id[f]) ? 0 : not_in_file;
-    std::erase_if(mesh.file.groups, is_found);
-}
-
 }  // namespace
 
 BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateParams& params,
                          std::vector<std::string>& notes) {
-    if (is_improved(ideal)) {
-        BaseMesh base{build_mesh(raw, notes, Folds::keep), true};
-        if (raw.format.kind == FileFormat::Kind::msh) leave_unnamed(raw, base.mesh);
-        return base;
-    }
+    if (is_improved(ideal)) return {build_mesh(raw, notes, Folds::keep), true};
     const std::size_t told = notes.size();
     const bool is_linear = degree_of(raw) == 1;
     std::string against_straight;

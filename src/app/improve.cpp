@@ -85,12 +85,23 @@ bool is_certified(const Deck& deck, const Problem& problem, const std::vector<do
     return certified_injective(problem, x, certify(problem.mesh(), x, deck.certificate)).certified;
 }
 
-// The boundary stays where it has it at x from here on.
+// The target of boundary nodes that have moved from where they were is where they are.
+void take_along_target(Problem& problem, const std::vector<double>& from, const std::vector<double>& x) {
+    const Mesh& mesh = problem.mesh();
+    for_face_nodes(mesh, [&](int, std::size_t k) {
+        const double *const is = point(x, mesh.faces[k], mesh.dim), *const was = point(from, mesh.faces[k], mesh.dim);
+        for (int a = 0; a < mesh.dim && !std::equal(is, is + mesh.dim, was); ++a) {
+            problem.target.node[offset(k, mesh.dim, a)] = is[a];
+            problem.node_target[offset(k, mesh.dim, a)] = problem.frame.to_file(is[a], a, mesh.dim);
+        }
+    });
+}
+
+// The boundary stays where it is at x from here on.
 void fix_boundary(Problem& problem, const std::vector<double>& x) {
-    Mesh at = problem.mesh();
-    at.x = x;
     problem.motions.assign(problem.motions.size(), parse_motion("fixed"));
-    problem.target = make_target(at, problem.motions);
+    problem.target = make_target(problem.mesh(), problem.motions);
+    take_along_target(problem, problem.mesh().x, x);
     problem.sliding = nullptr;
 }
 
@@ -166,6 +177,14 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, std::F
     const bool was_valid = invalid.empty();
     if (!was_valid && !untangle(deck, problem, invalid, x, out))
         return ended_at(problem, std::move(x), Status::inverted);
+    if (!was_valid) {
+        const std::size_t told = problem.notes.size();
+        take_along_target(problem, problem.start.empty() ? mesh.x : problem.start, x);
+        hold_curved_faces(deck, problem, x);
+        for (std::size_t k = told; k < problem.notes.size(); ++k)
+            std::fprintf(out, "note: %s\n", problem.notes[k].c_str());
+        if (deck.ideal != IdealKind::mesh) problem.level->ideal = x;  // by which faces and heights are measured
+    }
     problem.start = x;
     const LeastJacobian before = least_jacobian(deck, mesh, x);
     const auto is_worse = [&](const Solution& solution) {

@@ -6,6 +6,7 @@
 #include "base/files.hpp"
 #include "base/text.hpp"
 #include "check/boundary_distance.hpp"
+#include "check/certificate.hpp"
 #include "check/swept_volumes.hpp"
 #include "mesh/inner_boundary.hpp"
 #include "mesh/kept_cells.hpp"
@@ -71,6 +72,11 @@ int hold(Problem& problem, const std::vector<char>& nodes) {
     return count;
 }
 
+void note(Problem& problem, int count, const std::string& why) {
+    if (count == 0) return;
+    problem.notes.push_back(concat(counted(count, "boundary node"), count == 1 ? " stays" : " stay", why));
+}
+
 std::vector<double> distances_of(const Problem& problem, const std::vector<double>& x) {
     return relative_face_distances(problem.mesh(), problem.mesh().x, x, kept_boundaries(problem));
 }
@@ -110,19 +116,19 @@ void print_volume_changes(std::FILE* out, const Mesh& mesh, const std::vector<do
 
 }  // namespace
 
-void hold_curved_faces(const Deck& deck, Problem& problem) {
+void hold_curved_faces(const Deck& deck, Problem& problem, const std::vector<double>& x) {
     if (!problem.sliding) return;
-    const Mesh& mesh = problem.mesh();
     const double tolerance = deck.surface_tolerance;
-    const auto note = [&](int count, const std::string& why) {
-        if (count > 0)
-            problem.notes.push_back(concat(counted(count, "boundary node"), count == 1 ? " stays" : " stay", why));
-    };
-    const std::vector<char> curved = curved_faces(mesh, problem.target, *problem.sliding, mesh.x, tolerance);
-    note(hold(problem, nodes_of_faces(mesh, curved)),
+    const std::vector<char> curved = curved_faces(problem.mesh(), problem.target, *problem.sliding, x, tolerance);
+    note(problem, hold(problem, nodes_of_faces(problem.mesh(), curved)),
          concat(": if they slid, faces would leave the surface by more than surface_tolerance = ", tolerance,
                 " of an edge"));
-    note(hold(problem, nodes_of_features(mesh)), ": named points and curves");
+}
+
+void hold_surface(const Deck& deck, Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    if (certify(mesh, mesh.x, deck.certificate).valid) hold_curved_faces(deck, problem, mesh.x);
+    if (problem.sliding) note(problem, hold(problem, nodes_of_features(mesh)), ": named points and curves");
 }
 
 Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out) {

@@ -14,8 +14,10 @@
 
 namespace almesh {
 
-// Of a problem without functional. Notes how many nodes stay.
-void hold_curved_faces(const Deck& deck, Problem& problem);
+// Of a problem without functional. Notes how many nodes stay. Those of curved faces of a mesh with inverted elements do
+// when it has been untangled, at x.
+void hold_surface(const Deck& deck, Problem& problem);
+void hold_curved_faces(const Deck& deck, Problem& problem, const std::vector<double>& x);
 
 // Solves the problem so that its surface is within the tolerance. The problem must outlive it.
 Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out);

@@ -353,7 +353,7 @@ Problem make_problem(const Deck& deck) {
     Problem problem = make_problem(deck, std::move(base), mesh_hash, std::move(notes));
     if (is_improved(deck.ideal)) {
         set_ideal_elements(deck, problem);
-        hold_curved_faces(deck, problem);
+        hold_surface(deck, problem);
     }
     if (deck.start == Start::file)
         problem.start = read_positions(deck, "start", deck.start_file, problem.mesh(), problem.frame);

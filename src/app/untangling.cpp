@@ -8,8 +8,10 @@
 #include "base/disjoint_sets.hpp"
 #include "base/interrupt.hpp"
 #include "check/certificate.hpp"
+#include "geometry/patch.hpp"
 #include "mesh/part.hpp"
 #include "mesh/quadrature.hpp"
+#include "mesh/sides.hpp"
 #include "method/local_functional.hpp"
 #include "method/newton.hpp"
 
@@ -19,6 +21,8 @@ namespace {
 constexpr double first_sigma = 1;  // of the least determinant
 constexpr double least_fall = 0.1, most_fall = 0.5;  // s
 constexpr double least_delta = 1e-9;
+constexpr double flat = 1e-12;  // determinant, relative to the ideal one's, that may be rounding
+constexpr double penalties[] = {1e3, 1e8};  // of nodes that slide, in units of |1|^2 per |1|^2
 constexpr int most_deltas = 100, steps_of_delta = 5, steps_of_barrier = 20;
 
 using Moves = std::vector<char>;  // per node
@@ -29,7 +33,8 @@ public:
                const LinearSolverParams& linear, std::vector<double>& x)
         : mesh_(mesh), volume_(volume), linear_(linear), x_(x),
           E_(energy, constraint, std::vector<double>(constraint.multipliers(), 0.0), 0, Moves(mesh.nodes(), 0)) {
-        for (const int i : constraint.nodes()) E_.fixed[i] = 1;
+        fix_boundary();
+        find_sliding_nodes();
         for (const ElementGroup& group : mesh.element_groups())
             reference_.push_back(
                 reference_element(*group.cell, mesh.degree, element_quadrature(*group.cell, mesh.degree, 0)));
@@ -40,14 +45,18 @@ public:
         int before = 0;  // nodes that could move in the last round
         for (int layers = 1; !result_.left.empty() && !interrupted(); layers *= 2) {
             int count = 0;
-            for (const auto& [first, nodes] : regions(layers)) {
-                Moves moves(mesh_.nodes(), 0);
-                for (const int i : nodes) moves[i] = 1;
-                count += static_cast<int>(nodes.size());
-                result_.regions += untangle(moves);
-            }
             const std::size_t invalid = result_.left.size();
-            result_.left = certify(mesh_, x_).uncertified;
+            for (const bool slide : {false, true}) {
+                if (slide && (!can_slide_ || result_.left.empty())) break;
+                fix_boundary(slide);
+                for (const auto& [first, nodes] : regions(layers)) {
+                    Moves moves(mesh_.nodes(), 0);
+                    for (const int i : nodes) moves[i] = 1;
+                    count += static_cast<int>(nodes.size());
+                    result_.regions += slide ? untangle_sliding(moves) : untangle(moves, x_);
+                }
+                result_.left = certify(mesh_, x_).uncertified;
+            }
             if (count == before && result_.left.size() == invalid) break;  // there is no more room
             before = count;
         }
@@ -62,6 +71,75 @@ private:
     AugmentedFunctional E_;
     std::vector<ReferenceElement> reference_;  // by group of elements
     UntanglingResult result_;
+    Moves slides_;  // per node: whether it can move along its surfaces
+    Moves on_one_;  // and is on no more than one
+    bool can_slide_ = false;
+
+    // All nodes of the boundary; or without those that slide.
+    void fix_boundary(bool slide = false) {
+        for (const int i : E_.constraint.nodes()) E_.fixed[i] = !(slide && slides_[i]);
+    }
+
+    void find_sliding_nodes() {
+        constexpr double off_surface = 1e-10;
+        slides_.assign(mesh_.nodes(), 0);
+        on_one_ = slides_;
+        if (!(E_.constraint.max_error(x_) <= off_surface)) return;
+        const std::vector<int>& nodes = E_.constraint.nodes();
+        for (std::size_t t = 0; t < nodes.size(); ++t) {
+            Vec<3> x{};
+            std::copy_n(point(x_, nodes[t], mesh_.dim), mesh_.dim, x.begin());
+            const Mat<3> D = E_.constraint.distance(static_cast<int>(t), x).slope;
+            const double normals = D[0][0] + D[1][1] + D[2][2];
+            slides_[nodes[t]] = normals < mesh_.dim - 0.5;
+            on_one_[nodes[t]] = normals < 1.5;
+            can_slide_ = can_slide_ || slides_[nodes[t]];
+        }
+    }
+
+    void project(const Moves& moves, std::vector<double>& x) const {
+        const std::vector<int>& nodes = E_.constraint.nodes();
+        const std::vector<double> targets = E_.constraint.targets(x);
+        for (std::size_t t = 0; t < nodes.size(); ++t)
+            if (const int i = nodes[t]; moves[i])
+                std::copy_n(point(targets, static_cast<int>(t), mesh_.dim), mesh_.dim, point(x, i, mesh_.dim));
+    }
+
+    // Whether the boundary is folded over along a side with a node that slides: it has gone past a corner.
+    bool is_folded(const Moves& moves, const std::vector<double>& x) const {
+        constexpr double most = -0.5;  // cosine of the angle between normals
+        const auto normal = [&](int f) {
+            const int vertices = mesh_.face_cell(f).vertices;
+            return unit(flat_normal(positions(mesh_, x, mesh_.face(f), vertices), mesh_.dim - 1, vertices));
+        };
+        std::vector<Side> sides;
+        for (int f = 0; f < mesh_.face_count(); ++f) {
+            const std::span<const int> vertices = mesh_.face_vertices(f);
+            if (std::any_of(vertices.begin(), vertices.end(), [&](int i) { return moves[i] != 0; }))
+                append_sides_of_face(mesh_, f, f, sides);
+        }
+        bool folded = false;
+        for_equal_sides(sides, [&](std::span<const Side> equal) {
+            const auto begin = equal[0].vertex.begin();
+            if (!std::any_of(begin, begin + mesh_.dim - 1, [&](int i) { return slides_[i] && on_one_[i]; })) return;
+            for (const Side& other : equal.subspan(1))
+                folded = folded || dot(normal(equal[0].number), normal(other.number)) < most;
+        });
+        return folded;
+    }
+
+    bool untangle_sliding(const Moves& moves) {
+        if (is_valid(moves, x_)) return false;
+        std::vector<double> x = x_;
+        for (const double penalty : penalties) {
+            E_.penalty = penalty * std::pow(E_.constraint.norm_of_one(), 2);
+            if (untangle(moves, x)) project(moves, x);
+        }
+        E_.penalty = 0;
+        if (!is_valid(moves, x) || is_folded(moves, x)) return false;
+        x_ = x;
+        return true;
+    }
 
     template <class Body>
     void for_nodes(int e, const Body& body) const {
@@ -104,16 +182,26 @@ private:
         return least;
     }
 
-    // Whether the region is valid now.
-    bool untangle(const Moves& moves) {
-        const std::unique_ptr<LocalFunctional> local = E_.part(x_, moves);
+    // elements: those of the functional.
+    bool is_valid(LocalFunctional& local, const std::vector<int>& elements, const std::vector<double>& x) const {
+        const std::vector<double> y = local.read(x);
+        local.distortion.set_delta(0);
+        return least_determinant(elements, x) > flat && std::isfinite(local.energy(y)) &&
+               local.valid_fraction(y, y) == 1;
+    }
+
+    bool is_valid(const Moves& moves, const std::vector<double>& x) const {
+        return is_valid(*E_.part(x, moves), elements_around(mesh_, moves).place, x);
+    }
+
+    // Moves the nodes of the region in `at` where that makes it valid; whether it does.
+    bool untangle(const Moves& moves, std::vector<double>& at) {
+        const std::unique_ptr<LocalFunctional> local = E_.part(at, moves);
         DistortionEnergy& distortion = local->distortion;
-        std::vector<double> y = local->read(x_), x = x_;
-        const auto is_valid = [&] {
-            distortion.set_delta(0);
-            return std::isfinite(local->energy(y)) && local->valid_fraction(y, y) == 1;
-        };
-        if (is_valid()) return false;  // a neighbour of one that is not
+        std::vector<double> y = local->read(at), x = at;
+        const std::vector<int> elements = elements_around(mesh_, moves).place;
+        const auto is_valid_now = [&] { return is_valid(*local, elements, x); };
+        if (is_valid_now()) return false;  // a neighbour of one that is not
         Newton newton(local->hessian_pattern(), linear_,
                       {.damping = Damping::none(),
                        .filtering = EigenvalueFiltering::of_few_nodes(),
@@ -126,19 +214,18 @@ private:
             local->write(y, x);
             return std::max(least_fall, 1 - found.energy / found.start_energy);
         };
-        const std::vector<int> elements = elements_around(mesh_, moves).place;
         double D = least_determinant(elements, x);
         double delta = std::sqrt(first_sigma * (first_sigma - std::min(D, 0.0)));
-        for (int k = 0; k < most_deltas && delta > least_delta && !is_valid() && !interrupted(); ++k) {
+        for (int k = 0; k < most_deltas && delta > least_delta && !is_valid_now() && !interrupted(); ++k) {
             distortion.set_delta(delta);
             const double fall = std::min(most_fall, minimise(0.1, steps_of_delta));
             D = least_determinant(elements, x);
             const double sigma = (1 - fall) * (D + std::sqrt(D * D + 4 * delta * delta)) / 2;
             delta = D < sigma ? std::sqrt(sigma * (sigma - D)) : 0.1 * delta;
         }
-        if (!is_valid()) return false;
+        if (!is_valid_now()) return false;
         minimise(0.01, steps_of_barrier);
-        x_ = x;
+        at = x;
         return true;
     }
 };

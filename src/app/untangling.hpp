@@ -1,4 +1,4 @@
-// Makes a mesh with inverted elements valid, the nodes of its boundary fixed: the distortion with the regularised
+// Makes a mesh with inverted elements valid: the distortion with the regularised
 // determinant of Eq. 3 is minimised for smaller and smaller delta, on the schedule of Garanzha, Kaporin, Kudryavtseva,
 // Protais, Ray, Sokolov ("Foldover-free maps in 50 lines of code", ACM TOG 40, 2021). With the least determinant D of
 // the mesh and the fall s of the energy, s = 1 - E_k / E_k-1, but between 1/10 and 1/2, the next delta is such that
@@ -7,7 +7,9 @@
 //
 // Only regions around inverted elements take part, each with its own delta, first with one layer of elements around,
 // then with two, four, ..., where that does not do. What a region comes to counts only where it is certified valid:
-// valid elements stay so.
+// valid elements stay so. The nodes of the boundary are fixed; where that does not do, those that slide do so, held on
+// their surfaces by a penalty and then projected onto them. Where one has gone past a corner, so that the boundary is
+// folded over, the region counts as not valid.
 #pragma once
 #include <vector>
 
@@ -24,7 +26,7 @@ struct UntanglingResult {
 };
 
 // x: node_count x dim. energy: without regularisation, on return too; its ideal elements have these volumes, per
-// element. constraint: has no say, the nodes that it acts on stay where they are.
+// element. constraint: where it does not hold at x, all nodes that it acts on are fixed.
 UntanglingResult untangle_regions(const Mesh& mesh, const std::vector<double>& volume, DistortionEnergy& energy,
                                   Constraint& constraint, const LinearSolverParams& linear, std::vector<double>& x);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
@@ -12,6 +13,8 @@
 
 namespace almesh {
 namespace {
+
+constexpr double no_extent = 1e-14;  // of a face, over the mean
 
 // Length of the edge or area of the triangle spanned by the face's vertices.
 double simplex_measure(const Mesh& mesh, const std::vector<double>& ideal, int f) {
@@ -52,10 +55,14 @@ TraceSpace::TraceSpace(const Mesh& mesh, const std::vector<double>& ideal, const
     const FaceRule& last = target.rules.back();
     if (!mesh.groups_of_faces.empty())
         density_.assign(last.sample(last.faces.first + last.faces.count, 0), 1);
+    for (const FaceRule& rule : target.rules)
+        for (int f = rule.faces.first; f < rule.faces.first + rule.faces.count; ++f)
+            measure_[f] = measure(mesh, ideal, rule, f);
+    const double mean = std::accumulate(measure_.begin(), measure_.end(), 0.0) / mesh.face_count();
     double one_squared = 0;
     for (const FaceRule& rule : target.rules)
         for (int f = rule.faces.first; f < rule.faces.first + rule.faces.count; ++f) {
-            measure_[f] = measure(mesh, ideal, rule, f);
+            if (!(measure_[f] > no_extent * mean)) measure_[f] = mean;  // of a mesh that is to be untangled
             if (target.hold_of_face(mesh, f) == BoundaryHold::free) continue;
             const double h = mesh.dim == 2 ? measure_[f] : std::sqrt(measure_[f]);
             one_squared += measure_[f] / h;
@@ -72,7 +79,7 @@ double TraceSpace::measure(const Mesh& mesh, const std::vector<double>& ideal, c
     const std::vector<double> elements = area_elements(mesh, ideal, f, rule.quadrature);
     double area = 0;
     for (int q = 0; q < rule.quadrature.count; ++q) area += rule.quadrature.weight[q] * elements[q];
-    for (int q = 0; q < rule.quadrature.count; ++q) density_[rule.sample(f, q)] = elements[q] / area;
+    for (int q = 0; q < rule.quadrature.count; ++q) density_[rule.sample(f, q)] = area > 0 ? elements[q] / area : 1;
     return area;
 }
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "geometry/box_tree.hpp"
+#include "mesh/inner_boundary.hpp"
 #include "mesh/raw_mesh.hpp"
 #include "mesh/unused_ids.hpp"
 
@@ -121,7 +122,7 @@ std::vector<MshCells> msh_cells(const Mesh& mesh) {
     };
     for (const KeptCells& kept : mesh.kept)
         append(mesh.cell_of(kept), kept.nodes, kept.id, kept.physical, kept.entity);
-    for (const auto& [cell, first, count, start] : mesh.face_groups())
+    for (const auto& [cell, first, count, start] : faces_in_file(mesh))
         append(*cell, std::span(mesh.faces).subspan(start, offset(count, cell->node_count(mesh.degree))),
                std::span(file.face_id).subspan(first, count), std::span(file.face_physical).subspan(first, count),
                std::span(file.face_entity).subspan(first, count));

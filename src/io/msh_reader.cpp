@@ -20,7 +20,6 @@ struct MshReader {
     IdIndex node_index{}, element_index{};
     MshType type{0};  // of the element or block being read
     ForeignMshElements foreign{};
-    bool has_parameters = false, has_partitions = false;
 
     bool in_blocks() const { return in.version >= 40; }
     int line() const { return in.binary ? 0 : in.line; }
@@ -32,8 +31,6 @@ struct MshReader {
         if (mesh.nodes.empty()) in.fail("there is no $Nodes section");
         if (mesh.elements.empty()) in.fail("there is no $Elements section");
         complete_serendipity(mesh);
-        if (has_parameters) mesh.notes.push_back("the parametric coordinates of nodes are not kept");
-        if (has_partitions) mesh.notes.push_back("the partitions of elements are not kept");
         mesh.format = {FileFormat::Kind::msh, std::max(in.version, 22), in.binary};  // MSH 1 is written as MSH 2.2
         return std::move(mesh);
     }
@@ -61,11 +58,10 @@ struct MshReader {
             in.binary ? in.fail(message) : in.fail_at(first_line, message);
         }
         if (in.rest_of_line() != end) in.fail("expected ", end, ": ", name, " holds more than it announces");
-        static const std::set<std::string> of_mesh = {"$MeshFormat", "$PhysicalNames", "$Entities", "$NOD", "$ELM",
-                                                      "$Nodes", "$ParametricNodes", "$Elements"};
+        static const std::set<std::string> of_mesh = {"$MeshFormat", "$PhysicalNames", "$Entities", "$Comments", "$NOD",
+                                                      "$Nodes", "$ParametricNodes", "$Elements", "$ELM"};
         const bool is_as_written = !in.binary || (in.order == std::endian::native && in.size_bytes == 8);
-        const bool is_own = name == "$Comments" && std::string_view(begin, in.at).starts_with("$Comments\nalmesh ");
-        if (!of_mesh.contains(name) && !is_own && is_as_written)
+        if (!of_mesh.contains(name) && is_as_written)
             mesh.sections.push_back({name, std::string(begin, in.at) + "\n", mesh.nodes.empty()});
     }
 
@@ -307,7 +303,6 @@ struct MshReader {
             parameters.dim = in.integer("the dimension of the entity", 0, 3) % 3;  // nodes of a volume have none
             in.integer("the entity tag");
         }
-        has_parameters = has_parameters || parameters.are_there;
         if (parameters.are_there) in.skip_reals(parameters.dim);
         in.end_of_record();
     }
@@ -385,7 +380,6 @@ struct MshReader {
 
     // MSH 2.2: the tags of an element are those of its physical group, of its entity, and others.
     void read_tags(RawElement& element, int count) {
-        has_partitions = has_partitions || count > 2;
         for (int k = 0; k < count; ++k) {
             const int tag = in.integer("a tag");
             if (k == 0) element.physical = std::abs(tag);

@@ -58,42 +58,22 @@ struct MshWriter {
         std::vector<MshCells> all = msh_cells(mesh);
         const MshCopies copies = msh_copies(mesh, all);
         all.insert(all.end(), copies.cells.begin(), copies.cells.end());
-        const std::vector<std::array<int, 2>> rows = rows_2_2(all);
-        sink(concat("$Elements\n", rows.size(), "\n"));
+        int count = 0;
+        for (const MshCells& cells : all) count += cells.count();
+        sink(concat("$Elements\n", count, "\n"));
         for (const MshCells& cells : all) {
-            if (!format.binary) break;
             std::string head;
             for (const int number : {cells.type, cells.count(), 2}) numbers.integer(head, number);
-            sink(head);
-            append_rows(sink, cells.count(), [&](std::string& part, int c) { append_element(part, cells, c); });
-        }
-        if (!format.binary)
-            append_rows(sink, static_cast<int>(rows.size()),
-                        [&](std::string& part, int r) { append_element(part, all[rows[r][0]], rows[r][1]); });
-        sink(numbers.end_section("Elements"));
-    }
-
-    // Which cell of which of them each row has: those of a dimension in the order of ids where these ascend, as in most
-    // files.
-    std::vector<std::array<int, 2>> rows_2_2(const std::vector<MshCells>& all) const {
-        std::vector<std::array<int, 2>> rows;
-        for (int k = 0; k < static_cast<int>(all.size()); ++k)
-            for (int c = 0; c < all[k].count(); ++c) rows.push_back({k, c});
-        const auto ascend = [](const MshCells& cells) { return std::is_sorted(cells.id.begin(), cells.id.end()); };
-        if (std::all_of(all.begin(), all.end(), ascend))
-            std::stable_sort(rows.begin(), rows.end(), [&](const std::array<int, 2>& a, const std::array<int, 2>& b) {
-                const MshCells &of_a = all[a[0]], &of_b = all[b[0]];
-                return std::pair(of_a.dim, of_a.id[a[1]]) < std::pair(of_b.dim, of_b.id[b[1]]);
+            if (format.binary) sink(head);
+            append_rows(sink, cells.count(), [&](std::string& part, int c) {
+                numbers.id(part, cells.id[c]);
+                for (const int number : {cells.type, 2})
+                    if (!format.binary) numbers.integer(part, number);
+                for (const int tag : {cells.physical[c], cells.entity[c]}) numbers.integer(part, tag);
+                append_nodes(part, cells.nodes_of(c));
             });
-        return rows;
-    }
-
-    void append_element(std::string& text, const MshCells& cells, int c) const {
-        numbers.id(text, cells.id[c]);
-        for (const int number : {cells.type, 2})
-            if (!format.binary) numbers.integer(text, number);
-        for (const int tag : {cells.physical[c], cells.entity[c]}) numbers.integer(text, tag);
-        append_nodes(text, cells.nodes_of(c));
+        }
+        sink(numbers.end_section("Elements"));
     }
 
     void body_4() const {

@@ -95,7 +95,7 @@ struct Su2Writer {
 
     // The boundaries, and the tagged faces inside the mesh.
     void fill_markers() {
-        for (const auto& [cell, first, count, start] : mesh.face_groups())
+        for (const auto& [cell, first, count, start] : faces_in_file(mesh))
             for (int f = first; f < first + count; ++f)
                 zone_of(mesh.face_element[f])
                     .marker(group_name(mesh.file.groups, mesh.dim - 1, mesh.file.face_physical[f]))

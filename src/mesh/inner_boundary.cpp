@@ -198,6 +198,8 @@ struct InnerBuilder {
     }
 
     void append() {
+        std::stable_sort(inner.begin(), inner.end(),
+                         [](const InnerFace& a, const InnerFace& b) { return (a.kept < 0) < (b.kept < 0); });
         std::vector<const CellType*> types;  // of all faces
         for (int f = 0; f < mesh.face_count(); ++f) types.push_back(&mesh.face_cell(f));
         if (!inner.empty()) mesh.file.face_winding.resize(mesh.face_count());

@@ -23,11 +23,19 @@ std::vector<GroupCells> volume_groups(const Mesh& mesh);
 // What stands for a volume among the groups of a boundary.
 inline std::string volume_group(const std::string& name) { return "volume " + name; }
 
+// The faces of the mesh that are written to a file, the first ones of each type.
+inline std::vector<ElementGroup> faces_in_file(const Mesh& mesh) {
+    std::vector<ElementGroup> groups = mesh.face_groups();
+    for (auto& [cell, first, count, start] : groups)
+        while (count > 0 && mesh.file.face_physical[first + count - 1] == not_in_file) --count;
+    return groups;
+}
+
 // Makes boundaries of the faces inside the mesh that belong to the groups, taken out of Mesh::kept, of all sides of
 // the elements of the volumes, and, if wanted, of all sides between elements of different groups, or, where no element
 // has one, of different entities: "between solid and fluid". Sides of volumes that are on another boundary belong to
-// the volume too. Neighbouring faces of an inner boundary are oriented alike. Those that the file does not have get the
-// physical tag not_in_file. Cost: O(elements log elements).
+// the volume too. Neighbouring faces of an inner boundary are oriented alike. Behind all other faces of their type stand
+// those that the file does not have, with the physical tag not_in_file. Cost: O(elements log elements).
 void make_inner_boundaries(Mesh& mesh, const std::vector<std::string>& groups, const std::vector<std::string>& volumes,
                            bool between_groups = false);
 

@@ -18,43 +18,6 @@ bool is_identity(const std::vector<std::uint8_t>& winding) {
     return std::all_of(winding.begin(), winding.end(), [](std::uint8_t w) { return w == 0; });
 }
 
-// Without faces that the file does not have. Those inside the mesh and those in no group were found after the others:
-// by their ids they stand between these again, where these have ascending ones.
-void order_faces_as_in_file(Mesh& mesh) {
-    const std::vector<long long>& id = mesh.file.face_id;
-    std::vector<int> order;
-    long long last = 0;
-    bool ascend = true;
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        const int physical = mesh.file.face_physical[f];
-        if (physical != not_in_file) order.push_back(f);
-        if (physical <= 0 || mesh.is_inner(f)) continue;
-        if (f > 0 && &mesh.face_cell(f) != &mesh.face_cell(f - 1)) last = 0;
-        ascend = ascend && id[f] > last;
-        last = id[f];
-    }
-    if (ascend) std::stable_sort(order.begin(), order.end(), [&](int f, int g) { return id[f] < id[g]; });
-    if (static_cast<int>(order.size()) == mesh.face_count() && std::is_sorted(order.begin(), order.end())) return;
-    std::vector<int> nodes;
-    std::vector<const CellType*> types;
-    for (const int f : order) {
-        nodes.insert(nodes.end(), mesh.face(f), mesh.face(f) + mesh.face_nodes(f));
-        types.push_back(&mesh.face_cell(f));
-    }
-    const auto reorder = [&order](auto&... of) {
-        const auto one = [&order](auto& values) {
-            const auto before = std::move(values);
-            values.clear();
-            for (std::size_t k = 0; k < order.size() && !before.empty(); ++k) values.push_back(before[order[k]]);
-        };
-        (..., one(of));
-    };
-    reorder(mesh.face_element, mesh.face_boundary, mesh.file.face_physical, mesh.file.face_entity,
-            mesh.file.face_winding, mesh.file.face_id);
-    mesh.faces = std::move(nodes);
-    group_faces(mesh, types);
-}
-
 }  // namespace
 
 std::uint8_t winding(const int* here, const int* in_file, int count) {
@@ -90,7 +53,6 @@ void set_winding(Mesh& mesh, const std::vector<int>& turned) {
 }
 
 Mesh as_in_file(Mesh mesh) {
-    order_faces_as_in_file(mesh);
     const Subcells subcells(mesh);
     for (std::size_t f = 0; f < mesh.file.face_winding.size(); ++f) {
         if (mesh.file.face_winding[f] == 0) continue;

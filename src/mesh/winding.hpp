@@ -20,7 +20,7 @@ void reverse(Mesh& mesh, const std::vector<int>& elements);
 // Records that these elements were reversed.
 void set_winding(Mesh& mesh, const std::vector<int>& turned);
 
-// The mesh with its elements and faces as the file has them, and without the faces that it does not have.
+// The mesh with its elements and faces as the file has them.
 Mesh as_in_file(Mesh mesh);
 
 }  // namespace almesh
