@@ -1,6 +1,7 @@
 #include "fuzz/random_deck.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 
 #include "app/deck.hpp"
@@ -105,10 +106,12 @@ RandomMotion random_motion(Choices& choose, const Box& box, int dim) {
     return motion;
 }
 
-// Of the table's short lists, in full.
+// Of the table's short lists, in full; without the values that name a file.
 const std::map<std::string, std::vector<std::string>> long_lists = {
     {"method",
      {"augmented_lagrangian", "penalty", "elasticity", "harmonic", "incremental", "untangle", "fixed_boundary"}},
+    {"ideal", {"auto", "straight", "given", "regular", "size 0.3"}},
+    {"start", {"auto", "identity", "coarse"}},
     {"final",
      {"input", "msh", "su2", "both", "msh22", "msh22-binary", "msh40", "msh40-binary", "msh41", "msh41-binary"}}};
 
@@ -168,7 +171,8 @@ std::map<std::string, std::string> random_settings(Choices& choose, const Mesh& 
     std::map<std::string, std::string> settings;
     for (int left = choose.below(8); left > 0; --left) {
         const DeckKey& key = keys[choose.below(static_cast<int>(keys.size()))];
-        if (key.name == "mesh" || key.name == "output" || key.name == "max_seconds" || key.name == "threads") continue;
+        constexpr std::array of_files_or_times = {"mesh", "output", "frames", "max_seconds", "threads"};
+        if (std::find(of_files_or_times.begin(), of_files_or_times.end(), key.name) != of_files_or_times.end()) continue;
         std::string& value = settings[key.name];
         if (key.name == "title") value = quoted_where_needed(choose.word(20), "#\"");
         else if (key.name == "wall")
