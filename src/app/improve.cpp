@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/best_power.hpp"
 #include "app/curving.hpp"
 #include "app/kept_surface.hpp"
 #include "app/quality_change.hpp"
@@ -218,7 +219,7 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, std::F
 }  // namespace
 
 Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
-    Solution solution = improved(deck, problem, near_surface(problem, solve, out), out);
+    Solution solution = improved(deck, problem, near_surface(problem, best_of_powers(solve, out), out), out);
     print_surface(out, deck, problem, solution.x);
     const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
     print_quality_change(out, change);
