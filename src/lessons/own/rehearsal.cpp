@@ -148,8 +148,8 @@ void try_certificate() {
     need("certificate", valid_on_the_way(p, p), "a triangle that stays where it is is not certified");
     need("certificate", !valid_on_the_way(p, beyond), "a triangle that is inverted at the end is certified");
     const double c = std::cos(2.5), s = std::sin(2.5);  // by 143 degrees: small half way, but not inverted
-    need("certificate", valid_on_the_way(p, {{{0, 0}, {c, s}, {-s, c}}}), "a triangle that turns by 143 degrees is not ",
-         "certified: its middle coefficient is negative, which proves nothing; halve");
+    need("certificate", valid_on_the_way(p, {{{0, 0}, {c, s}, {-s, c}}}), "a triangle that turns by 143 degrees is ",
+         "not certified: its middle coefficient is negative, which proves nothing; halve");
     need("certificate", !valid_on_the_way(p, opposite), "a triangle that shrinks to a point on the way is certified: ",
          "sound ends prove nothing");
 }
