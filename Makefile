@@ -59,7 +59,7 @@ said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
 .PHONY: all run help test test-page page run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh compare-improve cad-models cad-examples cholmod paper gauntlet generated untangle slurm certificates defaults derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
-        figures meshes lessons readmes check-lessons student wrong-answers animation quality clean FORCE
+        figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation quality clean FORCE
 
 all: almesh ## build the program ./almesh
 
@@ -229,7 +229,7 @@ student: ## export the course without solutions as a folder that stands alone: m
 check-lessons: $(CHECKS) ## check the answers to all exercises: a table, and outputs/lessons/answers.csv (ANSWERS=solutions)
 	@tests/lessons/answers.py --build $(BUILD) $(or $(ANSWERS),exercises)
 
-lessons: python $(BUILD)/almesh $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ## run the commands of all documents, compare with the output shown; check the solutions
+lessons: with-solutions python $(BUILD)/almesh $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ## run the commands of all documents, compare with the output shown; check the solutions
 	tests/lessons/answers.py --build $(BUILD) --self-test
 	tests/lessons/hints.py --self-test
 	tests/lessons/student.py --self-test $(BUILD)
@@ -239,7 +239,10 @@ lessons: python $(BUILD)/almesh $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ## run th
 	tests/documents.py --build $(BUILD) --self-test
 	tests/documents.py --build $(BUILD)
 
-wrong-answers: $(CHECKS) $(BUILD)/lessons/almesh_in_one_file ## try all wrong answers to the exercises and a hundred broken ones: each is refused with its reason
+with-solutions:
+	@test -d src/lessons/solutions || { echo 'this is for the course with solutions; here: make lesson-01, make check-lessons'; exit 1; }
+
+wrong-answers: with-solutions $(CHECKS) $(BUILD)/lessons/almesh_in_one_file ## try all wrong answers to the exercises and a hundred broken ones: each is refused with its reason
 	tests/lessons/wrong.py --build $(BUILD) --all
 	tests/lessons/wrong_own.py --build $(BUILD) --all
 

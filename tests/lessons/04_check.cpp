@@ -108,7 +108,8 @@ double minimum(const std::function<double(double)>& f, const std::function<doubl
     int calls = 0;
     const auto finite_only = [&](const std::function<double(double)>& derivative) {
         return [&](double x) {
-            expect(std::isfinite(f(x)), "a derivative is called at x = ", x, ", where f is ", f(x));
+            expect(std::isfinite(f(x)), "a derivative is called at x = ", x, ", where f is ", f(x),
+                   ": no step may end there; every comparison with nan is false");
             expect(++calls < 1000, "no minimum after 1000 calls of derivatives, start ", from, ", now at x = ", x,
                    ": is any decrease enough for you, where Armijo asks for more?");
             return derivative(x);

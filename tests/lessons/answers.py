@@ -129,11 +129,17 @@ def call_of_library(answers):
     return found[1].strip("<") if found else None
 
 
+def back(name):
+    """How to get a template again: a student's export has no git."""
+    return (f"`git checkout {name}` brings the template back" if (ROOT / ".git").exists() else
+            "get the template again from where the course came from")
+
+
 def compiled(answers, limits):
     """"" or why there is no program."""
     name = shown(answers.source)
     if not answers.source.is_file():
-        return f"{name} is missing: `git checkout {name}` brings the template back"
+        return f"{name} is missing: {back(name)}"
     number, program, flags = answers.number, answers.program, (answers.build / "flags").read_text()
     if header := foreign_header(answers):
         return f"{name} includes \"{header}\": an answer stands on the standard library and on {number}.hpp"

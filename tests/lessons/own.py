@@ -103,11 +103,14 @@ def show(choice):
         whose = "open" if part in choice.failed else "library" if part in choice.borrowed else "yours"
         print(f"{part:<12} {numbers.replace(' ', ', '):<20} {whose:<8} {what}")
     print(f"{len(choice.own)} of {len(PARTS)} parts are yours")
-    for part, messages in choice.failed.items():
-        for number, message in messages.items():
-            hint = f"{lesson_of(number)}-{number.split('.')[1]}"
-            print(f"\n{part} is open: exercise {number} does not hold yet: {message}\n"
-                  f"  solve it (a hint: make hint-{hint}), or go on with the library's: make own-almesh BORROW={part}")
+    if choice.failed:
+        print("\nopen are:")
+        for part, messages in choice.failed.items():
+            for number, message in messages.items():
+                print(f"  {part:<12} {number:<5} {message if len(message) < 160 else message[:157] + '...'}")
+        first = next(iter(next(iter(choice.failed.values()))))
+        print(f"next: exercise {first}; a hint: make hint-{lesson_of(first)}-{first.split('.')[1]}\n"
+              f"or go on with the library's parts where yours are open: make own-almesh BORROW=open")
     sys.stdout.flush()
 
 
@@ -143,8 +146,7 @@ def linked(files, choice, build):
                *(ROOT / "src" / "lessons" / "exercises").glob("*.hpp"), build / "flags"]
     missing = next((source for source in files if not source.is_file()), None)
     if missing:
-        raise Problem(f"{grader.shown(missing)} is missing: `git checkout {grader.shown(missing)}` brings the template "
-                      "back")
+        raise Problem(f"{grader.shown(missing)} is missing: {grader.back(grader.shown(missing))}")
     borrowed = " ".join(choice.borrowed)
     objects = [compiled(ROOT / "src" / "lessons" / "own" / "parts.cpp",
                         own / f"parts-{'-'.join(choice.borrowed) or 'all'}.o",

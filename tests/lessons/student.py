@@ -19,6 +19,8 @@ from answers import OWN_ALMESH, ROOT
 from own import PARTS
 
 LEFT_OUT = re.compile(r"(^|/)solutions/|^inputs/lessons/paper-solutions\.md$|^tests/lessons/(wrong|student)")
+# Lines of the course's README that are of no use without solutions.
+OF_LECTURERS = re.compile(r"olutions|^\| `make (lessons|wrong-answers|student)")
 # What handouts show of the solutions, and the same as students have it.
 OF_STUDENTS = [(re.compile(r"```console\n\$ build/lessons/solved-(\d\d) \S+"), r"```\n$ make check-lesson-\1"),
                (re.compile(r"```console\n\$ tests/lessons/own\.py --build \S+ \S+"), r"```\n$ make own-almesh"),
@@ -40,7 +42,7 @@ def export(folder):
                 text = shown.sub(instead, text)
             target.write_text(text)
         if name == "inputs/lessons/README.md":
-            kept = [line for line in target.read_text().split("\n") if "olutions" not in line]
+            kept = [line for line in target.read_text().split("\n") if not OF_LECTURERS.search(line)]
             target.write_text("\n".join(kept))
 
 

@@ -9,8 +9,8 @@ namespace almesh::lessons {
 
 using Vector = std::vector<double>;
 
-// 7.1 The exact multiplier of a single mode, to which the updates would lead, after one of them. lambda: before it;
-// c_1: the constraint at the minimum for lambda; c_2: at that for the multiplier after the update; mu: the penalty.
+// 7.1 The exact multiplier of a single mode, to which all updates together would lead. c_1: the constraint at the
+// minimum for lambda; c_2: at the minimum for lambda - mu c_1, that is after one update; mu: the penalty.
 double exact_multiplier(double lambda, double mu, double c_1, double c_2);
 
 // 7.2 The forces f = M lambda / |1| of a polygonal wall. edges: pairs of nodes; lambda: two numbers for each node. In
