@@ -109,7 +109,8 @@ def show(choice):
             for number, message in messages.items():
                 print(f"  {part:<12} {number:<5} {message if len(message) < 160 else message[:157] + '...'}")
         first = next(iter(next(iter(choice.failed.values()))))
-        print(f"next: exercise {first}; a hint: make hint-{lesson_of(first)}-{first.split('.')[1]}\n"
+        hint = f"a hint: make hint-{lesson_of(first)}-{first.split('.')[1]}"
+        print(f"next: exercise {first}; {hint}\n"
               f"or go on with the library's parts where yours are open: make own-almesh BORROW=open")
     sys.stdout.flush()
 
@@ -196,7 +197,8 @@ def run(program, words, build, results=FOLDER, limits=LIMITS):
 def explain(code, printed, touched, limits):
     """Problem where the run has failed."""
     fails = re.search(r"^FAILS (\w*): (.*)", printed, re.MULTILINE)
-    print((printed[:fails.start()] if fails else printed).strip("\n"), flush=True)
+    before = (printed[:fails.start()] if fails else printed).strip("\n")
+    print(before, end="\n" if before else "", flush=True)
     if fails and fails[1] in PARTS:
         numbers = exercises_of(fails[1])
         raise Problem(f"{fails[1]} fails (exercise{'s' if len(numbers) > 1 else ''} {', '.join(numbers)}): {fails[2]}\n"
