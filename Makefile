@@ -223,7 +223,7 @@ own-almesh: $(CHECKS) FORCE ## link your answers into a solver and run the paper
 	@if $(PYTHON) -c 'import numpy, matplotlib' 2>/dev/null; then $(PYTHON) plot/lessons/own_almesh.py; else \
 	  echo 'no picture without numpy and matplotlib: apt-get install python3-numpy python3-matplotlib (or pip)'; fi
 
-student: ## export the course without solutions as a folder that stands alone: make student TO=../course
+student: with-solutions ## export the course without solutions as a folder that stands alone: make student TO=../course
 	@tests/lessons/student.py $(TO)
 
 check-lessons: $(CHECKS) ## check the answers to all exercises: a table, and outputs/lessons/answers.csv (ANSWERS=solutions)
