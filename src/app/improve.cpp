@@ -13,6 +13,7 @@
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
+#include "check/never_valid.hpp"
 #include "check/scaled_jacobian.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/local_size.hpp"
@@ -65,21 +66,12 @@ bool may_stay(const Deck& deck, const Problem& problem) {
     return deck.ideal == IdealKind::regular && std::all_of(problem.motions.begin(), problem.motions.end(), stays);
 }
 
-// Simplices all of whose vertices are on their own boundary faces, and these in one line or plane, are valid nowhere.
-void refuse_flat(const Mesh& mesh, const Frame& frame, const std::vector<int>& invalid) {
-    for (const int e : invalid) {
-        if (!mesh.cell(e).is_simplex()) continue;
-        const int faces = static_cast<int>(std::count(mesh.face_element.begin(), mesh.face_element.end(), e));
-        const std::vector<Vec<3>> x = positions(mesh, mesh.x, mesh.element(e), mesh.dim + 1);
-        double size = 0;
-        for (const Vec<3>& vertex : x) size = std::max(size, length(vertex - x[0]));
-        if (faces < 2 || std::abs(volume(mesh, mesh.x, e)) > 1e-12 * std::pow(size, mesh.dim)) continue;
-        throw InputError("element ", mesh.file.element_id[e], " at ",
-                         position_text(frame.to_file(element_centre(mesh, mesh.x, e)).data(), mesh.dim), " has ", faces,
-                         " faces on the boundary, which lie in one ", mesh.dim == 2 ? "line" : "plane",
-                         ": wherever its nodes are there, it has no volume: take it out of the mesh, or divide the "
-                         "element beside it");
-    }
+void refuse_never_valid(const Deck& deck, const Problem& problem, const std::vector<double>& x) {
+    const Mesh& mesh = problem.mesh();
+    const auto found = find_never_valid(mesh, x, *problem.level->constraint, problem.target, problem.sliding.get());
+    if (!found) return;
+    throw InputError(deck.mesh, ": ", found->what, " at ",
+                     position_text(problem.frame.to_file(found->at).data(), mesh.dim), " ", found->why);
 }
 
 bool is_certified(const Deck& deck, const Problem& problem, const std::vector<double>& x) {
@@ -124,8 +116,8 @@ bool untangle(const Deck& deck, const Problem& problem, const std::vector<int>& 
     std::vector<double> volumes = problem.regular;
     for (int e = 0; e < mesh.element_count() && problem.regular.empty(); ++e)
         volumes.push_back(volume(mesh, problem.ideal(), e));
-    refuse_flat(mesh, problem.frame, invalid);
     set_functional(deck, problem);
+    refuse_never_valid(deck, problem, x);
     const auto energy = make_energy(
         mesh, problem.ideal(), {.objective = Objective::tangled, .curved_ideal = true, .regular = problem.regular});
     const UntanglingResult found =

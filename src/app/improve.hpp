@@ -1,9 +1,9 @@
 // Meshes that are to be made better in place: ideal = regular | size FORMULA | mesh FILE, and almesh improve FILE.
 //
-// Where the mesh has inverted elements, it is made valid first (untangling.hpp), with the boundary where it is, or sliding.
-// The distortion relative to the ideal elements is then minimised from there, by the method and with the boundary of the
-// deck. With ideal = regular and boundaries that are fixed or only slide, a valid mesh stays as it is where this would
-// lower its least scaled Jacobian, and a boundary whose nodes slide to no valid mesh is fixed.
+// Where the mesh has inverted elements, it is made valid first (untangling.hpp), with the boundary where it is, or
+// sliding. The distortion relative to the ideal elements is then minimised from there, by the method and with the
+// boundary of the deck. With ideal = regular and boundaries that are fixed or only slide, a valid mesh stays as it is
+// where this would lower its least scaled Jacobian, and a boundary whose nodes slide to no valid mesh is fixed.
 #pragma once
 #include <cstdio>
 #include <string>

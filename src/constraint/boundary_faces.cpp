@@ -49,7 +49,9 @@ BoundaryFaces::BoundaryFaces(const Mesh& mesh_, const std::vector<double>& node,
     find_sides();
 }
 
-Vec<3> BoundaryFaces::flat_of(int k) const { return flat_normal(position[k], mesh.dim - 1, mesh.face_cell(face[k]).vertices); }
+Vec<3> BoundaryFaces::flat_of(int k) const {
+    return flat_normal(position[k], mesh.dim - 1, mesh.face_cell(face[k]).vertices);
+}
 
 std::vector<Patch> BoundaryFaces::all_patches(std::vector<int>& of_face) const {
     std::vector<Patch> all;
@@ -79,6 +81,15 @@ double BoundaryFaces::angle_when_tangled(int f, int g, double angle) const {
     for (const int k : {f, g})
         if (is_flat(flat_of(k), size_of(position[k], mesh.dim - 1))) return 90;
     return angle >= turned_over ? 0 : angle;
+}
+
+bool BoundaryFaces::has_edge(const std::vector<int>& faces, double limit) const {
+    std::vector<char> chosen(face.size(), 0);
+    for (const int k : faces) chosen[k] = 1;
+    for (std::size_t s = 0; s < side.size(); ++s)
+        if (side_angle[s] > limit && !is_tangled(side[s]) && chosen[side[s].first] && chosen[side[s].second])
+            return true;
+    return false;
 }
 
 bool BoundaryFaces::any_tangled(const std::vector<int>& faces) const {
@@ -236,12 +247,12 @@ std::vector<SurfaceOfFaces> surfaces_of(const BoundaryFaces& faces, double featu
     };
     std::vector<int> all(faces.face.size());
     std::iota(all.begin(), all.end(), 0);
+    const double sharp = std::max(surely_sharp, feature_angle);
     for (const std::vector<int>& connected : faces.cut(all, 180)) {
         if (faces.on_one_quadric(connected) && add(faces.fitted(connected), connected)) continue;
-        const double sharp = std::max(surely_sharp, feature_angle);
         std::vector<int> others;
         for (const std::vector<int>& tangled : faces.cut(connected, sharp, 180))
-            if (!faces.any_tangled(tangled) || !add(faces.fitted(tangled), tangled))
+            if (!faces.any_tangled(tangled) || faces.has_edge(tangled, sharp) || !add(faces.fitted(tangled), tangled))
                 others.insert(others.end(), tangled.begin(), tangled.end());
         for (const std::vector<int>& piece : faces.cut(others, sharp)) {
             if (add(faces.fitted(piece), piece)) continue;

@@ -1,5 +1,5 @@
-// The faces of some boundaries, moved, and the surfaces that they are on: where they are cut into smooth parts, and what
-// each part is (sliding.hpp).
+// The faces of some boundaries, moved, and the surfaces that they are on: where they are cut into smooth parts, and
+// what each part is (sliding.hpp).
 //
 // Faces that share a side are joined unless their normals there differ by more than an angle. Faces of a tangled mesh
 // may be turned over, or have no extent: then parts that are on one surface are joined whatever the angles are.
@@ -52,6 +52,7 @@ struct BoundaryFaces {
     std::unique_ptr<Surface> own(const std::vector<int>& faces) const;  // the faces themselves
 
     bool is_tangled(const std::pair<int, int>& faces) const { return tangled[faces.first] || tangled[faces.second]; }
+    bool has_edge(const std::vector<int>& faces, double limit) const;  // between two that are not tangled
     bool any_tangled(const std::vector<int>& faces) const;
 
 private:

@@ -245,32 +245,6 @@ TEST_CASE("ideal = mesh: a moved mesh is untangled towards the mesh before the m
     CHECK(has(outcome.error, "other.msh: it has 96 elements, the mesh of the run 72"));
 }
 
-TEST_CASE("an element that the boundary keeps flat is refused, with its place; another one is told to be left") {
-    const TemporaryFolder folder;
-    Mesh mesh = square_mesh(3);
-    const std::vector<char> fixed = on_boundary(mesh);
-    const auto is_in_corner = [&](int e) {
-        return std::all_of(mesh.element(e), mesh.element(e) + 3, [&](int i) { return fixed[i]; });
-    };
-    int corner = 0, vertex = 0;
-    while (!is_in_corner(corner)) ++corner;
-    const auto at = [&](int k) { return point(mesh.x, mesh.element(corner)[k], 2); };
-    const auto is_edge = [&](int k) { return at(k)[0] == at((k + 1) % 3)[0] || at(k)[1] == at((k + 1) % 3)[1]; };
-    while (!is_edge(vertex) || !is_edge((vertex + 2) % 3)) ++vertex;  // with the right angle
-    for (const double to : {0.5, 1.2}) {
-        Mesh flat = mesh;
-        for (int a = 0; a < 2; ++a) {
-            const double middle = 0.5 * (at((vertex + 1) % 3)[a] + at((vertex + 2) % 3)[a]);
-            point(flat.x, mesh.element(corner)[vertex], 2)[a] += 2 * to * (middle - at(vertex)[a]);
-        }
-        folder.write("flat.msh", msh_of(flat));
-        const Outcome outcome = improved(folder, "flat.msh");
-        CHECK(outcome.code == (to == 0.5 ? 2 : 3));
-        CHECK(has(outcome.error + outcome.out, to == 0.5 ? "2 faces on the boundary, which lie in one line"
-                                                         : "1 element invalid in the file, 1 left after "));
-    }
-}
-
 TEST_CASE("what cannot be improved, and what does not go with it, is refused") {
     const TemporaryFolder folder;
     folder.write("ring.msh", msh_of(ring_mesh(12, 3, 6)));
