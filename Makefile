@@ -206,12 +206,12 @@ lesson-%: almesh FORCE ## run the commands of a lesson's handout and draw its pi
 	@if $(PYTHON) -c 'import numpy, matplotlib' 2>/dev/null; then $(PYTHON) $(wildcard plot/lessons/$*_*.py); else \
 	  echo 'no picture without numpy and matplotlib: apt-get install python3-numpy python3-matplotlib (or pip)'; fi
 
-check-lesson-%: FORCE ## check your answers to a lesson's exercises: make check-lesson-01 (ANSWERS=solutions: the solutions)
-	@$(MAKE) --no-print-directory $(filter %/$*_check.o %/exercise.o %.a,$(CHECKS))
-	@tests/lessons/answers.py --build $(BUILD) --lesson $* $(or $(ANSWERS),exercises)
+check-lesson-%: FORCE ## check your answers to a lesson's exercises: make check-lesson-01 (SHOW=2: what your answer to 1.2 prints)
+	@$(MAKE) --silent $(filter %/$*_check.o %/exercise.o %.a,$(CHECKS))
+	@tests/lessons/answers.py --build $(BUILD) --lesson $* $(SHOW:%=--show %) $(or $(ANSWERS),exercises)
 
 watch-%: FORCE ## check a lesson's answers at each save, and say what is next: make watch-04
-	@$(MAKE) --no-print-directory $(filter %/$*_check.o %/exercise.o %.a,$(CHECKS))
+	@$(MAKE) --silent $(filter %/$*_check.o %/exercise.o %.a,$(CHECKS))
 	@tests/lessons/answers.py --build $(BUILD) --lesson $* --watch
 
 hint-%: ## a hint for an exercise, here 4.2: make hint-04-2 (MORE=1: nearly the answer)

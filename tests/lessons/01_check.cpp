@@ -62,23 +62,26 @@ EXERCISE("1.3", "eta in 3D") {
                  "the power of det F must make eta blind to size: 2/n with n = 3");
     const Mat<3> F = {{{1, 0.2, 0}, {0.1, 2, 0.3}, {0, -0.4, 0.5}}};
     expect_close("eta of a general F", eta_3d(F), distortion<3>(F, 0.0), 1e-12);
-    expect(std::isinf(eta_3d({{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}}})), "eta of a reflection is finite");
+    expect(std::isinf(eta_3d({{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}}})), "eta of a reflection is finite: ",
+           "with the barrier it is infinite where det F is not positive");
 }
 
 EXERCISE("1.4", "the regularised distortion, without cancellation") {
     const Mat<2> inverted = {{{1, 0.3}, {0.2, -1}}};
     for (const double delta : {1.0, 0.1, 1e-3})
-        expect_close(concat("eta_delta of an inverted triangle, delta = ", delta, ","),
+        expect_close(concat("eta_delta of an inverted triangle, delta = ", delta, ", divided by the value of Eq. 2"),
                      eta_regularised(inverted, delta) / distortion<2>(inverted, delta), 1, 1e-9,
-                     "the ratio to the value of Eq. 2");
+                     "|F|^2 / (2 sigma_delta), and det F keeps its sign in sigma_delta");
     const double small = eta_regularised(inverted, 1e-9) / distortion<2>(inverted, 1e-9);
     expect_close("the ratio to Eq. 2 at delta = 1e-9", small, 1, 1e-6,
                  "det + sqrt(det^2 + 4 delta^2) cancels where det < 0; multiply and divide by sqrt(...) - det");
-    expect_close("eta_delta of the identity, delta = 0,", eta_regularised({{{1, 0}, {0, 1}}}, 0), 1, 1e-12);
+    expect_close("eta_delta of the identity, delta = 0,", eta_regularised({{{1, 0}, {0, 1}}}, 0), 1, 1e-12,
+                 "where det F > 0 the formula as printed keeps its digits");
 }
 
 EXERCISE("1.5", "how far a triangle is stretched") {
-    expect_close("the stretch of eta = 1", stretch_of(1), 1, 1e-12);
+    expect_close("the stretch of eta = 1", stretch_of(1), 1, 1e-12,
+                 "s itself, not its logarithm: it is 1 where nothing is stretched");
     for (const double s : {2.0, 10.0, 50000.0})
         expect_close(concat("the stretch of diag(1, ", s, ")"),
                      stretch_of(distortion<2>(Mat<2>{{{1, 0}, {0, s}}}, 0.0)), s, 1e-9,

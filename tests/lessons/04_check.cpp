@@ -28,7 +28,8 @@ EXERCISE("4.2", "the step at which a triangle inverts") {
         const bool near = std::isfinite(expected) && std::abs(t - expected) <= 1e-13 * expected;
         expect(t == expected || near, "t for ", what, " is ", t, ", expected ", expected, ": ", hint);
     };
-    expect_t("one vertex that goes down", {{{0, 0}, {0, 0}, {0, -2}}}, 0.5, "it reaches the opposite edge");
+    expect_t("one vertex that goes down", {{{0, 0}, {0, 0}, {0, -2}}}, 0.5,
+             "it reaches the opposite edge; 1 - 2 t is linear, a quadratic's formula divides 0 by 0");
     expect_t("one vertex that goes up", {{{0, 0}, {0, 0}, {0, 2}}}, INFINITY,
              "the area grows; a root at t < 0 lies behind");
     expect_t("a translation", {{{3, 5}, {3, 5}, {3, 5}}}, INFINITY, "the area stays as it is");
@@ -47,7 +48,9 @@ EXERCISE("4.2", "the step at which a triangle inverts") {
 EXERCISE("4.3", "the positive semidefinite part of a matrix") {
     const Mat<2> flipped = positive_part({{{2, 0}, {0, -1}}});
     expect_close("entry 2 2 of the part of diag(2, -1)", flipped[1][1], 0, 1e-14,
-                 flipped[1][1] == 1 ? "set negative eigenvalues to 0, not to their absolute value" : "");
+                 flipped[1][1] == 1          ? "set negative eigenvalues to 0, not to their absolute value"
+                 : std::isnan(flipped[1][1]) ? "off the diagonal are zeros: an eigenvector's formula divides 0 by 0"
+                                             : "its eigenvalue -1 is left out");
     for (const Mat<2>& A :
          {Mat<2>{{{2, 0}, {0, -1}}}, Mat<2>{{{1, 2}, {2, 1}}}, Mat<2>{{{3, 1}, {1, 2}}}, Mat<2>{{{-3, 1}, {1, -2}}},
           Mat<2>{{{-1, -4}, {-4, 6}}}, Mat<2>{{{5, 0}, {0, 5}}}, Mat<2>{{{-5, 0}, {0, -5}}}}) {
@@ -93,7 +96,7 @@ EXERCISE("4.4", "fixing the boundary") {
            ": set columns of fixed nodes to 0, not only rows");
     for (double& entry : g) entry = -entry;
     expect(solve_dense(A, g, d, 1e-13),
-           "H is singular: are nodes fixed, with a number on their diagonal that is not 0?");
+           "H is singular: are nodes fixed, with the 2 x 2 identity on their diagonal? (four ones are singular too)");
     for (int i = 0; i < n; ++i)
         expect(!fixed[i / 2] || std::abs(d[i]) < 1e-12, "d at node ", i / 2, ", which is fixed, is ", d[i],
                ", expected 0", g[i] != 0 ? ": its entry of g is not 0" : "");
@@ -109,7 +112,7 @@ double minimum(const std::function<double(double)>& f, const std::function<doubl
     const auto finite_only = [&](const std::function<double(double)>& derivative) {
         return [&](double x) {
             expect(std::isfinite(f(x)), "a derivative is called at x = ", x, ", where f is ", f(x),
-                   ": no step may end there; every comparison with nan is false");
+                   ": no step may end there; every comparison with nan is false, so write !(f(x + t d) <= ...)");
             expect(++calls < 1000, "no minimum after 1000 calls of derivatives, start ", from, ", now at x = ", x,
                    ": is any decrease enough for you, where Armijo asks for more?");
             return derivative(x);
@@ -122,7 +125,8 @@ double minimum(const std::function<double(double)>& f, const std::function<doubl
             return f(y);
         },
         finite_only(f1), finite_only(f2), from);
-    expect(std::abs(f1(x)) <= 1e-7, "from ", from, " it ends at x = ", x, " with f' = ", f1(x));
+    expect(std::abs(f1(x)) <= 1e-7, "from ", from, " it ends at x = ", x, " with f' = ", f1(x),
+           ", expected |f'| <= 1e-7");
     return x;
 }
 
@@ -134,7 +138,7 @@ EXERCISE("4.5", "Newton's method in one variable") {
     for (const double from : {0.05, 0.9, 2.0, 20.0, 1000.0})
         expect_close(concat("the minimum of log(x)^2 from ", from), minimum(f, f1, f2, from), 1, 1e-6);
     const auto undefined = [](double x) { return x > 0 ? std::log(x) * std::log(x) : NAN; };
-    expect_close("the minimum of log(x)^2, nan for x < 0, from 0.9", minimum(undefined, f1, f2, 2.0), 1, 1e-6,
+    expect_close("the minimum of log(x)^2, nan for x < 0, from 2", minimum(undefined, f1, f2, 2.0), 1, 1e-6,
                  "every comparison with nan is false");
     // Newton's step goes from x to -0.99992 x: lower, but by less than Armijo asks for.
     const double p = 1.50002;
@@ -205,7 +209,8 @@ void check_curvatures(double s1, double s2, const char* density, double f1, doub
             for (int j = 0; j < 4; ++j) sum += H[i / 2][i % 2] * part[i][j] * H[j / 2][j % 2];
         return sum;
     };
-    compare("the projected curvature along the twist", on_part(twist), 0, "its eigenvalue is negative: leave it out");
+    compare("the projected curvature along the twist", on_part(twist), 0,
+            "its eigenvalue is negative: leave it out; F = U S V' is not diagonal, each direction H becomes U H V'");
     compare("the projected curvature along the flip", on_part(flip), found[1], "its eigenvalue is positive: it stays");
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j)

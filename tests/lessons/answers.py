@@ -5,6 +5,7 @@ memory and output, so that no answer can spoil the others' rows.
   tests/lessons/answers.py [--build FOLDER] [exercises | solutions]   a table, and outputs/lessons/answers.csv
   tests/lessons/answers.py [--build FOLDER] --lesson NN [...]         one lesson, and what a wrong answer shows
   tests/lessons/answers.py [--build FOLDER] --lesson NN --watch       again at each save, and what is next
+  tests/lessons/answers.py [--build FOLDER] --lesson NN --show K      exercise K alone, with all that its answer prints
   tests/lessons/answers.py [--build FOLDER] --self-test               the checks themselves: each solution holds, and
                                                                       no template does, and says why
 
@@ -25,7 +26,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -261,12 +262,14 @@ def check(answers, limits=Limits(), numbers=None):
 # ------------------------------------------------------------------------------------------------- tables
 
 def show(rows):
+    said = ""
     for row in rows:
         print(f"  {row.number:<5} {row.title:<50} {'holds' if row.holds else 'does not hold yet'}")
         if not row.holds:
-            print(f"        {row.message}")
+            print(f"        {row.message}" if row.message != said else "        (as above)")
             for line in row.printed.splitlines()[:10]:
                 print(f"        it printed: {line[:100]}")
+        said = row.message
     print(f"{sum(row.holds for row in rows)} of {len(rows)} answers hold", flush=True)
 
 
@@ -338,6 +341,7 @@ def main():
     parser.add_argument("--build", default="build")
     parser.add_argument("--lesson")
     parser.add_argument("--watch", action="store_true")
+    parser.add_argument("--show", metavar="K")
     parser.add_argument("--self-test", action="store_true")
     parser.add_argument("answers", nargs="?", choices=("exercises", "solutions"), default="exercises")
     options = parser.parse_args()
@@ -354,10 +358,19 @@ def main():
             return watch(answers_of(lesson, options.answers, build))
         except KeyboardInterrupt:
             return 0
-    rows = check(answers_of(lesson, options.answers, build))
+    answers = answers_of(lesson, options.answers, build)
+    if options.show:
+        rows = check(answers, numbers=[f"{int(lesson.name[:2])}.{options.show.split('.')[-1]}"])
+        if not rows:
+            sys.exit(f"lesson {lesson.name[:2]} has no exercise {options.show}: SHOW=1 to {len(answers.exercises)}")
+        print("".join(row.printed for row in rows), end="", flush=True)
+        rows = [replace(row, printed="") for row in rows]
+    else:
+        rows = check(answers)
     show(rows)
     return 0 if all(row.holds for row in rows) else 1
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `| head` is no error
     sys.exit(main())

@@ -30,6 +30,10 @@ void expect(bool holds, const Parts&... parts) {
 void expect_close(const std::string& what, double value, double expected, double tolerance,
                   const std::string& hint = "");
 
+// What is said, at once, where the rest of the exercise takes more than five seconds of processor time: why a loop of
+// the student's does not end.
+void expect_soon(const std::string& otherwise);
+
 // The least-squares slope of log error over log h for h = h_0, h_0 / 2, ... (count of them): the order of accuracy.
 double order_of(const std::function<double(double)>& error, double h_0, int count);
 

@@ -7,6 +7,7 @@
 Standard library only.
 """
 import re
+import signal
 import sys
 import textwrap
 from pathlib import Path
@@ -49,4 +50,5 @@ def main(words):
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `| head` is no error
     sys.exit(main(sys.argv[1:]))

@@ -43,7 +43,7 @@ def export(folder):
             target.write_text(text)
         if name == "inputs/lessons/README.md":
             kept = [line for line in target.read_text().split("\n") if not OF_LECTURERS.search(line)]
-            target.write_text("\n".join(kept))
+            target.write_text(re.sub(r"\n{3,}", "\n\n", "\n".join(kept)))
 
 
 def self_test(build):
