@@ -21,7 +21,8 @@ double first_inversion(const std::array<Vec<2>, 3>& x, const std::array<Vec<2>, 
 Mat<2> positive_part(const Mat<2>& A);
 
 // 4.4 Fixes nodes: changes the system H d = -g so that d is 0 at each node i with fixed[i] and solves the system of the
-// other nodes for these, and so that H stays symmetric and does not become singular. g: (x_0, y_0, x_1, ...).
+// other nodes for these, and so that H stays symmetric and does not become singular. g: (x_0, y_0, x_1, ...). H: row i
+// has the blocks k = H.row[i] .. H.row[i+1] - 1, in columns H.col[k]; block k is H.block(k)[0 .. 3], row by row.
 void fix_nodes(BlockCsr& H, std::vector<double>& g, const std::vector<char>& fixed);
 
 // 4.5 Newton's method in one variable with all that is needed: from x, where f is finite, to |f'| <= 1e-7. Where
