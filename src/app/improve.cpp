@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/best_power.hpp"
+#include "app/corner_smoothing.hpp"
 #include "app/curving.hpp"
 #include "app/kept_surface.hpp"
 #include "app/quality_change.hpp"
@@ -208,10 +209,35 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, std::F
     return solution;
 }
 
+// Of simplices, where the boundary need not be elsewhere and no other objective is given.
+void raise_worst_corners(const Deck& deck, const Problem& problem, Solution& solution, std::FILE* out) {
+    const Mesh& mesh = problem.mesh();
+    const auto is_simplex = [](const ElementGroup& group) { return group.cell->is_simplex(); };
+    if (!may_stay(deck, problem) || mesh.degree > 1 || !std::ranges::all_of(mesh.element_groups(), is_simplex) ||
+        solution.al.status != Status::converged ||
+        (deck.given.count("objective") > 0 && deck.distortion.objective != Objective::minimax))
+        return;
+    const Level& level = *problem.level;
+    std::vector<char> fixed(mesh.nodes(), 0);
+    for (const int i : level.constraint->nodes()) fixed[i] = 1;
+    const CornerSmoothing found = smooth_corners(mesh, fixed, *level.energy, deck.linear, solution.x);
+    if (found.after == found.before) return;
+    measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
+    std::fprintf(out, "worst corner inside: scaled Jacobian raised from %s to %s in %s\n",
+                 rounded_down(found.before, 4).c_str(), rounded_down(found.after, 4).c_str(),
+                 counted(found.newton_steps, "Newton step").c_str());
+}
+
 }  // namespace
 
 Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
-    Solution solution = improved(deck, problem, near_surface(problem, best_of_powers(solve, out), out), out);
+    const Solve near = near_surface(problem, best_of_powers(solve, out), out);
+    const Solve with_corners = [&](const Deck& of, const Problem& at) {
+        Solution found = near(of, at);
+        raise_worst_corners(of, at, found, out);
+        return found;
+    };
+    Solution solution = improved(deck, problem, with_corners, out);
     print_surface(out, deck, problem, solution.x);
     const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
     print_quality_change(out, change);

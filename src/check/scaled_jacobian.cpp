@@ -1,7 +1,6 @@
 #include "check/scaled_jacobian.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "base/parallel.hpp"
 #include "geometry/patch.hpp"
@@ -10,26 +9,7 @@
 namespace almesh {
 namespace {
 
-// A vertex and the ends of dim edges there; at the apex of a pyramid three of its four.
-using Corner = std::array<int, 4>;
-
-std::vector<Corner> corners_of(const CellType& cell) {
-    std::vector<Corner> corners;
-    for (int v = 0; v < cell.vertices; ++v) {
-        std::vector<int> ends;
-        for (const auto& [i, j] : cell.edges)
-            if (i == v || j == v) ends.push_back(i == v ? j : i);
-        const auto count = static_cast<int>(ends.size());
-        for (int first = 0; first < (count > cell.dim ? count : 1); ++first) {
-            Corner& corner = corners.emplace_back(Corner{v, v, v, v});
-            for (int k = 0; k < cell.dim; ++k) corner[k + 1] = ends[(first + k) % count];
-        }
-    }
-    return corners;
-}
-
-// vertex: of the cell.
-double scaled_determinant(const Corner& corner, int dim, const std::vector<Vec<3>>& vertex) {
+double scaled_determinant(const std::array<int, 4>& corner, int dim, const std::vector<Vec<3>>& vertex) {
     std::array<Vec<3>, 3> edge{{{}, {}, {0, 0, 1}}};
     double lengths = 1;
     for (int k = 0; k < dim; ++k) {
@@ -41,21 +21,35 @@ double scaled_determinant(const Corner& corner, int dim, const std::vector<Vec<3
 
 }  // namespace
 
+std::vector<Corner> corners_of(const CellType& cell) {
+    const std::vector<double> x = regular_cell(cell);
+    std::vector<Vec<3>> regular(cell.vertices);
+    for (int v = 0; v < cell.vertices; ++v) std::copy_n(&x[offset(v, cell.dim)], cell.dim, regular[v].begin());
+    std::vector<Corner> corners;
+    for (int v = 0; v < cell.vertices; ++v) {
+        std::vector<int> ends;
+        for (const auto& [i, j] : cell.edges)
+            if (i == v || j == v) ends.push_back(i == v ? j : i);
+        const auto count = static_cast<int>(ends.size());
+        for (int first = 0; first < (count > cell.dim ? count : 1); ++first) {
+            std::array<int, 4> vertex{v, v, v, v};
+            for (int k = 0; k < cell.dim; ++k) vertex[k + 1] = ends[(first + k) % count];
+            corners.push_back({vertex, scaled_determinant(vertex, cell.dim, regular)});
+        }
+    }
+    return corners;
+}
+
 std::vector<double> corner_jacobians(const Mesh& mesh, const std::vector<double>& x) {
     std::vector<double> least(mesh.element_count(), 1);
     for (const ElementGroup& group : mesh.element_groups()) {
         const CellType& cell = *group.cell;
         const std::vector<Corner> corners = corners_of(cell);
-        const std::vector<double> regular = regular_cell(cell);
-        std::vector<Vec<3>> of_regular(cell.vertices);
-        for (int v = 0; v < cell.vertices; ++v)
-            std::copy_n(&regular[offset(v, cell.dim)], cell.dim, of_regular[v].begin());
         parallel_for(group.count, [&](int k) {
             const int e = group.first + k;
             const std::vector<Vec<3>> vertex = positions(mesh, x, mesh.element(e), cell.vertices);
             for (const Corner& corner : corners)
-                least[e] = std::min(least[e], scaled_determinant(corner, cell.dim, vertex) /
-                                                  scaled_determinant(corner, cell.dim, of_regular));
+                least[e] = std::min(least[e], scaled_determinant(corner.vertex, cell.dim, vertex) / corner.regular);
         });
     }
     return least;

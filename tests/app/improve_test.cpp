@@ -207,6 +207,19 @@ TEST_CASE("the least scaled Jacobian of a valid mesh is never lower afterwards, 
     }
 }
 
+TEST_CASE("the worst corners of simplices are raised, unless another objective is asked for") {
+    const TemporaryFolder folder;
+    folder.write("tangled.msh", msh_of(tangled(square_mesh(6), Tangle::random)));
+    CHECK(has(improved(folder, "tangled.msh").out, "worst corner inside: scaled Jacobian raised from "));
+    const Mesh raised = mesh_of(folder.path("results/final.msh"));
+    const Outcome outcome = improved(folder, "tangled.msh", {"objective=deviation"});
+    CHECK(!has(outcome.out, "worst corner inside"));
+    const Mesh plain = mesh_of(folder.path("results/final.msh"));
+    CHECK(least_corner_jacobian(raised, raised.x) > 1.005 * least_corner_jacobian(plain, plain.x));
+    folder.write("quads.msh", msh_of(tangled(quad_mesh(4), Tangle::random)));
+    CHECK(!has(improved(folder, "quads.msh").out, "worst corner inside"));
+}
+
 TEST_CASE("where no mesh is better the file's is written, with its positions") {
     const TemporaryFolder folder;
     const Outcome outcome = almesh_with({"improve", "inputs/meshes/rotor.msh", "output=" + folder.path("results")});
