@@ -209,12 +209,12 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, std::F
     return solution;
 }
 
-// Of simplices, where the boundary need not be elsewhere and no other objective is given.
+// Of simplices, where the boundary need not be elsewhere and the minimum of no other objective or power is asked for.
 void raise_worst_corners(const Deck& deck, const Problem& problem, Solution& solution, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
     const auto is_simplex = [](const ElementGroup& group) { return group.cell->is_simplex(); };
     if (!may_stay(deck, problem) || mesh.degree > 1 || !std::ranges::all_of(mesh.element_groups(), is_simplex) ||
-        solution.al.status != Status::converged ||
+        solution.al.status != Status::converged || deck.power ||
         (deck.given.count("objective") > 0 && deck.distortion.objective != Objective::minimax))
         return;
     const Level& level = *problem.level;

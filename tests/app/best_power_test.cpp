@@ -34,7 +34,7 @@ TEST_CASE("minimax takes the power with the larger least scaled Jacobian: in tet
         const double low = least_after(name, {"power=8"}, out), high = least_after(name, {"power=64"}, out);
         CHECK((low > high) == is_solid);
         CHECK(!has(out, "with power = 8"));
-        CHECK(least_after(name, {}, out) == std::max(low, high));
+        CHECK(least_after(name, {}, out) >= std::max(low, high));  // corners are raised after it
         CHECK(has(out, "least scaled Jacobian: " + rounded_down(low, 4) + " with power = 8, " + rounded_down(high, 4) +
                            " with all powers\n"));
     }
