@@ -122,8 +122,9 @@ void check_tetrahedra() {
         const auto [least, most] = std::minmax({s[0], s[1], s[2]});
         const double stretch = most / least;
         expect_close("eta" + of, found.eta, eta_of(s), 1e-7,
-                     "with the scalar products of the edges from vertex 0, G of the ideal and P of the physical one, "
-                     "inverse(G) P has the trace |F|^2 and the determinant (det F)^2");
+                     "with the scalar products of the edges from vertex 0, (l_01^2 + l_02^2 - l_12^2) / 2 for two of "
+                     "them, G of the ideal and P of the physical one, inverse(G) P has the trace |F|^2 and the "
+                     "determinant (det F)^2");
         const bool squared = stretch > 1 && std::abs(found.stretch / (stretch * stretch) - 1) < 1e-3;
         expect_close("the stretch" + of, found.stretch, stretch, 1e-5,
                      squared ? "the eigenvalues of F'F are the squares of the singular values"

@@ -190,6 +190,8 @@ void check_curvatures(double s1, double s2, const char* density, double f1, doub
                                  : "(s1, t; t, s2) has the determinant s1 s2 - t^2; its length is sqrt 2 t");
     compare("the sum of the stretches' eigenvalues", found[2] + found[3], trace,
             "second derivatives by s1 and s2 of f(cosh x), x = log(s1 / s2): f' and f'' both count");
+    expect(found[2] <= found[3] + 1e-9 * size, "the stretches' eigenvalues", of, " are ", found[2], " and ", found[3],
+           ": the smaller one comes first");
     const double product = second(first, first) * second(other, other) - std::pow(second(first, other), 2);
     expect(std::abs(found[2] * found[3] - product) <= 1e-9 * size * size, "the product of the stretches' eigenvalues",
            of, " is ", found[2] * found[3], ", expected ", product, ": W_12 is not zero");
@@ -211,11 +213,13 @@ void check_curvatures(double s1, double s2, const char* density, double f1, doub
     };
     compare("the projected curvature along the twist", on_part(twist), 0,
             "its eigenvalue is negative: leave it out; F = U S V' is not diagonal, each direction H becomes U H V'");
-    compare("the projected curvature along the flip", on_part(flip), found[1], "its eigenvalue is positive: it stays");
+    compare("the projected curvature along the flip", on_part(flip), found[1],
+            "its eigenvalue is positive: it stays, times L L' with L of length 1");
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j)
             compare(concat("entry ", i + 1, " ", j + 1, " of the projected W_FF"), part[i][j], expected[4 * i + j],
-                    "the flip, and the positive part of the 2 x 2 matrix of the stretches, each with its directions");
+                    "the flip, and the positive part of the 2 x 2 matrix of the stretches (mind the sign of W_12), "
+                    "each with its directions");
 }
 
 EXERCISE("4.6", "an hour: the projection in closed form") {

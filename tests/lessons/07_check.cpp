@@ -165,6 +165,8 @@ EXERCISE("7.6", "an hour: the stiffest mode") {
     expect(std::abs(two - 12) > 1e-6, "with K = (4 1; 1 3), M = 2, |1|^2 = 8 it is 12, from the 3 of K alone: the ",
            "unknown inside does not stay where it is, it goes to its minimum, 4 x_0 + x_1 = 0");
     expect_close("with K = (4 1; 1 3), M = 2, |1|^2 = 8", two, 11, 1e-6, "S = 3 - 1/4");
+    expect_close("with K = (5 2; 2 5), M = (1 0; 0 1), |1|^2 = 8", stiffest_mode({{5, 2}, {2, 5}}, {{1, 0}, {0, 1}}, 8),
+                 56, 1e-6, "both unknowns are on the boundary, so none is eliminated and S = K; 7 is its largest mode");
     for (const int m : {3, 8, 13}) {
         const Squares squares(m);
         const double expected = largest_mode(squares.K, squares.M, 4 * m);

@@ -171,8 +171,9 @@ EXERCISE("9.6", "an hour: a curved triangle proved valid") {
                    "), (", x[4][0], ", ", x[4][1], "), (", x[5][0], ", ", x[5][1], ")");
         for (int i = 0; i < 3; ++i)
             expect_close(concat("the coefficient at vertex ", i, where), b[i], expected[i], 1e-12,
-                         k == 0 ? "twice the area, the triangle is straight; l_i^2 has the derivative 2 l_i"
-                                : "det J there; a node of an edge is a value of the map, not its control point");
+                         b[i] < 0 ? "J has the derivative by l_1 in its first column, that by l_2 in its second"
+                         : k == 0 ? "twice the area, the triangle is straight; l_i^2 has the derivative 2 l_i"
+                                  : "det J there; a node of an edge is a value of the map, not its control point");
         for (int i = 3; i < 6; ++i)
             expect_close(concat("the coefficient of edge ", i - 3, (i - 2) % 3, where), b[i], expected[i], 1e-12,
                          "B_ij = 2 l_i l_j, and the product of two sums has l_i l_j twice");
