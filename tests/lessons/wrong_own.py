@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Tests an almesh of one's own (own.py) with the solutions: that it takes the iterations of almesh_in_one_file and ends
-at the same mesh, also with each of its parts from the library; and that it tells which part it is, and why, where an
-answer is wrong, crashes or never ends.
+"""Tests an almesh of one's own (own.py) with the solutions: that it takes the iterations of almesh_in_one_file on three
+meshes and ends at the same q, also with each of its parts from the library; and that it tells which part it is, and
+why, where an answer is wrong, crashes or never ends.
 
   tests/lessons/wrong_own.py [--build FOLDER] [--all]
 
@@ -13,24 +13,24 @@ library only.
 import argparse
 import contextlib
 import io
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 import own
 from answers import LESSONS, ROOT, Limits
+from one_file import CASES, of_one_file
 from wrong import INCLUDES, KINDS, functions, solved, wrong_answers
 
 TIGHT = Limits(seconds=5, memory=512, output=1)
 TOLD = 33  # wrong answers that have to be told, of all: what the others get wrong is not used here
 
 
-def tried(files, choice, build, limits=own.LIMITS):
+def tried(files, choice, build, limits=own.LIMITS, words=tuple(own.CIRCLE)):
     """(what it says where it fails, or ""; the rows of its table)."""
     with tempfile.TemporaryDirectory(prefix="almesh-own-") as results, contextlib.redirect_stdout(io.StringIO()):
         try:
-            own.run(own.linked(files, choice, build), own.CIRCLE, build, Path(results), limits)
+            own.run(own.linked(files, choice, build), words, build, Path(results), limits)
             return "", own.rows_of(Path(results))
         except own.Problem as problem:
             return str(problem), []
@@ -52,27 +52,34 @@ def with_answer(number, source, build, limits=own.LIMITS):
     return with_answers(build, limits, **{f"_{own.lesson_of(number)}": source})
 
 
-def steps_of_one_file(build):
-    """Newton steps of each iteration."""
-    with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run([build / "lessons" / "almesh_in_one_file", ROOT / own.CIRCLE[0], *own.CIRCLE[1:]],
-                              cwd=folder, text=True, capture_output=True, check=True)
-    return [line.split()[-1] for line in done.stdout.splitlines() if line[:3].strip().isdigit()]
+def test_meshes(build, failures):
+    """The three meshes of one_file.py: the same updates, Newton steps and q. Those of the circle are returned."""
+    choice, steps = own.Choice([], {}), {}
+    for mesh, (moving, motion, _) in CASES.items():
+        with tempfile.TemporaryDirectory() as folder:
+            expected = of_one_file(build, folder, mesh, moving, motion)
+        message, rows = tried(own.sources("solutions", choice), choice, build,
+                              words=[f"inputs/meshes/{mesh}", moving, *motion.split()])
+        found = [[row["update"], int(row["newton"])] for row in rows]
+        if message or found != [row[3:] for row in expected] or abs(float(rows[-1]["q"]) - expected[-1][1]) > 1e-9:
+            failures.append(f"{mesh}: {message or found}, of the one file {expected}")
+        steps[mesh] = [row[4] for row in expected]
+    return steps["circle.msh"]
 
 
 def test_parts(build, every, failures):
-    """All of the student, each part of the library, all of the library."""
-    expected = steps_of_one_file(build)
-    choices = [[], list(own.PARTS), *([part] for part in own.PARTS if every or part in ("solver", "assembly"))]
+    """All parts of the student, all of the library, each of the library alone."""
+    expected = test_meshes(build, failures)
+    choices = [list(own.PARTS), *([part] for part in own.PARTS if every or part in ("solver", "assembly"))]
     for borrowed in choices:
         choice = own.Choice(borrowed, {})
         message, rows = tried(own.sources("solutions", choice), choice, build)
-        steps = [row["newton"] for row in rows]
+        steps = [int(row["newton"]) for row in rows]
         if message or not own.reproduces(rows) or steps != expected:
-            failures.append(f"with {borrowed or 'nothing'} borrowed: {message or own.summary(rows)}, steps {steps}")
+            failures.append(f"with {borrowed} borrowed: {message or own.summary(rows)}, steps {steps}")
     if failure := own.grade("solutions", build):
         failures.append(f"the solutions are no almesh of their own: {failure}")
-    return len(choices)
+    return len(choices) + 1
 
 
 def lesson(number):
