@@ -201,8 +201,8 @@ $(BUILD)/lessons/%: $(BUILD)/src/lessons/%.o $(BUILD)/libalmesh.a
 	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
 lesson-%: almesh FORCE ## run the commands of a lesson's handout and draw its picture: make lesson-01
-	$(MAKE) $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(filter %/solved-$*,$(SOLVED)) $(if $(filter 12,$*),$(CHECKS))
-	tests/documents.py --show --build $(BUILD) $*
+	@$(MAKE) --silent $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(filter %/solved-$*,$(SOLVED)) $(if $(filter 12,$*),$(CHECKS))
+	@tests/documents.py --show --build $(BUILD) $*
 	@if $(PYTHON) -c 'import numpy, matplotlib' 2>/dev/null; then $(PYTHON) $(wildcard plot/lessons/$*_*.py); else \
 	  echo 'no picture without numpy and matplotlib: apt-get install python3-numpy python3-matplotlib (or pip)'; fi
 

@@ -273,6 +273,17 @@ def show(rows):
     print(f"{sum(row.holds for row in rows)} of {len(rows)} answers hold", flush=True)
 
 
+def show_one(answers, k):
+    """All that the answer to the lesson's exercise k prints, and whether it holds."""
+    rows = check(answers, numbers=[f"{int(answers.number)}.{k.split('.')[-1]}"])
+    if not rows:
+        sys.exit(f"lesson {answers.number} has no exercise {k}: SHOW=1 to {len(answers.exercises)}")
+    printed = rows[0].printed or "(it prints nothing)\n"
+    print(printed, end="" if printed.endswith("\n") else "\n", flush=True)
+    show([replace(rows[0], printed="")])
+    return 0 if rows[0].holds else 1
+
+
 def watch(answers, rounds=None):
     """Checks the answers now and whenever one of their files has been saved, `rounds` times in all; None: for ever."""
     seen = None
@@ -360,13 +371,8 @@ def main():
             return 0
     answers = answers_of(lesson, options.answers, build)
     if options.show:
-        rows = check(answers, numbers=[f"{int(lesson.name[:2])}.{options.show.split('.')[-1]}"])
-        if not rows:
-            sys.exit(f"lesson {lesson.name[:2]} has no exercise {options.show}: SHOW=1 to {len(answers.exercises)}")
-        print("".join(row.printed for row in rows), end="", flush=True)
-        rows = [replace(row, printed="") for row in rows]
-    else:
-        rows = check(answers)
+        return show_one(answers, options.show)
+    rows = check(answers)
     show(rows)
     return 0 if all(row.holds for row in rows) else 1
 

@@ -28,7 +28,7 @@ import threading
 from dataclasses import dataclass
 from pathlib import Path
 
-from answers import LESSONS, ROOT, Answers, Limits, check, watch, write
+from answers import LESSONS, ROOT, Answers, Limits, check, show_one, watch, write
 
 WRONG = Path(__file__).resolve().parent / "wrong.txt"
 PER_EXERCISE = 3
@@ -225,6 +225,21 @@ def test_watch(lesson, build, failures):
         failures.append(f"watching does not see a save, or not what is next: {printed.getvalue()}")
 
 
+def test_show(lesson, build, failures):
+    """What an answer prints is shown although it holds."""
+    source, _ = solved(lesson)
+    place = functions(lesson)["1.3"]
+    with tempfile.TemporaryDirectory(prefix="almesh-wrong-") as name:
+        answers = Answers(lesson, Path(name) / f"{lesson.name[:2]}.cpp", Path(name), build, f"wrong-{lesson.name[:2]}")
+        answers.source.write_text(INCLUDES + source[:place] + "\n    std::puts(\"I was here\");\n" + source[place:])
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            code = show_one(answers, "3")
+        answers.program.unlink(missing_ok=True)
+    if code != 0 or "I was here" not in printed.getvalue() or "1 of 1" not in printed.getvalue():
+        failures.append(f"what an answer prints is not shown: {printed.getvalue()}")
+
+
 # ------------------------------------------------------------------------------------------------- command line
 
 def main():
@@ -244,6 +259,7 @@ def main():
     for lesson in lessons:
         if lesson.name[:2] == "01":
             test_watch(lesson, build, failures)
+            test_show(lesson, build, failures)
         if lesson.name[:2] in ("03", "07"):  # without and with a deck
             test_files(lesson, build, failures)
     print(f"{wrong} wrong and {count} broken answers: " + (f"{len(failures)} NOT NOTICED" if failures else
