@@ -114,7 +114,7 @@ Corners hat_gradients(const Corners& y) {
     return {Vec<2>{-B[0][0] - B[1][0], -B[0][1] - B[1][1]}, B[0], B[1]};
 }
 
-// The row offsets are those of 3.2; the columns in them, which no exercise asks for, and a comparison the library's.
+// The row offsets are the student's; the columns, which no exercise asks for, are the library's.
 BlockCsr empty_hessian(const Problem& problem) {
     const AtWork at_work("assembly");
     BlockCsr H = matrix_of_cells(problem.nodes(), 2, problem.mesh.elements, 3);
