@@ -58,7 +58,7 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test test-page page run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh compare-improve cad-models cad-examples cholmod paper gauntlet generated untangle slurm certificates defaults derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
+.PHONY: all run help test test-page page run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh compare-improve cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
         figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation quality clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -269,6 +269,9 @@ certificates: $(BUILD)/almesh-tests ## the certificate beside dense samples of t
 
 untangle: almesh ## improve some 130 generated meshes with inverted elements (ONLY="tri-random hole")
 	$(PYTHON) tests/untangle.py $(ONLY)
+
+improve: almesh ## improve all meshes in inputs/ and some by gmsh (python3-gmsh): nothing may become worse (ONLY="gmsh cube")
+	$(PYTHON) tests/improve.py $(ONLY)
 
 generated: almesh python ## run a hundred generated cases, twisted, bent, squeezed: a table (ONLY=17,23)
 	$(PYTHON) tests/generated.py --almesh ./almesh $(if $(ONLY),--only $(ONLY))

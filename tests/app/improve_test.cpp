@@ -9,6 +9,7 @@
 #include <numbers>
 #include <random>
 
+#include "check/boundary_distance.hpp"
 #include "check/scaled_jacobian.hpp"
 #include "mesh/part.hpp"
 #include "support/ring_deck.hpp"
@@ -192,7 +193,8 @@ TEST_CASE("where nodes that slide go past the corners of a hole they stay where 
 
 TEST_CASE("the least scaled Jacobian of a valid mesh is never lower afterwards, and the boundary keeps its shape") {
     for (const char* name :
-         {"circle", "square", "bump", "circle-quads", "kinds", "cube", "block", "plate", "inclusion"}) {
+         {"circle", "square", "bump", "circle-quads", "kinds", "cube", "block", "plate", "inclusion", "layer", "piston",
+          "sphere-shell", "inclusion-3d", "twist"}) {
         const TemporaryFolder folder;
         const std::string file = std::string("inputs/meshes/") + name + ".msh";
         CAPTURE(file);
@@ -201,6 +203,8 @@ TEST_CASE("the least scaled Jacobian of a valid mesh is never lower afterwards, 
         const Mesh before = mesh_of(file), after = mesh_of(folder.path("results/final.msh"));
         CHECK(least_corner_jacobian(after, after.x) >= least_corner_jacobian(before, before.x));
         CHECK(certify(after, after.x).min_scaled_jacobian >= certify(before, before.x).min_scaled_jacobian);
+        for (const BoundaryDistance& of : boundary_distances(before, before.x, after.x))
+            CHECK(of.relative_largest <= 1e-3);
         REQUIRE(has(outcome.out, "  after "));
         CHECK(words(outcome.out.substr(outcome.out.find("  after ")))[1] ==
               rounded_down(least_corner_jacobian(after, after.x), 4));
