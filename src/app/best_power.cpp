@@ -13,7 +13,7 @@ constexpr int lower_power = 8;
 }  // namespace
 
 Solve best_of_powers(const Solve& solve, std::FILE* out) {
-    return [&solve, out](const Deck& deck, const Problem& problem) {
+    return [solve, out](const Deck& deck, const Problem& problem) {
         if (deck.distortion.objective != Objective::minimax || deck.power) return solve(deck, problem);
         const auto least = [&](const Solution& solution) {
             const double certified = certify(problem.mesh(), solution.x, deck.certificate).min_scaled_jacobian;

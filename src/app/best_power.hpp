@@ -9,7 +9,6 @@
 
 namespace almesh {
 
-// solve must outlive it.
 Solve best_of_powers(const Solve& solve, std::FILE* out);
 
 }  // namespace almesh

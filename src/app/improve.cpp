@@ -7,6 +7,7 @@
 #include "app/corner_smoothing.hpp"
 #include "app/curving.hpp"
 #include "app/kept_surface.hpp"
+#include "app/moved_vertices.hpp"
 #include "app/quality_change.hpp"
 #include "app/start_mesh.hpp"
 #include "app/untangling.hpp"
@@ -94,7 +95,9 @@ void take_along_target(Problem& problem, const std::vector<double>& from, const 
 // The boundary stays where it is at x from here on.
 void fix_boundary(Problem& problem, const std::vector<double>& x) {
     problem.motions.assign(problem.motions.size(), parse_motion("fixed"));
-    problem.target = make_target(problem.mesh(), problem.motions);
+    Mesh at = problem.mesh();
+    at.x = x;
+    problem.target = make_target(at, problem.motions);
     take_along_target(problem, problem.mesh().x, x);
     problem.sliding = nullptr;
 }
@@ -231,13 +234,28 @@ void raise_worst_corners(const Deck& deck, const Problem& problem, Solution& sol
 }  // namespace
 
 Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
-    const Solve near = near_surface(problem, best_of_powers(solve, out), out);
-    const Solve with_corners = [&](const Deck& of, const Problem& at) {
-        Solution found = near(of, at);
-        raise_worst_corners(of, at, found, out);
-        return found;
+    const auto improve_near = [&](const Deck& with, Problem& of) {
+        const Solve near = near_surface(of, best_of_powers(solve, out), out);
+        const Solve with_corners = [&](const Deck& settings, const Problem& at) {
+            Solution found = near(settings, at);
+            raise_worst_corners(settings, at, found, out);
+            return found;
+        };
+        return improved(with, of, with_corners, out);
     };
-    Solution solution = improved(deck, problem, with_corners, out);
+    Solution solution = improve_near(deck, problem);
+    const Mesh& mesh = problem.mesh();
+    if (mesh.degree > 1 && solution.x == mesh.x && may_stay(deck, problem) && !interrupted()) {
+        std::fprintf(out, "the vertices alone are moved, as in a mesh with straight sides:\n");
+        std::vector<double> x = moved_vertices(deck, problem, improve_near);
+        const LeastJacobian before = least_jacobian(deck, mesh, mesh.x);
+        const LeastJacobian now = x.empty() ? before : least_jacobian(deck, mesh, x);
+        const bool is_better = now.corner > before.corner && !now.is_below(before) && is_certified(deck, problem, x);
+        if (!is_better) std::fprintf(out, "note: that is not better either\n");
+        else fix_boundary(problem, x);
+        set_functional(deck, problem);
+        solution = ended_at(problem, is_better ? std::move(x) : mesh.x, Status::converged);
+    }
     print_surface(out, deck, problem, solution.x);
     const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
     print_quality_change(out, change);

@@ -133,7 +133,7 @@ void hold_surface(const Deck& deck, Problem& problem) {
 
 Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out) {
     constexpr int attempts = 2;  // before all nodes stay
-    return [&problem, &solve, out](const Deck& deck, const Problem&) {
+    return [&problem, solve, out](const Deck& deck, const Problem&) {
         for (int attempt = 0;; ++attempt) {
             Solution solution = solve(deck, problem);
             if (solution.al.status != Status::converged) return solution;
@@ -147,16 +147,22 @@ Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out) {
                 off[f] = boundary[problem.mesh().face_boundary[f]];
             const int count = hold(problem, nodes_of_faces(problem.mesh(), off));
             if (count == 0) return solution;
-            std::fprintf(out, "note: faces were off the file's surface by up to %.2g of an edge: %s more stay where they "
-                              "are\n", largest(distance), counted(count, "boundary node").c_str());
+            std::fprintf(out, "note: faces were off the surface by up to %.2g of an edge: %s more stay where they are\n",
+                         largest(distance), counted(count, "boundary node").c_str());
         }
     };
 }
 
+double surface_distance(const Problem& problem, const std::vector<double>& x) {
+    return largest(distances_of(problem, x));
+}
+
 void print_surface(std::FILE* out, const Deck& deck, const Problem& problem, const std::vector<double>& x) {
-    const double distance = largest(distances_of(problem, x));
-    std::fprintf(out, "%s surface_tolerance: boundary and file are within %.2g of the local edge of each other\n",
-                 distance > deck.surface_tolerance ? "NOT within" : "within", distance);
+    const double distance = surface_distance(problem, x);
+    const char* const judged = distance > deck.surface_tolerance
+                                   ? "NOT within surface_tolerance, as no valid mesh was found with the file's boundary"
+                                   : "within surface_tolerance";
+    std::fprintf(out, "%s: boundary and file are within %.2g of the local edge of each other\n", judged, distance);
     print_volume_changes(out, problem.mesh(), x);
 }
 

@@ -22,6 +22,9 @@ void hold_curved_faces(const Deck& deck, Problem& problem, const std::vector<dou
 // Solves the problem so that its surface is within the tolerance. The problem must outlive it.
 Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out);
 
+// The largest distance of the boundaries that stay, both ways, in units of the local edge.
+double surface_distance(const Problem& problem, const std::vector<double>& x);
+
 // How far the surface is from that of the file, and by how much the volumes of the regions have changed.
 void print_surface(std::FILE* out, const Deck& deck, const Problem& problem, const std::vector<double>& x);
 
