@@ -197,10 +197,11 @@ def contents(folder):
             if path.is_file() and "outputs" not in path.relative_to(folder).parts[:1]}
 
 
-def ending(code, limits):
-    """How a program ended that should have given a verdict."""
-    if code is None:
-        return f"still waits after {4 * limits.seconds} s"
+def ending(code, limits, used):
+    """How a program ended that should have given a verdict; used: seconds of processor time."""
+    if code is None:  # on a busy machine a loop may get less than its share
+        return (f"is not done after {4 * limits.seconds} s: is there a loop that does not end?"
+                if used > limits.seconds / 10 else f"still waits after {4 * limits.seconds} s")
     if code >= 0:
         return f"ends the whole program, with exit code {code}, instead of returning"
     name = signal.Signals(-code).name
@@ -223,19 +224,25 @@ def bounds(build, limits):
     return found
 
 
+def processor_time():
+    """Of all programs that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def check_one(answers, number, limits):
     """(message, what it printed)"""
     with tempfile.TemporaryDirectory(prefix="almesh-answer-") as outside:
         folder, verdict, log = Path(outside) / "checkout", Path(outside) / "verdict", Path(outside) / "printed"
         folder.mkdir()
         decks = bench(folder, answers)
-        before = contents(folder)
+        before, begun = contents(folder), processor_time()
         with log.open("wb") as output:
             code = run([answers.program, decks, number, verdict], folder, 4 * limits.seconds,
                        bounds(answers.build, limits), output)
         printed = text_of(log)
         if code not in (0, 1) or not verdict.is_file():
-            return ending(code, limits), printed
+            return ending(code, limits, processor_time() - begun), printed
         after = contents(folder)
         touched = sorted(str(path) for path in before.keys() | after.keys() if before.get(path) != after.get(path))
         if touched:

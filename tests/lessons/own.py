@@ -182,6 +182,7 @@ def run(program, words, build, results=FOLDER, limits=LIMITS):
         shutil.copy2(mesh, folder)
         before = grader.contents(folder)
         with log.open("wb") as output:
+            begun = grader.processor_time()
             code = grader.run([program, mesh.name, words[1], " ".join(words[2:])], folder, 4 * limits.seconds,
                               grader.bounds(build, limits), output)
         printed, after = grader.text_of(log), grader.contents(folder)
@@ -191,10 +192,10 @@ def run(program, words, build, results=FOLDER, limits=LIMITS):
             results.mkdir(parents=True, exist_ok=True)
             for name in ("own.csv", "own.vtk"):
                 shutil.copy2(written / name, results)
-    explain(code, printed, touched, limits)
+    explain(code, printed, touched, limits, grader.processor_time() - begun)
 
 
-def explain(code, printed, touched, limits):
+def explain(code, printed, touched, limits, used):
     """Problem where the run has failed."""
     fails = re.search(r"^FAILS (\w*): (.*)", printed, re.MULTILINE)
     before = (printed[:fails.start()] if fails else printed).strip("\n")
@@ -210,7 +211,7 @@ def explain(code, printed, touched, limits):
     if code == 2:
         raise Problem("nothing was run: the line above says why")
     if code != 0 or END not in printed:
-        raise Problem(f"an answer {grader.ending(code, limits)}")
+        raise Problem(f"an answer {grader.ending(code, limits, used)}")
     if touched:
         raise Problem(f"an answer writes or removes {touched[0]}: answers return their results and touch no files")
 
