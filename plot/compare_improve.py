@@ -4,6 +4,7 @@
   plot/compare_improve.py          the same as `make compare-improve`: all cases, ten minutes
   plot/compare_improve.py --quick  `make compare-improve QUICK=1`: seven cases, half a minute
   plot/compare_improve.py NAME...  those whose names contain one of the words
+  --keep                           with what an earlier run has of the other programs
 
 Writes outputs/compare-improve/table.md, and table.csv with every method. ALMESH=FILE runs another program than ./almesh.
 Needs gmsh's Python module, numpy and scipy (Debian: python3-gmsh python3-numpy python3-scipy). The cases are in
@@ -35,6 +36,7 @@ import resource
 import shutil
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -174,27 +176,32 @@ def run(name, source, folder):
     return cell_mesh.read(target), seconds if name in OWN else float(done.stdout.split()[-1])
 
 
+@dataclass
 class Result:
-    """Of a mesh: cells inverted, least and mean scaled Jacobian; seconds."""
-
-    def __init__(self, mesh, fixed, volume, seconds=0.0):
-        """fixed: positions of the nodes of the boundary. volume: with sign, of the tetrahedra inside it."""
-        values = mesh.scaled_jacobians()
-        # Programs that turn inverted tetrahedra the other way round leave them where they are, over others.
-        self.overlaps = abs(signed_volume(mesh) - volume) > 1e-6 * volume
-        on = np.array([row in fixed for row in map(tuple, np.round(mesh.x, 9).tolist())])
-        inside = np.concatenate([~on[nodes].all(axis=1) for _, nodes in mesh.cells()])
-        self.invalid, self.mean, self.seconds = int((values <= 0).sum()), values.mean(), seconds
-        self.least = values[inside].min() if inside.any() else values.min()
+    """Cells inverted, or -1 where the mesh overlaps itself, though none is; least and mean scaled Jacobian; seconds."""
+    inverted: int
+    least: float
+    mean: float
+    seconds: float
 
     def text(self):
-        return f"{self.count()}; {self.least:.3g}; {self.mean:.3g}; {self.seconds:.2g} s"
-
-    def count(self):
-        return "overlaps" if self.overlaps else self.invalid
+        return (f"{'overlaps' if self.inverted < 0 else self.inverted}; {self.least:.3g}; {self.mean:.3g}; "
+                f"{self.seconds:.2g} s")
 
     def order(self):
-        return not self.overlaps, -self.invalid, self.least
+        return self.inverted >= 0, -self.inverted, self.least
+
+
+def measured(mesh, fixed, volume, seconds=0.0):
+    """fixed: positions of the nodes of the boundary. volume: with sign, of the tetrahedra inside it, or None."""
+    values = mesh.scaled_jacobians()
+    on = np.array([row in fixed for row in map(tuple, np.round(mesh.x, 9).tolist())])
+    inside = np.concatenate([~on[nodes].all(axis=1) for _, nodes in mesh.cells()])
+    inverted = int((values <= 0).sum())
+    # Programs that turn inverted tetrahedra the other way round leave them where they are, over others.
+    if inverted == 0 and volume and abs(signed_volume(mesh) - volume) > 1e-6 * volume:
+        inverted = -1
+    return Result(inverted, (values[inside] if inside.any() else values).min(), values.mean(), seconds)
 
 
 def signed_volume(mesh):
@@ -205,8 +212,8 @@ def signed_volume(mesh):
     return np.linalg.det(x[:, 1:] - x[:, :1]).sum() / 6
 
 
-def compare(name):
-    """(cells, {method: Result or why not}); the first method is "before"."""
+def compare(name, known):
+    """{method: Result or why not}, the first of them "before". known: the same of an earlier run, of other programs."""
     folder = FOLDER / name
     folder.mkdir(parents=True, exist_ok=True)
     mesh = improve_cases.CASES[name][1](folder)
@@ -214,11 +221,15 @@ def compare(name):
     cell_mesh.write(mesh, source)
     fixed = set(map(tuple, np.round(mesh.x[mesh.boundary()], 9).tolist()))
     volume = signed_volume(mesh)
-    results = {"before": Result(mesh, fixed, volume)}
-    for method in [*peers_of(mesh, results["before"].invalid == 0), *OWN]:
+    results = {"before": measured(mesh, fixed, volume)}
+    for method in [*peers_of(mesh, results["before"].inverted == 0), *OWN]:
+        if method in known and method not in OWN:
+            results[method] = known[method]
+            continue
         got = run(method, source, folder)
-        results[method] = got if isinstance(got, str) else Result(got[0], fixed, volume, got[1])
-    return sum(len(nodes) for _, nodes in mesh.cells()), results
+        slides = method == "almesh slides"
+        results[method] = got if isinstance(got, str) else measured(got[0], fixed, None if slides else volume, got[1])
+    return results
 
 
 def best(results, methods):
@@ -238,16 +249,16 @@ def moving(results):
 def times(results, own):
     """Least scaled Jacobian over that of the best peer that moves nodes and leaves none inverted, or None."""
     peer_result, ours = moving(results)[1], results[own]
-    if isinstance(ours, str) or peer_result is None or peer_result.invalid:
+    if isinstance(ours, str) or peer_result is None or peer_result.inverted:
         return None
     return ours.least / peer_result.least
 
 
-def row(name, count, results):
+def row(name, results):
     cell = lambda method: results[method] if isinstance(results[method], str) else results[method].text()
     ratios = [times(results, own) for own in OWN]
     before = results["before"]
-    return (f"| {name} | {count}; {before.invalid}; {before.least:.2g} | {moving(results)[0]} | "
+    return (f"| {name} | {before.inverted}; {before.least:.2g} | {moving(results)[0]} | "
             f"{best(results, CHANGE_EDGES)[0]} | {' | '.join(map(cell, OWN))} | "
             + ", ".join("-" if r is None else f"{r:.2f}" for r in ratios) + " |")
 
@@ -256,37 +267,50 @@ def counts(of_case):
     """Lines that compare every way to run almesh with the best peer that moves nodes. of_case: [results]."""
     lines = []
     for own in OWN:
-        valid = sum(isinstance(r[own], Result) and r[own].invalid == 0 for r in of_case)
+        valid = sum(isinstance(r[own], Result) and r[own].inverted == 0 for r in of_case)
         compared = [(times(r, own), r[own].seconds, moving(r)[1].seconds) for r in of_case if times(r, own)]
         lines.append(f"{own}: no cell inverted in {valid} of {len(of_case)} cases; best peer that moves nodes: in "
-                     f"{sum(moving(r)[1] is not None and moving(r)[1].invalid == 0 for r in of_case)}; least scaled "
+                     f"{sum(moving(r)[1] is not None and moving(r)[1].inverted == 0 for r in of_case)}; least scaled "
                      f"Jacobian at least its in {sum(t >= 0.9995 for t, *_ in compared)} of {len(compared)}, at least "
                      f"1.2 times its in {sum(t >= 1.2 for t, *_ in compared)}; faster in "
                      f"{sum(a <= b for _, a, b in compared)}")
     return lines
 
 
-def main(words):
-    chosen = [n for n, (quick, _) in improve_cases.CASES.items()
-              if (quick if words == ["--quick"] else not words or any(w in n for w in words))]
-    lines = ["| case | cells; inverted; least | best that moves nodes | best that changes edges | "
-             + " | ".join(OWN) + " | least over that of the best that moves nodes |", "|---" * (4 + len(OWN)) + "|"]
-    print("\n".join(lines))
-    of_case = []
-    FOLDER.mkdir(parents=True, exist_ok=True)
+def read_table():
+    """{case: {method: Result or why not}} of earlier runs."""
+    table = {}
+    if (FOLDER / "table.csv").exists():
+        for case, method, inverted, *numbers in list(csv.reader(open(FOLDER / "table.csv", newline="")))[1:]:
+            table.setdefault(case, {})[method] = Result(int(inverted), *map(float, numbers)) if numbers[0] else inverted
+    return table
+
+
+def write_table(table):
     with open(FOLDER / "table.csv", "w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["case", "cells", "method", "inverted", "least", "mean", "seconds"])
-        for name in chosen:
-            count, results = compare(name)
-            lines.append(row(name, count, results))
-            print(lines[-1], flush=True)
-            of_case.append(results)
-            for method, r in results.items():
-                table.writerow([name, count, method] + ([r, "", "", ""] if isinstance(r, str) else
-                               [r.count(), f"{r.least:.6g}", f"{r.mean:.6g}", f"{r.seconds:.3g}"]))
-            file.flush()
-    lines += ["", *counts(of_case)]
+        writer = csv.writer(file)
+        writer.writerow(["case", "method", "inverted", "least", "mean", "seconds"])
+        for case in (name for name in improve_cases.CASES if name in table):
+            for method, r in table[case].items():
+                writer.writerow([case, method] + ([r, "", "", ""] if isinstance(r, str) else
+                                [r.inverted, f"{r.least:.6g}", f"{r.mean:.6g}", f"{r.seconds:.3g}"]))
+
+
+def main(words):
+    names = [w for w in words if not w.startswith("--")]
+    chosen = [n for n, (quick, _) in improve_cases.CASES.items()
+              if (quick if "--quick" in words else not names or any(w in n for w in names))]
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    table = read_table()
+    lines = ["| case | inverted; least | best that moves nodes | best that changes edges | " + " | ".join(OWN)
+             + " | least over that of the best that moves nodes |", "|---" * (5 + len(OWN)) + "|"]
+    print("\n".join(lines))
+    for name in chosen:
+        table[name] = compare(name, table.get(name, {}) if "--keep" in words else {})
+        write_table(table)
+        lines.append(row(name, table[name]))
+        print(lines[-1], flush=True)
+    lines += ["", *counts([table[name] for name in chosen])]
     print("\n".join(lines[-len(OWN) - 1:]))
     (FOLDER / "table.md").write_text("\n".join(lines) + "\n")
     return 0
