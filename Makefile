@@ -267,7 +267,7 @@ slurm: almesh python ## a sweep as a job array of Slurm on this machine, with a 
 certificates: $(BUILD)/almesh-tests ## the certificate beside dense samples of ten thousand random elements of each cell and degree (ELEMENTS=100000)
 	ALMESH_ELEMENTS=$(or $(ELEMENTS),10000) $(BUILD)/almesh-tests -sf='*certificate_samples_test.cpp'
 
-untangle: almesh ## improve some 130 generated meshes with inverted elements (ONLY="tri-random hole")
+untangle: almesh ## improve some 200 generated meshes with inverted elements (ONLY="tri-random hole")
 	$(PYTHON) tests/untangle.py $(ONLY)
 
 improve: almesh ## improve all meshes in inputs/ and some by gmsh (python3-gmsh): nothing may become worse (ONLY="gmsh cube")

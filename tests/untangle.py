@@ -162,8 +162,8 @@ def disturb(grid, how, rnd):
             x[i][0] = 1 - x[i][0]
 
 
-def curved(path, degree, rnd, scatter):
-    """The mesh raised to this degree, its nodes inside scattered."""
+def curved(path, degree, rnd, scatter, share):
+    """The mesh raised to this degree, this share of its nodes inside scattered."""
     out = path.parent / "raised"
     deck = path.parent / "raise.deck"
     deck.write_text(f"mesh = {path.name}\nboundary rest = fixed\ndegree = {degree}\nfinal = msh22\nvtk = none\n"
@@ -175,7 +175,7 @@ def curved(path, degree, rnd, scatter):
         i, *p = lines[k].split()
         p = [float(c) for c in p]
         dim = 2 if all(float(line.split()[3]) == 0 for line in lines[start:lines.index("$EndNodes")]) else 3
-        if all(1e-9 < c < 1 - 1e-9 for c in p[:dim]):
+        if all(1e-9 < c < 1 - 1e-9 for c in p[:dim]) and rnd.random() < share:
             p = [c + rnd.gauss(0, scatter) if a < dim else c for a, c in enumerate(p)]
         lines[k] = " ".join([i] + [repr(c) for c in p])
     path.write_text("\n".join(lines))
@@ -203,6 +203,7 @@ def cases():
         for degree in (2, 3):
             for seed in (1, 2, 3):
                 yield f"{kind}-scattered-{degree}-{seed}", kind, "none", 3 if kind in ("tri", "quad") else 2, degree
+                yield f"{kind}-thrown-{degree}-{seed}", kind, "thrown", 8 if kind in ("tri", "quad") else 3, degree
 
 
 def main():
@@ -220,7 +221,7 @@ def main():
             path = folder / f"{name}.msh"
             path.write_text(grid.text())
             if degree > 1:
-                curved(path, degree, rnd, 0.3 * grid.size)
+                curved(path, degree, rnd, *((0.3, 0.05) if how == "thrown" else (0.3 * grid.size, 1)))
             run = subprocess.run([ALMESH, "improve", path, f"output={folder / name}", "vtk=none", "threads=1"],
                                  capture_output=True, text=True)
             certified += run.returncode == 0

@@ -23,7 +23,7 @@ constexpr double least_fall = 0.1, most_fall = 0.5;  // s
 constexpr double least_delta = 1e-9;
 constexpr double flat = 1e-12;  // determinant, relative to the ideal one's, that may be rounding
 constexpr double penalties[] = {1e3, 1e8};  // of nodes that slide, in units of |1|^2 per |1|^2
-constexpr int most_deltas = 100, steps_of_delta = 5, steps_of_barrier = 20;
+constexpr int most_deltas = 100, steps_of_first_delta = 100, steps_of_delta = 5, steps_of_barrier = 20;
 
 using Moves = std::vector<char>;  // per node
 
@@ -74,7 +74,6 @@ private:
     Moves slides_;  // per node: whether it can move along its surfaces
     Moves on_one_;  // and is on no more than one
     bool can_slide_ = false;
-
     // All nodes of the boundary; or without those that slide.
     void fix_boundary(bool slide = false) {
         for (const int i : E_.constraint.nodes()) E_.fixed[i] = !(slide && slides_[i]);
@@ -218,7 +217,9 @@ private:
         double delta = std::sqrt(first_sigma * (first_sigma - std::min(D, 0.0)));
         for (int k = 0; k < most_deltas && delta > least_delta && !is_valid_now() && !interrupted(); ++k) {
             distortion.set_delta(delta);
-            const double fall = std::min(most_fall, minimise(0.1, steps_of_delta));
+            const bool first = k == 0;  // the functional is next to convex: what comes is from near its minimum
+            const double fall =
+                std::min(most_fall, minimise(first ? 0.01 : 0.1, first ? steps_of_first_delta : steps_of_delta));
             D = least_determinant(elements, x);
             const double sigma = (1 - fall) * (D + std::sqrt(D * D + 4 * delta * delta)) / 2;
             delta = D < sigma ? std::sqrt(sigma * (sigma - D)) : 0.1 * delta;

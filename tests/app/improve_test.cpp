@@ -80,6 +80,21 @@ TEST_CASE("curved meshes too, of all nodes, and only the region around what is i
     }
 }
 
+TEST_CASE("a curved mesh of which some nodes have been thrown far, of one region with nearly all elements") {
+    Mesh mesh = raise_degree(mesh_of("inputs/meshes/circle.msh"), 2);
+    const std::vector<char> fixed = on_boundary(mesh);
+    std::mt19937 random(6);
+    std::uniform_real_distribution<double> far(-10, 10);
+    for (int i = 0; i < mesh.nodes(); ++i)
+        if (!fixed[i] && random() % 25 == 0)
+            for (int a = 0; a < 2; ++a) mesh.x[2 * i + a] += far(random);
+    const TemporaryFolder folder;
+    folder.write("thrown.msh", msh_of(mesh));
+    const Outcome outcome = improved(folder, "thrown.msh");
+    CHECK(outcome.code == 0);
+    CHECK(has(outcome.out, ", 0 left after "));
+}
+
 TEST_CASE("a mesh of which most elements are inverted has the orientation of its boundary") {
     Mesh mesh = square_mesh(9);
     const std::vector<char> fixed = on_boundary(mesh);
