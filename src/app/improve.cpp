@@ -212,6 +212,16 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, std::F
     return solution;
 }
 
+// A boundary that is where it has to be needs no multipliers: half the Newton steps do.
+Deck with_boundary_set(const Deck& deck, const Problem& problem) {
+    const auto is_fixed = [](const Motion& motion) { return motion == parse_motion("fixed"); };
+    Deck set = deck;
+    if (std::ranges::all_of(problem.motions, is_fixed) && deck.distortion.objective != Objective::minimax &&
+        deck.method.moving == MovingMethod::augmented_lagrangian)
+        set.method.moving = MovingMethod::fixed_boundary;
+    return set;
+}
+
 // Of simplices, where the boundary need not be elsewhere and the minimum of no other objective or power is asked for.
 void raise_worst_corners(const Deck& deck, const Problem& problem, Solution& solution, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
@@ -237,7 +247,7 @@ Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FI
     const auto improve_near = [&](const Deck& with, Problem& of) {
         const Solve near = near_surface(of, best_of_powers(solve, out), out);
         const Solve with_corners = [&](const Deck& settings, const Problem& at) {
-            Solution found = near(settings, at);
+            Solution found = near(with_boundary_set(settings, at), at);
             raise_worst_corners(settings, at, found, out);
             return found;
         };

@@ -239,6 +239,19 @@ TEST_CASE("the worst corners of simplices are raised, unless another objective i
     CHECK(!has(improved(folder, "quads.msh").out, "worst corner inside"));
 }
 
+TEST_CASE("a boundary that is fixed keeps its bits, and one minimisation does") {
+    const Mesh mesh = tangled(cube_mesh(3), Tangle::random);
+    const TemporaryFolder folder;
+    folder.write("tangled.msh", msh_of(mesh));
+    const Outcome outcome = improved(folder, "tangled.msh", {"boundary rest=fixed"});
+    CHECK(outcome.code == 0);
+    CHECK(has(outcome.out, "converged: 1 AL and "));
+    const Mesh after = mesh_of(folder.path("results/final.msh"));
+    for (const int i : mesh.faces)
+        for (int a = 0; a < 3; ++a) CHECK(point(after.x, i, 3)[a] == point(mesh.x, i, 3)[a]);
+    CHECK(!has(improved(folder, "tangled.msh", {"boundary rest=fixed", "method=penalty"}).out, "converged: 1 AL"));
+}
+
 TEST_CASE("where no mesh is better the file's is written, with its positions") {
     const TemporaryFolder folder;
     const Outcome outcome = almesh_with({"improve", "inputs/meshes/rotor.msh", "output=" + folder.path("results")});
