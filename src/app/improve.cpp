@@ -266,6 +266,12 @@ Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FI
         set_functional(deck, problem);
         solution = ended_at(problem, is_better ? std::move(x) : mesh.x, Status::converged);
     }
+    if (solution.al.status != Status::converged && may_stay(deck, problem) && is_certified(deck, problem, mesh.x) &&
+        surface_distance(problem, solution.x) > deck.surface_tolerance) {
+        std::fprintf(out, "note: faces were off the surface at the end: the mesh stays as it is\n");
+        set_functional(deck, problem);
+        solution = ended_at(problem, mesh.x, solution.al.status);
+    }
     print_surface(out, deck, problem, solution.x);
     const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
     print_quality_change(out, change);
