@@ -119,6 +119,31 @@ def slide(grid, how, rnd):
             x[i] = [rnd.random() if k < grid.dim else 0 for k in range(3)]
 
 
+def shaped(p, dim, twist):
+    """The box as a rounder one with four lobes, in 3D with bumps; twisted around z."""
+    u = [2 * c - 1 for c in p[:dim]]
+    r = math.hypot(*u)
+    if r == 0:
+        return [0, 0, 0]
+    d = [c / r for c in u]
+    wave = 0.1 * math.sin(4 * d[0]) * math.cos(5 * d[1] + d[-1]) if dim == 3 else -0.3 * math.cos(4 * math.atan2(*u))
+    m = max(map(abs, u))  # a fifth as round as the disc: the corners stay corners
+    x = [(0.8 * a + 0.2 * c * m) * (1 + m * wave) for a, c in zip(u, d)] + [0] * (3 - dim)
+    a = twist * x[2]
+    return [x[0] * math.cos(a) - x[1] * math.sin(a), x[0] * math.sin(a) + x[1] * math.cos(a), x[2]]
+
+
+def tutte(grid):
+    """Nodes inside at the mean of those that they share cells with."""
+    around = {i: set() for i in grid.inner}
+    for cell in grid.cells:
+        for i in set(cell) & set(around):
+            around[i] |= set(cell) - {i}
+    for _ in range(300):
+        for i, others in around.items():
+            grid.x[i] = [sum(grid.x[j][k] for j in others) / len(others) for k in range(3)]
+
+
 def disturb(grid, how, rnd):
     x, dim = grid.x, grid.dim
     inside = lambda: [rnd.random() if k < dim else 0 for k in range(3)]
@@ -147,7 +172,16 @@ def disturb(grid, how, rnd):
         angle = math.radians(float(how[4:]))
         for i in grid.of_hole:
             u, v = x[i][0] - 0.5, x[i][1] - 0.5
-            x[i][:2] = [0.5 + u * math.cos(angle) - v * math.sin(angle), 0.5 + u * math.sin(angle) + v * math.cos(angle)]
+            c, s = math.cos(angle), math.sin(angle)
+            x[i][:2] = [0.5 + u * c - v * s, 0.5 + u * s + v * c]
+    elif how.startswith("shape"):
+        x[:] = [shaped(p, dim, 1.2 * ("twisted" in how)) for p in x]
+        low, high = [min(p[k] for p in x) for k in range(3)], [max(p[k] for p in x) for k in range(3)]
+        at = [rnd.uniform(0.2, 0.3) for _ in range(dim)] + [0] * (3 - dim)
+        for i in grid.inner:
+            x[i] = list(at) if "point" in how else [rnd.uniform(l, h) for l, h in zip(low, high)]
+        if "tutte" in how:
+            tutte(grid)
     elif how.startswith("side"):
         slide(grid, how, rnd)
         if "arc" in how:
@@ -196,6 +230,11 @@ def cases():
         for how in ("pushed", "doubled", "shuffled", "shuffled-random", "pushed-arc", "shuffled-arc"):
             for n in sorted({max(n, 4 * ("arc" in how)) for n in sizes}):  # three tangled rows tell no cylinder
                 yield f"{kind}-side-{how}-{n}", kind, f"side-{how}", n, 1
+    for kind, sizes in (("tri", (10, 16)), ("quad", (10, 16)), ("tet", (6,)), ("hex", (6,))):
+        twists = ("", "twisted-") if kind in ("tet", "hex") else ("",)
+        for how in itertools.product(twists, ("tutte", "random", "point")):
+            for n in sizes:
+                yield f"{kind}-shape-{''.join(how)}-{n}", kind, f"shape-{''.join(how)}", n, 1
     for kind, n in (("tri", 12), ("quad", 12), ("tet", 9), ("hex", 9)):
         for angle in (45, 90, 180):
             yield f"{kind}-hole-{angle}", kind, f"hole{angle}", n, 1
