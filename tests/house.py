@@ -27,7 +27,7 @@ TOPICS = {
                                "energy/densities.hpp energy/density_hessian.hpp energy/options.hpp "
                                "energy/element_rules.hpp base/small_matrix.hpp"),
     "constraint as in the paper": (4, 450, "constraint/constraint.hpp constraint/dirichlet.* constraint/trace_space.*"),
-    "trace space": (4, 350, "constraint/trace_space.* constraint/trace_part.* mesh/quadrature_table.hpp"),
+    "trace space": (4, 350, "constraint/trace_space.* mesh/quadrature_table.hpp"),
     "driver, from main to minimise": (8, 900, "main.cpp app/commands.hpp app/command_line.cpp app/run.cpp "
                                       "app/problem.* method/levels.* method/p_norm.* method/continuation.*"),
 }

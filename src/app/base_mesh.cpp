@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "geometry/patch.hpp"
 #include "mesh/build.hpp"
 
 namespace almesh {
@@ -47,6 +48,19 @@ BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateP
                          "as it is in the file, the mesh is not certified valid: ", counts_of(certificate),
                          ", the worst is element ", base.mesh.file.element_id[certificate.uncertified[0]]);
     return base;
+}
+
+Vec<3> local_origin(const Mesh& mesh) {
+    constexpr double far = 16;
+    Vec<3> low{}, high{}, middle{};
+    for (int a = 0; a < mesh.dim; ++a) low[a] = high[a] = mesh.x[a];
+    for (std::size_t k = 0; k < mesh.x.size(); ++k) {
+        const auto a = static_cast<int>(k % mesh.dim);
+        low[a] = std::min(low[a], mesh.x[k]);
+        high[a] = std::max(high[a], mesh.x[k]);
+    }
+    for (int a = 0; a < mesh.dim; ++a) middle[a] = low[a] + 0.5 * (high[a] - low[a]);
+    return length(middle) > far * length(high - low) ? middle : Vec<3>{};
 }
 
 }  // namespace almesh

@@ -31,4 +31,8 @@ struct BaseMesh {
 BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateParams& params,
                          std::vector<std::string>& notes);
 
+// A mesh that is many times its size away from the origin of its file gets one of its own, in its middle; others keep
+// it.
+Vec<3> local_origin(const Mesh& mesh);
+
 }  // namespace almesh

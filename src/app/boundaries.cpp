@@ -5,7 +5,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "geometry/smooth_parts.hpp"
+#include "geometry/face_patches.hpp"
 #include "mesh/inner_boundary.hpp"
 
 namespace almesh {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -11,7 +12,6 @@
 
 #include "app/deck.hpp"
 #include "app/improve.hpp"
-#include "app/linsolve.hpp"
 #include "app/sweep.hpp"
 #include "base/text.hpp"
 #include "io/mesh_format.hpp"
@@ -70,7 +70,7 @@ Deck deck_of_mesh(const std::vector<std::string>& arguments, std::string* before
     return parse_deck("", arguments[1], settings, arguments[1]);
 }
 
-// Nothing where the first argument is a deck.
+// Of the commands for which what they print is all there is; nothing for others.
 std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, std::FILE* out) {
     const std::string& first = arguments[0];
     const auto print = [out](const std::string& text) {
@@ -84,8 +84,6 @@ std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, 
     std::string before;
     if (first == "quality") return quality(deck_of_mesh(arguments, &before), before, out);
     if (first == "info") return info(deck_of_mesh(arguments), out);
-    if (first == "adjoint" || first == "tangent") return differentiate(arguments, out);
-    if (first == "sweep") return sweep({arguments.begin() + 1, arguments.end()}, out);
     if (first == "linsolve") return linsolve({arguments.begin() + 1, arguments.end()}, out);
     if (first.starts_with("-")) throw UsageError("unknown option ", first, "; see almesh --help");
     return std::nullopt;
@@ -113,17 +111,24 @@ bool is_mesh(const std::string& path) {
                      "\nor certify and measure the mesh as it is:\n  almesh quality ", quoted(mesh));
 }
 
-// The results of a run are its files: whoever reads what it prints may go away. Of the other commands it is all there
-// is.
+// The results are files: whoever reads what is printed may go away, at the end of the program too.
+ExitCode write_results(const std::vector<std::string>& arguments, std::FILE* out) {
+    std::signal(SIGPIPE, SIG_IGN);
+    const std::string& first = arguments[0];
+    if (first == "adjoint" || first == "tangent") return differentiate(arguments, out);
+    if (first == "sweep") return sweep({arguments.begin() + 1, arguments.end()}, out);
+    if (first == "improve") return run(improvement_deck(arguments), out);
+    if (is_mesh(first)) refuse_mesh(first);
+    return run(read_deck(first, {arguments.begin() + 1, arguments.end()}), out);
+}
+
 ExitCode dispatch(const std::vector<std::string>& arguments, std::FILE* out) {
     if (arguments.empty()) {
         std::fputs(help, out);
         return ExitCode::usage;
     }
     const auto printed = print_result(arguments, out);
-    if (!printed && is_mesh(arguments[0])) refuse_mesh(arguments[0]);
-    if (!printed && arguments[0] == "improve") return run(improvement_deck(arguments), out);
-    if (!printed) return run(read_deck(arguments[0], {arguments.begin() + 1, arguments.end()}), out);
+    if (!printed) return write_results(arguments, out);
     if (std::fflush(out) != 0 || std::ferror(out)) throw InputError("cannot write the output: ", std::strerror(errno));
     return *printed;
 }

@@ -1,4 +1,4 @@
-// The program's commands, but for linsolve.hpp and sweep.hpp. Results go to `out`.
+// The program's commands, but for sweep.hpp. Results go to `out`.
 #pragma once
 #include <cstdio>
 #include <functional>
@@ -39,6 +39,11 @@ ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out);
 // What is in the deck's mesh file, as comments, and a deck to start from, wherever it is put: all boundaries fixed,
 // and the keys that were given. Throws InputError for a file that is no mesh.
 ExitCode info(const Deck& deck, std::FILE* out);
+
+// The linear solvers alone, on any symmetric matrix in Matrix Market format: sizes, times and the scaled residual.
+// arguments: as in --help. The default ordering is nested_dissection for cholesky; for cg and gmres ILU(0) and SSOR
+// order by domains. Without b.mtx, b = A (1, 1/2, 1/3, 1/4, 1/5, 1, ...). success: solved, else not_converged.
+ExitCode linsolve(const std::vector<std::string>& arguments, std::FILE* out);
 
 // How many elements the certificate could not prove valid, and the worst ten: id, centre in the file, lower bound of
 // the scaled Jacobian. Prints nothing where all are certified.

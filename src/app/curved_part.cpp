@@ -53,8 +53,7 @@ bool keeps_rest(const CurvedPart& part, const std::vector<double>& x) {
 // does.
 bool minimise(const Deck& deck, const Level& level, int first_steps, CurvedPartResult& result) {
     Newton newton(level.energy->hessian_pattern(), deck.linear, {.forcing = deck.forcing});
-    AlStart start;
-    start.lambda.assign(level.constraint->multipliers(), 0.0);  // not cold: the mesh is near
+    AlStart start = AlStart::from_near(*level.constraint);
     AlResult& al = result.al;
     const auto distance = [&] { return level.constraint->projected_norm(result.x); };
     const double way = distance();

@@ -1,6 +1,5 @@
 // Some elements of a mesh, curved as a problem of their own: their nodes that others have too are fixed.
 #pragma once
-#include <memory>
 #include <vector>
 
 #include "app/problem.hpp"

@@ -7,7 +7,6 @@
 #include <span>
 
 #include "app/frame_times.hpp"
-#include "app/renamed.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "mesh/inner_boundary.hpp"
@@ -42,6 +41,47 @@ std::string path_from(const std::string& where, const Deck& deck, const std::str
     if (path == file_of_line) return path;
     const fs::path start = where == command_line ? fs::path() : fs::path(deck.folder);
     return (start / path).lexically_normal().string();
+}
+
+struct Renamed {
+    std::string_view name, value, present_name, present_value;  // value "": any
+};
+
+// Of keys, values of keys, and quantities of the summary in earlier decks: these run as they are.
+constexpr Renamed renamed[] = {
+    {"follow", "", "continuation", ""},
+    {"region", "all", "local_repair", "0"},
+    {"region", "folded", "local_repair", "1"},
+    {"region", "", "local_repair", ""},
+    {"objective", "worst", "objective", "minimax"},
+    {"followed_newton_iterations", "", "earlier_newton_iterations", ""},
+    {"released_nodes", "", "freed_nodes", ""},
+    {"straightening_distance", "", "boundary_distance", ""},
+    {"obstacle", "", "diagnosis", ""},
+    {"obstacle_boundary", "", "diagnosis_boundary", ""},
+    {"obstacle_node", "", "diagnosis_node", ""},
+    {"obstacle_element", "", "diagnosis_element", ""},
+    {"obstacle_x", "", "diagnosis_x", ""},
+    {"obstacle_y", "", "diagnosis_y", ""},
+    {"obstacle_z", "", "diagnosis_z", ""},
+};
+
+std::string setting(std::string_view name, std::string_view value) {
+    return in_backquotes(value.empty() ? std::string(name) : concat(name, " = ", value));
+}
+
+// `name = value` in present names; a note in the deck, once for each, where one was renamed. name: of a key, or of a
+// quantity, which comes without a value.
+void use_present_names(Deck& deck, std::string& name, std::string& value) {
+    for (const Renamed& row : renamed) {
+        if (name != row.name || !(row.value.empty() || value == row.value)) continue;
+        const std::string note =
+            setting(row.name, row.value) + " is now " + setting(row.present_name, row.present_value);
+        if (std::find(deck.notes.begin(), deck.notes.end(), note) == deck.notes.end()) deck.notes.push_back(note);
+        name = row.present_name;
+        if (!row.value.empty()) value = row.present_value;
+        return;
+    }
 }
 
 void read_key(Deck& deck, std::string name, std::string value, const std::string& where) {
@@ -288,6 +328,25 @@ const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary) {
     for (const std::string& name : {boundary, std::string("rest"), std::string("all")})
         if (const DeckBoundary* const found = find_row(deck.boundaries, name)) return found;
     return nullptr;
+}
+
+DistortionParams distortion_of(const Deck& deck) {
+    DistortionParams params = deck.distortion;
+    const bool minimax = params.objective == Objective::minimax;
+    const double usual = minimax ? 0 : deck.method.algorithm == Algorithm::adaptive ? 0.5 : 1;
+    params.weight_exponent = deck.weight_exponent.value_or(usual);
+    if (!minimax) params.power.p = deck.power.value_or(params.power.p);
+    return params;
+}
+
+int increments_of(const Deck& deck) {
+    return deck.increments.value_or(deck.method.moving == MovingMethod::incremental ? 10 : 1);
+}
+
+// The schedules of the paper do not follow the motion unless they are told to.
+Continuation continuation_of(const Deck& deck) {
+    const bool of_paper = deck.continuation == Continuation::automatic && deck.method.algorithm != Algorithm::adaptive;
+    return of_paper ? Continuation::never : deck.continuation;
 }
 
 std::string resolved(const Deck& deck) {

@@ -127,6 +127,11 @@ Deck parse_deck(std::string_view text, const std::string& path, const std::vecto
 // The motion of a boundary of the mesh: its own, or that of `rest` or `all`; null where there is none.
 const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary);
 
+// The deck's settings, with those that are `auto` made definite.
+DistortionParams distortion_of(const Deck& deck);  // but for curved_ideal
+int increments_of(const Deck& deck);
+Continuation continuation_of(const Deck& deck);  // automatic only with algorithm = adaptive
+
 // Every key with its value, commented, as text of a deck to stand in the output folder. Read from the same current
 // folder it gives the same Deck but for path, folder, name and lines. The mesh is given by its path relative to the
 // output folder, or by the absolute one where there is none.

@@ -1,4 +1,7 @@
-#include "app/ending.hpp"
+// How a run ended, for its user: whether it converged and what is certified, and of any other ending what held it up
+// (check/diagnosis.hpp), at which boundary, node and element, and what to try against that. Places and lengths are in
+// the unit of the mesh file, ids those of final.msh.
+#include "app/solve.hpp"
 
 #include <algorithm>
 #include <cmath>

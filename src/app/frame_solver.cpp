@@ -11,7 +11,6 @@
 #include <limits>
 
 #include "app/solve.hpp"
-#include "app/volumes.hpp"
 #include "base/index.hpp"
 #include "method/functional.hpp"
 #include "method/levels.hpp"
@@ -33,16 +32,6 @@ bool is_solved(const NewtonResult& result, const AugmentedLagrangianParams& para
            (at_floor(result.status) && result.gradient_norm <= params.omega0);
 }
 
-bool is_valid(const Level& level, const std::vector<double>& x) {
-    return std::isfinite(level.energy->energy(x)) && level.energy->certified(x);
-}
-
-std::vector<char> of_boundary(const Level& level) {
-    std::vector<char> fixed(level.mesh.nodes(), 0);
-    for (const int node : level.constraint->nodes()) fixed[node] = 1;
-    return fixed;
-}
-
 // Nothing but the distortion, of the nodes that are not fixed. Near its minimum the rounding of eta counts: the energy
 // of (eta - 1)^2 is known to 2 (eta - 1) eps, however small it is.
 struct Distortion : AugmentedFunctional {
@@ -60,7 +49,7 @@ struct Distortion : AugmentedFunctional {
 }  // namespace
 
 Solution FrameSolver::solve(const Deck& deck, double t, const FramesBefore& before, std::string& started_from) {
-    if (!before.x.empty() && may_follow(deck)) {
+    if (!before.moments.empty() && may_follow(deck)) {
         prepare(deck);
         std::vector<double> x;
         started_from = start(t, before, leads(deck, before.motions, problem_.motions), x);
@@ -108,9 +97,11 @@ std::string FrameSolver::start(double t, const FramesBefore& before, bool from_b
     std::string name;
     if (from_before) {
         name = "before";
-        x = before.x;
-        const double ratio = (t - before.t) / (before.t - before.earlier_t);
-        std::vector<double> beyond = before.earlier;
+        const Moment& last = before.last();
+        const Moment* const earlier = before.before(last.t);
+        x = last.x;
+        const double ratio = earlier ? (t - last.t) / (last.t - earlier->t) : 0;
+        std::vector<double> beyond = earlier ? earlier->x : std::vector<double>();
         for (std::size_t i = 0; i < beyond.size(); ++i) beyond[i] = x[i] + ratio * (x[i] - beyond[i]);
         if (!beyond.empty() && distance(beyond) < distance(x) && std::isfinite(level.energy->energy(beyond)) &&
             is_valid_between(x, beyond)) {
@@ -119,7 +110,7 @@ std::string FrameSolver::start(double t, const FramesBefore& before, bool from_b
         }
     }
     const auto ideal_is_near = [&] { return name.empty() || distance(level.ideal) <= about_equal * distance(x); };
-    if (level.turn <= most_turn && ideal_is_near() && is_valid(level, level.ideal)) {
+    if (level.turn <= most_turn && ideal_is_near() && level.is_valid(level.ideal)) {
         name = "ideal";
         x = level.ideal;
     }
@@ -142,19 +133,13 @@ Solution FrameSolver::lead(const Deck& deck, const std::vector<double>& x, Hessi
     Solution solution;
     solution.al.status = Status::stalled;
     if (!settles(deck)) return solution;
-    solution.x = x;
-    const std::vector<double> target = level.constraint->targets(x);
-    const int dim = level.mesh.dim;
-    std::vector<double> d(x.size(), 0.0);
-    for (std::size_t k = 0; k < target.size(); ++k) {
-        const std::size_t i = offset(level.constraint->nodes()[k / dim], dim, k % dim);
-        d[i] = target[k] - x[i];
-        solution.x[i] = target[k];
-    }
-    const std::vector<char> fixed = of_boundary(level);
+    solution.x = level.with_boundary(level.constraint->targets(x), x);
+    std::vector<double> d(x.size());
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] = solution.x[i] - x[i];
+    const std::vector<char> fixed = level.on_boundary();
     if (!newton(deck).lead(Distortion(level, x, {}), kind, fixed, x, d)) return solution;
     for (std::size_t i = 0; i < x.size(); ++i)
-        if (!fixed[i / dim]) solution.x[i] += d[i];
+        if (!fixed[i / level.mesh.dim]) solution.x[i] += d[i];
     if (!std::isfinite(level.energy->energy(solution.x)) || !is_valid_between(x, solution.x)) return solution;
     solution.al.newton_iterations = 1;
     solution.al.lambda.assign(level.constraint->multipliers(), 0.0);
@@ -169,9 +154,7 @@ Solution FrameSolver::solve_from(const Deck& deck, const std::vector<double>& x)
     Level& level = *problem_.level;
     Solution solution;
     solution.x = x;
-    AlStart start;
-    start.lambda.assign(level.constraint->multipliers(), 0.0);
-    start.mu = largest_start_penalty;
+    const AlStart start = AlStart::from_near(*level.constraint, largest_start_penalty);
     AugmentedLagrangianParams params = deck.method;
     if (settles(deck)) params.omega_star = std::min(1e3 * params.omega_star, std::max(1e-5, params.omega_star));
     solution.al = minimise(*level.energy, *level.constraint, newton(deck), params, solution.x, {}, start);
@@ -207,7 +190,7 @@ void FrameSolver::settle(const Deck& deck, Solution& solution) {
     solution.al.status = Status::stalled;
     if (nodes_off_target(*level.constraint, solution.x) > 0) return;
     constexpr double of_tolerance = 1e-7;
-    const Distortion inside(level, solution.x, of_boundary(level));
+    const Distortion inside(level, solution.x, level.on_boundary());
     NewtonParams wanted;
     wanted.omega = of_tolerance * deck.method.omega_star;
     wanted.first = HessianKind::full;

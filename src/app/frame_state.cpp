@@ -1,6 +1,7 @@
-// A line of text, then t, x, and where there is one before that, its t and x.
+// A line of text, then t and x of the last one or two.
 #include "app/frame_state.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <string_view>
@@ -21,34 +22,27 @@ std::string heading(const Problem& problem) {
     return concat("almesh frames, ", version(), " ", commit(), ", run ", problem.run_id, ", frame ");
 }
 
-void append_bytes(std::string& text, double t, const std::vector<double>& x) {
-    text.append(reinterpret_cast<const char*>(&t), sizeof t);
-    text.append(reinterpret_cast<const char*>(x.data()), x.size() * sizeof(double));
-}
-
-// x has its size.
-void take_bytes(std::string_view& bytes, double& t, std::vector<double>& x) {
-    std::memcpy(&t, bytes.data(), sizeof t);
-    std::memcpy(x.data(), bytes.data() + sizeof t, x.size() * sizeof(double));
-    bytes.remove_prefix(sizeof t + x.size() * sizeof(double));
-}
-
 }  // namespace
 
-void FramesBefore::push(const std::vector<double>& mesh, double time, const std::vector<Motion>& of_mesh) {
-    if (!x.empty() && time != t) {
-        earlier.swap(x);
-        earlier_t = t;
-    }
-    x = mesh;
-    t = time;
+const Moment* FramesBefore::before(double t) const {
+    const auto found = std::find_if(moments.rbegin(), moments.rend(), [t](const Moment& of) { return of.t != t; });
+    return found == moments.rend() ? nullptr : &*found;
+}
+
+void FramesBefore::push(double t, const std::vector<double>& x, const std::vector<Motion>& of_mesh) {
+    if (!moments.empty() && last().t == t) moments.pop_back();
+    if (moments.size() == 3) moments.erase(moments.begin());
+    moments.push_back({t, x});
     motions = of_mesh;
 }
 
 void save_state(const Deck& deck, const Problem& problem, const FramesBefore& before, int number) {
     std::string state = concat(heading(problem), number, "\n");
-    append_bytes(state, before.t, before.x);
-    if (!before.earlier.empty()) append_bytes(state, before.earlier_t, before.earlier);
+    for (std::size_t k = std::max<std::size_t>(before.moments.size(), 2) - 2; k < before.moments.size(); ++k) {
+        const auto& [t, x] = before.moments[k];
+        state.append(reinterpret_cast<const char*>(&t), sizeof t);
+        state.append(reinterpret_cast<const char*>(x.data()), x.size() * sizeof(double));
+    }
     write_file(path_of(deck), state);
 }
 
@@ -62,10 +56,11 @@ int read_state(const Deck& deck, const Problem& problem, FramesBefore& before) {
     if (!first.starts_with(heading(problem)) || !number || (bytes.size() != of_mesh && bytes.size() != 2 * of_mesh))
         throw UsageError("cannot resume: ", path_of(deck), " is of another run or program; without resume=1 this run ",
                          "starts from the beginning and removes it");
-    before.x.resize(problem.mesh().x.size());
-    before.earlier.resize(bytes.size() > of_mesh ? before.x.size() : 0);
-    take_bytes(bytes, before.t, before.x);
-    if (!before.earlier.empty()) take_bytes(bytes, before.earlier_t, before.earlier);
+    for (; !bytes.empty(); bytes.remove_prefix(of_mesh)) {
+        auto& [t, x] = before.moments.emplace_back(Moment{0, std::vector<double>(problem.mesh().x.size())});
+        std::memcpy(&t, bytes.data(), sizeof t);
+        std::memcpy(x.data(), bytes.data() + sizeof t, of_mesh - sizeof t);
+    }
     return *number;
 }
 

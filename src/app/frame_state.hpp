@@ -13,14 +13,21 @@ struct Problem;
 
 inline constexpr const char* frames_state = "frames.state";
 
+struct Moment {
+    double t;
+    std::vector<double> x;  // nodes x dim, in the run's frame
+};
+
 // The meshes of the frames before.
 struct FramesBefore {
-    std::vector<double> x, earlier;  // in the run's frame; of the last one and of the one before that; empty: none
-    double t = 0, earlier_t = 0;
-    std::vector<Motion> motions;     // of the last one
+    std::vector<Moment> moments;  // at most three, the last one at the end
+    std::vector<Motion> motions;  // of that
 
+    const Moment& last() const { return moments.back(); }
+    // The last one before the time t, null: there is none.
+    const Moment* before(double t) const;
     // One more; one of the same time as the last takes its place.
-    void push(const std::vector<double>& mesh, double time, const std::vector<Motion>& of_mesh);
+    void push(double t, const std::vector<double>& x, const std::vector<Motion>& of_mesh);
 };
 
 void save_state(const Deck& deck, const Problem& problem, const FramesBefore& before, int number);

@@ -1,7 +1,6 @@
 #include "app/frame_table.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "app/deck.hpp"
 #include "app/results.hpp"
@@ -20,13 +19,13 @@ std::string csv_of(const Deck& deck) { return deck.output + "/frames.csv"; }
 std::string series_of(const Deck& deck) { return deck.output + "/frames.vtk.series"; }
 
 std::string line_of(const FrameRow& row) {
-    std::string note = on_one_line(row.note), numbers = ",,,,";
-    std::replace(note.begin(), note.end(), '"', '\'');
+    std::string numbers = ",,,,";
     if (!row.started_from.empty())
         numbers = concat(row.newton_steps, ",", row.max_distortion, ",", row.relative_quality, ",",
                          row.min_scaled_jacobian, ",", row.certified ? "yes" : "no");
     return concat(row.label(), ",", row.t, ",", row.status, ",", static_cast<int>(row.code), ",", numbers, ",",
-                  row.started_from, ",", row.path, ",", rounded_down(row.seconds, 4), ",", with_quotes(note), "\n");
+                  row.started_from, ",", row.path, ",", rounded_down(row.seconds, 4), ",",
+                  with_quotes(as_cell(row.note)), "\n");
 }
 
 // What the table needs of it; number 0 where it is no row.
@@ -44,6 +43,11 @@ FrameRow row_of(std::string_view line) {
 }
 
 }  // namespace
+
+std::string as_cell(std::string text) {
+    std::replace(text.begin(), text.end(), '"', '\'');
+    return on_one_line(std::move(text));
+}
 
 void FrameRow::refuse(const Error& error) {
     code = error.exit_code;

@@ -34,6 +34,8 @@ struct FrameRow {
     std::string file_name() const;  // "frame-0003", or "frame-0003-1"
 };
 
+std::string as_cell(std::string text);  // of a CSV table: on one line, double quotes made single
+
 class FrameTable {
 public:
     explicit FrameTable(const Deck& deck) : deck_(deck) {}

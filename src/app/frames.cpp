@@ -1,5 +1,13 @@
+// A motion in time: one mesh for each of the times t that the key `frames` gives, whose motions are functions of t.
+//
+// Every mesh minimises the distortion relative to the same ideal mesh, so it depends on its time alone, whatever was
+// before: nothing drifts. What is before serves as the start, the ideal mesh where that is as near to the target.
+// Reading, ideal mesh, functional and the symbolic part of the linear solver are made once.
+//
+// Written after every frame: its mesh, frames.vtk.series, frames.csv, and the state from which a run goes on.
+//
 // For k = 1, 2, ...: the motions at t_k, the target, the solution, its certificates, its files, the state.
-#include "app/frames.hpp"
+#include "app/solve.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -7,13 +15,11 @@
 #include "app/boundaries.hpp"
 #include "app/coupling.hpp"
 #include "app/deck_checks.hpp"
-#include "app/ending.hpp"
 #include "app/frame_solver.hpp"
 #include "app/frame_table.hpp"
 #include "app/frame_times.hpp"
 #include "app/mesh_velocity.hpp"
 #include "app/results_folder.hpp"
-#include "app/solve.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/parallel.hpp"
@@ -42,8 +48,8 @@ private:
     FrameTable done_{deck_};
     std::size_t resumed_ = 0;  // of these, done before
     double spent_ = 0;         // seconds, on those since
-    FramesBefore before_;      // with a mesh
-    MeshVelocity velocity_;
+    FramesBefore before_;  // with a mesh
+    std::vector<MeshFace> faces_;     // of the mesh, where what they sweep is written
     std::vector<std::string> files_;  // of the line that asks for the frame
     std::vector<std::string> told_;   // notes
     int between_ = 0;           // frames between the last one and this one,
@@ -73,14 +79,13 @@ void FrameRun::resume() {
         std::fprintf(out_, "note: no saved state in %s: the run starts from the beginning\n", deck_.output.c_str());
         return;
     }
-    if (last > static_cast<int>(times_.size()) || times_[last - 1] != before_.t)
+    const double t = before_.last().t;
+    if (last > static_cast<int>(times_.size()) || times_[last - 1] != t)
         throw UsageError("cannot resume: the times of the frames are not those of the run before");
-    before_.motions = motions_of(deck_at(deck_, before_.t, last), problem_.base);
-    if (!before_.earlier.empty()) velocity_.add(before_.earlier_t, before_.earlier);
-    velocity_.add(before_.t, before_.x);
+    before_.motions = motions_of(deck_at(deck_, t, last), problem_.base);
     done_.read(last);
     resumed_ = done_.size();
-    std::fprintf(out_, "resumes after %s\n", frame_at(last, before_.t).c_str());
+    std::fprintf(out_, "resumes after %s\n", frame_at(last, t).c_str());
 }
 
 // Of the problem, each once.
@@ -113,13 +118,12 @@ void FrameRun::keep(const Deck& now, Solution& solution, FrameRow& row) {
         print_ending(out_, now, problem_, solution, 0);
     }
     if (!row.has_mesh()) return;
-    MeshVelocity velocity = velocity_;
-    if (deck_.velocity != Velocity::no) velocity.add(row.t, solution.x);
-    const std::vector<VtkArray> columns = velocity.point_data(deck_, problem_);
+    FramesBefore kept = before_;
+    kept.push(row.t, solution.x, problem_.motions);
+    const std::vector<VtkArray> columns = velocities(deck_, problem_, kept.moments);
     row.mesh = write_frame(deck_, problem_, solution, row.file_name(), columns);
-    velocity.write(deck_, problem_, columns, path(row.file_name().c_str()));
-    velocity_ = std::move(velocity);
-    before_.push(solution.x, row.t, problem_.motions);
+    write_velocities(deck_, problem_, kept.moments, columns, path(row.file_name().c_str()), faces_);
+    before_ = std::move(kept);
     for (const Expectation& expectation : deck_.expectations) {
         const ExpectationResult result = check(expectation, summary);
         if (result.holds || row.code != ExitCode::success) continue;
@@ -130,9 +134,9 @@ void FrameRun::keep(const Deck& now, Solution& solution, FrameRow& row) {
 
 // Of the nodes from the frame before; of a time step that is tried again, from the one before its first try.
 std::string FrameRun::path_to(const Solution& solution, double t) const {
-    const std::vector<double>& from = before_.t == t ? before_.earlier : before_.x;
-    if (from.empty() || solution.al.status != Status::converged) return "";
-    return solver_.is_valid_between(from, solution.x) ? frame_path::valid : frame_path::not_valid;
+    const Moment* const from = before_.before(t);
+    if (!from || solution.al.status != Status::converged) return "";
+    return solver_.is_valid_between(from->x, solution.x) ? frame_path::valid : frame_path::not_valid;
 }
 
 // Where the way from the frame before is not valid, frames at times between come first.
@@ -163,7 +167,7 @@ bool FrameRun::may_halve(const FrameRow& row) const try {
     for (const DeckBoundary& boundary : deck_.boundaries)
         for (const MotionStep& step : boundary.motion.steps)
             if (coupling_ || step.file.find('%') != std::string::npos) return false;
-    const auto halfway = motions_of(deck_at(deck_, 0.5 * (before_.t + row.t), row.number), problem_.base);
+    const auto halfway = motions_of(deck_at(deck_, 0.5 * (before_.last().t + row.t), row.number), problem_.base);
     return solver_.leads(deck_, before_.motions, halfway) && solver_.leads(deck_, halfway, problem_.motions);
 } catch (const UsageError&) {
     return false;
@@ -172,7 +176,7 @@ bool FrameRun::may_halve(const FrameRow& row) const try {
 // The frame at that time. Whether it has a mesh.
 bool FrameRun::solve_between(const FrameRow& row, int halvings) try {
     const Stopwatch watch;
-    FrameRow between{row.number, 1, 0.5 * (before_.t + row.t)};
+    FrameRow between{row.number, 1, 0.5 * (before_.last().t + row.t)};
     solve(between, halvings);
     if (!between.has_mesh() || !between.certified) return false;
     between.seconds = watch.seconds();
@@ -219,8 +223,8 @@ bool FrameRun::next(FrameRow& row) {
         if (done_.size() < times_.size()) row.t = times_[done_.size()];
         return done_.size() < times_.size();
     }
-    const double reached = before_.x.empty() ? -std::numeric_limits<double>::infinity() : before_.t;
-    const std::optional<AskedFrame> asked = coupling_->next(reached);
+    const double none = -std::numeric_limits<double>::infinity();
+    const std::optional<AskedFrame> asked = coupling_->next(before_.moments.empty() ? none : before_.last().t);
     if (!asked) return false;
     row.t = asked->t;
     files_ = asked->files;
@@ -288,7 +292,6 @@ ExitCode FrameRun::run() {
 }  // namespace
 
 ExitCode run_frames(const Deck& deck, std::FILE* out) {
-    const HandleSignal write_without_reader(SIGPIPE, SIG_IGN);
     const TimeLimit limit(deck.max_seconds);
     set_threads(deck.threads);
     check_times(deck);

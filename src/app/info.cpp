@@ -13,7 +13,7 @@
 #include "check/injectivity.hpp"
 #include "geometry/box_tree.hpp"
 #include "geometry/patch.hpp"
-#include "geometry/smooth_parts.hpp"
+#include "geometry/face_patches.hpp"
 #include "io/mesh_format.hpp"
 #include "mesh/build.hpp"
 #include "mesh/inner_boundary.hpp"

@@ -1,6 +1,6 @@
 // Reads A and b, prints their sizes, solves by the LinearSolver of a run, but that Cholesky does not take over, with
 // the phases timed, and checks the scaled residual.
-#include "app/linsolve.hpp"
+#include "app/commands.hpp"
 
 #include <algorithm>
 #include <cmath>

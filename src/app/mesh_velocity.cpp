@@ -7,39 +7,60 @@
 #include "base/text.hpp"
 
 namespace almesh {
+namespace {
 
-void MeshVelocity::add(double t, const std::vector<double>& x) {
-    if (!moments_.empty() && moments_.back().t == t) moments_.pop_back();
-    if (moments_.size() == 3) moments_.erase(moments_.begin());
-    moments_.push_back({t, x});
-}
-
-std::vector<double> MeshVelocity::velocity(int order, double length) const {
-    const std::size_t last = moments_.size() - 1;
+std::vector<double> velocity(const std::vector<Moment>& moments, int order, double length) {
+    const std::size_t last = moments.size() - 1;
     const auto slope = [&](std::size_t k, std::size_t i) {
-        return length * (moments_[k].x[i] - moments_[k - 1].x[i]) / (moments_[k].t - moments_[k - 1].t);
+        return length * (moments[k].x[i] - moments[k - 1].x[i]) / (moments[k].t - moments[k - 1].t);
     };
-    std::vector<double> v(moments_[last].x.size(), 0.0);
+    std::vector<double> v(moments[last].x.size(), 0.0);
     for (std::size_t i = 0; i < v.size() && last > 0; ++i) v[i] = slope(last, i);
     if (order == 1 || last < 2) return v;
-    const double share = (moments_[last].t - moments_[last - 1].t) / (moments_[last].t - moments_[last - 2].t);
+    const double share = (moments[last].t - moments[last - 1].t) / (moments[last].t - moments[last - 2].t);
     for (std::size_t i = 0; i < v.size(); ++i) v[i] += share * (v[i] - slope(last - 1, i));
     return v;
 }
 
-std::vector<VtkArray> MeshVelocity::point_data(const Deck& deck, const Problem& problem) const {
+void write_swept(const Problem& problem, const std::vector<Moment>& moments, const std::vector<MeshFace>& faces,
+                 const std::string& path) {
+    const Mesh& mesh = problem.mesh();
+    const SideNodes local(mesh.dim, mesh.degree);
+    const std::vector<double> volume = swept_volumes(mesh, faces, moments[moments.size() - 2].x, moments.back().x);
+    const double unit = std::pow(problem.frame.length, mesh.dim);
+    const std::size_t most = mesh.dim == 2 ? 2 : 4;
+    write_file(path, [&](const TextSink& sink) {
+        sink(most == 2 ? "element,neighbour,volume,node_1,node_2\n"
+                       : "element,neighbour,volume,node_1,node_2,node_3,node_4\n");
+        append_rows(sink, static_cast<int>(faces.size()), [&](std::string& row, int f) {
+            const MeshFace& face = faces[f];
+            append(row, mesh.file.element_id[face.element]);
+            append(row += ',', face.neighbour < 0 ? -1 : mesh.file.element_id[face.neighbour]);
+            append(row += ',', unit * volume[f]);
+            const std::vector<int> node = nodes_of(mesh, local, face);
+            const std::size_t corners = mesh.cell(face.element).face_type(face.side).vertices;
+            for (std::size_t k = 0; k < most; ++k)
+                append(row += ',', k < corners ? mesh.file.node_id[node[k]] : -1);
+            row += '\n';
+        });
+    });
+}
+
+}  // namespace
+
+std::vector<VtkArray> velocities(const Deck& deck, const Problem& problem, const std::vector<Moment>& moments) {
     if (deck.velocity == Velocity::no) return {};
     const int dim = problem.mesh().dim;
     const double length = problem.frame.length;
-    std::vector<double> moved = final_positions(problem, moments_.back().x);
+    std::vector<double> moved = final_positions(problem, moments.back().x);
     for (std::size_t i = 0; i < moved.size(); ++i) moved[i] -= problem.file_x[i];
     return {{"displacement", dim, std::move(moved)},
-            {"velocity_1", dim, velocity(1, length)},
-            {"velocity_2", dim, velocity(2, length)}};
+            {"velocity_1", dim, velocity(moments, 1, length)},
+            {"velocity_2", dim, velocity(moments, 2, length)}};
 }
 
-void MeshVelocity::write(const Deck& deck, const Problem& problem, const std::vector<VtkArray>& columns,
-                         const std::string& base) {
+void write_velocities(const Deck& deck, const Problem& problem, const std::vector<Moment>& moments,
+                      const std::vector<VtkArray>& columns, const std::string& base, std::vector<MeshFace>& faces) {
     if (columns.empty()) return;
     const Mesh& mesh = problem.mesh();
     write_file(base + "-velocity.csv", [&](const TextSink& sink) {
@@ -54,32 +75,9 @@ void MeshVelocity::write(const Deck& deck, const Problem& problem, const std::ve
             row += '\n';
         });
     });
-    if (deck.velocity == Velocity::faces && moments_.size() > 1) write_swept(problem, base + "-swept.csv");
-}
-
-void MeshVelocity::write_swept(const Problem& problem, const std::string& path) {
-    const Mesh& mesh = problem.mesh();
-    if (!faces_) faces_ = std::make_shared<const std::vector<MeshFace>>(mesh_faces(mesh));
-    const SideNodes local(mesh.dim, mesh.degree);
-    const std::vector<double> volume =
-        swept_volumes(mesh, *faces_, moments_[moments_.size() - 2].x, moments_.back().x);
-    const double unit = std::pow(problem.frame.length, mesh.dim);
-    const std::size_t most = mesh.dim == 2 ? 2 : 4;
-    write_file(path, [&](const TextSink& sink) {
-        sink(most == 2 ? "element,neighbour,volume,node_1,node_2\n"
-                       : "element,neighbour,volume,node_1,node_2,node_3,node_4\n");
-        append_rows(sink, static_cast<int>(faces_->size()), [&](std::string& row, int f) {
-            const MeshFace& face = (*faces_)[f];
-            append(row, mesh.file.element_id[face.element]);
-            append(row += ',', face.neighbour < 0 ? -1 : mesh.file.element_id[face.neighbour]);
-            append(row += ',', unit * volume[f]);
-            const std::vector<int> node = nodes_of(mesh, local, face);
-            const std::size_t corners = mesh.cell(face.element).face_type(face.side).vertices;
-            for (std::size_t k = 0; k < most; ++k)
-                append(row += ',', k < corners ? mesh.file.node_id[node[k]] : -1);
-            row += '\n';
-        });
-    });
+    if (deck.velocity != Velocity::faces || moments.size() < 2) return;
+    if (faces.empty()) faces = mesh_faces(mesh);
+    write_swept(problem, moments, faces, base + "-swept.csv");
 }
 
 }  // namespace almesh

@@ -5,38 +5,23 @@
 // r = (t_k - t_{k-1}) / (t_{k-1} - t_{k-2}): first order, and second order with steps of any length (BDF2). What faces
 // sweep: check/swept_volumes.hpp. All are in units of the file.
 #pragma once
-#include <memory>
 #include <string>
 #include <vector>
 
+#include "app/frame_state.hpp"
 #include "app/problem.hpp"
 #include "check/swept_volumes.hpp"
 #include "io/vtk.hpp"
 
 namespace almesh {
 
-class MeshVelocity {
-public:
-    void add(double t, const std::vector<double>& x);  // in the run's frame; the same t again replaces the mesh
+// Displacement and velocities at the last moment, where the deck wants them. At the first moment the velocities are 0,
+// and at the second v_2 is v_1.
+std::vector<VtkArray> velocities(const Deck& deck, const Problem& problem, const std::vector<Moment>& moments);
 
-    // Displacement and velocities at the last moment, where the deck wants them. At the first moment the velocities are
-    // 0, and at the second v_2 is v_1.
-    std::vector<VtkArray> point_data(const Deck& deck, const Problem& problem) const;
-
-    // Of point_data(), as the deck wants it: BASE-velocity.csv, and where there is a moment before BASE-swept.csv.
-    void write(const Deck& deck, const Problem& problem, const std::vector<VtkArray>& columns, const std::string& base);
-
-private:
-    struct Moment {
-        double t;
-        std::vector<double> x;  // nodes x dim
-    };
-
-    std::vector<Moment> moments_;  // at most three
-    std::shared_ptr<const std::vector<MeshFace>> faces_;
-
-    std::vector<double> velocity(int order, double length) const;
-    void write_swept(const Problem& problem, const std::string& path);
-};
+// Of velocities(), as the deck wants it: BASE-velocity.csv, and where there is a moment before BASE-swept.csv. faces:
+// of the mesh, which are found by the first call.
+void write_velocities(const Deck& deck, const Problem& problem, const std::vector<Moment>& moments,
+                      const std::vector<VtkArray>& columns, const std::string& base, std::vector<MeshFace>& faces);
 
 }  // namespace almesh

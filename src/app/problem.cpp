@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "app/boundaries.hpp"
 #include "app/commands.hpp"
 #include "app/deck_checks.hpp"
-#include "app/folded_target.hpp"
 #include "app/improve.hpp"
 #include "app/kept_surface.hpp"
 #include "app/memory.hpp"
 #include "app/node_targets.hpp"
-#include "app/other_surfaces.hpp"
 #include "app/start_mesh.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -21,24 +18,22 @@
 #include "base/text.hpp"
 #include "check/freed_nodes.hpp"
 #include "constraint/sliding_boundary.hpp"
+#include "constraint/sliding_nodes.hpp"
 #include "energy/vertex_interpolation.hpp"
+#include "mesh/mesh.hpp"
 #include "io/mesh_format.hpp"
 #include "io/vtk.hpp"
 
 namespace almesh {
 namespace {
 
-// The contents of a file that the deck names at `where`.
-std::string read_named_file(const std::string& where, const std::string& path) {
-    try {
-        return read_file(path);
-    } catch (const InputError& error) {
-        throw InputError(where, ": ", error.what());
-    }
-}
-
 RawMesh read_mesh_file(const Deck& deck, std::string& hash) {
-    const std::string text = read_named_file(deck.given.at("mesh"), deck.mesh);
+    std::string text;
+    try {
+        text = read_file(deck.mesh);
+    } catch (const InputError& error) {
+        throw InputError(deck.given.at("mesh"), ": ", error.what());
+    }
     RawMesh raw;
     parallel_invoke([&] { raw = parse_mesh(text, deck.mesh); }, [&] { hash = hash_of(text); });
     return raw;
@@ -109,20 +104,6 @@ double unit_of_length(const Deck& deck, double volume, int dim) {
     if (size / unit >= 1 / most && size / unit <= most) return unit;
     throw UsageError(deck.given.at("length_scale"), ": in units of length_scale = ", unit, " the mesh is ",
                      size / unit, " long, which is beyond the range of numbers: leave the key out");
-}
-
-// A mesh that is many times its size away from the origin of its file gets one of its own, in its middle.
-Vec<3> local_origin(const Mesh& mesh) {
-    constexpr double far = 16;
-    Vec<3> low{}, high{}, middle{};
-    for (int a = 0; a < mesh.dim; ++a) low[a] = high[a] = mesh.x[a];
-    for (std::size_t k = 0; k < mesh.x.size(); ++k) {
-        const auto a = static_cast<int>(k % mesh.dim);
-        low[a] = std::min(low[a], mesh.x[k]);
-        high[a] = std::max(high[a], mesh.x[k]);
-    }
-    for (int a = 0; a < mesh.dim; ++a) middle[a] = low[a] + 0.5 * (high[a] - low[a]);
-    return length(middle) > far * length(high - low) ? middle : Vec<3>{};
 }
 
 // Boundaries along which nodes slide.
@@ -307,35 +288,6 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
 
 }  // namespace
 
-std::string run_id(Deck deck, const std::string& mesh_hash) {
-    const Deck defaults;
-    deck.output = ".";
-    deck.threads = defaults.threads;
-    deck.max_seconds = defaults.max_seconds;
-    deck.checkpoint = defaults.checkpoint;
-    deck.resume = defaults.resume;
-    return hash_of(resolved(deck) + mesh_hash);
-}
-
-DistortionParams distortion_of(const Deck& deck) {
-    DistortionParams params = deck.distortion;
-    const bool minimax = params.objective == Objective::minimax;
-    const double usual = minimax ? 0 : deck.method.algorithm == Algorithm::adaptive ? 0.5 : 1;
-    params.weight_exponent = deck.weight_exponent.value_or(usual);
-    if (!minimax) params.power.p = deck.power.value_or(params.power.p);
-    return params;
-}
-
-int increments_of(const Deck& deck) {
-    return deck.increments.value_or(deck.method.moving == MovingMethod::incremental ? 10 : 1);
-}
-
-// The schedules of the paper do not follow the motion unless they are told to.
-Continuation continuation_of(const Deck& deck) {
-    const bool of_paper = deck.continuation == Continuation::automatic && deck.method.algorithm != Algorithm::adaptive;
-    return of_paper ? Continuation::never : deck.continuation;
-}
-
 Problem make_problem(const Deck& deck) {
     check_start(deck);
     check_resume(deck);
@@ -417,11 +369,6 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
     return problem;
 }
 
-void identify(const Deck& deck, Problem& problem) {
-    problem.run_id = run_id(deck, problem.mesh_hash);
-    problem.level->mesh.file.comment = concat(version(), ", run ", problem.run_id);
-}
-
 std::shared_ptr<SlidingSurfaces> surfaces_in_place(const Deck& deck, const Problem& problem) {
     BoundaryTarget target = problem.target;
     target.freed.assign(problem.mesh().nodes(), 1);
@@ -434,31 +381,6 @@ void set_functional(const Deck& deck, const Problem& problem) {
 
 void set_constraint(const Deck& deck, const Problem& problem) {
     set_constraint(deck, problem, problem.target, problem.level_placed, *problem.level);
-}
-
-bool identity_is_near(const Deck& deck, const Problem& problem) {
-    const Mesh& mesh = problem.mesh();
-    if (mesh.dim != 2 || mesh.degree == 1 || !problem.target.prescribes_all()) return false;
-    if (deck.distortion.objective != Objective::squared) return false;
-    const double rounding = 1e-9 * std::sqrt(volume(mesh, problem.ideal()));
-    for (int f = 0; f < mesh.face_count(); ++f)
-        for (int i = 0; i < mesh.dim; ++i) {
-            const double* const from = point(problem.ideal(), mesh.face(f)[i], mesh.dim);
-            const double* const to = problem.target.node_of(mesh, f) + i * mesh.dim;
-            if (std::hypot(to[0] - from[0], to[1] - from[1]) > rounding) return false;
-        }
-    return true;
-}
-
-std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem) {
-    std::vector<CoarserMesh> coarser;
-    if (problem.is_own_ideal || identity_is_near(deck, problem)) return coarser;
-    for (int refinements = 0; refinements < deck.refine; ++refinements) coarser.push_back({refinements, 1});
-    // The file's own curves are known from its degree on; but where nodes slide, they find their way at lower ones.
-    const int of_file = problem.target.freed.empty() ? problem.shape().degree : 1;
-    for (int degree = 1; degree < problem.mesh().degree; degree = std::max(2 * degree, of_file))
-        coarser.push_back({deck.refine, degree});
-    return coarser;
 }
 
 std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, const CoarserMesh& coarser) {

@@ -1,5 +1,6 @@
 // From the deck to the problem to be solved: the mesh, its target, and both in the run's frame.
 #pragma once
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,7 +35,7 @@ struct Problem {
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
     Frame frame;                   // of the run, by the mesh file
     std::string mesh_hash;         // FNV-1a of the file, to tell which mesh a result came from
-    // In all files of the run: a hash of the settings and of the mesh, so that the same run again has the same.
+    // In all files of the run: a hash of the settings and the files, so that the same run again has the same.
     std::string run_id;
     std::vector<std::string> notes;
 
@@ -44,8 +45,11 @@ struct Problem {
     const std::vector<double>& ideal() const { return level->ideal; }
 };
 
-// Wherever the results go, on however many threads, and in however many pieces.
-std::string run_id(Deck deck, const std::string& mesh_hash);
+// Of the settings, wherever the results go, on however many threads, and in however many pieces, and of the files that
+// the deck names; those of frames are read when their time comes. known: of files by their paths; "" or no row: not
+// yet.
+using FileHashes = std::map<std::string, std::string>;
+std::string run_id(Deck deck, FileHashes& known);
 
 // Throws UsageError or InputError for everything that can be wrong before solving, target faces that are invalid
 // themselves included. The level has no energy and no constraint yet.
@@ -63,7 +67,8 @@ void identify(const Deck& deck, Problem& problem);
 // The problem's target as folded_target.hpp checks and changes it.
 CheckedTarget checked_target(const Deck& deck, Problem& problem);
 
-// Of a mesh that is curved in place, the surfaces of the file along which nodes can slide; null where they are not known.
+// Of a mesh that is curved in place, the surfaces of the file along which nodes can slide; null where they are not
+// known.
 std::shared_ptr<SlidingSurfaces> surfaces_in_place(const Deck& deck, const Problem& problem);
 
 // Gives the problem's level its energy and its constraint: the functional of Eq. 6. The problem must stay where it is.
@@ -72,24 +77,10 @@ void set_functional(const Deck& deck, const Problem& problem);
 // The same for its constraint alone, after move_target().
 void set_constraint(const Deck& deck, const Problem& problem);
 
-// The deck's settings, with those that are `auto` made definite.
-DistortionParams distortion_of(const Deck& deck);  // but for curved_ideal
-int increments_of(const Deck& deck);
-Continuation continuation_of(const Deck& deck);  // automatic only with algorithm = adaptive
-
-// Whether the identity map with a large penalty is as good a start as the solution of a lower degree, and costs
-// nothing: in two dimensions, where the motion leaves the boundary's vertices where they are and curves what is between
-// them, and the Hessian at the identity is not zero, as it is with Eq. 5.
-bool identity_is_near(const Deck& deck, const Problem& problem);
-
 // A mesh on which the problem is solved first.
 struct CoarserMesh {
     int refinements, degree;  // of the base mesh
 };
-
-// From coarse to fine: linear meshes refined 0, 1, ... times, then as fine as the deck's own of degree 1, 2, 4, ...;
-// none where the identity is near.
-std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem);
 
 // The problem on it, with its functional, in the same frame; the target is not checked again. With a lower degree than
 // the deck's, nodes are moved to where the motion takes them: what is curved between them is left to the finer mesh.

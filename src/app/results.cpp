@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "app/commands.hpp"
 #include "app/deck.hpp"
@@ -11,7 +12,6 @@
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
-#include "check/wall_distance.hpp"
 #include "io/msh.hpp"
 #include "io/su2.hpp"
 #include "io/vtk.hpp"
@@ -177,6 +177,32 @@ void write_stop(const Deck& deck, const Problem& problem, const Solution& soluti
 }
 
 }  // namespace
+
+std::string run_id(Deck deck, FileHashes& known) {
+    std::vector<std::string> files = {deck.mesh, deck.start_file, deck.ideal_file};
+    for (const DeckBoundary& boundary : deck.boundaries)
+        for (const MotionStep& step : boundary.motion.steps) files.push_back(step.file);
+    std::string hashes;
+    for (const std::string& file : files) {
+        std::error_code error;
+        std::string& hash = known[file];
+        if (hash.empty() && std::filesystem::is_regular_file(file, error)) hash = hash_of(read_file(file));
+        hashes += hash;
+    }
+    const Deck defaults;
+    deck.output = ".";
+    deck.threads = defaults.threads;
+    deck.max_seconds = defaults.max_seconds;
+    deck.checkpoint = defaults.checkpoint;
+    deck.resume = defaults.resume;
+    return hash_of(resolved(deck) + hashes);
+}
+
+void identify(const Deck& deck, Problem& problem) {
+    FileHashes known = {{deck.mesh, problem.mesh_hash}};
+    problem.run_id = run_id(deck, known);
+    problem.level->mesh.file.comment = concat(version(), ", run ", problem.run_id);
+}
 
 std::vector<double> final_positions(const Problem& problem, const std::vector<double>& solution) {
     const Mesh& mesh = problem.mesh();

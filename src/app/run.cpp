@@ -1,11 +1,8 @@
 #include <algorithm>
 #include <memory>
-#include <optional>
 
 #include "app/commands.hpp"
 #include "app/curving.hpp"
-#include "app/ending.hpp"
-#include "app/frames.hpp"
 #include "app/improve.hpp"
 #include "app/memory.hpp"
 #include "app/problem.hpp"
@@ -13,7 +10,6 @@
 #include "app/results.hpp"
 #include "app/results_folder.hpp"
 #include "app/solve.hpp"
-#include "app/volumes.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
@@ -32,51 +28,46 @@ namespace {
 
 constexpr double worth_telling = 0.5e9;  // bytes
 
-}  // namespace
-
-void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double bytes) {
-    const Mesh& mesh = problem.mesh();
-    if (!deck.title.empty()) std::fprintf(out, "%s\n", deck.title.c_str());
-    std::fprintf(out, "%s: %d nodes, %s of degree %d, %d boundary faces; %d thread%s\n", deck.mesh.c_str(),
-                 mesh.nodes(), mesh.elements_text().c_str(), mesh.degree,
-                 mesh.face_count(), max_threads(), max_threads() == 1 ? "" : "s");
-    for (const std::string& note : problem.notes) std::fprintf(out, "note: %s\n", note.c_str());
-    if (!deck.sweeps.empty()) std::fprintf(out, "note: one run, without the lines `sweep`: almesh sweep runs all\n");
-    if (bytes > worth_telling) std::fprintf(out, "about %.2g GB of memory will be needed\n", bytes / 1e9);
-    std::fflush(out);
-}
-
-namespace {
-
 bool starts_coarse(const Deck& deck) {
     if (sets_boundary(deck.method.moving)) return false;
     if (deck.start == Start::automatic) return deck.method.algorithm == Algorithm::adaptive;
     return deck.start == Start::coarse;
 }
 
+// Whether the identity map with a large penalty is as good a start as the solution of a lower degree, and costs
+// nothing: in two dimensions, where the motion leaves the boundary's vertices where they are and curves what is between
+// them, and the Hessian at the identity is not zero, as it is with Eq. 5.
+bool identity_is_near(const Deck& deck, const Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    if (mesh.dim != 2 || mesh.degree == 1 || !problem.target.prescribes_all()) return false;
+    if (deck.distortion.objective != Objective::squared) return false;
+    const double rounding = 1e-9 * std::sqrt(volume(mesh, problem.ideal()));
+    for (int f = 0; f < mesh.face_count(); ++f)
+        for (int i = 0; i < mesh.dim; ++i) {
+            const double* const from = point(problem.ideal(), mesh.face(f)[i], mesh.dim);
+            const double* const to = problem.target.node_of(mesh, f) + i * mesh.dim;
+            if (std::hypot(to[0] - from[0], to[1] - from[1]) > rounding) return false;
+        }
+    return true;
+}
+
+// From coarse to fine: linear meshes refined 0, 1, ... times, then as fine as the deck's own of degree 1, 2, 4, ...;
+// none where the identity is near.
+std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem) {
+    std::vector<CoarserMesh> coarser;
+    if (problem.is_own_ideal || identity_is_near(deck, problem)) return coarser;
+    for (int refinements = 0; refinements < deck.refine; ++refinements) coarser.push_back({refinements, 1});
+    // The file's own curves are known from its degree on; but where nodes slide, they find their way at lower ones.
+    const int of_file = problem.target.freed.empty() ? problem.shape().degree : 1;
+    for (int degree = 1; degree < problem.mesh().degree; degree = std::max(2 * degree, of_file))
+        coarser.push_back({deck.refine, degree});
+    return coarser;
+}
+
 bool snaps(const Deck& deck) {
     if (deck.snap == Snap::automatic) return deck.method.algorithm == Algorithm::adaptive;
     return deck.snap == Snap::yes;
 }
-
-}  // namespace
-
-// The last row then tells of the mesh that is written.
-void snap(const Deck& deck, Level& level, Solution& solution) {
-    if (!snaps(deck) || solution.al.status != Status::converged) return;
-    snap_to_targets(*level.energy, *level.constraint, solution.x);
-    measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
-}
-
-// What is certified is what will be read: far from the file's origin its numbers have fewer digits than those of the
-// run.
-void round_as_file(const Problem& problem, std::vector<double>& x) {
-    if (problem.frame.origin == Vec<3>{}) return;
-    x = final_positions(problem, x);
-    problem.frame.take_to_run(x, problem.mesh().dim);
-}
-
-namespace {
 
 void measure_sliding(const Problem& problem, Solution& solution) {
     if (!problem.sliding) return;
@@ -103,26 +94,6 @@ void measure_distances(const Problem& problem, Solution& solution) {
     const std::vector<double> x = final_positions(problem, solution.x);
     solution.distances = boundary_distances(problem.mesh(), at_target(problem.mesh(), came, x), x, measured);
 }
-
-}  // namespace
-
-void examine(const Deck& deck, const Problem& problem, Solution& solution) {
-    const TimeAdder adder(solution.time.certify);
-    Level& level = *problem.level;
-    solution.certificate = certify(level.mesh, solution.x, deck.certificate);
-    solution.injectivity = certified_injective(problem, solution.x, solution.certificate);
-    solution.size_skew = size_skew(level.mesh, level.ideal, solution.x);
-    solution.refined_elements = level.energy->refined_elements();
-    solution.max_boundary_error = level.constraint->max_error(solution.x);
-    solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);
-    measure_sliding(problem, solution);
-    const std::vector<char>& straight = problem.target.straight;
-    solution.straight_faces = static_cast<int>(std::count(straight.begin(), straight.end(), 1));
-    measure_distances(problem, solution);
-    solution.diagnosis = diagnose(deck, problem, solution);
-}
-
-namespace {
 
 AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton, const MethodParams& params,
                             std::vector<double>& x, const AlStart& start, const AlObserver& observer,
@@ -193,14 +164,6 @@ bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary)
     return hold;
 }
 
-// Not from the ideal mesh: nothing begins anew.
-AlStart start_from_file(const Problem& problem, std::vector<double>& x) {
-    x = problem.start;
-    AlStart start;
-    start.lambda.assign(problem.level->constraint->multipliers(), 0.0);
-    return start;
-}
-
 // Of a solution that converged, before it is rounded. Returns why that failed, "" where it did not.
 std::string use(const RunHooks& hooks, const Problem& problem, Solution& solution) try {
     if (hooks.solved && solution.al.status == Status::converged) hooks.solved(problem, solution);
@@ -210,6 +173,49 @@ std::string use(const RunHooks& hooks, const Problem& problem, Solution& solutio
 }
 
 }  // namespace
+
+void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double bytes) {
+    const Mesh& mesh = problem.mesh();
+    if (!deck.title.empty()) std::fprintf(out, "%s\n", deck.title.c_str());
+    std::fprintf(out, "%s: %d nodes, %s of degree %d, %d boundary faces; %d thread%s\n", deck.mesh.c_str(),
+                 mesh.nodes(), mesh.elements_text().c_str(), mesh.degree,
+                 mesh.face_count(), max_threads(), max_threads() == 1 ? "" : "s");
+    for (const std::string& note : problem.notes) std::fprintf(out, "note: %s\n", note.c_str());
+    if (!deck.sweeps.empty()) std::fprintf(out, "note: one run, without the lines `sweep`: almesh sweep runs all\n");
+    if (bytes > worth_telling) std::fprintf(out, "about %.2g GB of memory will be needed\n", bytes / 1e9);
+    std::fflush(out);
+}
+
+// The last row then tells of the mesh that is written.
+void snap(const Deck& deck, Level& level, Solution& solution) {
+    if (!snaps(deck) || solution.al.status != Status::converged) return;
+    snap_to_targets(*level.energy, *level.constraint, solution.x);
+    measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
+}
+
+// What is certified is what will be read: far from the file's origin its numbers have fewer digits than those of the
+// run.
+void round_as_file(const Problem& problem, std::vector<double>& x) {
+    if (problem.frame.origin == Vec<3>{}) return;
+    x = final_positions(problem, x);
+    problem.frame.take_to_run(x, problem.mesh().dim);
+}
+
+void examine(const Deck& deck, const Problem& problem, Solution& solution) {
+    const TimeAdder adder(solution.time.certify);
+    Level& level = *problem.level;
+    solution.certificate = certify(level.mesh, solution.x, deck.certificate);
+    solution.injectivity = certified_injective(problem, solution.x, solution.certificate);
+    solution.size_skew = size_skew(level.mesh, level.ideal, solution.x);
+    solution.refined_elements = level.energy->refined_elements();
+    solution.max_boundary_error = level.constraint->max_error(solution.x);
+    solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);
+    measure_sliding(problem, solution);
+    const std::vector<char>& straight = problem.target.straight;
+    solution.straight_faces = static_cast<int>(std::count(straight.begin(), straight.end(), 1));
+    measure_distances(problem, solution);
+    solution.diagnosis = diagnose(deck, problem, solution);
+}
 
 Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint, Report& report, std::FILE* out) {
     const Stopwatch watch;
@@ -235,8 +241,9 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
         write_history(deck, report, out);
     };
     observer.newton_step = [&](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
-    AlStart start = problem.start.empty() ? start_from(coarse, level, solution.x)  // or the identity map
-                                          : start_from_file(problem, solution.x);
+    const bool from_file = !problem.start.empty();
+    if (from_file) solution.x = problem.start;
+    AlStart start = from_file ? AlStart::from_near(*level.constraint) : start_from(coarse, level, solution.x);
     if (starts_coarse(deck) && identity_is_near(deck, problem)) start.mu = largest_start_penalty;
     Newton newton(level.energy->hessian_pattern(), deck.linear, {.forcing = deck.forcing});
     write_system(deck, newton, report);
@@ -257,7 +264,6 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     if (!deck.frames.empty()) return run_frames(deck, out);
     // 1. Mesh, target and everything that can be wrong with them; the folder for the results.
     const Stopwatch watch;
-    const HandleSignal write_without_reader(SIGPIPE, SIG_IGN);
     const TimeLimit limit(deck.max_seconds);
     set_threads(deck.threads);
     Problem problem = make_problem(deck);

@@ -12,7 +12,6 @@
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "base/physical_memory.hpp"
-#include "base/text.hpp"
 
 namespace almesh {
 namespace {
@@ -66,7 +65,7 @@ using enum Kind;
 
 constexpr auto quantities = std::to_array<Quantity>({
     {{"status", "converged, or why the method ended"}, word, [](R r) { return text(to_string(r.al.status)); }},
-    {{"run", "id in all files of the run; the same settings and mesh file give the same id"}, word,
+    {{"run", "id in all files of the run; the same settings and files give the same id"}, word,
      [](R r) { return r.problem.run_id; }},
     {{"dimension", "2 or 3"}, count, [](R r) { return text(r.mesh.dim); }},
     {{"degree", "polynomial degree of the elements"}, count, [](R r) { return text(r.mesh.degree); }},

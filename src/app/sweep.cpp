@@ -17,6 +17,7 @@
 
 #include "app/commands.hpp"
 #include "app/deck.hpp"
+#include "app/frame_table.hpp"
 #include "app/frame_times.hpp"
 #include "app/problem.hpp"
 #include "app/results_folder.hpp"
@@ -51,9 +52,7 @@ std::string as_name(std::string text) {
 }
 
 std::string cell(const std::string& text) {
-    std::string line = on_one_line(text);
-    std::replace(line.begin(), line.end(), '"', '\'');
-    return line.find(',') == std::string::npos ? line : with_quotes(line);
+    return text.find(',') == std::string::npos ? as_cell(text) : with_quotes(as_cell(text));
 }
 
 std::string in_shell_quotes(const std::string& text) {
@@ -149,13 +148,12 @@ private:
     Deck deck_;
     std::vector<Run> runs_;
     std::set<std::string> names_;
-    std::map<std::string, std::string> hash_;  // of the files that decks name, by path
+    FileHashes hash_;  // of the files that decks name
     std::map<pid_t, Child> children_;
     int done_ = 0, done_before_ = 0;
     Stopwatch watch_;
 
     void add_run(const std::vector<std::string>& values);
-    std::string hash_of_files(const Deck& deck);
     void read_rows();
     void end(pid_t process, int status);
     std::string path(const char* name) const { return concat(deck_.output, "/", name); }
@@ -201,24 +199,8 @@ void SweepRun::add_run(const std::vector<std::string>& values) {
     run.deck.sweeps.clear();
     run.deck.output = deck_.output + "/" + run.name;
     if (run.deck.threads == 0) run.deck.threads = 1;
-    run.id = concat("# ", version(), ", commit ", commit(), ", run ", run_id(run.deck, hash_of_files(run.deck)), "\n");
+    run.id = concat("# ", version(), ", commit ", commit(), ", run ", run_id(run.deck, hash_), "\n");
     runs_.push_back(std::move(run));
-}
-
-// Of the mesh and of what is there of the others; those of frames are read when their time comes.
-std::string SweepRun::hash_of_files(const Deck& deck) {
-    std::vector<std::string> files = {deck.mesh, deck.start_file, deck.ideal_file};
-    for (const DeckBoundary& boundary : deck.boundaries)
-        for (const MotionStep& step : boundary.motion.steps) files.push_back(step.file);
-    std::string hashes;
-    for (const std::string& file : files) {
-        std::error_code error;
-        if (file != deck.mesh && !fs::is_regular_file(file, error)) continue;
-        std::string& hash = hash_[file];
-        if (hash.empty()) hash = hash_of(read_file(file));
-        hashes += hash;
-    }
-    return hashes;
 }
 
 void SweepRun::read_rows() {

@@ -1,4 +1,5 @@
-#include "app/volumes.hpp"
+// Groups of elements in a run: what they came to, and the nodes inside the elements of those that follow a motion.
+#include "app/solve.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -45,6 +45,12 @@ int write_all(const std::string& path, const std::function<void(const TextSink&)
     return reason == 0 && !closed ? errno : reason;
 }
 
+template <class... Format>
+void append_chars(std::string& text, Format... number_and_format) {
+    char digits[32];  // the longest double needs 24 characters
+    text.append(digits, std::to_chars(digits, digits + sizeof digits, number_and_format...).ptr);
+}
+
 }  // namespace
 
 std::string read_file(const std::string& path) {
@@ -119,16 +125,6 @@ void make_folder(const std::string& path) {
     if (!fs::is_directory(path, error)) cannot("write to", path, "it is not a folder");
     if (access(path.c_str(), W_OK | X_OK) != 0) cannot("write to", path, std::strerror(errno));
 }
-
-namespace {
-
-template <class... Format>
-void append_chars(std::string& text, Format... number_and_format) {
-    char digits[32];  // the longest double needs 24 characters
-    text.append(digits, std::to_chars(digits, digits + sizeof digits, number_and_format...).ptr);
-}
-
-}  // namespace
 
 void append(std::string& text, long long number) { append_chars(text, number); }
 void append(std::string& text, double number) { append_chars(text, number); }

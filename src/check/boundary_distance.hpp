@@ -1,4 +1,4 @@
-// How far curved faces are from a surface.
+// How far curved faces are from a surface, and nodes from a wall.
 //
 // Of a mesh from itself as it came, d(y) is from a point y of a face to the closest point of the faces of the same
 // boundary as they came, all of them: a node that slid along that surface is on it. h: the longest edge of y's face as
@@ -51,5 +51,13 @@ std::vector<char> curved_faces(const Mesh& mesh, const BoundaryTarget& target, c
 
 // Largest distance of a freed node from the position that the target had for it; 0 where none is freed.
 double largest_slide(const Mesh& mesh, const BoundaryTarget& target, const std::vector<double>& x);
+
+// Distance of every node to a wall: to the curved faces of degree p themselves, not to their nodes. The error is of the
+// order of the rounding errors of the coordinates, however thin the layers at the wall are. Where a face is curved so
+// strongly that the distance has several minima on a nearly flat part of it, the least one may be missed.
+// is_wall: per boundary. x: node_count x dim positions, finite. Returns node_count distances, exactly 0 for the nodes
+// of the wall. Throws InputError where the boundary has no faces. Cost: O(log faces) boxes and a few Newton steps for
+// each node.
+std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x, const std::vector<char>& is_wall);
 
 }  // namespace almesh

@@ -1,7 +1,5 @@
 #include "check/freed_nodes.hpp"
 
-#include <algorithm>
-
 #include "base/files.hpp"
 #include "base/text.hpp"
 #include "geometry/patch.hpp"

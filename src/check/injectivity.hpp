@@ -10,7 +10,8 @@
 // solid angles to 4 pi in 3D, at nodes of the boundary to no more.
 //
 // An initial mesh that covers points twice already tells nothing of that: parts of it that lie over each other, a strip
-// that goes around twice, whose boundaries lie on each other and do not cross. Those are found by overlap.hpp.
+// that goes around twice, whose boundaries lie on each other and do not cross. overlapping_elements()
+// finds those.
 #pragma once
 #include <array>
 #include <string>
@@ -36,5 +37,18 @@ std::string overlap_text(const Mesh& mesh, const Injectivity& found, const Frame
 // x: node_count x dim positions; certificate: of these. An initial mesh that overlaps itself is not certified.
 // Cost: O(elements), and that of check_target().
 Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate);
+
+// Whether elements lie over each other beside the boundary, where the number of elements over a point changes.
+//
+// Let all elements be valid and the boundary not cross itself, as check_target() finds. A region that is covered twice
+// then ends at boundary faces, and just inside of one of these, all along it but where other boundaries touch it, a
+// point is in two elements. So a point of the element behind each boundary face, close to the centre of the face, must
+// be in no other element. Parts that touch along faces are in order, and so are zones of a file (FileTags) that lie
+// over each other.
+//
+// In straight simplices by their barycentric coordinates; in other elements by bisection of their Bezier patches. The
+// first two elements in whose interior the same point is, the one behind a boundary face first; -1: none. x: node_count
+// x dim positions. Cost: O(elements log faces).
+std::array<int, 2> overlapping_elements(const Mesh& mesh, const std::vector<double>& x);
 
 }  // namespace almesh

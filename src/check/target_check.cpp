@@ -11,7 +11,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <set>
 #include <span>
 #include <sstream>
@@ -27,7 +26,6 @@ namespace {
 
 constexpr double smallest_normal = 1e-6;  // n . m / |m|^2 at or below which a face is folded
 constexpr double degenerate = 1e-12;      // measure of a face or a closed part over its size^(n - 1) or size^n
-constexpr double flat_fold = 1e-6;        // radians between two neighbours folded onto each other
 constexpr double same_place = 1e-9;       // distance of two nodes over the size of their smallest face
 constexpr double face_work = 1000;        // simple operations that a check of one face takes
 
@@ -39,44 +37,11 @@ std::string face_name(const Mesh& mesh, int f) {
                   mesh.boundaries[mesh.face_boundary[f]], " at ", position_text(centre.data(), mesh.dim));
 }
 
-// Pairs (index in f, index in g) of the corners that two patches share.
-struct SharedCorners {
-    std::array<std::array<int, 2>, 3> pair;
-    int count = 0;
-};
-
-SharedCorners shared_corners(const FacePatches& faces, int f, int g) {
-    SharedCorners shared;
-    for (int i = 0; i < faces.mesh.dim; ++i)
-        for (int j = 0; j < faces.mesh.dim; ++j)
-            if (faces.corner(f, i) == faces.corner(g, j)) shared.pair[shared.count++] = {i, j};
-    return shared;
-}
-
 int shared_vertices(const Mesh& mesh, int f, int g) {
     const std::span<const int> a = mesh.face_vertices(f), b = mesh.face_vertices(g);
     return static_cast<int>(std::count_if(a.begin(), a.end(), [&](int i) {
         return std::find(b.begin(), b.end(), i) != b.end();
     }));
-}
-
-// Direction in which the face leaves what it shares with its neighbour: its corner i (2D), or the middle of its side
-// from corner i to corner j (3D), then perpendicular to the side.
-Vec<3> leaving(const Bernstein& basis, const Patch& patch, int i, int j) {
-    if (basis.dim == 1) return edge_tangent(basis, patch, i, 1 - i);
-    const int a = std::min(i, j), b = std::max(i, j);
-    const Patch half = bisect(basis, patch, a, b).first;  // the middle is its corner b
-    const Vec<3> side = edge_tangent(basis, half, b, a), inward = edge_tangent(basis, half, b, 3 - a - b);
-    return inward - (dot(inward, side) / dot(side, side)) * side;
-}
-
-bool folded_flat(const Bernstein& basis, const Patch& f, const Patch& g, const SharedCorners& shared) {
-    for (int k = 0; k + basis.dim <= shared.count; ++k) {
-        const auto &i = shared.pair[k], &j = shared.pair[k + basis.dim - 1];
-        const Vec<3> u = leaving(basis, f, i[0], j[0]), v = leaving(basis, g, i[1], j[1]);
-        if (std::atan2(length(cross(u, v)), dot(u, v)) < flat_fold) return true;
-    }
-    return false;
 }
 
 // Faces that are connected by shared vertices, outer ones or inner ones.
@@ -120,8 +85,6 @@ struct Check {
     }
     const char* fault_of_face(std::span<const Patch> patches) const;
     const char* fault_of_pair(int patch, int other) const;
-    std::vector<double> windings(const std::vector<Patch>& patches, int around,
-                                 const std::vector<Vec<3>>& points) const;
     std::vector<std::array<int, 2>> farthest_corners(int of_part) const;
     std::vector<double> enclosed(const std::vector<Patch>& patches) const;
     void add_fault(int f, const std::string& what) {
@@ -234,11 +197,9 @@ constexpr char crossed_before[] = "";
 // no bisection decides.
 const char* Check::fault_of_pair(int f, int g) const {
     const Bernstein& bernstein = basis.bernstein;
-    const SharedCorners shared = shared_corners(faces, f, g);
     const bool neighbours = shared_vertices(mesh, faces.face[f], faces.face[g]) >= mesh.dim - 1;
-    if (neighbours && folded_flat(bernstein, after[f], after[g], shared))
-        return folded_flat(bernstein, before[f], before[g], shared) ? crossed_before
-                                                                    : "the target folds it flat onto ";
+    if (neighbours && folded_flat(faces, after, f, g))
+        return folded_flat(faces, before, f, g) ? crossed_before : "the target folds it flat onto ";
     if (neighbours && mesh.dim == 3) return nullptr;
     if (patch_contact(bernstein, after[f], after[g]) != Contact::crossing) return nullptr;
     const bool before_too = patch_contact(bernstein, before[f], before[g]) == Contact::crossing;
@@ -291,51 +252,6 @@ void Check::check_pairs() {
     crossing = std::move(named);
 }
 
-// How often the closed part goes around each point: 0 for points outside its box. The flat faces with the same corners
-// tell it of points outside the box of every face, as no such point is between these and the curved ones; of others,
-// flat pieces of the faces.
-std::vector<double> Check::windings(const std::vector<Patch>& patches, int around,
-                                    const std::vector<Vec<3>>& points) const {
-    const int m = mesh.dim - 1, depth = basis.bernstein.degree == 1 ? 0 : 3 * m;
-    const int count = static_cast<int>(points.size());
-    std::vector<int> near, far;  // the points, by number
-    Box whole = box_of(patches[faces.first[parts[around].first_face]]);
-    std::vector<char> is_near(count, 0);
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        if (part[f] != around) continue;
-        for (const Patch& patch : patches_of(patches, f)) {
-            const Box box = box_of(patch);
-            whole.include(box);
-            for (int i = 0; i < count; ++i) is_near[i] |= squared_distance(box, points[i]) == 0;
-        }
-    }
-    for (int i = 0; i < count; ++i)
-        if (squared_distance(whole, points[i]) == 0) (is_near[i] ? near : far).push_back(i);
-    std::vector<double> sum(count, 0.0);
-    const auto add = [&](const auto& self, const Patch& patch, const std::vector<int>& seen, int bisections) -> void {
-        if (bisections > 0) {
-            const auto [a, b] = longest_edge(patch, m);
-            const auto [first, second] = bisect(basis.bernstein, patch, a, b);
-            self(self, first, seen, bisections - 1);
-            self(self, second, seen, bisections - 1);
-            return;
-        }
-        for (const int i : seen) {
-            const Vec<3> u = patch[0] - points[i], v = patch[1] - points[i];
-            sum[i] += m == 1 ? std::atan2(cross(u, v)[2], dot(u, v)) : 0.5 * solid_angle(u, v, patch[2] - points[i]);
-        }
-    };
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        if (part[f] != around) continue;
-        for (const Patch& patch : patches_of(patches, f)) {
-            add(add, patch, far, 0);
-            if (!near.empty()) add(add, patch, near, depth);
-        }
-    }
-    for (double& turns : sum) turns /= 2 * std::numbers::pi;
-    return sum;
-}
-
 // Corners of its faces in which the closed part reaches farthest in the target, in each direction of each axis: (face,
 // corner).
 std::vector<std::array<int, 2>> Check::farthest_corners(int of_part) const {
@@ -370,11 +286,15 @@ void Check::check_nesting() {
                     probes[l].push_back({k, f, i});
     std::vector<std::vector<double>> turns(2 * count);
     parallel_for_uneven(2 * count, [&](int task) {
-        const std::vector<Patch>& patches = task % 2 == 0 ? before : after;
+        if (probes[task / 2].empty()) return;
+        std::vector<Patch> around;
+        for (int f = 0; f < mesh.face_count(); ++f)
+            if (part[f] == task / 2)
+                for (const Patch& patch : patches_of(task % 2 == 0 ? before : after, f)) around.push_back(patch);
         std::vector<Vec<3>> points;
         for (const Probe& probe : probes[task / 2])
             points.push_back(corner(task % 2 == 0 ? mesh.x : target, probe.face, probe.corner));
-        turns[task] = windings(patches, task / 2, points);
+        turns[task] = windings(basis.bernstein, around, points);
     }, face_work * mesh.face_count());
     std::set<std::pair<int, int>> moved;
     for (int l = 0; l < count; ++l)

@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "base/disjoint_sets.hpp"
-#include "constraint/quadric.hpp"
 #include "mesh/sides.hpp"
 
 namespace almesh {

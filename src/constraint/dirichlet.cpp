@@ -8,16 +8,20 @@
 #include "base/error.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
-#include "constraint/trace_part.hpp"
+#include "constraint/trace_space.hpp"
 
 namespace almesh {
 
+Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target)
+    : trace_(mesh, ideal, target), g_h_(trace_.interpolation(mesh, target)), mesh_(mesh), target_(target),
+      kind_(TargetKind::nodal) {}
+
 Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target, TargetKind kind)
-    : mesh_(mesh), target_(target), kind_(kind), trace_(mesh, ideal, target) {
+    : Dirichlet(mesh, ideal, target) {
     if (!target.prescribes_all()) throw InputError("not all positions of the boundary are prescribed");
-    const bool interpolated = kind == TargetKind::nodal || target.in_trace_space;
-    g_h_ = interpolated ? trace_.interpolation(mesh, target) : trace_.projection(mesh, ideal, target);
+    kind_ = kind;
     if (kind == TargetKind::nodal) return;
+    if (!target.in_trace_space) g_h_ = trace_.projection(mesh, ideal, target);
     const double squared = deterministic_sum(mesh.face_count(), [&](int f) {  // |g_h - g_D|^2
         const FaceRule& rule = target.rules[mesh.face_group_number(f)];
         double sum = 0;

@@ -14,6 +14,8 @@
 //     gradient M (mu r / |1|^2 - lambda / |1|),   Hessian mu M / |1|^2,   update lambda <- lambda - mu r / |1|.
 // With the nodal target g_h interpolates g_D at the nodes, and e_h is zero by definition. Where every motion is affine,
 // g_D is in the trace space: interpolation is the projection, and e_h is zero but for rounding.
+//
+// sliding_boundary.hpp has another r in the same form.
 #pragma once
 #include <memory>
 #include <vector>
@@ -57,15 +59,21 @@ public:
     std::vector<char> off_target(const std::vector<double>& x) const override;
     SurfaceDistance distance(int t, const Vec<3>& x) const override;
 
+protected:
+    TraceSpace trace_;
+    std::vector<double> g_h_;  // trace nodes x dim
+
+    // With the nodal target.
+    Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target);
+
+    virtual std::vector<double> residual(const std::vector<double>& x) const;  // r
+
 private:
     const Mesh& mesh_;
     BoundaryTarget target_;
     TargetKind kind_;
-    TraceSpace trace_;
-    std::vector<double> g_h_;  // trace nodes x dim
     double best_approximation_error_ = 0;
 
-    std::vector<double> residual(const std::vector<double>& x) const;  // r
     double squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face,
                                  int point) const;
 };

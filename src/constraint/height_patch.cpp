@@ -4,13 +4,12 @@
 //     (u, v) - (u, v)(x) + (z - z(x)) grad z = 0
 //
 // by Newton's method.
-#include "constraint/height_patch.hpp"
+#include "constraint/surface.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "constraint/implicit_projection.hpp"
 #include "linalg/dense_solve.hpp"
 
 namespace almesh {

@@ -1,13 +1,12 @@
 // q(x) = x'Hx / 2 + h.x + c with its coefficients the eigenvector of the smallest eigenvalue of D'D, the rows of D
 // being the monomials at the points (relative to their centre and extent).
-#include "constraint/quadric.hpp"
+#include "constraint/surface.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "constraint/implicit_projection.hpp"
 #include "linalg/dense_solve.hpp"
 
 namespace almesh {

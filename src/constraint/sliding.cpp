@@ -6,7 +6,6 @@
 
 #include "base/index.hpp"
 #include "constraint/boundary_faces.hpp"
-#include "constraint/height_patch.hpp"
 
 namespace almesh {
 namespace {

@@ -6,7 +6,8 @@
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
-#include "constraint/trace_part.hpp"
+#include "constraint/sliding_nodes.hpp"
+#include "constraint/trace_space.hpp"
 
 namespace almesh {
 namespace {
@@ -36,154 +37,6 @@ void add_force(const double* D, const double* f, int d, double* g) {
 void copy_slope(const Mat<3>& slope, int d, double* D) {
     for (int a = 0; a < d; ++a) std::copy_n(slope[a].begin(), d, D + a * d);
 }
-
-}  // namespace
-
-SlidingBoundary::SlidingBoundary(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
-                                 std::shared_ptr<const SlidingSurfaces> sliding)
-    : trace_(mesh, ideal, target), g_h_(trace_.interpolation(mesh, target)), sliding_(std::move(sliding)),
-      parts_(sliding_parts(mesh, target, sliding_.get(), trace_.nodes, trace_.faces, g_h_, prescribed_)) {}
-
-Vec<3> SlidingBoundary::at(const std::vector<double>& x, int t) const {
-    return in_space(point(x, trace_.nodes[t], trace_.dim), trace_.dim);
-}
-
-SurfaceDistance SlidingBoundary::distance(int t, const Vec<3>& x) const {
-    if (!parts_[t].empty()) return distance_to(*sliding_, parts_[t], x);
-    SurfaceDistance from_target;
-    for (int a = 0; a < trace_.dim && prescribed_[t]; ++a) {
-        from_target.r[a] = x[a] - g_h_[offset(t, trace_.dim, a)];
-        from_target.slope[a][a] = 1;
-    }
-    return from_target;
-}
-
-Mat<3> SlidingBoundary::second_derivative_at(int t, const Vec<3>& x, const Vec<3>& force) const {
-    if (parts_[t].empty()) return {};
-    return second_derivative(*sliding_, parts_[t], x, force);
-}
-
-// r; slope: D, trace nodes x dim x dim, unless null.
-std::vector<double> SlidingBoundary::residual(const std::vector<double>& x, std::vector<double>* slope) const {
-    const int dim = trace_.dim;
-    std::vector<double> r(trace_.size());
-    if (slope) slope->resize(r.size() * dim);
-    parallel_for(trace_.count(), [&](int t) {
-        const SurfaceDistance here = distance(t, at(x, t));
-        std::copy_n(here.r.begin(), dim, &r[offset(t, dim)]);
-        if (slope) copy_slope(here.slope, dim, &(*slope)[offset(t, dim * dim)]);
-    }, surface_work);
-    return r;
-}
-
-std::vector<double> SlidingBoundary::constraint_field(const std::vector<double>& x) const {
-    std::vector<double> c = residual(x);
-    for (double& entry : c) entry /= trace_.norm_of_one;
-    return c;
-}
-
-double SlidingBoundary::projected_norm(const std::vector<double>& x) {
-    const std::vector<double> r = residual(x);
-    const double squared = trace_.product(r, r);
-    return std::sqrt(squared < 0 ? 0 : squared) / trace_.norm_of_one;  // rounding may be negative; nan stays nan
-}
-
-double SlidingBoundary::value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) {
-    const std::vector<double> r = residual(x);
-    const double half = 0.5 * mu / trace_.norm_of_one;
-    std::vector<double> u(r.size());
-    for (std::size_t k = 0; k < u.size(); ++k) u[k] = half * r[k] - lambda[k];
-    return trace_.product(u, r) / trace_.norm_of_one;
-}
-
-void SlidingBoundary::add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
-                                   std::vector<double>& g) {
-    std::vector<double> D;
-    const std::vector<double> v = trace_.force_density(residual(x, &D), lambda, mu);
-    with_dimension(trace_.dim, [&](auto n) {
-        parallel_for(trace_.count(), [&](int t) {
-            double f[n];
-            trace_.mass_times<n>(v, t, f);
-            add_force(&D[offset(t, n * n)], f, n, point(g, trace_.nodes[t], n));
-        }, mass_work);
-    });
-}
-
-void SlidingBoundary::add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
-                                  bool projected, BlockCsr& H) {
-    const int dim = trace_.dim;
-    const BlockCsr& M = trace_.M;
-    std::vector<double> D;
-    const std::vector<double> r = residual(x, &D);
-    const double factor = mu / (trace_.norm_of_one * trace_.norm_of_one);
-    parallel_for(trace_.count(), [&](int t) {
-        const int i = H.row_of(trace_.nodes[t]);
-        for (int k = M.row[t]; k < M.row[t + 1]; ++k)
-            add_congruence(factor * M.value[k], &D[offset(t, dim * dim)], &D[offset(M.col[k], dim * dim)], dim,
-                           H.block(H.find(i, H.row_of(trace_.nodes[M.col[k]]))));
-    }, matrix_work);
-    if (projected) return;
-    const std::vector<double> v = trace_.force_density(r, lambda, mu);
-    with_dimension(dim, [&](auto n) {
-        parallel_for(trace_.count(), [&](int t) {
-            if (parts_[t].empty()) return;
-            Vec<3> force{};
-            trace_.mass_times<n>(v, t, force.data());
-            const int i = H.row_of(trace_.nodes[t]);
-            add_block(second_derivative_at(t, at(x, t), force), n, H.block(H.find(i, i)));
-        }, surface_work);
-    });
-}
-
-void SlidingBoundary::update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) {
-    const std::vector<double> r = residual(x);
-    for (std::size_t k = 0; k < lambda.size(); ++k) lambda[k] -= mu * r[k] / trace_.norm_of_one;
-}
-
-void SlidingBoundary::bend(const std::vector<double>& x, const std::vector<double>& d, double t,
-                           std::vector<double>& y) const {
-    parallel_for(trace_.count(), [&](int i) {
-        if (parts_[i].empty()) return;
-        const Vec<3> bent =
-            at_distances(*sliding_, parts_[i], at(y, i), distances(*sliding_, parts_[i], at(x, i), t * at(d, i)));
-        std::copy_n(bent.begin(), trace_.dim, point(y, trace_.nodes[i], trace_.dim));
-    }, surface_work);
-}
-
-std::vector<double> SlidingBoundary::targets(const std::vector<double>& x) const {
-    std::vector<double> targets = g_h_;
-    parallel_for(trace_.count(), [&](int t) {
-        if (prescribed_[t]) return;
-        const Vec<3> target = parts_[t].empty() ? at(x, t) : on_surfaces(*sliding_, parts_[t], at(x, t));
-        std::copy_n(target.begin(), trace_.dim, &targets[offset(t, trace_.dim)]);
-    }, surface_work);
-    return targets;
-}
-
-std::vector<char> SlidingBoundary::off_target(const std::vector<double>& x) const {
-    constexpr double rounding = 1e-13;
-    const std::vector<double> target = targets(x);
-    std::vector<char> off(trace_.nodes.size(), 0);
-    for (int t = 0; t < trace_.count(); ++t)
-        for (int a = 0; a < trace_.dim; ++a) {
-            const double is = x[offset(trace_.nodes[t], trace_.dim, a)], should = target[offset(t, trace_.dim, a)];
-            const double tolerance = parts_[t].empty() ? 0 : rounding * std::max(1.0, std::abs(should));
-            off[t] = off[t] || !(std::abs(is - should) <= tolerance);
-        }
-    return off;
-}
-
-std::vector<double> SlidingBoundary::relative_errors(const std::vector<double>& x) const {
-    return trace_.relative_distances(x, targets(x));
-}
-
-double SlidingBoundary::max_error(const std::vector<double>& x) {
-    double largest = 0;
-    for (const double distance : trace_.distances(x, targets(x))) largest = std::max(largest, distance);
-    return largest;
-}
-
-namespace {
 
 // u = r(y) - r(x): gradient D'(g + C u), Hessian D' C D + (g + C u) . d2r/dy2.
 class SlidingPart final : public ConstraintPart {
@@ -240,6 +93,120 @@ private:
 };
 
 }  // namespace
+
+SlidingBoundary::SlidingBoundary(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
+                                 std::shared_ptr<const SlidingSurfaces> sliding)
+    : Dirichlet(mesh, ideal, target), sliding_(std::move(sliding)),
+      parts_(sliding_parts(mesh, target, sliding_.get(), trace_.nodes, trace_.faces, g_h_, prescribed_)) {}
+
+Vec<3> SlidingBoundary::at(const std::vector<double>& x, int t) const {
+    return in_space(point(x, trace_.nodes[t], trace_.dim), trace_.dim);
+}
+
+SurfaceDistance SlidingBoundary::distance(int t, const Vec<3>& x) const {
+    if (!parts_[t].empty()) return distance_to(*sliding_, parts_[t], x);
+    return prescribed_[t] ? Dirichlet::distance(t, x) : SurfaceDistance{};
+}
+
+Mat<3> SlidingBoundary::second_derivative_at(int t, const Vec<3>& x, const Vec<3>& force) const {
+    if (parts_[t].empty()) return {};
+    return second_derivative(*sliding_, parts_[t], x, force);
+}
+
+// r; slope: D, trace nodes x dim x dim, unless null.
+std::vector<double> SlidingBoundary::residual(const std::vector<double>& x, std::vector<double>* slope) const {
+    const int dim = trace_.dim;
+    std::vector<double> r(trace_.size());
+    if (slope) slope->resize(r.size() * dim);
+    parallel_for(trace_.count(), [&](int t) {
+        const SurfaceDistance here = distance(t, at(x, t));
+        std::copy_n(here.r.begin(), dim, &r[offset(t, dim)]);
+        if (slope) copy_slope(here.slope, dim, &(*slope)[offset(t, dim * dim)]);
+    }, surface_work);
+    return r;
+}
+
+void SlidingBoundary::add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
+                                   std::vector<double>& g) {
+    std::vector<double> D;
+    const std::vector<double> v = trace_.force_density(residual(x, &D), lambda, mu);
+    with_dimension(trace_.dim, [&](auto n) {
+        parallel_for(trace_.count(), [&](int t) {
+            double f[n];
+            trace_.mass_times<n>(v, t, f);
+            add_force(&D[offset(t, n * n)], f, n, point(g, trace_.nodes[t], n));
+        }, mass_work);
+    });
+}
+
+void SlidingBoundary::add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
+                                  bool projected, BlockCsr& H) {
+    const int dim = trace_.dim;
+    const BlockCsr& M = trace_.M;
+    std::vector<double> D;
+    const std::vector<double> r = residual(x, &D);
+    const double factor = mu / (trace_.norm_of_one * trace_.norm_of_one);
+    parallel_for(trace_.count(), [&](int t) {
+        const int i = H.row_of(trace_.nodes[t]);
+        for (int k = M.row[t]; k < M.row[t + 1]; ++k)
+            add_congruence(factor * M.value[k], &D[offset(t, dim * dim)], &D[offset(M.col[k], dim * dim)], dim,
+                           H.block(H.find(i, H.row_of(trace_.nodes[M.col[k]]))));
+    }, matrix_work);
+    if (projected) return;
+    const std::vector<double> v = trace_.force_density(r, lambda, mu);
+    with_dimension(dim, [&](auto n) {
+        parallel_for(trace_.count(), [&](int t) {
+            if (parts_[t].empty()) return;
+            Vec<3> force{};
+            trace_.mass_times<n>(v, t, force.data());
+            const int i = H.row_of(trace_.nodes[t]);
+            add_block(second_derivative_at(t, at(x, t), force), n, H.block(H.find(i, i)));
+        }, surface_work);
+    });
+}
+
+void SlidingBoundary::bend(const std::vector<double>& x, const std::vector<double>& d, double t,
+                           std::vector<double>& y) const {
+    parallel_for(trace_.count(), [&](int i) {
+        if (parts_[i].empty()) return;
+        const Vec<3> bent =
+            at_distances(*sliding_, parts_[i], at(y, i), distances(*sliding_, parts_[i], at(x, i), t * at(d, i)));
+        std::copy_n(bent.begin(), trace_.dim, point(y, trace_.nodes[i], trace_.dim));
+    }, surface_work);
+}
+
+std::vector<double> SlidingBoundary::targets(const std::vector<double>& x) const {
+    std::vector<double> targets = g_h_;
+    parallel_for(trace_.count(), [&](int t) {
+        if (prescribed_[t]) return;
+        const Vec<3> target = parts_[t].empty() ? at(x, t) : on_surfaces(*sliding_, parts_[t], at(x, t));
+        std::copy_n(target.begin(), trace_.dim, &targets[offset(t, trace_.dim)]);
+    }, surface_work);
+    return targets;
+}
+
+std::vector<char> SlidingBoundary::off_target(const std::vector<double>& x) const {
+    constexpr double rounding = 1e-13;
+    const std::vector<double> target = targets(x);
+    std::vector<char> off(trace_.nodes.size(), 0);
+    for (int t = 0; t < trace_.count(); ++t)
+        for (int a = 0; a < trace_.dim; ++a) {
+            const double is = x[offset(trace_.nodes[t], trace_.dim, a)], should = target[offset(t, trace_.dim, a)];
+            const double tolerance = parts_[t].empty() ? 0 : rounding * std::max(1.0, std::abs(should));
+            off[t] = off[t] || !(std::abs(is - should) <= tolerance);
+        }
+    return off;
+}
+
+std::vector<double> SlidingBoundary::relative_errors(const std::vector<double>& x) const {
+    return trace_.relative_distances(x, targets(x));
+}
+
+double SlidingBoundary::max_error(const std::vector<double>& x) {
+    double largest = 0;
+    for (const double distance : trace_.distances(x, targets(x))) largest = std::max(largest, distance);
+    return largest;
+}
 
 std::unique_ptr<ConstraintPart> SlidingBoundary::part(const std::vector<double>& x, const std::vector<double>& lambda,
                                                       double mu, const std::vector<int>& node,

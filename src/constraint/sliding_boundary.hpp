@@ -14,45 +14,30 @@
 #include <memory>
 #include <vector>
 
-#include "constraint/constraint.hpp"
 #include "constraint/dirichlet.hpp"
 #include "constraint/sliding.hpp"
 #include "constraint/sliding_nodes.hpp"
-#include "constraint/target.hpp"
-#include "constraint/trace_space.hpp"
-#include "mesh/mesh.hpp"
 
 namespace almesh {
 
-class SlidingBoundary : public Constraint {
+class SlidingBoundary : public Dirichlet {
 public:
     // sliding: null where no boundary slides, but some are free. Throws InputError where a prescribed position is off
     // the surface along which the node slides as well.
     SlidingBoundary(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
                     std::shared_ptr<const SlidingSurfaces> sliding);
 
-    // lambda: trace nodes x dim.
-    int multipliers() const override { return static_cast<int>(trace_.size()); }
-    double norm_of_one() const override { return trace_.norm_of_one; }
-    double norm(const std::vector<double>& x) override { return projected_norm(x); }
-    double projected_norm(const std::vector<double>& x) override;
     double max_error(const std::vector<double>& x) override;
     std::vector<double> relative_errors(const std::vector<double>& x) const override;
-    double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) override;
     void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                       std::vector<double>& g) override;
     void add_hessian(const std::vector<double>& x, const std::vector<double>& lambda, double mu, bool projected,
                      BlockCsr& H) override;
-    void update_multipliers(const std::vector<double>& x, double mu, std::vector<double>& lambda) override;
     std::unique_ptr<ConstraintPart> part(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
                                          const std::vector<int>& node, const BlockCsr& pattern) override;
     bool bends_steps() const override { return sliding_ != nullptr; }
     void bend(const std::vector<double>& x, const std::vector<double>& d, double t,
               std::vector<double>& y) const override;
-    const std::vector<int>& nodes() const override { return trace_.nodes; }  // trace node -> mesh node
-    std::vector<double> multiplier_field(const std::vector<double>& lambda) const override { return lambda; }
-    std::vector<double> multipliers_of_field(const std::vector<double>& field) const override { return field; }
-    std::vector<double> constraint_field(const std::vector<double>& x) const override;
     std::vector<double> targets(const std::vector<double>& x) const override;
     std::vector<char> off_target(const std::vector<double>& x) const override;
 
@@ -60,13 +45,12 @@ public:
     Mat<3> second_derivative_at(int trace_node, const Vec<3>& x, const Vec<3>& force) const override;
 
 private:
-    TraceSpace trace_;
-    std::vector<double> g_h_;  // trace nodes x dim: where the node is prescribed
     std::shared_ptr<const SlidingSurfaces> sliding_;
-    std::vector<char> prescribed_;         // trace nodes: whether the position is
+    std::vector<char> prescribed_;         // trace nodes: whether the position is, at g_h_
     std::vector<std::vector<int>> parts_;  // trace nodes: along which it slides
 
-    std::vector<double> residual(const std::vector<double>& x, std::vector<double>* slope = nullptr) const;
+    std::vector<double> residual(const std::vector<double>& x) const override { return residual(x, nullptr); }
+    std::vector<double> residual(const std::vector<double>& x, std::vector<double>* slope) const;
     Vec<3> at(const std::vector<double>& x, int trace_node) const;
 };
 

@@ -8,7 +8,6 @@
 #include "base/index.hpp"
 
 namespace almesh {
-
 namespace {
 
 constexpr int most_steps = 20;  // to a point of surfaces,
@@ -26,6 +25,34 @@ double least_sine(const SurfacePoint& before, const SurfacePoint& at) {
 Vec<3> perpendicular(Vec<3> n, const std::vector<Vec<3>>& basis) {
     for (const Vec<3>& u : basis) n = n - dot(n, u) * u;
     return n;
+}
+
+// Whether the surfaces leave a node at x no way to go, or touch there, so that their common curve is not told by them.
+bool stays(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x, int dim) {
+    std::vector<Vec<3>> normals;  // orthonormal
+    SurfacePoint before;
+    for (const int part : parts) {
+        const SurfacePoint at = sliding.closest(part, x);
+        const Vec<3> n = perpendicular(at.normal, normals);
+        const double least = normals.size() == 1 ? least_sine(before, at) : tangent;
+        before = at;
+        if (length(n) < least || static_cast<int>(normals.size()) + 1 == dim) return true;
+        normals.push_back(1 / length(n) * n);
+    }
+    return false;
+}
+
+// size: of the longest face at the node.
+void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& sliding, int part, int node, const Vec<3>& x,
+                                 double size) {
+    constexpr double tolerance = 0.25;  // of a face: the rim of a refined body is as angular as the file's
+    const double distance = length(sliding.closest(part, x).position - x);
+    if (distance <= tolerance * size) return;
+    const std::string& name = mesh.boundaries[sliding.boundary(part)];
+    throw InputError("node ", mesh.file.node_id[node], " lies on the boundary ", name,
+                     ", which slides, and on another one, whose motion takes it off that surface (",
+                     sliding.surface(part).name(), ") by ", distance * sliding.frame().length,
+                     ": let that motion stay on the surface, or prescribe one for ", name, " too");
 }
 
 }  // namespace
@@ -98,38 +125,6 @@ Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>&
     }
     return sum;
 }
-
-namespace {
-
-// Whether the surfaces leave a node at x no way to go, or touch there, so that their common curve is not told by them.
-bool stays(const SlidingSurfaces& sliding, const std::vector<int>& parts, const Vec<3>& x, int dim) {
-    std::vector<Vec<3>> normals;  // orthonormal
-    SurfacePoint before;
-    for (const int part : parts) {
-        const SurfacePoint at = sliding.closest(part, x);
-        const Vec<3> n = perpendicular(at.normal, normals);
-        const double least = normals.size() == 1 ? least_sine(before, at) : tangent;
-        before = at;
-        if (length(n) < least || static_cast<int>(normals.size()) + 1 == dim) return true;
-        normals.push_back(1 / length(n) * n);
-    }
-    return false;
-}
-
-// size: of the longest face at the node.
-void check_prescribed_on_surface(const Mesh& mesh, const SlidingSurfaces& sliding, int part, int node, const Vec<3>& x,
-                                 double size) {
-    constexpr double tolerance = 0.25;  // of a face: the rim of a refined body is as angular as the file's
-    const double distance = length(sliding.closest(part, x).position - x);
-    if (distance <= tolerance * size) return;
-    const std::string& name = mesh.boundaries[sliding.boundary(part)];
-    throw InputError("node ", mesh.file.node_id[node], " lies on the boundary ", name,
-                     ", which slides, and on another one, whose motion takes it off that surface (",
-                     sliding.surface(part).name(), ") by ", distance * sliding.frame().length,
-                     ": let that motion stay on the surface, or prescribe one for ", name, " too");
-}
-
-}  // namespace
 
 void smooth_freed(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding) {
     for_face_nodes(mesh, [&](int f, std::size_t k) {

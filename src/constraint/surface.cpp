@@ -13,7 +13,6 @@
 #include <limits>
 #include <sstream>
 
-#include "constraint/quadric.hpp"
 #include "linalg/dense_solve.hpp"
 
 namespace almesh {
@@ -41,15 +40,6 @@ std::string text(const Parts&... parts) {
     std::ostringstream out;
     (out << ... << parts);
     return out.str();
-}
-
-// S: the second derivative of the distance at x.
-SurfacePoint projection_at(const Vec<3>& x, const Vec<3>& p, const Vec<3>& n, const Mat<3>& S) {
-    SurfacePoint projection{p, n, {}, S};
-    const double d = dot(x - p, n);
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) projection.slope[i][j] = n[i] * n[j] + d * S[i][j];
-    return projection;
 }
 
 // Radii below which a surface's second derivatives are not followed towards its centre or axis, over its radius.
@@ -249,6 +239,28 @@ std::unique_ptr<Surface> fit_round(const Fit& fit, const Vec<3>& a, bool torus) 
 }
 
 }  // namespace
+
+SurfacePoint projection_at(const Vec<3>& x, const Vec<3>& p, const Vec<3>& n, const Mat<3>& S) {
+    SurfacePoint projection{p, n, {}, S};
+    const double d = dot(x - p, n);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) projection.slope[i][j] = n[i] * n[j] + d * S[i][j];
+    return projection;
+}
+
+SurfacePoint implicit_projection(const Vec<3>& x, const Vec<3>& p, const Vec<3>& g, const Mat<3>& H) {
+    constexpr double nearly_focal = 0.05;
+    const double steepness = std::max(length(g), std::numeric_limits<double>::min());
+    const Vec<3> n = 1 / steepness * g, Hn = {dot(H[0], n), dot(H[1], n), dot(H[2], n)};
+    const double d = dot(x - p, n);
+    Mat<3> S{}, focal{};
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            S[i][j] = (H[i][j] - n[i] * Hn[j] - Hn[i] * n[j] + dot(n, Hn) * n[i] * n[j]) / steepness;
+            focal[i][j] = (i == j) + d * S[i][j];
+        }
+    return projection_at(x, p, n, determinant(focal) > nearly_focal ? multiply<3>(S, inverse<3>(focal)) : S);
+}
 
 std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points, const Vec<3>& normal,
                                      double tolerance) {

@@ -34,10 +34,31 @@ public:
 std::unique_ptr<Surface> fit_surface(int dim, const std::vector<Vec<3>>& points, const Vec<3>& normal,
                                      double tolerance = 1e-8);
 
+// The quadric (2D: conic) through all points, an ellipsoid, cone, elliptic cylinder, paraboloid or hyperboloid, to
+// `tolerance` times their extent; null where there is none, more than one, too few points to tell, or where the points
+// come near a point at which it has no normal (an apex, a line where two planes meet). Its projections are the closest
+// points of it, but for x beyond its centres of curvature.
+std::unique_ptr<Surface> fit_quadric(int dim, const std::vector<Vec<3>>& points, double tolerance);
+
+// A smooth piece of surface through a point, of which only points around it are known: what a mesh has of a CAD
+// surface. The faces of the mesh meet at angles there; nodes that slide a little must not. It is the graph of a
+// polynomial of degree up to 4 over the plane through `centre` with the given normal, zero at the centre and nearest to
+// the points around it in weighted least squares. Null where these are too few for degree 2 or lie on fewer lines.
+std::unique_ptr<Surface> fit_height_patch(int dim, const Vec<3>& centre, const Vec<3>& normal,
+                                          const std::vector<Vec<3>>& points);
+
 // Faces, flat ones as cubics through the same corners, with normals interpolated from means at their nodes. These are
 // continuous where faces meet at an angle, and so is the closest-point projection: p in that face at whose p the
 // normal points to x. node: numbers of the nodes of each patch, as in the basis' order.
 std::unique_ptr<Surface> surface_of_faces(const PatchBasis& basis, const std::vector<Patch>& patches,
                                           const std::vector<std::vector<int>>& node);
+
+// Of x on p, from the unit normal there and S at x.
+SurfacePoint projection_at(const Vec<3>& x, const Vec<3>& p, const Vec<3>& n, const Mat<3>& S);
+
+// The same on a surface q = 0; g and H: gradient and second derivatives of q at p. With n = g / |g| and d the distance
+// of x, the curvature is S = P H P / |g| at p, P = I - n n', and S (I + d S)^-1 at x, as long as x is well before the
+// nearest centre of curvature.
+SurfacePoint implicit_projection(const Vec<3>& x, const Vec<3>& p, const Vec<3>& g, const Mat<3>& H);
 
 }  // namespace almesh

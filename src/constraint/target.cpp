@@ -8,7 +8,6 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "geometry/patch.hpp"
@@ -191,6 +190,48 @@ std::vector<FaceRule> rules_of(const Mesh& mesh, int exactness) {
     return rules;
 }
 
+// Where the nodes of straight faces go, and how far.
+struct FlatNodes {
+    std::vector<double> position, shift;  // nodes x dim
+    std::vector<char> moves;              // per node
+};
+
+using Weights = std::vector<std::vector<double>>;  // of vertices, of each node of a face
+
+FlatNodes flat_nodes(const Mesh& mesh, const BoundaryTarget& target, const std::vector<Weights>& weights) {
+    const int dim = mesh.dim;
+    FlatNodes flat{std::vector<double>(mesh.x.size()), std::vector<double>(mesh.x.size(), 0.0),
+                   std::vector<char>(mesh.nodes(), 0)};
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        if (!target.straight[f]) continue;
+        const double* const of_face = target.node_of(mesh, f);
+        const Weights& weight = weights[mesh.face_group_number(f)];
+        for (int i = mesh.face_cell(f).vertices; i < mesh.face_nodes(f); ++i) {
+            const int node = mesh.face(f)[i];
+            for (int a = 0; a < dim && !flat.moves[node]; ++a) {
+                point(flat.position, node, dim)[a] = on_flat_face(of_face, weight[i], mesh.degree, dim, a);
+                point(flat.shift, node, dim)[a] = point(flat.position, node, dim)[a] - of_face[i * dim + a];
+            }
+            flat.moves[node] = 1;
+        }
+    }
+    return flat;
+}
+
+// The nodes of a face that has some of these: those themselves, and what its edges do to those inside it.
+void move_nodes(const Mesh& mesh, int f, const Weights& weight, const FlatNodes& flat, double* of_face) {
+    const int dim = mesh.dim, m = mesh.face_nodes(f), vertices = mesh.face_cell(f).vertices;
+    const int* const node = mesh.face(f);
+    for (int i = vertices; i < m; ++i) {
+        if (flat.moves[node[i]]) std::copy_n(point(flat.position, node[i], dim), dim, &of_face[i * dim]);
+        else if (vertices_of(weight[i]) == vertices)
+            for (int k = vertices; k < m; ++k)
+                for (int a = 0; a < dim && flat.moves[node[k]]; ++a)
+                    of_face[i * dim + a] +=
+                        share_of_edge(weight[i], weight[k], mesh.degree) * point(flat.shift, node[k], dim)[a];
+    }
+}
+
 }  // namespace
 
 BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed,
@@ -236,60 +277,13 @@ std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, st
     return x;
 }
 
-namespace {
-
-// Where the nodes of straight faces go, and how far.
-struct FlatNodes {
-    std::vector<double> position, shift;  // nodes x dim
-    std::vector<char> moves;              // per node
-};
-
-using Weights = std::vector<std::vector<double>>;  // of vertices, of each node of a face
-
-FlatNodes flat_nodes(const Mesh& mesh, const BoundaryTarget& target, const std::vector<Weights>& weights) {
-    const int dim = mesh.dim;
-    FlatNodes flat{std::vector<double>(mesh.x.size()), std::vector<double>(mesh.x.size(), 0.0),
-                   std::vector<char>(mesh.nodes(), 0)};
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        if (!target.straight[f]) continue;
-        const double* const of_face = target.node_of(mesh, f);
-        const Weights& weight = weights[mesh.face_group_number(f)];
-        for (int i = mesh.face_cell(f).vertices; i < mesh.face_nodes(f); ++i) {
-            const int node = mesh.face(f)[i];
-            for (int a = 0; a < dim && !flat.moves[node]; ++a) {
-                point(flat.position, node, dim)[a] = on_flat_face(of_face, weight[i], mesh.degree, dim, a);
-                point(flat.shift, node, dim)[a] = point(flat.position, node, dim)[a] - of_face[i * dim + a];
-            }
-            flat.moves[node] = 1;
-        }
-    }
-    return flat;
-}
-
-// The nodes of a face that has some of these: those themselves, and what its edges do to those inside it.
-void move_nodes(const Mesh& mesh, int f, const Weights& weight, const FlatNodes& flat, double* of_face) {
-    const int dim = mesh.dim, m = mesh.face_nodes(f), vertices = mesh.face_cell(f).vertices;
-    const int* const node = mesh.face(f);
-    for (int i = vertices; i < m; ++i) {
-        if (flat.moves[node[i]]) std::copy_n(point(flat.position, node[i], dim), dim, &of_face[i * dim]);
-        else if (vertices_of(weight[i]) == vertices)
-            for (int k = vertices; k < m; ++k)
-                for (int a = 0; a < dim && flat.moves[node[k]]; ++a)
-                    of_face[i * dim + a] +=
-                        share_of_edge(weight[i], weight[k], mesh.degree) * point(flat.shift, node[k], dim)[a];
-    }
-}
-
-}  // namespace
-
 void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTarget& target) {
     const int dim = mesh.dim;
     target.straight.resize(mesh.face_count(), 0);
     for (int f = 0; f < mesh.face_count(); ++f)
         if (chosen[f] && target.hold_of_face(mesh, f) == BoundaryHold::prescribed) target.straight[f] = 1;
     std::vector<Weights> weights;
-    for (const ElementGroup& group : mesh.face_groups()) {
-        const LagrangeBasis basis(*group.cell, mesh.degree);
+    for (const LagrangeBasis& basis : face_bases_of(mesh)) {
         weights.emplace_back();
         for (int i = 0; i < basis.count; ++i) weights.back().push_back(basis.vertex_weights(i));
     }

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "base/lanes.hpp"
-#include "base/parallel.hpp"
 
 namespace almesh {
 namespace {

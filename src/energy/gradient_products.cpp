@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
-#include <utility>
 
 #include "base/index.hpp"
 #include "geometry/bezier.hpp"

@@ -12,7 +12,7 @@
 #include "base/index.hpp"
 #include "energy/density_hessian.hpp"
 #include "energy/gradient_products.hpp"
-#include "energy/ideal_lanes.hpp"
+#include "energy/point_lanes.hpp"
 #include "mesh/quadrature.hpp"
 
 namespace almesh {

@@ -1,4 +1,5 @@
-// The rule of one element with its points in lanes, for elements with rules of their own (refined_rule.hpp).
+// What the kernels for batches of elements are given: the ideal elements, one in each lane; and of elements with rules
+// of their own (refined_rule.hpp) the rule of one, with its points in lanes.
 #pragma once
 #include <algorithm>
 #include <utility>
@@ -6,9 +7,19 @@
 
 #include "base/index.hpp"
 #include "base/lanes.hpp"
+#include "base/small_matrix.hpp"
 #include "mesh/quadrature.hpp"
 
 namespace almesh {
+
+// Of the elements of a batch.
+template <int n>
+struct IdealLanes {
+    const Mat<n, Lanes>& inverse;       // A^{-1} of straight ones
+    Lanes jacobian;                     // mean det A
+    const std::vector<double>& curved;  // node positions (nodes x n) of curved ones, else empty
+    bool has_one = false;               // those of one element with mean det A = 1, of which all are multiples
+};
 
 // In rows of most_lanes points, the last one filled up with copies of the last point that weigh nothing. Where there
 // are fewer lanes, the first points of all rows come first, then the next ones: each is a part of the rule, and the

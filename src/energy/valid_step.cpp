@@ -5,7 +5,6 @@
 #include "energy/valid_step.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -203,19 +202,15 @@ double ValidStep::fraction(const std::vector<int>& node, int count, const std::v
     const int task_size = batches * lanes;
     std::vector<Task> tasks((count + task_size - 1) / task_size);
     with_dimension(dim_, [&](auto n) {
-        parallel_for_uneven(
-            static_cast<int>(tasks.size()),
-            [&](int t) {
-                Task& task = tasks[t];
-                for (int k = t * task_size; k < std::min(count, (t + 1) * task_size); k += lanes) {
-                    const int* of_lane[lanes];
-                    for (int l = 0; l < lanes; ++l)
-                        of_lane[l] = &node[offset(std::min(k + l, count - 1), element_nodes_)];
-                    task.fraction = std::min(task.fraction, of_batch<n>(of_lane, std::min(lanes, count - k), from, to,
-                                                                        k, task.inversions));
-                }
-            },
-            (basis_ ? curved_work : work) * task_size);
+        parallel_for_uneven(static_cast<int>(tasks.size()), [&](int t) {
+            Task& task = tasks[t];
+            for (int k = t * task_size; k < std::min(count, (t + 1) * task_size); k += lanes) {
+                const int* of_lane[lanes];
+                for (int l = 0; l < lanes; ++l) of_lane[l] = &node[offset(std::min(k + l, count - 1), element_nodes_)];
+                const int in_use = std::min(lanes, count - k);
+                task.fraction = std::min(task.fraction, of_batch<n>(of_lane, in_use, from, to, k, task.inversions));
+            }
+        }, (basis_ ? curved_work : work) * task_size);
     });
     double fraction = 1;
     for (const Task& task : tasks) {

@@ -22,16 +22,12 @@ Interpolation vertex_interpolation(const Mesh& mesh) {
     for (int& c : column)
         if (c == 0) c = P.columns++;
     std::vector<std::vector<std::vector<double>>> weights;  // per group and node of its cell: of the vertices
-    const std::vector<ElementGroup> groups = mesh.element_groups();
-    for (const ElementGroup& group : groups) {
-        const LagrangeBasis basis(*group.cell, mesh.degree);
+    for (const LagrangeBasis& basis : bases_of(mesh)) {
         weights.emplace_back();
         for (int a = 0; a < basis.count; ++a) weights.back().push_back(basis.vertex_weights(a));
     }
     for (const auto& [e, a] : place) {
-        std::size_t g = 0;
-        while (e >= groups[g].first + groups[g].count) ++g;
-        const std::vector<double>& weight = weights[g][a];
+        const std::vector<double>& weight = weights[mesh.group_number(e)][a];
         for (std::size_t v = 0; v < weight.size(); ++v) {
             if (weight[v] == 0) continue;
             P.col.push_back(column[mesh.element(e)[v]]);

@@ -3,7 +3,6 @@
 // bounded_minimum: branch and bound; lower bound of a piece: its least coefficient, upper: its least corner value.
 #include "geometry/bezier.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -90,6 +89,69 @@ PolynomialMinimum bounded_minimum(const Bernstein& basis, const double* c, int m
     return minimum;
 }
 
+// On a simplex.
+std::vector<double> expanded_lagrange(const LagrangeBasis& basis) {
+    const Bernstein bernstein(basis.dim, basis.degree);
+    std::vector<std::vector<int>> raised;  // by degree
+    for (int d = 0; d < basis.degree; ++d) raised.push_back(raised_places(basis.dim, d));
+    std::vector<double> M(offset(basis.count, basis.count));
+    for (int i = 0; i < basis.count; ++i) {
+        std::vector<double> product = {1};  // of the factors so far, in monomials l^a
+        double denominator = 1;
+        int d = 0;
+        for (int k = 0; k <= basis.dim; ++k)
+            for (int j = 0; j < basis.nodes[i][k]; ++j, ++d) {
+                std::vector<double> next(simplex_node_count(basis.dim, d + 1));
+                for (std::size_t t = 0; t < raised[d].size(); ++t) {
+                    const int a = t / (basis.dim + 1), m = t % (basis.dim + 1);
+                    next[raised[d][t]] += product[a] * ((m == k ? basis.degree : 0) - j);
+                }
+                product = next;
+                denominator *= j + 1;
+            }
+        for (int a = 0; a < basis.count; ++a)
+            M[offset(a, basis.count, i)] = product[a] / (denominator * bernstein.multinomial[a]);
+    }
+    return M;
+}
+
+// On a product of simplices.
+std::vector<double> product_of_lagrange(const Bernstein& form, const LagrangeBasis& basis) {
+    std::vector<double> M(offset(form.count, basis.count), 1.0);
+    for (int f = 0, first = 0; f < 3 && form.entries(f) > 0; first += form.entries(f++)) {
+        const int entries = form.entries(f);
+        const Bernstein own(form.factors[f], form.degrees[f]);
+        const std::vector<double> of_factor = expanded_lagrange(LagrangeBasis(own.dim, own.degree));
+        for (int a = 0; a < form.count; ++a)
+            for (int i = 0; i < basis.count; ++i)
+                M[offset(a, basis.count, i)] *= of_factor[offset(own.place(part_of(form.index[a], first, entries)),
+                                                                 own.count,
+                                                                 own.place(part_of(basis.nodes[i], first, entries)))];
+    }
+    return M;
+}
+
+// On a pyramid. Entries that are 0 or 1 are so to the last bit.
+std::vector<double> raised_layers(const Bernstein& form, const LagrangeBasis& basis) {
+    const int p = basis.degree;
+    const auto raised = [p](int m, int i, int j) { return binomial(m, i) * binomial(p - m, j - i) / binomial(p, j); };
+    std::vector<double> M(offset(form.count, basis.count));
+    for (int a = 0; a < form.count; ++a) {
+        const MultiIndex& j = form.index[a];
+        double* const row = &M[offset(a, basis.count)];
+        for (int b = 0; b < basis.count; ++b) {
+            const MultiIndex& i = basis.nodes[b];
+            if (i[4] != j[5]) continue;
+            const double share = raised(p - i[4], i[1], j[1]) * raised(p - i[4], i[3], j[3]);
+            for (int node = 0; node < basis.count; ++node)
+                row[node] += share * basis.to_bernstein()[offset(b, basis.count, node)];
+        }
+        for (int node = 0; node < basis.count; ++node)
+            if (std::abs(row[node] - std::round(row[node])) < 1e-12) row[node] = std::round(row[node]);
+    }
+    return M;
+}
+
 }  // namespace
 
 Bernstein::Bernstein(int dim_, int degree_)
@@ -159,73 +221,6 @@ std::vector<int> raised_places(int dim, int degree) {
         }
     return places;
 }
-
-namespace {
-
-// On a simplex.
-std::vector<double> expanded_lagrange(const LagrangeBasis& basis) {
-    const Bernstein bernstein(basis.dim, basis.degree);
-    std::vector<std::vector<int>> raised;  // by degree
-    for (int d = 0; d < basis.degree; ++d) raised.push_back(raised_places(basis.dim, d));
-    std::vector<double> M(offset(basis.count, basis.count));
-    for (int i = 0; i < basis.count; ++i) {
-        std::vector<double> product = {1};  // of the factors so far, in monomials l^a
-        double denominator = 1;
-        int d = 0;
-        for (int k = 0; k <= basis.dim; ++k)
-            for (int j = 0; j < basis.nodes[i][k]; ++j, ++d) {
-                std::vector<double> next(simplex_node_count(basis.dim, d + 1));
-                for (std::size_t t = 0; t < raised[d].size(); ++t) {
-                    const int a = t / (basis.dim + 1), m = t % (basis.dim + 1);
-                    next[raised[d][t]] += product[a] * ((m == k ? basis.degree : 0) - j);
-                }
-                product = next;
-                denominator *= j + 1;
-            }
-        for (int a = 0; a < basis.count; ++a)
-            M[offset(a, basis.count, i)] = product[a] / (denominator * bernstein.multinomial[a]);
-    }
-    return M;
-}
-
-// On a product of simplices.
-std::vector<double> product_of_lagrange(const Bernstein& form, const LagrangeBasis& basis) {
-    std::vector<double> M(offset(form.count, basis.count), 1.0);
-    for (int f = 0, first = 0; f < 3 && form.entries(f) > 0; first += form.entries(f++)) {
-        const int entries = form.entries(f);
-        const Bernstein own(form.factors[f], form.degrees[f]);
-        const std::vector<double> of_factor = expanded_lagrange(LagrangeBasis(own.dim, own.degree));
-        for (int a = 0; a < form.count; ++a)
-            for (int i = 0; i < basis.count; ++i)
-                M[offset(a, basis.count, i)] *= of_factor[offset(own.place(part_of(form.index[a], first, entries)),
-                                                                 own.count,
-                                                                 own.place(part_of(basis.nodes[i], first, entries)))];
-    }
-    return M;
-}
-
-// On a pyramid. Entries that are 0 or 1 are so to the last bit.
-std::vector<double> raised_layers(const Bernstein& form, const LagrangeBasis& basis) {
-    const int p = basis.degree;
-    const auto raised = [p](int m, int i, int j) { return binomial(m, i) * binomial(p - m, j - i) / binomial(p, j); };
-    std::vector<double> M(offset(form.count, basis.count));
-    for (int a = 0; a < form.count; ++a) {
-        const MultiIndex& j = form.index[a];
-        double* const row = &M[offset(a, basis.count)];
-        for (int b = 0; b < basis.count; ++b) {
-            const MultiIndex& i = basis.nodes[b];
-            if (i[4] != j[5]) continue;
-            const double share = raised(p - i[4], i[1], j[1]) * raised(p - i[4], i[3], j[3]);
-            for (int node = 0; node < basis.count; ++node)
-                row[node] += share * basis.to_bernstein()[offset(b, basis.count, node)];
-        }
-        for (int node = 0; node < basis.count; ++node)
-            if (std::abs(row[node] - std::round(row[node])) < 1e-12) row[node] = std::round(row[node]);
-    }
-    return M;
-}
-
-}  // namespace
 
 Bernstein position_form(const CellType& cell, int degree) {
     return {cell.factors, {degree, cell.factors[1] > 0 ? degree : 0, cell.factors[2] > 0 ? degree : 0}};

@@ -4,7 +4,9 @@
 #pragma once
 #include <vector>
 
+#include "base/small_matrix.hpp"
 #include "geometry/patch.hpp"
+#include "mesh/mesh.hpp"
 #include "mesh/sub_simplices.hpp"
 
 namespace almesh {
@@ -30,9 +32,25 @@ struct FacePatches {
     std::vector<Patch> of(int f, const std::vector<Vec<3>>& nodes) const;
     std::vector<Patch> of(int f, const std::vector<double>& x) const;
 
-    // Numbers of the nodes of the patches of these faces, in the basis' order: those of the mesh where they are its own;
-    // else new ones between the corners, which patches that meet there share.
+    // Numbers of the nodes of the patches of these faces, in the basis' order: those of the mesh where they are its
+    // own; else new ones between the corners, which patches that meet there share.
     std::vector<std::vector<int>> nodes_of(const std::vector<int>& faces) const;
 };
+
+// Whether two of the patches, which are of neighbouring faces, lie on each other at what they share: the angle between
+// the directions in which they leave it is zero.
+bool folded_flat(const FacePatches& faces, const std::vector<Patch>& patches, int f, int g);
+
+// How often the patches of a closed surface go around each point: 0 for points outside their box.
+std::vector<double> windings(const Bernstein& basis, const std::vector<Patch>& patches,
+                             const std::vector<Vec<3>>& points);
+
+// Outward unit normal of the flat face with the same vertices.
+Vec<3> unit_normal(const Mesh& mesh, int f);
+
+// The boundary in smooth parts, for meshes whose file names none. Per face: the number of its part, from 1, in the
+// order of their first faces. Neighbouring outer faces are in one part where their normals are at most feature_angle
+// degrees apart. Inner faces: 0. Cost: O(faces log faces).
+std::vector<int> smooth_parts(const Mesh& mesh, double feature_angle);
 
 }  // namespace almesh

@@ -5,7 +5,6 @@
 #include "geometry/patch.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "base/index.hpp"

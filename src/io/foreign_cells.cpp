@@ -1,10 +1,11 @@
 #include "io/foreign_cells.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <numeric>
 #include <set>
-#include <span>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -111,6 +112,83 @@ private:
     }
 };
 
+// What the elements of a type are, with what to do about them.
+const char* foreign_name(int number) {
+    static const std::vector<std::pair<const char*, std::vector<std::array<int, 2>>>> foreign = {
+        {"incomplete triangles (mesh with Mesh.SecondOrderIncomplete = 0)", {{20, 20}, {22, 22}, {24, 24}, {52, 56}}},
+        {"incomplete quadrilaterals (mesh with Mesh.SecondOrderIncomplete = 0)", {{39, 41}, {57, 61}}},
+        {"incomplete tetrahedra (mesh with Mesh.SecondOrderIncomplete = 0)", {{79, 83}, {137, 137}}},
+        {"incomplete hexahedra (mesh with Mesh.SecondOrderIncomplete = 0)", {{99, 105}}},
+        {"incomplete prisms (mesh with Mesh.SecondOrderIncomplete = 0)", {{111, 117}}},
+        {"incomplete pyramids (mesh with Mesh.SecondOrderIncomplete = 0)", {{125, 131}}},
+        {"cells of a degree above 7 (mesh with a lower Mesh.ElementOrder)",
+         {{44, 46}, {49, 51}, {64, 66}, {73, 75}, {97, 98}, {109, 110}, {123, 124}}},
+        {"elements of degree 0 (mesh with Mesh.ElementOrder = 1)", {{84, 89}, {132, 132}}}};
+    for (const auto& [name, ranges] : foreign)
+        for (const auto& [first, last] : ranges)
+            if (first <= number && number <= last) return name;
+    return "elements of an unknown kind";
+}
+
+// The node that is at two vertices of a cell that is no simplex, or -1.
+int repeated_vertex(const RawMesh& mesh, const RawElement& element) {
+    const int* const node = &mesh.element_nodes[element.first];
+    for (int v = 1; v < element.cell().vertices && !element.cell().is_simplex(); ++v)
+        if (std::find(node, node + v, node[v]) != node + v) return node[v];
+    return -1;
+}
+
+// The faces of a cell with these nodes at its vertices, seen from outside, a node once in each; a cell in the plane is
+// its only face.
+std::vector<std::vector<int>> distinct_faces(const CellType& cell, const int* node) {
+    std::vector<std::vector<int>> faces;
+    const auto add = [&](const CellFace& face) {
+        std::vector<int>& nodes = faces.emplace_back();
+        for (const int v : face)
+            if (v >= 0 && std::find(nodes.begin(), nodes.end(), node[v]) == nodes.end()) nodes.push_back(node[v]);
+    };
+    if (cell.dim == 2) add({0, 1, 2, 3});
+    else std::for_each(cell.faces.begin(), cell.faces.end(), add);
+    std::erase_if(faces, [](const auto& face) { return face.size() < 3; });
+    std::stable_sort(faces.begin(), faces.end(), [](const auto& f, const auto& g) { return f.size() < g.size(); });
+    return faces;
+}
+
+// Makes the linear cell the triangle, tetrahedron, pyramid or prism that its faces are; false where they are none.
+bool simplify(RawElement& element, int* node) {
+    const std::vector<std::vector<int>> faces = distinct_faces(element.cell(), node);
+    const std::set<int> vertices(node, node + element.cell().vertices);
+    const auto triangles = std::count_if(faces.begin(), faces.end(), [](const auto& f) { return f.size() == 3; });
+    const auto becomes = [&](const CellType& type, const std::vector<int>& nodes) {
+        element.type = &type;
+        std::copy(nodes.begin(), nodes.end(), node);
+        return true;
+    };
+    const auto outside = [&](const std::vector<int>& face) {  // the first vertex that is not on it
+        return *std::find_if(vertices.begin(), vertices.end(),
+                             [&](int v) { return std::find(face.begin(), face.end(), v) == face.end(); });
+    };
+    if (element.degree > 1 || triangles == 0) return false;
+    const std::vector<int>&first = faces.front(), &last = faces.back();
+    const std::array<std::size_t, 3> kind = {vertices.size(), static_cast<std::size_t>(triangles), faces.size()};
+    if (kind == std::array<std::size_t, 3>{3, 1, 1}) return becomes(simplex(2), first);
+    if (kind == std::array<std::size_t, 3>{4, 4, 4})
+        return becomes(simplex(3), {first[0], first[2], first[1], outside(first)});
+    if (kind == std::array<std::size_t, 3>{5, 4, 5})
+        return becomes(pyramid(), {last[0], last[3], last[2], last[1], outside(last)});
+    if (kind != std::array<std::size_t, 3>{6, 2, 5}) return false;
+    std::vector<int> nodes = {first[0], first[2], first[1]};
+    for (int k = 0; k < 3; ++k)  // on a quadrilateral beside it, and not on the triangle
+        for (const std::vector<int>& face : {faces[2], faces[3], faces[4]}) {
+            const auto at = std::find(face.begin(), face.end(), nodes[k]) - face.begin();
+            for (const auto next : {(at + 1) % 4, (at + 3) % 4})
+                if (at < 4 && static_cast<int>(nodes.size()) == 3 + k &&
+                    std::find(first.begin(), first.end(), face[next]) == first.end())
+                    nodes.push_back(face[next]);
+        }
+    return becomes(prism(), nodes);
+}
+
 }  // namespace
 
 std::vector<int> vtk_node_order(const CellType& cell, int degree, bool is_lagrange) {
@@ -191,69 +269,6 @@ void complete_serendipity(RawMesh& mesh) {
                                         " each, by nodes in the middle of faces and cells"));
 }
 
-namespace {
-
-// The node that is at two vertices of a cell that is no simplex, or -1.
-int repeated_vertex(const RawMesh& mesh, const RawElement& element) {
-    const int* const node = &mesh.element_nodes[element.first];
-    for (int v = 1; v < element.cell().vertices && !element.cell().is_simplex(); ++v)
-        if (std::find(node, node + v, node[v]) != node + v) return node[v];
-    return -1;
-}
-
-// The faces of a cell with these nodes at its vertices, seen from outside, a node once in each; a cell in the plane is
-// its only face.
-std::vector<std::vector<int>> distinct_faces(const CellType& cell, const int* node) {
-    std::vector<std::vector<int>> faces;
-    const auto add = [&](const CellFace& face) {
-        std::vector<int>& nodes = faces.emplace_back();
-        for (const int v : face)
-            if (v >= 0 && std::find(nodes.begin(), nodes.end(), node[v]) == nodes.end()) nodes.push_back(node[v]);
-    };
-    if (cell.dim == 2) add({0, 1, 2, 3});
-    else std::for_each(cell.faces.begin(), cell.faces.end(), add);
-    std::erase_if(faces, [](const auto& face) { return face.size() < 3; });
-    std::stable_sort(faces.begin(), faces.end(), [](const auto& f, const auto& g) { return f.size() < g.size(); });
-    return faces;
-}
-
-// Makes the linear cell the triangle, tetrahedron, pyramid or prism that its faces are; false where they are none.
-bool simplify(RawElement& element, int* node) {
-    const std::vector<std::vector<int>> faces = distinct_faces(element.cell(), node);
-    const std::set<int> vertices(node, node + element.cell().vertices);
-    const auto triangles = std::count_if(faces.begin(), faces.end(), [](const auto& f) { return f.size() == 3; });
-    const auto becomes = [&](const CellType& type, const std::vector<int>& nodes) {
-        element.type = &type;
-        std::copy(nodes.begin(), nodes.end(), node);
-        return true;
-    };
-    const auto outside = [&](const std::vector<int>& face) {  // the first vertex that is not on it
-        return *std::find_if(vertices.begin(), vertices.end(),
-                             [&](int v) { return std::find(face.begin(), face.end(), v) == face.end(); });
-    };
-    if (element.degree > 1 || triangles == 0) return false;
-    const std::vector<int>&first = faces.front(), &last = faces.back();
-    const std::array<std::size_t, 3> kind = {vertices.size(), static_cast<std::size_t>(triangles), faces.size()};
-    if (kind == std::array<std::size_t, 3>{3, 1, 1}) return becomes(simplex(2), first);
-    if (kind == std::array<std::size_t, 3>{4, 4, 4})
-        return becomes(simplex(3), {first[0], first[2], first[1], outside(first)});
-    if (kind == std::array<std::size_t, 3>{5, 4, 5})
-        return becomes(pyramid(), {last[0], last[3], last[2], last[1], outside(last)});
-    if (kind != std::array<std::size_t, 3>{6, 2, 5}) return false;
-    std::vector<int> nodes = {first[0], first[2], first[1]};
-    for (int k = 0; k < 3; ++k)  // on a quadrilateral beside it, and not on the triangle
-        for (const std::vector<int>& face : {faces[2], faces[3], faces[4]}) {
-            const auto at = std::find(face.begin(), face.end(), nodes[k]) - face.begin();
-            for (const auto next : {(at + 1) % 4, (at + 3) % 4})
-                if (at < 4 && static_cast<int>(nodes.size()) == 3 + k &&
-                    std::find(first.begin(), first.end(), face[next]) == first.end())
-                    nodes.push_back(face[next]);
-        }
-    return becomes(prism(), nodes);
-}
-
-}  // namespace
-
 void simplify_cells(RawMesh& mesh) {
     std::size_t simplified = 0;
     const RawElement* left = nullptr;
@@ -273,6 +288,29 @@ void simplify_cells(RawMesh& mesh) {
     if (simplified > 0)
         mesh.notes.push_back(concat(counted(simplified, "cell"), " with a node at two vertices read as the one with "
                                     "fewer vertices that it is, the first is ", first));
+}
+
+MshType msh_type(int number) {
+    for (const CellType& cell : cell_types())
+        for (int degree = 1; degree <= max_degree; ++degree)
+            if (cell.msh_types[degree - 1] == number) return {number, &cell, degree, cell.node_count(degree)};
+    for (const SerendipityCell& kind : serendipity_cells())
+        if (kind.msh_type == number) return {number, kind.cell, 2, kind.nodes()};
+    return {number};
+}
+
+void ForeignMshElements::add(int type, int line, long long count) {
+    const auto same = std::find_if(kinds.begin(), kinds.end(), [type](const Kind& kind) { return kind.type == type; });
+    if (same == kinds.end()) kinds.push_back({type, line, count});
+    else same->count += count;
+}
+
+std::string ForeignMshElements::message() const {
+    std::string what;
+    for (const Kind& kind : kinds)
+        what += concat(what.empty() ? "" : "; ", kind.count, " ", foreign_name(kind.type), " of type ", kind.type,
+                       kind.line ? concat(", the first in line ", kind.line) : "");
+    return what + ": only " + readable_cells() + " of degree 1 to 7 with all their nodes are read";
 }
 
 }  // namespace almesh

@@ -1,9 +1,10 @@
-// Cells in the files of programs other than Gmsh: their orders of nodes, and what is read of them.
+// Cells in files: their types in those of Gmsh, their orders of nodes in those of other programs, and what is read.
 #pragma once
 #include <span>
 #include <string>
 #include <vector>
 
+#include "mesh/cells.hpp"
 #include "mesh/raw_mesh.hpp"
 
 namespace almesh {
@@ -37,5 +38,26 @@ void complete_serendipity(RawMesh& mesh);
 // In some programs a hexahedron with a node at two of its vertices stands for a prism: makes linear cells of that kind
 // the triangles, tetrahedra, pyramids and prisms that they are, with a note. Throws InputError for others.
 void simplify_cells(RawMesh& mesh);
+
+// An element type of MSH files, by its number (GmshDefines.h).
+struct MshType {
+    int number;
+    const CellType* cell = nullptr;  // none: not a complete cell of the table of a degree up to max_degree
+    int degree = 0, nodes = 0;  // nodes: in the file
+};
+
+MshType msh_type(int number);
+
+// Elements of types that are not read, counted to be refused all together.
+struct ForeignMshElements {
+    struct Kind {
+        int type, line;  // of the first; 0: of a binary file
+        long long count;
+    };
+    std::vector<Kind> kinds;
+
+    void add(int type, int line, long long count);
+    std::string message() const;  // what they are, with what to do about them
+};
 
 }  // namespace almesh

@@ -1,7 +1,6 @@
 #include "io/msh_blocks.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <map>
 #include <set>
 

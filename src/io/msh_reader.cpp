@@ -2,14 +2,12 @@
 // allocates is bounded by the length of the rest of the file.
 #include <algorithm>
 #include <climits>
-#include <cstdlib>
 #include <set>
 #include <utility>
 
 #include "io/foreign_cells.hpp"
 #include "io/msh.hpp"
 #include "io/msh_scanner.hpp"
-#include "io/msh_types.hpp"
 
 namespace almesh {
 namespace {

@@ -6,7 +6,6 @@
 #include "base/error.hpp"
 #include "io/msh.hpp"
 #include "io/msh_blocks.hpp"
-#include "io/msh_numbers.hpp"
 
 namespace almesh {
 namespace {

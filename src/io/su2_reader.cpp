@@ -3,7 +3,6 @@
 // comes after these in a row is not read, and they may be left out. Of degree p the type is greater by 100 (p - 1).
 // IZONE begins a zone where NZONE announces several.
 #include <algorithm>
-#include <climits>
 #include <map>
 #include <tuple>
 #include <utility>

@@ -1,7 +1,6 @@
 // The sections of the mesh in the order of the file that it comes from, between what that file has besides them. Each
 // zone has nodes and elements of its own, numbered from 0.
 #include <algorithm>
-#include <iterator>
 #include <map>
 
 #include "base/files.hpp"

@@ -23,6 +23,15 @@ namespace {
 
 constexpr int row_block = 1024;  // rows whose columns a thread collects at a time
 
+template <int d>
+void multiply_blocks(const BlockCsr& A, int begin, int end, const double* x, double* y) {
+    for (int i = begin; i < end; ++i) {
+        SumOfProducts<d> sum;
+        for (int k = A.row[i]; k < A.row[i + 1]; ++k) sum.add(A.block(k), x + offset(A.col[k], d));
+        for (int r = 0; r < d; ++r) y[offset(i, d, r)] = sum.entry(r);
+    }
+}
+
 }  // namespace
 
 BlockCsr pattern_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes, LargeVector<int>* place) {
@@ -99,19 +108,6 @@ BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_n
     A.value.assign(A.col.size() * d * d, 0.0);
     return A;
 }
-
-namespace {
-
-template <int d>
-void multiply_blocks(const BlockCsr& A, int begin, int end, const double* x, double* y) {
-    for (int i = begin; i < end; ++i) {
-        SumOfProducts<d> sum;
-        for (int k = A.row[i]; k < A.row[i + 1]; ++k) sum.add(A.block(k), x + offset(A.col[k], d));
-        for (int r = 0; r < d; ++r) y[offset(i, d, r)] = sum.entry(r);
-    }
-}
-
-}  // namespace
 
 void multiply_rows(const BlockCsr& A, int begin, int end, const double* x, double* y) {
     with_block_size(A.d, [&](auto d) { multiply_blocks<d>(A, begin, end, x, y); });

@@ -12,7 +12,6 @@
 #include "linalg/krylov/krylov.hpp"
 #include "linalg/krylov/deflated.hpp"
 #include "linalg/krylov/ilu0.hpp"
-#include "linalg/ordering/ordering.hpp"
 #include "linalg/ordering/graph.hpp"
 #include "linalg/vector_ops.hpp"
 
@@ -85,6 +84,29 @@ std::unique_ptr<Preconditioner> make_preconditioner(const BlockCsr& pattern, con
     const bool in_single = sweeps == Sweeps::ssor;
     parallel_invoke(set_up_ilu, [&] { coarse = std::make_unique<CoarseSpace>(pattern, in_single); });
     return std::make_unique<Deflated>(std::move(ilu), std::move(coarse));
+}
+
+// The rows of P in their order; its columns, each the vertex with weight 1 in it, in the order of these vertices.
+void order_interpolation(const Interpolation& P, RowOrder& order) {
+    if (P.columns == 0) return;
+    std::vector<int> column(P.columns);
+    int next = 0;
+    std::vector<int>& start = order.vertex_start;
+    for (int i = 0; i < P.rows(); ++i) {
+        while (start.size() < order.start.size() && i == order.start[start.size()]) start.push_back(next);
+        const int k = P.row[order.node[i]];
+        if (P.weight[k] == 1) column[P.col[k]] = next++;
+    }
+    while (start.size() < order.start.size()) start.push_back(next);
+    Interpolation& ordered = order.of_vertices;
+    ordered.columns = P.columns;
+    for (const int node : order.node) {
+        for (int k = P.row[node]; k < P.row[node + 1]; ++k) {
+            ordered.col.push_back(column[P.col[k]]);
+            ordered.weight.push_back(P.weight[k]);
+        }
+        ordered.row.push_back(static_cast<int>(ordered.col.size()));
+    }
 }
 
 }  // namespace
@@ -221,33 +243,6 @@ bool iterates(int unknowns, int dimension, const LinearSolverParams& params) {
     if (params.kind != SolverKind::automatic) return params.kind != SolverKind::cholesky;
     return unknowns >= params.cg_from_unknowns[dimension - 2];
 }
-
-namespace {
-
-// The rows of P in their order; its columns, each the vertex with weight 1 in it, in the order of these vertices.
-void order_interpolation(const Interpolation& P, RowOrder& order) {
-    if (P.columns == 0) return;
-    std::vector<int> column(P.columns);
-    int next = 0;
-    std::vector<int>& start = order.vertex_start;
-    for (int i = 0; i < P.rows(); ++i) {
-        while (start.size() < order.start.size() && i == order.start[start.size()]) start.push_back(next);
-        const int k = P.row[order.node[i]];
-        if (P.weight[k] == 1) column[P.col[k]] = next++;
-    }
-    while (start.size() < order.start.size()) start.push_back(next);
-    Interpolation& ordered = order.of_vertices;
-    ordered.columns = P.columns;
-    for (const int node : order.node) {
-        for (int k = P.row[node]; k < P.row[node + 1]; ++k) {
-            ordered.col.push_back(column[P.col[k]]);
-            ordered.weight.push_back(P.weight[k]);
-        }
-        ordered.row.push_back(static_cast<int>(ordered.col.size()));
-    }
-}
-
-}  // namespace
 
 std::shared_ptr<const RowOrder> sweep_order(const BlockCsr& pattern, int dimension, const LinearSolverParams& params,
                                             const Interpolation& of_vertices) {

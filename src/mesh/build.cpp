@@ -10,7 +10,6 @@
 
 #include "base/text.hpp"
 #include "mesh/build_boundary.hpp"
-#include "mesh/build_kept.hpp"
 #include "mesh/winding.hpp"
 
 namespace almesh {

@@ -13,7 +13,6 @@
 #include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "linalg/ordering/graph.hpp"
-#include "mesh/hanging_faces.hpp"
 #include "mesh/sides.hpp"
 #include "mesh/unused_ids.hpp"
 #include "mesh/winding.hpp"

@@ -52,4 +52,19 @@ std::string entity_kind(int dim);                // Gmsh's word: curve, surface 
 // around a vertex)) time, in parallel; 32 bytes per tetrahedron (24 per triangle).
 std::vector<std::array<int, 2>> fill_boundary(MeshBuild& build);
 
+// Faces that do not match: throws InputError, naming both elements, where a boundary face is a triangle on three
+// vertices of a quadrilateral one: the two sides of a face inside the domain, which seem to be boundaries as they do
+// not match. Cost: O(faces log faces), none where all faces are of one type.
+void refuse_hanging_faces(const MeshBuild& build);
+
+// The cells of the file that are neither elements nor boundary faces.
+
+// Nodes without an element. Call with MeshBuild::node filled; gives them -2 - k there, k their number among the loose
+// ones.
+void fill_loose_nodes(MeshBuild& build);
+
+// Fills Mesh::kept from MeshBuild::kept, once elements and nodes are there. Curves and faces that are not in the mesh
+// are dropped with a note. Cost: O(elements + kept cells * elements around a vertex).
+void fill_kept(MeshBuild& build);
+
 }  // namespace almesh

@@ -1,4 +1,4 @@
-#include "mesh/build_kept.hpp"
+#include "mesh/build_boundary.hpp"
 
 #include <algorithm>
 

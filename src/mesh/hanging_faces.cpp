@@ -1,4 +1,4 @@
-#include "mesh/hanging_faces.hpp"
+#include "mesh/build_boundary.hpp"
 
 #include <algorithm>
 

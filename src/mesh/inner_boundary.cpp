@@ -230,10 +230,7 @@ struct InnerBuilder {
             for (int c = 0; c < all.count(); ++c) {
                 if (taken.contains({&cell, c})) continue;
                 rest.nodes.insert(rest.nodes.end(), &all.nodes[offset(c, width)], &all.nodes[offset(c, width)] + width);
-                rest.element.push_back(all.element[c]);
-                rest.id.push_back(all.id[c]);
-                rest.physical.push_back(all.physical[c]);
-                rest.entity.push_back(all.entity[c]);
+                append_tags(all, c, rest);
             }
         }
     }

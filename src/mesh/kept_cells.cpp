@@ -48,6 +48,13 @@ std::vector<KeptFace> kept_faces(const Mesh& mesh) {
     return faces;
 }
 
+void append_tags(const KeptCells& from, int c, KeptCells& to) {
+    to.element.push_back(from.element[c]);
+    to.id.push_back(from.id[c]);
+    to.physical.push_back(from.physical[c]);
+    to.entity.push_back(from.entity[c]);
+}
+
 void raise_kept_cells(Mesh& mesh) {
     const Subcells subcells(mesh);
     for (KeptCells& kept : mesh.kept) {
@@ -72,10 +79,7 @@ void restrict_kept_cells(const Mesh& mesh, const std::vector<int>& index, Mesh& 
             const int* const node = &from.nodes[offset(c, width)];
             if (cell.dim == 0 && *node >= 0 && index[*node] < 0) continue;
             for (int v = 0; v < cell.vertices; ++v) to.nodes.push_back(node[v] < 0 ? node[v] : index[node[v]]);
-            to.element.push_back(from.element[c]);
-            to.id.push_back(from.id[c]);
-            to.physical.push_back(from.physical[c]);
-            to.entity.push_back(from.entity[c]);
+            append_tags(from, c, to);
         }
     }
 }

@@ -40,6 +40,9 @@ struct KeptFace {
 // All of them, those of one type together.
 std::vector<KeptFace> kept_faces(const Mesh& mesh);
 
+// Adds cell c of others, but for its nodes.
+void append_tags(const KeptCells& from, int c, KeptCells& to);
+
 // Gives kept cells of degree 1 the degree of their mesh, whose elements have it already.
 void raise_kept_cells(Mesh& mesh);
 

@@ -3,7 +3,6 @@
 #include "mesh/local_size.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace almesh {

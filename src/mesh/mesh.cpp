@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "mesh/lagrange.hpp"

@@ -46,6 +46,11 @@ struct AlStart {
     std::vector<double> lambda;  // empty: zero
     double mu = 0;               // in units of |1|^2; 0: that of the schedule
     bool from_coarser = false;   // whether x is the solution of a coarser mesh or a lower degree, interpolated
+
+    // From another mesh than the ideal one: nothing begins anew.
+    static AlStart from_near(const Constraint& constraint, double mu = 0) {
+        return {std::vector<double>(constraint.multipliers(), 0.0), mu};
+    }
 };
 
 void add_counts(const NewtonResult& solved, AlResult& result);

@@ -47,8 +47,7 @@ Increments solve_increments(const Level& level, Newton& newton, const AugmentedL
         const auto constraint = at.is_last() ? nullptr : level.constraint_at(at.to);
         if (!at.is_last() && !constraint) return StageEnd::over;
         x = reached;
-        AlStart start;
-        if (at.from > 0) start.lambda.assign(level.constraint->multipliers(), 0.0);  // not from the ideal mesh
+        const AlStart start = at.from > 0 ? AlStart::from_near(*level.constraint) : AlStart();
         AlResult result =
             at.is_last()
                 ? minimise(*level.energy, *level.constraint, newton, impatient(params), x, observer, start)
@@ -85,8 +84,7 @@ std::optional<AlResult> minimise_from_target(const Level& level, Newton& newton,
         AlResult result = move_with_boundary(level, newton, params, increments, x);
         steps += result.newton_iterations + result.earlier_newton_iterations;
         if (result.status == Status::converged) {
-            AlStart start;
-            start.lambda.assign(level.constraint->multipliers(), 0.0);  // not from the ideal mesh
+            const AlStart start = AlStart::from_near(*level.constraint);
             result = minimise(*level.energy, *level.constraint, newton, schedule, x, observer, start);
             steps += result.newton_iterations;
         }
@@ -96,6 +94,23 @@ std::optional<AlResult> minimise_from_target(const Level& level, Newton& newton,
 }
 
 }  // namespace
+
+bool Level::is_valid(const std::vector<double>& x) const {
+    return std::isfinite(energy->energy(x)) && energy->certified(x);
+}
+
+std::vector<char> Level::on_boundary() const {
+    std::vector<char> on(mesh.nodes(), 0);
+    for (const int node : constraint->nodes()) on[node] = 1;
+    return on;
+}
+
+std::vector<double> Level::with_boundary(const std::vector<double>& targets, std::vector<double> x) const {
+    const std::vector<int>& nodes = constraint->nodes();
+    for (std::size_t t = 0; t < nodes.size(); ++t)
+        std::copy_n(&targets[offset(t, mesh.dim)], mesh.dim, point(x, nodes[t], mesh.dim));
+    return x;
+}
 
 void increase_load(double size, double least, const std::function<StageEnd(const Increment&)>& solve) {
     for (double from = 0; from < 1 && size >= least;) {

@@ -40,6 +40,11 @@ struct Level {
     double turn = 0;
 
     bool is_worth_little = false;  // among coarser meshes: tried at once, in a few steps
+
+    bool is_valid(const std::vector<double>& x) const;  // certified everywhere in every element
+    std::vector<char> on_boundary() const;              // per node: whether the constraint acts on it
+    // x with the nodes of the constraint at `targets`, these x dim.
+    std::vector<double> with_boundary(const std::vector<double>& targets, std::vector<double> x) const;
 };
 
 // What the method came to in a stage: a row of the report.

@@ -9,6 +9,7 @@
 #include "base/parallel.hpp"
 #include "constraint/sliding_nodes.hpp"
 #include "linalg/vector_ops.hpp"
+#include "method/fixed_nodes.hpp"
 #include "method/snap.hpp"
 
 namespace almesh {
@@ -157,16 +158,8 @@ void Derivative::project(std::vector<double>& v) const {
     for (const Node& of : nodes_) set_node(v, of.node, mesh_.dim, times(of.P, at_node(v, of.node, mesh_.dim)));
 }
 
-std::vector<double> Derivative::times_hessian(const std::vector<double>& v) {
-    std::vector<double> rows, product(v.size()), result;
-    to_rows(H_, v, rows);
-    multiply(H_, rows.data(), product.data());
-    to_nodes(H_, product, result);
-    return result;
-}
-
 std::vector<double> Derivative::tangent(const BoundaryChange& change) {
-    std::vector<double> b = times_hessian(change.shift);
+    std::vector<double> b = times_at_nodes(H_, change.shift);
     for (std::size_t k = 0; k < b.size(); ++k) b[k] = -(b[k] + change.force[k]);
     project(b);
     std::vector<double> dx = solve(b);
@@ -179,7 +172,7 @@ BoundaryChange Derivative::adjoint(const std::vector<double>& dJ_dx) {
     for (double& entry : b) entry = -entry;
     project(b);
     const std::vector<double> p = solve(b);
-    BoundaryChange by{times_hessian(p), p};
+    BoundaryChange by{times_at_nodes(H_, p), p};
     axpy(1, dJ_dx, by.shift);
     for (std::size_t k = 0; k < p.size(); ++k)
         if (place_[k / mesh_.dim] < 0) by.shift[k] = by.force[k] = 0;

@@ -78,7 +78,6 @@ private:
     void assemble();
     std::vector<double> solve(const std::vector<double>& b);  // P A^-1 b
     void project(std::vector<double>& v) const;               // P v
-    std::vector<double> times_hessian(const std::vector<double>& v);
 };
 
 }  // namespace almesh

@@ -24,4 +24,13 @@ inline void fix_nodes(const std::vector<char>& fixed, BlockCsr& H) {
         }
 }
 
+// A v of vectors with the entries of the nodes, whatever the order of A's rows.
+inline std::vector<double> times_at_nodes(const BlockCsr& A, const std::vector<double>& v) {
+    std::vector<double> rows, product(v.size()), result;
+    to_rows(A, v, rows);
+    multiply(A, rows.data(), product.data());
+    to_nodes(A, product, result);
+    return result;
+}
+
 }  // namespace almesh

@@ -18,16 +18,6 @@ constexpr double nearer = 0.5;  // than the ideal mesh to the target: else what 
 constexpr int few_steps = 20;  // on a level that is worth little
 constexpr double of_gradient = 0.0005;  // tolerance on coarser meshes: a step there is cheaper than one more here
 
-// A field on the nodes of the constraint, zero at all others.
-std::vector<double> extended(const std::vector<double>& of_constraint, const Level& level) {
-    const int dim = level.mesh.dim;
-    const std::vector<int>& nodes = level.constraint->nodes();
-    std::vector<double> field(level.ideal.size(), 0.0);
-    for (std::size_t t = 0; t < nodes.size(); ++t)
-        std::copy_n(&of_constraint[offset(t, dim)], dim, point(field, nodes[t], dim));
-    return field;
-}
-
 Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Level> level, CoarseSolution& solution) {
     Newton newton(level->energy->hessian_pattern(), params.linear, {.forcing = params.forcing});
     std::vector<double> x;
@@ -49,7 +39,8 @@ Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Lev
     stage.newton_iterations = result.newton_iterations + result.earlier_newton_iterations;
     solution = {};
     if (result.status != Status::converged) return stage;
-    solution.multipliers = extended(level->constraint->multiplier_field(result.lambda), *level);
+    const std::vector<double> zero(x.size(), 0.0);
+    solution.multipliers = level->with_boundary(level->constraint->multiplier_field(result.lambda), zero);
     solution.mu = stage.last.mu / square(level->constraint->norm_of_one());
     for (std::size_t i = 0; i < x.size(); ++i) x[i] -= level->ideal[i];
     solution.displacement = std::move(x);
@@ -84,7 +75,7 @@ AlStart start_from(const CoarseSolution& coarse, const Level& level, std::vector
     for (std::size_t i = 0; i < x.size(); ++i) x[i] += displacement[i];
     const auto distance = [&](const std::vector<double>& at) { return level.constraint->projected_norm(at); };
     const bool useless = level.mesh.degree > coarse.level->mesh.degree && distance(x) > nearer * distance(level.ideal);
-    if (useless || !std::isfinite(level.energy->energy(x)) || !level.energy->certified(x)) {
+    if (useless || !level.is_valid(x)) {
         x = level.ideal;
         return {};
     }

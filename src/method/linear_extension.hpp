@@ -23,6 +23,21 @@ struct Stiffness {
 // At a point of an element whose map has the determinant `jacobian` > 0 there: n! times the volume of a straight one.
 using StiffnessAt = Stiffness (*)(double jacobian);
 
+// Of the Laplace equation for each coordinate of the displacement. The maximum principle keeps the displacement within
+// that of the boundary, not the mesh valid.
+Stiffness harmonic_stiffness(double jacobian);
+
+// Of a linear elastic solid,
+//
+//     integral of  2 m e(u) : e(v) + l div u div v = 0,   e(u) the symmetric gradient,
+//     l = E v / ((1 + v) (1 - 2 v)),   m = E / (2 (1 + v)),   v = 0.3,
+//
+// whose modulus E is the reciprocal of the element's volume (of the Jacobian's determinant at a point of a curved one):
+// the Jacobian-based stiffening with the exponent 1 of Stein, Tezduyar, Benney (J. Appl. Mech. 70, 2003), which leaves
+// the determinant out of the integral over an element. Small elements then move almost as rigid bodies, and large ones
+// take the deformation.
+Stiffness elastic_stiffness(double jacobian);
+
 class LinearExtension {
 public:
     // pattern: of the Hessian of the mesh's energy.

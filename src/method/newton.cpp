@@ -184,10 +184,7 @@ std::vector<double> Newton::complete(const std::vector<char>& fixed, const std::
                                      std::vector<double> d, NewtonResult& at) {
     const TimeAdder adder(time.linear);
     BlockCsr of_inside = H_;
-    std::vector<double> force, Hd(d.size()), inside;
-    to_rows(H_, d, force);
-    multiply(H_, force.data(), Hd.data());
-    to_nodes(H_, Hd, force);
+    std::vector<double> force = times_at_nodes(H_, d), inside;
     for (std::size_t i = 0; i < force.size(); ++i) force[i] = g.empty() ? -force[i] : -force[i] - g[i];
     fix_nodes(fixed, H_.d, force);
     fix_nodes(fixed, of_inside);

@@ -1,8 +1,7 @@
-// Lines 4-6, 7, 11-14 and 17-20 of Algorithm 1, in three versions.
+// Lines 4-6, 7, 11-14 and 17-20 of Algorithm 1, in three versions, and the penalty method.
 #include "method/schedule.hpp"
 
 #include <cmath>
-#include <limits>
 
 namespace almesh {
 namespace {
@@ -94,6 +93,20 @@ private:
     double error_before = std::numeric_limits<double>::infinity();  // and its boundary error
 };
 
+// The multipliers stay zero. |c_D| falls like 1 / mu, so that mu has to grow by as many orders of magnitude as |c_D| is
+// to fall, and the Hessian's condition number with it (Nocedal & Wright, Numerical Optimization, sec. 17.1).
+class PenaltySchedule : public Schedule {
+public:
+    PenaltySchedule(const AugmentedLagrangianParams& p, double mu0) {
+        mu = mu0;
+        omega = least_omega = p.omega_star;
+        wall_tolerance = p.wall_tolerance;
+        epsilon = 0;
+    }
+    AlUpdate tighten(double, double) override { return AlUpdate::none; }
+    AlUpdate raise_penalty() override { return mu *= 10, AlUpdate::penalty; }
+};
+
 }  // namespace
 
 const char* to_string(AlUpdate update) {
@@ -109,7 +122,7 @@ const char* to_string(AlUpdate update) {
 std::unique_ptr<Schedule> make_schedule(const AugmentedLagrangianParams& params, double mu, double one_squared,
                                         double squared_constraint) {
     const double mu0 = (mu > 0 ? mu : params.mu0) * one_squared;
-    if (params.moving == MovingMethod::penalty) return make_penalty_schedule(params, mu0);
+    if (params.moving == MovingMethod::penalty) return std::make_unique<PenaltySchedule>(params, mu0);
     if (params.algorithm == Algorithm::adaptive)
         return std::make_unique<AdaptiveSchedule>(
             params, (mu > 0 ? mu : AdaptiveSchedule::first_penalty) * one_squared, squared_constraint);

@@ -10,6 +10,8 @@
 //             of a node from its target fell by less than a factor 10; omega a tenth, and omega* once both hold. Needs
 //             no mu0, omega0, epsilon0.
 //
+// method = penalty has a schedule of its own: lambda = 0, and mu_k+1 = 10 mu_k until the constraint holds.
+//
 // The penalty is given in units of |1|^2: mu |c_D|^2 = (mu / |1|^2) times the weighted integral of |phi - g_D|^2, and
 // with the weight 1/h that integral scales like the distortion term, whatever the unit of length and the number of
 // boundary faces. All lengths are in the unit the caller has chosen for x; see length_scale in the table of deck keys.
@@ -63,6 +65,5 @@ public:
 // mu: first penalty, in units of |1|^2; 0: that of the schedule. squared_constraint: |P c_D|^2 at the start.
 std::unique_ptr<Schedule> make_schedule(const AugmentedLagrangianParams& params, double mu, double one_squared,
                                         double squared_constraint);
-std::unique_ptr<Schedule> make_penalty_schedule(const AugmentedLagrangianParams& params, double mu0);  // penalty.cpp
 
 }  // namespace almesh

@@ -1,4 +1,4 @@
-#include "app/ending.hpp"
+#include "app/solve.hpp"
 
 #include <doctest/doctest.h>
 

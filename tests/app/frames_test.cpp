@@ -1,5 +1,5 @@
 // Motions in time: a mesh per frame.
-#include "app/frames.hpp"
+#include "app/solve.hpp"
 
 #include <doctest/doctest.h>
 #include <sys/resource.h>

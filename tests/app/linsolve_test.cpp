@@ -1,4 +1,4 @@
-#include "app/linsolve.hpp"
+#include "app/commands.hpp"
 
 #include <doctest/doctest.h>
 

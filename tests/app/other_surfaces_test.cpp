@@ -1,4 +1,4 @@
-#include "app/other_surfaces.hpp"
+#include "app/node_targets.hpp"
 
 #include <doctest/doctest.h>
 

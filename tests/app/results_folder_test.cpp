@@ -92,6 +92,19 @@ TEST_CASE("a run does not replace its own input") {
     CHECK(text_of(final_mesh) == text);
 }
 
+TEST_CASE("a run whose motions take another file of the same name has another id") {
+    const RingDeck ring;
+    std::vector<std::string> ids;
+    for (const char* by : {"0.1", "0.1", "0.2"}) {
+        std::string rows;
+        for (int i = 1; i <= 12; ++i) rows += concat(i, " ", by, " 0\n");
+        REQUIRE(ring.run({"boundary inner=file " + ring.folder.write("wall.csv", rows) + " displacement"}).code == 0);
+        ids.push_back(summary_of(ring.output).at("run"));
+    }
+    CHECK(ids[1] == ids[0]);
+    CHECK(ids[2] != ids[0]);
+}
+
 TEST_CASE("all files of a run carry its id, which is that of the same run again, and of no other") {
     const RingDeck ring;
     const auto id_of = [&ring] { return summary_of(ring.output).at("run"); };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "support/boundary.hpp"
 #include "support/determinant.hpp"
 #include "support/high_order.hpp"
 #include "support/meshes.hpp"
@@ -31,12 +32,6 @@ int node_at(const Mesh& mesh, const Vec<3>& place) {
         if (distance < 1e-9) return i;
     }
     return -1;
-}
-
-std::vector<char> on_boundary(const Mesh& mesh) {
-    std::vector<char> flag(mesh.nodes(), 0);
-    for (const int i : mesh.faces) flag[i] = 1;
-    return flag;
 }
 
 using Face = std::vector<int>;  // its vertices, places in the element

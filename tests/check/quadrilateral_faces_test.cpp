@@ -7,7 +7,6 @@
 #include "check/boundary_distance.hpp"
 #include "check/determined_elements.hpp"
 #include "check/target_check.hpp"
-#include "check/wall_distance.hpp"
 #include "mesh/build.hpp"
 #include "support/high_order.hpp"
 #include "support/meshes.hpp"

@@ -1,4 +1,4 @@
-#include "check/wall_distance.hpp"
+#include "check/boundary_distance.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "constraint/height_patch.hpp"
+#include "constraint/surface.hpp"
 
 #include <doctest/doctest.h>
 

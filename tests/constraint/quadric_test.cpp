@@ -1,4 +1,4 @@
-#include "constraint/quadric.hpp"
+#include "constraint/surface.hpp"
 
 #include <doctest/doctest.h>
 

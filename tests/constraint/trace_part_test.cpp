@@ -1,4 +1,4 @@
-#include "constraint/trace_part.hpp"
+#include "constraint/trace_space.hpp"
 
 #include <doctest/doctest.h>
 

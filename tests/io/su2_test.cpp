@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "base/error.hpp"
-#include "check/overlap.hpp"
+#include "check/injectivity.hpp"
 #include "check/target_check.hpp"
 #include "mesh/build.hpp"
 #include "support/meshes.hpp"

@@ -5,7 +5,7 @@
 
 #include "base/error.hpp"
 #include "geometry/patch.hpp"
-#include "geometry/smooth_parts.hpp"
+#include "geometry/face_patches.hpp"
 #include "mesh/build.hpp"
 #include "mesh/inner_boundary.hpp"
 #include "mesh/kept_cells.hpp"

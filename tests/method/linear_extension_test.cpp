@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "energy/distortion_energy.hpp"
-#include "method/comparators.hpp"
+#include "support/boundary.hpp"
 #include "support/high_order.hpp"
 #include "support/meshes.hpp"
 #include "support/targets.hpp"
@@ -18,12 +18,6 @@ using namespace almesh::test;
 namespace {
 
 using Field = std::function<void(const double* x, double* u)>;
-
-std::vector<char> on_boundary(const Mesh& mesh) {
-    std::vector<char> fixed(mesh.nodes(), 0);
-    for (const int node : mesh.faces) fixed[node] = 1;
-    return fixed;
-}
 
 std::vector<double> values(const Mesh& mesh, const std::vector<double>& x, const Field& field) {
     std::vector<double> u(x.size());

@@ -6,7 +6,6 @@
 #include "linalg/direct/factor_plan.hpp"
 
 namespace almesh {
-
 namespace {
 
 // The children of every vertex of a forest, ascending; parent: -1 for a root. Roots count as children of vertex n.

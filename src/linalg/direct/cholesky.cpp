@@ -3,7 +3,6 @@
 #include "linalg/direct/cholesky.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -13,7 +12,6 @@
 #include "linalg/ordering/graph.hpp"
 
 namespace almesh {
-
 namespace {
 
 // A pivot must exceed this times the diagonal entry of A it began as: what is left of it would otherwise be rounding.

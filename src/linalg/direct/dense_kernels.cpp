@@ -12,7 +12,6 @@
 #include "base/parallel.hpp"
 
 namespace almesh {
-
 namespace {
 
 // A tile of rows x columns accumulators must fit the registers: 32 of 8 doubles (AVX-512), or 16 of 4 or 2.

@@ -8,7 +8,6 @@
 #include "linalg/direct/dense_kernels.hpp"
 
 namespace almesh {
-
 namespace {
 
 constexpr double subtree_share = 1.0 / 16;  // largest part of all work in a subtree of several fronts

@@ -10,7 +10,6 @@
 #include "base/parallel.hpp"
 
 namespace almesh {
-
 namespace {
 
 constexpr std::size_t none = std::numeric_limits<std::size_t>::max();

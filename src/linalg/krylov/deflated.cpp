@@ -9,11 +9,9 @@
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
-#include "linalg/ordering/graph.hpp"
 #include "linalg/ordering/multilevel.hpp"
 
 namespace almesh {
-
 namespace {
 
 // Nodes in a group. Smaller groups save iterations where A has low-energy modes, and make every iteration cost more.

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
 #include <utility>
 
 #include "base/index.hpp"
@@ -15,7 +14,6 @@
 #include "base/parallel.hpp"
 
 namespace almesh {
-
 namespace {
 
 // T -= A B'

@@ -10,7 +10,6 @@
 #include "base/parallel.hpp"
 
 namespace almesh {
-
 namespace {
 
 constexpr int largest_group = 3;  // vertices merged into one

@@ -9,7 +9,6 @@
 #include "linalg/ordering/ordering.hpp"
 
 namespace almesh {
-
 namespace {
 
 constexpr int bisections = 3;        // 2^3 domains

@@ -10,7 +10,6 @@
 #include "linalg/ordering/multilevel.hpp"
 
 namespace almesh {
-
 namespace {
 
 constexpr int leaf_size = 150;        // groups ordered by minimum degree

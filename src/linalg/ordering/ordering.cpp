@@ -27,6 +27,30 @@ void for_each_bit(const Word* bits, int words, const Body& body) {
         for (Word rest = bits[w]; rest; rest &= rest - 1) body(w * 64 + std::countr_zero(rest));
 }
 
+// Appends the component of `root` to `order` in Cuthill-McKee order and returns how many levels it has; mark[v] =
+// `stamp` for the vertices reached.
+int breadth_first(const Graph& graph, int root, int stamp, std::vector<int>& mark, std::vector<int>& order) {
+    std::size_t begin = order.size(), end = begin + 1;
+    order.push_back(root);
+    mark[root] = stamp;
+    int levels = 0;
+    for (; begin < order.size(); ++levels) {
+        end = order.size();
+        for (; begin < end; ++begin) {
+            const int v = order[begin];
+            const std::size_t first = order.size();
+            for (int u : graph.neighbours(v))
+                if (mark[u] != stamp) {
+                    mark[u] = stamp;
+                    order.push_back(u);
+                }
+            std::stable_sort(order.begin() + first, order.end(),
+                             [&](int a, int b) { return graph.degree(a) < graph.degree(b); });
+        }
+    }
+    return levels;
+}
+
 }  // namespace
 
 std::vector<int> minimum_degree(const SmallGraph& graph) {
@@ -64,34 +88,6 @@ std::vector<int> minimum_degree(const SmallGraph& graph) {
     }
     return order;
 }
-
-namespace {
-
-// Appends the component of `root` to `order` in Cuthill-McKee order and returns how many levels it has; mark[v] =
-// `stamp` for the vertices reached.
-int breadth_first(const Graph& graph, int root, int stamp, std::vector<int>& mark, std::vector<int>& order) {
-    std::size_t begin = order.size(), end = begin + 1;
-    order.push_back(root);
-    mark[root] = stamp;
-    int levels = 0;
-    for (; begin < order.size(); ++levels) {
-        end = order.size();
-        for (; begin < end; ++begin) {
-            const int v = order[begin];
-            const std::size_t first = order.size();
-            for (int u : graph.neighbours(v))
-                if (mark[u] != stamp) {
-                    mark[u] = stamp;
-                    order.push_back(u);
-                }
-            std::stable_sort(order.begin() + first, order.end(),
-                             [&](int a, int b) { return graph.degree(a) < graph.degree(b); });
-        }
-    }
-    return levels;
-}
-
-}  // namespace
 
 std::vector<int> reverse_cuthill_mckee(const Graph& graph) {
     std::vector<int> order, mark(graph.size(), -1);

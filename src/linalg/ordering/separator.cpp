@@ -10,7 +10,6 @@
 #include <utility>
 
 namespace almesh {
-
 namespace {
 
 constexpr int coarsest_size = 50;     // vertices at which coarsening stops
