@@ -73,11 +73,12 @@ class Cluster:
                    *(f"--{kind}-file={self.folder}/munged.{kind}" for kind in ("pid", "seed", "log")))
         self.start("slurmctld", "-D")
         self.start("slurmd", "-D")
-        for _ in range(100):
-            if "idle" in run("sinfo", "-h", "-o", "%t", check=False):
-                return self
-            time.sleep(0.2)
-        raise RuntimeError("the node does not become idle: " + (self.folder / "slurmctld.log").read_text()[-2000:])
+        try:
+            wait_until(lambda: "idle" in run("sinfo", "-h", "-o", "%t", check=False), "no node becomes idle", 20)
+        except RuntimeError:
+            self.__exit__()
+            raise
+        return self
 
     def start(self, *command):
         self.daemons.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
@@ -102,9 +103,18 @@ def submit(script):
     return job
 
 
+def wait_until(holds, otherwise, seconds=600):
+    end = time.monotonic() + seconds
+    while not holds():
+        if time.monotonic() > end:
+            log = Path(os.environ["SLURM_CONF"]).parent / "slurmctld.log"
+            raise RuntimeError(f"{otherwise} in {seconds} s: " + (log.read_text()[-2000:] if log.exists() else ""))
+        time.sleep(0.05)
+
+
 def wait_for(job):
-    while run("squeue", "-h", "-j", job, check=False).strip().startswith(job):
-        time.sleep(0.2)
+    wait_until(lambda: not run("squeue", "-h", "-j", job, check=False).strip().startswith(job),
+               f"job {job} does not end")
 
 
 def rows_in(results):
@@ -116,8 +126,7 @@ def check_array(program, folder):
     deck.write_text(DECK.format(root=ROOT, folder=folder))
     print(run(program, "sweep", str(deck), "--slurm"), end="")
     job = submit(results / "sweep.sh")
-    while not rows_in(results):
-        time.sleep(0.05)
+    wait_until(lambda: rows_in(results), "no task of the job array ends")
     run("scancel", "--signal=KILL", job)
     run("scancel", job)
     wait_for(job)
