@@ -2,7 +2,8 @@
 // what each part is (sliding.hpp).
 //
 // Faces that share a side are joined unless their normals there differ by more than an angle. Faces of a tangled mesh
-// may be turned over, or have no extent: then parts that are on one surface are joined whatever the angles are.
+// may be turned over, or have no extent: then parts that are on one surface are joined whatever the angles are, but not
+// the two sides of a slit away from them.
 #pragma once
 #include <memory>
 #include <utility>
