@@ -160,6 +160,8 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
                        "at which these elements are valid";
             return "method = augmented_lagrangian, which moves the boundary and the mesh together; " +
                    less_motion(solution);
+        case Status::off_surface:
+            return "a larger surface_tolerance: no valid mesh was found with the boundary of the file";
     }
     return "";
 }

@@ -272,6 +272,9 @@ Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FI
         set_functional(deck, problem);
         solution = ended_at(problem, mesh.x, solution.al.status);
     }
+    if (solution.al.status == Status::converged && deck.given.count("surface_tolerance") > 0 &&
+        surface_distance(problem, solution.x) > deck.surface_tolerance)
+        solution.al.status = Status::off_surface;
     print_surface(out, deck, problem, solution.x);
     const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
     print_quality_change(out, change);

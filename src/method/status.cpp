@@ -29,6 +29,8 @@ constexpr StatusRow rows[] = {
     {inverted, "inverted", "inverted: the method leaves elements that are not valid", Cause::validity},
     {invalid_start, "invalid_start", "not converged: with the boundary set, no valid mesh to start from",
      Cause::validity},
+    {off_surface, "off_surface", "not converged: the boundary left the surface by more than surface_tolerance",
+     Cause::validity},
 };
 
 }  // namespace

@@ -17,7 +17,8 @@ enum class Status {
     interrupted,            // by a signal
     // Of methods that set the boundary on its target (comparators.hpp):
     inverted,               // the mesh that they came to has inverted elements
-    invalid_start           // so has every mesh from which they could minimise
+    invalid_start,          // so has every mesh from which they could minimise
+    off_surface             // of a mesh that is improved: farther than the deck allows (app/kept_surface.hpp)
 };
 
 // Whether a minimisation came as far as its numbers tell, though |grad E| is above its tolerance.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "geometry/patch.hpp"
 #include "support/meshes.hpp"
@@ -138,4 +139,24 @@ TEST_CASE("a named point on a straight side stays, and the nodes beside it slide
     for (int i = 0; i < mesh.nodes(); ++i)
         has_slid = has_slid || (mesh.x[2 * i + 1] == 0 && std::abs(x[2 * i] - mesh.x[2 * i]) > 1e-3);
     CHECK(has_slid);
+}
+
+TEST_CASE("where no valid mesh was found with the file's boundary it is left, and that fails if a tolerance is given") {
+    Mesh mesh = ring_mesh(16, 3, 6);
+    const auto moved = std::ranges::find_if(
+        mesh.faces, [&](int i) { return std::hypot(mesh.x[2 * i], mesh.x[2 * i + 1]) > 5.99; });
+    REQUIRE(moved != mesh.faces.end());
+    double* const x = point(mesh.x, *moved, 2);
+    const double angle = std::atan2(x[1], x[0]) + 1.4 * 2 * std::numbers::pi / 16;  // past the next node
+    x[0] = 6 * std::cos(angle), x[1] = 6 * std::sin(angle);
+    for (const bool is_given : {false, true}) {
+        const TemporaryFolder folder;
+        const Outcome outcome =
+            improved(folder, msh_of(mesh), {is_given ? "surface_tolerance=1e-3" : "feature_angle=40"});
+        CAPTURE(outcome.out);
+        CHECK(has(outcome.out, "\nNOT within surface_tolerance, "));
+        CHECK(has(outcome.out, "\ncertified valid and injective"));
+        CHECK(outcome.code == (is_given ? 3 : 0));
+        CHECK(has(outcome.out, "\ntry a larger surface_tolerance: ") == is_given);
+    }
 }
