@@ -138,7 +138,7 @@ Deck improvement_deck(const std::vector<std::string>& arguments) {
     if (arguments.size() < 2) throw UsageError("improve takes a mesh file: almesh improve FILE [key=value ...]");
     std::vector<std::string> settings(arguments.begin() + 1, arguments.end());
     settings[0] = "mesh=" + quoted_where_needed(settings[0], "#\"");
-    return parse_deck("ideal = regular\nboundary rest = slide\n", arguments[1], settings);
+    return parse_deck("ideal = regular\nboundary all = slide\n", arguments[1], settings);
 }
 
 void check_improve(const Deck& deck) {
