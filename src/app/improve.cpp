@@ -212,11 +212,13 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, std::F
     return solution;
 }
 
-// A boundary that is where it has to be needs no multipliers: half the Newton steps do.
+// A boundary that is where it has to be, none of whose nodes slides, needs no multipliers: half the Newton steps do.
 Deck with_boundary_set(const Deck& deck, const Problem& problem) {
-    const auto is_fixed = [](const Motion& motion) { return motion == parse_motion("fixed"); };
+    const auto is_set = [&](const Motion& motion) {
+        return motion == parse_motion("fixed") || (motion == parse_motion("slide") && !problem.sliding);
+    };
     Deck set = deck;
-    if (std::ranges::all_of(problem.motions, is_fixed) && deck.distortion.objective != Objective::minimax &&
+    if (std::ranges::all_of(problem.motions, is_set) && deck.distortion.objective != Objective::minimax &&
         deck.method.moving == MovingMethod::augmented_lagrangian)
         set.method.moving = MovingMethod::fixed_boundary;
     return set;
