@@ -218,8 +218,8 @@ Deck with_boundary_set(const Deck& deck, const Problem& problem) {
         return motion == parse_motion("fixed") || (motion == parse_motion("slide") && !problem.sliding);
     };
     Deck set = deck;
-    if (std::ranges::all_of(problem.motions, is_set) && deck.distortion.objective != Objective::minimax &&
-        deck.method.moving == MovingMethod::augmented_lagrangian)
+    if (std::all_of(problem.motions.begin(), problem.motions.end(), is_set) &&
+        deck.distortion.objective != Objective::minimax && deck.method.moving == MovingMethod::augmented_lagrangian)
         set.method.moving = MovingMethod::fixed_boundary;
     return set;
 }
@@ -227,8 +227,9 @@ Deck with_boundary_set(const Deck& deck, const Problem& problem) {
 // Of simplices, where the boundary need not be elsewhere and the minimum of no other objective or power is asked for.
 void raise_worst_corners(const Deck& deck, const Problem& problem, Solution& solution, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
+    const auto& groups = mesh.element_groups();
     const auto is_simplex = [](const ElementGroup& group) { return group.cell->is_simplex(); };
-    if (!may_stay(deck, problem) || mesh.degree > 1 || !std::ranges::all_of(mesh.element_groups(), is_simplex) ||
+    if (!may_stay(deck, problem) || mesh.degree > 1 || !std::all_of(groups.begin(), groups.end(), is_simplex) ||
         solution.al.status != Status::converged || deck.power ||
         (deck.given.count("objective") > 0 && deck.distortion.objective != Objective::minimax))
         return;

@@ -144,8 +144,8 @@ TEST_CASE("a named point on a straight side stays, and the nodes beside it slide
 
 TEST_CASE("where no valid mesh was found with the file's boundary it is left, and that fails if a tolerance is given") {
     Mesh mesh = ring_mesh(16, 3, 6);
-    const auto moved = std::ranges::find_if(
-        mesh.faces, [&](int i) { return std::hypot(mesh.x[2 * i], mesh.x[2 * i + 1]) > 5.99; });
+    const auto is_outside = [&](int i) { return std::hypot(mesh.x[2 * i], mesh.x[2 * i + 1]) > 5.99; };
+    const auto moved = std::find_if(mesh.faces.begin(), mesh.faces.end(), is_outside);
     REQUIRE(moved != mesh.faces.end());
     double* const x = point(mesh.x, *moved, 2);
     const double angle = std::atan2(x[1], x[0]) + 1.4 * 2 * std::numbers::pi / 16;  // past the next node
