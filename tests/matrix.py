@@ -2,7 +2,7 @@
 """Builds the program with every compiler that it is for, runs its tests and decks, and prints a table.
 
   tests/matrix.py [NAME ...]    the configurations below, or those named
-  tests/matrix.py --quick       what continuous integration has the time for besides `make test`, two at a time
+  tests/matrix.py --quick       what continuous integration has the time for besides `make test`
   tests/matrix.py --list        what there is
 
 Each is built with warnings as errors in a folder of its own, build-matrix/NAME, where log.txt has what was printed.
@@ -14,7 +14,6 @@ and neither as passed nor as failed.
 Exit code 1 where something that is here failed. Standard library only.
 """
 import argparse
-import concurrent.futures
 import os
 import re
 import shutil
@@ -38,7 +37,7 @@ class Configuration:
     flags: str
     packages: str
     tests: str = "run-tests"  # target of the Makefile
-    quick: str = None         # the same in --quick: "" for the decks only, None for not at all
+    quick: str = None         # the same in --quick; None: not there
     openmp: bool = True
     under: str = ""           # what runs its programs
     threads: tuple = (1, 2, 3)
@@ -46,7 +45,7 @@ class Configuration:
 
 CONFIGURATIONS = [
     Configuration("g++", "g++", "-O3 -march=native", "g++"),
-    Configuration("g++-O2", "g++", "-O2", "g++", quick=""),
+    Configuration("g++-O2", "g++", "-O2", "g++"),
     Configuration("clang++", "clang++", "-O3 -march=native", "clang libomp-dev"),
     Configuration("clang++-O2", "clang++", "-O2", "clang libomp-dev"),
     Configuration("libc++", "clang++", "-O2 -stdlib=libc++", "clang libomp-dev libc++-dev libc++abi-dev",
@@ -90,12 +89,6 @@ def passed_of(printed):
     """(tests passed, tests run) of all runs of doctest."""
     runs = re.findall(r"test cases: *(\d+) *\| *(\d+) passed", printed)
     return sum(int(passed) for _, passed in runs), sum(int(cases) for cases, _ in runs)
-
-
-def timed_check(one, tests):
-    """(cells of its row, whether nothing failed, seconds)"""
-    begin = time.monotonic()
-    return *check(one, tests), time.monotonic() - begin
 
 
 def check(one, tests):
@@ -148,10 +141,10 @@ def main():
     row = "{:<12} {:<6} {:<9} {:<18} {:<20} {:>8}"
     print(row.format("", "built", "warnings", "tests passed", "decks the same", "time"))
     good = True
-    # While the tests of one leave a core idle another is built.
-    pool = concurrent.futures.ThreadPoolExecutor(2 if options.quick else 1)
-    tests = [(one.quick or "") if options.quick else one.tests for one in chosen]
-    for one, (cells, passed, seconds) in zip(chosen, pool.map(timed_check, chosen, tests)):
+    for one in chosen:
+        begin = time.monotonic()
+        cells, passed = check(one, (one.quick or "") if options.quick else one.tests)
+        seconds = time.monotonic() - begin
         good = good and passed
         if len(cells) == 1:
             print(f"{one.name:<12} {cells[0]}", flush=True)
