@@ -225,8 +225,10 @@ const std::vector<DeckKey>& deck_keys() {
          "Angle in degrees. Neighbouring faces of a sliding boundary at this angle or more belong to different "
          "surfaces: nodes slide along the edge between them, and corners do not slide."},
         {"surface_tolerance", number<&Deck::surface_tolerance>(not_negative),
-         "ideal = regular, size or mesh: boundaries that only slide, and surfaces between regions, stay within that of "
-         "the file's, in units of the local edge. Nodes of faces that would be farther off stay where they are."},
+         "ideal = regular, size or mesh: boundaries that only slide, and surfaces between regions, stay within this "
+         "distance, in units of the local edge, of where the file has them. Nodes of faces that would be farther off "
+         "stay where they are. A run that leaves the surface by more, since no valid mesh was found on it, has not "
+         "converged where this key is given."},
         {"surface", choice<&Deck::surface>({"auto", "keep", "slide", "straighten"}),
          "What is done where no valid mesh has the target as its boundary. auto: the boundary nodes there slide along "
          "the surface, and of fixed boundaries faces become flatter where that does not help; keep: the run is refused; "
