@@ -43,49 +43,7 @@ std::string path_from(const std::string& where, const Deck& deck, const std::str
     return (start / path).lexically_normal().string();
 }
 
-struct Renamed {
-    std::string_view name, value, present_name, present_value;  // value "": any
-};
-
-// Of keys, values of keys, and quantities of the summary in earlier decks: these run as they are.
-constexpr Renamed renamed[] = {
-    {"follow", "", "continuation", ""},
-    {"region", "all", "local_repair", "0"},
-    {"region", "folded", "local_repair", "1"},
-    {"region", "", "local_repair", ""},
-    {"objective", "worst", "objective", "minimax"},
-    {"followed_newton_iterations", "", "earlier_newton_iterations", ""},
-    {"released_nodes", "", "freed_nodes", ""},
-    {"straightening_distance", "", "boundary_distance", ""},
-    {"obstacle", "", "diagnosis", ""},
-    {"obstacle_boundary", "", "diagnosis_boundary", ""},
-    {"obstacle_node", "", "diagnosis_node", ""},
-    {"obstacle_element", "", "diagnosis_element", ""},
-    {"obstacle_x", "", "diagnosis_x", ""},
-    {"obstacle_y", "", "diagnosis_y", ""},
-    {"obstacle_z", "", "diagnosis_z", ""},
-};
-
-std::string setting(std::string_view name, std::string_view value) {
-    return in_backquotes(value.empty() ? std::string(name) : concat(name, " = ", value));
-}
-
-// `name = value` in present names; a note in the deck, once for each, where one was renamed. name: of a key, or of a
-// quantity, which comes without a value.
-void use_present_names(Deck& deck, std::string& name, std::string& value) {
-    for (const Renamed& row : renamed) {
-        if (name != row.name || !(row.value.empty() || value == row.value)) continue;
-        const std::string note =
-            setting(row.name, row.value) + " is now " + setting(row.present_name, row.present_value);
-        if (std::find(deck.notes.begin(), deck.notes.end(), note) == deck.notes.end()) deck.notes.push_back(note);
-        name = row.present_name;
-        if (!row.value.empty()) value = row.present_value;
-        return;
-    }
-}
-
-void read_key(Deck& deck, std::string name, std::string value, const std::string& where) {
-    use_present_names(deck, name, value);
+void read_key(Deck& deck, const std::string& name, const std::string& value, const std::string& where) {
     const DeckKey* const key = find_row(deck_keys(), name);
     if (!key) {
         std::vector<std::string> names = names_of(deck_keys());
@@ -173,10 +131,7 @@ void read_selection(Deck& deck, std::string_view text, const std::string& where)
 }
 
 void read_expectation(Deck& deck, std::string_view text, const std::string& where) {
-    std::string quantity(trim(text.substr(0, std::min(text.find_first_of("<>="), text.size())))), none;
-    const std::string_view condition = text.substr(quantity.size());
-    use_present_names(deck, quantity, none);
-    Expectation expectation = parse_expectation(quantity.append(condition));
+    Expectation expectation = parse_expectation(text);
     expectation.where = where;
     const auto replaced = [&](const Expectation& other) {
         return other.quantity == expectation.quantity && where == command_line && other.where != command_line;
@@ -218,8 +173,6 @@ void evaluate_constants(Deck& deck) {
 void read_sweep(Deck& deck, std::string_view text, const std::string& where) {
     Sweep sweep = parse_sweep(text);
     sweep.where = where;
-    std::string none;
-    use_present_names(deck, sweep.name, none);
     if (!find_row(deck_keys(), sweep.name) && !find_row(deck.constants, sweep.name))
         throw UsageError("sweep ", sweep.name, ": there is no such key, nor a line `let ", sweep.name, " = ...`",
                          did_you_mean(sweep.name, names_of(deck_keys())));

@@ -112,7 +112,6 @@ struct Deck {
 
     std::string path, folder, name;            // of the deck file: inputs/circle.deck, inputs, circle
     std::map<std::string, std::string> given;  // key -> where it was set, for errors found later
-    std::vector<std::string> notes;            // names that have changed
 };
 
 // Reads the file, then the settings of the command line. Throws UsageError naming file and line (or "command line") for

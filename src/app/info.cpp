@@ -157,7 +157,7 @@ void print_deck(const Deck& deck, const Mesh& mesh, const std::vector<GroupCells
 
 ExitCode info(const Deck& deck, std::FILE* out) {
     set_threads(deck.threads);
-    std::vector<std::string> notes = deck.notes;
+    std::vector<std::string> notes;
     const Mesh mesh = build_mesh(read_mesh(deck.mesh), notes, Folds::keep);
     std::vector<int> all(mesh.nodes());
     std::iota(all.begin(), all.end(), 0);

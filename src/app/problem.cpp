@@ -296,7 +296,7 @@ Problem make_problem(const Deck& deck) {
     check_local_repair(deck);
     check_improve(deck);
     std::string mesh_hash;
-    std::vector<std::string> notes = deck.notes;
+    std::vector<std::string> notes;
     BaseMesh base = build_base_mesh(read_mesh_file(deck, mesh_hash), deck.ideal, deck.certificate, notes);
     if (base.is_own_ideal && deck.ideal == IdealKind::automatic)
         notes.push_back("the straight-sided form of the mesh folds over itself: the curved mesh of the file is the "

@@ -56,7 +56,7 @@ std::vector<double> positions_before(const std::string& path, const Mesh& mesh) 
 
 ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out) {
     set_threads(deck.threads);
-    std::vector<std::string> notes = deck.notes;
+    std::vector<std::string> notes;
     const Mesh mesh = build_mesh(read_mesh(deck.mesh), notes, Folds::keep);
     std::fprintf(out, "%s: %d nodes, %s of degree %d\n", deck.mesh.c_str(), mesh.nodes(),
                  mesh.elements_text().c_str(), mesh.degree);

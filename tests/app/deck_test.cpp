@@ -127,32 +127,6 @@ TEST_CASE("the command line replaces what the file says") {
     REQUIRE(range.expectations.size() == 3);  // both replace the file's line, neither the other
 }
 
-TEST_CASE("names of earlier decks are read, and a note says the present one once") {
-    const Deck deck = parsed("follow = always\nregion = folded\nobjective = worst\nexpect obstacle = none\n"
-                             "expect followed_newton_iterations <= 12\nexpect released_nodes<= 3\nexpect released_nodes >= 1\n"
-                             "expect straightening_distance <= 0.1");
-    CHECK(deck.continuation == Continuation::always);
-    CHECK(deck.local_repair == LocalRepair::yes);
-    CHECK(deck.distortion.objective == Objective::minimax);
-    CHECK(deck.expectations[0].quantity == "diagnosis");
-    CHECK(deck.expectations[1].quantity == "earlier_newton_iterations");
-    CHECK(deck.notes == std::vector<std::string>{"`follow` is now `continuation`",
-                                                 "`region = folded` is now `local_repair = 1`",
-                                                 "`objective = worst` is now `objective = minimax`",
-                                                 "`obstacle` is now `diagnosis`",
-                                                 "`followed_newton_iterations` is now `earlier_newton_iterations`",
-                                                 "`released_nodes` is now `freed_nodes`",
-                                                 "`straightening_distance` is now `boundary_distance`"});
-    check_same(deck, parsed("continuation = always\nlocal_repair = 1\nobjective = minimax\nexpect diagnosis = none\n"
-                            "expect earlier_newton_iterations <= 12\nexpect freed_nodes <= 3\nexpect freed_nodes >= 1\n"
-                            "expect boundary_distance <= 0.1"));
-    CHECK(parsed("objective = squared").notes.empty());
-    CHECK(parsed("region = all").local_repair == LocalRepair::no);
-    CHECK(has(error_of("continuation = never\nfollow = always"), "`continuation` is already set"));
-    CHECK(has(error_of("region = some"), "local_repair = some: expected auto | 0 | 1"));
-    CHECK(parsed("follow = never", {"follow=always"}).continuation == Continuation::always);
-}
-
 TEST_CASE("constants of formulas and of numbers of steps") {
     const std::string text =
         "boundary inner = rotate \"30*turn\" about shift 0; translate shift \"t + shift\"\n"

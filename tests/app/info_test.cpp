@@ -63,9 +63,8 @@ TEST_CASE("info lists the groups inside and the volumes, with lines to uncomment
 
 TEST_CASE("lines that are given to info stand in its deck") {
     const Outcome told = almesh_with({"info", "inputs/meshes/inclusion.msh", "boundary interface=translate 1 0",
-                                      "boundary far=slide", "follow=never"});
+                                      "boundary far=slide", "continuation=never"});
     CHECK(has(told.out, "\nboundary far = slide\nboundary interface = translate 1 0\n# volume solid = fixed\n"));
-    CHECK(has(told.out, "# note: `follow` is now `continuation`\n"));
     CHECK(has(told.out, "\ncontinuation = never\n"));
 }
 
