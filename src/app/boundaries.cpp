@@ -164,7 +164,7 @@ void select_faces(const Deck& deck, Mesh& mesh) {
 // The motion, with `slide` last where it prescribes positions.
 Motion sliding(const Motion& motion) {
     if (hold_of(motion) != BoundaryHold::prescribed) return motion;
-    Motion with = motion == parse_motion("fixed") ? Motion{} : motion;
+    Motion with = is_fixed(motion) ? Motion{} : motion;
     with.steps.push_back(parse_motion("slide").steps.front());
     return with;
 }

@@ -68,7 +68,7 @@ struct Deck {
     std::string title;
     int degree = 0;
     int refine = 0;
-    TargetKind target = TargetKind::exact;
+    TargetKind target = TargetKind::nodal;
     SharedNodes::Rule shared_nodes = SharedNodes::refuse;
     DistortionParams distortion;  // but for weight_exponent and power:
     std::optional<double> weight_exponent;
@@ -138,7 +138,7 @@ std::string resolved(const Deck& deck);
 
 // The value of a key as text.
 struct DeckValue {
-    std::string legal;  // "integer in 0..8", "exact | nodal", "auto or number > 0"
+    std::string legal;  // "integer in 0..8", "nodal | least_squares", "auto or number > 0"
     // Reads the text; returns nothing, or where it is not legal a hint, which may be "".
     std::function<std::optional<std::string>(Deck&, std::string_view)> set;
     std::function<std::string(const Deck&)> text;  // set() reads it again

@@ -18,7 +18,7 @@ void check_local_repair(const Deck& deck) {
                          "the file but for inverted elements and those around them");
     };
     for (const DeckBoundary& boundary : deck.boundaries)
-        if (boundary.motion != parse_motion("fixed")) refuse(boundary.where, "a boundary that is not fixed");
+        if (!is_fixed(boundary.motion)) refuse(boundary.where, "a boundary that is not fixed");
     if (deck.start == Start::file) refuse(deck.given.at("start"), "start = FILE");
     for (const char* key : {"refine", "degree", "frames"})
         if (deck.given.contains(key)) refuse(deck.given.at(key), key);

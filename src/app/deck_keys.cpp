@@ -154,9 +154,10 @@ const std::vector<DeckKey>& deck_keys() {
         {"degree", number<&Deck::degree>({0, 7}), "Degree of the elements; 0: as in the mesh file."},
         {"refine", number<&Deck::refine>({0, most_refinements}),
          "How many times every element is split uniformly before the run."},
-        {"target", choice<&Deck::target>({"exact", "nodal"}),
-         "Target of the boundary. exact: the motion of each of its points; nodal: the polynomial through the moved "
-         "nodes. Where a boundary slides or is free, the target is always nodal."},
+        {"target", choice<&Deck::target>({"nodal", "least_squares"}),
+         "Where a boundary goes. nodal: each of its nodes to where the motion takes it; least_squares, as in the paper: "
+         "to the faces nearest to the motion in the mean over all their points, which nodes then miss. Nodes of fixed "
+         "boundaries stay either way. With a boundary that slides or is free the target is always nodal."},
         {"shared_nodes", choice<&Deck::shared_nodes>({"refuse", "first", "mean"}),
          "A node of two boundaries whose motions disagree is refused, goes with the boundary whose line stands first, or "
          "to the mean of the positions."},

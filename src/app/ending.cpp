@@ -98,7 +98,7 @@ std::string against_distance(const Deck& deck, const Problem& problem, const Sol
         to_try += concat("boundary ", problem.mesh().boundaries[at.boundary],
                          " = slide or free, if its nodes need not keep their positions; ");
     if (alpha > 0.5) to_try += "weight_exponent = 0.5 or 0; ";
-    if (deck.target == TargetKind::exact && !problem.target.in_trace_space) to_try += "target = nodal; ";
+    if (deck.target == TargetKind::least_squares && !problem.target.in_trace_space) to_try += "target = nodal; ";
     if (problem.base.degree == 1 && deck.refine < most_refinements) to_try += concat("refine = ", deck.refine + 1, "; ");
     if (continuation_of(deck) == Continuation::never) to_try += "continuation = always; ";
     return to_try + less_motion(solution);
@@ -207,19 +207,27 @@ void print_flat_faces(std::FILE* out, const Problem& problem) {
     }
 }
 
-void print_boundary(std::FILE* out, const Problem& problem, const Solution& solution) {
+// Where the boundary is, beside where the deck's motions take it.
+void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
+    const BoundaryTarget& target = problem.target;
     const AlIteration& last = solution.al.iterations.back();
-    if (solution.nodes_off_target == 0)
-        std::fprintf(out,
-                     "every boundary node is at its target%s, and the boundary between the nodes within %.3g of it\n",
-                     problem.sliding ? " or on the surface along which it slides" : " to the last bit",
-                     solution.max_boundary_error * problem.frame.length);
-    else
+    const double error = solution.max_boundary_error * problem.frame.length;
+    const bool is_fit =
+        deck.target == TargetKind::least_squares && target.prescribes_all() && !target.in_trace_space;
+    if (solution.nodes_off_target > 0)
         std::fprintf(out,
                      "|c_D| = %.3g; %d boundary nodes off their targets, by at most %.2g of a cell's height; "
                      "largest boundary error %.3g\n",
                      last.constraint_norm * problem.frame.length, solution.nodes_off_target,
-                     last.relative_boundary_error, solution.max_boundary_error * problem.frame.length);
+                     last.relative_boundary_error, error);
+    else if (solution.nodes_off_motion == 0)
+        std::fprintf(out, "every boundary node is where its motion takes it to the last bit%s; between the nodes the "
+                     "boundary is within %.3g of its motion\n",
+                     problem.sliding ? ", or on the surface along which it slides" : "", error);
+    if (solution.nodes_off_motion > 0 && (is_fit || solution.nodes_off_target == 0))
+        std::fprintf(out, "%s%s off their motions by at most %.3g; between the nodes at most %.3g\n",
+                     is_fit ? "target = least_squares fits the boundary to its motion in the mean: " : "",
+                     counted(solution.nodes_off_motion, "boundary node").c_str(), solution.off_motion, error);
     if (solution.freed_nodes)
         std::fprintf(out, "%d nodes slid along the surface, by at most %.3g; the faces are within %.3g of it\n",
                      solution.freed_nodes, solution.largest_slide * problem.frame.length,
@@ -277,7 +285,7 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
     std::fprintf(out, "%s: %s%s in %.2f s\n", headline(solution.al.status).c_str(), work_of(deck, solution).c_str(),
                  others.c_str(), solution.time.total);
     print_diagnosis(out, deck, problem, solution);
-    print_boundary(out, problem, solution);
+    print_boundary(out, deck, problem, solution);
     const Status last = solution.al.iterations.back().newton_status;
     if (last == Status::attainable_accuracy)
         std::fprintf(out, "|grad E| ended at its attainable accuracy, above omega_star\n");

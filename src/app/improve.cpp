@@ -63,7 +63,7 @@ std::vector<double> volumes_by_size(const Deck& deck, const Problem& problem) {
 // Whether no element is asked to be other than good, and the boundary to be elsewhere than on its surface.
 bool may_stay(const Deck& deck, const Problem& problem) {
     const auto stays = [](const Motion& motion) {
-        return motion == parse_motion("fixed") || motion == parse_motion("slide");
+        return is_fixed(motion) || motion == parse_motion("slide");
     };
     return deck.ideal == IdealKind::regular && std::all_of(problem.motions.begin(), problem.motions.end(), stays);
 }
@@ -215,7 +215,7 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, std::F
 // A boundary that is where it has to be, none of whose nodes slides, needs no multipliers: half the Newton steps do.
 Deck with_boundary_set(const Deck& deck, const Problem& problem) {
     const auto is_set = [&](const Motion& motion) {
-        return motion == parse_motion("fixed") || (motion == parse_motion("slide") && !problem.sliding);
+        return is_fixed(motion) || (motion == parse_motion("slide") && !problem.sliding);
     };
     Deck set = deck;
     if (std::all_of(problem.motions.begin(), problem.motions.end(), is_set) &&

@@ -18,7 +18,7 @@ namespace {
 std::vector<char> kept_boundaries(const Problem& problem) {
     std::vector<char> kept;
     for (const Motion& motion : problem.motions)
-        kept.push_back(motion == parse_motion("fixed") || motion == parse_motion("slide"));
+        kept.push_back(is_fixed(motion) || motion == parse_motion("slide"));
     return kept;
 }
 

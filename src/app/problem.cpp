@@ -170,7 +170,6 @@ void take_to_run(const Frame& frame, Level& level) {
 
 // Whether a curved mesh is only to be made valid, with what may be done to its boundary (curving.hpp).
 bool curves_in_place(const Deck& deck, const Problem& problem) {
-    const auto is_fixed = [](const Motion& motion) { return motion == parse_motion("fixed"); };
     return (problem.mesh().degree > 1 || deck.local_repair == LocalRepair::yes) && deck.distortion.delta == 0 &&
            deck.frames.empty() && deck.start != Start::file &&
            !is_improved(deck.ideal) && (!problem.is_own_ideal || deck.local_repair == LocalRepair::yes) &&

@@ -35,6 +35,8 @@ struct Solution {
     AlResult al;
     double max_boundary_error = 0;
     int nodes_off_target = 0;  // of the boundary, by whatever little
+    int nodes_off_motion = 0;  // of those that the deck moves or fixes: not where its motions take them,
+    double off_motion = 0;     // and the largest distance, in units of the file
     Certificate certificate;
     Injectivity injectivity;
     SizeSkew size_skew;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <memory>
 
 #include "app/commands.hpp"
@@ -67,6 +68,27 @@ std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem
 bool snaps(const Deck& deck) {
     if (deck.snap == Snap::automatic) return deck.method.algorithm == Algorithm::adaptive;
     return deck.snap == Snap::yes;
+}
+
+// From the motions as the deck has them, whatever the target was made of them. Two motions of a node that both move
+// may differ by rounding.
+void measure_off_motion(const Problem& problem, Solution& solution) {
+    const Mesh& mesh = problem.mesh();
+    const std::vector<double> x = final_positions(problem, solution.x);
+    double rounding = 0;
+    for (const double at : x) rounding = std::max(rounding, 4 * std::numeric_limits<double>::epsilon() * std::abs(at));
+    std::vector<char> off(mesh.nodes(), 0);
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (problem.target.written_hold(mesh, f, k) != BoundaryHold::prescribed) return;
+        Vec<3> way{};
+        for (int a = 0; a < mesh.dim; ++a)
+            way[a] = x[offset(mesh.faces[k], mesh.dim, a)] - problem.target.written[k * mesh.dim + a];
+        const bool is_fixed = problem.target.fixed[mesh.face_boundary[f]];
+        if (way == Vec<3>{} || (!is_fixed && length(way) <= rounding)) return;
+        off[mesh.faces[k]] = 1;
+        solution.off_motion = std::max(solution.off_motion, length(way));
+    });
+    solution.nodes_off_motion = static_cast<int>(std::count(off.begin(), off.end(), 1));
 }
 
 void measure_sliding(const Problem& problem, Solution& solution) {
@@ -208,8 +230,10 @@ void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     solution.injectivity = certified_injective(problem, solution.x, solution.certificate);
     solution.size_skew = size_skew(level.mesh, level.ideal, solution.x);
     solution.refined_elements = level.energy->refined_elements();
-    solution.max_boundary_error = level.constraint->max_error(solution.x);
+    solution.max_boundary_error =
+        std::max(level.constraint->max_error(solution.x), level.constraint->error_between_nodes(solution.x));
     solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);
+    measure_off_motion(problem, solution);
     measure_sliding(problem, solution);
     const std::vector<char>& straight = problem.target.straight;
     solution.straight_faces = static_cast<int>(std::count(straight.begin(), straight.end(), 1));

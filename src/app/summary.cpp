@@ -98,6 +98,12 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"nodes_off_target",
       "boundary nodes that are not at their targets to the last bit, or not on the surface along which they slide"},
      count, [](R r) { return text(r.solution.nodes_off_target); }},
+    {{"nodes_off_motion",
+      "boundary nodes that are not where the motions of the deck take them to the last bit, fixed ones not where the "
+      "mesh file has them, for whatever reason: target = least_squares, a surface that had to give way, ..."},
+     count, [](R r) { return text(r.solution.nodes_off_motion); }},
+    {{"off_motion", "largest distance of one of the nodes_off_motion from there"}, decimal,
+     [](R r) { return text(r.solution.off_motion, 6); }},
     {{"gradient_norm", "|grad E| at the end; none where it is beyond the range of numbers"}, decimal,
      [](R r) { return std::isfinite(r.last.gradient_norm) ? text(r.last.gradient_norm, 6) : none; }},
     {{"relative_quality", "q, the L2 norm of 1 divided by that of eta; 1: undistorted"}, decimal,

@@ -43,7 +43,10 @@ public:
     virtual double norm(const std::vector<double>& x) = 0;   // |c|
     // |P c|, P the projection onto the space of the multipliers: what can be made zero, and is tested for it.
     virtual double projected_norm(const std::vector<double>& x) = 0;
-    virtual double max_error(const std::vector<double>& x) = 0;  // largest distance from where the boundary should be
+    // Largest distance of a boundary node from where it should be; of points between the nodes of faces all of whose
+    // nodes have a position where they should be.
+    virtual double max_error(const std::vector<double>& x) = 0;
+    virtual double error_between_nodes(const std::vector<double>& /*x*/) { return 0; }
     // The distance of each of nodes() from where P c = 0 would have it, over the height of the cells at that node.
     virtual std::vector<double> relative_errors(const std::vector<double>& x) const = 0;
     double relative_error(const std::vector<double>& x) const {  // the largest of them

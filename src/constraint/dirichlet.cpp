@@ -13,15 +13,13 @@
 namespace almesh {
 
 Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target)
-    : trace_(mesh, ideal, target), g_h_(trace_.interpolation(mesh, target)), mesh_(mesh), target_(target),
-      kind_(TargetKind::nodal) {}
+    : trace_(mesh, ideal, target), g_h_(trace_.interpolation(mesh, target)), mesh_(mesh), target_(target) {}
 
 Dirichlet::Dirichlet(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target, TargetKind kind)
     : Dirichlet(mesh, ideal, target) {
     if (!target.prescribes_all()) throw InputError("not all positions of the boundary are prescribed");
-    kind_ = kind;
     if (kind == TargetKind::nodal) return;
-    if (!target.in_trace_space) g_h_ = trace_.projection(mesh, ideal, target);
+    if (!target.in_trace_space) g_h_ = trace_.projection(mesh, target);
     const double squared = deterministic_sum(mesh.face_count(), [&](int f) {  // |g_h - g_D|^2
         const FaceRule& rule = target.rules[mesh.face_group_number(f)];
         double sum = 0;
@@ -131,10 +129,15 @@ double Dirichlet::max_error(const std::vector<double>& x) {
             s += std::pow(x[offset(mesh_.faces[k], dim, a)] - target_.node[k * dim + a], 2);
         squared = std::max(squared, s);
     }
-    if (kind_ == TargetKind::exact)
-        for (int f = 0; f < mesh_.face_count(); ++f)
-            for (int q = 0; q < target_.rules[mesh_.face_group_number(f)].quadrature.count; ++q)
-                squared = std::max(squared, squared_difference_at(x, mesh_.faces, f, q));
+    return std::sqrt(squared);
+}
+
+double Dirichlet::error_between_nodes(const std::vector<double>& x) {
+    double squared = 0;
+    for (int f = 0; f < mesh_.face_count(); ++f)
+        for (int q = 0; q < target_.rules[mesh_.face_group_number(f)].quadrature.count && target_.prescribes(mesh_, f);
+             ++q)
+            squared = std::max(squared, squared_difference_at(x, mesh_.faces, f, q));
     return std::sqrt(squared);
 }
 

@@ -12,6 +12,8 @@
 // the trace mass matrix M_ij = (N_i, N_j), r = x - g_h on the boundary nodes:
 //     -(lambda, c_D) + mu/2 |c_D|^2 = -lambda^T M r / |1| + mu/2 (r^T M r / |1|^2 + e_h^2)
 //     gradient M (mu r / |1|^2 - lambda / |1|),   Hessian mu M / |1|^2,   update lambda <- lambda - mu r / |1|.
+// That is the target `least_squares`, the paper's. Nodes of boundaries that are fixed are held: the projection is that
+// among the functions with their values there, and the two are orthogonal only where phi has these values too.
 // With the nodal target g_h interpolates g_D at the nodes, and e_h is zero by definition. Where every motion is affine,
 // g_D is in the trace space: interpolation is the projection, and e_h is zero but for rounding.
 //
@@ -40,8 +42,8 @@ public:
     double norm_of_one() const override { return trace_.norm_of_one; }
     double norm(const std::vector<double>& x) override;
     double projected_norm(const std::vector<double>& x) override;
-    // Over the nodes of the boundary faces and, unless the target is nodal, their quadrature points.
     double max_error(const std::vector<double>& x) override;
+    double error_between_nodes(const std::vector<double>& x) override;
     std::vector<double> relative_errors(const std::vector<double>& x) const override;
     double value(const std::vector<double>& x, const std::vector<double>& lambda, double mu) override;
     void add_gradient(const std::vector<double>& x, const std::vector<double>& lambda, double mu,
@@ -71,7 +73,6 @@ protected:
 private:
     const Mesh& mesh_;
     BoundaryTarget target_;
-    TargetKind kind_;
     double best_approximation_error_ = 0;
 
     double squared_difference_at(const std::vector<double>& trace, const std::vector<int>& nodes, int face,

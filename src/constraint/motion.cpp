@@ -215,6 +215,8 @@ const MotionStep* surface_step(const Motion& motion) {
 
 bool is_of_mesh(const MotionStep& file_step) { return file_step.form->mesh; }
 
+bool is_fixed(const Motion& motion) { return motion.steps.size() == 1 && motion.steps[0].form == &forms[0]; }
+
 BoundaryHold hold_of(const Motion& motion) { return motion.steps.back().form->hold; }
 
 BoundaryHold hold_of_rest(const Motion& motion) {

@@ -91,6 +91,8 @@ double turn(const Motion& motion);  // sum of the angles of its steps, without s
 // the other way round is the shorter one.
 bool leads_to(const Motion& before, const Motion& now, bool as_written);
 
+bool is_fixed(const Motion& motion);  // it is `fixed` alone
+
 BoundaryHold hold_of(const Motion& motion);
 BoundaryHold hold_of_rest(const Motion& motion);  // of the nodes that its file leaves out
 

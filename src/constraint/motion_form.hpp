@@ -23,7 +23,7 @@ struct MotionForm {
     bool mesh = false;                 // which is a mesh
     bool along = false;                // a mesh and one of its boundaries may be named
     bool formulas = false;             // formulas in double quotes, one for each axis, in place of numbers
-    bool affine = true;                // false: targets are projected onto the trace space, not interpolated
+    bool affine = true;                // it takes polynomials to polynomials of the same degree
     int projection_in = 0;             // the dimension a projection acts in; so many leading numbers are its centre
     BoundaryHold hold = BoundaryHold::prescribed;  // by the last step of a motion
     // Why its numbers make no sense, whatever the dimension; "" where they do.

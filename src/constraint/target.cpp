@@ -239,7 +239,10 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, 
     const int dim = mesh.dim;
     for (const Motion& each : motion) check_dimension(each, dim);
     BoundaryTarget target;
-    for (const Motion& each : motion) target.hold.push_back(hold_of(each));
+    for (const Motion& each : motion) {
+        target.hold.push_back(hold_of(each));
+        target.fixed.push_back(is_fixed(each));
+    }
     target.hold_of_nodes = hold_of_nodes(mesh, motion, placed);
     target.in_trace_space = std::all_of(motion.begin(), motion.end(), is_affine);
     // Exact for N_i N_j. A g_D beyond the trace space needs far more to be integrated to rounding on a fair mesh.
@@ -267,6 +270,7 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, 
             }
         }, move_work * (m + points));
     }
+    target.written = target.node;
     share_nodes(mesh, shared, target);
     return target;
 }
@@ -308,15 +312,17 @@ void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTa
 
 void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target) {
     const int dim = mesh.dim;
-    std::vector<long long> first(mesh.nodes(), -1);
-    for (int pass = 0; pass < 2; ++pass)
+    std::vector<long long> decides(mesh.nodes(), -1);  // place in `faces`
+    for (const bool fixed : {true, false})
         for_face_nodes(mesh, [&](int f, std::size_t k) {
-            const bool prescribed = target.hold_of_node(mesh, f, k) == BoundaryHold::prescribed;
-            long long& known = first[mesh.faces[k]];
-            if (pass == 0 && prescribed && known < 0) known = static_cast<long long>(k);
-            if (pass == 1 && !prescribed && known >= 0)
-                std::copy_n(&target.node[known * dim], dim, &target.node[k * dim]);
+            long long& known = decides[mesh.faces[k]];
+            if (known < 0 && fixed == static_cast<bool>(target.fixed[mesh.face_boundary[f]]) &&
+                target.hold_of_node(mesh, f, k) == BoundaryHold::prescribed)
+                known = static_cast<long long>(k);
         });
+    for (std::size_t k = 0; k < mesh.faces.size(); ++k)
+        if (const long long known = decides[mesh.faces[k]]; known >= 0)
+            std::copy_n(&target.node[known * dim], dim, &target.node[k * dim]);
 }
 
 std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target) {
@@ -327,16 +333,26 @@ std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& targe
     return prescribed;
 }
 
-BoundaryHold BoundaryTarget::hold_of_node(const Mesh& mesh, int f, std::size_t k) const {
-    const BoundaryHold written = hold_of_nodes.empty() ? hold_of_face(mesh, f) : hold_of_nodes[k];
-    return written == BoundaryHold::prescribed && is_freed(mesh.faces[k]) ? BoundaryHold::slides : written;
+BoundaryHold BoundaryTarget::written_hold(const Mesh& mesh, int f, std::size_t k) const {
+    return hold_of_nodes.empty() ? hold_of_face(mesh, f) : hold_of_nodes[k];
 }
 
-bool BoundaryTarget::slides(const Mesh& mesh, int f) const {
+BoundaryHold BoundaryTarget::hold_of_node(const Mesh& mesh, int f, std::size_t k) const {
+    const BoundaryHold of_deck = written_hold(mesh, f, k);
+    return of_deck == BoundaryHold::prescribed && is_freed(mesh.faces[k]) ? BoundaryHold::slides : of_deck;
+}
+
+bool BoundaryTarget::slides(const Mesh& mesh, int f) const { return nodes_with(mesh, f, BoundaryHold::slides) > 0; }
+
+bool BoundaryTarget::prescribes(const Mesh& mesh, int f) const {
+    return nodes_with(mesh, f, BoundaryHold::prescribed) == mesh.face_nodes(f);
+}
+
+int BoundaryTarget::nodes_with(const Mesh& mesh, int f, BoundaryHold wanted) const {
     const std::size_t first = mesh.face_start(f);
-    for (std::size_t k = first; k < first + mesh.face_nodes(f); ++k)
-        if (hold_of_node(mesh, f, k) == BoundaryHold::slides) return true;
-    return false;
+    int count = 0;
+    for (std::size_t k = first; k < first + mesh.face_nodes(f); ++k) count += hold_of_node(mesh, f, k) == wanted;
+    return count;
 }
 
 bool BoundaryTarget::prescribes_all() const {

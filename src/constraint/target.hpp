@@ -10,7 +10,8 @@
 
 namespace almesh {
 
-enum class TargetKind { exact, nodal };  // of g_D the constraint takes all, or its values at the nodes
+// What the constraint takes of g_D: its values at the nodes, or its best approximation in the mean.
+enum class TargetKind { nodal, least_squares };
 
 // Of faces of one type: the rule on the reference face, the basis functions at its points.
 struct FaceRule {
@@ -27,19 +28,26 @@ struct FaceRule {
 struct BoundaryTarget {
     bool in_trace_space = false;  // all motions are affine: g_D is of the mesh's degree on every face
     std::vector<BoundaryHold> hold;  // per boundary
+    std::vector<char> fixed;         // per boundary: whether it stays where the file has it
     std::vector<BoundaryHold> hold_of_nodes;  // face x face node, where files leave nodes out; empty: `hold`
     std::vector<char> freed;      // per node: whether it slides although its boundary is prescribed; empty: none
     std::vector<char> straight;      // per face: whether it has been made flat, see make_straight(); empty: none
     std::vector<FaceRule> rules;  // by type of faces
     std::vector<double> node;     // face x face node x dim: g_D at the nodes of the face
     std::vector<double> sample;   // face x quadrature point x dim: g_D at the quadrature points
+    std::vector<double> written;  // as `node`, always in the file's frame: by the motion of the face's own boundary
 
     BoundaryHold hold_of_face(const Mesh& mesh, int f) const { return hold[mesh.face_boundary[f]]; }
     const double* node_of(const Mesh& mesh, int f) const { return &node[mesh.face_start(f) * mesh.dim]; }
-    BoundaryHold hold_of_node(const Mesh& mesh, int f, std::size_t k) const;  // of node mesh.faces[k] of face f
+    BoundaryHold hold_of_node(const Mesh& mesh, int f, std::size_t k) const;  // of node mesh.faces[k] of face f,
+    BoundaryHold written_hold(const Mesh& mesh, int f, std::size_t k) const;  // before any was freed
     bool is_freed(int i) const { return !freed.empty() && freed[i]; }
-    bool slides(const Mesh& mesh, int f) const;  // any node of the face
+    bool slides(const Mesh& mesh, int f) const;      // any node of the face
+    bool prescribes(const Mesh& mesh, int f) const;  // all nodes of the face
     bool prescribes_all() const;
+
+private:
+    int nodes_with(const Mesh& mesh, int f, BoundaryHold wanted) const;
 };
 
 // Where a file has the nodes of a boundary, nodes x dim each.
@@ -74,7 +82,8 @@ std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& targe
 // chosen: per face; only faces whose positions are prescribed count.
 void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTarget& target);
 
-// Nodes that one face prescribes are there on faces too that slide or are free.
+// Faces agree on the nodes that they share: the position is that of a boundary that is fixed, else that of the first
+// face that prescribes one; also on faces that slide or are free.
 void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target);
 
 }  // namespace almesh

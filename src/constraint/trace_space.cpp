@@ -196,15 +196,22 @@ std::vector<double> TraceSpace::interpolation(const Mesh& mesh, const BoundaryTa
     return g_h;
 }
 
-// Solves M (g_h - y) = (N, g_D - y): relative to the ideal positions y, a boundary that stays has no rounding error.
-std::vector<double> TraceSpace::projection(const Mesh& mesh, const std::vector<double>& ideal,
-                                           const BoundaryTarget& target) const {
-    Cholesky factorisation(M);
-    if (factorisation.factor(M).status != SolveStatus::success)
+// Solves M (g_h - y) = (N, g_D - y), y the interpolation, for the nodes that are not held; the others have y.
+std::vector<double> TraceSpace::projection(const Mesh& mesh, const BoundaryTarget& target) const {
+    const std::vector<double> y = interpolation(mesh, target);
+    std::vector<char> held(nodes.size(), 0);
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (target.fixed[mesh.face_boundary[f]]) held[faces[k]] = 1;
+    });
+    BlockCsr A = M;
+    for (int t = 0; t < count(); ++t)
+        for (int k = A.row[t]; k < A.row[t + 1]; ++k)
+            if (A.col[k] != t && (held[t] || held[A.col[k]])) A.value[k] = 0;
+    Cholesky factorisation(A);
+    if (factorisation.factor(A).status != SolveStatus::success)
         throw InputError(
             "the mass matrix of the boundary cannot be factored: a boundary face is degenerate or memory is short");
-    const auto ideal_at = [&](int t, int a) { return ideal[offset(nodes[t], dim, a)]; };
-    std::vector<double> right(nodes.size()), displacement(nodes.size()), g_h(size());
+    std::vector<double> right(nodes.size()), difference(nodes.size()), g_h = y;
     for (int a = 0; a < dim; ++a) {
         std::fill(right.begin(), right.end(), 0.0);
         for (const FaceRule& rule : target.rules) {
@@ -214,14 +221,14 @@ std::vector<double> TraceSpace::projection(const Mesh& mesh, const std::vector<d
                 for (int q = 0; q < rule.quadrature.count; ++q) {
                     const double* N = &rule.values[offset(q, m)];
                     double d = target.sample[rule.sample(f, q) * dim + a];
-                    for (int i = 0; i < m; ++i) d -= N[i] * ideal_at(trace[i], a);
+                    for (int i = 0; i < m; ++i) d -= N[i] * y[offset(trace[i], dim, a)];
                     for (int i = 0; i < m; ++i) right[trace[i]] += face_weight[f] * weight(rule, f, q) * N[i] * d;
                 }
             }
         }
-        factorisation.solve(right.data(), displacement.data());
-        for (std::size_t t = 0; t < nodes.size(); ++t)
-            g_h[t * dim + a] = ideal_at(static_cast<int>(t), a) + displacement[t];
+        for (int t = 0; t < count(); ++t) right[t] *= !held[t];
+        factorisation.solve(right.data(), difference.data());
+        for (int t = 0; t < count(); ++t) g_h[offset(t, dim, a)] += difference[t];
     }
     return g_h;
 }

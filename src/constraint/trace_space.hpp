@@ -53,10 +53,9 @@ struct TraceSpace {
     std::vector<double> distances(const std::vector<double>& x, const std::vector<double>& y) const;
     std::vector<double> relative_distances(const std::vector<double>& x, const std::vector<double>& y) const;  // / height
 
-    // The target at the nodes, and its projection, M g_h = (N, g_D).
+    // The target at the nodes, and its projection, M g_h = (N, g_D), with the nodes of fixed boundaries held there.
     std::vector<double> interpolation(const Mesh& mesh, const BoundaryTarget& target) const;
-    std::vector<double> projection(const Mesh& mesh, const std::vector<double>& ideal,
-                                   const BoundaryTarget& target) const;
+    std::vector<double> projection(const Mesh& mesh, const BoundaryTarget& target) const;
 
 private:
     std::vector<double> measure_;  // |f|

@@ -16,7 +16,7 @@ using namespace almesh::test;
 
 namespace {
 
-Minimisation moved_ring(Objective objective, TargetKind kind = TargetKind::exact, int degree = 1) {
+Minimisation moved_ring(Objective objective, TargetKind kind = TargetKind::least_squares, int degree = 1) {
     return {raise_degree(ring_mesh(16, 5, 8), degree), {{"inner", "rotate 20; translate 3 1"}}, objective, kind};
 }
 
@@ -108,7 +108,7 @@ TEST_CASE("plain and SIMD assembly take the same iterations to the same mesh") {
                 AlResult result[2];
                 std::vector<double> x[2];
                 for (const Assembly assembly : {Assembly::simd, Assembly::plain}) {
-                    const Minimisation problem(mesh, mesh.dim == 2 ? ring : cube, objective, TargetKind::exact,
+                    const Minimisation problem(mesh, mesh.dim == 2 ? ring : cube, objective, TargetKind::least_squares,
                                                assembly);
                     const int k = assembly == Assembly::plain;
                     result[k] = problem.solve(with(algorithm), x[k]);
@@ -282,7 +282,7 @@ TEST_CASE("nothing moves: one subproblem that takes no step") {
 }
 
 TEST_CASE("the same bits for any number of threads") {
-    const Minimisation problem = moved_ring(Objective::deviation, TargetKind::exact, 2);
+    const Minimisation problem = moved_ring(Objective::deviation, TargetKind::least_squares, 2);
     const auto results = for_threads([&] {
         std::vector<double> x;
         AugmentedLagrangianParams params;

@@ -22,7 +22,7 @@ CoarseSolution solution_of(const Minimisation& from, const std::vector<double>& 
     level->mesh = from.mesh;
     level->ideal = from.ideal;
     level->constraint =
-        std::make_unique<Dirichlet>(level->mesh, level->ideal, target_of(level->mesh, {}), TargetKind::exact);
+        std::make_unique<Dirichlet>(level->mesh, level->ideal, target_of(level->mesh, {}), TargetKind::least_squares);
     CoarseSolution solution{std::move(level), x, std::vector<double>(x.size(), 0.0), 50};
     for (std::size_t i = 0; i < x.size(); ++i) solution.displacement[i] -= from.ideal[i];
     const std::size_t dim = from.mesh.dim;

@@ -49,7 +49,7 @@ double norm_of_gradient(const AugmentedFunctional& E, const std::vector<double>&
 class Kinked : public Dirichlet {
 public:
     Kinked(const Minimisation& problem, int node, double by)
-        : Dirichlet(problem.mesh, problem.ideal, target_of(problem.mesh, {}), TargetKind::exact),
+        : Dirichlet(problem.mesh, problem.ideal, target_of(problem.mesh, {}), TargetKind::least_squares),
           at_(2 * node),
           place_(problem.ideal[at_] + by) {}
 

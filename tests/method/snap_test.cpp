@@ -67,7 +67,7 @@ TEST_CASE("the boundary of final.msh has the bits of its target in the unit of t
         };
         const Outcome snapped = ring.run({"boundary inner=" + motion});
         CHECK(snapped.code == 0);
-        CHECK(has(snapped.out, "every boundary node is at its target to the last bit"));
+        CHECK(has(snapped.out, "every boundary node is where its motion takes it to the last bit"));
         CHECK(summary_of(ring.output).at("nodes_off_target") == "0");
         CHECK(summary_of(ring.output).at("relative_boundary_error") == "0");
         CHECK(off_target() == 0);

@@ -21,7 +21,7 @@ struct Minimisation {
     Dirichlet& constraint;
 
     Minimisation(const Mesh& any, const std::map<std::string, std::string>& motions, Objective wanted,
-                 TargetKind kind = TargetKind::exact, Assembly assembly = Assembly::simd)
+                 TargetKind kind = TargetKind::least_squares, Assembly assembly = Assembly::simd)
         : level{any, straight_sided(any), nullptr, nullptr},
           mesh(level.mesh),
           ideal(level.ideal),
