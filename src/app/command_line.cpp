@@ -36,9 +36,6 @@ constexpr const char* help =
     "  almesh sweep DECK [key=value ...]\n"
     "                                run a deck once for each value of its lines `sweep KEY = VALUES`\n"
     "                                --slurm: write the script of a job array for that; --collect: gather its runs\n"
-    "  almesh linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] [preconditioner=ilu0|ssor] [threads=N]\n"
-    "                 [block=1|2|3] [ordering=nested_dissection|minimum_degree|rcm|natural]\n"
-    "                                solve a symmetric system in Matrix Market format and time it\n"
     "  almesh --keys                 list the keys of a deck with defaults, legal values and meaning\n"
     "  almesh --version              print version, commit and compiler\n"
     "  almesh --help                 print this text\n"
@@ -84,7 +81,6 @@ std::optional<ExitCode> print_result(const std::vector<std::string>& arguments, 
     std::string before;
     if (first == "quality") return quality(deck_of_mesh(arguments, &before), before, out);
     if (first == "info") return info(deck_of_mesh(arguments), out);
-    if (first == "linsolve") return linsolve({arguments.begin() + 1, arguments.end()}, out);
     if (first.starts_with("-")) throw UsageError("unknown option ", first, "; see almesh --help");
     return std::nullopt;
 }

@@ -40,11 +40,6 @@ ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out);
 // and the keys that were given. Throws InputError for a file that is no mesh.
 ExitCode info(const Deck& deck, std::FILE* out);
 
-// The linear solvers alone, on any symmetric matrix in Matrix Market format: sizes, times and the scaled residual.
-// arguments: as in --help. The default ordering is nested_dissection for cholesky; for cg and gmres ILU(0) and SSOR
-// order by domains. Without b.mtx, b = A (1, 1/2, 1/3, 1/4, 1/5, 1, ...). success: solved, else not_converged.
-ExitCode linsolve(const std::vector<std::string>& arguments, std::FILE* out);
-
 // How many elements the certificate could not prove valid, and the worst ten: id, centre in the file, lower bound of
 // the scaled Jacobian. Prints nothing where all are certified.
 void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Frame& frame,

@@ -128,7 +128,7 @@ AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton
     return minimise_p_norm(level, newton, params, deck.power.value_or(last_power), x, start, observer, observe_part);
 }
 
-// Has the system of one Newton step written, for `almesh linsolve`. Where the Hessian of that step was weakened, the
+// Has the system of one Newton step written, for lesson 10. Where the Hessian of that step was weakened, the
 // last one stays.
 void write_system(const Deck& deck, Newton& newton, const Report& report) {
     if (deck.write_system == 0) return;

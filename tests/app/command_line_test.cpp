@@ -47,7 +47,7 @@ TEST_CASE("--help tells usage and exit codes") {
              {"almesh DECK", "almesh quality FILE", "--keys", "--version", "Exit codes", "boundary inner"})
             CHECK(has(outcome.out, part));
         // Wherever it stands.
-        CHECK(almesh_with({"linsolve", option}).out == outcome.out);
+        CHECK(almesh_with({"info", option}).out == outcome.out);
         CHECK(almesh_with({"quality", option}).out == outcome.out);
         CHECK(almesh_with({"no-such.deck", option}).out == outcome.out);
     }
@@ -228,7 +228,7 @@ TEST_CASE("the first signal ends a command that nobody can interrupt otherwise")
     const std::string fifo = folder.path("mesh.msh");
     REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
     for (const int signal : {SIGTERM, SIGINT, SIGHUP})
-        for (const char* command : {"quality", "info", "linsolve"}) {
+        for (const char* command : {"quality", "info"}) {
             const pid_t child = fork();
             if (child == 0) {
                 std::signal(signal, SIG_DFL);  // the test program has its own

@@ -87,7 +87,7 @@ TEST_CASE("choices, by their words only") {
     for (const char* word : {"adaptive", "paper", "literal"}) CHECK(result_of("algorithm", word) == word);
     for (const char* word : {"squared", "deviation", "size_shape"}) CHECK(result_of("objective", word) == word);
     for (const char* word : {"simd", "plain"}) CHECK(result_of("assembly", word) == word);
-    CHECK(result_of("target", "Nodal") == "target = Nodal: expected exact | nodal: did you mean `nodal`?");
+    CHECK(result_of("target", "Nodal") == "target = Nodal: expected nodal | least_squares: did you mean `nodal`?");
     CHECK(has(result_of("solver", ""), "expected auto | cg | gmres | cholesky"));
 }
 

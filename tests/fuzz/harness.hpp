@@ -16,7 +16,7 @@ void fuzz_deck(std::string_view bytes);
 void fuzz_msh(std::string_view bytes);
 void fuzz_su2(std::string_view bytes);
 
-// The first byte has the options of `linsolve`, the rest is a Matrix Market file: it reads back the same.
+// The first byte has the size of the blocks, the rest is a Matrix Market file: it reads back the same.
 void fuzz_matrix_market(std::string_view bytes);
 
 // A small mesh with nodes moved and its file damaged: `quality` certifies only what is valid and does not overlap.

@@ -1,11 +1,17 @@
-// Reads A and b, prints their sizes, solves by the LinearSolver of a run, but that Cholesky does not take over, with
-// the phases timed, and checks the scaled residual.
-#include "app/commands.hpp"
-
+// Lesson 10: the program's own linear solvers alone, on any symmetric matrix in Matrix Market format. Prints its sizes,
+// solves by the LinearSolver of a run, but that Cholesky does not take over, with the phases timed, and checks the
+// scaled residual.
+//
+//   build/lessons/10_linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] [preconditioner=ilu0|ssor] [threads=N]
+//                             [block=1|2|3] [ordering=nested_dissection|minimum_degree|rcm|natural]
+//
+// The default ordering is nested_dissection for cholesky; for cg and gmres ILU(0) and SSOR order by domains. Exit code
+// 0: solved, 1 or 2: wrong arguments or files, 3: not solved.
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "base/text.hpp"
@@ -13,7 +19,8 @@
 #include "linalg/linear_solver.hpp"
 #include "linalg/vector_ops.hpp"
 
-namespace almesh {
+using namespace almesh;
+
 namespace {
 
 constexpr int most_threads = 1024;
@@ -67,7 +74,7 @@ Options options_of(const std::vector<std::string>& arguments) {
         else throw UsageError("linsolve takes a matrix and at most one right-hand side");
     }
     if (options.matrix.empty())
-        throw UsageError("linsolve takes a matrix: almesh linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] "
+        throw UsageError("linsolve takes a matrix: 10_linsolve A.mtx [b.mtx] [solver=cholesky|cg|gmres] "
                          "[preconditioner=ilu0|ssor] [ordering=nested_dissection|minimum_degree|rcm|natural] "
                          "[threads=N] [block=1|2|3]");
     const bool fills = options.ordering == Ordering::nested_dissection || options.ordering == Ordering::minimum_degree;
@@ -139,8 +146,6 @@ std::vector<double> right_hand_side(const BlockCsr& A, const Options& options) {
     return b;
 }
 
-}  // namespace
-
 ExitCode linsolve(const std::vector<std::string>& arguments, std::FILE* out) {
     const Options options = options_of(arguments);
     set_threads(options.threads);
@@ -181,4 +186,11 @@ ExitCode linsolve(const std::vector<std::string>& arguments, std::FILE* out) {
     return solved && residual <= acceptable_residual ? ExitCode::success : ExitCode::not_converged;
 }
 
-}  // namespace almesh
+}  // namespace
+
+int main(int count, char** argument) try {
+    return static_cast<int>(linsolve({argument + 1, argument + count}, stdout));
+} catch (const Error& error) {
+    std::fprintf(stderr, "10_linsolve: %s\n", error.what());
+    return static_cast<int>(error.exit_code);
+}
