@@ -123,7 +123,7 @@ asan: doctest ## the same tests, but for those of the large decks, under the add
 FUZZ_FLAGS := -O1 -g -march=native -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize-recover=all
 MINUTES   ?= 1
 FUZZ_CXX  ?= clang++
-fuzz: ## fuzz decks, mesh files, matrices, quality and whole runs, a minute each (MINUTES=12, HARNESSES="msh run"; clang++)
+fuzz: ## fuzz decks, mesh files, quality and whole runs, a minute each (MINUTES=12, HARNESSES="msh run"; clang++)
 	$(MAKE) BUILD=build-fuzz CXX='$(FUZZ_CXX)' OPENMP= WERROR=-Werror CXXFLAGS='$(FUZZ_FLAGS)' build-fuzz/almesh-fuzz
 	tests/fuzz/fuzz.sh build-fuzz/almesh-fuzz $(MINUTES) $(HARNESSES)
 

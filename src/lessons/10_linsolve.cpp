@@ -15,7 +15,7 @@
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "base/text.hpp"
-#include "io/matrix_market.hpp"
+#include "lessons/matrix_market.hpp"
 #include "linalg/linear_solver.hpp"
 #include "linalg/vector_ops.hpp"
 
@@ -138,7 +138,7 @@ void print_failure(std::FILE* out, const LinearSolver& solver, const SolveResult
 // With b = A (1, 1/2, 1/3, 1/4, 1/5, 1, 1/2, ...) where no file gives it: not the same at all nodes, which deflation
 // would find without an iteration.
 std::vector<double> right_hand_side(const BlockCsr& A, const Options& options) {
-    if (!options.right.empty()) return read_matrix_market_vector(options.right, A.size());
+    if (!options.right.empty()) return lessons::read_vector(options.right, A.size());
     std::vector<double> b(A.size()), x(A.size());
     for (int i = 0; i < A.size(); ++i) x[i] = 1.0 / (1 + i % 5);
     multiply(A, x.data(), b.data());
@@ -149,7 +149,7 @@ std::vector<double> right_hand_side(const BlockCsr& A, const Options& options) {
 ExitCode linsolve(const std::vector<std::string>& arguments, std::FILE* out) {
     const Options options = options_of(arguments);
     set_threads(options.threads);
-    const BlockCsr A = read_matrix_market(options.matrix, options.block);
+    const BlockCsr A = lessons::read_matrix(options.matrix, options.block);
     const std::vector<double> b = right_hand_side(A, options);
     const bool direct = options.solver == SolverKind::cholesky;
     const Ordering ordering = options.ordering.value_or(Ordering::nested_dissection);

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "io/matrix_market.hpp"
+#include "lessons/matrix_market.hpp"
 #include "linalg/ordering/graph.hpp"
 #include "linalg/ordering/ordering.hpp"
 
@@ -115,8 +115,8 @@ void precondition_in(const BlockCsr& A, const Vector& b, const char* name, std::
 
 int main(int count, char** argument) {
     const std::string folder = count > 1 ? argument[1] : "outputs/lessons/10-solvers/soft";
-    const BlockCsr A = read_matrix_market(folder + "/A.mtx", 1);
-    const Vector b = read_matrix_market_vector(folder + "/b.mtx", A.n);
+    const BlockCsr A = lessons::read_matrix(folder + "/A.mtx", 1);
+    const Vector b = lessons::read_vector(folder + "/b.mtx", A.n);
     const std::string results = "outputs/lessons/10-solvers/" + std::filesystem::path(folder).filename().string();
     std::filesystem::create_directories(results);
     std::FILE* const pattern = std::fopen((results + "/pattern.csv").c_str(), "w");

@@ -229,12 +229,19 @@ TEST_CASE("the first signal ends a command that nobody can interrupt otherwise")
     REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
     for (const int signal : {SIGTERM, SIGINT, SIGHUP})
         for (const char* command : {"quality", "info"}) {
+            int ready[2];
+            REQUIRE(pipe(ready) == 0);
             const pid_t child = fork();
             if (child == 0) {
                 std::signal(signal, SIG_DFL);  // the test program has its own
+                if (write(ready[1], "", 1) != 1) _exit(9);
                 std::FILE* const nowhere = std::fopen("/dev/null", "w");
                 _exit(command_line({command, fifo}, nowhere, nowhere));
             }
+            char byte;
+            REQUIRE(read(ready[0], &byte, 1) == 1);
+            close(ready[0]);
+            close(ready[1]);
             usleep(20000);
             kill(child, signal);
             int status = 0;

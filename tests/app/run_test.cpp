@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "check/certificate.hpp"
-#include "io/matrix_market.hpp"
+#include "lessons/matrix_market.hpp"
 #include "linalg/linear_solver.hpp"
 #include "linalg/vector_ops.hpp"
 #include "support/ring_deck.hpp"
@@ -309,8 +309,8 @@ TEST_CASE("what is certified far from the origin is the mesh that is written, no
 TEST_CASE("the system of a Newton step is written, and can be solved again") {
     const RingDeck ring;
     REQUIRE(ring.run({"write_system=2"}).code == 0);
-    const BlockCsr A = read_matrix_market(ring.output + "/A.mtx", 2);
-    const std::vector<double> b = read_matrix_market_vector(ring.output + "/b.mtx", A.size());
+    const BlockCsr A = lessons::read_matrix(ring.output + "/A.mtx", 2);
+    const std::vector<double> b = lessons::read_vector(ring.output + "/b.mtx", A.size());
     CHECK(A.n == mesh_of(ring.output + "/final.msh").nodes());
     LinearSolver solver(2, {});
     std::vector<double> d;

@@ -6,7 +6,7 @@ set -u
 program=$1
 minutes=$2
 shift 2
-[ $# -gt 0 ] || set -- deck msh su2 matrix-market quality run
+[ $# -gt 0 ] || set -- deck msh su2 quality run
 memory=${TMPDIR:-/tmp}
 if [ -w /dev/shm ]; then memory=/dev/shm; fi
 found=0

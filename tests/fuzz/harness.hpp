@@ -16,9 +16,6 @@ void fuzz_deck(std::string_view bytes);
 void fuzz_msh(std::string_view bytes);
 void fuzz_su2(std::string_view bytes);
 
-// The first byte has the size of the blocks, the rest is a Matrix Market file: it reads back the same.
-void fuzz_matrix_market(std::string_view bytes);
-
 // A small mesh with nodes moved and its file damaged: `quality` certifies only what is valid and does not overlap.
 void fuzz_quality(std::string_view bytes);
 
@@ -34,7 +31,6 @@ struct Harness {
 inline constexpr Harness harnesses[] = {{"deck", fuzz_deck},
                                         {"msh", fuzz_msh},
                                         {"su2", fuzz_su2},
-                                        {"matrix-market", fuzz_matrix_market},
                                         {"quality", fuzz_quality},
                                         {"run", fuzz_run}};
 
