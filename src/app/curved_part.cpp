@@ -1,6 +1,7 @@
 #include "app/curved_part.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "check/straightened.hpp"
@@ -25,28 +26,20 @@ std::vector<double> gathered(const std::vector<double>& field, const std::vector
     return of_part;
 }
 
-// All boundaries fixed at these positions.
-BoundaryTarget fixed_at(Mesh mesh, const std::vector<double>& x) {
+// All boundaries fixed at these positions, but for nodes that are freed.
+BoundaryTarget fixed_at(Mesh mesh, const std::vector<double>& x, const std::vector<char>& freed) {
     mesh.x = x;
-    return make_target(mesh, std::vector<Motion>(mesh.boundaries.size(), parse_motion("fixed")));
+    BoundaryTarget target = make_target(mesh, std::vector<Motion>(mesh.boundaries.size(), parse_motion("fixed")));
+    target.freed = freed;
+    return target;
 }
 
 // The smooth surfaces at the nodes of the file, wherever they have slid meanwhile.
-std::shared_ptr<SlidingSurfaces> surfaces_of_part(const SlidingSurfaces& whole, const CurvedPart& part,
-                                                  const std::vector<char>& freed) {
+std::shared_ptr<SlidingSurfaces> surfaces_of_part(const SlidingSurfaces& whole, const CurvedPart& part) {
     auto surfaces = std::make_shared<SlidingSurfaces>(whole, part.face, part.mesh, whole.frame());
-    BoundaryTarget target = fixed_at(part.mesh, whole.frame().to_file(part.file, part.mesh.dim));
-    target.freed = freed;
-    smooth_freed(part.mesh, target, *surfaces);
+    const std::vector<double> in_file = whole.frame().to_file(part.file, part.mesh.dim);
+    smooth_freed(part.mesh, fixed_at(part.mesh, in_file, part.freed), *surfaces);
     return surfaces;
-}
-
-bool keeps_rest(const CurvedPart& part, const std::vector<double>& x) {
-    const int dim = part.mesh.dim;
-    for (int i = 0; i < part.mesh.nodes(); ++i)
-        if (part.on_cut[i] && !std::equal(point(x, i, dim), point(x, i, dim) + dim, point(part.start, i, dim)))
-            return false;
-    return true;
 }
 
 // From the start in result.x: with penalties that grow while the boundary comes near enough to its target. Whether it
@@ -104,6 +97,34 @@ std::vector<int> faces_of_whole(const Mesh& mesh, const std::vector<char>& chose
 
 }  // namespace
 
+double work_of(const Mesh& mesh, int e) { return std::pow(mesh.element_nodes(e), 2); }
+
+std::vector<std::vector<int>> places_of(const Mesh& mesh, const std::vector<char>& chosen, std::size_t at_once) {
+    constexpr double work_of_one = 400;
+    std::vector<std::vector<int>> at_vertex(mesh.nodes()), places;
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int k = 0; k < mesh.cell(e).vertices && chosen[e]; ++k) at_vertex[mesh.element(e)[k]].push_back(e);
+    std::vector<char> is_left = chosen;
+    for (int first = 0; first < mesh.element_count(); ++first) {
+        if (!is_left[first]) continue;
+        std::vector<int>& place = places.emplace_back(1, first);
+        double work = work_of(mesh, first);
+        is_left[first] = 0;
+        for (std::size_t next = 0; next < place.size(); ++next) {
+            const int* const node = mesh.element(place[next]);
+            for (int k = 0; k < mesh.cell(place[next]).vertices; ++k)
+                for (const int e : at_vertex[node[k]]) {
+                    if (!is_left[e] || place.size() == at_once) continue;
+                    if (work + work_of(mesh, e) > work_of_one * static_cast<double>(at_once)) continue;
+                    is_left[e] = 0;
+                    work += work_of(mesh, e);
+                    place.push_back(e);
+                }
+        }
+    }
+    return places;
+}
+
 CurvedPart curved_part(const Problem& whole, const std::vector<char>& chosen, const std::vector<double>& x,
                        const std::vector<double>& curved) {
     const Mesh& mesh = whole.mesh();
@@ -131,7 +152,7 @@ CurvedPart curved_part(const Problem& whole, const std::vector<char>& chosen, co
 }
 
 TargetFaults find_faults(const CurvedPart& part, double bound) {
-    return find_faults(part.mesh, part.mesh.x, fixed_at(part.mesh, part.curved), bound);
+    return find_faults(part.mesh, part.mesh.x, fixed_at(part.mesh, part.curved, part.freed), bound);
 }
 
 std::vector<int> elements_of(const CurvedPart& part, const TargetFaults& faults) {
@@ -156,7 +177,22 @@ std::vector<char> freed_nodes(const CurvedPart& part, const std::vector<int>& el
 }
 
 std::vector<char> freed_nodes_around(const CurvedPart& part, const TargetFaults& faults) {
-    return freed_nodes(part.mesh, fixed_at(part.mesh, part.curved), faults);
+    return freed_nodes(part.mesh, fixed_at(part.mesh, part.curved, {}), faults);
+}
+
+void free_nodes(const std::vector<char>& chosen, CurvedPart& part) {
+    if (std::count(chosen.begin(), chosen.end(), 1) == 0) return;
+    part.freed = chosen;
+    for (std::size_t k = 0; k < part.curved.size(); ++k)
+        if (chosen[k / part.mesh.dim]) part.curved[k] = part.file[k];
+}
+
+void free_nodes_in(const std::vector<char>& of_whole, bool vertices_too, CurvedPart& part) {
+    std::vector<char> chosen(part.mesh.nodes(), 0);
+    for (const int i : part.mesh.faces) chosen[i] = of_whole[part.node[i]] && !part.on_cut[i];
+    for (int f = 0; f < part.mesh.face_count() && !vertices_too; ++f)
+        for (const int i : part.mesh.face_vertices(f)) chosen[i] = 0;
+    free_nodes(chosen, part);
 }
 
 void flatten(CurvedPart& part, double bound) {
@@ -173,8 +209,7 @@ void flatten(CurvedPart& part, double bound) {
     });
 }
 
-CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const std::vector<char>& freed,
-                       const SlidingSurfaces* surfaces, int first_steps) {
+CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const SlidingSurfaces* surfaces, int first_steps) {
     Problem problem;
     problem.base = part.mesh;
     problem.base.x = part.curved;
@@ -182,16 +217,13 @@ CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const std::vect
     problem.level = std::make_unique<Level>();
     problem.level->mesh = problem.base;
     problem.level->ideal = part.mesh.x;
-    problem.target = make_target(problem.base, problem.motions);
-    if (surfaces) {
-        problem.target.freed = freed;
-        problem.sliding = surfaces_of_part(*surfaces, part, freed);
-    }
+    problem.target = fixed_at(part.mesh, part.curved, part.freed);
+    if (!part.freed.empty()) problem.sliding = surfaces_of_part(*surfaces, part);
     set_functional(deck, problem);
     const Level& level = *problem.level;
     CurvedPartResult result{part.start, {}, {}};
     if (!minimise(deck, level, first_steps, result)) return result;
-    if (snap_to_targets(*level.energy, *level.constraint, result.x) > 0 || !keeps_rest(part, result.x)) return result;
+    if (snap_to_targets(*level.energy, *level.constraint, result.x) > 0) return result;
     result.certificate = certify(part.mesh, result.x, deck.certificate);
     Mesh mesh = part.mesh;
     result.certificate.valid =

@@ -10,6 +10,7 @@
 #include "base/text.hpp"
 #include "check/straightened.hpp"
 #include "constraint/sliding_nodes.hpp"
+#include "mesh/kept_cells.hpp"
 #include "mesh/part.hpp"
 
 namespace almesh {
@@ -20,8 +21,9 @@ constexpr int most_al_iterations = 6, most_newton_steps = 20;  // of the whole m
 
 // What is tried, in this order, each where those before have left elements straightened: with the boundary of a part,
 // whose largest number of these elements is at_once (of tetrahedra of degree 3), how far around them in units of their
-// edges, and with how many Newton steps before it has to be near (curved_part.hpp).
-enum class Boundary { stays, slides, slides_around, flattens };
+// edges, and with how many Newton steps before it has to be near (curved_part.hpp). Planes keep their shape wherever
+// nodes slide in them: large parts then have the room that they need.
+enum class Boundary { stays, slides_inside_planes, slides_in_planes, slides, slides_around, flattens };
 struct Attempt {
     Boundary boundary;
     int at_once;
@@ -31,41 +33,14 @@ struct Attempt {
 };
 constexpr Attempt attempts[] = {{Boundary::stays, 48, 1, 8, "boundary as in the file"},
                                 {Boundary::stays, 48, 2, 8, "boundary as in the file"},
+                                {Boundary::slides_inside_planes, 3840, 1, 8, "nodes slide in planes"},
+                                {Boundary::slides_in_planes, 48, 1, 8, "vertices slide in planes"},
                                 {Boundary::slides, 48, 1, 4, "nodes slide"},
                                 {Boundary::slides_around, 192, 1, 16, "nodes around slide"},
                                 {Boundary::slides_around, 12, 1, 4, "nodes around slide"},
                                 {Boundary::flattens, 48, 1, 16, "faces are flatter"}};
 
 int count(const std::vector<char>& some) { return static_cast<int>(std::count(some.begin(), some.end(), 1)); }
-
-double work_of(const Mesh& mesh, int e) { return std::pow(mesh.element_nodes(e), 2); }
-
-// The chosen elements in sets of neighbours, by their vertices, each of so many at most, or with that work.
-std::vector<std::vector<int>> places_of(const Mesh& mesh, const std::vector<char>& chosen, std::size_t at_once) {
-    constexpr double work_of_one = 400;
-    std::vector<std::vector<int>> at_vertex(mesh.nodes()), places;
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int k = 0; k < mesh.cell(e).vertices && chosen[e]; ++k) at_vertex[mesh.element(e)[k]].push_back(e);
-    std::vector<char> is_left = chosen;
-    for (int first = 0; first < mesh.element_count(); ++first) {
-        if (!is_left[first]) continue;
-        std::vector<int>& place = places.emplace_back(1, first);
-        double work = work_of(mesh, first);
-        is_left[first] = 0;
-        for (std::size_t next = 0; next < place.size(); ++next) {
-            const int* const node = mesh.element(place[next]);
-            for (int k = 0; k < mesh.cell(place[next]).vertices; ++k)
-                for (const int e : at_vertex[node[k]]) {
-                    if (!is_left[e] || place.size() == at_once) continue;
-                    if (work + work_of(mesh, e) > work_of_one * static_cast<double>(at_once)) continue;
-                    is_left[e] = 0;
-                    work += work_of(mesh, e);
-                    place.push_back(e);
-                }
-        }
-    }
-    return places;
-}
 
 std::vector<int> elements_of(const CurvedPart& part, const std::vector<char>& chosen) {
     std::vector<int> elements;
@@ -160,6 +135,7 @@ private:
     std::set<std::vector<int>> slid_;    // places whose nodes around have slid, to no avail
     std::shared_ptr<SlidingSurfaces> surfaces_;  // null: not made yet
     bool has_no_surfaces_ = false;
+    std::vector<char> is_in_planes_;  // per node of the boundary: whether all faces at it are; with surfaces_
 
     // Takes the mesh from these positions to a certified one.
     StraightenedMesh straightened(const std::vector<double>& x) {
@@ -174,12 +150,19 @@ private:
 
     bool can_slide() {
         if (deck_.surface == SurfaceKind::straighten || has_no_surfaces_) return false;
+        if (surfaces_) return true;
         try {
-            if (!surfaces_) surfaces_ = surfaces_in_place(deck_, problem_);
+            surfaces_ = surfaces_in_place(deck_, problem_);
         } catch (const InputError&) {  // the file's boundary is such that they are not known
             has_no_surfaces_ = true;
+            return false;
         }
-        return !has_no_surfaces_;
+        is_in_planes_ = nodes_of_features(mesh_);  // which are not to slide
+        for (char& is : is_in_planes_) is = !is;
+        for_face_nodes(mesh_, [&](int f, std::size_t k) {
+            if (!surfaces_->surface(surfaces_->part(mesh_, f)).is_flat()) is_in_planes_[mesh_.faces[k]] = 0;
+        });
+        return true;
     }
 
     // Whether the elements of the place are curved then.
@@ -196,30 +179,38 @@ private:
         if (curved == solution_.x) return true;  // others around have done it
         if (attempt.boundary == Boundary::slides_around && slid_.contains(place)) return false;
         CurvedPart part = curved_part(problem_, surroundings(mesh_, is_of_place, attempt.reach), solution_.x, curved);
-        TargetFaults faults = find_faults(part, deck_.min_scaled_jacobian);
-        const Boundary boundary = attempt.boundary;
-        if (boundary == Boundary::stays && !faults.none()) return false;
-        if (boundary == Boundary::flattens && faults.none()) return false;
-        std::vector<char> freed;
-        if (boundary == Boundary::flattens) flatten(part, deck_.min_scaled_jacobian);
-        else if (boundary != Boundary::stays) {
-            if (!can_slide()) return false;
-            if (faults.none())
-                for (const int e : elements_of(part, is_of_place)) faults.elements.push_back({{e, 0, true}});
-            freed = boundary == Boundary::slides ? freed_nodes(part, elements_of(part, faults))
-                                                 : freed_nodes_around(part, faults);
-            for (std::size_t k = 0; k < part.curved.size(); ++k)  // where nodes are that surfaces leave no way to go
-                if (freed[k / mesh_.dim]) part.curved[k] = part.file[k];
+        return release(part, is_of_place, attempt.boundary) && curve(part, attempt, place);
+    }
+
+    // Gives the boundary of the part the freedom of the attempt. Whether that may help.
+    bool release(CurvedPart& part, const std::vector<char>& is_of_place, Boundary boundary) {
+        const double bound = deck_.min_scaled_jacobian;
+        if (boundary == Boundary::stays) return find_faults(part, bound).none();
+        if (boundary == Boundary::flattens) {
+            const CurvedPart held = part;
+            if (can_slide()) free_nodes_in(is_in_planes_, true, part);
+            if (find_faults(part, bound).none()) part = held;
+            if (find_faults(part, bound).none()) return false;
+            flatten(part, bound);
+            return true;
         }
-        return curve(part, freed, attempt, place);
+        if (!can_slide()) return false;
+        if (boundary == Boundary::slides_inside_planes || boundary == Boundary::slides_in_planes) {
+            free_nodes_in(is_in_planes_, boundary == Boundary::slides_in_planes, part);
+            return !part.freed.empty() && find_faults(part, bound).none();
+        }
+        TargetFaults faults = find_faults(part, bound);
+        if (faults.none())
+            for (const int e : elements_of(part, is_of_place)) faults.elements.push_back({{e, 0, true}});
+        free_nodes(boundary == Boundary::slides ? freed_nodes(part, elements_of(part, faults))
+                                                : freed_nodes_around(part, faults), part);
+        return true;
     }
 
     // Whether the part is certified, and makes no element worse than it may be.
-    bool curve(const CurvedPart& part, const std::vector<char>& freed, const Attempt& attempt,
-               const std::vector<int>& place) {
+    bool curve(const CurvedPart& part, const Attempt& attempt, const std::vector<int>& place) {
         const Stopwatch watch;
-        const CurvedPartResult found =
-            almesh::curve(deck_, part, freed, freed.empty() ? nullptr : surfaces_.get(), attempt.first_steps);
+        const CurvedPartResult found = almesh::curve(deck_, part, surfaces_.get(), attempt.first_steps);
         bool is_better = found.certificate.valid;
         for (std::size_t e = 0; e < part.element.size() && is_better; ++e)
             is_better = found.certificate.lower_bound[e] >
@@ -246,7 +237,7 @@ private:
             const double* const to = point(found.x, k, mesh_.dim);
             double* const x = point(solution_.x, part.node[k], mesh_.dim);
             char& is_freed = freed_[part.node[k]];
-            is_freed = (!freed.empty() && freed[k]) || (is_freed && std::equal(to, to + mesh_.dim, x));
+            is_freed = (!part.freed.empty() && part.freed[k]) || (is_freed && std::equal(to, to + mesh_.dim, x));
             std::copy_n(to, mesh_.dim, x);
         }
         return true;

@@ -30,19 +30,6 @@ std::vector<char> nodes_of_faces(const Mesh& mesh, const std::vector<char>& chos
     return nodes;
 }
 
-// Of points and, in 3D, of curves in a physical group.
-std::vector<char> nodes_of_features(const Mesh& mesh) {
-    std::vector<char> nodes(mesh.nodes(), 0);
-    for (const KeptCells& some : mesh.kept) {
-        const CellType& cell = mesh.cell_of(some);
-        const int width = cell.node_count(mesh.degree);
-        for (int c = 0; c < some.count() && cell.dim < mesh.dim - 1; ++c)
-            for (int i = 0; i < width && some.physical[c] > 0; ++i)
-                if (const int node = some.nodes[offset(c, width, i)]; node >= 0) nodes[node] = 1;
-    }
-    return nodes;
-}
-
 // Takes the freedom to slide from these nodes of boundaries that stay. Returns from how many.
 int hold(Problem& problem, const std::vector<char>& nodes) {
     const Mesh& mesh = problem.mesh();

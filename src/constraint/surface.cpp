@@ -51,6 +51,7 @@ struct Plane final : Surface {
     Plane(const Vec<3>& c_, const Vec<3>& n_, int dim_) : c(c_), n(n_), dim(dim_) {}
     SurfacePoint closest(const Vec<3>& x) const override { return projection_at(x, x - dot(x - c, n) * n, n, {}); }
     std::string name() const override { return dim == 2 ? "straight line" : "plane"; }
+    bool is_flat() const override { return true; }
 };
 
 struct Sphere final : Surface {

@@ -26,6 +26,7 @@ public:
     // At the centre of a sphere, on the axis of a cylinder: any closest point.
     virtual SurfacePoint closest(const Vec<3>& x) const = 0;
     virtual std::string name() const = 0;  // "plane", "circle of radius 2"
+    virtual bool is_flat() const { return false; }  // a plane (2D: a line)
 };
 
 // The first of plane, sphere, cylinder, torus, quadric (2D: line, circle, conic) on which all points lie, to

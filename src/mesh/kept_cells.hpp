@@ -40,6 +40,9 @@ struct KeptFace {
 // All of them, those of one type together.
 std::vector<KeptFace> kept_faces(const Mesh& mesh);
 
+// Per node: whether it is on a point or, in 3D, a curve in a physical group.
+std::vector<char> nodes_of_features(const Mesh& mesh);
+
 // Adds cell c of others, but for its nodes.
 void append_tags(const KeptCells& from, int c, KeptCells& to);
 
