@@ -63,11 +63,13 @@ class Coupled:
         self.run = subprocess.Popen(["./almesh", path, f"output={folder}/mesh", "frames=-"], text=True, bufsize=1,
                                     stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
-    def mesh(self, t, *files):
-        """The mesh of time t; the files say where the boundary is."""
+    def mesh(self, t, *files, straight=False):
+        """The mesh of time t; the files say where the boundary is. straight: its nodes have to go there straight from the
+        mesh before without inverting an element, as a mesh halfway needs."""
         print(t, *files, file=self.run.stdin)
         _, status, mesh = self.run.stdout.readline().rstrip().split(" ", 2)
-        return Path(mesh) if status == "converged" else sys.exit(f"t = {t}: {status}: {mesh}")
+        is_there = status == "converged" or (status == "way_not_valid" and not straight)
+        return Path(mesh) if is_there else sys.exit(f"t = {t}: {status}: {mesh}")
 
     def end(self):
         self.run.stdin.close()

@@ -60,7 +60,7 @@ _, axes = plt.subplots(1, 4, figsize=(12, 3.2), layout="constrained")
 heat, one, now = np.where(x[node, 1] > 0, 1.0, 0.0), np.ones(len(x)), matrix(mass)
 print("t; relative changes of the area, 399, and of the heat, 199.5; largest change of T = 1")
 for k in range(1, STEPS + 1):
-    old, new = x.copy(), np.array(list(almesh.nodes(coupled.mesh(k / STEPS)).values()))[order]
+    old, new = x.copy(), np.array(list(almesh.nodes(coupled.mesh(k / STEPS, straight=True)).values()))[order]
     x[:] = (old + new) / 2
     w.x.array[:] = STEPS * (new - old)[node, :2].flatten()
     wall.interpolate(w)

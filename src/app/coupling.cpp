@@ -14,11 +14,12 @@ std::optional<std::string> Coupling::read_line() {
 }
 
 AskedFrame Coupling::parse(const std::string& line, double reached) {
-    time_ = line.substr(0, line.find_first_of(" \t"));
+    time_ = line.empty() ? "-" : line.substr(0, line.find_first_of(" \t"));
+    const std::string wanted = "expected a time" + (files_ > 0 ? " and " + counted(files_, "file") : std::string());
+    if (line.empty()) throw UsageError(wanted, ": the line is empty");
     const std::string_view rest = trim(std::string_view(line).substr(time_.size()));
     const auto t = parse_double(time_);
-    if (!t) throw UsageError("expected a time and ", counted(files_, "file"), ": ", in_backquotes(time_),
-                             " is not a number");
+    if (!t) throw UsageError(wanted, ": ", in_backquotes(time_), " is not a number");
     if (*t < reached) throw UsageError("the times run backwards, the last mesh is of t = ", reached);
     AskedFrame asked{*t, {}};
     if (files_ == 1 && !rest.empty()) asked.files.emplace_back(rest);
@@ -34,7 +35,6 @@ std::optional<AskedFrame> Coupling::next(double reached) {
         if (interrupted()) throw Error(ExitCode::not_converged, "interrupted");
         const std::optional<std::string> line = read_line();
         if (!line) return std::nullopt;
-        if (line->empty()) continue;
         try {
             return parse(*line, reached);
         } catch (const UsageError& error) {

@@ -3,10 +3,13 @@
 //
 //   asked:  T [FILE ...]                 the time, and the files of the deck's steps that are named `-`, in their order
 //   told:   T converged MESH             the mesh is on disk and certified
-//           T STATUS SENTENCE            there is none; STATUS: refused, stalled, not_certified, ...
+//           T way_not_valid MESH         so is this one, but on their straight ways from the mesh before nodes invert
+//                                        elements
+//           T STATUS SENTENCE            there is none; STATUS: refused, stalled, not_certified, ...; T: - for a line
+//                                        that is empty
 //
-// The same time again stands for a time step that is tried again, and replaces the mesh. What a run says of its
-// progress goes to frames.log.
+// The same time again stands for a time step that is tried again, and replaces the mesh: what is made depends on the
+// times before it and on the files alone, not on what was tried. What a run says of its progress goes to frames.log.
 #pragma once
 #include <cstdio>
 #include <optional>
@@ -16,6 +19,7 @@
 namespace almesh {
 
 inline constexpr const char* frames_log = "frames.log";  // in the folder of results
+inline constexpr const char* way_not_valid = "way_not_valid";
 
 struct AskedFrame {
     double t;

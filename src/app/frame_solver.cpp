@@ -48,21 +48,21 @@ struct Distortion : AugmentedFunctional {
 
 }  // namespace
 
-Solution FrameSolver::solve(const Deck& deck, double t, const FramesBefore& before, std::string& started_from) {
-    if (!before.moments.empty() && may_follow(deck)) {
+Solution FrameSolver::solve(const Deck& deck, const FramesBefore& before, FrameRow& row) {
+    if (before.before(row.t) && may_follow(deck)) {
         prepare(deck);
         std::vector<double> x;
-        started_from = start(t, before, leads(deck, before.motions, problem_.motions), x);
-        if (!started_from.empty()) {
-            const HessianKind kind = started_from == "ideal" ? HessianKind::damping : HessianKind::full;
+        row.started_from = start(deck, row.t, before, x);
+        if (!row.started_from.empty()) {
+            const HessianKind kind = row.started_from == "ideal" ? HessianKind::damping : HessianKind::full;
             Solution solution = lead(deck, x, kind);
             if (solution.al.status == Status::stalled) solution = solve_from(deck, x);
             const Status status = solution.al.status;
             if (status == Status::converged || status == Status::interrupted) return solution;
         }
     }
-    started_from = "anew";
-    return solve_anew(deck);
+    row.started_from = "anew";
+    return solve_anew(deck, row);
 }
 
 bool FrameSolver::leads(const Deck& deck, const std::vector<Motion>& before, const std::vector<Motion>& now) const {
@@ -89,15 +89,14 @@ void FrameSolver::prepare(const Deck& deck) {
 }
 
 // x: the nearest to the target of those that lead there. Returns its name, "" for none.
-std::string FrameSolver::start(double t, const FramesBefore& before, bool from_before, std::vector<double>& x) const {
+std::string FrameSolver::start(const Deck& deck, double t, const FramesBefore& before, std::vector<double>& x) const {
     constexpr double about_equal = 1.1;  // so that rounding does not decide
     constexpr double most_turn = 90;     // as leads_to() has it
     const Level& level = *problem_.level;
     const auto distance = [&](const std::vector<double>& y) { return level.constraint->projected_norm(y); };
     std::string name;
-    if (from_before) {
+    if (const Moment& last = *before.before(t); leads(deck, last.motions, problem_.motions)) {
         name = "before";
-        const Moment& last = before.last();
         const Moment* const earlier = before.before(last.t);
         x = last.x;
         const double ratio = earlier ? (t - last.t) / (last.t - earlier->t) : 0;
@@ -164,10 +163,11 @@ Solution FrameSolver::solve_from(const Deck& deck, const std::vector<double>& x)
     return solution;
 }
 
-Solution FrameSolver::solve_anew(const Deck& deck) {
+Solution FrameSolver::solve_anew(const Deck& deck, FrameRow& row) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> nowhere(std::fopen("/dev/null", "w"), std::fclose);
     Report report(nowhere.get(), {problem_.mesh().dim, problem_.frame.length}, problem_.run_id);
     Solution solution = almesh::solve(deck, problem_, nullptr, report, nowhere.get());
+    row.history += report.csv();
     solution.reached = report.reached;
     if (solution.al.status != Status::converged || !may_follow(deck)) return solution;
     prepare(deck);

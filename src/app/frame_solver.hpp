@@ -6,6 +6,7 @@
 
 #include "app/deck.hpp"
 #include "app/frame_state.hpp"
+#include "app/frame_table.hpp"
 #include "app/problem.hpp"
 #include "app/results.hpp"
 #include "method/newton.hpp"
@@ -16,9 +17,10 @@ class FrameSolver {
 public:
     explicit FrameSolver(Problem& problem) : problem_(problem) {}
 
-    // The problem has the target of `deck`, which is of the time t. started_from: on return "beyond", the mesh that the
-    // two before extrapolate to, "before", "ideal" or, where the run was one of its own, "anew".
-    Solution solve(const Deck& deck, double t, const FramesBefore& before, std::string& started_from);
+    // The problem has the target of `deck`, which is of the time row.t. row.started_from: on return "beyond", the mesh
+    // that the two before extrapolate to, "before", "ideal" or, where the run was one of its own, "anew", which has a
+    // row.history.
+    Solution solve(const Deck& deck, const FramesBefore& before, FrameRow& row);
 
     // Whether the motions of one frame lead to those of another: leads_to().
     bool leads(const Deck& deck, const std::vector<Motion>& before, const std::vector<Motion>& now) const;
@@ -33,10 +35,10 @@ private:
 
     Newton& newton(const Deck& deck);
     void prepare(const Deck& deck);
-    std::string start(double t, const FramesBefore& before, bool from_before, std::vector<double>& x) const;
+    std::string start(const Deck& deck, double t, const FramesBefore& before, std::vector<double>& x) const;
     Solution lead(const Deck& deck, const std::vector<double>& x, HessianKind kind);
     Solution solve_from(const Deck& deck, const std::vector<double>& x);
-    Solution solve_anew(const Deck& deck);
+    Solution solve_anew(const Deck& deck, FrameRow& row);
     bool settles(const Deck& deck) const;
     void settle(const Deck& deck, Solution& solution);
 };

@@ -25,21 +25,20 @@ std::string heading(const Problem& problem) {
 }  // namespace
 
 const Moment* FramesBefore::before(double t) const {
-    const auto found = std::find_if(moments.rbegin(), moments.rend(), [t](const Moment& of) { return of.t != t; });
+    const auto found = std::find_if(moments.rbegin(), moments.rend(), [t](const Moment& of) { return of.t < t; });
     return found == moments.rend() ? nullptr : &*found;
 }
 
-void FramesBefore::push(double t, const std::vector<double>& x, const std::vector<Motion>& of_mesh) {
-    if (!moments.empty() && last().t == t) moments.pop_back();
+void FramesBefore::push(Moment moment) {
+    if (!moments.empty() && moments.back().t == moment.t) moments.pop_back();
     if (moments.size() == 3) moments.erase(moments.begin());
-    moments.push_back({t, x});
-    motions = of_mesh;
+    moments.push_back(std::move(moment));
 }
 
 void save_state(const Deck& deck, const Problem& problem, const FramesBefore& before, int number) {
     std::string state = concat(heading(problem), number, "\n");
     for (std::size_t k = std::max<std::size_t>(before.moments.size(), 2) - 2; k < before.moments.size(); ++k) {
-        const auto& [t, x] = before.moments[k];
+        const auto& [t, x, motions] = before.moments[k];
         state.append(reinterpret_cast<const char*>(&t), sizeof t);
         state.append(reinterpret_cast<const char*>(x.data()), x.size() * sizeof(double));
     }
@@ -57,7 +56,8 @@ int read_state(const Deck& deck, const Problem& problem, FramesBefore& before) {
         throw UsageError("cannot resume: ", path_of(deck), " is of another run or program; without resume=1 this run ",
                          "starts from the beginning and removes it");
     for (; !bytes.empty(); bytes.remove_prefix(of_mesh)) {
-        auto& [t, x] = before.moments.emplace_back(Moment{0, std::vector<double>(problem.mesh().x.size())});
+        auto& [t, x, motions] = before.moments.emplace_back();
+        x.resize(problem.mesh().x.size());
         std::memcpy(&t, bytes.data(), sizeof t);
         std::memcpy(x.data(), bytes.data() + sizeof t, of_mesh - sizeof t);
     }

@@ -16,23 +16,23 @@ inline constexpr const char* frames_state = "frames.state";
 struct Moment {
     double t;
     std::vector<double> x;  // nodes x dim, in the run's frame
+    std::vector<Motion> motions;
 };
 
 // The meshes of the frames before.
 struct FramesBefore {
     std::vector<Moment> moments;  // at most three, the last one at the end
-    std::vector<Motion> motions;  // of that
 
-    const Moment& last() const { return moments.back(); }
-    // The last one before the time t, null: there is none.
+    // The last one before the time t, null: there is none. A frame that is asked for again has the one before its first
+    // try.
     const Moment* before(double t) const;
     // One more; one of the same time as the last takes its place.
-    void push(double t, const std::vector<double>& x, const std::vector<Motion>& of_mesh);
+    void push(Moment moment);
 };
 
 void save_state(const Deck& deck, const Problem& problem, const FramesBefore& before, int number);
 
-// Without the motions. Returns the number of the last frame, 0 where there is no state. Throws UsageError where it is
+// Without their motions. Returns the number of the last frame, 0 where there is no state. Throws UsageError where it is
 // of another run.
 int read_state(const Deck& deck, const Problem& problem, FramesBefore& before);
 

@@ -1,6 +1,7 @@
 #include "app/frame_table.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "app/deck.hpp"
 #include "app/results.hpp"
@@ -16,6 +17,7 @@ constexpr const char* heading =
     "path,seconds,note\n";
 
 std::string csv_of(const Deck& deck) { return deck.output + "/frames.csv"; }
+std::string history_of(const Deck& deck) { return deck.output + "/history.csv"; }
 std::string series_of(const Deck& deck) { return deck.output + "/frames.vtk.series"; }
 
 std::string line_of(const FrameRow& row) {
@@ -67,6 +69,11 @@ void FrameTable::read(int last) {
     for (const std::string_view line : split(csv, '\n'))
         if (const FrameRow row = row_of(line); row.number > 0 && row.number <= last) place(row, concat(line, "\n"));
     next_ = {};
+    std::error_code error;
+    if (!std::filesystem::exists(history_of(deck_), error)) return;
+    for (const std::string text = read_file(history_of(deck_)); const std::string_view line : split(text, '\n'))
+        if (!line.empty() && parse_int(line.substr(0, line.find(','))).value_or(0) <= last)
+            history_ += concat(line, "\n");
 }
 
 // Whether it is at the end.
@@ -75,6 +82,7 @@ bool FrameTable::place(const FrameRow& row, const std::string& line) {
     if (row.has_mesh()) next_.meshes.emplace_back(row.file_name() + ".vtk", row.t);
     if (row.between > 0) return true;
     next_.row = row;
+    next_.row.history.clear();
     const Entry entry = std::exchange(next_, {});
     const std::size_t k = row.number - 1;
     if (k < frames_.size() && (row.has_mesh() || !frames_[k].row.has_mesh())) frames_[k] = entry;
@@ -83,9 +91,16 @@ bool FrameTable::place(const FrameRow& row, const std::string& line) {
     return true;
 }
 
-void FrameTable::add(const FrameRow& row) {
+void FrameTable::add(const FrameRow& row, bool writes) {
     const bool at_end = place(row, line_of(row));
-    if (row.between > 0) return;
+    for (const std::string_view line : split(row.history, '\n'))
+        if (const bool is_heading = line.starts_with("kind,"); !line.empty())
+            if (!is_heading || (history_.empty() && !has_history_))
+                history_ += concat(is_heading ? "frame" : std::to_string(row.number), ",", line, "\n");
+    if (row.between > 0 || !writes) return;
+    if (has_history_) append_to_file(history_of(deck_), history_);
+    else if (!history_.empty()) write_file(history_of(deck_), history_);
+    has_history_ = !std::exchange(history_, {}).empty() || has_history_;
     if (!begun_ || !at_end) return write();
     append_to_file(csv_of(deck_), frames_.back().lines);
     for (const auto& [name, t] : frames_.back().meshes)

@@ -1,5 +1,6 @@
-// What is told of the frames of a motion: frames.csv, a row for each, and frames.vtk.series, which plays their VTK
-// files. Both grow at their ends.
+// What is told of the frames of a motion: frames.csv, a row for each, history.csv, the iterations of those that were
+// solved anew with the number of the frame before them, and frames.vtk.series, which plays their VTK files. All grow at
+// their ends.
 #pragma once
 #include <string>
 #include <utility>
@@ -22,7 +23,8 @@ struct FrameRow {
     int between = 0;  // 1, 2, ... of those at times between the frame before and this one; 0: of the time itself
     double t = 0;
     std::string status = "refused", started_from = {}, path = {}, note = {};
-    std::string mesh = {};  // its file
+    std::string mesh = {};     // its file
+    std::string history = {};  // rows of history.csv
     ExitCode code = ExitCode::success;
     int newton_steps = 0;
     double max_distortion = 0, relative_quality = 0, min_scaled_jacobian = 0, seconds = 0;
@@ -42,9 +44,9 @@ public:
 
     // The rows of an earlier run, up to the frame `last`.
     void read(int last);
-    // The next one; those between come before their frame, and are written with it. A frame that is asked for again
-    // takes the place of the first try; in vain, its mesh stays.
-    void add(const FrameRow& row);
+    // The next one; those between come before their frame, and are written with it, where `writes` is not false. A
+    // frame that is asked for again takes the place of the first try; in vain, its mesh stays.
+    void add(const FrameRow& row, bool writes = true);
 
     std::size_t size() const { return frames_.size(); }  // frames, without those between
     const FrameRow& operator[](std::size_t k) const { return frames_[k].row; }
@@ -61,7 +63,9 @@ private:
     const Deck& deck_;
     std::vector<Entry> frames_;
     Entry next_;          // what is between
-    bool begun_ = false;  // whether both files are there, of this run
+    bool begun_ = false;  // whether table and series are there, of this run,
+    bool has_history_ = false;  // and whether that is
+    std::string history_;       // rows that are not written yet
 
     bool place(const FrameRow& row, const std::string& line);
     void write();

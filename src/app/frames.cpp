@@ -4,13 +4,14 @@
 // before: nothing drifts. What is before serves as the start, the ideal mesh where that is as near to the target.
 // Reading, ideal mesh, functional and the symbolic part of the linear solver are made once.
 //
-// Written after every frame: its mesh, frames.vtk.series, frames.csv, and the state from which a run goes on.
+// Written after every frame: its mesh, what frame_table.hpp tells, and the state from which a run goes on.
 //
 // For k = 1, 2, ...: the motions at t_k, the target, the solution, its certificates, its files, the state.
 #include "app/solve.hpp"
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "app/boundaries.hpp"
 #include "app/coupling.hpp"
@@ -40,6 +41,7 @@ public:
 private:
     const Deck &deck_, &start_;
     std::FILE* out_;
+    std::optional<ResultsFolder> folder_;
     std::unique_ptr<std::FILE, int (*)(std::FILE*)> log_{nullptr, std::fclose};
     std::vector<double> times_;
     Coupling* coupling_;  // null: there is none
@@ -65,6 +67,7 @@ private:
     bool may_halve(const FrameRow& row) const;
     bool solve_between(const FrameRow& row, int halvings);
     std::string path_to(const Solution& solution, double t) const;
+    void begin_results();
     void keep(const Deck& now, Solution& solution, FrameRow& row);
     void print(const FrameRow& row);
     void answer(const FrameRow& row);
@@ -79,13 +82,13 @@ void FrameRun::resume() {
         std::fprintf(out_, "note: no saved state in %s: the run starts from the beginning\n", deck_.output.c_str());
         return;
     }
-    const double t = before_.last().t;
-    if (last > static_cast<int>(times_.size()) || times_[last - 1] != t)
+    Moment& before = before_.moments.back();
+    if (last > static_cast<int>(times_.size()) || times_[last - 1] != before.t)
         throw UsageError("cannot resume: the times of the frames are not those of the run before");
-    before_.motions = motions_of(deck_at(deck_, t, last), problem_.base);
+    before.motions = motions_of(deck_at(deck_, before.t, last), problem_.base);
     done_.read(last);
     resumed_ = done_.size();
-    std::fprintf(out_, "resumes after %s\n", frame_at(last, t).c_str());
+    std::fprintf(out_, "resumes after %s\n", frame_at(last, before.t).c_str());
 }
 
 // Of the problem, each once.
@@ -110,16 +113,17 @@ void FrameRun::keep(const Deck& now, Solution& solution, FrameRow& row) {
     row.min_scaled_jacobian = solution.certificate.min_scaled_jacobian;
     row.certified = solution.injectivity.certified;
     if (row.between > 0 && !(row.has_mesh() && row.certified)) return;
+    if (row.has_mesh()) begin_results();
     const Summary summary = summarise(problem_, solution);
-    write_summary(deck_, summary);
+    if (!folder_->is_kept()) write_summary(deck_, summary);
     if (!row.has_mesh() || !row.certified) {
         row.code = row.has_mesh() ? ExitCode::not_certified : ExitCode::not_converged;
-        write_results(deck_, problem_, solution);
+        if (!folder_->is_kept()) write_results(deck_, problem_, solution);
         print_ending(out_, now, problem_, solution, 0);
     }
     if (!row.has_mesh()) return;
     FramesBefore kept = before_;
-    kept.push(row.t, solution.x, problem_.motions);
+    kept.push({row.t, solution.x, problem_.motions});
     const std::vector<VtkArray> columns = velocities(deck_, problem_, kept.moments);
     row.mesh = write_frame(deck_, problem_, solution, row.file_name(), columns);
     write_velocities(deck_, problem_, kept.moments, columns, path(row.file_name().c_str()), faces_);
@@ -130,6 +134,13 @@ void FrameRun::keep(const Deck& now, Solution& solution, FrameRow& row) {
         row.code = ExitCode::expectation_failed;
         row.note = result.text;
     }
+}
+
+// Where the meshes of a coupled run are still there, they go.
+void FrameRun::begin_results() {
+    if (!folder_->is_kept()) return;
+    folder_->empty();
+    write_deck(deck_, problem_);
 }
 
 // Of the nodes from the frame before; of a time step that is tried again, from the one before its first try.
@@ -144,7 +155,7 @@ void FrameRun::solve(FrameRow& row, int halvings) {
     const Deck now = deck_at(deck_, row.t, row.number, files_);
     if (row.number > 1 || coupling_) move_target(now, problem_);
     tell_notes();
-    Solution solution = solver_.solve(now, row.t, before_, row.started_from);
+    Solution solution = solver_.solve(now, before_, row);
     if (interrupted()) return;
     round_as_file(problem_, solution.x);
     row.path = path_to(solution, row.t);
@@ -167,8 +178,9 @@ bool FrameRun::may_halve(const FrameRow& row) const try {
     for (const DeckBoundary& boundary : deck_.boundaries)
         for (const MotionStep& step : boundary.motion.steps)
             if (coupling_ || step.file.find('%') != std::string::npos) return false;
-    const auto halfway = motions_of(deck_at(deck_, 0.5 * (before_.last().t + row.t), row.number), problem_.base);
-    return solver_.leads(deck_, before_.motions, halfway) && solver_.leads(deck_, halfway, problem_.motions);
+    const Moment& before = before_.moments.back();
+    const auto halfway = motions_of(deck_at(deck_, 0.5 * (before.t + row.t), row.number), problem_.base);
+    return solver_.leads(deck_, before.motions, halfway) && solver_.leads(deck_, halfway, problem_.motions);
 } catch (const UsageError&) {
     return false;
 }
@@ -176,7 +188,7 @@ bool FrameRun::may_halve(const FrameRow& row) const try {
 // The frame at that time. Whether it has a mesh.
 bool FrameRun::solve_between(const FrameRow& row, int halvings) try {
     const Stopwatch watch;
-    FrameRow between{row.number, 1, 0.5 * (before_.last().t + row.t)};
+    FrameRow between{row.number, 1, 0.5 * (before_.moments.back().t + row.t)};
     solve(between, halvings);
     if (!between.has_mesh() || !between.certified) return false;
     between.seconds = watch.seconds();
@@ -211,7 +223,8 @@ void FrameRun::print(const FrameRow& row) {
 }
 
 void FrameRun::answer(const FrameRow& row) {
-    if (row.has_mesh() && row.certified) return coupling_->tell(row.status, row.mesh);
+    const bool is_valid = row.has_mesh() && row.certified;
+    if (is_valid) return coupling_->tell(row.path == frame_path::not_valid ? way_not_valid : row.status, row.mesh);
     coupling_->tell(row.has_mesh() ? "not_certified" : row.status,
                     row.note.empty() ? concat(path(frames_log), " says why") : row.note);
 }
@@ -224,7 +237,7 @@ bool FrameRun::next(FrameRow& row) {
         return done_.size() < times_.size();
     }
     const double none = -std::numeric_limits<double>::infinity();
-    const std::optional<AskedFrame> asked = coupling_->next(before_.moments.empty() ? none : before_.last().t);
+    const std::optional<AskedFrame> asked = coupling_->next(before_.moments.empty() ? none : before_.moments.back().t);
     if (!asked) return false;
     row.t = asked->t;
     files_ = asked->files;
@@ -241,7 +254,7 @@ void FrameRun::begin() {
         identify(deck_, problem_);
     }
     print_mesh(out_, deck_, problem_, 0);
-    write_deck(deck_, problem_);
+    if (!folder_->is_kept()) write_deck(deck_, problem_);
     told_ = std::exchange(problem_.notes, {});
     std::fprintf(out_, "%6s  %9s  %-10s  %6s  %9s  %8s  %8s  %-6s  %8s\n", "frame", "t", "status", "Newton", "max eta",
                  "q", "Jacobian", "from", "time");
@@ -251,15 +264,16 @@ ExitCode FrameRun::end() {
     remove_file(path(frames_state));
     const int folded = done_.count(frame_path::not_valid);
     const bool good = done_.code() == ExitCode::success;
-    std::fprintf(out_, "%s, %s%s; results in %s\n", counted(done_.size(), "frame").c_str(),
-                 good ? "all certified valid and injective" : "not all as wanted: frames.csv",
-                 folded > 0 ? concat(", but not the way to ", folded, " of them").c_str() : "", deck_.output.c_str());
+    std::fprintf(out_, "%s, %s%s; %s in %s\n", counted(done_.size(), "frame").c_str(),
+                 good ? "all certified valid and injective" : "not all as wanted (see frames.csv)",
+                 folded > 0 ? concat(", ", folded, " without a valid straight way to it").c_str() : "",
+                 folder_->is_kept() ? "the meshes of the run before are still" : "results", deck_.output.c_str());
     return done_.code();
 }
 
 ExitCode FrameRun::run() {
     resume();
-    const ResultsFolder folder(start_);
+    folder_.emplace(start_);
     begin();
     for (FrameRow row; next(row);) {
         const CatchInterrupts catching;  // not while a coupled run waits
@@ -267,13 +281,15 @@ ExitCode FrameRun::run() {
         const std::string name = frame_at(row.number, row.t);
         solve_or_refuse(row);
         if (row.note.empty() && interrupted()) {
-            std::fprintf(out_, "interrupted in %s; try resume=1, which goes on from here\n", name.c_str());
+            const bool is_saved = !coupling_ && !before_.moments.empty();
+            std::fprintf(out_, "interrupted in %s%s\n", name.c_str(),
+                         is_saved ? "; try resume=1, which goes on from here" : "");
             if (coupling_) coupling_->tell("interrupted", "the run has ended");
             return ExitCode::not_converged;
         }
         spent_ += row.seconds = watch.seconds();
         try {
-            done_.add(row);
+            done_.add(row, !folder_->is_kept());
         } catch (const InputError& error) {  // a disk that is full
             if (!coupling_) throw;
             row.refuse(error);

@@ -11,11 +11,13 @@
 #include <cstring>
 #include <filesystem>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "app/coupling.hpp"
 #include "app/deck.hpp"
 #include "app/frame_state.hpp"
+#include "app/frame_times.hpp"
 #include "app/sweep.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -29,7 +31,8 @@ namespace fs = std::filesystem;
 // frame-0001.msh, frame-0001-1.msh, and what is told of all of them.
 bool is_of_frame(const std::string& name) {
     const std::string ending = name.substr(std::min(name.find_first_not_of("-0123456789", 6), name.size()));
-    return name == "frames.csv" || name == "frames.vtk.series" || name == frames_state || name == frames_log ||
+    return name == "frames.csv" || name == "frames.vtk.series" || name == "history.csv" || name == frames_state ||
+           name == frames_log ||
            (name.starts_with("frame-") && (ending == ".msh" || ending == ".su2" || ending == ".vtk" ||
                                            ending == "velocity.csv" || ending == "swept.csv"));
 }
@@ -46,9 +49,9 @@ bool is_derivative(const std::string& name) {
 
 // What a run may write, but for deck.txt and the checkpoint.
 bool is_result(const std::string& name) {
-    constexpr std::array<std::string_view, 11> results = {"final.msh",    "final.su2", "initial.vtk", "final.vtk",
-                                                          "boundary.vtk", "stop.vtk",  "history.csv", "summary.txt",
-                                                          "expectations.csv", "quality.csv", sweep_row};
+    constexpr std::array<std::string_view, 10> results = {"final.msh",    "final.su2", "initial.vtk", "final.vtk",
+                                                          "boundary.vtk", "stop.vtk",  "summary.txt", "quality.csv",
+                                                          "expectations.csv", sweep_row};
     return is_of_step(name) || is_derivative(name) || std::find(results.begin(), results.end(), name) != results.end();
 }
 
@@ -76,8 +79,31 @@ void check_is_not_result(const std::string& file, const std::string& where, cons
                      ", which this run would replace: give it another folder, `output = FOLDER`");
 }
 
+// Whether there are meshes of a coupled run: they are another program's, and no run makes them again by itself.
+bool has_coupled_meshes(const std::string& folder) {
+    const std::vector<std::string> names = names_in(folder);
+    const auto is_mesh = [](const std::string& name) { return name.starts_with("frame-") && is_of_frame(name); };
+    return std::find(names.begin(), names.end(), frames_log) != names.end() &&
+           std::any_of(names.begin(), names.end(), is_mesh);
+}
+
+void check_coupled_meshes(const Deck& deck) {
+    const std::string path = deck.output + "/deck.txt", key = "mesh = ";
+    std::error_code error;
+    if (!has_coupled_meshes(deck.output) || !fs::exists(path, error)) return;
+    for (const std::string text = read_file(path); const std::string_view line : split(text, '\n')) {
+        if (!line.starts_with(key)) continue;
+        const std::string mesh = without_quotes(line.substr(key.size())).value_or("");
+        const fs::path before = fs::weakly_canonical(fs::path(deck.output) / mesh, error);
+        if (before == fs::weakly_canonical(deck.mesh, error)) continue;
+        throw UsageError(deck.output, " has the meshes of a coupled run of another mesh, ", mesh,
+                         ", which this run would remove: give it another folder, `output = FOLDER`");
+    }
+}
+
 // The deck's folder, where nothing that the run reads is among the results.
 const std::string& checked_folder(const Deck& deck) {
+    check_coupled_meshes(deck);
     check_is_not_result(deck.mesh, deck.given.contains("mesh") ? deck.given.at("mesh") : deck.path, deck);
     if (deck.start == Start::file) check_is_not_result(deck.start_file, deck.given.at("start"), deck);
     for (const DeckBoundary& boundary : deck.boundaries)
@@ -96,11 +122,19 @@ std::string host() {
 
 std::string checkpoint_folder(const Deck& deck) { return deck.output + "/checkpoint"; }
 
-ResultsFolder::ResultsFolder(const Deck& deck) : lock_(checked_folder(deck)) {
-    if (!deck.resume) Checkpoint::remove(checkpoint_folder(deck));
-    for (const std::string& name : names_in(deck.output))
-        if (is_part(name) || (is_result(name) && !(deck.resume && is_of_step(name))))
-            remove_file(deck.output + "/" + name);
+ResultsFolder::ResultsFolder(const Deck& deck)
+    : deck_(deck), lock_(checked_folder(deck)), kept_(!deck.frames.empty() && has_coupled_meshes(deck.output)) {
+    if (!kept_) empty();
+}
+
+// A coupled run has its log open.
+void ResultsFolder::empty() {
+    const bool goes_on = !std::exchange(kept_, false) && deck_.resume;
+    if (!goes_on) Checkpoint::remove(checkpoint_folder(deck_));
+    for (const std::string& name : names_in(deck_.output))
+        if (is_part(name) || (is_result(name) && !(goes_on && is_of_step(name)) &&
+                              !(name == frames_log && is_coupled(deck_.frames))))
+            remove_file(deck_.output + "/" + name);
 }
 
 FolderLock::FolderLock(const std::string& folder) : path_(folder + "/almesh.lock") {

@@ -25,16 +25,22 @@ private:
 // From here on the folder belongs to this run, until the end of the object: it is made where it is missing and locked,
 // and what an earlier run has left in it is removed, so that whatever lies there after a run was killed is that run's.
 // deck.txt, of which the run writes a new one at once, stays until then, and with `resume` what earlier steps of the
-// run have left.
+// run have left. The meshes of a coupled run, and all that is beside them, stay until another run of frames has its
+// first mesh and calls empty().
 //
 // Throws InputError where the folder cannot be made or written to, where another run has it, and UsageError where the
-// mesh or a file of targets is among the results that would be removed: nothing has been touched then.
+// mesh or a file of targets is among the results that would be removed, or the meshes are those of a coupled run of
+// another mesh: nothing has been touched then.
 class ResultsFolder {
 public:
     explicit ResultsFolder(const Deck& deck);
+    bool is_kept() const { return kept_; }
+    void empty();
 
 private:
+    const Deck& deck_;
     FolderLock lock_;
+    bool kept_;
 };
 
 }  // namespace almesh

@@ -262,7 +262,7 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
     AlObserver observer;
     observer.iteration = [&](const AlIteration& row) {
         report.add(row);
-        write_history(deck, report, out);
+        if (deck.frames.empty()) write_history(deck, report, out);
     };
     observer.newton_step = [&](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
     const bool from_file = !problem.start.empty();

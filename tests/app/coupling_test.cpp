@@ -125,6 +125,85 @@ TEST_CASE("a time step that is tried again replaces its mesh; one that is refuse
     CHECK(table[2][2] == "converged");
 }
 
+TEST_CASE("the same time and file again give the same bits, whatever was tried between") {
+    const RingDeck ring;
+    Asked run(ring, {by_file, "velocity=faces"});
+    const auto ask = [&](double t, double shift, int number) {
+        const std::string name = concat(ring.output, "/frame-000", number);
+        CHECK(has(run.ask(concat(t, " ", ring.folder.write("wall.csv", rows(shift)))), " converged "));
+        return text_of(name + ".msh") + text_of(name + "-velocity.csv");
+    };
+    const auto check = [&](double t, double shift, int number) {
+        const std::string first = ask(t, shift, number);
+        CHECK(ask(t, shift, number) == first);
+        CHECK(ask(t, -0.7 * shift, number) != first);
+        CHECK(ask(t, shift, number) == first);
+    };
+    check(0, 0.25, 1);  // solved anew
+    check(0.5, 0.5, 2);
+    check(1, 0.875, 3);
+    check(1.25, 0.9, 4);  // three meshes are known
+    CHECK(run.end() == 0);
+}
+
+TEST_CASE("a mesh to which the nodes cannot go straight has a word of its own") {
+    const RingDeck ring;
+    Asked run(ring, {"boundary inner=rotate \"360*t\""});
+    CHECK(has(run.ask("0.4"), "0.4 converged "));
+    CHECK(run.ask("0.7") == concat("0.7 way_not_valid ", ring.output, "/frame-0002.msh"));  // the other way round
+    CHECK(has(run.ask("0.75"), "0.75 converged "));
+    CHECK(run.end() == 0);
+    const auto table = csv_rows(text_of(ring.output + "/frames.csv"));
+    CHECK(table[2][10] == "not valid");
+    CHECK(table[2][8] == "yes");
+}
+
+TEST_CASE("meshes of a coupled run stay until another one has its first, and where that is of another mesh") {
+    const RingDeck ring;
+    const auto coupled = [&](const std::vector<std::string>& settings, const std::vector<std::string>& lines) {
+        Asked run(ring, settings);
+        std::string last;
+        for (const std::string& line : lines) last = run.ask(line);
+        run.end();
+        return last;
+    };
+    const std::string shift = "boundary inner=translate \"t\" 0", mesh = ring.output + "/frame-0002.msh";
+    REQUIRE(has(coupled({shift}, {"0.1", "0.2"}), "converged"));
+    const auto files = [&] {
+        std::string all;
+        for (const char* name : {"frame-0001.msh", "frame-0002.msh", "frames.csv", "deck.txt", "summary.txt"})
+            all += text_of(ring.output + "/" + name);
+        return all;
+    };
+    const std::string before = files();
+    CHECK(coupled({shift}, {}) == "");
+    CHECK(has(coupled({shift}, {"9"}), "9 refused the target makes"));
+    CHECK(has(coupled({shift, "max_newton_iterations=1"}, {"1"}), "1 max_newton_iterations"));
+    CHECK(files() == before);
+    CHECK(!std::filesystem::exists(ring.output + "/stop.vtk"));
+    CHECK(has(text_of(ring.output + "/frames.log"), "the meshes of the run before are still in " + ring.output));
+
+    ring.folder.write("other.msh", msh_of(ring_mesh(13, 3, 6)));
+    const std::string other = "mesh=" + ring.folder.path("other.msh");
+    for (const std::string frames : {"frames=0.3", ""}) {
+        std::vector<std::string> settings = {other};
+        if (!frames.empty()) settings.insert(settings.end(), {shift, frames});
+        const Outcome outcome = ring.run(settings);
+        CHECK(outcome.code == 1);
+        CHECK(has(outcome.error, ring.output + " has the meshes of a coupled run of another mesh, "));
+        CHECK(has(outcome.error, "ring.msh, which this run would remove: give it another folder, `output = FOLDER`"));
+    }
+    {
+        Asked run(ring, {shift, other});
+        CHECK(run.end() == 1);
+    }
+    CHECK(files() == before);
+    REQUIRE(has(coupled({shift}, {"9", "0.3"}), "0.3 converged " + mesh));
+    CHECK(!std::filesystem::exists(ring.output + "/frame-0001.msh"));
+    CHECK(csv_rows(text_of(ring.output + "/frames.csv")).size() == 3);  // the one that was refused has a row, too
+    CHECK(text_of(ring.output + "/deck.txt") != before);
+}
+
 TEST_CASE("velocities of a time step that is tried again are relative to the step before it") {
     const RingDeck ring;
     Asked run(ring, {by_file, "velocity=faces"});
@@ -173,7 +252,9 @@ TEST_CASE("what is wrong with a line or its file is answered in a line, and the 
     const std::string full = run.ask("1 " + file);
     CHECK_MESSAGE((full.starts_with("1 refused ") && has(full, table)), full);
     std::filesystem::remove(table);
-    CHECK(run.ask("\n1 " + file) == concat("1 converged ", ring.output, "/frame-0002.msh"));
+    for (const char* empty : {"", " \t", "\r"})
+        CHECK(run.ask(empty) == "- refused expected a time and 1 file: the line is empty");
+    CHECK(run.ask("1 " + file) == concat("1 converged ", ring.output, "/frame-0002.msh"));
     CHECK(run.end() == 0);
     CHECK(csv_rows(text_of(ring.output + "/frames.csv")).size() == 3);
 }
@@ -224,7 +305,7 @@ TEST_CASE("a run that waits for a line ends with the signal") {
 
 TEST_CASE("files that a line names need frames = -, which does not go with resume") {
     const RingDeck ring;
-    CHECK(has(ring.run({by_file}).error, "it needs `frames = -`"));
-    CHECK(has(ring.run({by_file, "frames=0,1"}).error, "it needs `frames = -`"));
+    CHECK(has(ring.run({by_file}).error, "needs `frames = -`"));
+    CHECK(has(ring.run({by_file, "frames=0,1"}).error, "needs `frames = -`"));
     CHECK(has(ring.run({by_file, "frames=-", "resume=1"}).error, "resume does not go with frames = -"));
 }

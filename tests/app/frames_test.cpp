@@ -478,6 +478,8 @@ TEST_CASE("a run of frames killed at fifty random moments and resumed ends with 
         for (int k = 1; k <= 17; ++k) all.push_back(text_of(ring.output + "/" + name_of(k) + ".msh"));
         for (const auto& row : frames_of(ring.output))
             all.push_back(concat(row.at("t"), row.at("status"), row.at("newton_steps"), row.at("max_distortion")));
+        for (const auto& row : history_without_times(ring.output))
+            for (const std::string& cell : row) all.back() += "," + cell;
         return all;
     };
     const Stopwatch watch;
@@ -504,11 +506,49 @@ TEST_CASE("a run of frames killed at fifty random moments and resumed ends with 
     }
 }
 
+TEST_CASE("history.csv has the iterations of all frames that are solved anew, also after a resume") {
+    const RingDeck ring;
+    const std::vector<std::string> settings = {pitch_and_plunge, "frames=0.1:0.1:0.4", "objective=minimax"};
+    const auto frames = [&] {  // in the order of their rows
+        std::string all;
+        const auto rows = history_without_times(ring.output);
+        for (std::size_t k = 1; k < rows.size(); ++k)
+            if (all.empty() || all.back() != rows[k][0][0]) all += rows[k][0];
+        return all;
+    };
+    REQUIRE(ring.run(settings).code == 0);
+    CHECK(frames() == "1234");
+    CHECK(ring.run({settings[0], settings[1], "max_al_iterations=1"}).code == 3);  // the first frame ends the run
+    CHECK(frames() == "1");
+    std::vector<std::string> parts = settings, rest = settings;
+    parts[0] = "boundary inner=file " + ring.folder.path("wall-%d.csv") + " displacement";
+    rest = {parts[0], settings[1], settings[2], "resume=1"};
+    const auto wall = [&](int k, int nodes) {
+        std::string text;
+        for (int node = 1; node <= nodes; ++node) text += concat(node, ",", 0.2 * k, ",0\n");
+        ring.folder.write(concat("wall-", k, ".csv"), text);
+    };
+    for (int k = 1; k <= 4; ++k) wall(k, 12);
+    REQUIRE(ring.run(parts).code == 0);
+    const auto of_files = history_without_times(ring.output);
+    wall(3, 11);  // the run ends there
+    REQUIRE(ring.run(parts).code == 2);
+    CHECK(frames() == "12");
+    wall(3, 12);
+    REQUIRE(ring.run(rest).code == 0);
+    CHECK(history_without_times(ring.output) == of_files);
+    CHECK(frames() == "1234");
+}
+
 TEST_CASE("a run of frames that is out of time says how to go on; another run's state is refused") {
     const RingDeck ring(ring_mesh(24, 6, 6));
     Outcome outcome = ring.run({pitch_and_plunge, "frames=0:0.0001:1", "vtk=none", "max_seconds=0.3"});
     CHECK(outcome.code == 3);
     CHECK(has(outcome.out, "try resume=1, which goes on from here"));
+    const Outcome at_once = almesh_with({ring.deck, pitch_and_plunge, "frames=0:1:4", "max_seconds=1e-9",
+                                         "output=" + ring.folder.path("other")});
+    CHECK(at_once.code == 3);
+    CHECK(has(at_once.out, "interrupted in frame 1, t = 0\n"));  // nothing has been saved
     const std::size_t done = frames_of(ring.output).size();
     CHECK(done > 0);
     outcome = ring.run({pitch_and_plunge, "frames=0:0.0002:1", "vtk=none", "resume=1"});
