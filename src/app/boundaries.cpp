@@ -187,7 +187,7 @@ void assign_boundaries(const Deck& deck, Mesh& mesh, std::vector<std::string>& n
     }
     check_names(deck, mesh, groups);
     const Names free = names_of(inner_groups(mesh));
-    if (!free.empty()) notes.push_back("inside the mesh, and free as no line moves them: " + list_of(free));
+    if (!free.empty()) notes.push_back("inside the mesh, and free as the deck has no line for them: " + list_of(free));
     merge_boundaries(deck, mesh);
 }
 

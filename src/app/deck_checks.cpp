@@ -60,8 +60,8 @@ void check_curved_ideal(const Deck& deck, const Mesh& in_file, const Mesh& of_ru
         throw UsageError(deck.given.at("start"), ": start = coarse needs a straight-sided ideal mesh; with ideal = "
                          "given take start = identity");
     if (of_run.degree < in_file.degree && !certify(of_run, of_run.x, deck.certificate).valid)
-        throw UsageError(deck.given.at("degree"), ": of degree ", of_run.degree, " the curved mesh, which is the ideal "
-                         "one here (ideal = given), is not valid: take degree = ", in_file.degree);
+        throw UsageError(deck.given.at("degree"), ": in degree ", of_run.degree, " the curved mesh, which is the "
+                         "ideal mesh with ideal = given, is not valid: take degree = ", in_file.degree);
 }
 
 // Algorithm 1 as printed weighs the penalty mu^2: the mu of a coarser mesh would mean something else.
@@ -84,11 +84,11 @@ void check_times(const Deck& deck) {
             throw UsageError(boundary.where, ": boundary ", boundary.name, " moves with the time t: ",
                              "give the times, such as `frames = 0 : 0.1 : 1`");
     if (files_in_line(deck) > 0 && !is_coupled(deck.frames))
-        throw UsageError(deck.path, ": the file `-` of a motion is the one that standard input names with the time: "
-                         "it needs `frames = -`");
+        throw UsageError(deck.path, ": a step `file -` takes the file that standard input names with each time, which "
+                         "needs `frames = -`");
     if (is_coupled(deck.frames) && deck.resume)
         throw UsageError(deck.given.at("resume"), ": resume does not go with frames = -: start the run again and send "
-                         "the last times again, a mesh does not depend on those before it");
+                         "the last times again");
     if (deck.velocity != Velocity::no && deck.frames.empty())
         throw UsageError(deck.given.at("velocity"), ": velocity needs frames, the times of a motion");
     for (const auto& [key, is_set] : {std::pair("split", deck.split != Split::never),
@@ -137,7 +137,8 @@ std::string left_out_sections(const Deck& deck, const Mesh& in_file, const Mesh&
     std::string names;
     for (const FileSection& section : in_file.file.sections) names += (names.empty() ? "" : ", ") + section.name;
     if (names.empty()) return "";
-    return concat("not in the final mesh, whose ", same_format ? "elements are others" : "format is another", ": ",
+    return concat("not in the final mesh, as its ", same_format ? "elements are not those" : "format is not that",
+                  " of the file: ",
                   names);
 }
 

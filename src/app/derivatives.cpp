@@ -43,8 +43,8 @@ Values read_values(const Mesh& mesh, const std::string& path, bool all) {
     read_node_rows(mesh, path, nodes, all ? "in the mesh" : "on a boundary", values, known);
     for (int i = 0; i < mesh.nodes(); ++i)
         if (chosen[i] && !known[i])
-            throw InputError(path, ": node ", mesh.file.node_id[i], " has no row, as all nodes ",
-                             all ? "of the mesh" : "of boundaries", " must: zeros where there is nothing");
+            throw InputError(path, ": node ", mesh.file.node_id[i], " has no row: each node ",
+                             all ? "of the mesh" : "of a boundary", " needs one, if only of zeros");
     return values;
 }
 

@@ -62,9 +62,10 @@ TargetFaults faults_of(const CheckedTarget& checked) {
     return find_faults(checked.mesh, checked.ideal, checked.target, bound_of_faults(checked));
 }
 
-std::string note_of(const TargetFaults& faults, const Mesh& mesh, const std::string& what_is_done) {
-    return concat("the target inverts ", counts_of(faults), ", or nearly so; ", what_is_done, ":",
-                  describe(mesh, faults));
+std::string note_of(const CheckedTarget& checked, const TargetFaults& faults, const Mesh& mesh,
+                    const std::string& what_is_done) {
+    return concat("the target makes ", counts_of(faults), " invalid or nearly invalid (scaled Jacobian at most ",
+                  bound_of_faults(checked), "); ", what_is_done, ":", describe(mesh, faults));
 }
 
 int count(const std::vector<char>& chosen) { return static_cast<int>(std::count(chosen.begin(), chosen.end(), 1)); }
@@ -135,7 +136,7 @@ std::string straighten_folded(const CheckedTarget& checked) {
     if (faults.none()) return "";
     straighten_target(checked, faces_at_fault(checked.mesh, faults, {}));
     const int flat = count(checked.target.straight);
-    return note_of(faults, checked.mesh,
+    return note_of(checked, faults, checked.mesh,
                    counted(flat, "face") + (flat == 1 ? " there is" : " there are") + " made flat");
 }
 
@@ -156,11 +157,11 @@ int split_folded(const CheckedTarget& checked, Mesh& base, std::vector<std::stri
     for (const std::vector<Simplex>& inner : inner_simplices(base, elements)) at.insert(inner.begin(), inner.end());
     if (at.empty()) return 0;
     Mesh divided = split(base, {at.begin(), at.end()});
-    notes.push_back(note_of(faults_in_file, base,
+    notes.push_back(note_of(checked, faults_in_file, base,
                             concat("divided by ", counted(at.size(), "node"), " inside, the mesh has ",
                                    divided.element_count() - base.element_count(), " elements more")));
     if (divided.file.sections.size() < base.file.sections.size())
-        notes.push_back("not in the final mesh, whose elements are others: $ElementNodeData");
+        notes.push_back("not in the final mesh, as its elements are not those of the file: $ElementNodeData");
     base = std::move(divided);
     return static_cast<int>(faults_in_file.elements.size());
 }
@@ -175,7 +176,8 @@ std::string free_folded(const CheckedTarget& checked) {
     target.freed = freed_nodes(mesh, target, faults);
     const TargetFaults left = faults_of(checked);
     if (!left.none()) refuse(mesh, left, advice(left, checked));
-    return note_of(faults, mesh, counted(count(target.freed), "node") + " around them slide along the surface");
+    return note_of(checked, faults, mesh,
+                   counted(count(target.freed), "node") + " around them slide along the surface");
 }
 
 }  // namespace almesh

@@ -193,13 +193,13 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, std::F
     };
     Solution solution = solve(deck, problem);
     if (is_worse(solution) && deck.distortion.objective != Objective::minimax && !interrupted()) {
-        std::fprintf(out, "note: an element became worse than the worst was: with objective = minimax\n");
+        std::fprintf(out, "note: an element is worse than the worst of the file: again with objective = minimax\n");
         Deck other = deck;
         other.distortion.objective = Objective::minimax;
         solution = solve(other, problem);
     }
     if (problem.sliding && fails(solution) && is_certified(deck, problem, x)) {
-        std::fprintf(out, "note: with nodes that slide no valid mesh was found: they stay where they are\n");
+        std::fprintf(out, "note: no valid mesh was found with nodes that slide: the boundary stays as it is\n");
         fix_boundary(problem, x);
         solution = solve(deck, problem);
     }
@@ -264,7 +264,7 @@ Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FI
         const LeastJacobian before = least_jacobian(deck, mesh, mesh.x);
         const LeastJacobian now = x.empty() ? before : least_jacobian(deck, mesh, x);
         const bool is_better = now.corner > before.corner && !now.is_below(before) && is_certified(deck, problem, x);
-        if (!is_better) std::fprintf(out, "note: that is not better either\n");
+        if (!is_better) std::fprintf(out, "note: the mesh with moved vertices is not better either\n");
         else fix_boundary(problem, x);
         set_functional(deck, problem);
         solution = ended_at(problem, is_better ? std::move(x) : mesh.x, Status::converged);

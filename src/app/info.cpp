@@ -4,6 +4,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "app/base_mesh.hpp"
 #include "app/commands.hpp"
 #include "app/deck.hpp"
 #include "base/index.hpp"
@@ -38,7 +39,7 @@ std::string kept_text(const Mesh& mesh) {
     for (const KeptCells& kept : mesh.kept)
         if (const CellType& cell = mesh.cell_of(kept); kept.count() && cell.dim < mesh.dim)
             text += concat(text.empty() ? "" : ", ", counted(kept.count(), cell.name),
-                           cell.dim == mesh.dim - 1 ? " inside, in no group, or once more" : "");
+                           cell.dim == mesh.dim - 1 ? " inside the mesh, in no group or repeated" : "");
     if (const auto count = mesh.file.loose.size())
         text += concat(text.empty() ? "" : ", ", counted(count, "node"), " without an element");
     for (const FileSection& section : mesh.file.sections) text += (text.empty() ? "" : ", ") + section.name;
@@ -88,11 +89,20 @@ void print_other_groups(const Mesh& mesh, GroupTable& table) {
     }
 }
 
-std::string validity_of(const Mesh& mesh, const CertificateParams& params) {
-    const Certificate certificate = certify(mesh, mesh.x, params);
+// What a run does with a mesh that is not valid.
+std::string what_a_run_does(const Deck& deck, const RawMesh& raw) try {
+    std::vector<std::string> notes;
+    build_base_mesh(raw, deck.ideal, deck.certificate, notes);
+    return "a run starts from the mesh with straight sides";
+} catch (const InputError&) {
+    return "a run refuses the mesh, almesh improve FILE may mend it";
+}
+
+std::string validity_of(const Deck& deck, const RawMesh& raw, const Mesh& mesh) {
+    const Certificate certificate = certify(mesh, mesh.x, deck.certificate);
     if (!certificate.valid)
-        return counted(certificate.uncertified.size(), "element") + " not certified valid (almesh quality FILE lists "
-               "them)" + (mesh.degree > 1 ? "; a run straightens the mesh first" : "");
+        return concat(counted(certificate.uncertified.size(), "element"), " not certified valid (almesh quality FILE ",
+                      "lists them); ", what_a_run_does(deck, raw));
     const Injectivity injectivity = certify_injective(mesh, mesh.x, certificate);
     return injectivity.certified ? "all elements certified valid, none overlap"
                                  : "all elements certified valid, but " + injectivity.reason;
@@ -158,7 +168,8 @@ void print_deck(const Deck& deck, const Mesh& mesh, const std::vector<GroupCells
 ExitCode info(const Deck& deck, std::FILE* out) {
     set_threads(deck.threads);
     std::vector<std::string> notes;
-    const Mesh mesh = build_mesh(read_mesh(deck.mesh), notes, Folds::keep);
+    const RawMesh raw = read_mesh(deck.mesh);
+    const Mesh mesh = build_mesh(raw, notes, Folds::keep);
     std::vector<int> all(mesh.nodes());
     std::iota(all.begin(), all.end(), 0);
     const char* const measure = mesh.dim == 2 ? "area" : "volume";
@@ -172,7 +183,7 @@ ExitCode info(const Deck& deck, std::FILE* out) {
     if (const std::string kept = kept_text(mesh); !kept.empty())
         std::fprintf(out, "# carried along with the mesh: %s\n", kept.c_str());
     for (const std::string& note : notes) std::fprintf(out, "# note: %s\n", note.c_str());
-    std::fprintf(out, "# %s\n", validity_of(mesh, deck.certificate).c_str());
+    std::fprintf(out, "# %s\n", validity_of(deck, raw, mesh).c_str());
 
     const std::vector<GroupCells> inner = inner_groups(mesh), volumes = volume_groups(mesh);
     const std::vector<KeptFace> kept = kept_faces(mesh);
@@ -196,7 +207,7 @@ ExitCode info(const Deck& deck, std::FILE* out) {
         std::vector<int> nodes;
         for (const int c : group.cells)
             nodes.insert(nodes.end(), kept[c].nodes, kept[c].nodes + kept[c].cell->node_count(mesh.degree));
-        table.print("Inside the mesh (free where no line moves them)", group.name,
+        table.print("Inside the mesh (free unless a line moves them)", group.name,
                     counted(group.cells.size(), "face"), nodes);
     }
     for (const GroupCells& group : volumes) {
@@ -208,7 +219,7 @@ ExitCode info(const Deck& deck, std::FILE* out) {
         }
         std::string cells = concat(counted(group.cells.size(), "element"), ", ", measure, " ");
         append(cells, size, 6);
-        table.print("Volumes (free where no line moves them)", group.name, cells, nodes);
+        table.print("Volumes (free unless a line moves them)", group.name, cells, nodes);
     }
     print_other_groups(mesh, table);
     const bool has_names = std::none_of(notes.begin(), notes.end(),

@@ -94,11 +94,10 @@ void print_volume_changes(std::FILE* out, const Mesh& mesh, const std::vector<do
             const bool goes_in = faces[k].neighbour >= 0 && is_in[faces[k].neighbour];
             if (goes_out != goes_in) gained += goes_out ? swept[k] : -swept[k];
         }
-        text += (text.empty() ? "" : ", ") + region.name + " by ";
+        text += (text.empty() ? "" : ", ") + region.name + " ";
         append(text, gained / before, 2);
-        text += " of it";
     }
-    std::fprintf(out, "change of volume: %s\n", text.c_str());
+    std::fprintf(out, "change of %s relative to the file: %s\n", mesh.dim == 2 ? "area" : "volume", text.c_str());
 }
 
 }  // namespace
@@ -115,7 +114,7 @@ void hold_curved_faces(const Deck& deck, Problem& problem, const std::vector<dou
 void hold_surface(const Deck& deck, Problem& problem) {
     const Mesh& mesh = problem.mesh();
     if (certify(mesh, mesh.x, deck.certificate).valid) hold_curved_faces(deck, problem, mesh.x);
-    if (problem.sliding) note(problem, hold(problem, nodes_of_features(mesh)), ": named points and curves");
+    if (problem.sliding) note(problem, hold(problem, nodes_of_features(mesh)), ", being on named points or curves");
 }
 
 Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out) {
@@ -146,10 +145,9 @@ double surface_distance(const Problem& problem, const std::vector<double>& x) {
 
 void print_surface(std::FILE* out, const Deck& deck, const Problem& problem, const std::vector<double>& x) {
     const double distance = surface_distance(problem, x);
-    const char* const judged = distance > deck.surface_tolerance
-                                   ? "NOT within surface_tolerance, as no valid mesh was found with the file's boundary"
-                                   : "within surface_tolerance";
-    std::fprintf(out, "%s: boundary and file are within %.2g of the local edge of each other\n", judged, distance);
+    std::fprintf(out,
+                 "distance of the boundary from that of the file: %.2g of an edge, %swithin surface_tolerance = %g\n",
+                 distance, distance > deck.surface_tolerance ? "NOT " : "", deck.surface_tolerance);
     print_volume_changes(out, problem.mesh(), x);
 }
 

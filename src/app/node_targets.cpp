@@ -235,7 +235,7 @@ void read_node_rows(const Mesh& mesh, const std::string& path, const std::unorde
         for (int a = 0; a < mesh.dim; ++a) {
             const double here = in.real("a coordinate");
             double& v = value[offset(node, mesh.dim, a)];
-            if (known[node] && here != v) in.fail("node ", id, " is here already, in line ", line[node], ", elsewhere");
+            if (known[node] && here != v) in.fail("node ", id, " has other numbers in line ", line[node]);
             v = here;
         }
         if (!known[node]) line[node] = in.line;

@@ -57,8 +57,8 @@ struct Solution {
 // How a problem is solved.
 using Solve = std::function<Solution(const Deck& deck, const Problem& problem)>;
 
-// Of the nodes of the solution, in the file's frame; those at their targets have the target's bits, and with region =
-// folded those that are where the file has them the file's.
+// Of the nodes of the solution, in the file's frame; those at their targets have the target's bits, and where a mesh is
+// curved in place those that are where the file has them the file's.
 std::vector<double> final_positions(const Problem& problem, const std::vector<double>& solution);
 
 void write_deck(const Deck& deck, const Problem& problem);     // deck.txt

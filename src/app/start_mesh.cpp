@@ -41,8 +41,8 @@ std::vector<double> read_positions(const Deck& deck, const std::string& key, con
     const std::vector<double> bound = certify(mesh, x, deck.certificate).lower_bound;
     const auto worst = std::min_element(bound.begin(), bound.end());
     if (*worst > 0) return x;
-    throw InputError("it is not valid, element ", mesh.file.element_id[worst - bound.begin()],
-                     " has a scaled Jacobian >= ", rounded_down(*worst, 3));
+    throw InputError("it is not certified valid: the lower bound for the scaled Jacobian of element ",
+                     mesh.file.element_id[worst - bound.begin()], " is ", rounded_down(*worst, 3));
 } catch (const InputError& error) {
     throw InputError(deck.given.at(key), ": ", key, " = ", key == "start" ? "" : "mesh ", path, ": ", error.what());
 }

@@ -40,7 +40,7 @@ void print_distances(std::FILE* out, const Mesh& mesh, const std::vector<Boundar
                      const std::string& from);
 
 // Largest distance from their surface of points of the faces that have a node that slides; 0 where there are none.
-// x: node_count x dim positions, target and x in units of sliding.unit().
+// x: node_count x dim positions, target and x in the frame sliding.frame().
 double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces& sliding,
                               const std::vector<double>& x);
 

@@ -85,7 +85,7 @@ TEST_CASE("a surface inside the mesh is a boundary where a line moves it, and fr
     Strings notes;
     assign_boundaries(parsed("boundary all = fixed"), mesh, notes);
     CHECK(mesh.boundaries.size() == outer);
-    CHECK(notes == Strings{"inside the mesh, and free as no line moves them: \"interface\""});
+    CHECK(notes == Strings{"inside the mesh, and free as the deck has no line for them: \"interface\""});
 
     notes.clear();
     assign_boundaries(parsed("boundary all = fixed\nboundary interface = translate 0.1 0"), mesh, notes);

@@ -76,7 +76,7 @@ TEST_CASE("a mesh that is split keeps data of its nodes word for word, and says 
     folder.write("square.msh", msh_of(before) + node_data + corner_data);
     const Outcome outcome = almesh_with({dented_square(folder, "square.msh")});
     REQUIRE(outcome.code == 0);
-    CHECK(has(outcome.out, "note: not in the final mesh, whose elements are others: $ElementNodeData\n"));
+    CHECK(has(outcome.out, "note: not in the final mesh, as its elements are not those of the file: $ElementNodeData\n"));
     const std::string text = text_of(folder.path("out/final.msh"));
     CHECK(has(text, node_data));
     CHECK(!has(text, "$ElementNodeData"));

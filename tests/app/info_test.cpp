@@ -47,15 +47,15 @@ TEST_CASE("info tells the format of a file, and what comes along with the mesh")
     const Outcome told = almesh_with({"info", "tests/io/data/interface-41.msh"});
     CHECK(told.code == 0);
     CHECK(has(told.out, "interface-41.msh, MSH 4.1, binary: 9 nodes, 2 triangles of degree 2\n"));
-    CHECK(has(told.out, "# carried along with the mesh: 2 points, 1 line inside, in no group, or once more, 1 node without an element\n"));
+    CHECK(has(told.out, "# carried along with the mesh: 2 points, 1 line inside the mesh, in no group or repeated, 1 node without an element\n"));
 }
 
 TEST_CASE("info lists the groups inside and the volumes, with lines to uncomment, and keeps the keys given") {
     const Outcome told = almesh_with({"info", "inputs/meshes/inclusion.msh", "threads=1", "degree=2"});
     CHECK(told.code == 0);
     CHECK(has(told.out, "# Boundaries:\n#   far        51 faces, 51 nodes, "));
-    CHECK(has(told.out, "# Inside the mesh (free where no line moves them):\n#   interface  16 faces, 16 nodes, "));
-    CHECK(has(told.out, "# Volumes (free where no line moves them):\n#   solid      "));
+    CHECK(has(told.out, "# Inside the mesh (free unless a line moves them):\n#   interface  16 faces, 16 nodes, "));
+    CHECK(has(told.out, "# Volumes (free unless a line moves them):\n#   solid      "));
     CHECK(has(told.out, "#   fluid      "));
     CHECK(has(told.out, "\ndegree = 2\nthreads = 1\nboundary far = fixed\n# boundary interface = fixed\n# volume solid = fixed\n"
                         "# volume fluid = fixed\n"));
