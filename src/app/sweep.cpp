@@ -1,6 +1,9 @@
 // Every run is a process of its own: one that crashes or is killed takes none of the others with it.
 #include "app/sweep.hpp"
 
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -113,12 +116,16 @@ ExitCode run_one(const Run& run) {
     return code;
 }
 
-// Its exit code is that of the run.
+// Its exit code is that of the run. It does not outlive a sweep that is killed, where the system is Linux.
 pid_t start_process(const Run& run) {
     std::fflush(nullptr);  // else the child has what is not yet written, too
-    const pid_t child = fork();
+    const pid_t sweep = getpid(), child = fork();
     if (child < 0) throw InputError("cannot start a process: ", std::strerror(errno));
     if (child > 0) return child;
+#ifdef __linux__
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+    if (getppid() != sweep) raise(SIGKILL);  // it was killed before
     ExitCode code = ExitCode::input;
     try {
         code = run_one(run);
@@ -337,6 +344,11 @@ Sweep parse_sweep(std::string_view text) {
     const auto equals = text.find('=');
     Sweep sweep;
     sweep.name = trim(text.substr(0, equals));
+    if (const auto word = words(sweep.name); !word.empty() && (word[0] == "boundary" || word[0] == "volume"))
+        throw UsageError("sweep ", sweep.name, ": a sweep is over numbers or words: name what differs between the ",
+                         "motions, as in `let a = 30`, `boundary NAME = rotate a`, `sweep a = 30, 60`");
+    if (sweep.name == "output")
+        throw UsageError("sweep output: every run of a sweep has a folder of its own in that of the key output");
     if (equals == std::string_view::npos || words(sweep.name).size() != 1)
         throw UsageError("expected `sweep KEY = VALUE, VALUE, ...` or `sweep KEY = FROM : STEP : TO`");
     for (const std::string_view value : split(text.substr(equals + 1), ',')) {

@@ -5,7 +5,7 @@
 // VALUES: separated by commas, FROM : STEP : TO for all of a range. Each run is the one of `almesh DECK KEY=VALUE ...`,
 // to the last bit, in a folder of its own named by its values: outputs/circle/mu0=10,refine=1. A run that has come to
 // its end, whatever that was, leaves the file sweep.row there, and is not done again while deck, its files and program
-// are the same; runs that were killed have none.
+// are the same; runs that were killed have none. The runs of a sweep that is killed are killed with it.
 #pragma once
 #include <cstdio>
 #include <string>

@@ -160,6 +160,9 @@ TEST_CASE("what is wrong with a sweep is said before anything runs") {
     CHECK(has(refusal({"sweep degree=1,,2"}), "a value is missing"));
     CHECK(has(refusal({"sweep degree=1,2,1"}), "`1` is there twice"));
     CHECK(has(refusal({"sweep degree"}), "expected `sweep KEY = VALUE, VALUE, ...`"));
+    CHECK(has(refusal({"sweep boundary inner=translate 1 0, translate 2 0"}), "sweep boundary inner: a sweep is over"));
+    CHECK(has(refusal({"sweep volume inner=fixed, translate 2 0"}), "`let a = 30`, `boundary NAME = rotate a`"));
+    CHECK(has(refusal({"sweep output=a, b"}), "sweep output: every run of a sweep has a folder of its own"));
     CHECK(has(refusal({"sweep degree=3:1:1"}), "sweep degree = 3:1:1 are -1 numbers"));
     CHECK(has(refusal({"sweep mu0=1:0.001:400", "sweep omega_star=1:0.001:400"}), "more than 100000 runs"));
     CHECK(has(refusal({"sweep degree=1,2", "sweep degree=1,2"}), "sweep degree is already set"));
@@ -201,7 +204,7 @@ TEST_CASE("a sweep killed at any place is resumed with no run lost or done twice
                      kill(child, SIGKILL);
                  });
         while (sweep_of(ring, two_lines, "--collect").code != 0 && sweep_of(ring, two_lines).code == 2)
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));  // runs of the killed one go on to their end
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));  // until the runs of the killed one have ended
         for (const auto& [name, time] : ended) CHECK(time_of(name) == time);
         for (const auto& folder : std::filesystem::directory_iterator(ring.output))
             if (const std::string row = folder.path().string() + "/sweep.row"; std::filesystem::exists(row))
@@ -212,6 +215,47 @@ TEST_CASE("a sweep killed at any place is resumed with no run lost or done twice
     REQUIRE(table.size() == wanted.size());
     for (std::size_t k = 1; k < table.size(); ++k)
         CHECK(text_of(ring.output + "/mu0=" + table[k][2] + ",degree=" + table[k][3] + "/history.csv").size() > 100);
+}
+
+namespace {
+
+// Of a living process, on Linux: its parent, else 0.
+pid_t parent_of(const std::string& process) {
+    std::ifstream file("/proc/" + process + "/stat");
+    std::string number, name, state;
+    pid_t parent = 0;
+    return file >> number >> name >> state >> parent && state != "Z" ? parent : 0;
+}
+
+std::vector<std::string> children_of(pid_t parent) {
+    std::vector<std::string> found;
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc", error))
+        if (const std::string name = entry.path().filename(); parent_of(name) == parent) found.push_back(name);
+    return found;
+}
+
+}  // namespace
+
+TEST_CASE("a sweep that is killed leaves no process behind") {
+    if (!std::filesystem::exists("/proc/self/stat")) return;
+    const RingDeck ring;
+    for (const int signal : {SIGTERM, SIGKILL}) {
+        std::vector<std::string> runs;
+        in_child([&] { return sweep_of(ring, {"sweep mu0=10, 100", "refine=5"}).code; },  // minutes
+                 [&](pid_t child) {
+                     for (int k = 0; k < 1000 && runs.empty(); ++k) {
+                         std::this_thread::sleep_for(std::chrono::milliseconds(5));
+                         runs = children_of(child);
+                     }
+                     kill(child, signal);
+                 });
+        CHECK(!runs.empty());
+        const auto is_alive = [](const std::string& run) { return parent_of(run) > 0; };
+        for (int k = 0; k < 200 && std::any_of(runs.begin(), runs.end(), is_alive); ++k)
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        CHECK(std::none_of(runs.begin(), runs.end(), is_alive));
+    }
 }
 
 TEST_CASE("a job array runs what is missing, and its rows are collected") {
