@@ -58,7 +58,7 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all run help test test-page page run-tests run-long-test run-other-tests doctest python asan fuzz bench compare compare-cholmod compare-gmsh compare-improve cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
+.PHONY: all oracle run help test test-page page run-tests run-oracle run-long-test run-other-tests doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
         figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation quality clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -105,10 +105,14 @@ $(BUILD)/flags: FORCE
 run: almesh ## move the circle of section 4.1 and print its table
 	./almesh inputs/circle.deck
 
-test: doctest python ## run every test, built with warnings as errors, and build the benchmark (installs doctest where it is missing)
+test: doctest python numpy ## run every test, built with warnings as errors, and build the benchmark (installs doctest where it is missing)
 	tests/mutants/mutants.py --check
-	$(MAKE) BUILD=build-test WERROR=-Werror run-tests lessons build-test/almesh-bench
+	$(MAKE) BUILD=build-test WERROR=-Werror run-tests run-oracle lessons build-test/almesh-bench
 	@tests/house.py
+
+oracle: almesh numpy ## look for false sentences: decks and generated cases against what their meshes are (DECKS="circle crack"; numpy)
+	tests/oracle/self_test.py
+	tests/oracle/run.py $(DECKS)
 
 mutants: doctest python ## plant changes in the source, one at a time, and list those that no test notices (ONLY='words')
 	CXX='$(CXX)' tests/mutants/mutants.py $(ONLY)
@@ -146,6 +150,9 @@ run-long-test: $(BUILD)/almesh-tests
 	$(UNDER) $(BUILD)/almesh-tests -tc='$(LONG_TEST)'
 run-other-tests: $(BUILD)/almesh-tests
 	$(UNDER) $(BUILD)/almesh-tests -tce='$(LONG_TEST)'
+run-oracle: $(BUILD)/almesh
+	tests/oracle/self_test.py
+	tests/oracle/run.py --program $(BUILD)/almesh --quick
 run-fast-tests: run-fast-app-tests run-fast-other-tests
 run-fast-app-tests: $(BUILD)/almesh-tests
 	$(UNDER) $(BUILD)/almesh-tests -tce='$(SLOW_TESTS)' -sf='*tests/app/*'
@@ -181,6 +188,9 @@ doctest:
 
 python:
 	@.ci/install-python
+
+numpy:
+	@.ci/install-python numpy
 
 # The library in one file, so that the programs of the course are linked quickly.
 $(BUILD)/libalmesh.a: $(LIBRARY)
