@@ -96,13 +96,13 @@ class Check:
         bad = self.invalid_in_file()
         if re.search(r"cross(es|ing)? itself|overlap", self.console) and not bad:
             self.check_crossing(self.mesh, self.signs_in(self.mesh))
-        self.check_listed(bad | (self.inverted_by_target() if "inverts" in self.console else set()))
+        self.check_listed(self.doomed())
         lines = {name: text.split(";")[-1].strip() for name, (text, _) in self.deck.moves["boundary"].items()}
         if "let them slide" in self.console and all(text in ("slide", "free") for text in lines.values()):
             self.say("said that nodes are fixed, \"let them slide\", where all boundaries slide or are free")
 
-    def inverted_by_target(self):
-        """Elements whose nodes all have a target, with det J <= 0 there."""
+    def doomed(self):
+        """Elements that prescribed nodes alone make invalid: all their nodes, of linear ones those at a corner."""
         mesh = self.mesh
         if self.refine or int(self.deck.value("degree", 0)) not in (0, mesh.degree):
             return set()
@@ -110,8 +110,18 @@ class Check:
         for _, nodes, _, moved in self.moves_of(mesh, 0.0, 0)[1]:
             nodes = nodes[moved.kind[nodes] == "moves"]
             x[nodes], known[nodes] = moved.x[nodes], True
-        return {int(i) for b in mesh.cells for i in b.ids[known[b.nodes].all(axis=1) & (
-            geometry.least_scaled(b, x, self.signs_in(mesh)[id(b)]) <= 1e-12)]}
+        found = set()
+        for block in mesh.cells:
+            sign = self.signs_in(mesh)[id(block)]
+            bad = known[block.nodes].all(axis=1) & (geometry.least_scaled(block, x, sign) <= 1e-12)
+            for v in range(len(block.cell.vertices)) if block.degree == 1 else []:
+                at = [v, *(b if a == v else a for a, b in block.cell.edges if v in (a, b))]
+                if len(at) == mesh.dim + 1:
+                    J = geometry.jacobians(block.cell, 1, x[block.nodes][:, :, :mesh.dim], reference(block.cell, 1)[[v]])
+                    size = np.ptp(x[block.nodes], axis=1).max(axis=1) ** mesh.dim
+                    bad |= known[block.nodes[:, at]].all(axis=1) & (sign * det(J)[:, 0] <= 1e-12 * size)
+            found |= set(block.ids[bad].tolist())
+        return found
 
     def check_crossing(self, mesh, signs):
         where, count = geometry.overlaps(mesh, mesh.x, signs)
@@ -194,6 +204,7 @@ class Check:
         if is_same and not (self.improves or self.refine or self.number("split_elements")):
             self.check_distortion(result, numbers)
         self.check_volume_rows(result)
+        self.check_table(result, signs)
         self.findings[before:] = [at + text for text in self.findings[before:]]
 
     def check_topology(self, result):
@@ -203,7 +214,9 @@ class Check:
                                 ("elements", sum(len(b.ids) for b in result.cells))):
             if quantity in self.summary and int(self.summary[quantity]) != count:
                 self.say(f"{quantity} = {self.summary[quantity]}, the file has {count}")
-        if len(set(result.ids.tolist())) != len(result.ids) or not set(mesh.ids.tolist()) <= set(result.ids.tolist()):
+        must = set(mesh.ids.tolist()) if result.degree == mesh.degree else \
+            {int(i) for b in mesh.cells for i in mesh.ids[b.nodes[:, :len(b.cell.vertices)]].ravel()}
+        if len(set(result.ids.tolist())) != len(result.ids) or not must <= set(result.ids.tolist()):
             self.say("ids of nodes are not kept")
         if same and not divided and mesh.ids.tolist() != result.ids.tolist():
             if sorted(mesh.ids.tolist()) != sorted(result.ids.tolist()):
@@ -283,7 +296,7 @@ class Check:
             one, of_eta, largest = one + a, of_eta + b, max(largest, np.nanmax(eta))
             if not geometry.is_straight(block):
                 n = block.cell.dim
-                points = lattice(block.cell, 4 * block.degree)
+                points = lattice(block.cell, 4 * block.degree * (4 - n))
                 worst = np.argsort(-eta.max(axis=1))[:200]
                 J, A = (geometry.jacobians(block.cell, block.degree, x[block.nodes[worst]][:, :, :n], points)
                         for x in (result.x, ideal))
@@ -295,9 +308,9 @@ class Check:
                 root = max(root, eta.max())
         q, straight = np.sqrt(one / of_eta), all(map(geometry.is_straight, result.cells))
         said = float(numbers["relative_quality"]), float(numbers["max_distortion"])
-        if not abs(said[0] - q) <= (2e-6 if straight else 3e-3) * q:
+        if not abs(said[0] - q) <= (2e-6 if straight else 3e-3 if largest < 10 else 3e-2) * q:  # peaks of eta are hard to integrate
             self.say(f"relative_quality = {said[0]}, it is {q:.7g}")
-        if not root * (1 - 1e-6) <= said[1] <= largest * (1 + (1e-6 if straight else 0.02)):
+        if not root * (1 - 1e-6) <= said[1] <= largest * (1 + (1e-6 if straight else 0.02 if largest < 10 else 0.2)):
             self.say(f"max_distortion = {said[1]}, samples are from {root:.7g} to {largest:.7g}")
 
     def check_volume_rows(self, result):
@@ -310,8 +323,28 @@ class Check:
         change = re.search(r"^change of volume: domain by ([^ ,;]+)", self.console, re.M)
         if change and not self.refine:
             was, now = (sum(np.abs(geometry.volumes(b, m.x)).sum() for b in m.cells) for m in (self.mesh, result))
-            if not self.invalid_in_file() and abs(abs(now - was) / was - abs(float(change[1]))) > 0.01 * abs(float(change[1])) + 1e-9:
+            if not self.invalid_in_file() and abs(abs(now - was) / was - abs(float(change[1]))) > 0.05 * abs(float(change[1])) + 1e-9:  # two digits
                 self.say(f"said change of volume {change[1]}, it is {(now - was) / was:.3g}")
+
+    def check_table(self, result, signs):
+        """What `improve` says of corners before and after: the least, the mean, how many are not above a value."""
+        bounds = [float(b) for b in re.findall(r"< (\S+)", "".join(re.findall(r"^elements +least.*", self.console, re.M)))]
+        for mesh, when, of in ((self.mesh, "scaled Jacobian  before", self.signs_in(self.mesh)), (result, " +after", signs)):
+            row = re.search(rf"^{when} +(\S+) +(\S+)((?: +\d+)+)", self.console, re.M)
+            if not row or self.refine or len(mesh.cells[0].nodes) == 0:
+                continue
+            J = np.concatenate([of[id(b)] * geometry.corner_jacobians(b, mesh.x) for b in mesh.cells])
+            counts = [np.sum(J <= 0), *(np.sum(J < b) for b in bounds)]
+            near = [np.sum(np.abs(J - b) < 1e-9) for b in [0, *bounds]]
+            said = [int(n) for n in row[3].split()]
+            if abs(float(row[1]) - J.min()) > 1e-3 * abs(J.min()) + 1e-9 or abs(float(row[2]) - J.mean()) > 1e-3 * abs(J.mean()) \
+                    or any(abs(a - b) > n for a, b, n in zip(said, counts, near)):
+                self.say(f"table, {when.split()[-1].strip(' +')}: {' '.join(row[0].split()[-8:])}; the corners have {J.min():.4g}",
+                         f"{J.mean():.4g}", *counts)
+        said = re.search(r"^(\d+) elements? invalid in the file, (\d+) left", self.console, re.M)
+        left = sum(int(np.sum(geometry.least_scaled(b, result.x, signs[id(b)]) <= 0)) for b in result.cells)
+        if said and (int(said[1]) < len(self.invalid_in_file()) or int(said[2]) < left):
+            self.say(f"said {said[0]}, but {len(self.invalid_in_file())} are, and {left} are left")
 
     # ---- boundaries
 
@@ -335,6 +368,8 @@ class Check:
             line = lines.get(name, rest)
             if which and line:
                 moved = Moved(self.deck, *line, self.mesh, result, came, t, frame)
+                if self.deck.value("surface", "auto") == "slide":
+                    moved.kind[moved.kind == "moves"] = "slides"
                 found.append((name, np.array(sorted(frozenset().union(*which))), faces_of_file.get(name, []), moved))
         for name, line in self.deck.moves["volume"].items():
             cells = [b.nodes[rows].ravel() for b, rows in result.groups(result.dim).get(name, [])]
@@ -350,18 +385,21 @@ class Check:
             return
         came, rows = self.moves_of(result, t, frame)
         rounding = ROUNDING * size_of(self.mesh)
-        target, owner, fixed = np.full(result.x.shape, np.nan), {}, np.zeros(len(result.ids), bool)
+        target, owner, fixed, disputed = np.full(result.x.shape, np.nan), {}, np.zeros(len(result.ids), bool), set()
         for name, nodes, _, moved in rows:
             for i in nodes[(moved.kind[nodes] == "moves") & ~np.isnan(moved.x[nodes, 0])]:
-                if i in owner and np.abs(target[i] - moved.x[i]).max() > rounding:
-                    if self.deck.value("shared_nodes", "refuse") != "refuse":
-                        owner.pop(i)
-                        continue
-                    if np.abs(target[i] - moved.x[i]).max() > 1e-6 * size_of(self.mesh):
-                        self.say(f"node {result.ids[i]} has two targets, of {owner[i]} and of {name}, and none was refused")
+                if i in owner and np.abs(target[i] - moved.x[i]).max() > 1e-6 * size_of(self.mesh):
+                    disputed.add(i)
                 if i not in owner or moved.is_fixed:
                     target[i], owner[i] = moved.x[i], name
                 fixed[i] |= moved.is_fixed
+        if disputed and self.deck.value("shared_nodes", "refuse") == "refuse":
+            self.say(f"nodes {result.ids[sorted(disputed)[:5]]} have two targets, and none was refused")
+        for block in result.blocks:  # faces at these follow
+            for face in block.nodes.tolist() if disputed and block.cell.dim == self.mesh.dim - 1 else []:
+                if not disputed.isdisjoint(face):
+                    for i in face:
+                        owner.pop(i, None)
         at = np.array(sorted(owner), int)
         if not len(at):
             return

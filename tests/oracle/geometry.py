@@ -62,6 +62,29 @@ def distortion(block, ideal, x):
     return one, of_eta, eta
 
 
+REGULAR = {"triangle": [[0, 0], [1, 0], [0.5, 0.75 ** 0.5]], "tetrahedron": [[1, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]],
+           "prism": [[0, 0, 0], [1, 0, 0], [0.5, 0.75 ** 0.5, 0], [0, 0, 1], [1, 0, 1], [0.5, 0.75 ** 0.5, 1]],
+           "pyramid": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 0.5 ** 0.5]]}
+
+
+def corner_jacobians(block, x):
+    """Per element: the least, over the corners, of the determinant of unit vectors along the edges there, over that of
+    the regular cell (Knupp 2000)."""
+    cell, found = block.cell, []
+    regular = np.array([REGULAR.get(cell.name, cell.vertices)], float)
+    for v in range(len(cell.vertices)):
+        ends = [b if a == v else a for a, b in cell.edges if v in (a, b)]
+        for k in range(len(ends) if len(ends) > cell.dim else 1):  # the apex of a pyramid has four edges
+            of = np.array(ends[:k] + ends[k + 1:] if len(ends) > cell.dim else ends)
+
+            def at(y):
+                ways = y[:, of] - y[:, [v]]
+                with np.errstate(all="ignore"):
+                    return np.nan_to_num(det(ways / np.linalg.norm(ways, axis=2)[:, :, None]))
+            found.append(at(x[block.nodes[:, :len(cell.vertices)]][:, :, :cell.dim]) / at(regular))
+    return np.min(found, axis=0)
+
+
 def to_reference(cell, at):
     """From coordinates in the cell with its vertices."""
     at = np.array(at, float)
