@@ -106,6 +106,8 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "max_boundary_error",
                                            "relative_boundary_error",
                                            "nodes_off_target",
+                                           "nodes_off_motion",
+                                           "off_motion",
                                            "gradient_norm",
                                            "relative_quality",
                                            "max_distortion",
