@@ -233,8 +233,8 @@ const std::vector<DeckKey>& deck_keys() {
         {"surface", choice<&Deck::surface>({"auto", "keep", "slide", "straighten"}),
          "What is done where no valid mesh has the target as its boundary. auto: the boundary nodes there slide along "
          "the surface, and of fixed boundaries faces become flatter where that does not help; keep: the run is refused; "
-         "slide: all prescribed boundary nodes slide; straighten: faces there are made flat, or of fixed boundaries "
-         "flatter, as few as a valid mesh needs."},
+         "slide: all prescribed boundary nodes slide; straighten, with all boundaries fixed: none slides, and faces "
+         "become flatter, as few as a valid mesh needs."},
         {"split", choice<&Deck::split>({"never", "auto", "around"}),
          "auto: triangles and tetrahedra that the target inverts, wherever the nodes inside are, are divided by nodes "
          "inside; all others stay as they are, and so do the boundaries; around: so are those that share an edge with "

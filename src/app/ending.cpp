@@ -170,9 +170,8 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
 std::string remedies(const Deck& deck, const Problem& problem, const Solution& solution) {
     std::string to_try = against_cause(deck, problem, solution);
     if (problem.split_elements > 0 && deck.split == Split::automatic) to_try = "split = around; " + to_try;
-    if (problem.target.freed.empty() || problem.curves_in_place) return to_try;
-    if (problem.mesh().degree == 1) return to_try + "; split = auto, so that no nodes slide";
-    return to_try + "; surface = straighten: faces become flat where nodes now slide";
+    if (problem.target.freed.empty() || problem.curves_in_place || problem.mesh().degree > 1) return to_try;
+    return to_try + "; split = auto, so that no nodes slide";
 }
 
 void print_diagnosis(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {

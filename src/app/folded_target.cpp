@@ -33,8 +33,6 @@ std::string advice(const TargetFaults& faults, const CheckedTarget& checked) {
     std::vector<std::string> to_try;
     if (deck.surface == SurfaceKind::keep && faults.sliding_may_help())
         to_try.push_back("surface = auto (nodes slide along the surface there)");
-    if (deck.surface == SurfaceKind::keep && all_by_curvature(faults.faces.faults) && all_by_curvature(faults.elements))
-        to_try.push_back("surface = straighten (faces become flat there)");
     if (faults.faces.faults.empty()) {
         if (deck.split == Split::never && can_divide)
             to_try.push_back("split = auto (just these are divided, with the elements at the same edges)");
@@ -70,32 +68,6 @@ std::string note_of(const CheckedTarget& checked, const TargetFaults& faults, co
 
 int count(const std::vector<char>& chosen) { return static_cast<int>(std::count(chosen.begin(), chosen.end(), 1)); }
 
-// Faces to be made flat against the faults, but for those that are: those at fault and those of elements at fault;
-// where all of these are, those beside them.
-std::vector<char> faces_at_fault(const Mesh& mesh, const TargetFaults& faults, const std::vector<char>& straight) {
-    std::vector<char> chosen(mesh.face_count(), 0), vertex(mesh.nodes(), 0), at_fault(mesh.element_count(), 0);
-    for (const TargetReport::Fault& fault : faults.faces.faults) chosen[fault.face] = 1;
-    for (const auto& [f, g] : faults.faces.crossing) chosen[f] = chosen[g] = 1;
-    for (const ElementFault& fault : faults.elements) {
-        at_fault[fault.element] = 1;
-        for (int i = 0; i < mesh.cell(fault.element).vertices; ++i) vertex[mesh.element(fault.element)[i]] = 1;
-    }
-    for (int f = 0; f < mesh.face_count(); ++f) chosen[f] = chosen[f] || at_fault[mesh.face_element[f]];
-    const auto leave_out_straight = [&] {
-        for (std::size_t f = 0; f < straight.size(); ++f) chosen[f] = chosen[f] && !straight[f];
-        return count(chosen) > 0;
-    };
-    for (int f = 0; f < mesh.face_count(); ++f)
-        for (const int i : mesh.face_vertices(f)) vertex[i] |= chosen[f];
-    if (leave_out_straight()) return chosen;
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        const std::span<const int> vertices = mesh.face_vertices(f);
-        chosen[f] = std::any_of(vertices.begin(), vertices.end(), [&](int i) { return vertex[i]; });
-    }
-    leave_out_straight();
-    return chosen;
-}
-
 // Elements with two vertices of those that are chosen; of a mesh of simplices.
 void add_around(const Mesh& mesh, std::vector<int>& elements) {
     std::vector<char> is_vertex(mesh.nodes(), 0);
@@ -109,36 +81,7 @@ void add_around(const Mesh& mesh, std::vector<int>& elements) {
     }
 }
 
-// Makes the chosen faces of the target flat, and more until it folds nothing. chosen: per face.
-void straighten_target(const CheckedTarget& checked, std::vector<char> chosen) {
-    const Mesh& mesh = checked.mesh;
-    BoundaryTarget& target = checked.target;
-    for (;;) {
-        if (count(chosen) > 0) {
-            BoundaryTarget of_file = target;
-            of_file.node.swap(checked.node_target);
-            make_straight(mesh, chosen, of_file);
-            of_file.node.swap(checked.node_target);
-            make_straight(mesh, chosen, target);
-        }
-        const TargetFaults faults = faults_of(checked);
-        if (faults.none()) return;
-        if (!all_by_curvature(faults.elements)) refuse(mesh, faults, advice(faults, checked));
-        chosen = faces_at_fault(mesh, faults, target.straight);
-        if (count(chosen) == 0) refuse(mesh, faults, "\ntry a finer mesh there: its faces cannot be flat");
-    }
-}
-
 }  // namespace
-
-std::string straighten_folded(const CheckedTarget& checked) {
-    const TargetFaults faults = faults_of(checked);
-    if (faults.none()) return "";
-    straighten_target(checked, faces_at_fault(checked.mesh, faults, {}));
-    const int flat = count(checked.target.straight);
-    return note_of(checked, faults, checked.mesh,
-                   counted(flat, "face") + (flat == 1 ? " there is" : " there are") + " made flat");
-}
 
 int split_folded(const CheckedTarget& checked, Mesh& base, std::vector<std::string>& notes) {
     const Deck& deck = checked.deck;

@@ -31,8 +31,4 @@ int split_folded(const CheckedTarget& checked, Mesh& base, std::vector<std::stri
 // where it folds none. Throws InputError where that cannot help, or the deck keeps the surface.
 std::string free_folded(const CheckedTarget& checked);
 
-// Makes faces flat that the target folds. Returns a note, empty where it folds none. Throws InputError where that does
-// not help.
-std::string straighten_folded(const CheckedTarget& checked);
-
 }  // namespace almesh

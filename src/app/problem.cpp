@@ -206,12 +206,8 @@ void discretise(const Deck& deck, Problem& problem) {
 
 // What is done where the target folds elements by itself.
 void change_folded_target(const Deck& deck, Problem& problem) {
-    const CheckedTarget checked = checked_target(deck, problem);
-    const std::vector<double> curved = problem.node_target;
-    const std::string note =
-        deck.surface == SurfaceKind::straighten ? straighten_folded(checked) : free_folded(checked);
-    if (!note.empty()) problem.notes.push_back(note);
-    if (!problem.target.straight.empty()) problem.curved_target = curved;
+    if (const std::string note = free_folded(checked_target(deck, problem)); !note.empty())
+        problem.notes.push_back(note);
     check_prescribed(deck, problem.target);
 }
 
@@ -246,7 +242,6 @@ std::unique_ptr<Constraint> constraint_at(double fraction, const Deck& deck, con
             target_at(fraction, in_file, frame.to_file(level.ideal, level.mesh.dim), motions, placed, problem.shared);
         prescribe_shared_nodes(in_file, target);
         target.freed = of_whole.freed;
-        if (!of_whole.straight.empty()) make_straight(in_file, of_whole.straight, target);
         std::shared_ptr<SlidingSurfaces> sliding;  // of its own: another mesh's is where the motion ends
         if (problem.sliding) sliding = surfaces_at(fraction, deck, problem, level.mesh, target, motions);
         finish(level.mesh, frame, sliding.get(), target);
@@ -354,7 +349,12 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
         discretise(deck, problem);
     }
     problem.curves_in_place = curves_in_place(deck, problem);
-    if (!problem.curves_in_place) change_folded_target(deck, problem);
+    if (!problem.curves_in_place) {
+        if (deck.surface == SurfaceKind::straighten)
+            throw UsageError(deck.given.at("surface"), ": surface = straighten is for a curved mesh that is made valid "
+                             "where it is, with all boundaries fixed: else surface is auto, slide or keep");
+        change_folded_target(deck, problem);
+    }
     set_frame(deck, problem);
     const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, problem);
     if (problem.curves_in_place || is_improved(deck.ideal) || !deck.frames.empty()) problem.file_x = problem.mesh().x;
@@ -393,8 +393,6 @@ std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, c
         // It has not the shape of the file.
         level->is_worth_little = level->mesh.degree > 1 && level->mesh.degree < problem.shape().degree;
     }
-    const bool has_faces = problem.target.straight.size() == static_cast<std::size_t>(level->mesh.face_count());
-    if (level->mesh.degree > 1 && has_faces) make_straight(level->mesh, problem.target.straight, target);
     finish(level->mesh, problem.frame, nullptr, target);
     take_to_run(problem.frame, *level);
     set_functional(deck, problem, target, placed, *level);

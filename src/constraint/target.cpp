@@ -57,25 +57,6 @@ double on_flat_face(const double* vertices, const std::vector<double>& weight, i
     return position / degree;
 }
 
-// Number of vertices of the edge or face that the node is inside of.
-int vertices_of(const std::vector<double>& weight) {
-    return static_cast<int>(std::count_if(weight.begin(), weight.end(), [](double w) { return w > 0; }));
-}
-
-// Of a shift of an edge's node k in that of node i inside the face, by their weights: 4 l_a l_b of the middle of the
-// edge between the vertices a and b, which a parabola through it has 3 p / (2 (p + 1)) times as high as its p - 1 nodes
-// on average. On a quadrilateral it falls off linearly from the edge to the one across: 4 l_a l_b / (l_a + l_b).
-double share_of_edge(const std::vector<double>& i, const std::vector<double>& k, int p) {
-    if (vertices_of(k) != 2) return 0;
-    double share = 6.0 * p / (p * p - 1), sum = 0;
-    for (std::size_t v = 0; v < k.size(); ++v) {
-        if (!(k[v] > 0)) continue;
-        share *= i[v] / p;
-        sum += i[v] / p;
-    }
-    return k.size() == 4 ? share / sum : share;
-}
-
 // Per node: whether two boundaries send it to positions that differ by more than a small part of the faces around it.
 // refuse: throws then.
 std::vector<char> disputed_nodes(const Mesh& mesh, const BoundaryTarget& target, bool refuse) {
@@ -190,48 +171,6 @@ std::vector<FaceRule> rules_of(const Mesh& mesh, int exactness) {
     return rules;
 }
 
-// Where the nodes of straight faces go, and how far.
-struct FlatNodes {
-    std::vector<double> position, shift;  // nodes x dim
-    std::vector<char> moves;              // per node
-};
-
-using Weights = std::vector<std::vector<double>>;  // of vertices, of each node of a face
-
-FlatNodes flat_nodes(const Mesh& mesh, const BoundaryTarget& target, const std::vector<Weights>& weights) {
-    const int dim = mesh.dim;
-    FlatNodes flat{std::vector<double>(mesh.x.size()), std::vector<double>(mesh.x.size(), 0.0),
-                   std::vector<char>(mesh.nodes(), 0)};
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        if (!target.straight[f]) continue;
-        const double* const of_face = target.node_of(mesh, f);
-        const Weights& weight = weights[mesh.face_group_number(f)];
-        for (int i = mesh.face_cell(f).vertices; i < mesh.face_nodes(f); ++i) {
-            const int node = mesh.face(f)[i];
-            for (int a = 0; a < dim && !flat.moves[node]; ++a) {
-                point(flat.position, node, dim)[a] = on_flat_face(of_face, weight[i], mesh.degree, dim, a);
-                point(flat.shift, node, dim)[a] = point(flat.position, node, dim)[a] - of_face[i * dim + a];
-            }
-            flat.moves[node] = 1;
-        }
-    }
-    return flat;
-}
-
-// The nodes of a face that has some of these: those themselves, and what its edges do to those inside it.
-void move_nodes(const Mesh& mesh, int f, const Weights& weight, const FlatNodes& flat, double* of_face) {
-    const int dim = mesh.dim, m = mesh.face_nodes(f), vertices = mesh.face_cell(f).vertices;
-    const int* const node = mesh.face(f);
-    for (int i = vertices; i < m; ++i) {
-        if (flat.moves[node[i]]) std::copy_n(point(flat.position, node[i], dim), dim, &of_face[i * dim]);
-        else if (vertices_of(weight[i]) == vertices)
-            for (int k = vertices; k < m; ++k)
-                for (int a = 0; a < dim && flat.moves[node[k]]; ++a)
-                    of_face[i * dim + a] +=
-                        share_of_edge(weight[i], weight[k], mesh.degree) * point(flat.shift, node[k], dim)[a];
-    }
-}
-
 }  // namespace
 
 BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed,
@@ -279,35 +218,6 @@ std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, st
     for (std::size_t k = mesh.faces.size(); k-- > 0;)
         std::copy_n(&target.node[k * mesh.dim], mesh.dim, point(x, mesh.faces[k], mesh.dim));
     return x;
-}
-
-void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTarget& target) {
-    const int dim = mesh.dim;
-    target.straight.resize(mesh.face_count(), 0);
-    for (int f = 0; f < mesh.face_count(); ++f)
-        if (chosen[f] && target.hold_of_face(mesh, f) == BoundaryHold::prescribed) target.straight[f] = 1;
-    std::vector<Weights> weights;
-    for (const LagrangeBasis& basis : face_bases_of(mesh)) {
-        weights.emplace_back();
-        for (int i = 0; i < basis.count; ++i) weights.back().push_back(basis.vertex_weights(i));
-    }
-    const FlatNodes flat = flat_nodes(mesh, target, weights);
-    for (std::size_t g = 0; g < target.rules.size(); ++g) {
-        const FaceRule& rule = target.rules[g];
-        const int m = rule.faces.cell->node_count(mesh.degree), vertices = rule.faces.cell->vertices;
-        for (int f = rule.faces.first; f < rule.faces.first + rule.faces.count; ++f) {
-            const int* const node = mesh.face(f);
-            if (std::none_of(node + vertices, node + m, [&](int i) { return flat.moves[i]; })) continue;
-            double* const of_face = &target.node[mesh.face_start(f) * dim];
-            move_nodes(mesh, f, weights[g], flat, of_face);
-            for (int q = 0; q < rule.quadrature.count; ++q)
-                for (int a = 0; a < dim; ++a) {
-                    double& x = target.sample[rule.sample(f, q) * dim + a];
-                    x = 0;
-                    for (int i = 0; i < m; ++i) x += rule.values[offset(q, m, i)] * of_face[i * dim + a];
-                }
-        }
-    }
 }
 
 void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target) {

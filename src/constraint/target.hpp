@@ -31,7 +31,7 @@ struct BoundaryTarget {
     std::vector<char> fixed;         // per boundary: whether it stays where the file has it
     std::vector<BoundaryHold> hold_of_nodes;  // face x face node, where files leave nodes out; empty: `hold`
     std::vector<char> freed;      // per node: whether it slides although its boundary is prescribed; empty: none
-    std::vector<char> straight;      // per face: whether it has been made flat, see make_straight(); empty: none
+    std::vector<char> straight;      // per face: whether it was made flatter than the file has it; empty: none
     std::vector<FaceRule> rules;  // by type of faces
     std::vector<double> node;     // face x face node x dim: g_D at the nodes of the face
     std::vector<double> sample;   // face x quadrature point x dim: g_D at the quadrature points
@@ -76,11 +76,6 @@ std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, st
 
 // Per node: whether the target prescribes its position.
 std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target);
-
-// Makes the chosen faces flat, those that are already included: their nodes go to where they are on the edge or face
-// with the same vertices. Faces beside them keep their other edges, and in their middle follow by what their edges do.
-// chosen: per face; only faces whose positions are prescribed count.
-void make_straight(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTarget& target);
 
 // Faces agree on the nodes that they share: the position is that of a boundary that is fixed, else that of the first
 // face that prescribes one; also on faces that slide or are free.

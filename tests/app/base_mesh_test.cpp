@@ -87,7 +87,7 @@ TEST_CASE("what a run has curved and turned can be moved again, with every metho
              {}, {"boundary inner=rotate 60 about 0 0"}, {"boundary inner=rotate -180 about 0 0"},
              {"objective=minimax"},
              {"boundary outer=slide"}, {"boundary outer=free"}, {"method=penalty"}, {"method=incremental"},
-             {"continuation=always"}, {"algorithm=paper"}, {"degree=3"}, {"surface=straighten"}}) {
+             {"continuation=always"}, {"algorithm=paper"}, {"degree=3"}}) {
         std::vector<std::string> settings = {turned};
         for (const std::string& setting : more) settings.push_back(setting);
         const Outcome run = ring.run(settings);

@@ -99,47 +99,6 @@ TEST_CASE("the projection of an affine target is its interpolation, and curved o
     }
 }
 
-TEST_CASE("a straight quadrilateral has its nodes on the bilinear face, and faces beside it follow") {
-    for (const int degree : {2, 3, 4}) {
-        const Mesh mesh = frustum("hh", degree);
-        const BoundaryTarget curved = target_of(mesh, {{"sides", "sphere 0 0 1 3"}, {"top", "sphere 0 0 1 3"},
-                                                       {"bottom", "sphere 0 0 1 3"}});
-        BoundaryTarget target = curved;
-        std::vector<char> chosen(mesh.face_count(), 0);
-        chosen[face_near(mesh, mesh.boundary_index("top"), {0, 0, 2})] = 1;
-        make_straight(mesh, chosen, target);
-        const int m = mesh.face_nodes(0);
-        for (int f = 0; f < mesh.face_count(); ++f) {
-            const LagrangeBasis basis(quadrilateral(), degree), bilinear(quadrilateral(), 1);
-            const double *const now = target.node_of(mesh, f), *const was = curved.node_of(mesh, f);
-            const bool is_beside = std::any_of(mesh.face(f), mesh.face(f) + 4,
-                                               [&](int i) { return mesh.x[3 * i + 2] > 1.99; });
-            double moved_inside = 0;
-            for (int i = 0; i < m; ++i)
-                for (int a = 0; a < 3; ++a) {
-                    double N[4], flat = 0;
-                    bilinear.values(basis.point(i).data(), N);
-                    for (int v = 0; v < 4; ++v) flat += N[v] * was[3 * v + a];
-                    if (chosen[f]) CHECK(now[3 * i + a] == doctest::Approx(flat).epsilon(1e-13).scale(1));
-                    if (!is_beside) CHECK(now[3 * i + a] == was[3 * i + a]);
-                    if (i >= 4 * degree)
-                        moved_inside = std::max(moved_inside, std::abs(now[3 * i + a] - was[3 * i + a]));
-                }
-            CHECK((moved_inside > 0) == is_beside);
-            for (int i = 4; i < 8 && degree == 2 && is_beside && !chosen[f]; ++i)  // half as much as its edge
-                for (int a = 0; a < 3 && mesh.x[3 * mesh.face(f)[i] + 2] > 1.99; ++a)
-                    CHECK(now[24 + a] - was[24 + a] == doctest::Approx(0.5 * (now[3 * i + a] - was[3 * i + a])));
-            const FaceRule& rule = target.rules[0];
-            for (int q = 0; q < rule.quadrature.count; ++q)
-                for (int a = 0; a < 3 && is_beside; ++a) {
-                    double x = 0;
-                    for (int i = 0; i < m; ++i) x += rule.values[q * m + i] * now[3 * i + a];
-                    CHECK(target.sample[3 * rule.sample(f, q) + a] == doctest::Approx(x).epsilon(1e-13).scale(1));
-                }
-        }
-    }
-}
-
 TEST_CASE("quadrilaterals slide along planes, spheres and their own faces") {
     const Frame frame;
     const auto surfaces = [&](const Mesh& mesh) {
