@@ -74,9 +74,9 @@ class Mesh:
         return found
 
 
-def raised(source, at, mesh):
+def raised(source, at, mesh, own=None):
     """Where the nodes of a mesh are that has the cells of another, by their ids, in a degree as high or higher, and where
-    the other's nodes are at `at`. NaN where that is not told."""
+    the other's nodes are at `at`. NaN where that is not told. own: ids that mean the same node in both; None: all."""
     x = np.full((len(mesh.ids), at.shape[1]), np.nan)
     for block in mesh.cells:
         for other in source.cells:
@@ -91,7 +91,7 @@ def raised(source, at, mesh):
                 rows, there = rows[same], there[same]  # not those that were divided
                 N = values(block.cell, other.degree, reference(block.cell, block.degree))
                 x[block.nodes[rows]] = np.einsum("pn,ena->epa", N, at[other.nodes[there]])
-    number = {node: k for k, node in enumerate(source.ids.tolist())}
+    number = {node: k for k, node in enumerate(source.ids.tolist()) if own is None or node in own}
     known = np.array([number.get(node, -1) for node in mesh.ids.tolist()])
     x[known >= 0] = at[known[known >= 0]]  # to the last bit
     return x

@@ -133,7 +133,7 @@ class Moved:
             path = folder / (unquoted(first[1]) % frame if "%" in first[1] else unquoted(first[1]))
             if first[0] == "mesh":
                 other = read(path)
-                x = raised(other, other.x, result)
+                x = raised(other, other.x, result, set(mesh.ids.tolist()))
             else:
                 rows = np.array([row for row in map(numbers, open(path)) if row])
                 at = {node: k for k, node in enumerate(mesh.ids.tolist())}

@@ -9,7 +9,7 @@ import numpy as np
 import cases
 import geometry
 from cells import CELLS, OF_TYPE, lattice, nodes, reference, values
-from checks import Check
+from checks import Check, Points
 from meshes import read
 from motions import Deck, Moved
 
@@ -63,7 +63,7 @@ def to_cell(cell, abc):
 def test_motions():
     deck = stand_in_deck("let a = 0.5\nlet b = 2*a")
     at = np.array([[1.0, 2.0, 0.5], [0.25, -1.0, 3.0]])
-    move = lambda text: Moved(deck, text, Path(), *[type("M", (), {"ids": np.arange(2), "x": at, "dim": 3})] * 2, at).x
+    move = lambda text: Moved(deck, text, Path(), *[Points(at, 3)] * 2, at).x
     assert np.array_equal(move("fixed"), at)
     assert np.allclose(move("translate a \"a^2\" 0; rotate 90 axis 0 0 1"),
                        np.stack([-at[:, 1] - 0.25, at[:, 0] + 0.5, at[:, 2]], axis=1))
