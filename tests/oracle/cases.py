@@ -110,7 +110,8 @@ def bulge(cell, degree, suffix=".msh"):
 
 
 def crack(cell, shift=0.0, motion="fixed"):
-    """Two by two squares or cubes with a slit from the left to the middle, its nodes doubled; the upper lip is moved."""
+    """Two by two squares or cubes with a slit from the left to the middle, its nodes doubled; shift: of its upper lip
+    downwards."""
     dim = OF_NAME[cell].dim
     is_lip = lambda x: abs(x[dim - 1] - 1) < 1e-9 and x[0] < 1 - 1e-9
     cells = grid(OF_NAME[cell], (2,) * dim)
@@ -154,8 +155,8 @@ def ring(cell, degree, line):
 
 
 def layer(degree):
-    """Thin layers of hexahedra around a quarter of a cylinder: the wall is curved, and nothing else is. The planes beside
-    it are inverted, and so are elements; what lies in the planes has to give way, and the wall to stay."""
+    """Thin layers of hexahedra around a quarter of a cylinder, of which the wall alone is curved: it inverts elements
+    and the planes beside it. What lies in the planes has to give way, and the wall to stay."""
     heights = [0, 0.01, 0.05, 0.4]
     cells = [(HEXAHEDRON, [np.array([a + u, h[w], c + v], float) for u, w, v in
                            [(0, 0, 1), (1, 0, 1), (1, 0, 0), (0, 0, 0), (0, 1, 1), (1, 1, 1), (1, 1, 0), (0, 1, 0)]])
@@ -187,7 +188,8 @@ def pressed(count, degree=1):
 
 def certified(check, result):
     if check.code != 0:
-        check.say(f"exit code {check.code} where a certified mesh exists: {check.console.strip().splitlines()[-1][:120]}")
+        last = check.console.strip().splitlines()[-1]
+        check.say(f"exit code {check.code} where a certified mesh exists: {last[:120]}")
 
 
 def refused(check, result):

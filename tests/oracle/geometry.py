@@ -62,7 +62,8 @@ def distortion(block, ideal, x):
     return one, of_eta, eta
 
 
-REGULAR = {"triangle": [[0, 0], [1, 0], [0.5, 0.75 ** 0.5]], "tetrahedron": [[1, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]],
+REGULAR = {"triangle": [[0, 0], [1, 0], [0.5, 0.75 ** 0.5]],
+           "tetrahedron": [[1, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]],
            "prism": [[0, 0, 0], [1, 0, 0], [0.5, 0.75 ** 0.5, 0], [0, 0, 1], [1, 0, 1], [0.5, 0.75 ** 0.5, 1]],
            "pyramid": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 0.5 ** 0.5]]}
 
@@ -105,7 +106,8 @@ def pieces_of_boundary(mesh, x, signs, per_edge):
         else:
             squares = [(i, j) for i in range(n) for j in range(n)]
             uv = [[(i, j), (i + 1, j), (i, j + 1)] for i, j in squares if face is not TRIANGLE or i + j < n]
-            uv += [[(i + 1, j), (i + 1, j + 1), (i, j + 1)] for i, j in squares if face is not TRIANGLE or i + j < n - 1]
+            uv += [[(i + 1, j), (i + 1, j + 1), (i, j + 1)] for i, j in squares
+                   if face is not TRIANGLE or i + j < n - 1]
         uv = np.array(uv, float)
         N = values(face, block.degree, uv.reshape(-1, face.dim) / n).reshape(*uv.shape[:2], -1)
         pieces = np.einsum("tvn,ena->etva", N, of)
@@ -203,7 +205,7 @@ def smooth_parts(faces, x, angle):
 
 
 def off_surface(points, moved):
-    """Distances of moved points from the plane, line, sphere or circle on which the first points all are; none: None."""
+    """Distances of moved points from the plane, line, sphere or circle on which the first points are; none: None."""
     centre, size = points.mean(axis=0), np.ptp(points, axis=0).max()
     p, q = (points - centre) / size, (moved - centre) / size
     _, s, axes = np.linalg.svd(p, full_matrices=len(p) < p.shape[1])

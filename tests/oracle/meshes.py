@@ -75,8 +75,8 @@ class Mesh:
 
 
 def raised(source, at, mesh, own=None):
-    """Where the nodes of a mesh are that has the cells of another, by their ids, in a degree as high or higher, and where
-    the other's nodes are at `at`. NaN where that is not told. own: ids that mean the same node in both; None: all."""
+    """Where the nodes of a mesh are that has the cells of another, by their ids, in any degree, where the other's nodes
+    are at `at`. NaN where that is not told. own: ids that mean the same node in both; None: all."""
     x = np.full((len(mesh.ids), at.shape[1]), np.nan)
     for block in mesh.cells:
         for other in source.cells:
@@ -206,7 +206,8 @@ def read_su2(text):
             dim = int(value)
         elif key == "NPOIN":
             count = int(value.split()[0])
-            x, at = [[float(w) for w in line.split()[:dim]] + [0.0] * (3 - dim) for line in lines[at:at + count]], at + count
+            x = [[float(w) for w in line.split()[:dim]] + [0.0] * (3 - dim) for line in lines[at:at + count]]
+            at += count
         elif key == "MARKER_TAG":
             tag += 1
             names[dim - 1, tag] = value
@@ -228,10 +229,10 @@ def read(path):
 
 def write_msh(path, x, elements, names):
     """MSH 2.2 for generated meshes; elements: rows (type of Gmsh, tag, nodes from 0); names: (dim, tag) -> name."""
-    rows = [f"{i + 1} " + " ".join(repr(float(c)) for c in (*p, 0.0, 0.0)[:3]) for i, p in enumerate(np.array(x).tolist())]
+    rows = [f"{i + 1} " + " ".join(map(repr, (*p, 0.0, 0.0)[:3])) for i, p in enumerate(np.array(x, float).tolist())]
     text = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names)),
-            *(f'{dim} {tag} "{name}"' for (dim, tag), name in names.items()), "$EndPhysicalNames", "$Nodes", str(len(rows)),
-            *rows, "$EndNodes", "$Elements", str(len(elements)),
+            *(f'{dim} {tag} "{name}"' for (dim, tag), name in names.items()), "$EndPhysicalNames", "$Nodes",
+            str(len(rows)), *rows, "$EndNodes", "$Elements", str(len(elements)),
             *(f"{k + 1} {kind} 2 {tag} {tag} " + " ".join(str(i + 1) for i in of)
               for k, (kind, tag, of) in enumerate(elements)), "$EndElements", ""]
     with open(path, "w") as file:

@@ -118,8 +118,8 @@ def stepped(deck, step, x, dim, t):
 
 
 class Moved:
-    """Where a motion takes the nodes of the result. kind: per node "moves", "slides" or "free"; is_fixed: the node is to
-    stay to the last bit; x: where to; surface: the nodes of the file at the same time, those that slide among them."""
+    """Where a motion takes the nodes of the result. kind: per node "moves", "slides" or "free"; is_fixed: nodes are to
+    stay to the last bit; x: where to; surface: where the nodes of the file are before they slide."""
 
     def __init__(self, deck, text, folder, mesh, result, came, t=0.0, frame=0):
         steps = [step.strip() for step in pieces(text, ";")]

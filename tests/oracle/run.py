@@ -4,7 +4,7 @@ meshes are, without anything of src/.
 
     tests/oracle/run.py [--program PROGRAM] [--seconds N] [--quick] [NAME ...]
 
-NAME: part of the name of a deck in inputs/ (circle, cells/kinds) or of a case of cases.py (bulge, crack); without any, all.
+NAME: part of the name of a deck in inputs/ (circle, cells/kinds) or of a case of cases.py (bulge, crack); default: all.
 --quick: the cases, and the decks of a second. A run that takes longer than N seconds (60) is left out. A line for each
 run; exit code 1 where anything false was found. Needs numpy."""
 import argparse
@@ -107,7 +107,7 @@ def main():
                     check.all()
             took, count = time.time() - begin, count + 1
             findings = check.findings if check else []
-            verdict = "too slow, not checked" if not check else f"{len(findings)} FALSE" if findings else "nothing false"
+            verdict = f"{len(findings)} FALSE" if findings else "nothing false" if check else "too slow, not checked"
             print(f"{name:<32} {took:6.1f} s  {'' if not check else check.code}  {verdict}", flush=True)
             for text in findings:
                 print("    " + text, flush=True)

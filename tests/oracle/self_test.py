@@ -121,7 +121,7 @@ def test_mutations():
 
             def other_group(made):
                 kind, tag, of = made.elements[-1]
-                made.elements[-1] = (kind, next(t for (d, t), n in made.names.items() if d == cell.dim - 1 and t != tag), of)
+                made.elements[-1] = (kind, next(t for d, t in made.names if d == cell.dim - 1 and t != tag), of)
 
             def other_nodes(made):
                 kind, tag, of = made.elements[0]
