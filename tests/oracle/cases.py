@@ -180,6 +180,13 @@ def nose(line):
     return made, ["ideal = regular", f"boundary nose = {line}", "boundary far = fixed"], ".msh"
 
 
+def shuffled(cell, degree):
+    """A node of the lower side is pushed along it past its neighbour: nodes of fixed boundaries have to give way."""
+    push = lambda x: [2.4, 0.0] if abs(x[0] - 1) < 1e-9 and x[1] < 1e-9 else x
+    made = Made(grid(OF_NAME[cell], (3, 3)), degree, move=push)
+    return made, ["ideal = regular", "boundary all = fixed"], ".msh"
+
+
 def pressed(count, degree=1):
     """Triangles that stand outward on a wall, of which the motion presses the tips of `count` into the wall."""
     made = Made(grid(TRIANGLE, (14, 1)) + [(TRIANGLE, [[x, 1], [x + 1, 1], [x + 0.5, 1.5]]) for x in range(14)], degree)
@@ -229,6 +236,8 @@ CASES = {
     "nose-slides": (lambda: nose("slide"), any_end),
     "nose-fixed": (lambda: nose("fixed"), any_end),
     "nose-all-slides": (lambda: (*nose("slide")[:1], ["ideal = regular", "boundary all = slide"], ".msh"), any_end),
+    **{f"shuffled-{cell}-{p}": (lambda cell=cell, p=p: shuffled(cell, p), any_end)
+       for cell in ("triangle", "quadrilateral") for p in (1, 2)},
     "pressed-3": (lambda: pressed(3), any_end),
     "pressed-12": (lambda: pressed(12), any_end),
     "ring-slides": (lambda: ring("triangle", 2, "rotate 30; translate 0.5 0"), certified),

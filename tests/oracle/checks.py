@@ -441,6 +441,11 @@ class Check:
         if astray and len(astray) <= told and off[far] > largest * (1 + 1e-5) + 1e-11 * size_of(self.mesh):
             self.say(f"node {result.ids[far]} of {owner[far]} is off by {off[far]:.3g}, said was {largest:.6g} at most")
 
+        slid = re.search(r"^(\d+) nodes slid along the surface, by at most (\S+);", self.console, re.M)
+        if slid and astray and not self.number("straight_faces") and not self.number("nodes_off_target"):
+            if off[far] > float(slid[2]) * 1.01 + 1e-11 * size_of(self.mesh):  # three digits
+                self.say(f'said "{slid[0][:-1]}", but node {result.ids[far]} of {owner[far]} by {off[far]:.3g}')
+
     def check_between(self, result, rows, came, t, frame):
         """The boundary between the nodes, against the motion of the faces of the file."""
         said, farthest = self.number("max_boundary_error"), (0.0, "")
