@@ -179,12 +179,12 @@ BlockCsr ordered_pattern(const BlockCsr& pattern, std::shared_ptr<const RowOrder
         std::transform(begin, end, A.col.begin() + A.row[i], [&](int k) { return row[pattern.col[k]]; });
         for (int k = A.row[i]; k < A.row[i + 1]; ++k) place[source[k]] = k;
     }, 500);
-    A.value.resize(offset(A.blocks(), A.d * A.d));
     A.order = std::move(order);
     return A;
 }
 
 void copy_values(const BlockCsr& A, const LargeVector<int>& place, BlockCsr& ordered) {
+    ordered.value.resize(A.value.size());
     with_block_size(A.d, [&](auto d) {
         parallel_for(A.blocks(), [&](int k) { std::copy_n(A.block(k), d * d, ordered.block(place[k])); });
     });

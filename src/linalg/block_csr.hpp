@@ -80,7 +80,7 @@ BlockCsr joint_pattern(const std::vector<const BlockCsr*>& patterns, std::vector
 // The pattern with all values zero.
 BlockCsr matrix_of_cells(int n, int d, const std::vector<int>& cells, int cell_nodes);
 
-// The pattern with rows and columns in the given order, its values undefined; place[k]: where block k is then.
+// The pattern with rows and columns in the given order, without values; place[k]: where block k is then.
 BlockCsr ordered_pattern(const BlockCsr& pattern, std::shared_ptr<const RowOrder> order, LargeVector<int>& place);
 
 // The values of A to their places in the pattern made of A's.
