@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "base/error.hpp"
+#include "base/physical_memory.hpp"
 
 namespace almesh {
 namespace {
@@ -55,14 +56,21 @@ void append_chars(std::string& text, Format... number_and_format) {
 
 std::string read_file(const std::string& path) {
     std::error_code error;
-    if (fs::is_directory(path, error)) cannot("read", path, "it is a folder");
+    const fs::file_status status = fs::status(path, error);
+    if (fs::is_directory(status)) cannot("read", path, "it is a folder");
+    if (fs::is_character_file(status) || fs::is_block_file(status)) cannot("read", path, "it is a device");
     const File file(std::fopen(path.c_str(), "rb"), std::fclose);
     if (!file) cannot("read", path, std::strerror(errno));
-    const auto size = fs::file_size(path, error);
-    std::string text(error ? 0 : size, '\0');
-    text.resize(std::fread(text.data(), 1, text.size(), file.get()));
-    for (char rest[4096]; const std::size_t more = std::fread(rest, 1, sizeof rest, file.get());)
-        text.append(rest, more);  // what has no size beforehand, such as a pipe
+    const auto size = fs::file_size(path, error);  // a pipe has none, and files of the system have 0
+    const bool is_known = !error && size > 0;
+    const double most = is_known ? available_memory() : 5e8;
+    const char* const too_long = is_known ? "it is larger than the free memory"
+                                          : "it has more than 0.5 GB, or no end: save it in a file";
+    if (is_known && static_cast<double>(size) > most) cannot("read", path, too_long);
+    std::string text;
+    text.reserve(is_known ? size : 0);
+    for (char piece[1 << 16]; const std::size_t more = std::fread(piece, 1, sizeof piece, file.get());)
+        if (static_cast<double>(text.append(piece, more).size()) > most) cannot("read", path, too_long);
     if (std::ferror(file.get())) cannot("read", path, std::strerror(errno));
     if (text.empty()) cannot("read", path, "it is empty");
     return text;

@@ -8,7 +8,7 @@
 
 namespace almesh {
 
-// Contents of a file. Throws InputError where it is missing, unreadable, a folder or empty.
+// Contents of a file. Throws InputError where it is missing, unreadable, a folder, a device, empty or without end.
 std::string read_file(const std::string& path);
 
 // Throws InputError where the contents of the file `path` are no text: where there is a zero byte.

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -105,6 +106,29 @@ TEST_CASE("what cannot be read is named with its reason") {
     CHECK(message_of_reading(scratch / "empty") == "cannot read " + scratch / "empty" + ": it is empty");
     write_file(scratch / "binary", std::string_view("a\0b", 3));
     CHECK(message_of_reading(scratch / "binary").find("it is binary") != std::string::npos);
+}
+
+TEST_CASE("a device is not read, and a pipe only to its bound") {
+    const Scratch scratch;
+    for (const std::string device : {"/dev/zero", "/dev/null"})
+        CHECK(message_of_reading(device) == "cannot read " + device + ": it is a device");
+    const std::string fifo = scratch / "fifo";
+    REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
+    const auto writes = [&](int pieces) {
+        return [&fifo, pieces] {
+            std::signal(SIGPIPE, SIG_IGN);
+            std::FILE* const file = std::fopen(fifo.c_str(), "w");
+            const std::string piece(1 << 16, 'y');
+            for (int k = 0; k < pieces; ++k)
+                if (std::fwrite(piece.data(), 1, piece.size(), file) != piece.size()) return 1;
+            return std::fclose(file);
+        };
+    };
+    std::string text, message;
+    CHECK(test::in_child(writes(3), [&](pid_t) { text = read_file(fifo); }) == 0);
+    CHECK(text == std::string(3 << 16, 'y'));
+    CHECK(test::in_child(writes(1 << 30), [&](pid_t) { message = message_of_reading(fifo); }) == 1);
+    CHECK(message == "cannot read " + fifo + ": it has more than 0.5 GB, or no end: save it in a file");
 }
 
 TEST_CASE("what cannot be written leaves nothing behind") {
