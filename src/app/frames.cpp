@@ -35,7 +35,7 @@ public:
     // times: none where `coupling` has them. start: the deck whose target the problem has at first.
     FrameRun(const Deck& deck, const Deck& start, std::FILE* out, std::vector<double> times, Coupling* coupling)
         : deck_(deck), start_(start), out_(out), times_(std::move(times)), coupling_(coupling),
-          problem_(make_problem(start)) {}
+          problem_((EndAtInterrupts(), make_problem(start))) {}
     ExitCode run();
 
 private:

@@ -287,6 +287,7 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
 ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     if (!deck.frames.empty()) return run_frames(deck, out);
     // 1. Mesh, target and everything that can be wrong with them; the folder for the results.
+    const EndAtInterrupts ending;
     const Stopwatch watch;
     const TimeLimit limit(deck.max_seconds);
     set_threads(deck.threads);

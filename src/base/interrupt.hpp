@@ -1,6 +1,8 @@
 // What asks a run to end in good order, with its results written: signals (Ctrl-C, SIGTERM, a terminal that closes) and
 // the time that it was given. Long computations poll interrupted().
 #pragma once
+#include <unistd.h>
+
 #include <chrono>
 #include <csignal>
 
@@ -42,14 +44,24 @@ private:
     void (*before_)(int);
 };
 
+template <void (*handler)(int)>
+struct OnInterrupts {
+    HandleSignal interrupt{SIGINT, handler}, terminate{SIGTERM, handler}, hang_up{SIGHUP, handler};
+};
+
 // While it lives, the first of these signals sets the flag, and a second one of its kind ends the program at once. For
 // where the flag is polled: elsewhere a signal must not be swallowed.
-class CatchInterrupts {
-    static void set_flag(int caught) {
-        interrupt_flag = 1;
-        std::signal(caught, SIG_DFL);
-    }
-    HandleSignal interrupt_{SIGINT, set_flag}, terminate_{SIGTERM, set_flag}, hang_up_{SIGHUP, set_flag};
-};
+inline void set_flag_once(int caught) {
+    interrupt_flag = 1;
+    std::signal(caught, SIG_DFL);
+}
+using CatchInterrupts = OnInterrupts<set_flag_once>;
+
+// While it lives, one of them ends the program as it ends a run later, but for the results: there are none yet.
+inline void end_program(int) {
+    constexpr char text[] = "almesh: interrupted before the first step; try the run again\n";
+    _exit(write(STDERR_FILENO, text, sizeof text - 1) < 0 ? 1 : 3);
+}
+using EndAtInterrupts = OnInterrupts<end_program>;
 
 }  // namespace almesh

@@ -1,6 +1,7 @@
 #include "app/commands.hpp"
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -248,4 +249,27 @@ TEST_CASE("the first signal ends a command that nobody can interrupt otherwise")
             REQUIRE(waitpid(child, &status, 0) == child);
             CHECK(WIFSIGNALED(status));
         }
+}
+
+TEST_CASE("a signal while a run reads its mesh ends with a sentence") {
+    const TemporaryFolder folder;
+    const std::string fifo = folder.path("mesh.msh"), error = folder.path("error.txt"),
+                      deck = folder.write("a.deck", "mesh = mesh.msh\nboundary all = fixed\n"),
+                      frames = folder.write("b.deck", "mesh = mesh.msh\nboundary all = fixed\nframes = 0, 1\n");
+    REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
+    for (const std::vector<std::string>& command : {std::vector{deck}, {frames}, {"improve", fifo}}) {
+        const pid_t child = fork();
+        if (child == 0) {
+            std::signal(SIGTERM, SIG_DFL);
+            if (!std::freopen(error.c_str(), "w", stderr)) _exit(9);
+            _exit(command_line(command, stdout, stderr));
+        }
+        const int in = open(fifo.c_str(), O_WRONLY);  // waits until the run opens it
+        kill(child, SIGTERM);
+        int status = 0;
+        REQUIRE(waitpid(child, &status, 0) == child);
+        close(in);
+        CHECK((WIFEXITED(status) && WEXITSTATUS(status) == 3));
+        CHECK(has(text_of(error), "almesh: interrupted"));
+    }
 }

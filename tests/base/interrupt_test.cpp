@@ -5,8 +5,10 @@
 #include <csignal>
 
 #include "check/certificate.hpp"
+#include "support/child.hpp"
 #include "support/meshes.hpp"
 #include "support/minimisation.hpp"
+#include "support/temporary_folder.hpp"
 
 using namespace almesh;
 using namespace almesh::test;
@@ -57,6 +59,22 @@ TEST_CASE("signals are caught while somebody polls the flag, and do what they di
     }
     CHECK((handler_of(SIGHUP) == SIG_IGN));
     std::signal(SIGHUP, before);
+}
+
+TEST_CASE("where nothing is computed yet a signal ends the program, with a sentence and the exit code of a run") {
+    const TemporaryFolder folder;
+    const std::string error = folder.path("error.txt");
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        const auto body = [&] {
+            std::signal(signal, SIG_DFL);
+            if (!std::freopen(error.c_str(), "w", stderr)) return 1;
+            const EndAtInterrupts ending;
+            std::raise(signal);
+            return 0;
+        };
+        CHECK(in_child(body, [](pid_t) {}) == 3);
+        CHECK(text_of(error) == "almesh: interrupted before the first step; try the run again\n");
+    }
 }
 
 TEST_CASE("a time limit ends while it lives") {
