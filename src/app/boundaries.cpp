@@ -18,9 +18,10 @@ bool has(const Names& names, const std::string& name) {
 }
 
 std::string list_of(const Names& names) {
+    constexpr std::size_t most = 20;
     std::string list;
-    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + with_quotes(name);
-    return list;
+    for (std::size_t k = 0; k < names.size() && k < most; ++k) list += (k ? ", " : "") + with_quotes(names[k]);
+    return names.size() > most ? concat(list, " and ", names.size() - most, " more") : list;
 }
 
 std::string plain_name(const DeckBoundary& line) {

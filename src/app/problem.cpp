@@ -99,6 +99,9 @@ std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int d
 
 // Of the run, in units of the file: what the deck says, or so that the mesh has the volume 1.
 double unit_of_length(const Deck& deck, double volume, int dim) {
+    if (volume == 0)
+        throw InputError(deck.mesh, ": the volumes of its elements add up to 0, as where all nodes are in one place, "
+                         "on a line or in a plane: no mesh can be made of it");
     constexpr double most = 1e50;  // a mesh of that size has volumes, and products of them, within the range of numbers
     const double size = std::pow(std::abs(volume), 1.0 / dim), unit = deck.length_scale.value_or(size);
     if (size / unit >= 1 / most && size / unit <= most) return unit;

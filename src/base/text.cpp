@@ -169,7 +169,10 @@ std::string table_row(const std::vector<std::string>& cells, const std::vector<s
     return row + "\n";
 }
 
-std::string in_backquotes(std::string_view text) { return std::string("`").append(text).append("`"); }
+std::string in_backquotes(std::string_view text) {
+    constexpr std::size_t most = 80;
+    return concat("`", text.substr(0, most), text.size() > most ? "...`" : "`");
+}
 
 std::string on_one_line(std::string text) {
     std::replace(text.begin(), text.end(), '\n', ' ');

@@ -67,7 +67,7 @@ std::vector<std::string> wrap(std::string_view text, std::size_t width);
 std::string table_row(const std::vector<std::string>& cells, const std::vector<std::size_t>& width);
 
 std::string on_one_line(std::string text);         // a blank for each line end
-std::string in_backquotes(std::string_view text);  // a word of the user, as messages show it
+std::string in_backquotes(std::string_view text);  // a word of the user, as messages show it: its first 80 characters
 std::string with_quotes(std::string_view text);    // in double quotes; the text itself must not hold one
 
 // The text, in double quotes where it is empty, has blanks at an end or holds one of the special characters (a double

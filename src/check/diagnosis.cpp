@@ -16,7 +16,7 @@ int nearest_boundary(const LastMesh& last, const std::vector<int>& boundary, con
     int nearest = -1;
     for (const int i : last.mesh.faces) {
         const double d = length(in_space(point(last.x, i, last.mesh.dim), last.mesh.dim) - position);
-        if (d >= least) continue;
+        if (nearest >= 0 && d >= least) continue;
         least = d;
         nearest = boundary[i];
     }

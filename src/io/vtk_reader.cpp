@@ -40,11 +40,11 @@ struct VtkReader {
         in.rest_of_line();  // # vtk DataFile Version 3.0
         line();             // the title
         const std::string encoding = line();
-        if (encoding != "ASCII" && encoding != "BINARY") in.fail("expected ASCII or BINARY, got `", encoding, "`");
+        binary = encoding == "BINARY";
+        if (!binary && encoding != "ASCII") in.fail("expected ASCII or BINARY, got ", in_backquotes(encoding));
         const std::string dataset = line();
         if (dataset != "DATASET UNSTRUCTURED_GRID")
-            in.fail("only DATASET UNSTRUCTURED_GRID is read, got `", dataset, "`");
-        binary = encoding == "BINARY";
+            in.fail("only DATASET UNSTRUCTURED_GRID is read, got ", in_backquotes(dataset));
         RawMesh mesh;
         std::vector<int> numbers;  // of each cell its number of nodes, then these
         long long cells = 0;
@@ -55,7 +55,7 @@ struct VtkReader {
             else if (keyword == "CELLS") numbers = cell_numbers(cells);
             else if (keyword == "CELL_TYPES") types(numbers, cells, mesh);
             else if (keyword == "POINT_DATA" || keyword == "CELL_DATA") break;
-            else in.fail("expected POINTS, CELLS, CELL_TYPES or FIELD, got `", keyword.substr(0, 40), "`");
+            else in.fail("expected POINTS, CELLS, CELL_TYPES or FIELD, got ", in_backquotes(keyword));
         }
         complete_serendipity(mesh);
         if (mesh.nodes.empty() || mesh.elements.empty()) in.fail("there are no POINTS, or no CELLS with CELL_TYPES");
@@ -71,7 +71,7 @@ struct VtkReader {
         in.at_line_end();
         const char* const begin = in.at;
         while (in.at != in.end && !std::isspace(static_cast<unsigned char>(*in.at))) ++in.at;
-        return {begin, in.at};
+        return {begin, std::min(in.at, begin + 40)};
     }
 
     void begin_values() {
@@ -110,6 +110,7 @@ struct VtkReader {
             if (const std::string type = word(); type != "string") in.fail("a field of type ", type, " is not read");
             in.rest_of_line();
             for (long long i = 0; i < count; ++i) {
+                if (in.at == in.end) in.fail("the file is cut off");
                 if (!binary) {
                     line();
                     continue;

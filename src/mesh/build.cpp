@@ -50,6 +50,9 @@ void select(MeshBuild& build, const std::vector<int>& repeated) {
     group_elements(build);
 }
 
+// Lengths from 1 / longest to it have volumes, and products of them, within the range of numbers.
+constexpr double longest = 1e50;
+
 // The nodes of the elements, in file order.
 void number_nodes(MeshBuild& build) {
     const RawMesh& raw = build.raw;
@@ -64,6 +67,9 @@ void number_nodes(MeshBuild& build) {
     for (std::size_t i = 0; i < raw.nodes.size(); ++i) {
         const RawNode& node = raw.nodes[i];
         if (build.node[i] < 0) continue;
+        if (!std::all_of(node.x, node.x + 3, [](double x) { return std::abs(x) <= longest; }))
+            build.refuse("node ", node.id, " is at ", position_text(node.x, 3), ", farther than ", longest,
+                         ", where volumes are no numbers: take a larger unit of length");
         build.node[i] = next++;
         mesh.file.node_id.push_back(node.id);
         mesh.x.insert(mesh.x.end(), node.x, node.x + mesh.dim);
@@ -106,7 +112,8 @@ void fill_elements(MeshBuild& build) {
 
 // Orientation of the straight-sided element: 1, -1, or 0 where its volume is within the rounding of its coordinates.
 template <int n>
-int orientation(const Mesh& mesh, int e) {
+int orientation(const MeshBuild& build, int e) {
+    const Mesh& mesh = build.mesh;
     const int* const vertex = mesh.element(e);
     double size = 0, length = 0;
     for (int v = 0; v < mesh.cell(e).vertices; ++v)
@@ -115,6 +122,8 @@ int orientation(const Mesh& mesh, int e) {
             size = std::max(size, std::abs(x));
             length = std::max(length, std::abs(x - mesh.x[offset(vertex[0], n, a)]));
         }
+    if (length > 0 && length < 1 / longest)
+        build.refuse(build.element(e), "is ", length, " long, too little for a volume: take a smaller unit of length");
     const double volume = almesh::volume(mesh, mesh.x, e) * mesh.cell(e).inverse_volume;
     const double rounding = 8 * std::numeric_limits<double>::epsilon() * (size + length) * std::pow(length, n - 1);
     if (!(std::abs(volume) > rounding)) return 0;
@@ -134,7 +143,7 @@ std::vector<int> negative_elements(const MeshBuild& build, Folds folds) {
     std::vector<int> flat, negative;
     with_dimension(mesh.dim, [&](auto n) {
         for (int e = 0; e < mesh.element_count(); ++e) {
-            const int sign = orientation<n>(mesh, e);
+            const int sign = orientation<n>(build, e);
             if (sign == 0) flat.push_back(e);
             if (sign < 0) negative.push_back(e);
         }

@@ -324,6 +324,8 @@ void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides
     for (const PhysicalGroup& group : mesh.file.groups) tags.push_back(group.tag);
     for (const RawElement& element : build.raw.elements) tags.push_back(element.physical);
     UnusedIds<int> unused_tag(std::move(tags));
+    constexpr std::size_t most_told = 20;
+    std::size_t told = 0;
     std::string note;
     for (const auto& [lowest, of_part] : parts) {
         std::string name = beside_others ? "untagged" : "boundary";
@@ -331,7 +333,9 @@ void fill_untagged(const BoundaryMatcher& matcher, const std::vector<int>& sides
         while (mesh.boundary_index(name) >= 0) name += "-2";
         const int tag = unused_tag.next(), boundary = add_boundary(mesh, {name});
         mesh.file.groups.push_back({dim - 1, tag, name});
-        note += concat(note.empty() ? "" : ", ", name, " (", counted(of_part.size(), "face"), ")");
+        if (++told <= most_told)
+            note += concat(note.empty() ? "" : ", ", name, " (", counted(of_part.size(), "face"), ")");
+        else if (told == parts.size()) note += concat(" and ", told - most_told, " more");
         for (const int side : of_part) {
             std::vector<int> key = matcher.nodes_of(side);
             key.push_back(matcher.side(side).opposite);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "support/ring_deck.hpp"
+#include "support/solids.hpp"
 
 using namespace almesh;
 using namespace almesh::test;
@@ -158,6 +159,66 @@ TEST_CASE("a unit of length in which the mesh has no volume that is a number") {
     }
     const RingDeck ring;
     CHECK(ring.run({"length_scale=0.1"}).code == 0);
+}
+
+TEST_CASE("meshes without volume, and in units in which volumes are no numbers: a sentence") {
+    const TemporaryFolder folder;
+    const auto run = [&](const std::string& command, const Mesh& mesh, const auto& place) {
+        Mesh moved = mesh;
+        for (std::size_t k = 0; k < moved.x.size(); ++k) moved.x[k] = place(k, moved.x[k]);
+        const std::string path = folder.write("mesh.msh", msh_of(moved));
+        return almesh_with({command, path, "threads=1", "output=" + folder.path("results")});
+    };
+    std::vector<Mesh> meshes = {square_mesh(3), quad_mesh(3), cube_mesh(2), solid_mesh(2, "hh"), solid_mesh(2, "pp")};
+    for (const Mesh& any : {meshes[0], meshes[1], meshes[2]}) meshes.push_back(raise_degree(any, 2));
+    for (const Mesh& mesh : meshes) {
+        CAPTURE(mesh.elements_text());
+        const auto last = static_cast<std::size_t>(mesh.dim - 1);
+        const auto in_point = [](std::size_t, double) { return 1.0; };
+        const auto flat = [&](std::size_t k, double x) { return k % mesh.dim == last ? 0 : x; };
+        check_refused(run("improve", mesh, in_point), 2, {"mesh.msh: the volumes of its elements add up to 0"});
+        check_refused(run("improve", mesh, flat), 2, {"mesh.msh: the volumes of its elements add up to 0"});
+        for (const double unit : {1e-48, 1e48}) {
+            const Outcome judged = run("quality", mesh, [&](std::size_t, double x) { return unit * x; });
+            CHECK(judged.code == 0);
+        }
+        for (const std::string command : {"quality", "improve"}) {
+            for (const double unit : {1e51, 1e150, 1e300})
+                check_refused(run(command, mesh, [&](std::size_t, double x) { return unit * (1 + x); }), 2,
+                              {"mesh.msh: node ", "take a larger unit of length"});
+            for (const double unit : {1e-52, 1e-150, 1e-300})
+                check_refused(run(command, mesh, [&](std::size_t, double x) { return unit * x; }), 2,
+                              {"mesh.msh:", " long, ", "take a smaller unit of length"});
+            for (const std::size_t k : {std::size_t{0}, mesh.x.size() - 1})
+                check_refused(run(command, mesh, [&](std::size_t l, double x) { return l == k ? 1e200 : x; }), 2,
+                              {"mesh.msh: node ", "1e+200"});
+        }
+    }
+}
+
+TEST_CASE("a mesh in thousands of parts, and long words: messages of a few lines") {
+    const TemporaryFolder folder;
+    std::vector<double> x;
+    std::vector<int> elements;
+    for (int k = 0; k < 1000; ++k) {
+        x.insert(x.end(), {2.0 * k, 0, 2.0 * k + 1, 0, 2.0 * k, 1});
+        elements.insert(elements.end(), {3 * k, 3 * k + 1, 3 * k + 2});
+    }
+    Mesh mesh = linear_mesh(2, x, elements, [](const double*) { return "rim"; });
+    std::string text = msh_of(mesh);
+    text.erase(text.find("$PhysicalNames"), text.find("$Nodes") - text.find("$PhysicalNames"));
+    const std::string file = folder.write("a.msh", text), word(40000, 'x');
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{folder.write("a.deck", "mesh = a.msh\nboundary nowhere = fixed\n")},
+          {folder.write("b.deck", "mesh = a.msh\nframes = t.txt\nboundary all = fixed\n")},
+          {"quality", folder.write("a.vtk", "# vtk DataFile Version 3.0\n\n" + word)},
+          {"quality", folder.write("b.vtk", "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                                            "FIELD a 1\nb 2000000000 2000000000 string\n")}}) {
+        folder.write("t.txt", word);
+        const Outcome outcome = almesh_with(command);
+        CHECK((outcome.code == 1 || outcome.code == 2));
+        CHECK(outcome.error.size() < 2000);
+    }
 }
 
 TEST_CASE("a mesh file that is not there: where it is named") {
