@@ -8,11 +8,12 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <string>
 
 #include "base/error.hpp"
+#include "base/files.hpp"
+#include "base/lanes.hpp"
 #include "base/text.hpp"
 #include "mesh/cells.hpp"
 #include "mesh/node_key.hpp"
@@ -63,41 +64,66 @@ std::map<const CellType*, double> entities_of(const Mesh& mesh) {
 struct Counts {
     int dim, degree;
     double elements = 0, nodes = 0, places = 0, entries = 0;  // places and entries: nodes and blocks of elements
-    double blocks = 0, blocks_with_vertices = 0;  // pairs of nodes that share an element, of a node and a vertex
+    // Pairs of nodes that share an element, of a node and a vertex, of two vertices; most pairs of an element.
+    double blocks = 0, blocks_with_vertices = 0, blocks_of_vertices = 0, vertices = 0, batch = 0;
+    double samples;  // points at which the target is known
 
     Counts(const Mesh& mesh, int of_degree, double growth) : dim(mesh.dim), degree(of_degree) {
+        samples = std::pow(growth, (dim - 1.0) / dim) * mesh.face_count() * std::pow(degree + 3, dim - 1);
         for (const auto& [cell, number] : entities_of(mesh)) {
             const double count = growth * number, m = cell->node_count(degree);
             nodes += count * pairs_inside(*cell, degree, 0);
             blocks += count * pairs_inside(*cell, degree, degree);
             blocks_with_vertices += count * pairs_inside(*cell, degree, 1);
+            blocks_of_vertices += count * pairs_inside(*cell, 1, 1);
+            vertices += count * pairs_inside(*cell, 1, 0);
             if (cell->dim < dim) continue;
             elements += count;
             places += count * m;
             entries += count * m * m;
+            batch = std::max(batch, m * m);
         }
     }
 };
 
+constexpr double number = sizeof(double), single = sizeof(float), index = sizeof(int);
+
+// What SSOR, or ILU(0) where rows are short, takes on the blocks of these rows.
+double bytes_of_sweeps(double d, double rows, double blocks) {
+    const double products = blocks < long_rows * rows ? 12 * blocks : 0;
+    return (blocks - rows) / 2 * (d * d * single + index) + rows * (d * d + d + 8) * number + products;
+}
+
+// And deflation: the places of the blocks in A Z, which has in each row those of some three groups.
+double bytes_of_deflation(double d, double rows, double blocks) {
+    const double value = blocks < long_rows * rows ? number : single;
+    return blocks * index + 3 * rows * (3 * index + d * d * value);
+}
+
 double bytes_of(const Counts& of, const LinearSolverParams& linear) {
-    constexpr double number = sizeof(double), single = sizeof(float), index = sizeof(int), program = 8e6;
-    const double d = of.dim, unknowns = d * of.nodes;
-    const double of_mesh = of.places * index + of.nodes * (d * number + 16), vectors = 14 * unknowns * number;
-    const double of_energy = (of.places + of.entries + of.blocks) * index + of.elements * (d * d + 3) * number;
-    const double hessian = of.blocks * (d * d * number + index);
-    const double products = of.blocks < long_rows * of.nodes ? 12 * of.blocks : 0;  // of ILU(0)
-    const double sweeps = 0.5 * of.blocks * (d * d * single + 3 * index) + products;
-    const double coarse = of.degree == 1 ? hessian / 6  // A Z of deflation, or V of the correction of degree 1
-                                         : of.blocks_with_vertices * (d * d * single + index) + 32 * of.nodes;
-    const double factor = of.dim == 2 ? 80 * unknowns * std::log2(unknowns + 2) : 80 * std::pow(unknowns, 4.0 / 3);
-    constexpr double besides = 1.05;  // what was not counted
-    const bool iterative = iterates(static_cast<int>(std::min(unknowns, 1.0 * INT_MAX)), of.dim, linear);
-    return program + besides * (of_mesh + vectors + of_energy + hessian + (iterative ? sweeps + coarse : factor));
+    constexpr double program = 1.5e7, lanes_of_thread = 2 * most_lanes;
+    const double d = of.dim, unknowns = d * of.nodes, block = d * d * number;
+    const double of_mesh = 2 * of.places * index + of.nodes * (3 * d * number + 24) + 40 * of.elements +
+                           3 * of.samples * d * number;
+    const double of_energy = (of.places + of.entries + of.blocks) * index + of.elements * (block + 4 * number) +
+                             lanes_of_thread * of.batch * block;
+    const double hessian = of.blocks * (block + index), vectors = 18 * unknowns * number;
+    const double factor = of.dim == 2 ? 80 * unknowns * std::log2(unknowns + 2) : 450 * std::pow(unknowns, 4.0 / 3);
+    double solver = bytes_of_sweeps(d, of.nodes, of.blocks);
+    if (!iterates(static_cast<int>(std::min(unknowns, 1.0 * INT_MAX)), of.dim, linear)) solver = factor;
+    else if (of.degree == 1) solver += bytes_of_deflation(d, of.nodes, of.blocks);
+    else  // V, E and its parts, which overlap, and what E is preconditioned by
+        solver += of.blocks_with_vertices * (d * d * single + index) + 60 * of.nodes + 100 * of.vertices +
+                  of.blocks_of_vertices * (2 + 16 * std::pow(of.vertices, -1 / d)) * block +
+                  bytes_of_sweeps(d, of.vertices, of.blocks_of_vertices) +
+                  bytes_of_deflation(d, of.vertices, of.blocks_of_vertices);
+    constexpr double besides = 1.08;  // what was not counted, and what is freed and stays with the program
+    return program + besides * (of_mesh + of_energy + hessian + vectors + solver);
 }
 
 std::string rounded(double bytes) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2g", bytes / 1e9);
+    std::string text;
+    append(text, bytes / 1e9, 2);
     return text;
 }
 
@@ -117,16 +143,12 @@ void check_memory(const Mesh& base, int degree, int refinements, const LinearSol
     const double needed = bytes(degree, refinements);
     if (needed <= available) return;
     std::string fits = "a coarser mesh takes less";
-    for (int times = refinements - 1; times >= 0; --times)
-        if (bytes(degree, times) <= available) {
-            fits = concat("refine = ", times, " takes about ", rounded(bytes(degree, times)), " GB");
-            break;
-        }
-    for (int lower = degree - 1; lower > 0; --lower)
-        if (bytes(lower, refinements) <= available) {
-            fits = concat("degree = ", lower, " takes about ", rounded(bytes(lower, refinements)), " GB");
-            break;
-        }
+    const auto take_less = [&](const char* key, int most, int least, const auto& bytes_with) {
+        while (most >= least && bytes_with(most) > available) --most;
+        if (most >= least) fits = concat(key, " = ", most, " takes about ", rounded(bytes_with(most)), " GB");
+    };
+    take_less("refine", refinements - 1, 0, [&](int times) { return bytes(degree, times); });
+    take_less("degree", degree - 1, 1, [&](int lower) { return bytes(lower, refinements); });
     throw InputError("the run needs about ", rounded(needed), " GB of memory, and ", rounded(available),
                      " GB are free here: ", fits);
 }

@@ -6,8 +6,8 @@
 namespace almesh {
 
 // Bytes at the peak of a run on this mesh: the mesh, the energy's arrays, the Hessian and its preconditioner or factor.
-// Blocks of the Hessian are counted exactly, up to the holes of the domain; the Cholesky factor of a 2D mesh by its law
-// of growth. Of a run in which no direct factorisation takes over from conjugate gradients.
+// Blocks of the Hessian are counted exactly, up to the holes of the domain; a Cholesky factor by its law of growth, in
+// 3D to a factor of two. Of a run in which no direct factorisation takes over from conjugate gradients.
 double predicted_bytes(const Mesh& mesh, const LinearSolverParams& linear);
 
 // Throws the InputError of a run that needs more than these bytes, or numbers more nodes than int can, before its mesh is
