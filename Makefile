@@ -76,12 +76,12 @@ $(BUILD)/%.o: %.cpp $(BUILD)/flags
 	$(Q)$(CXX) $(FLAGS) -MMD -MP -c $< -o $@
 
 # Tests wait for the library, not for themselves: a fifth of `make test` is saved by what is not optimised here.
-# What most of them include is read once, but with ccache, which keeps nothing of what was compiled so, and for main.cpp,
-# which includes more of doctest.
+# What most of them include is read once, but with ccache, which keeps nothing of what was compiled so, for main.cpp,
+# which includes more of doctest, and for the harnesses, which `make fuzz` links without doctest.
 TEST_FLAGS := -O1 -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
 PREFIX    := $(if $(findstring ccache,$(CXX)),,$(BUILD)/tests/prefix.hpp)
 $(TEST_OBJECTS): FLAGS += $(TEST_FLAGS)
-PREFIXED  := $(filter-out $(BUILD)/tests/main.o,$(TEST_OBJECTS))
+PREFIXED  := $(filter-out $(BUILD)/tests/main.o $(FUZZ_OBJECTS),$(TEST_OBJECTS))
 $(PREFIXED): FLAGS += $(PREFIX:%=-include %)
 $(PREFIXED): $(PREFIX:%=%.gch)
 
@@ -127,7 +127,7 @@ asan: doctest ## the same tests, but for those of the large decks, under the add
 FUZZ_FLAGS := -O1 -g -march=native -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize-recover=all
 MINUTES   ?= 1
 FUZZ_CXX  ?= clang++
-fuzz: ## fuzz decks, mesh files, quality and whole runs, a minute each (MINUTES=12, HARNESSES="msh run"; clang++)
+fuzz: ## fuzz decks, mesh, frames and row files, quality, improve and whole runs, a minute each (MINUTES=12, HARNESSES="msh run"; clang++)
 	$(MAKE) BUILD=build-fuzz CXX='$(FUZZ_CXX)' OPENMP= WERROR=-Werror CXXFLAGS='$(FUZZ_FLAGS)' build-fuzz/almesh-fuzz
 	tests/fuzz/fuzz.sh build-fuzz/almesh-fuzz $(MINUTES) $(HARNESSES)
 

@@ -15,11 +15,19 @@ void fuzz_deck(std::string_view bytes);
 // Any file is a mesh or refused; written in each version of MSH it reads back the same, and `info` prints a deck.
 void fuzz_msh(std::string_view bytes);
 void fuzz_su2(std::string_view bytes);
+void fuzz_vtk(std::string_view bytes);
+
+// Any file is a list of frames, or rows of nodes and their vectors, or refused in a sentence.
+void fuzz_frames(std::string_view bytes);
+void fuzz_rows(std::string_view bytes);
 
 // A small mesh with nodes moved and its file damaged: `quality` certifies only what is valid and does not overlap.
 void fuzz_quality(std::string_view bytes);
 
-// The same moved by a deck of legal keys: exit code 0 only with a final mesh that is valid and in place. A run that
+// The same by `improve`: after exit code 0 the final mesh is valid.
+void fuzz_improve(std::string_view bytes);
+
+// Such a mesh moved by a deck of legal keys: exit code 0 only with a final mesh that is valid and in place. A run that
 // leaves its state behind goes on from it, damaged or not.
 void fuzz_run(std::string_view bytes);
 
@@ -31,7 +39,11 @@ struct Harness {
 inline constexpr Harness harnesses[] = {{"deck", fuzz_deck},
                                         {"msh", fuzz_msh},
                                         {"su2", fuzz_su2},
+                                        {"vtk", fuzz_vtk},
+                                        {"frames", fuzz_frames},
+                                        {"rows", fuzz_rows},
                                         {"quality", fuzz_quality},
+                                        {"improve", fuzz_improve},
                                         {"run", fuzz_run}};
 
 struct Violation : std::logic_error {

@@ -3,6 +3,7 @@
 #include "app/deck.hpp"
 #include "fuzz/harness.hpp"
 #include "io/su2.hpp"
+#include "io/vtk.hpp"
 
 namespace almesh::fuzz {
 namespace {
@@ -99,6 +100,13 @@ void fuzz_msh(std::string_view bytes) {
     if (!mesh) return;
     check_mesh(*mesh);
     check_info(bytes, "fuzz.msh");
+}
+
+void fuzz_vtk(std::string_view bytes) {
+    const auto mesh = mesh_or_refusal([&] { return parse_vtk(bytes, "fuzz.vtk"); });
+    if (!mesh) return;
+    check_mesh(*mesh);
+    check_info(bytes, "fuzz.vtk");
 }
 
 void fuzz_su2(std::string_view bytes) {

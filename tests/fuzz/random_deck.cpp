@@ -116,7 +116,7 @@ const std::map<std::string, std::vector<std::string>> long_lists = {
      {"input", "msh", "su2", "both", "msh22", "msh22-binary", "msh40", "msh40-binary", "msh41", "msh41-binary"}}};
 
 const std::map<std::string, int> highest = {
-    {"refine", 1},      {"max_al_iterations", 30},      {"max_newton_iterations", 60},
+    {"refine", 1},      {"max_al_iterations", 12},      {"max_newton_iterations", 20},
     {"increments", 12}, {"gmres_max_iterations", 1000}, {"certificate_bisections", 5000},
     {"quadrature", 14}, {"power", 32}};
 
@@ -177,7 +177,7 @@ std::map<std::string, std::string> random_settings(Choices& choose, const Mesh& 
         if (key.name == "title") value = quoted_where_needed(choose.word(20), "#\"");
         else if (key.name == "wall")
             value = mesh.boundaries[choose.below(static_cast<int>(mesh.boundaries.size()))];
-        else if (key.name == "degree") value = std::to_string(choose.below(mesh.dim == 2 ? 6 : 4));
+        else if (key.name == "degree") value = std::to_string(choose.below(mesh.dim == 2 ? 4 : 3));
         else value = value_of(choose, key.name, key.value.legal);
         Deck deck;
         try {

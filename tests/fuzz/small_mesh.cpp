@@ -9,12 +9,11 @@ namespace {
 
 Mesh straight_mesh(int kind) {
     switch (kind) {
-        case 0: return test::ring_mesh(6, 2, 3);
+        case 0: return test::ring_mesh(3, 2, 3);
         case 1: return test::square_mesh(1);
-        case 2: return test::square_mesh(3);
-        case 3: return test::ring_mesh(8, 1, 1.25);
+        case 2: return test::two_parts(test::square_mesh(1), 1, {1.5, 0, 0});
+        case 3: return test::ring_mesh(4, 1, 1.25);
         case 4: return test::cube_mesh(1);
-        case 5: return test::cube_mesh(2);
         default: return test::square_mesh(2);
     }
 }
@@ -46,7 +45,7 @@ void change_line(std::string& text, int place, bool repeat) {
 
 Mesh small_mesh(Choices& choose) {
     const int kind = choose.byte();
-    Mesh mesh = straight_mesh(kind % 7);
+    Mesh mesh = straight_mesh(kind % 6);
     if (kind >= 224) mesh = doubled(mesh, choose);
     const int degree = 1 + choose.below(3);
     if (degree > 1) mesh = raise_degree(mesh, degree);

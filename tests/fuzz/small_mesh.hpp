@@ -5,7 +5,7 @@
 
 namespace almesh::fuzz {
 
-// A square, ring or cube of at most 48 elements of degree 1 to 3, straight or curved, somewhere in space,
+// A square, ring or cube of at most 12 elements of degree 1 to 3, straight or curved, somewhere in space,
 // sometimes with a few nodes moved or as two parts; to be written in any format that has it.
 Mesh small_mesh(Choices& choose);
 
