@@ -14,6 +14,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/lanes.hpp"
+#include "base/parallel.hpp"
 #include "base/text.hpp"
 #include "mesh/cells.hpp"
 #include "mesh/node_key.hpp"
@@ -101,12 +102,12 @@ double bytes_of_deflation(double d, double rows, double blocks) {
 }
 
 double bytes_of(const Counts& of, const LinearSolverParams& linear) {
-    constexpr double program = 1.5e7, lanes_of_thread = 2 * most_lanes;
+    constexpr double program = 1.5e7;
     const double d = of.dim, unknowns = d * of.nodes, block = d * d * number;
     const double of_mesh = 2 * of.places * index + of.nodes * (3 * d * number + 24) + 40 * of.elements +
                            3 * of.samples * d * number;
     const double of_energy = (of.places + of.entries + of.blocks) * index + of.elements * (block + 4 * number) +
-                             lanes_of_thread * of.batch * block;
+                             max_threads() * most_lanes * of.batch * block;
     const double hessian = of.blocks * (block + index), vectors = 18 * unknowns * number;
     const double factor = of.dim == 2 ? 80 * unknowns * std::log2(unknowns + 2) : 450 * std::pow(unknowns, 4.0 / 3);
     double solver = bytes_of_sweeps(d, of.nodes, of.blocks);

@@ -14,7 +14,7 @@ void fuzz_improve(std::string_view bytes) {
     constexpr const char* settings[] = {"degree=0", "boundary all=fixed", "degree=2", "surface=straighten"};
     std::filesystem::remove_all(output);
     const test::Outcome outcome = outcome_of({"improve", path, "output=" + output, choose.of(settings), "threads=1",
-                                              "max_seconds=1", "vtk=none", "final=msh"});
+                                              "max_seconds=0.1", "vtk=none", "final=msh"});
     if (outcome.code != 0) return;
     const std::string fault = fault_of(Elements(read_mesh(final_mesh)), false);
     demand(fault.empty(), "improved, but ", fault, "\n", outcome.out);

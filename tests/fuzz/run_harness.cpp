@@ -132,7 +132,7 @@ void fuzz_run(std::string_view bytes) {
     const test::TemporaryFolder& folder = work_folder();
     const std::string mesh_path = folder.write("run.mesh", damaged(text_of_mesh(mesh), choose)),
                       output = folder.path("results");
-    std::string deck = concat("mesh = run.mesh\noutput = ", output, "\nthreads = 1\nmax_seconds = 1\n");
+    std::string deck = concat("mesh = run.mesh\noutput = ", output, "\nthreads = 1\nmax_seconds = 0.1\n");
     for (const auto& [boundary, motion] : motions) deck += concat("boundary ", boundary, " = ", motion.text, "\n");
     for (const auto& [key, value] : settings) deck += concat(key, " = ", value, "\n");
     std::filesystem::remove_all(output);
