@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <unordered_map>
 
 #include "app/commands.hpp"
@@ -100,10 +101,29 @@ BoundaryChange change_by(const Deck& deck, const Problem& problem, const Derivat
     throw Error(ExitCode::not_converged, concat("no derivative by ", constant.name, ": ", why));
 }
 
+// The values of a file divided by `unit`, a power of two near the largest, so that no product of them overflows.
 struct Column {
     std::string name;
     Values values;
+    double unit = 1;
+
+    Column(std::string of_file, Values in_file) : name(std::move(of_file)), values(std::move(in_file)) {
+        if (const double largest = norm_inf(values); largest > 0) unit = std::ldexp(1.0, std::ilogb(largest));
+        for (double& v : values) v /= unit;
+    }
 };
+
+// The derivative `what` in this unit.
+double times_unit(double derivative, double unit, const std::string& what) {
+    if (std::isfinite(derivative * unit)) return derivative * unit;
+    throw Error(ExitCode::not_converged, concat("the derivative ", what, " is beyond the largest number, ",
+                                                rounded_down(std::numeric_limits<double>::max(), 3)));
+}
+
+Values times_unit(Values derivative, double unit, const std::string& what) {
+    for (double& v : derivative) v = times_unit(v, unit, what);
+    return derivative;
+}
 
 // Returns what the terminal is told.
 std::string write_adjoint(const Deck& deck, const Problem& problem, Derivative& derivative,
@@ -112,15 +132,17 @@ std::string write_adjoint(const Deck& deck, const Problem& problem, Derivative& 
     std::string told, table = "constant,value";
     for (const Column& J : functions) {
         slopes.push_back(derivative.adjoint(J.values));
-        write_values(deck.output + "/adjoint-" + J.name + ".csv", problem.mesh(), slopes.back().shift, false);
+        write_values(deck.output + "/adjoint-" + J.name + ".csv", problem.mesh(),
+                     times_unit(slopes.back().shift, J.unit, concat("of ", J.name, " by positions")), false);
         table += "," + J.name;
     }
     for (const Constant& constant : deck.constants) {
         const BoundaryChange change = change_by(deck, problem, derivative, constant);
         table += concat("\n", constant.name, ",", constant.value);
         for (std::size_t j = 0; j < functions.size(); ++j) {
-            const double slope =
-                problem.frame.length * (dot(slopes[j].shift, change.shift) + dot(slopes[j].force, change.force));
+            const double by_target = dot(slopes[j].shift, change.shift) + dot(slopes[j].force, change.force);
+            const double slope = times_unit(problem.frame.length * by_target, functions[j].unit,
+                                            concat("of ", functions[j].name, " by ", constant.name));
             table += concat(",", slope);
             told += concat("d ", functions[j].name, " / d ", constant.name, " = ", slope, "\n");
         }
@@ -132,11 +154,10 @@ std::string write_adjoint(const Deck& deck, const Problem& problem, Derivative& 
 void write_tangent(const Deck& deck, const Problem& problem, Derivative& derivative,
                    const std::vector<Column>& velocities) {
     const auto write = [&](const std::string& name, const BoundaryChange& change, double unit) {
-        Values dx = derivative.tangent(change);
-        for (double& entry : dx) entry *= unit;
+        const Values dx = times_unit(derivative.tangent(change), unit, concat("of the mesh by ", name));
         write_values(deck.output + "/tangent-" + name + ".csv", problem.mesh(), dx, true);
     };
-    for (const Column& g : velocities) write(g.name, {g.values, Values(g.values.size(), 0.0)}, 1);
+    for (const Column& g : velocities) write(g.name, {g.values, Values(g.values.size(), 0.0)}, g.unit);
     for (const Constant& constant : deck.constants)
         write(constant.name, change_by(deck, problem, derivative, constant), problem.frame.length);
 }
@@ -167,7 +188,7 @@ ExitCode differentiate(const std::vector<std::string>& arguments, std::FILE* out
             const std::string name = std::filesystem::path(file).stem().string();
             if (find_row(columns, name) || find_row(deck.constants, name))
                 throw UsageError(file, ": another file or a constant has the name ", name, ", which results get");
-            columns.push_back({name, read_values(problem.mesh(), file, adjoint)});
+            columns.emplace_back(name, read_values(problem.mesh(), file, adjoint));
         }
     };
     const auto solved = [&](const Problem& problem, Solution& solution) {
