@@ -20,14 +20,17 @@
 //
 // so one solve gives dJ/dg = dJ/dx + H P p at all boundary nodes (implicit function theorem; sensitivity of constrained
 // minimisers: Nocedal & Wright, sec. 12.8; adjoints: Giles & Pierce, Flow Turbul. Combust. 65, 2000). E is the
-// functional that the last minimisation had: with objective = minimax of its last power, the scale of eta held.
+// functional that the last minimisation had. With objective = minimax that is the one of its last power, and
+// H = E'' - u v' (p_norm.hpp); in the adjoint its transpose.
 #pragma once
 #include <memory>
 #include <vector>
 
+#include "base/error.hpp"
 #include "constraint/constraint.hpp"
 #include "energy/distortion_energy.hpp"
 #include "linalg/linear_solver.hpp"
+#include "method/p_norm.hpp"
 #include "mesh/mesh.hpp"
 
 namespace almesh {
@@ -70,13 +73,18 @@ private:
     std::vector<Node> nodes_;
     std::vector<int> place_;  // per node: which of these it is, or -1
     std::vector<double> x_;
-    BlockCsr H_, A_;          // A = P (H + K) P, and on the rest of each diagonal block a multiple of 1
+    BlockCsr H_, A_;          // H + u v'; A = P (H_ + K) P, and on the rest of each diagonal block a multiple of 1
     std::unique_ptr<LinearSolver> solver_;
     bool is_factored_ = false;  // A, at x
+    KappaChange kappa_;         // at x
 
     std::vector<double> set_point(const std::vector<double>& x);  // returns -P grad E
-    void assemble();
-    std::vector<double> solve(const std::vector<double>& b);  // P A^-1 b
+    void assemble(HessianKind kind);
+    Error not_stationary(double decrement);  // why the decrement is not small enough
+    Error singular(int bad_node);            // why A is not positive definite
+    // P (A - P u v' P)^-1 b, by the formula of Sherman and Morrison.
+    std::vector<double> solve(const std::vector<double>& b, std::vector<double> u, const std::vector<double>& v);
+    std::vector<double> solve_with_A(const std::vector<double>& b);  // P A^-1 b
     void project(std::vector<double>& v) const;               // P v
 };
 

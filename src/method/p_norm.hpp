@@ -4,12 +4,23 @@
 // The integral of (eta - 1)^p, to the power 1/p, comes near to the maximum of eta - 1 as p grows. Its minimisers are
 // found one from the other, p = 2, 4, 8, ..., with the density
 //
-//     M^2 (s^p + kappa_p s^2),   s = (eta - 1) / M,   kappa_p = 0.012 / p,
+//     M^2 (s^p + kappa s^2),   s = (eta - 1) / M.
 //
-// M the largest eta - 1 at the start of the power, so that no power overflows. Where s is well below one, s^p has no
-// stiffness left, and its Hessian is singular there; the square keeps these elements in the shape that the objective
-// `deviation` gives them. With the factor M^2 energies and multipliers keep their size from power to power; what is
-// left of a change is scaled out: lambda is a force, and so grows like p E.
+// Where s is well below one, s^p has no stiffness left, and its Hessian is singular there; the square keeps these
+// elements in the shape that the objective `deviation` gives them. M is a unit, the largest eta - 1 where a
+// minimisation starts, so that no power overflows. The mesh of the last power has to depend on its boundary alone, not
+// on the way to it: kappa is that of the mesh, with the mean over the ideal mesh as the norm, and q = 4 p, near to the
+// maximum,
+//
+//     kappa(x) = K (|eta - 1|_q / M)^(p - 2),   K = 0.01.
+//
+// It is updated between minimisations, as multipliers are, until it stays. Then M has no part in where x is stationary.
+// With projection P onto the directions in which x is free, P grad E = 0, the derivative of P grad E is
+//
+//     P (E'' - u v'),   u = grad E_p,   v = (p - 2) / (q E_q) grad E_q,   E_q = M^2 integral of s^q.
+//
+// With the factor M^2 energies and multipliers keep their size from power to power; what is left of a change is scaled
+// out: lambda is a force, and so grows like p E.
 //
 // All powers but the last are solved loosely. It is 64, or an earlier one where the last doubling lowered the largest
 // eta by less than 0.2 %. Of a mesh with N elements of equal weight, the largest eta - 1 at the minimum for p is at
@@ -22,6 +33,15 @@
 #include "method/continuation.hpp"
 
 namespace almesh {
+
+// Where there is a kappa, sets it to that of x. Returns by how much it changes, relative to what it was.
+double update_kappa(DistortionEnergy& energy, const std::vector<double>& x);
+
+// Empty where there is no kappa.
+struct KappaChange {
+    std::vector<double> u, v;
+};
+KappaChange change_of_kappa(DistortionEnergy& energy, const std::vector<double>& x);
 
 // As minimise_in_increments(), which it begins with; then the powers up to `last_power`. Where the last of
 // them is not solved the one before is taken, and so on. Newton steps with earlier powers are among
