@@ -22,6 +22,7 @@ boundary rest = expression "x + 0.1*a*z" "y" "z*(1 - 0.1*a)"
 STEPS = [10.0 ** -k for k in range(1, 7)]
 CASES = [
     ("circle moved by 8", "inputs/circle", 8, ["boundary inner=translate a 0"]),
+    ("the same with objective = minimax", "inputs/gauntlet/circle-moved-worst", 8, ["boundary inner=translate a 0"]),
     ("boundary layer of degree 4, turned by 30°", "inputs/gauntlet/layers-degree-4", 30,
      ["boundary wall=rotate a about 0 0"]),
     ("box in 3D, sheared and pressed", "outputs/derivatives/box", 1, []),
