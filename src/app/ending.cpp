@@ -125,9 +125,10 @@ std::string against_uncertified(const Deck& deck, const Problem& problem, const 
 
 // |grad E| is rounded in proportion to the penalty, which algorithm = adaptive chooses by itself.
 std::string against_accuracy(const Deck& deck, const Solution& solution) {
-    const bool takes_mu0 = deck.method.moving == MovingMethod::penalty ||
-                           (deck.method.moving == MovingMethod::augmented_lagrangian &&
-                            deck.method.algorithm != Algorithm::adaptive);
+    const bool takes_mu0 = solution.al.status == Status::attainable_accuracy &&
+                           (deck.method.moving == MovingMethod::penalty ||
+                            (deck.method.moving == MovingMethod::augmented_lagrangian &&
+                             deck.method.algorithm != Algorithm::adaptive));
     if (takes_mu0) return "a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0";
     return "a larger omega_star, such as " + shown(2 * solution.al.iterations.back().gradient_norm, 2);
 }
@@ -285,11 +286,8 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
                  others.c_str(), solution.time.total);
     print_diagnosis(out, deck, problem, solution);
     print_boundary(out, deck, problem, solution);
-    const Status last = solution.al.iterations.back().newton_status;
-    if (last == Status::attainable_accuracy)
-        std::fprintf(out, "|grad E| ended at its attainable accuracy, above omega_star\n");
-    if (last == Status::no_visible_gain)
-        std::fprintf(out, "the last steps gained next to nothing; |grad E| is above omega_star\n");
+    if (solution.al.iterations.back().newton_status == Status::attainable_accuracy)
+        std::fprintf(out, "|grad E| is as small as rounding permits, which is above omega_star\n");
     if (fallbacks)
         std::fprintf(out,
                      "the iterative solver failed in %d Newton step%s; Cholesky solved them (why: history.csv)\n",

@@ -1,6 +1,7 @@
 // Algorithm 1 of the paper, its lines numbered on the right; lines 4-6, 11-14 and 17-20 are the schedule's.
 #include "method/augmented_lagrangian.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -31,9 +32,11 @@ AlIteration row_of(const AugmentedFunctional& E, const std::vector<double>& x, D
     return row;
 }
 
-// cold: without multipliers, from the ideal mesh.
-NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule& s, bool cold, bool from_coarser,
-                        const AugmentedFunctional& E) {
+// cold: without multipliers, from the ideal mesh. by_gradient: the constraint holds, and the gain of the last steps was
+// too small to be seen, so that only |grad E| tells how near the minimum is.
+NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule& s, bool cold, bool by_gradient,
+                        bool from_coarser, const AugmentedFunctional& E) {
+    constexpr int most_unseen_steps = 50;
     constexpr double useless_distortion = 20;  // meshes with that everywhere are of no use to anyone
     constexpr double visible = 3e-7;  // of what E gains from a distortion of 2 everywhere to none,
     constexpr double visible_of_largest = 1e-3;  // or of the largest eta - 1, of which a power is minimised
@@ -46,7 +49,8 @@ NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule&
     newton.first = HessianKind::full;
     newton.cold_start = cold;
     newton.from_coarser = from_coarser;
-    if (const int p = distortion.power().p; E.constraint.bends_steps()) {
+    if (by_gradient) newton.max_iterations = std::min(newton.max_iterations, most_unseen_steps);
+    if (const int p = distortion.power().p; E.constraint.bends_steps() && !by_gradient) {
         if (p > 2) newton.visible_part = p * visible_of_largest;
         newton.visible_gain = visible * (distortion.uniform(2) - distortion.uniform(1));
     }
@@ -68,18 +72,20 @@ bool constraint_stalls(const std::vector<AlIteration>& rows, std::size_t updates
 // |grad E| <= omega*, or as small as rounding lets it be.
 bool is_stationary(const AlIteration& row, const AugmentedLagrangianParams& params) {
     if (row.gradient_norm <= params.omega_star) return true;
-    return at_floor(row.newton_status) && row.gradient_norm <= params.omega0;
+    return row.newton_status == Status::attainable_accuracy && row.gradient_norm <= params.omega0;
 }
 
 // How the method fails after the last of `rows`: ends although line 7 would go on, or the other way round. Nothing
-// where it goes on, and where it has converged. ends: by line 7.
+// where it goes on, and where it has converged. ends: by line 7. by_gradient: see subproblem().
 std::optional<Status> failure(const std::vector<AlIteration>& rows, const AugmentedLagrangianParams& params,
-                              double one_squared, bool constrained, bool stationary, bool ends) {
+                              double one_squared, bool constrained, bool by_gradient, bool stationary, bool ends) {
     if (ends && constrained && stationary) return std::nullopt;
     if (ends) return Status::ended_as_printed;
     const AlIteration& row = rows.back();
     const bool solved = at_floor(row.newton_status) || row.newton_status == Status::converged;
-    if (at_floor(row.newton_status) && constrained) return row.newton_status;
+    if (row.newton_status == Status::attainable_accuracy && constrained) return row.newton_status;
+    if (row.newton_status == Status::max_newton_iterations && constrained && by_gradient)
+        return Status::no_visible_gain;
     if (row.newton_status == Status::stalled) return Status::stalled;
     if (row.newton_status == Status::interrupted) return Status::interrupted;
     if (constraint_stalls(rows, solved ? 3 : 1, one_squared)) return Status::stalled;
@@ -140,7 +146,8 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
     // The gradient of E is known from the first subproblem on only: row 0 does not end the loop.
     while (rows.size() == 1 || !s->ends(constrained(), stationary())) {                   //  7
         const bool cold = rows.size() == 1 && start.lambda.empty();
-        const NewtonParams wanted = subproblem(params, *s, cold, start.from_coarser, E);
+        const bool by_gradient = rows.back().newton_status == Status::no_visible_gain && constrained();
+        const NewtonParams wanted = subproblem(params, *s, cold, by_gradient, start.from_coarser, E);
         E.penalty = s->penalty();
         const NewtonResult solved =
             minimise_or_recall(params.checkpoint, newton, E, wanted, x, observe_step);    //  8
@@ -148,7 +155,8 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         rows.push_back(row_of(E, x, result.distortion, *s, solved, rows.back().iteration + 1));
         rows.back().seconds = watch.seconds();
         const bool ends = s->ends(constrained(), stationary());
-        if (const auto failed = failure(rows, params, one_squared, constrained(), stationary(), ends)) {
+        if (const auto failed =
+                failure(rows, params, one_squared, constrained(), by_gradient, stationary(), ends)) {
             result.status = *failed;
             result.gradient = E.gradient(x);
         }

@@ -60,7 +60,8 @@ std::optional<Status> StoppingTests::after_step(const NewtonStep& step, const Ne
     const double visible = params_.visible_part > 0 ? params_.visible_part * E.distortion_energy(x, at.energy)
                                                     : params_.visible_gain;
     if (invisible_gain_ >= visible) invisible_gain_ = invisible_length_ = 0;
-    if (visible > 0 && invisible_length_ >= most_invisible) return Status::no_visible_gain;
+    if (visible > 0 && invisible_length_ >= most_invisible && at.gradient_norm > at.omega)
+        return Status::no_visible_gain;
     if (at.energy > params_.largest_energy) {
         const double lost = E.lost_energy(x);
         if (is_out_of_reach(params_.largest_energy, before.energy - lost, at.energy - lost, step.step_length,

@@ -13,8 +13,9 @@
 // steps in a row are next to none and gain nothing.
 //
 // Invisible steps: where nodes slide and nothing else holds the mesh, E hardly changes along some directions. A disc
-// turns, and in 2D all conformal maps of it onto itself keep eta. Of three full steps in a row, or twelve short ones,
-// that together gain less than can be seen there is no need for more.
+// turns, and in 2D all conformal maps of it onto itself keep eta. After three full steps in a row, or twelve short
+// ones, that together gain less than can be seen, the multipliers change first; once the constraint holds, Algorithm 1
+// goes on without this test.
 //
 // Local minimisations (local_elimination.hpp) need no minimum: their last step is one that gains too little for
 // another, or takes them beyond the work that they may do.
