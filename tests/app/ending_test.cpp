@@ -182,6 +182,36 @@ TEST_CASE("the attainable accuracy with the penalty of algorithm = adaptive: the
     CHECK(outcome.code == 0);
 }
 
+TEST_CASE("converged is said of a boundary that slides where |grad E| is below omega_star, and not before") {
+    const RingDeck ring;
+    for (const char* shape : {"refine=0", "degree=2", "refine=1"})
+        for (const char* motion : {"rotate 50", "translate 3 1", "scale 2 1"})
+            for (const char* objective : {"deviation", "minimax"}) {
+                const std::string keys_of_case = concat(shape, ", ", motion, ", ", objective);
+                if (keys_of_case == "refine=0, rotate 50, minimax") continue;  // the next test
+                CAPTURE(keys_of_case);
+                const Outcome outcome =
+                    ring.run({shape, "boundary outer=slide", concat("boundary inner=", motion),
+                              concat("objective=", objective), "length_scale=1", "omega_star=1e-6"});
+                CHECK(outcome.code == 0);
+                const auto summary = summary_of(ring.output);
+                CHECK(summary.at("status") == "converged");
+                CHECK(parse_double(summary.at("gradient_norm")).value() <= 1e-6);
+                CHECK(!has(outcome.out, "above omega_star"));
+            }
+}
+
+// The ring turns as a whole, and a high power has next to no curvature along that.
+TEST_CASE("where the gain is no longer seen and |grad E| stays above omega_star, the run does not count as converged") {
+    const RingDeck ring;
+    const std::vector<std::string> keys = {"boundary outer=slide", "boundary inner=rotate 50", "objective=minimax"};
+    const Outcome outcome = ring.run(keys);
+    CHECK(outcome.code == 3);
+    CHECK(Stop(ring.output, outcome).summary.at("status") == "no_visible_gain");
+    CHECK(Stop(ring.output, outcome).kind() == "unbalanced");
+    CHECK(has(outcome.out, "try a larger omega_star, such as "));
+}
+
 TEST_CASE("a rounding floor, a loop that ends as printed, an overflow and an interrupt say what to change") {
     const RingDeck ring;
     Outcome outcome = ring.run({"algorithm=paper", "mu0=1e14", "omega0=1e-12"});
