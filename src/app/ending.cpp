@@ -273,12 +273,12 @@ Diagnosis diagnose(const Deck& deck, const Problem& problem, const Solution& sol
 }
 
 void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {
-    const bool is_in_parts = problem.curves_in_place && solution.al.iterations.size() == 1;
     std::string others;
     if (const int steps = solution.coarse_newton_iterations) others = concat(steps, " more on coarser meshes");
     if (const int steps = solution.al.earlier_newton_iterations)
         others += concat(others.empty() ? "" : ", ", steps,
-                         is_in_parts                                       ? " more in parts that were given up"
+                         problem.curves_in_place                           ? " more in other parts and attempts"
+                         : is_improved(deck.ideal)                         ? " more in other attempts"
                          : deck.distortion.objective == Objective::minimax ? " more with earlier powers"
                                                                            : " more in earlier load increments");
     if (!others.empty()) others = " (" + others + ")";

@@ -106,8 +106,7 @@ void FrameRun::keep(const Deck& now, Solution& solution, FrameRow& row) {
     examine(now, problem_, solution);
     const AlIteration& last = solution.al.iterations.back();
     row.status = status_row(solution.al.status).name;
-    row.newton_steps = solution.al.newton_iterations + solution.al.earlier_newton_iterations +
-                       solution.coarse_newton_iterations;
+    row.newton_steps = solution.newton_steps();
     row.max_distortion = last.max_distortion;
     row.relative_quality = last.relative_quality;
     row.min_scaled_jacobian = solution.certificate.min_scaled_jacobian;

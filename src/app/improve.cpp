@@ -115,7 +115,7 @@ Solution ended_at(const Problem& problem, std::vector<double> x, Status status) 
 
 // Moves x, the first mesh, which has these invalid elements, to a valid one. Whether it could.
 bool untangle(const Deck& deck, const Problem& problem, const std::vector<int>& invalid, std::vector<double>& x,
-              std::FILE* out) {
+              int& newton_steps, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
     std::vector<double> volumes = problem.regular;
     for (int e = 0; e < mesh.element_count() && problem.regular.empty(); ++e)
@@ -126,6 +126,7 @@ bool untangle(const Deck& deck, const Problem& problem, const std::vector<int>& 
         mesh, problem.ideal(), {.objective = Objective::tangled, .curved_ideal = true, .regular = problem.regular});
     const UntanglingResult found =
         untangle_regions(mesh, volumes, *energy, *problem.level->constraint, deck.linear, x);
+    newton_steps += found.newton_iterations;
     std::fprintf(out, "%s invalid in the file, %zu left after %s in %s\n", counted(invalid.size(), "element").c_str(),
                  found.left.size(), counted(found.newton_iterations, "Newton step").c_str(),
                  counted(found.regions, "region").c_str());
@@ -167,12 +168,12 @@ void set_ideal_elements(const Deck& deck, Problem& problem) {
 
 namespace {
 
-Solution improved(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
+Solution improved(const Deck& deck, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
     std::vector<double> x = problem.start.empty() ? mesh.x : problem.start;
     const std::vector<int> invalid = certify(mesh, x, deck.certificate).uncertified;
     const bool was_valid = invalid.empty();
-    if (!was_valid && !untangle(deck, problem, invalid, x, out))
+    if (!was_valid && !untangle(deck, problem, invalid, x, newton_steps, out))
         return ended_at(problem, std::move(x), Status::inverted);
     if (!was_valid) {
         const std::size_t told = problem.notes.size();
@@ -225,7 +226,8 @@ Deck with_boundary_set(const Deck& deck, const Problem& problem) {
 }
 
 // Of simplices, where the boundary need not be elsewhere and the minimum of no other objective or power is asked for.
-void raise_worst_corners(const Deck& deck, const Problem& problem, Solution& solution, std::FILE* out) {
+void raise_worst_corners(const Deck& deck, const Problem& problem, Solution& solution, int& newton_steps,
+                         std::FILE* out) {
     const Mesh& mesh = problem.mesh();
     const auto& groups = mesh.element_groups();
     const auto is_simplex = [](const ElementGroup& group) { return group.cell->is_simplex(); };
@@ -237,6 +239,7 @@ void raise_worst_corners(const Deck& deck, const Problem& problem, Solution& sol
     std::vector<char> fixed(mesh.nodes(), 0);
     for (const int i : level.constraint->nodes()) fixed[i] = 1;
     const CornerSmoothing found = smooth_corners(mesh, fixed, *level.energy, deck.linear, solution.x);
+    newton_steps += found.newton_steps;
     if (found.after == found.before) return;
     measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
     std::fprintf(out, "worst corner inside: scaled Jacobian raised from %s to %s in %s\n",
@@ -246,15 +249,15 @@ void raise_worst_corners(const Deck& deck, const Problem& problem, Solution& sol
 
 }  // namespace
 
-Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out) {
+Solution improve(const Deck& deck, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
     const auto improve_near = [&](const Deck& with, Problem& of) {
         const Solve near = near_surface(of, best_of_powers(solve, out), out);
         const Solve with_corners = [&](const Deck& settings, const Problem& at) {
             Solution found = near(with_boundary_set(settings, at), at);
-            raise_worst_corners(settings, at, found, out);
+            raise_worst_corners(settings, at, found, newton_steps, out);
             return found;
         };
-        return improved(with, of, with_corners, out);
+        return improved(with, of, with_corners, newton_steps, out);
     };
     Solution solution = improve_near(deck, problem);
     const Mesh& mesh = problem.mesh();

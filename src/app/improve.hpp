@@ -23,6 +23,7 @@ void check_improve(const Deck& deck);
 // Of the level of the problem, in its frame.
 void set_ideal_elements(const Deck& deck, Problem& problem);
 
-Solution improve(const Deck& deck, Problem& problem, const Solve& solve, std::FILE* out);
+// newton_steps: those besides the ones of `solve` are added.
+Solution improve(const Deck& deck, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out);
 
 }  // namespace almesh

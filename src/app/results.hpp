@@ -52,6 +52,8 @@ struct Solution {
     double surface_distance = 0;       // of faces whose nodes slide, from their surface
     int straight_faces = 0;            // of the target, with surface = straighten
     std::vector<BoundaryDistance> distances;  // from the target before it was changed, in units of the file
+
+    int newton_steps() const { return al.newton_iterations + al.earlier_newton_iterations + coarse_newton_iterations; }
 };
 
 // How a problem is solved.

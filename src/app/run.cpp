@@ -306,13 +306,22 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     // 2. The solution.
     const CatchInterrupts catching;
     Report report(out, {problem.mesh().dim, problem.frame.length}, problem.run_id);
+    const Stopwatch solving;
+    int newton_steps = 0;  // of all solutions, parts and attempts, whatever became of them
     const Solve solve_problem = [&](const Deck& settings, const Problem& of) {
-        return solve(settings, of, checkpoint.get(), report, out);
+        Solution found = solve(settings, of, checkpoint.get(), report, out);
+        newton_steps += found.newton_steps();
+        return found;
     };
-    const StageObserver add_stage = [&](const Stage& stage) { report.add(stage); };
+    const StageObserver add_stage = [&](const Stage& stage) {
+        report.add(stage);
+        newton_steps += stage.newton_iterations;
+    };
     Solution solution = problem.curves_in_place   ? curve_in_place(deck, problem, solve_problem, add_stage, out)
-                        : is_improved(deck.ideal) ? improve(deck, problem, solve_problem, out)
+                        : is_improved(deck.ideal) ? improve(deck, problem, solve_problem, newton_steps, out)
                                                   : solve_problem(deck, problem);
+    solution.al.earlier_newton_iterations += newton_steps - solution.newton_steps();
+    if (problem.curves_in_place || is_improved(deck.ideal)) solution.time.total = solving.seconds();
     solution.predicted_bytes = bytes;
     solution.time.setup += setup_seconds;
     solution.time.write += write_seconds;

@@ -78,8 +78,8 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"newton_iterations", "Newton steps of all minimisations, and linear solves of methods that set the boundary"},
      count, [](R r) { return text(r.al.newton_iterations); }},
     {{"earlier_newton_iterations",
-      "Newton steps in earlier load increments, with earlier powers, and in parts of a curved mesh that were given up; not "
-      "among newton_iterations"}, count,
+      "Newton steps in earlier load increments, with earlier powers, and in other parts of a curved mesh or attempts "
+      "to improve one; not among newton_iterations"}, count,
      [](R r) { return text(r.al.earlier_newton_iterations); }},
     {{"coarse_newton_iterations", "Newton steps on coarser meshes, not among newton_iterations"}, count,
      [](R r) { return text(r.solution.coarse_newton_iterations); }},

@@ -111,7 +111,7 @@ TEST_CASE("what does not go with a curved ideal mesh is refused, with what to do
         CHECK(has(run.error, why));
     };
     refused("start=coarse", "with ideal = given take start = identity");
-    refused("degree=1", "of degree 1 the curved mesh, which is the ideal one here (ideal = given), is not valid: take "
+    refused("degree=1", "in degree 1 the curved mesh, which is the ideal mesh with ideal = given, is not valid: take "
                         "degree = 2");
     refused("refine=1", "the mesh is curved", 2);
 }

@@ -263,6 +263,14 @@ TEST_CASE("where no mesh is better the file's is written, with its positions") {
     CHECK(outcome.code == 0);
     CHECK(has(outcome.out, "the mesh stays as it is"));
     CHECK(mesh_of(folder.path("results/final.msh")).x == mesh_of("inputs/meshes/rotor.msh").x);
+    auto summary = summary_of(folder.path("results"));  // of what was done in vain, too
+    CHECK(has(outcome.out, concat("0 AL and 0 Newton iterations (", summary["earlier_newton_iterations"],
+                                  " more in other attempts) in ")));
+    const auto rows = csv_rows(text_of(folder.path("results/history.csv")));
+    const auto is_step = [](const auto& row) { return row[0] == "newton"; };
+    CHECK(*parse_int(summary["earlier_newton_iterations"]) >= std::count_if(rows.begin(), rows.end(), is_step));
+    CHECK(std::any_of(rows.begin(), rows.end(), is_step));
+    CHECK(*parse_double(summary["time_total"]) > 0);
 }
 
 TEST_CASE("ideal = size: edges as long as the formula has them") {
