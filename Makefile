@@ -58,7 +58,7 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all oracle run help test test-page page run-tests run-oracle run-long-test run-other-tests doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
+.PHONY: all oracle run help test test-page page run-tests run-oracle run-long-test run-other-tests doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants check-targets \
         figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation quality clean FORCE
 
 all: almesh ## build the program ./almesh
@@ -256,8 +256,8 @@ wrong-answers: with-solutions $(CHECKS) $(BUILD)/lessons/almesh_in_one_file ## t
 	tests/lessons/wrong.py --build $(BUILD) --all
 	tests/lessons/wrong_own.py --build $(BUILD) --all
 
-readmes: almesh python ## run all commands of the READMEs, also those of minutes, and compare with what is shown
-	tests/documents.py --build $(BUILD) --slow README.md */README.md
+readmes: almesh python ## run all commands of the READMEs, also those of minutes, and compare with what is shown (ONLY=plot/README.md)
+	tests/documents.py --build $(BUILD) --slow $(or $(ONLY),README.md */README.md)
 
 paper: almesh ## run the paper's decks, compare with its tables: outputs/paper/tables.md
 	@decks=$$($(PYTHON) plot/paper_tables.py --decks) && for deck in $$decks; do \
@@ -286,8 +286,8 @@ improve: almesh ## improve all meshes in inputs/ and some by gmsh (python3-gmsh)
 generated: almesh python ## run a hundred generated cases, twisted, bent, squeezed: a table (ONLY=17,23)
 	$(PYTHON) tests/generated.py --almesh ./almesh $(if $(ONLY),--only $(ONLY))
 
-compare-gmsh: almesh ## mend curved CAD meshes, beside gmsh's optimisers (python3-gmsh, numpy): outputs/compare-gmsh/table.md
-	$(PYTHON) plot/compare_gmsh.py
+compare-gmsh: almesh ## mend curved CAD meshes, beside gmsh's optimisers (python3-gmsh, numpy; ONLY=torus): outputs/compare-gmsh/table.md
+	$(PYTHON) plot/compare_gmsh.py $(ONLY)
 
 compare-improve: almesh ## improve bad meshes, beside gmsh, Netgen, tetgen, foldover-free maps, SLIM (python3-gmsh, scipy): outputs/compare-improve/table.md (QUICK=1)
 	$(PYTHON) plot/compare_improve.py $(if $(QUICK),--quick)
@@ -295,9 +295,9 @@ compare-improve: almesh ## improve bad meshes, beside gmsh, Netgen, tetgen, fold
 cad-models: almesh ## mesh and curve the CAD models of a folder, beside gmsh's optimisers (python3-gmsh; MODELS=folder): outputs/cad-models/table.md
 	$(PYTHON) plot/cad_models.py $(MODELS)
 
-cad-examples: almesh ## the same, coarse, of the solids that OpenCASCADE and gmsh ship (occt-misc, gmsh-doc): outputs/cad-examples/table.md
+cad-examples: almesh ## the same, coarse, of the solids that OpenCASCADE and gmsh ship (occt-misc, gmsh-doc; ONLY=component8): outputs/cad-examples/table.md
 	$(PYTHON) plot/cad_models.py $(wildcard /usr/share/opencascade/data/*/*.brep /usr/share/opencascade/data/*/*.step \
-	  /usr/share/doc/gmsh-doc/doc/gmsh/demos/*/*.st*p.gz) --edges 12 --turn 0 --output cad-examples
+	  /usr/share/doc/gmsh-doc/doc/gmsh/demos/*/*.st*p.gz) --edges 12 --turn 0 --output cad-examples $(ONLY:%=--only %)
 
 # Each says so where its program is not installed. dolfinx is there for Debian's Python alone.
 coupling: almesh ## move meshes for other programs: dolfinx, CalculiX, OpenFOAM, those that are installed: outputs/coupling/
@@ -308,11 +308,11 @@ coupling: almesh ## move meshes for other programs: dolfinx, CalculiX, OpenFOAM,
 drift: almesh ## ten periods of a moving plate, steps from the last mesh and from the file, elasticity and RBF beside it (scipy): outputs/drift/
 	$(PYTHON) plot/drift.py
 
-derivatives: almesh ## derivatives of the moved mesh beside differences of runs: outputs/derivatives/table.md, outputs/figures/derivatives.png
-	$(PYTHON) plot/derivatives.py
+derivatives: almesh ## derivatives of the moved mesh beside differences of runs: outputs/derivatives/table.md, outputs/figures/derivatives.png (ONLY=circle)
+	$(PYTHON) plot/derivatives.py $(ONLY)
 
-defaults: almesh ## the table behind the defaults of objective and weight: outputs/defaults/table.md
-	$(PYTHON) plot/defaults.py
+defaults: almesh ## the table behind the defaults of objective and weight: outputs/defaults/table.md (ONLY=grown)
+	$(PYTHON) plot/defaults.py $(ONLY)
 
 page: almesh ## a page of results for a browser: mesh, frames, worst elements, tables (DECK=inputs/aircraft.deck, or RESULTS=outputs/circle; npm)
 	$(if $(RESULTS),,./almesh $(DECK) output=outputs/page $$(grep -sq '^ *frames *=' $(DECK) || echo iterates=1); \
@@ -332,11 +332,14 @@ animation: almesh ## moving pictures: Newton's iterates of one run, the circle o
 compare: almesh ## other ways to move a mesh beside the augmented Lagrangian method (matplotlib): outputs/compare/tables.md
 	$(PYTHON) plot/compare.py
 
-figures: ## draw the counterparts of the paper's figures from outputs/ (Python with numpy and matplotlib)
-	$(PYTHON) plot/figures.py
+figures: ## draw the counterparts of the paper's figures from outputs/ (Python with numpy and matplotlib; ONLY=fig02)
+	$(PYTHON) plot/figures.py $(ONLY)
 
 meshes: ## make the meshes again (gmsh 4.8)
 	inputs/meshes/generate.sh
+
+check-targets: almesh python ## run each target listed here once, at its smallest size: a table (QUICK=1: those of seconds; ALL=1; TARGETS="bench page")
+	+tests/targets.py --python '$(PYTHON)' --logs $(BUILD)/targets $(if $(QUICK),--quick) $(if $(ALL),--all) $(TARGETS)
 
 clean: ## remove what was built
 	rm -rf build build-* almesh

@@ -5,7 +5,8 @@
 
 for shorter and shorter steps h: the error falls with the square of h until rounding over h takes over.
 
-  plot/derivatives.py      the same as `make derivatives`; some minutes
+  plot/derivatives.py          the same as `make derivatives`; some minutes
+  plot/derivatives.py WORD...  the cases whose names contain one of the words
 
 Writes outputs/derivatives/table.md, and the figure derivatives.png where matplotlib is installed.
 """
@@ -30,6 +31,7 @@ CASES = [
     ("piston, the wall of degree 2 slides", "inputs/slide/piston", 1, ["boundary piston=translate 0 0 a"]),
     ("CAD surface stretched, folded nodes slide", "inputs/cad/concave-edge", 1.1, ["boundary all=scale 1 a 1"]),
 ]
+CASES = [case for case in CASES if not sys.argv[1:] or any(word in case[0] for word in sys.argv[1:])]
 
 
 def run(deck, settings, a):
