@@ -55,8 +55,8 @@ struct CurvedPartResult {
     Certificate certificate;
 };
 
-// surfaces: of the whole, along which freed nodes slide; may be null where there are none. The part is given up where its boundary is not near its target
-// after the first Newton steps, with a small penalty.
+// surfaces: of the whole, along which freed nodes slide; may be null where there are none. The part is given up where
+// its boundary is not near its target after the first Newton steps, with a small penalty.
 CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const SlidingSurfaces* surfaces, int first_steps);
 
 }  // namespace almesh

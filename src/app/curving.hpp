@@ -11,9 +11,11 @@ namespace almesh {
 // that keeps as much of the boundary as it can. Around connected sets of elements that are still straightened, in this
 // order, each everywhere before the next:
 //   1. the boundary as it is in the file, the nodes inside move;
-//   2. the nodes slide along the surface that are on boundary faces of elements which the boundary alone makes invalid;
-//   3. so do those of the faces beside them, around larger sets, then around smaller ones;
-//   4. faces of these elements become flatter, as few and by as little as makes no element invalid by itself;
+//   2. nodes slide in planes, which keep their shape: in large sets those that are no vertices, then all;
+//   3. the nodes slide along the surface that are on boundary faces of elements which the boundary alone makes invalid,
+//      then those of the faces beside them too, around larger sets and around smaller ones;
+//   4. faces of these elements become flatter, as few and by as little as makes no element invalid by itself, beside
+//      planes in which nodes slide;
 //   5. what was straightened stays so.
 // Each is a problem of its own on the elements around, whose other nodes are fixed, and counts when it is certified.
 //

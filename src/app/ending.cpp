@@ -194,19 +194,6 @@ std::string judgement(const Problem& problem, const Solution& solution) {
            (told ? "" : ": " + overlap_text(problem.mesh(), solution.injectivity, problem.frame));
 }
 
-void print_flat_faces(std::FILE* out, const Problem& problem) {
-    constexpr int most = 10;
-    const Mesh& mesh = problem.mesh();
-    for (int f = 0, shown = 0; f < mesh.face_count() && shown <= most; ++f) {
-        if (!problem.target.straight[f]) continue;
-        const Vec<3> centre = centroid(mesh, mesh.x, mesh.face(f), mesh.face_cell(f).vertices);
-        if (shown++ == most) std::fprintf(out, "  ...\n");
-        else std::fprintf(out, "  %lld of %s at %s\n", id_in_file(mesh.file.face_id, f),
-                          mesh.boundaries[mesh.face_boundary[f]].c_str(),
-                          position_text(problem.frame.to_file(centre).data(), mesh.dim).c_str());
-    }
-}
-
 // Where the boundary is, beside where the deck's motions take it.
 void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
     const BoundaryTarget& target = problem.target;
@@ -230,13 +217,11 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
                      counted(solution.nodes_off_motion, "boundary node").c_str(), solution.off_motion, error);
     if (solution.freed_nodes)
         std::fprintf(out, "%d nodes slid along the surface, by at most %.3g; the faces are within %.3g of it\n",
-                     solution.freed_nodes, solution.largest_slide * problem.frame.length,
-                     solution.surface_distance * problem.frame.length);
-    if (solution.straight_faces) {
+                     solution.freed_nodes, solution.largest_slide, solution.surface_distance * problem.frame.length);
+    if (solution.straight_faces)
         std::fprintf(out, "%s of %d made flat%s\n", counted(solution.straight_faces, "face").c_str(),
-                     problem.mesh().face_count(), problem.curves_in_place ? ", or flatter than they came:" : "");
-        if (problem.curves_in_place) print_flat_faces(out, problem);
-    }
+                     problem.mesh().face_count(), problem.curves_in_place ? ", or flatter than they came" : "");
+    print_moved_nodes(out, problem.mesh(), solution.moved_nodes);
     print_distances(out, problem.mesh(), solution.distances, "the target as it came");
 }
 

@@ -280,6 +280,8 @@ std::string write_frame(const Deck& deck, const Problem& problem, const Solution
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {
     const std::vector<double> positions = final_positions(problem, solution.x);
     write_mesh(deck, problem, solution, positions, "final");
+    if (!solution.moved_nodes.empty())
+        write_file(deck.output + "/moved-nodes.csv", moved_nodes_csv(problem.mesh(), solution.moved_nodes));
     if (deck.vtk == VtkOutput::none) return;
     write_boundary(deck, problem, solution, positions);
     if (solution.diagnosis.kind != DiagnosisKind::none) write_stop(deck, problem, solution, positions);

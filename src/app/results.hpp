@@ -48,9 +48,10 @@ struct Solution {
     double predicted_bytes = 0;  // of memory, before the run
     int refined_elements = 0;          // with a finer quadrature
     int freed_nodes = 0;            // that slide where the target folds the mesh,
-    double largest_slide = 0;          // and the largest distance of one from its target
+    double largest_slide = 0;          // and the largest distance of one from its target, in units of the file
     double surface_distance = 0;       // of faces whose nodes slide, from their surface
     int straight_faces = 0;            // of the target, with surface = straighten
+    std::vector<MovedNode> moved_nodes;       // of boundaries, from the target before it was changed,
     std::vector<BoundaryDistance> distances;  // from the target before it was changed, in units of the file
 
     int newton_steps() const { return al.newton_iterations + al.earlier_newton_iterations + coarse_newton_iterations; }
@@ -83,7 +84,7 @@ std::string write_frame(const Deck& deck, const Problem& problem, const Solution
 // How the final mesh is written: final.msh, final.su2, or both.
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh);
 
-// The final mesh, final.vtk, boundary.vtk; stop.vtk where the solution has a diagnosis
+// The final mesh, final.vtk, boundary.vtk; moved-nodes.csv where there are any, stop.vtk where there is a diagnosis
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution);
 void write_summary(const Deck& deck, const Summary& summary);  // summary.txt and expectations.csv
 

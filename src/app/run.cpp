@@ -96,7 +96,6 @@ void measure_sliding(const Problem& problem, Solution& solution) {
     const Mesh& mesh = problem.mesh();
     const std::vector<char>& freed = problem.target.freed;
     solution.freed_nodes = static_cast<int>(std::count(freed.begin(), freed.end(), 1));
-    solution.largest_slide = largest_slide(mesh, problem.target, solution.x);
     solution.surface_distance = distance_from_surfaces(mesh, problem.target, *problem.sliding, solution.x);
 }
 
@@ -115,6 +114,10 @@ void measure_distances(const Problem& problem, Solution& solution) {
     came.node = problem.curved_target.empty() ? problem.node_target : problem.curved_target;
     const std::vector<double> x = final_positions(problem, solution.x);
     solution.distances = boundary_distances(problem.mesh(), at_target(problem.mesh(), came, x), x, measured);
+    solution.moved_nodes =
+        moved_nodes(problem.mesh(), target, problem.sliding.get(), came.node, problem.node_target, x);
+    for (const MovedNode& of : solution.moved_nodes)
+        if (target.is_freed(of.node)) solution.largest_slide = std::max(solution.largest_slide, of.distance);
 }
 
 AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton, const MethodParams& params,

@@ -122,7 +122,7 @@ constexpr auto quantities = std::to_array<Quantity>({
     {{"freed_nodes", "boundary nodes that slide along the surface because no valid mesh has the target there"},
      count, [](R r) { return text(r.solution.freed_nodes); }},
     {{"largest_slide", "largest distance of one of the freed_nodes from its target"}, decimal,
-     [](R r) { return text(r.units.distance(r.solution.largest_slide), 6); }},
+     [](R r) { return text(r.solution.largest_slide, 6); }},
     {{"surface_distance", "largest distance between a face whose nodes slide and the surface"}, decimal,
      [](R r) { return text(r.units.distance(r.solution.surface_distance), 6); }},
     {{"straight_faces", "faces of the target that were made flat, or flatter than they came"}, count,

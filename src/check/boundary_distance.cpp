@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <tuple>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "base/text.hpp"
 #include "constraint/sliding_nodes.hpp"
 #include "geometry/closest_point.hpp"
 #include "geometry/face_patches.hpp"
@@ -211,13 +213,46 @@ std::vector<char> curved_faces(const Mesh& mesh, const BoundaryTarget& target, c
     return curved;
 }
 
-double largest_slide(const Mesh& mesh, const BoundaryTarget& target, const std::vector<double>& x) {
-    const std::vector<double> at = at_target(mesh, target, x);
-    double largest = 0;
-    for (int i = 0; i < mesh.nodes(); ++i)
-        if (target.is_freed(i))
-            largest = std::max(largest, length(positions(mesh, x, &i, 1)[0] - positions(mesh, at, &i, 1)[0]));
-    return largest;
+std::vector<MovedNode> moved_nodes(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces* sliding,
+                                   const std::vector<double>& came, const std::vector<double>& now,
+                                   const std::vector<double>& x) {
+    std::map<int, MovedNode> moved;
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        const int i = mesh.faces[k], b = mesh.face_boundary[f], dim = mesh.dim;
+        const double *const from = &came[k * dim], *const to = point(x, i, dim);
+        if (target.hold_of_face(mesh, f) != BoundaryHold::prescribed || std::equal(to, to + dim, from)) return;
+        if (!target.is_freed(i) && std::equal(from, from + dim, &now[k * dim])) return;
+        const double distance = length(in_space(to, dim) - in_space(from, dim));
+        std::string& along = moved.try_emplace(i, MovedNode{i, b, distance, ""}).first->second.along;
+        const std::string name = target.is_freed(i) ? sliding->surface(sliding->part(mesh, f)).name() : "";
+        if (along.find(name) == std::string::npos) along += (along.empty() ? "" : " and ") + name;
+    });
+    std::vector<MovedNode> nodes;
+    for (auto& [node, of] : moved) nodes.push_back(std::move(of));
+    return nodes;
+}
+
+std::string moved_nodes_csv(const Mesh& mesh, const std::vector<MovedNode>& nodes) {
+    std::string text = "node,boundary,distance,along\n";
+    for (const MovedNode& of : nodes)
+        text += concat(mesh.file.node_id[of.node], ",", quoted_where_needed(mesh.boundaries[of.boundary], ",\""), ",",
+                       of.distance, ",", of.along, "\n");
+    return text;
+}
+
+void print_moved_nodes(std::FILE* out, const Mesh& mesh, const std::vector<MovedNode>& nodes) {
+    constexpr std::size_t most = 10;
+    if (nodes.empty()) return;
+    const auto how = [](const std::string& along) { return along.empty() ? "off the surface" : "along: " + along; };
+    std::map<std::string, std::size_t> counts;
+    for (const MovedNode& of : nodes) ++counts[how(of.along)];
+    std::string text;
+    for (const auto& [along, times] : counts) text += concat(text.empty() ? "" : "; ", times, " ", along);
+    std::fprintf(out, "%s gave way (%s):\n", counted(nodes.size(), "boundary node").c_str(), text.c_str());
+    for (std::size_t k = 0; k < std::min(most, nodes.size()); ++k)
+        std::fprintf(out, "  %lld of %s by %.3g, %s\n", mesh.file.node_id[nodes[k].node],
+                     mesh.boundaries[nodes[k].boundary].c_str(), nodes[k].distance, how(nodes[k].along).c_str());
+    if (nodes.size() > most) std::fprintf(out, "  ..., all of them in moved-nodes.csv\n");
 }
 
 std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x, const std::vector<char>& is_wall) {

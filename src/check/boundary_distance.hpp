@@ -49,8 +49,23 @@ double distance_from_surfaces(const Mesh& mesh, const BoundaryTarget& target, co
 std::vector<char> curved_faces(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces& sliding,
                                const std::vector<double>& x, double tolerance);
 
-// Largest distance of a freed node from the position that the target had for it; 0 where none is freed.
-double largest_slide(const Mesh& mesh, const BoundaryTarget& target, const std::vector<double>& x);
+// A boundary node that is not where it was to be.
+struct MovedNode {
+    int node = 0, boundary = 0;
+    double distance = 0;
+    std::string along;  // the surfaces in which it slid: "plane", "plane and cylinder of radius 2"; "": it left its own
+};
+
+// Nodes of prescribed boundaries that are not where they were to be, because they are freed to slide or the target was
+// changed. came, now: face x face node x dim, the target before and after it was changed; x: nodes x dim, as they are.
+std::vector<MovedNode> moved_nodes(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces* sliding,
+                                   const std::vector<double>& came, const std::vector<double>& now,
+                                   const std::vector<double>& x);
+
+std::string moved_nodes_csv(const Mesh& mesh, const std::vector<MovedNode>& nodes);
+
+// How many, how they moved, and the first ten; nothing where there are none.
+void print_moved_nodes(std::FILE* out, const Mesh& mesh, const std::vector<MovedNode>& nodes);
 
 // Distance of every node to a wall: to the curved faces of degree p themselves, not to their nodes. The error is of the
 // order of the rounding errors of the coordinates, however thin the layers at the wall are. Where a face is curved so
