@@ -201,8 +201,11 @@ const char* Check::fault_of_pair(int f, int g) const {
     if (neighbours && folded_flat(faces, after, f, g))
         return folded_flat(faces, before, f, g) ? crossed_before : "the target folds it flat onto ";
     if (neighbours && mesh.dim == 3) return nullptr;
-    if (patch_contact(bernstein, after[f], after[g]) != Contact::crossing) return nullptr;
-    const bool before_too = patch_contact(bernstein, before[f], before[g]) == Contact::crossing;
+    const auto cross = [&](const Patch& a, const Patch& b) {
+        return patch_contact(bernstein, a, b, contact_tolerance(a, b, 0), true) == Contact::crossing;
+    };
+    if (!cross(after[f], after[g])) return nullptr;
+    const bool before_too = cross(before[f], before[g]);
     return before_too ? crossed_before : "in the target it crosses ";
 }
 

@@ -109,12 +109,8 @@ Patch seen_from(const Bernstein& basis, const Patch& patch, const Vec<3>& point)
     return relative;
 }
 
-// The edge with the longest control polygon, of a factor at the corners of the others. By its chord, an edge that turns
-// back on itself would be a short one: bisections of the others would leave it whole for ever.
-struct CurvedEdge {
-    int a = 0, b = 1;
-    double length = 0;
-};
+}  // namespace
+
 CurvedEdge longest_curve(const Bernstein& basis, const Patch& patch) {
     CurvedEdge longest;
     for (const Bernstein::Corner& corner : basis.corners)
@@ -133,8 +129,6 @@ CurvedEdge longest_curve(const Bernstein& basis, const Patch& patch) {
             }
     return longest;
 }
-
-}  // namespace
 
 // The perceptron algorithm (Rosenblatt, Psychol. Rev. 65, 1958).
 bool are_in_half_space(const std::vector<Vec<3>>& vectors, double least_cosine) {

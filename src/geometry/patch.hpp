@@ -25,7 +25,12 @@ struct PatchBasis {
     PatchBasis(int m, int degree) : PatchBasis(simplex(m), degree) {}
     PatchBasis(const CellType& cell, int degree);
 
-    // The node that Bezier point b is, or -1.
+    // The node that Bezier point b is, or -1, and the Bezier point that vertex v is, of a pyramid's apex one of them.
+    int corner(int v) const {
+        int b = 0;
+        while (node(b) != v) ++b;
+        return b;
+    }
     int node(int b) const { return weights_[start_[b]].weight == 1 ? weights_[start_[b]].node : -1; }
 
     // Bezier point b of nodal values v(i), vectors of type T.
@@ -80,6 +85,15 @@ Vec<3> edge_tangent(const Bernstein& basis, const Patch& patch, int i, int j);
 // The halves beside corner a (midpoint in place of corner b) and beside corner b.
 std::pair<Patch, Patch> bisect(const Bernstein& basis, const Patch& patch, int a, int b);
 
+// The edge with the longest control polygon, of a factor at the corners of the others: entries of multi-indices. By
+// its chord, an edge that turns back on itself would be a short one: bisections of the others would leave it whole for
+// ever.
+struct CurvedEdge {
+    int a = 0, b = 1;
+    double length = 0;
+};
+CurvedEdge longest_curve(const Bernstein& basis, const Patch& patch);
+
 // Whether the point is in a patch of as many parameters as the space has coordinates, up to rounding; in other ones
 // than straight simplices up to 1e-9 of the size, and where 100000 bisections do not tell, yes.
 bool holds(const Bernstein& basis, const Patch& patch, const Vec<3>& point);
@@ -116,10 +130,29 @@ private:
     std::vector<int> raised_;  // raised_places(m, p - 1)
 };
 
-// Whether two faces cross. Touching, at a shared corner or anywhere else, is not crossing; nor is overlapping in a
-// common plane. Undecided: faces so nearly touching along a line that a few thousand bisections do not tell.
-enum class Contact { apart, crossing, undecided };
+// What two faces, or two elements, have in common, up to a tolerance: faces cross where none of the directions of
+// patch_contact.cpp has them on two sides, so that they touch at a shared corner or anywhere else, and where they
+// overlap in a common plane. Undecided: so nearly touching along a curve that a few thousand bisections do not tell.
+enum class Contact { apart, touching, crossing, undecided };
 
-Contact patch_contact(const Bernstein& basis, const Patch& a, const Patch& b);
+constexpr double touching_distance = 1e-9;  // in units of the edges of the smaller one, beside rounding
+
+// What positions of the patch's size are rounded by, and those of the mesh by more than that, and the distance above.
+double contact_tolerance(const Patch& a, const Patch& b, double rounding);
+
+// corners_meet: they share some, and then it is only told whether they cross: touching counts as apart.
+Contact patch_contact(const Bernstein& basis, const Patch& a, const Patch& b, double tolerance,
+                      bool corners_meet = false);
+
+// An element as a patch.
+struct Solid {
+    const CellType& cell;
+    const PatchBasis& basis;
+    Patch patch;
+};
+
+// Whether no point is inside both by more than the tolerance: touching counts as apart. That they cross is found of
+// simplices alone; others that overlap are undecided. first: a direction that may have them on two sides.
+Contact solid_contact(const Solid& a, const Solid& b, const Vec<3>& first, double tolerance);
 
 }  // namespace almesh

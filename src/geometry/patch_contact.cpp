@@ -3,8 +3,6 @@
 // patches penetrate each other by more than the curved ones deviate from them, the curved ones cross. Pairs with
 // neither proof are bisected.
 #include <algorithm>
-#include <array>
-#include <initializer_list>
 #include <limits>
 
 #include "geometry/patch.hpp"
@@ -12,51 +10,50 @@
 namespace almesh {
 namespace {
 
-constexpr int max_pairs = 4000;
-constexpr double rounding = 1e-9;  // of the smaller patch: less penetration than this is touching
+constexpr int pairs_of_faces = 4000, pairs_of_solids = 1000;  // that are tested at most
 
-Vec<3> centre(const Patch& patch, int m) {
+Vec<3> centre(const Patch& patch, int corners) {
     Vec<3> sum{};
-    for (int v = 0; v <= m; ++v) sum = sum + (1.0 / (m + 1)) * patch[v];
+    for (int v = 0; v < corners; ++v) sum = sum + (1.0 / corners) * patch[v];
     return sum;
 }
 
-// At most as many directions as candidate_axes() has.
-struct Axes {
-    std::array<Vec<3>, 18> axis;
-    int count = 0;
-
-    void add(std::initializer_list<Vec<3>> more) {
-        for (const Vec<3>& direction : more) axis[count++] = direction;
-    }
-    const Vec<3>* begin() const { return axis.data(); }
-    const Vec<3>* end() const { return axis.data() + count; }
-};
+using Axes = std::vector<Vec<3>>;
 
 // Directions among which there is a separating one if the flat patches do not cross.
-Axes candidate_axes(const Patch& a, const Patch& b, int m) {
-    Axes axes;
-    axes.add({centre(b, m) - centre(a, m)});
+void face_axes(const Patch& a, const Patch& b, int m, Axes& axes) {
+    axes.push_back(centre(b, m + 1) - centre(a, m + 1));
     if (m == 1) {
-        for (const Vec<3>& side : {a[1] - a[0], b[1] - b[0]}) axes.add({side, {side[1], -side[0], 0}});
-        return axes;
+        for (const Vec<3>& side : {a[1] - a[0], b[1] - b[0]}) axes.insert(axes.end(), {side, {side[1], -side[0], 0}});
+        return;
     }
     const Vec<3> sides_a[3] = {a[1] - a[0], a[2] - a[1], a[0] - a[2]}, normal_a = cross(sides_a[0], sides_a[1]);
     const Vec<3> sides_b[3] = {b[1] - b[0], b[2] - b[1], b[0] - b[2]}, normal_b = cross(sides_b[0], sides_b[1]);
-    axes.add({normal_a, normal_b});
+    axes.insert(axes.end(), {normal_a, normal_b});
     for (int k = 0; k < 3; ++k) {
-        axes.add({cross(normal_a, sides_a[k]), cross(normal_b, sides_b[k])});
-        for (const Vec<3>& side : sides_b) axes.add({cross(sides_a[k], side)});
+        axes.insert(axes.end(), {cross(normal_a, sides_a[k]), cross(normal_b, sides_b[k])});
+        for (const Vec<3>& side : sides_b) axes.push_back(cross(sides_a[k], side));
     }
-    return axes;
+}
+
+// The same of elements: normals of their sides, and of planes along an edge of each.
+void solid_axes(const Solid& a, const Patch& s, const Solid& b, const Patch& t, Axes& axes) {
+    std::vector<Vec<3>> edges;
+    for (const auto& [of, patch] : {std::pair(&a, &s), std::pair(&b, &t)})
+        for (const auto& [i, j] : of->cell.edges)
+            edges.push_back((*patch)[of->basis.corner(j)] - (*patch)[of->basis.corner(i)]);
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+        if (a.cell.dim == 2) axes.push_back({edges[i][1], -edges[i][0], 0});
+        for (std::size_t j = i + 1; j < edges.size() && a.cell.dim == 3; ++j) axes.push_back(cross(edges[i], edges[j]));
+    }
 }
 
 // Distance between the first `points` Bezier points of the patches along the axis, negative for their overlap.
 // Positions are relative to a corner, so that shared corners stay exactly equal.
-double gap_along(const Vec<3>& axis, const Patch& s, const Patch& t, int points) {
+double gap_along(const Vec<3>& axis, const Patch& s, const Patch& t, std::size_t points) {
     const auto range = [&](const Patch& patch) {
         double low = std::numeric_limits<double>::infinity(), high = -low;
-        for (int i = 0; i < points; ++i) {
+        for (std::size_t i = 0; i < std::min(points, patch.size()); ++i) {
             const double place = dot(axis, patch[i] - s[0]);
             low = std::min(low, place);
             high = std::max(high, place);
@@ -69,7 +66,8 @@ double gap_along(const Vec<3>& axis, const Patch& s, const Patch& t, int points)
 }
 
 // Largest gap over the axes; stops above `enough`.
-double largest_gap(const Axes& axes, const Patch& s, const Patch& t, int points, double enough) {
+double largest_gap(const Axes& axes, const Patch& s, const Patch& t, double enough,
+                   std::size_t points = std::numeric_limits<std::size_t>::max()) {
     double largest = -std::numeric_limits<double>::infinity();
     for (const Vec<3>& axis : axes) {
         const double norm = length(axis);
@@ -82,37 +80,63 @@ double largest_gap(const Axes& axes, const Patch& s, const Patch& t, int points,
 
 using Pair = std::pair<Patch, Patch>;
 
-// Whether the patches touch or cross, as far as they tell undivided. Where they are too curved for that, the answer is
-// `undecided`, and the pairs with the halves of the more curved one are added to those to test.
-Contact test_or_bisect(const Bernstein& basis, const Patch& s, const Patch& t, std::vector<Pair>& pairs) {
-    const int m = basis.dim;
-    const Axes axes = candidate_axes(s, t, m);
-    const double gap = largest_gap(axes, s, t, basis.count, 0);
-    if (gap >= 0) return Contact::apart;
-    const double touching = rounding * std::min(size_of(s, m), size_of(t, m));
-    if (gap >= -touching) return Contact::apart;
-    const double deviation_s = deviation(basis, s), deviation_t = deviation(basis, t);
-    const double enough = -(deviation_s + deviation_t) - touching;
-    if (largest_gap(axes, s, t, m + 1, enough) < enough) return Contact::crossing;
-    const bool bisect_s = deviation_s >= deviation_t;
-    const auto [i, j] = longest_edge(bisect_s ? s : t, m);
-    const auto [near, far] = bisect(basis, bisect_s ? s : t, i, j);
-    for (const Patch* half : {&near, &far}) pairs.push_back(bisect_s ? Pair(*half, t) : Pair(s, *half));
-    return Contact::undecided;
+// a, b: patches in these forms. axes_of(s, t, axes): of pieces of theirs. apart: a gap that is enough.
+template <class AxesOf>
+Contact contact(const Bernstein& form_a, const Patch& a, const Bernstein& form_b, const Patch& b, double tolerance,
+                double apart, int most, const AxesOf& axes_of) {
+    const int corners = form_a.dim + 1;
+    const bool are_simplices = form_a.factors[1] == 0 && form_b.factors[1] == 0;
+    Axes axes;
+    std::vector<Pair> pairs;
+    const auto test_or_bisect = [&](const Patch& s, const Patch& t) {
+        axes.clear();
+        axes_of(s, t, axes);
+        const double gap = largest_gap(axes, s, t, apart);
+        if (gap >= apart) return Contact::apart;
+        const CurvedEdge of_s = longest_curve(form_a, s), of_t = longest_curve(form_b, t);
+        bool bisects_s = of_s.length >= of_t.length;
+        if (are_simplices) {
+            const double deviation_s = deviation(form_a, s), deviation_t = deviation(form_b, t);
+            if (gap >= -tolerance && deviation_s + deviation_t <= tolerance) return Contact::touching;
+            const double enough = -(deviation_s + deviation_t) - tolerance;
+            if (largest_gap(axes, s, t, enough, corners) < enough) return Contact::crossing;
+            bisects_s = deviation_s >= deviation_t;
+        }
+        const CurvedEdge& edge = bisects_s ? of_s : of_t;
+        const auto [near, far] = bisect(bisects_s ? form_a : form_b, bisects_s ? s : t, edge.a, edge.b);
+        for (const Patch* half : {&near, &far}) pairs.push_back(bisects_s ? Pair(*half, t) : Pair(s, *half));
+        return Contact::apart;
+    };
+    Contact found = test_or_bisect(a, b);
+    for (int tested = 1; !pairs.empty() && found != Contact::crossing; ++tested) {
+        if (tested == most) return Contact::undecided;
+        const auto [s, t] = std::move(pairs.back());
+        pairs.pop_back();
+        found = std::max(found, test_or_bisect(s, t));
+    }
+    return found;
 }
 
 }  // namespace
 
-Contact patch_contact(const Bernstein& basis, const Patch& a, const Patch& b) {
-    std::vector<Pair> pairs;
-    if (const Contact whole = test_or_bisect(basis, a, b, pairs); whole != Contact::undecided) return whole;
-    for (int tested = 1; !pairs.empty(); ++tested) {
-        if (tested == max_pairs) return Contact::undecided;
-        const auto [s, t] = std::move(pairs.back());
-        pairs.pop_back();
-        if (test_or_bisect(basis, s, t, pairs) == Contact::crossing) return Contact::crossing;
-    }
-    return Contact::apart;
+double contact_tolerance(const Patch& a, const Patch& b, double rounding) {
+    constexpr double of_positions = 16 * std::numeric_limits<double>::epsilon();
+    const Box box_a = box_of(a), box_b = box_of(b);
+    const double edge = std::min(length(box_a.high - box_a.low), length(box_b.high - box_b.low));
+    return touching_distance * edge + of_positions * std::max(length(a[0]), length(b[0])) + rounding;
+}
+
+Contact patch_contact(const Bernstein& basis, const Patch& a, const Patch& b, double tolerance, bool corners_meet) {
+    return contact(basis, a, basis, b, tolerance, corners_meet ? -tolerance : tolerance, pairs_of_faces,
+                   [m = basis.dim](const Patch& s, const Patch& t, Axes& axes) { face_axes(s, t, m, axes); });
+}
+
+Contact solid_contact(const Solid& a, const Solid& b, const Vec<3>& first, double tolerance) {
+    return contact(a.basis.bernstein, a.patch, b.basis.bernstein, b.patch, tolerance, -tolerance, pairs_of_solids,
+                   [&](const Patch& s, const Patch& t, Axes& axes) {
+                       axes = {first};
+                       if (largest_gap(axes, s, t, -tolerance) < -tolerance) solid_axes(a, s, b, t, axes);
+                   });
 }
 
 }  // namespace almesh
