@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/boundaries.hpp"
 #include "app/commands.hpp"
@@ -20,6 +21,7 @@
 #include "constraint/sliding_boundary.hpp"
 #include "constraint/sliding_nodes.hpp"
 #include "energy/vertex_interpolation.hpp"
+#include "geometry/patch.hpp"
 #include "mesh/mesh.hpp"
 #include "io/mesh_format.hpp"
 #include "io/vtk.hpp"
@@ -167,6 +169,7 @@ void note_surfaces(const Deck& deck, const Mesh& mesh, const SlidingSurfaces& sl
 }
 
 void take_to_run(const Frame& frame, Level& level) {
+    level.mesh.rounding = 16 * std::numeric_limits<double>::epsilon() * length(frame.origin) / frame.length;
     frame.take_to_run(level.mesh.x, level.mesh.dim);
     frame.take_to_run(level.ideal, level.mesh.dim);
 }

@@ -5,15 +5,18 @@
 #include "check/injectivity.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <numbers>
 #include <numeric>
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
-#include "check/target_check.hpp"
-#include "geometry/patch.hpp"
+#include "geometry/closest_point.hpp"
+#include "geometry/face_patches.hpp"
 #include "mesh/sides.hpp"
 #include "mesh/unused_ids.hpp"
 
@@ -21,6 +24,7 @@ namespace almesh {
 namespace {
 
 constexpr double element_work = 200;  // simple operations for an element, at least
+constexpr double most_overlap = 0.25;  // of boundaries in contact, over the longest edge of the faces there
 constexpr double depth = 1e-4;        // of a point beside a face, over the distance of the face from the centre
 
 // The edges of a cell of degree p, by their vertices.
@@ -32,17 +36,22 @@ public:
             for (const int v : cell.edges[k]) at_[v].push_back(static_cast<int>(k));
     }
 
-    // The angle of an element at vertex v in units of a full one. node: those of the element.
-    double angle(const int* node, int v, const std::vector<double>& x, int n) const {
+    // The angle of an element at vertex v in units of a full one, and the least length of a tangent there. node: those
+    // of the element.
+    std::pair<double, double> angle(const int* node, int v, const std::vector<double>& x, int n) const {
         Vec<3> tangent[4];
         const std::vector<int>& edges = at_[v];
-        for (std::size_t k = 0; k < edges.size(); ++k) tangent[k] = tangent_of(node, edges[k], v, x, n);
+        double least = std::numeric_limits<double>::infinity();
+        for (std::size_t k = 0; k < edges.size(); ++k) {
+            tangent[k] = tangent_of(node, edges[k], v, x, n);
+            least = std::min(least, length(tangent[k]));
+        }
         const double turns = 1 / (2 * std::numbers::pi);
         const Vec<3>&u = tangent[0], &w = tangent[1];
-        if (n == 2) return turns * std::atan2(length(cross(u, w)), dot(u, w));
+        if (n == 2) return {turns * std::atan2(length(cross(u, w)), dot(u, w)), least};
         double sum = 0;
         for (std::size_t k = 2; k < edges.size(); ++k) sum += solid_angle(u, tangent[k - 1], tangent[k]);
-        return 0.5 * turns * std::abs(sum);
+        return {0.5 * turns * std::abs(sum), least};
     }
 
 private:
@@ -64,29 +73,29 @@ private:
     }
 };
 
-// Sum of the angles of all elements at each vertex, in units of a full one.
-std::vector<double> angle_sums(const Mesh& mesh, const std::vector<double>& x) {
-    std::vector<double> sum(mesh.nodes(), 0.0);
+// The first vertex whose elements go around it more than once, or -1. place: of each node; the elements at nodes with
+// the same one go around one point.
+int overlapped_vertex(const Mesh& mesh, const std::vector<double>& x, const std::vector<int>& place) {
+    constexpr double of_positions = 16 * std::numeric_limits<double>::epsilon();
+    std::vector<double> turns(mesh.nodes(), -1e-8);  // but for what may be rounding
     for (const ElementGroup& group : mesh.element_groups()) {
         const VertexEdges edges(*group.cell, mesh.degree);
         const int corners = group.cell->vertices;
         std::vector<double> angle(offset(group.count, corners));
         parallel_for(group.count, [&](int e) {
-            for (int v = 0; v < corners; ++v)
-                angle[offset(e, corners, v)] = edges.angle(mesh.element(group.first + e), v, x, mesh.dim);
+            const int* const node = mesh.element(group.first + e);
+            for (int v = 0; v < corners; ++v) {
+                const auto [of_vertex, tangent] = edges.angle(node, v, x, mesh.dim);
+                const double rounding = of_positions * length(positions(mesh, x, node + v, 1)[0]) + mesh.rounding;
+                angle[offset(e, corners, v)] = of_vertex - rounding / tangent;
+            }
         }, element_work);
         for (int e = 0; e < group.count; ++e)
-            for (int v = 0; v < corners; ++v) sum[mesh.element(group.first + e)[v]] += angle[offset(e, corners, v)];
+            for (int v = 0; v < corners; ++v)
+                turns[place[mesh.element(group.first + e)[v]]] += angle[offset(e, corners, v)];
     }
-    return sum;
-}
-
-// The first vertex whose elements go around it more than once, or -1.
-int overlapped_vertex(const Mesh& mesh, const std::vector<double>& x) {
-    const std::vector<double> sum = angle_sums(mesh, x);
-    constexpr double rounding = 1e-6;
-    const auto found = std::find_if(sum.begin(), sum.end(), [](double turns) { return turns > 1 + rounding; });
-    return found == sum.end() ? -1 : static_cast<int>(found - sum.begin());
+    const auto found = std::find_if(turns.begin(), turns.end(), [](double sum) { return sum > 1; });
+    return found == turns.end() ? -1 : static_cast<int>(found - turns.begin());
 }
 
 // Mean of the vertices with these numbers in the reference cell, -1: none. In a pyramid of the places, not of their
@@ -109,13 +118,6 @@ std::array<double, 3> mean_vertex(const LagrangeBasis& basis, const Vertices& ve
 std::array<double, 3> point_behind(const LagrangeBasis& basis, int k) {
     const int n = basis.dim;
     std::array<double, 3> xi{};
-    if (basis.cell.is_simplex()) {  // opposite vertex k
-        std::array<double, 4> lambda;
-        lambda.fill((1 - depth / (n + 1)) / n);
-        lambda[k] = depth / (n + 1);
-        std::copy_n(&lambda[1], n, xi.begin());
-        return xi;
-    }
     std::vector<int> all(basis.cell.vertices);
     std::iota(all.begin(), all.end(), 0);
     const std::array<double, 3> of_face = mean_vertex(basis, basis.cell.faces[k]), of_cell = mean_vertex(basis, all);
@@ -153,18 +155,19 @@ std::string fold_text(const Mesh& mesh, const std::vector<double>& x) {
                   ", the first of ", counted(mesh.folded.size(), "such pair"));
 }
 
-}  // namespace
-
-std::array<int, 2> overlapping_elements(const Mesh& mesh, const std::vector<double>& x) {
+// Pairs (k, e) of a point and an element that holds it, for which wanted(k, e).
+template <class Wanted>
+std::vector<std::array<int, 2>> holders(const Mesh& mesh, const std::vector<double>& x,
+                                        const std::vector<Vec<3>>& points, const Wanted& wanted) {
     constexpr int at_once = 512;  // elements
-    const std::vector<Vec<3>> points = points_behind_faces(mesh, x);
     std::vector<Box> of_points;
     for (const Vec<3>& point : points) of_points.push_back({point, point});
     const BoxTree tree(std::move(of_points));
-    std::vector<int> other(mesh.element_count(), -1);
+    std::vector<std::array<int, 2>> all;
     for (const ElementGroup& group : mesh.element_groups()) {
         const PatchBasis of(*group.cell, mesh.degree);
-        parallel_for_uneven((group.count + at_once - 1) / at_once, [&](int b) {
+        std::vector<std::vector<std::array<int, 2>>> found((group.count + at_once - 1) / at_once);
+        parallel_for_uneven(static_cast<int>(found.size()), [&](int b) {
             const int first = group.first + b * at_once, end = std::min(first + at_once, group.first + group.count);
             std::vector<Patch> patches;
             std::vector<Box> boxes;
@@ -172,15 +175,120 @@ std::array<int, 2> overlapping_elements(const Mesh& mesh, const std::vector<doub
                 patches.push_back(make_patch(of, positions(mesh, x, mesh.element(e), of.nodes)));
                 boxes.push_back(box_of(patches.back()));
             }
-            tree.visit_overlapping(boxes, [&](int q, int k) {
-                const int f = tree.items[k], behind = mesh.face_element[f], e = first + q;
-                if (behind == e || mesh.file.zone(behind) != mesh.file.zone(e)) return;
-                if (other[e] < 0 && holds(of.bernstein, patches[q], points[f])) other[e] = behind;
+            tree.visit_overlapping(boxes, [&](int q, int item) {
+                const int k = tree.items[item];
+                if (wanted(k, first + q) && holds(of.bernstein, patches[q], points[k]))
+                    found[b].push_back({k, first + q});
             });
         }, at_once * element_work);
+        for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
     }
-    const auto found = std::find_if(other.begin(), other.end(), [](int e) { return e >= 0; });
-    return found == other.end() ? std::array{-1, -1} : std::array{*found, static_cast<int>(found - other.begin())};
+    return all;
+}
+
+// Vertices of the element at the places of these nodes.
+int shared_places(const Mesh& mesh, int e, std::span<const int> nodes, const std::vector<int>& place) {
+    const int* const of_element = mesh.element(e);
+    return static_cast<int>(std::count_if(of_element, of_element + mesh.cell(e).vertices, [&](int i) {
+        return std::any_of(nodes.begin(), nodes.end(), [&](int j) { return place[i] == place[j]; });
+    }));
+}
+
+// Measures how far boundaries that are in contact overlap: the largest distance from the others in it of points of
+// their faces, the corners of equal pieces, that are in an element away from the face.
+void measure_contacts(const Mesh& mesh, const std::vector<double>& x, const std::vector<int>& place,
+                      Injectivity& found) {
+    if (mesh.contact.empty()) return;
+    const FacePatches faces(mesh);
+    std::vector<Vec<3>> points;
+    std::vector<int> face;  // of each point
+    const auto add = [&](const auto& self, const Patch& patch, int f, int bisections) -> void {
+        if (bisections == 0) {
+            points.insert(points.end(), patch.begin(), patch.begin() + mesh.dim);
+            face.insert(face.end(), mesh.dim, f);
+            return;
+        }
+        const auto [a, b] = longest_edge(patch, mesh.dim - 1);
+        const auto [first, second] = bisect(faces.basis.bernstein, patch, a, b);
+        self(self, first, f, bisections - 1);
+        self(self, second, f, bisections - 1);
+    };
+    std::vector<Patch> patches;
+    for (int f = 0; f < mesh.face_count(); ++f)
+        for (const Patch& patch : faces.of(f, x)) {
+            patches.push_back(patch);
+            if (contact_of(mesh, f)) add(add, patch, f, 2 * mesh.dim);
+        }
+    const ClosestPoint boundary(faces.basis, patches);
+    const auto is_away = [&](int k, int e) {
+        return mesh.file.zone(mesh.face_element[face[k]]) == mesh.file.zone(e) &&
+               shared_places(mesh, e, mesh.face_vertices(face[k]), place) == 0;
+    };
+    for (const auto& [k, e] : holders(mesh, x, points, is_away)) {
+        const int f = face[k], contact = contact_of(mesh, f);
+        const ClosestPoint::Place at = boundary.find(points[k], [&](int patch) {
+            const int g = faces.face[patch];
+            return contact_of(mesh, g) == contact && (contact < 0 || mesh.face_boundary[g] != mesh.face_boundary[f]);
+        });
+        if (at.patch < 0) continue;
+        const double edge =
+            std::max(size_of(patches[faces.first[f]], mesh.dim - 1), size_of(patches[at.patch], mesh.dim - 1));
+        found.overlap = std::max(found.overlap, at.distance);
+        found.relative_overlap = std::max(found.relative_overlap, at.distance / edge);
+    }
+}
+
+// Pairs (f, e) of a boundary face and an element that may lie over the one behind it: it holds the point there, or has
+// a vertex of another face that touches f. Elements with a common side do not lie over each other but where it does.
+std::vector<std::array<int, 2>> suspects(const Mesh& mesh, const std::vector<double>& x, const TargetReport& report) {
+    std::vector<std::array<int, 2>> found =
+        holders(mesh, x, points_behind_faces(mesh, x), [&](int f, int e) { return e != mesh.face_element[f]; });
+    std::map<int, std::vector<int>> at;  // elements at the places of vertices of faces that touch others
+    for (const auto& pair : report.touching)
+        for (const int f : pair)
+            for (const int i : mesh.face_vertices(f)) at[report.place[i]];
+    for (int e = 0; e < mesh.element_count() && !at.empty(); ++e)
+        for (int v = 0; v < mesh.cell(e).vertices; ++v)
+            if (const auto here = at.find(report.place[mesh.element(e)[v]]); here != at.end())
+                here->second.push_back(e);
+    for (const auto& [f, g] : report.touching)
+        for (const auto& [face, other] : {std::pair(f, g), std::pair(g, f)}) {
+            const int behind = mesh.face_element[face];
+            const std::span<const int> of_behind(mesh.element(behind), mesh.cell(behind).vertices);
+            for (const int i : mesh.face_vertices(other))
+                for (const int e : at[report.place[i]])
+                    if (shared_places(mesh, e, of_behind, report.place) < mesh.dim) found.push_back({face, e});
+        }
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+}
+
+}  // namespace
+
+std::array<int, 2> overlapping_elements(const Mesh& mesh, const std::vector<double>& x, const TargetReport& report) {
+    const Overlaps overlaps(mesh);
+    std::vector<PatchBasis> bases;
+    for (const ElementGroup& group : mesh.element_groups()) bases.emplace_back(*group.cell, mesh.degree);
+    const auto solid = [&](int e) {
+        const PatchBasis& basis = bases[mesh.group_number(e)];
+        return Solid{mesh.cell(e), basis, make_patch(basis, positions(mesh, x, mesh.element(e), basis.nodes))};
+    };
+    const std::vector<std::array<int, 2>> pairs = suspects(mesh, x, report);
+    const int count = static_cast<int>(pairs.size());
+    std::atomic<int> first = count;
+    parallel_for_uneven(count, [&](int k) {
+        const auto [f, e] = pairs[k];
+        const int behind = mesh.face_element[f], vertices = mesh.face_cell(f).vertices;
+        if (k > first || report.glued[f] || overlaps.elements(behind, e)) return;
+        const Solid a = solid(behind), b = solid(e);
+        const Vec<3> normal = flat_normal(positions(mesh, x, mesh.face(f), vertices), mesh.dim - 1, vertices);
+        const double tolerance = contact_tolerance(a.patch, b.patch, mesh.rounding);
+        if (solid_contact(a, b, normal, tolerance) == Contact::apart) return;
+        for (int other = first; k < other && !first.compare_exchange_weak(other, k);) {}
+    }, 100 * element_work);
+    if (first == count) return {-1, -1};
+    return {mesh.face_element[pairs[first][0]], pairs[first][1]};
 }
 
 std::string overlap_text(const Mesh& mesh, const Injectivity& found, const Frame& frame) {
@@ -191,19 +299,27 @@ std::string overlap_text(const Mesh& mesh, const Injectivity& found, const Frame
 Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate) {
     if (!certificate.valid) return {.reason = "elements are not certified valid"};
     if (!mesh.folded.empty()) return {.reason = fold_text(mesh, x)};
-    if (const int i = overlapped_vertex(mesh, x); i >= 0)
+    const TargetReport report = check_target(mesh, x, {}, FaceBend::of_valid);
+    if (const int i = overlapped_vertex(mesh, x, report.place); i >= 0)
         return {.reason = concat("the elements around node ", id_in_file(mesh.file.node_id, i), " overlap"),
                 .node = i,
                 .position = centroid(mesh, x, &i, 1)};
-    const TargetReport report = check_target(mesh, x, {}, FaceBend::any);
-    const auto at_face = [&](const std::string& what, int f) {
-        return Injectivity{.reason = concat(what, " at face ", id_in_file(mesh.file.face_id, f), " of ",
-                                            mesh.boundaries[mesh.face_boundary[f]]),
+    const auto name_of = [&](int f) {
+        return concat("face ", id_in_file(mesh.file.face_id, f), " of ", mesh.boundaries[mesh.face_boundary[f]]);
+    };
+    const auto at_face = [&](const std::string& what, int f, int other) {
+        return Injectivity{.reason = what,
                            .face = f,
+                           .other_face = other,
                            .position = centroid(mesh, x, mesh.face(f), mesh.face_cell(f).vertices)};
     };
-    if (!report.faults.empty()) return at_face("the boundary overlaps itself", report.faults.front().face);
-    if (const auto [e, other] = overlapping_elements(mesh, x); e >= 0) {
+    if (!report.faults.empty()) {
+        const int f = report.faults.front().face;
+        return at_face("the boundary overlaps itself at " + name_of(f), f, -1);
+    }
+    if (const auto [f, other] = report.crossed_before; f >= 0)
+        return at_face(concat(name_of(f), " crosses ", name_of(other), ", in the initial mesh too,"), f, other);
+    if (const auto [e, other] = overlapping_elements(mesh, x, report); e >= 0) {
         const std::vector<long long>& id = mesh.file.element_id;
         const bool is_exact = mesh.degree == 1 && mesh.is_simplicial();
         return {.reason = concat("elements ", id_in_file(id, e), " and ", id_in_file(id, other),
@@ -211,9 +327,12 @@ Injectivity certify_injective(const Mesh& mesh, const std::vector<double>& x, co
                 .node = mesh.element(e)[0],
                 .position = element_centre(mesh, x, e)};
     }
-    if (report.crossed_before >= 0)
-        return at_face("the boundary of the initial mesh crosses itself", report.crossed_before);
-    return {.certified = true, .reason = ""};
+    Injectivity found;
+    measure_contacts(mesh, x, report.place, found);
+    if (found.relative_overlap > most_overlap)
+        found.reason = concat("boundaries in contact overlap by ", found.relative_overlap, " of an edge");
+    found.certified = found.reason.empty();
+    return found;
 }
 
 }  // namespace almesh

@@ -72,7 +72,7 @@ std::optional<NeverValid> find_never_valid(const Mesh& mesh, const std::vector<d
                            ", where it is flat wherever its nodes slide: take it out of the mesh, or divide it")))
                 return found;
     if (!target.prescribes_all()) return std::nullopt;
-    const int f = check_target(mesh, x).crossed_before;
+    const int f = check_target(mesh, x).crossed_before[0];
     if (f < 0) return std::nullopt;
     return NeverValid{concat("face ", mesh.file.face_id[f], " of boundary ", mesh.boundaries[mesh.face_boundary[f]]),
                       "crosses another one, and all of the boundary is fixed: let it slide, or mend the surface first",

@@ -14,7 +14,7 @@ constexpr char steps = 4;  // from curved to straight
 // Elements at which a mesh that is valid overlaps itself, x being neither of the two forms.
 std::vector<int> overlapping(const Mesh& mesh, const std::vector<double>& x, const Injectivity& found) {
     std::vector<int> elements;
-    const TargetReport report = check_target(mesh, x, {}, FaceBend::any);
+    const TargetReport report = check_target(mesh, x, {}, FaceBend::of_valid);
     for (const TargetReport::Fault& fault : report.faults) elements.push_back(mesh.face_element[fault.face]);
     for (const auto& pair : report.crossing)
         for (const int f : pair) elements.push_back(mesh.face_element[f]);

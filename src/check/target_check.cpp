@@ -4,7 +4,8 @@
 //   crossing            pairs of faces whose boxes overlap, by patch_contact()
 //   into or out of      the winding number of one closed part about a node of another, in turns
 //   folded neighbours   the angle between the directions in which they leave what they share is zero
-// Tolerances are relative to the size of a face or a closed part.
+// Tolerances are relative to the size of a face or a closed part. Nodes at one place are one node where neighbours are
+// looked for, and faces that are glued are passed over: they are inside the mesh.
 #include "check/target_check.hpp"
 
 #include <algorithm>
@@ -14,10 +15,12 @@
 #include <set>
 #include <span>
 #include <sstream>
+#include <tuple>
 
 #include "base/disjoint_sets.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
+#include "geometry/closest_point.hpp"
 #include "geometry/face_patches.hpp"
 #include "mesh/unused_ids.hpp"
 
@@ -26,7 +29,8 @@ namespace {
 
 constexpr double smallest_normal = 1e-6;  // n . m / |m|^2 at or below which a face is folded
 constexpr double degenerate = 1e-12;      // measure of a face or a closed part over its size^(n - 1) or size^n
-constexpr double same_place = 1e-9;       // distance of two nodes over the size of their smallest face
+constexpr double same_place = touching_distance;  // of two nodes, over the size of their smallest face
+constexpr double nearly_flat = 1e-3;      // angle of faces that share a vertex below which they may touch elsewhere too
 constexpr double face_work = 1000;        // simple operations that a check of one face takes
 
 double size_of(const Box& box) { return (box.high - box.low)[box.longest_side()]; }
@@ -37,18 +41,12 @@ std::string face_name(const Mesh& mesh, int f) {
                   mesh.boundaries[mesh.face_boundary[f]], " at ", position_text(centre.data(), mesh.dim));
 }
 
-int shared_vertices(const Mesh& mesh, int f, int g) {
-    const std::span<const int> a = mesh.face_vertices(f), b = mesh.face_vertices(g);
-    return static_cast<int>(std::count_if(a.begin(), a.end(), [&](int i) {
-        return std::find(b.begin(), b.end(), i) != b.end();
-    }));
-}
-
 // Faces that are connected by shared vertices, outer ones or inner ones.
 struct ClosedPart {
     int first_face;
     bool is_inner;  // not closed
     std::string boundaries;  // their names, in the order of their first faces
+    std::set<int> contacts{};  // in which they are
 };
 
 struct Check {
@@ -56,6 +54,7 @@ struct Check {
     const std::vector<double>& target;  // node_count x dim; only boundary nodes are meaningful
     FacePatches faces;
     const PatchBasis& basis = faces.basis;
+    const Overlaps overlaps;
     PatchNormal normal;
     std::vector<Patch> before, after;   // of the faces: in the initial mesh and in the target
     std::vector<const char*> bad;       // per face: what is wrong with it alone; later checks pass over such faces
@@ -63,6 +62,11 @@ struct Check {
     std::vector<int> part;              // per face
     std::set<std::pair<int, int>> crossing;  // parts, found by check_pairs()
     std::vector<char> open, open_part;  // per face, per part
+    struct Together {
+        int node, other, face, of_other;
+        bool is_new;  // apart in the initial mesh
+    };
+    std::vector<Together> together;  // distinct nodes at the same place in the target
     FaceBend bend = FaceBend::usual;
     TargetReport report;
 
@@ -72,9 +76,22 @@ struct Check {
     void check_closed_parts();
     void check_pairs();
     void check_nesting();
+    void find_places();
+    void glue();
     void check_nodes();
 
-    int zone(int f) const { return mesh.file.zone(mesh.face_element[f]); }
+    bool may_overlap(int k, int l) const {  // parts
+        const std::set<int>&a = parts[k].contacts, &b = parts[l].contacts;
+        return overlaps.faces(parts[k].first_face, parts[l].first_face) ||
+               std::any_of(a.begin(), a.end(), [&](int contact) { return b.contains(contact); });
+    }
+    // Vertices of the two at the same places.
+    int shared_vertices(int f, int g) const {
+        const std::span<const int> a = mesh.face_vertices(f), b = mesh.face_vertices(g);
+        return static_cast<int>(std::count_if(a.begin(), a.end(), [&](int i) {
+            return std::any_of(b.begin(), b.end(), [&](int j) { return report.place[i] == report.place[j]; });
+        }));
+    }
     std::span<const Patch> patches_of(const std::vector<Patch>& patches, int f) const {
         return std::span(patches).subspan(faces.first[f], faces.cut(f).count());
     }
@@ -93,8 +110,8 @@ struct Check {
 };
 
 Check::Check(const Mesh& mesh_, const std::vector<double>& target_)
-    : mesh(mesh_), target(target_), faces(mesh), normal(mesh.dim - 1, basis.bernstein.degree), before(faces.count()),
-      after(before), bad(mesh.face_count(), nullptr) {
+    : mesh(mesh_), target(target_), faces(mesh), overlaps(mesh), normal(mesh.dim - 1, basis.bernstein.degree),
+      before(faces.count()), after(before), bad(mesh.face_count(), nullptr) {
     parallel_for(mesh.face_count(), [&](int f) {
         std::vector<Patch> was = faces.of(f, mesh.x), becomes = faces.of(f, target);
         std::move(was.begin(), was.end(), before.begin() + faces.first[f]);
@@ -114,6 +131,7 @@ void Check::find_closed_parts() {
         const auto [at, is_new] = number.insert({connected.find(vertex(f, 0)), static_cast<int>(parts.size())});
         if (is_new) parts.push_back({f, mesh.is_inner(f), ""});
         part.push_back(at->second);
+        if (const int contact = contact_of(mesh, f)) parts[part[f]].contacts.insert(contact);
         if (named.insert({part[f], mesh.face_boundary[f]}).second)
             parts[part[f]].boundaries += (is_new ? "" : ", ") + mesh.boundaries[mesh.face_boundary[f]];
     }
@@ -190,30 +208,38 @@ void Check::check_closed_parts() {
     }
 }
 
-constexpr char crossed_before[] = "";
+constexpr char crossed_before[] = "", touching[] = "";
 
-// Of patches of two faces that come close in the target and are not bad themselves; null for none, crossed_before where
-// they cross in the initial mesh already. In 3D, neighbours are not tested for crossing: they touch along a curve, which
-// no bisection decides.
+// Of patches of two faces that come close in the target and are not bad themselves; null for none, crossed_before
+// where they cross in the initial mesh already. In 3D, neighbours are not tested for crossing: they touch along a
+// curve, which no bisection decides.
 const char* Check::fault_of_pair(int f, int g) const {
     const Bernstein& bernstein = basis.bernstein;
-    const bool neighbours = shared_vertices(mesh, faces.face[f], faces.face[g]) >= mesh.dim - 1;
-    if (neighbours && folded_flat(faces, after, f, g))
-        return folded_flat(faces, before, f, g) ? crossed_before : "the target folds it flat onto ";
-    if (neighbours && mesh.dim == 3) return nullptr;
-    const auto cross = [&](const Patch& a, const Patch& b) {
-        return patch_contact(bernstein, a, b, contact_tolerance(a, b, 0), true) == Contact::crossing;
+    const int shared = shared_vertices(faces.face[f], faces.face[g]);
+    const bool neighbours = shared >= mesh.dim - 1;
+    if (neighbours && fold_of(faces, after, f, g, report.place).is_flat()) {
+        const Fold was = fold_of(faces, before, f, g, {});
+        const bool closes = was.is_flat() || was.is_in_front || was.angle == Fold().angle;
+        return bend == FaceBend::of_valid || closes ? touching : "the target folds it flat onto ";
+    }
+    const auto contact = [&](const std::vector<Patch>& of) {
+        return patch_contact(bernstein, of[f], of[g], contact_tolerance(of[f], of[g], mesh.rounding), shared > 0);
     };
-    if (!cross(after[f], after[g])) return nullptr;
-    const bool before_too = cross(before[f], before[g]);
-    return before_too ? crossed_before : "in the target it crosses ";
+    const Contact found = neighbours && mesh.dim == 3 ? Contact::apart : contact(after);
+    if (found == Contact::crossing)
+        return contact(before) == Contact::crossing ? crossed_before : "in the target it crosses ";
+    const Vec<3> n = unit(flat_normal(after[f], bernstein.dim)), m = unit(flat_normal(after[g], bernstein.dim));
+    const bool are_opposite = dot(n, m) < 0 && length(cross(n, m)) < nearly_flat;
+    return (shared > 0 ? are_opposite : found != Contact::apart) ? touching : nullptr;
 }
 
 struct FaultOfPair {
     int f, g;  // f < g
     const char* what;
 
-    bool operator<(const FaultOfPair& other) const { return std::pair(f, g) < std::pair(other.f, other.g); }
+    bool operator<(const FaultOfPair& other) const {
+        return std::tuple(f, g, what == touching) < std::tuple(other.f, other.g, other.what == touching);
+    }
 };
 
 // Closed parts that cross each other give one fault per pair of them.
@@ -230,7 +256,8 @@ void Check::check_pairs() {
         tree.visit_overlapping(queries, [&](int q, int k) {
             const auto [a, b] = std::minmax(tree.items[first + q], tree.items[k]);
             const int f = faces.face[a], g = faces.face[b];
-            if (k <= first + q || f == g || bad[f] || bad[g] || zone(f) != zone(g)) return;
+            if (k <= first + q || f == g || bad[f] || bad[g] || report.glued[f] || report.glued[g]) return;
+            if (overlaps.faces(f, g)) return;
             if (const char* const what = fault_of_pair(a, b)) found[block].push_back({f, g, what});
         }, first);
     }, at_once * face_work);
@@ -241,8 +268,12 @@ void Check::check_pairs() {
     faults.erase(std::unique(faults.begin(), faults.end(), same), faults.end());  // of several patches
     std::set<std::pair<int, int>> named;
     for (const auto& [f, g, what] : faults) {
+        if (what == touching) {
+            report.touching.push_back({f, g});
+            continue;
+        }
         if (what == crossed_before) {
-            if (report.crossed_before < 0) report.crossed_before = f;
+            if (report.crossed_before[0] < 0) report.crossed_before = {f, g};
             continue;
         }
         report.crossing.push_back({f, g});
@@ -285,26 +316,39 @@ void Check::check_nesting() {
         for (const auto [f, i] : farthest_corners(k))
             for (int l = 0; l < count; ++l)
                 if (k != l && !open_part[k] && !open_part[l] && !parts[l].is_inner &&
-                    !crossing.contains(std::minmax(k, l)) && zone(f) == zone(parts[l].first_face))
+                    !crossing.contains(std::minmax(k, l)) && !may_overlap(k, l))
                     probes[l].push_back({k, f, i});
     std::vector<std::vector<double>> turns(2 * count);
-    parallel_for_uneven(2 * count, [&](int task) {
-        if (probes[task / 2].empty()) return;
+    const auto patches_around = [&](int l, const std::vector<Patch>& patches) {
         std::vector<Patch> around;
         for (int f = 0; f < mesh.face_count(); ++f)
-            if (part[f] == task / 2)
-                for (const Patch& patch : patches_of(task % 2 == 0 ? before : after, f)) around.push_back(patch);
+            if (part[f] == l)
+                for (const Patch& patch : patches_of(patches, f)) around.push_back(patch);
+        return around;
+    };
+    parallel_for_uneven(2 * count, [&](int task) {
+        if (probes[task / 2].empty()) return;
         std::vector<Vec<3>> points;
         for (const Probe& probe : probes[task / 2])
             points.push_back(corner(task % 2 == 0 ? mesh.x : target, probe.face, probe.corner));
-        turns[task] = windings(basis.bernstein, around, points);
+        turns[task] = windings(basis.bernstein, patches_around(task / 2, task % 2 == 0 ? before : after), points);
     }, face_work * mesh.face_count());
+    // No corner that touches the part is in it or outside.
+    const auto is_off = [&](int l, const Probe& probe, const std::vector<double>& x,
+                            const std::vector<Patch>& patches) {
+        const Vec<3> at = corner(x, probe.face, probe.corner);
+        const double size = size_of(box_of(patches[faces.first[probe.face]]));
+        return ClosestPoint(basis, patches_around(l, patches)).find(at).distance > same_place * size + mesh.rounding;
+    };
     std::set<std::pair<int, int>> moved;
     for (int l = 0; l < count; ++l)
         for (std::size_t i = 0; i < probes[l].size(); ++i) {
             const double was = turns[2 * l][i], becomes = turns[2 * l + 1][i];
-            if (is_clear(was) && is_clear(becomes) && is_inside(was) != is_inside(becomes))
-                moved.insert({probes[l][i].of_part, l});
+            const Probe& probe = probes[l][i];
+            if (is_clear(was) && is_clear(becomes) && is_inside(was) != is_inside(becomes) &&
+                !moved.contains({probe.of_part, l}) && is_off(l, probe, mesh.x, before) &&
+                is_off(l, probe, target, after))
+                moved.insert({probe.of_part, l});
         }
     for (const auto& [k, l] : moved)
         add_fault(parts[k].first_face,
@@ -314,7 +358,7 @@ void Check::check_nesting() {
 }
 
 // Distinct nodes that the target puts at one point.
-void Check::check_nodes() {
+void Check::find_places() {
     std::vector<int> nodes, first_face(mesh.nodes(), -1);
     std::vector<double> size(mesh.nodes(), std::numeric_limits<double>::max());  // of its smallest face in the target
     for (int f = 0; f < mesh.face_count(); ++f) {
@@ -332,32 +376,98 @@ void Check::check_nodes() {
     const int count = static_cast<int>(nodes.size());
     const std::vector<Vec<3>> was = positions(mesh, mesh.x, nodes.data(), count);
     const std::vector<Vec<3>> becomes = positions(mesh, target, nodes.data(), count);
+    const auto tolerance = [&](int k) { return same_place * size[nodes[k]] + mesh.rounding; };
     std::vector<Box> boxes, queries;
     for (int k = 0; k < count; ++k) {
-        const double tolerance = same_place * size[nodes[k]];
-        const Vec<3> reach = {tolerance, tolerance, tolerance};
+        const Vec<3> reach = {tolerance(k), tolerance(k), tolerance(k)};
         boxes.push_back({becomes[k], becomes[k]});
         queries.push_back({becomes[k] - reach, becomes[k] + reach});
     }
     const BoxTree tree(std::move(boxes));
-    std::vector<std::array<int, 2>> together;
     tree.visit_overlapping(queries, [&](int k, int item) {
         const int l = tree.items[item];
         const int f = first_face[nodes[k]], g = first_face[nodes[l]];
-        const double tolerance = same_place * size[nodes[k]];
-        if (l <= k || (bad[f] && bad[g]) || zone(f) != zone(g)) return;
-        if (length(becomes[k] - becomes[l]) > tolerance || length(was[k] - was[l]) <= tolerance) return;
-        together.push_back({k, l});
+        if (l <= k || overlaps.faces(f, g) || length(becomes[k] - becomes[l]) > tolerance(k)) return;
+        together.push_back({nodes[k], nodes[l], f, g, length(was[k] - was[l]) > tolerance(k)});
     });
-    std::stable_sort(together.begin(), together.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; });
-    for (const auto& [k, l] : together)
-        add_fault(first_face[nodes[l]],
-                  concat("the target puts its node ", id_in_file(mesh.file.node_id, nodes[l]), " where node ",
-                         id_in_file(mesh.file.node_id, nodes[k]), " is, at ",
-                         position_text(becomes[k].data(), mesh.dim)));
+    std::stable_sort(together.begin(), together.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
+    DisjointSets places(mesh.nodes());
+    for (const Together& pair : together) places.join(pair.node, pair.other);
+    report.place.resize(mesh.nodes());
+    for (int i = 0; i < mesh.nodes(); ++i) report.place[i] = places.find(i);
+}
+
+// Faces with the same nodes' places and opposite normals.
+void Check::glue() {
+    report.glued.resize(mesh.face_count());
+    std::vector<char> is_double(mesh.nodes());
+    for (const Together& pair : together) is_double[pair.node] = is_double[pair.other] = 1;
+    std::map<std::vector<int>, std::vector<int>> equal;
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const std::span nodes(mesh.face(f), mesh.face_nodes(f));
+        if (bad[f] || mesh.is_inner(f) || std::none_of(nodes.begin(), nodes.end(), [&](int i) { return is_double[i]; }))
+            continue;
+        std::vector<int> places;
+        for (const int i : nodes) places.push_back(report.place[i]);
+        std::sort(places.begin(), places.end());
+        equal[places].push_back(f);
+    }
+    const auto normal_of = [&](int f) {
+        return flat_normal(positions(mesh, target, mesh.face(f), mesh.face_nodes(f)), mesh.dim - 1,
+                           mesh.face_cell(f).vertices);
+    };
+    for (const auto& [places, two] : equal)
+        if (two.size() == 2 && dot(normal_of(two[0]), normal_of(two[1])) < 0)
+            report.glued[two[0]] = report.glued[two[1]] = 1;
+}
+
+// Nodes that come together are a fault where each was behind all faces at the other: what was between them is inside.
+void Check::check_nodes() {
+    if (together.empty()) return;
+    std::vector<std::vector<int>> faces_at(mesh.nodes());
+    for_face_nodes(mesh, [&](int f, std::size_t k) { faces_at[mesh.faces[k]].push_back(f); });
+    const auto is_behind = [&](int i, int j) {
+        const Vec<3> way = unit(positions(mesh, mesh.x, &j, 1)[0] - positions(mesh, mesh.x, &i, 1)[0]);
+        return std::all_of(faces_at[i].begin(), faces_at[i].end(),
+                           [&](int f) { return dot(way, unit_normal(mesh, f)) < -1e-6; });
+    };
+    for (const auto& [i, j, f, g, is_new] : together) {
+        if (!is_new || (bad[f] && bad[g]) || !is_behind(i, j) || !is_behind(j, i)) continue;
+        add_fault(g, concat("the target puts its node ", id_in_file(mesh.file.node_id, j), " where node ",
+                            id_in_file(mesh.file.node_id, i), " is, at ",
+                            position_text(point(target, i, mesh.dim), mesh.dim)));
+    }
 }
 
 }  // namespace
+
+Overlaps::Overlaps(const Mesh& mesh) : mesh_(mesh) {
+    if (mesh.contact.empty()) return;
+    of_node_.resize(mesh.nodes());
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (contact_of(mesh, f)) of_node_[mesh.faces[k]] = {contact_of(mesh, f), mesh.face_boundary[f]};
+    });
+}
+
+bool Overlaps::may(std::span<const int> vertices, std::span<const int> of_other) const {
+    const auto may = [&](int i, int j) {
+        const auto [contact, boundary] = of_node_[i];
+        return contact != 0 && contact == of_node_[j][0] && (contact < 0 || boundary != of_node_[j][1]);
+    };
+    return !of_node_.empty() && std::any_of(vertices.begin(), vertices.end(), [&](int i) {
+        return std::any_of(of_other.begin(), of_other.end(), [&](int j) { return may(i, j); });
+    });
+}
+
+bool Overlaps::elements(int e, int other) const {
+    const auto vertices = [&](int of) { return std::span(mesh_.element(of), mesh_.cell(of).vertices); };
+    return mesh_.file.zone(e) != mesh_.file.zone(other) || may(vertices(e), vertices(other));
+}
+
+bool Overlaps::faces(int f, int g) const {
+    return mesh_.file.zone(mesh_.face_element[f]) != mesh_.file.zone(mesh_.face_element[g]) ||
+           may(mesh_.face_vertices(f), mesh_.face_vertices(g));
+}
 
 TargetReport check_target(const Mesh& mesh, const std::vector<double>& target, const std::vector<char>& open,
                           FaceBend bend) {
@@ -370,8 +480,11 @@ TargetReport check_target(const Mesh& mesh, const std::vector<double>& target, c
     for (int f = 0; f < mesh.face_count(); ++f)
         if (check.open[f]) check.open_part[check.part[f]] = 1;
     check.check_faces();
+    check.find_places();
+    check.glue();
     check.check_closed_parts();
     check.check_pairs();
+    if (bend == FaceBend::of_valid) return check.report;
     check.check_nesting();
     check.check_nodes();
     return check.report;

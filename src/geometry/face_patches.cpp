@@ -19,11 +19,12 @@ struct SharedCorners {
     int count = 0;
 };
 
-SharedCorners shared_corners(const FacePatches& faces, int f, int g) {
+SharedCorners shared_corners(const FacePatches& faces, int f, int g, const std::vector<int>& place) {
+    const auto at = [&](int node) { return place.empty() ? node : place[node]; };
     SharedCorners shared;
     for (int i = 0; i < faces.mesh.dim; ++i)
         for (int j = 0; j < faces.mesh.dim; ++j)
-            if (faces.corner(f, i) == faces.corner(g, j)) shared.pair[shared.count++] = {i, j};
+            if (at(faces.corner(f, i)) == at(faces.corner(g, j))) shared.pair[shared.count++] = {i, j};
     return shared;
 }
 
@@ -83,16 +84,18 @@ std::vector<std::vector<int>> FacePatches::nodes_of(const std::vector<int>& face
     return all;
 }
 
-bool folded_flat(const FacePatches& faces, const std::vector<Patch>& patches, int f, int g) {
-    constexpr double flat_fold = 1e-6;  // radians
+Fold fold_of(const FacePatches& faces, const std::vector<Patch>& patches, int f, int g, const std::vector<int>& place) {
     const Bernstein& basis = faces.basis.bernstein;
-    const SharedCorners shared = shared_corners(faces, f, g);
+    const SharedCorners shared = shared_corners(faces, f, g, place);
+    Fold fold;
     for (int k = 0; k + basis.dim <= shared.count; ++k) {
         const auto &i = shared.pair[k], &j = shared.pair[k + basis.dim - 1];
         const Vec<3> u = leaving(basis, patches[f], i[0], j[0]), v = leaving(basis, patches[g], i[1], j[1]);
-        if (std::atan2(length(cross(u, v)), dot(u, v)) < flat_fold) return true;
+        const double angle = std::atan2(length(cross(u, v)), dot(u, v));
+        const Vec<3> normal = flat_normal(patches[f], basis.dim);
+        if (angle < fold.angle) fold = {angle, dot(v, normal) > 1e-6 * length(v) * length(normal)};
     }
-    return false;
+    return fold;
 }
 
 // The flat faces with the same corners

@@ -37,9 +37,17 @@ struct FacePatches {
     std::vector<std::vector<int>> nodes_of(const std::vector<int>& faces) const;
 };
 
-// Whether two of the patches, which are of neighbouring faces, lie on each other at what they share: the angle between
-// the directions in which they leave it is zero.
-bool folded_flat(const FacePatches& faces, const std::vector<Patch>& patches, int f, int g);
+// The least angle, in radians, between the directions in which two patches, which are of neighbouring faces, leave what
+// they share, and whether g leaves it on the side to which the normal of f points.
+struct Fold {
+    double angle = 4;
+    bool is_in_front = false;
+
+    bool is_flat() const { return angle < 1e-6; }  // they lie on each other
+};
+
+// place: of each node; those with the same one are shared as if they were one node. Empty: each has its own.
+Fold fold_of(const FacePatches& faces, const std::vector<Patch>& patches, int f, int g, const std::vector<int>& place);
 
 // How often the patches of a closed surface go around each point: 0 for points outside their box.
 std::vector<double> windings(const Bernstein& basis, const std::vector<Patch>& patches,

@@ -61,8 +61,11 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
     part.boundaries = mesh.boundaries;
     part.boundary_groups = mesh.boundary_groups;
     part.inner = mesh.inner;
+    part.contact = mesh.contact;
+    part.rounding = mesh.rounding;
     part.cut = add_boundary(part, {cut});
     if (!part.inner.empty()) part.inner.push_back(0);
+    if (!part.contact.empty()) part.contact.push_back(0);
     part.file.groups = mesh.file.groups;
     part.file.format = mesh.file.format;
     part.file.zones = mesh.file.zones;

@@ -60,7 +60,7 @@ TEST_CASE("motions that keep the boundary are accepted") {
                 const TargetReport report = check(mesh, x);
                 for (const auto& fault : report.faults) MESSAGE(fault.why);
                 CHECK(report.faults.empty());
-                CHECK(report.crossed_before < 0);
+                CHECK(report.crossed_before[0] < 0);
             }
         }
 }
