@@ -170,6 +170,30 @@ Motion sliding(const Motion& motion) {
     return with;
 }
 
+// `contact = A, B; C`: 1 for A and B, -2 for C.
+void set_contacts(const Deck& deck, Mesh& mesh) {
+    if (deck.contact.empty()) return;
+    const auto refuse = [&deck](std::string_view name, const char* why) {
+        throw UsageError(deck.given.at("contact"), ": contact: ", in_backquotes(name), why);
+    };
+    mesh.contact.assign(mesh.boundaries.size(), 0);
+    int number = 0;
+    for (const std::string_view list : split(deck.contact, ';')) {
+        const std::vector<std::string_view> names = split(list, ',');
+        ++number;
+        for (const std::string_view name : names) {
+            bool is_known = false;
+            for (std::size_t b = 0; b < mesh.boundaries.size(); ++b) {
+                if (mesh.boundaries[b] != name && !has(mesh.boundary_groups[b], std::string(name))) continue;
+                if (mesh.contact[b] != 0) refuse(name, " stands twice");
+                mesh.contact[b] = names.size() == 1 ? -number : number;
+                is_known = true;
+            }
+            if (!is_known) refuse(name, " is no boundary of the mesh");
+        }
+    }
+}
+
 }  // namespace
 
 void assign_boundaries(const Deck& deck, Mesh& mesh, std::vector<std::string>& notes) {
@@ -190,6 +214,7 @@ void assign_boundaries(const Deck& deck, Mesh& mesh, std::vector<std::string>& n
     const Names free = names_of(inner_groups(mesh));
     if (!free.empty()) notes.push_back("inside the mesh, and free as the deck has no line for them: " + list_of(free));
     merge_boundaries(deck, mesh);
+    set_contacts(deck, mesh);
 }
 
 std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {

@@ -99,6 +99,7 @@ struct Deck {
     VtkOutput vtk = VtkOutput::ascii;
     FinalFormat final_format = FinalFormat::input;
     std::string wall;  // boundary name, "" for none
+    std::string contact;  // names of boundaries, lists of them separated by ;
     std::string frames;  // times, or path of a file of them; "": one run without time
     bool keep_going = false;
     Velocity velocity = Velocity::no;

@@ -292,6 +292,10 @@ const std::vector<DeckKey>& deck_keys() {
          "Format of the final mesh. input: format, version and encoding of the mesh file, but MSH for a mesh from "
          "a VTK file; msh: MSH in the version of the mesh file, or 2.2; su2: SU2; both: MSH and SU2; "
          "msh22, msh41-binary, ...: MSH in this version."},
+        {"contact", text<&Deck::contact>("NAME, NAME [; NAME, NAME ...]"),
+         "Boundaries that lie on each other, curved or faceted, and do not match, so that they overlap a little: the "
+         "mesh is certified but for that, and the overlap is measured. One name: a boundary and itself. Faces that "
+         "match, and plane ones, touch without this key."},
         {"wall", text<&Deck::wall>("boundary name"),
          "Boundary from which the distance of every node is written to the VTK files; \"\": none."},
         {"max_seconds", number<&Deck::max_seconds>({0, 1e9}),

@@ -120,7 +120,15 @@ std::string against_uncertified(const Deck& deck, const Problem& problem, const 
     if (!problem.target.freed.empty())
         return "a finer mesh of the surface there: its faces are too large for its curvature";
     if (!problem.target.prescribes_all()) return "a motion without slide or free for the boundary there";
-    return "another mesh file: the boundary of this one crosses itself";
+    const Injectivity& found = solution.injectivity;
+    if (found.other_face < 0)
+        return "another mesh file, where elements of this one lie over each other (almesh quality FILE); " +
+               less_motion(solution);
+    const Mesh& mesh = problem.mesh();
+    const std::string a = mesh.boundaries[mesh.face_boundary[found.face]];
+    const std::string b = mesh.boundaries[mesh.face_boundary[found.other_face]];
+    return concat("contact = ", a, a == b ? "" : ", " + b,
+                  ", where two sides lie on each other and do not match; else another mesh file");
 }
 
 // |grad E| is rounded in proportion to the penalty, which algorithm = adaptive chooses by itself.
@@ -187,7 +195,9 @@ void print_diagnosis(std::FILE* out, const Deck& deck, const Problem& problem, c
 }
 
 std::string judgement(const Problem& problem, const Solution& solution) {
-    if (is_certified(solution)) return "certified valid and injective";
+    if (const double overlap = solution.injectivity.overlap * problem.frame.length; is_certified(solution))
+        return concat("certified valid and injective",
+                      overlap > 0 ? ", but that boundaries in contact overlap by " + shown(overlap) : "");
     if (!solution.certificate.valid) return "NOT certified valid (" + counts_of(solution.certificate) + ")";
     const bool told = solution.diagnosis.kind == DiagnosisKind::overlap;
     return "all elements valid, but NOT certified injective" +

@@ -142,8 +142,10 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(static_cast<long long>(r.solution.certificate.uncertified.size())); }},
     {{"certified_valid", "yes: det J > 0 is proved everywhere in every element; else no"}, word,
      [](R r) { return text(r.solution.certificate.valid ? "yes" : "no"); }},
-    {{"certified_injective", "yes: it is also proved that no two elements overlap; else no"}, word,
-     [](R r) { return text(r.solution.injectivity.certified ? "yes" : "no"); }},
+    {{"certified_injective", "yes: it is also proved that no two elements overlap, but for contact_overlap; else no"},
+     word, [](R r) { return text(r.solution.injectivity.certified ? "yes" : "no"); }},
+    {{"contact_overlap", "largest distance, at points of their faces, by which boundaries of the key contact overlap"},
+     decimal, [](R r) { return text(r.units.distance(r.solution.injectivity.overlap), 6); }},
     {{"diagnosis",
       "why a run did not converge or is not certified: off_target, unbalanced, distorted, invalid or overlap "
       "(outputs/README.md); none, like the next six, after any other run"}, word,

@@ -308,11 +308,15 @@ TEST_CASE("a line search that fails is told at the most distorted element, an ov
                         ": node 6 of boundary inner\n"));
     CHECK(has(text, "all elements valid, but NOT certified injective: scaled Jacobian"));
 
-    solution.injectivity = {.certified = false, .reason = "the boundary of the initial mesh crosses itself"};
+    solution.injectivity = {.certified = false, .reason = "face 1 crosses face 2, in the initial mesh too,"};
     text = print();
     CHECK(solution.diagnosis.kind == DiagnosisKind::none);
-    CHECK(has(text, "NOT certified injective: the boundary of the initial mesh crosses itself:"));
-    CHECK(has(text, "try another mesh file"));
+    CHECK(has(text, "NOT certified injective: face 1 crosses face 2, in the initial mesh too,:"));
+    CHECK(has(text, "try another mesh file, where elements of this one lie over each other"));
+    solution.injectivity.face = solution.injectivity.other_face = 0;
+    CHECK(has(print(), concat("try contact = ", mesh.boundaries[mesh.face_boundary[0]], ", where two sides lie on")));
+    solution.injectivity = {.certified = true, .reason = "", .overlap = 0.5};
+    CHECK(has(print(), "certified valid and injective, but that boundaries in contact overlap by "));
 }
 
 TEST_CASE("stop.vtk goes when the run converges, and is not written with vtk = none") {

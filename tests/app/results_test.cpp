@@ -126,6 +126,7 @@ TEST_CASE("the summary has every quantity in its order, with values that belong 
                                            "invalid_elements",
                                            "certified_valid",
                                            "certified_injective",
+                                           "contact_overlap",
                                            "diagnosis",
                                            "diagnosis_boundary",
                                            "diagnosis_node",
