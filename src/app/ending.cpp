@@ -282,7 +282,7 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
     print_diagnosis(out, deck, problem, solution);
     print_boundary(out, deck, problem, solution);
     if (solution.al.iterations.back().newton_status == Status::attainable_accuracy)
-        std::fprintf(out, "|grad E| is as small as rounding permits, which is above omega_star\n");
+        std::fprintf(out, "|grad E| stays above omega_star: what steps would gain is below the rounding of E\n");
     if (fallbacks)
         std::fprintf(out,
                      "the iterative solver failed in %d Newton step%s; Cholesky solved them (why: history.csv)\n",
