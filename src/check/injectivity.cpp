@@ -17,7 +17,6 @@
 #include "base/text.hpp"
 #include "geometry/closest_point.hpp"
 #include "geometry/face_patches.hpp"
-#include "mesh/sides.hpp"
 #include "mesh/unused_ids.hpp"
 
 namespace almesh {
@@ -25,7 +24,6 @@ namespace {
 
 constexpr double element_work = 200;  // simple operations for an element, at least
 constexpr double most_overlap = 0.25;  // of boundaries in contact, over the longest edge of the faces there
-constexpr double depth = 1e-4;        // of a point beside a face, over the distance of the face from the centre
 
 // The edges of a cell of degree p, by their vertices.
 class VertexEdges {
@@ -98,52 +96,22 @@ int overlapped_vertex(const Mesh& mesh, const std::vector<double>& x, const std:
     return found == turns.end() ? -1 : static_cast<int>(found - turns.begin());
 }
 
-// Mean of the vertices with these numbers in the reference cell, -1: none. In a pyramid of the places, not of their
-// collapsed coordinates.
-template <class Vertices>
-std::array<double, 3> mean_vertex(const LagrangeBasis& basis, const Vertices& vertices) {
-    std::array<double, 3> mean{};
-    const double count = std::count_if(vertices.begin(), vertices.end(), [](int v) { return v >= 0; });
-    for (const int v : vertices) {
-        if (v < 0) continue;
-        const std::array<double, 3> xi = basis.point(v);
-        for (int a = 0; a < basis.dim; ++a)
-            mean[a] += (basis.cell.is_collapsed && a < 2 ? 1 - xi[2] : 1) * xi[a] / count;
+std::vector<Vec<3>> centres_of_faces(const Mesh& mesh, const std::vector<double>& x) {
+    std::vector<Vec<3>> centres(mesh.face_count(), Vec<3>{});
+    for (const ElementGroup& group : mesh.face_groups()) {
+        const LagrangeBasis basis(*group.cell, mesh.degree);
+        std::array<double, 3> middle{};
+        for (int v = 0; v < group.cell->vertices; ++v)
+            for (int a = 0; a < basis.dim; ++a) middle[a] += basis.point(v)[a] / group.cell->vertices;
+        std::vector<double> N(basis.count);
+        basis.values(middle.data(), N.data());
+        parallel_for(group.count, [&](int k) {
+            const std::vector<Vec<3>> node = positions(mesh, x, mesh.face(group.first + k), basis.count);
+            for (int i = 0; i < basis.count; ++i)
+                centres[group.first + k] = centres[group.first + k] + N[i] * node[i];
+        }, element_work);
     }
-    for (int a = 0; a < 2 && basis.cell.is_collapsed; ++a) mean[a] /= 1 - mean[2];
-    return mean;
-}
-
-// Reference coordinates of the point behind side k.
-std::array<double, 3> point_behind(const LagrangeBasis& basis, int k) {
-    const int n = basis.dim;
-    std::array<double, 3> xi{};
-    std::vector<int> all(basis.cell.vertices);
-    std::iota(all.begin(), all.end(), 0);
-    const std::array<double, 3> of_face = mean_vertex(basis, basis.cell.faces[k]), of_cell = mean_vertex(basis, all);
-    for (int a = 0; a < n; ++a) xi[a] = (1 - depth) * of_face[a] + depth * of_cell[a];
-    return xi;
-}
-
-// A point for each boundary face: depth of the way from the centre of the face to that of the element.
-std::vector<Vec<3>> points_behind_faces(const Mesh& mesh, const std::vector<double>& x) {
-    const int n = mesh.dim;
-    std::vector<Vec<3>> points(mesh.face_count(), Vec<3>{});
-    const std::vector<LagrangeBasis> bases = bases_of(mesh);
-    std::vector<std::vector<std::vector<double>>> values(bases.size());  // by group, behind side k
-    for (std::size_t g = 0; g < bases.size(); ++g)
-        for (int k = 0; k < static_cast<int>(bases[g].cell.faces.size()); ++k) {
-            values[g].emplace_back(bases[g].count);
-            bases[g].values(point_behind(bases[g], k).data(), values[g][k].data());
-        }
-    parallel_for(mesh.face_count(), [&](int f) {
-        const int e = mesh.face_element[f], g = mesh.group_number(e);
-        const int* const element = mesh.element(e);
-        const std::vector<double>& N = values[g][side_number(mesh, e, mesh.face_vertices(f))];
-        for (int i = 0; i < bases[g].count; ++i)
-            for (int a = 0; a < n; ++a) points[f][a] += N[i] * point(x, element[i], n)[a];
-    }, element_work);
-    return points;
+    return centres;
 }
 
 std::string fold_text(const Mesh& mesh, const std::vector<double>& x) {
@@ -238,11 +206,11 @@ void measure_contacts(const Mesh& mesh, const std::vector<double>& x, const std:
     }
 }
 
-// Pairs (f, e) of a boundary face and an element that may lie over the one behind it: it holds the point there, or has
-// a vertex of another face that touches f. Elements with a common side do not lie over each other but where it does.
+// Pairs (f, e) of a boundary face and an element that may lie over the one behind it: it holds the centre of f, or has
+// a vertex of another face that touches f, and no side in common with the one behind.
 std::vector<std::array<int, 2>> suspects(const Mesh& mesh, const std::vector<double>& x, const TargetReport& report) {
     std::vector<std::array<int, 2>> found =
-        holders(mesh, x, points_behind_faces(mesh, x), [&](int f, int e) { return e != mesh.face_element[f]; });
+        holders(mesh, x, centres_of_faces(mesh, x), [&](int f, int e) { return e != mesh.face_element[f]; });
     std::map<int, std::vector<int>> at;  // elements at the places of vertices of faces that touch others
     for (const auto& pair : report.touching)
         for (const int f : pair)

@@ -8,17 +8,16 @@
 //
 // Let R be where phi covers points twice, and let there be such. R ends at faces, with their elements inside: along
 // part of a face F, points just behind it are in its element and in another one. Either this holds all along F, and
-// with it behind the centre of F. Or it begins at a point inside F where another face G is, which ends R as well, so
-// that elements at G overlap the one behind F. G goes through F there, or it touches F. So phi covers no point twice
-// where
+// the centre of F is in such an element. Or it begins at a point inside F where another face G is, which ends R as
+// well, so that elements at G overlap the one behind F. G goes through F there, or it touches F. So phi covers no point
+// twice where
 //   - no two faces cross (check_target(); of neighbours in 3D their common side alone is looked at),
-//   - the point behind the centre of each face is in no other element,
+//   - the element behind each face overlaps no other one that the centre of the face is in,
 //   - where F and G touch, the element behind F overlaps none at the vertices of G, and the other way round,
 // the last two by separating axes of the elements, after bisections where they are curved. What touches does not
 // overlap, in whatever way it touches. All this is up to a distance of 1e-9 of an edge, and what positions are rounded
-// by. Where faces with a common vertex are opposite to each other but for a small angle, they are among those that
-// touch: between them R may be thinner than the depth of the points behind faces. As a check of its own, the angles at
-// every place must add up to 2 pi in 2D, the solid angles to 4 pi in 3D, at the boundary to no more.
+// by. As a check of its own, the angles at every place must add up to 2 pi in 2D, the solid angles to 4 pi in 3D, at
+// the boundary to no more.
 //
 // Where boundaries are declared to be in contact (Mesh::contact), elements at one may overlap those at the other. What
 // is certified then is that nothing else overlaps, and how far faces of one reach into elements at the other is

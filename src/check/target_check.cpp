@@ -30,7 +30,6 @@ namespace {
 constexpr double smallest_normal = 1e-6;  // n . m / |m|^2 at or below which a face is folded
 constexpr double degenerate = 1e-12;      // measure of a face or a closed part over its size^(n - 1) or size^n
 constexpr double same_place = touching_distance;  // of two nodes, over the size of their smallest face
-constexpr double nearly_flat = 1e-3;      // angle of faces that share a vertex below which they may touch elsewhere too
 constexpr double face_work = 1000;        // simple operations that a check of one face takes
 
 double size_of(const Box& box) { return (box.high - box.low)[box.longest_side()]; }
@@ -46,7 +45,7 @@ struct ClosedPart {
     int first_face;
     bool is_inner;  // not closed
     std::string boundaries;  // their names, in the order of their first faces
-    std::set<int> contacts{};  // in which they are
+    bool is_in_contact = false;  // as Mesh::contact says
 };
 
 struct Check {
@@ -81,9 +80,8 @@ struct Check {
     void check_nodes();
 
     bool may_overlap(int k, int l) const {  // parts
-        const std::set<int>&a = parts[k].contacts, &b = parts[l].contacts;
         return overlaps.faces(parts[k].first_face, parts[l].first_face) ||
-               std::any_of(a.begin(), a.end(), [&](int contact) { return b.contains(contact); });
+               (parts[k].is_in_contact && parts[l].is_in_contact);
     }
     // Vertices of the two at the same places.
     int shared_vertices(int f, int g) const {
@@ -131,7 +129,7 @@ void Check::find_closed_parts() {
         const auto [at, is_new] = number.insert({connected.find(vertex(f, 0)), static_cast<int>(parts.size())});
         if (is_new) parts.push_back({f, mesh.is_inner(f), ""});
         part.push_back(at->second);
-        if (const int contact = contact_of(mesh, f)) parts[part[f]].contacts.insert(contact);
+        if (contact_of(mesh, f)) parts[part[f]].is_in_contact = true;
         if (named.insert({part[f], mesh.face_boundary[f]}).second)
             parts[part[f]].boundaries += (is_new ? "" : ", ") + mesh.boundaries[mesh.face_boundary[f]];
     }
@@ -219,8 +217,9 @@ const char* Check::fault_of_pair(int f, int g) const {
     const bool neighbours = shared >= mesh.dim - 1;
     if (neighbours && fold_of(faces, after, f, g, report.place).is_flat()) {
         const Fold was = fold_of(faces, before, f, g, {});
-        const bool closes = was.is_flat() || was.is_in_front || was.angle == Fold().angle;
-        return bend == FaceBend::of_valid || closes ? touching : "the target folds it flat onto ";
+        const bool closes = was.is_in_front || was.angle == Fold().angle;
+        if (bend == FaceBend::of_valid || (closes && !was.is_flat())) return touching;
+        return was.is_flat() ? crossed_before : "the target folds it flat onto ";
     }
     const auto contact = [&](const std::vector<Patch>& of) {
         return patch_contact(bernstein, of[f], of[g], contact_tolerance(of[f], of[g], mesh.rounding), shared > 0);
@@ -229,7 +228,7 @@ const char* Check::fault_of_pair(int f, int g) const {
     if (found == Contact::crossing)
         return contact(before) == Contact::crossing ? crossed_before : "in the target it crosses ";
     const Vec<3> n = unit(flat_normal(after[f], bernstein.dim)), m = unit(flat_normal(after[g], bernstein.dim));
-    const bool are_opposite = dot(n, m) < 0 && length(cross(n, m)) < nearly_flat;
+    const bool are_opposite = dot(n, m) < 0 && length(cross(n, m)) < flat_fold;
     return (shared > 0 ? are_opposite : found != Contact::apart) ? touching : nullptr;
 }
 
@@ -449,24 +448,24 @@ Overlaps::Overlaps(const Mesh& mesh) : mesh_(mesh) {
     });
 }
 
-bool Overlaps::may(std::span<const int> vertices, std::span<const int> of_other) const {
-    const auto may = [&](int i, int j) {
-        const auto [contact, boundary] = of_node_[i];
-        return contact != 0 && contact == of_node_[j][0] && (contact < 0 || boundary != of_node_[j][1]);
-    };
-    return !of_node_.empty() && std::any_of(vertices.begin(), vertices.end(), [&](int i) {
-        return std::any_of(of_other.begin(), of_other.end(), [&](int j) { return may(i, j); });
-    });
+bool Overlaps::may(int e, std::span<const int> vertices, int other, std::span<const int> of_other) const {
+    if (mesh_.file.zone(e) != mesh_.file.zone(other)) return true;
+    for (const int i : vertices)
+        for (const int j : of_other) {
+            if (of_node_.empty()) return false;
+            const auto [contact, boundary] = of_node_[i];
+            if (contact != 0 && contact == of_node_[j][0] && (contact < 0 || boundary != of_node_[j][1])) return true;
+        }
+    return false;
 }
 
 bool Overlaps::elements(int e, int other) const {
-    const auto vertices = [&](int of) { return std::span(mesh_.element(of), mesh_.cell(of).vertices); };
-    return mesh_.file.zone(e) != mesh_.file.zone(other) || may(vertices(e), vertices(other));
+    return may(e, {mesh_.element(e), std::size_t(mesh_.cell(e).vertices)}, other,
+               {mesh_.element(other), std::size_t(mesh_.cell(other).vertices)});
 }
 
 bool Overlaps::faces(int f, int g) const {
-    return mesh_.file.zone(mesh_.face_element[f]) != mesh_.file.zone(mesh_.face_element[g]) ||
-           may(mesh_.face_vertices(f), mesh_.face_vertices(g));
+    return may(mesh_.face_element[f], mesh_.face_vertices(f), mesh_.face_element[g], mesh_.face_vertices(g));
 }
 
 TargetReport check_target(const Mesh& mesh, const std::vector<double>& target, const std::vector<char>& open,

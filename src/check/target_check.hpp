@@ -60,7 +60,7 @@ private:
     const Mesh& mesh_;
     std::vector<std::array<int, 2>> of_node_;  // contact and boundary of each node, where there are contacts
 
-    bool may(std::span<const int> vertices, std::span<const int> of_other) const;
+    bool may(int e, std::span<const int> vertices, int other, std::span<const int> of_other) const;
 };
 
 // The contact of the boundary of a face, 0: none.

@@ -14,17 +14,12 @@ namespace almesh {
 namespace {
 
 // Pairs (index in f, index in g) of the corners that two patches share.
-struct SharedCorners {
-    std::array<std::array<int, 2>, 3> pair;
-    int count = 0;
-};
-
-SharedCorners shared_corners(const FacePatches& faces, int f, int g, const std::vector<int>& place) {
+std::vector<std::array<int, 2>> shared_corners(const FacePatches& faces, int f, int g, const std::vector<int>& place) {
     const auto at = [&](int node) { return place.empty() ? node : place[node]; };
-    SharedCorners shared;
+    std::vector<std::array<int, 2>> shared;
     for (int i = 0; i < faces.mesh.dim; ++i)
         for (int j = 0; j < faces.mesh.dim; ++j)
-            if (at(faces.corner(f, i)) == at(faces.corner(g, j))) shared.pair[shared.count++] = {i, j};
+            if (at(faces.corner(f, i)) == at(faces.corner(g, j))) shared.push_back({i, j});
     return shared;
 }
 
@@ -86,10 +81,10 @@ std::vector<std::vector<int>> FacePatches::nodes_of(const std::vector<int>& face
 
 Fold fold_of(const FacePatches& faces, const std::vector<Patch>& patches, int f, int g, const std::vector<int>& place) {
     const Bernstein& basis = faces.basis.bernstein;
-    const SharedCorners shared = shared_corners(faces, f, g, place);
+    const std::vector<std::array<int, 2>> shared = shared_corners(faces, f, g, place);
     Fold fold;
-    for (int k = 0; k + basis.dim <= shared.count; ++k) {
-        const auto &i = shared.pair[k], &j = shared.pair[k + basis.dim - 1];
+    for (int k = 0; k + basis.dim <= static_cast<int>(shared.size()); ++k) {
+        const auto &i = shared[k], &j = shared[k + basis.dim - 1];
         const Vec<3> u = leaving(basis, patches[f], i[0], j[0]), v = leaving(basis, patches[g], i[1], j[1]);
         const double angle = std::atan2(length(cross(u, v)), dot(u, v));
         const Vec<3> normal = flat_normal(patches[f], basis.dim);

@@ -37,13 +37,15 @@ struct FacePatches {
     std::vector<std::vector<int>> nodes_of(const std::vector<int>& faces) const;
 };
 
+constexpr double flat_fold = 1e-6;  // radians
+
 // The least angle, in radians, between the directions in which two patches, which are of neighbouring faces, leave what
 // they share, and whether g leaves it on the side to which the normal of f points.
 struct Fold {
     double angle = 4;
     bool is_in_front = false;
 
-    bool is_flat() const { return angle < 1e-6; }  // they lie on each other
+    bool is_flat() const { return angle < flat_fold; }  // they lie on each other
 };
 
 // place: of each node; those with the same one are shared as if they were one node. Empty: each has its own.
