@@ -1,7 +1,8 @@
 // The energy of a mesh with elements of several types: the sum of those of its groups of elements, each with its own
 // reference element and rules. Gradient and Hessian are added one group after the other.
 //
-// Elements are numbered group after group, in the numbers that these have for their own.
+// Infeasible elements, which need not be valid, are groups of their own. Their density is eta^2 of Tangled with a fixed
+// delta: finite wherever they go, so that they cut no step. Norms and largest values are those of the other elements.
 #pragma once
 #include <memory>
 #include <vector>
@@ -12,7 +13,9 @@ namespace almesh {
 
 class MixedEnergy : public DistortionEnergy {
 public:
-    MixedEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params);
+    // infeasible: per element; empty: none.
+    MixedEnergy(const Mesh& mesh, const std::vector<double>& ideal, const DistortionParams& params,
+                const std::vector<char>& infeasible = {});
 
     double energy(const std::vector<double>& x) override;
     void add_gradient(const std::vector<double>& x, std::vector<double>& g) override;
@@ -49,26 +52,27 @@ public:
 
 private:
     // Of some elements of another one: groups[g] of those of groups_[g] there, or none.
-    MixedEnergy(const MixedEnergy& whole, std::vector<std::unique_ptr<GroupEnergy>> groups);
+    struct Group {
+        std::unique_ptr<GroupEnergy> energy;  // of a part: nullptr where it has none of the group's elements
+        bool is_infeasible;
+        std::vector<int> element;  // the numbers in the mesh of its elements
+    };
+    MixedEnergy(const MixedEnergy& whole, std::vector<Group> groups);
 
-    std::vector<std::unique_ptr<GroupEnergy>> groups_;  // of a part: nullptr where it has none of a group's elements
+    std::vector<Group> groups_;
 
     void join_patterns();
     void blocks_moved(const LargeVector<int>& place) override;
-    // body(group, number of its first element) for all that have elements.
+    // body(energy, group) for all that have elements.
     template <class Body>
     void every_group(const Body& body) const {
-        int first = 0;
-        for (const auto& group : groups_) {
-            if (!group) continue;
-            body(*group, first);
-            first += group->element_count();
-        }
+        for (const Group& group : groups_)
+            if (group.energy) body(*group.energy, group);
     }
     template <class Value>
     double total(const Value& value) const {
         double sum = 0;
-        every_group([&](GroupEnergy& group, int) { sum += value(group); });
+        every_group([&](GroupEnergy& energy, const Group&) { sum += value(energy); });
         return sum;
     }
 };

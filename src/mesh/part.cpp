@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <queue>
 
 #include "mesh/sides.hpp"
@@ -152,17 +153,22 @@ std::vector<char> surroundings(const Mesh& mesh, const std::vector<char>& chosen
     return result;
 }
 
-Mesh of_one_type(const Mesh& mesh, const ElementGroup& group) {
+std::vector<int> elements_of(const ElementGroup& group) {
+    std::vector<int> elements(group.count);
+    std::iota(elements.begin(), elements.end(), group.first);
+    return elements;
+}
+
+Mesh of_one_type(const Mesh& mesh, const std::vector<int>& elements) {
     Mesh part;
     part.dim = mesh.dim;
     part.degree = mesh.degree;
     part.x = mesh.x;
-    const auto begin = mesh.elements.begin() + static_cast<std::ptrdiff_t>(group.start);
-    part.elements.assign(begin, begin + static_cast<std::ptrdiff_t>(
-                                            offset(group.count, group.cell->node_count(mesh.degree))));
-    part.groups = {{group.cell, 0, group.count, 0}};
-    const auto id = mesh.file.element_id.begin() + group.first;
-    part.file.element_id.assign(id, id + group.count);
+    for (const int e : elements) {
+        part.elements.insert(part.elements.end(), mesh.element(e), mesh.element(e) + mesh.element_nodes(e));
+        part.file.element_id.push_back(mesh.file.element_id[e]);
+    }
+    part.groups = {{&mesh.cell(elements[0]), 0, static_cast<int>(elements.size()), 0}};
     return part;
 }
 

@@ -17,8 +17,9 @@ Mesh part_of(const Mesh& mesh, const std::vector<char>& chosen, const std::strin
 // nearest one counts. Lengths are straight, between the vertices in mesh.x.
 std::vector<char> surroundings(const Mesh& mesh, const std::vector<char>& chosen, double reach);
 
-// The elements of one type, with all nodes and no faces.
-Mesh of_one_type(const Mesh& mesh, const ElementGroup& group);
+// These elements, of one type, with all nodes and no faces.
+Mesh of_one_type(const Mesh& mesh, const std::vector<int>& elements);
+std::vector<int> elements_of(const ElementGroup& group);
 
 // Elements of one type: count x m node numbers.
 struct CellNodes {

@@ -33,7 +33,7 @@ LinearExtension::LinearExtension(const Mesh& mesh, BlockCsr pattern, const Linea
     for (const ElementGroup& group : mesh.element_groups()) {
         const CellType& cell = *group.cell;
         const Quadrature quadrature = cell_quadrature(cell, exactness(cell, mesh.degree));
-        const Mesh& of = groups_.emplace_back(Group{of_one_type(mesh, group), {}, {}}).mesh;
+        const Mesh& of = groups_.emplace_back(Group{of_one_type(mesh, elements_of(group)), {}, {}}).mesh;
         groups_.back().reference = reference_element(cell, mesh.degree, quadrature);
         groups_.back().blocks = schedule_elements(of);
     }

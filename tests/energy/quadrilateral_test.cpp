@@ -219,3 +219,34 @@ TEST_CASE("ideal quadrilaterals that are not convex are refused by their number"
     for (const Assembly assembly : assemblies)
         CHECK_THROWS_AS(make_energy(mesh, mesh.x, with(Objective::squared, assembly)), InputError);
 }
+
+TEST_CASE("infeasible elements: they may invert, cut no step, and are in no norm; their energy has its derivatives") {
+    const Mesh mesh = mixed_mesh(4, 0.2);
+    const int inside = mesh.element(mesh.element_count() / 2)[0];
+    std::vector<char> infeasible(mesh.element_count(), 0);
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int k = 0; k < mesh.element_nodes(e); ++k) infeasible[e] |= mesh.element(e)[k] == inside;
+    std::vector<double> x = mesh.x;
+    point(x, inside, 2)[0] += 0.7;
+    for (const Assembly assembly : assemblies) {
+        const DistortionParams params = with(Objective::deviation, assembly);
+        MixedEnergy E(mesh, mesh.x, params, infeasible);
+        CHECK(std::isinf(make_energy(mesh, mesh.x, params)->energy(x)));
+        CHECK(std::isfinite(E.energy(x)));
+        CHECK(E.valid_fraction(mesh.x, x) == 1);
+        CHECK(E.certified(x));
+        CHECK(E.statistics(x).max_distortion == doctest::Approx(1));
+        CHECK(E.statistics(x).relative_quality == doctest::Approx(1));
+        for (int e = 0; e < mesh.element_count(); ++e)
+            CHECK((E.statistics(x).element_max[e] > 1.001) == (infeasible[e] != 0));
+        std::vector<double> g(x.size(), 0), y = x;
+        E.add_gradient(x, g);
+        const std::size_t k = 2 * static_cast<std::size_t>(inside);
+        y[k] += 1e-6;
+        const double above = E.energy(y);
+        y[k] -= 2e-6;
+        CHECK(g[k] == doctest::Approx((above - E.energy(y)) / 2e-6).epsilon(1e-6));
+        point(y = mesh.x, 0, 2)[0] += 5;  // of elements that have to be valid
+        CHECK(std::isinf(E.energy(y)));
+    }
+}
