@@ -2,7 +2,6 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "geometry/patch.hpp"
 #include "mesh/build.hpp"
 
 namespace almesh {
@@ -15,13 +14,9 @@ Mesh straight_mesh(const RawMesh& raw, const CertificateParams& params, std::vec
     const std::vector<double> y = straight_sided(mesh);
     const Certificate certificate = certify(mesh, y, params);
     if (certificate.valid) return mesh;
-    const int e = certificate.uncertified[0];
-    throw InputError(raw.path, ": ", mesh.cell(e).name, " ", mesh.file.element_id[e], " at ",
-                     position_text(element_centre(mesh, y, e).data(), mesh.dim),
-                     mesh.dim == 2 ? " has with straight sides a corner of 180 degrees or more"
-                                   : " is with straight sides inverted inside or at a corner",
-                     ", the worst of ", counted(certificate.uncertified.size(), "such element"),
-                     ": it has to be divided, or its nodes moved");
+    throw InvalidMesh(list_invalid(mesh, certificate.uncertified, y, certificate.lower_bound), raw.path, ": ",
+                      counted(certificate.uncertified.size(), "element"), " with straight sides",
+                      mesh.dim == 2 ? " and a corner of 180 degrees or more" : " inverted inside or at a corner");
 }
 
 }  // namespace
@@ -37,16 +32,16 @@ BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateP
             return {straight_mesh(raw, params, notes)};
         } catch (const InputError& error) {
             if (ideal == IdealKind::straight || is_linear) throw;
-            against_straight = concat(error.what(), "; ");
+            against_straight = concat(error.what(), dynamic_cast<const InvalidMesh*>(&error) ? "\n" : "; ");
         }
         notes.resize(told);
     }
     BaseMesh base{build_mesh(raw, notes, Folds::keep), true};
     const Certificate certificate = certify(base.mesh, base.mesh.x, params);
     if (!certificate.valid)
-        throw InputError(against_straight.empty() ? raw.path + ": " : against_straight,
-                         "as it is in the file, the mesh is not certified valid: ", counts_of(certificate),
-                         ", the worst is element ", base.mesh.file.element_id[certificate.uncertified[0]]);
+        throw InvalidMesh(list_invalid(base.mesh, certificate.uncertified, base.mesh.x, certificate.lower_bound),
+                          against_straight.empty() ? raw.path + ": " : against_straight,
+                          "as it is in the file, the mesh is not certified valid: ", counts_of(certificate));
     return base;
 }
 

@@ -3,7 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "base/error.hpp"
 #include "check/certificate.hpp"
+#include "check/infeasible.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/raw_mesh.hpp"
 
@@ -27,7 +29,15 @@ struct BaseMesh {
     bool is_own_ideal = false;  // it is curved, and itself the ideal mesh
 };
 
-// Throws InputError with the reasons against each mesh that could be the ideal one, and as build_mesh().
+// Of a mesh with elements that are not valid, which are listed in what().
+struct InvalidMesh : InputError {
+    InvalidElements list;
+    template <class... Parts>
+    explicit InvalidMesh(InvalidElements found, const Parts&... parts)
+        : InputError(parts..., " (id, centre, scaled Jacobian >=):", found.first), list(std::move(found)) {}
+};
+
+// Throws InputError or InvalidMesh with the reasons against each mesh that could be the ideal one, and as build_mesh().
 BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateParams& params,
                          std::vector<std::string>& notes);
 

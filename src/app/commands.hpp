@@ -11,7 +11,7 @@ namespace almesh {
 
 struct Certificate;
 struct Deck;
-struct Frame;
+struct InvalidElements;
 struct Mesh;
 struct Problem;
 struct Solution;
@@ -40,10 +40,15 @@ ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out);
 // and the keys that were given. Throws InputError for a file that is no mesh.
 ExitCode info(const Deck& deck, std::FILE* out);
 
-// How many elements the certificate could not prove valid, and the worst ten: id, centre in the file, lower bound of
-// the scaled Jacobian. Prints nothing where all are certified.
-void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Frame& frame,
-                       const Certificate& certificate);
+// How many elements the certificate could not prove valid, and the worst ten: id, centre, lower bound of the scaled
+// Jacobian and, if it is known (check/infeasible.hpp), why. Prints nothing where all are certified. x: nodes x dim in
+// units of the file.
+void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate,
+                       const std::string& folder, const std::vector<std::string>& why = {});
+
+// Where there are more than ten, writes them all to invalid.csv in the folder, which is made if it is missing; "": to
+// none. Returns a line that says so, else "".
+std::string write_invalid(const InvalidElements& list, const std::string& folder);
 
 // What was built, for --version and for every file that a run writes.
 std::string version();   // "almesh 0.1.0"

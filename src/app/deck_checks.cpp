@@ -3,12 +3,14 @@
 #include <algorithm>
 
 #include "app/frame_times.hpp"
+#include "app/improve.hpp"
 #include "app/results.hpp"
 #include "base/error.hpp"
 #include "io/msh.hpp"
 #include "method/comparators.hpp"
 
 namespace almesh {
+namespace {
 
 // The rest of the mesh stays as it is in the file.
 void check_local_repair(const Deck& deck) {
@@ -28,6 +30,44 @@ void check_local_repair(const Deck& deck) {
     if (deck.split != Split::never) refuse(deck.given.at("split"), "split");
     if (sets_boundary(deck.method.moving)) refuse(deck.given.at("method"), "this method");
 }
+
+// Algorithm 1 as printed weighs the penalty mu^2: the mu of a coarser mesh would mean something else.
+void check_start(const Deck& deck) {
+    if (deck.start != Start::coarse || deck.method.algorithm != Algorithm::literal) return;
+    throw UsageError(deck.given.at("start"),
+                     ": start = coarse does not go with algorithm = literal; take start = identity");
+}
+
+void check_resume(const Deck& deck) {
+    if (!deck.resume || deck.checkpoint > 0) return;
+    throw UsageError(deck.given.at("checkpoint"), ": checkpoint = 0 does not go with resume = 1, which needs the state "
+                     "that it saves");
+}
+
+// Keys that mean nothing to the method that moves the mesh.
+void check_method(const Deck& deck) {
+    const MovingMethod moving = deck.method.moving;
+    if (moving == MovingMethod::augmented_lagrangian && !deck.increments) return;
+    const auto refuse = [&](const char* key, const char* value, const char* advice) {
+        const auto setting = deck.given.find(key);
+        throw UsageError(setting == deck.given.end() ? deck.path : setting->second, ": ", key, value,
+                         " does not go with this method: ", advice);
+    };
+    const bool in_parts = moving == MovingMethod::elasticity || moving == MovingMethod::harmonic ||
+                          moving == MovingMethod::incremental;
+    if (deck.increments && !in_parts)
+        refuse("increments", "", "it is for method = elasticity, harmonic or incremental");
+    if (moving == MovingMethod::augmented_lagrangian) return;
+    if (deck.distortion.objective == Objective::minimax)
+        refuse("objective", " = minimax", "take method = augmented_lagrangian");
+    if (moving == MovingMethod::penalty) return;
+    if (deck.start == Start::coarse) refuse("start", " = coarse", "the method starts from the initial mesh");
+    if (deck.start == Start::file) refuse("start", " = FILE", "the method starts from the initial mesh");
+    if (deck.distortion.delta > 0)
+        refuse("delta", " > 0", "untangle chooses its own delta, the other methods have none");
+}
+
+}  // namespace
 
 // With fewer points than |F|^2 needs, the energy does not see some motions of the nodes inside an element.
 void check_quadrature(const Deck& deck, const Mesh& mesh, int degree) {
@@ -64,19 +104,6 @@ void check_curved_ideal(const Deck& deck, const Mesh& in_file, const Mesh& of_ru
                          "ideal mesh with ideal = given, is not valid: take degree = ", in_file.degree);
 }
 
-// Algorithm 1 as printed weighs the penalty mu^2: the mu of a coarser mesh would mean something else.
-void check_start(const Deck& deck) {
-    if (deck.start != Start::coarse || deck.method.algorithm != Algorithm::literal) return;
-    throw UsageError(deck.given.at("start"),
-                     ": start = coarse does not go with algorithm = literal; take start = identity");
-}
-
-void check_resume(const Deck& deck) {
-    if (!deck.resume || deck.checkpoint > 0) return;
-    throw UsageError(deck.given.at("checkpoint"), ": checkpoint = 0 does not go with resume = 1, which needs the state "
-                     "that it saves");
-}
-
 // Formulas of t without frames, and what frames do not go with.
 void check_times(const Deck& deck) {
     for (const DeckBoundary& boundary : deck.boundaries)
@@ -99,27 +126,28 @@ void check_times(const Deck& deck) {
             throw UsageError(deck.given.at(key), ": ", key, " does not go with frames: leave it out");
 }
 
-// Keys that mean nothing to the method that moves the mesh.
-void check_method(const Deck& deck) {
-    const MovingMethod moving = deck.method.moving;
-    if (moving == MovingMethod::augmented_lagrangian && !deck.increments) return;
-    const auto refuse = [&](const char* key, const char* value, const char* advice) {
-        const auto setting = deck.given.find(key);
-        throw UsageError(setting == deck.given.end() ? deck.path : setting->second, ": ", key, value,
-                         " does not go with this method: ", advice);
-    };
-    const bool in_parts = moving == MovingMethod::elasticity || moving == MovingMethod::harmonic ||
-                          moving == MovingMethod::incremental;
-    if (deck.increments && !in_parts)
-        refuse("increments", "", "it is for method = elasticity, harmonic or incremental");
-    if (moving == MovingMethod::augmented_lagrangian) return;
-    if (deck.distortion.objective == Objective::minimax)
-        refuse("objective", " = minimax", "take method = augmented_lagrangian");
-    if (moving == MovingMethod::penalty) return;
-    if (deck.start == Start::coarse) refuse("start", " = coarse", "the method starts from the initial mesh");
-    if (deck.start == Start::file) refuse("start", " = FILE", "the method starts from the initial mesh");
-    if (deck.distortion.delta > 0)
-        refuse("delta", " > 0", "untangle chooses its own delta, the other methods have none");
+void check_keys(const Deck& deck) {
+    check_start(deck);
+    check_resume(deck);
+    check_times(deck);
+    check_method(deck);
+    check_local_repair(deck);
+    check_improve(deck);
+}
+
+bool accepts(Deck deck, const Mesh& mesh, const std::string& key, const std::string& value) try {
+    for (const DeckKey& row : deck_keys()) {
+        if (row.name != key) continue;
+        const std::string before = row.value.text(deck);
+        set_value(deck, row, value);
+        if (row.value.text(deck) == before) return false;
+    }
+    deck.given[key] = key;
+    check_keys(deck);
+    check_split(deck, mesh);
+    return true;
+} catch (const UsageError&) {
+    return false;
 }
 
 // A node that slides or is free has no position where it could be set.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/deck_checks.hpp"
 #include "app/problem.hpp"
 #include "app/results.hpp"
 #include "app/results_folder.hpp"
@@ -87,6 +88,43 @@ std::string less_motion(const Solution& solution) {
            (solution.reached > 0 ? " (" + shown(solution.reached) + " of this one was reached)" : "");
 }
 
+// "boundary wall = slide or free": more freedom than the deck gives the boundary, as far as it accepts it; else "". A node
+// that another boundary moves cannot slide, and one boundary has to remain that is not free.
+std::string more_freedom(const Deck& deck, const Problem& problem, int b) {
+    const Mesh& mesh = problem.mesh();
+    const auto motion = [&](int of) { return motion_for(deck, mesh.boundaries[of])->motion; };
+    std::vector<char> moved(mesh.nodes(), 0);
+    bool may_slide = motion(b) == parse_motion("fixed") && !sets_boundary(deck.method.moving), may_be_free = false;
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        const int of = mesh.face_boundary[f];
+        if (of == b) return;
+        may_be_free = may_be_free || hold_of(motion(of)) != BoundaryHold::free;
+        moved[mesh.faces[k]] |= hold_of(motion(of)) == BoundaryHold::prescribed && motion(of) != parse_motion("fixed");
+    });
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        may_slide = may_slide && !(mesh.face_boundary[f] == b && moved[mesh.faces[k]]);
+    });
+    may_be_free = may_be_free && hold_of(motion(b)) != BoundaryHold::free && !sets_boundary(deck.method.moving);
+    if (!may_slide && !may_be_free) return "";
+    return concat("boundary ", quoted_where_needed(mesh.boundaries[b], "#=\" \t"), " = ", may_slide ? "slide" : "",
+                  may_slide && may_be_free ? " or " : "", may_be_free ? "free" : "", ", if its nodes need not ",
+                  may_slide ? "keep their positions; " : "stay on its surface; ");
+}
+
+// Against elements that are invalid by what their boundaries hold (check/infeasible.hpp).
+std::string against_infeasible(const Deck& deck, const Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    std::vector<char> at(mesh.nodes(), 0), beside(mesh.boundaries.size(), 0);
+    for (std::size_t e = 0; e < problem.infeasible.size(); ++e)
+        for (int k = 0; k < mesh.element_nodes(static_cast<int>(e)) && !problem.infeasible[e].empty(); ++k)
+            at[mesh.element(static_cast<int>(e))[k]] = 1;
+    for_face_nodes(mesh, [&](int f, std::size_t k) { beside[mesh.face_boundary[f]] |= at[mesh.faces[k]]; });
+    std::string to_try;
+    for (std::size_t b = 0; b < beside.size(); ++b)
+        if (beside[b]) to_try += more_freedom(deck, problem, static_cast<int>(b));
+    return to_try + "a mesh file in which these elements are divided or left out";
+}
+
 // Against a target that is too far: what the run has not done yet.
 std::string against_distance(const Deck& deck, const Problem& problem, const Solution& solution) {
     const double alpha = distortion_of(deck).weight_exponent;
@@ -94,9 +132,7 @@ std::string against_distance(const Deck& deck, const Problem& problem, const Sol
     const bool fixed = at.kind == DiagnosisKind::off_target && at.distance > 0 && std::isnan(at.way) &&
                        problem.target.hold[at.boundary] == BoundaryHold::prescribed;
     std::string to_try;
-    if (fixed)
-        to_try += concat("boundary ", problem.mesh().boundaries[at.boundary],
-                         " = slide or free, if its nodes need not keep their positions; ");
+    if (fixed) to_try += more_freedom(deck, problem, at.boundary);
     if (alpha > 0.5) to_try += "weight_exponent = 0.5 or 0; ";
     if (deck.target == TargetKind::least_squares && !problem.target.in_trace_space) to_try += "target = nodal; ";
     if (problem.base.degree == 1 && deck.refine < most_refinements) to_try += concat("refine = ", deck.refine + 1, "; ");
@@ -164,9 +200,7 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
             return against_distance(deck, problem, solution);
         case Status::inverted:
         case Status::invalid_start:
-            if (is_improved(deck.ideal))
-                return "another mesh file: with its boundary where it is, no positions of the nodes inside were found "
-                       "at which these elements are valid";
+            if (is_improved(deck.ideal)) return against_infeasible(deck, problem);
             return "method = augmented_lagrangian, which moves the boundary and the mesh together; " +
                    less_motion(solution);
         case Status::off_surface:
@@ -180,7 +214,7 @@ std::string remedies(const Deck& deck, const Problem& problem, const Solution& s
     std::string to_try = against_cause(deck, problem, solution);
     if (problem.split_elements > 0 && deck.split == Split::automatic) to_try = "split = around; " + to_try;
     if (problem.target.freed.empty() || problem.curves_in_place || problem.mesh().degree > 1) return to_try;
-    return to_try + "; split = auto, so that no nodes slide";
+    return accepts(deck, problem.base, "split", "auto") ? to_try + "; split = auto, so that no nodes slide" : to_try;
 }
 
 void print_diagnosis(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {

@@ -5,8 +5,11 @@
 #include <limits>
 #include <set>
 
+#include "app/commands.hpp"
+#include "app/deck_checks.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "check/infeasible.hpp"
 #include "mesh/split.hpp"
 
 namespace almesh {
@@ -19,10 +22,34 @@ std::string counts_of(const TargetFaults& faults) {
            (elements ? counted(elements, "element") : "");
 }
 
-void refuse(const Mesh& mesh, const TargetFaults& faults, const std::string& advice) {
+void refuse(const CheckedTarget& checked, const TargetFaults& faults, const std::string& advice) {
     const std::string message = faults.faces.faults.empty() ? "no valid mesh reaches the target: it inverts "
                                                             : "the target makes the boundary itself invalid at ";
-    throw InputError(message, counts_of(faults), ":", describe(mesh, faults), advice);
+    std::vector<int> elements;
+    std::vector<double> scaled_jacobian(checked.mesh.element_count());
+    for (const ElementFault& fault : faults.elements) {
+        elements.push_back(fault.element);
+        scaled_jacobian[fault.element] = fault.scaled_jacobian;
+    }
+    const InvalidElements all = list_invalid(checked.mesh, elements, checked.mesh.x, scaled_jacobian);
+    throw InputError(message, counts_of(faults), ":", describe(checked.mesh, faults),
+                     write_invalid(all, checked.deck.output), advice);
+}
+
+// Whether what is at fault may stay invalid: elements of a mesh that is improved, which lists them (improve.hpp), and
+// faces of it that are where the file has them.
+bool may_stay_invalid(const CheckedTarget& checked, const TargetFaults& faults) {
+    const Mesh& mesh = checked.mesh;
+    const auto stays = [&](const TargetReport::Fault& fault) {
+        const int* const node = mesh.face(fault.face);
+        for (int k = 0; k < mesh.face_nodes(fault.face); ++k)
+            if (!std::equal(point(mesh.x, node[k], mesh.dim), point(mesh.x, node[k], mesh.dim) + mesh.dim,
+                            checked.target.node_of(mesh, fault.face) + k * mesh.dim))
+                return false;
+        return true;
+    };
+    return is_improved(checked.deck.ideal) &&
+           std::all_of(faults.faces.faults.begin(), faults.faces.faults.end(), stays);
 }
 
 // "\ntry A, B or C": what helps, or may.
@@ -31,10 +58,11 @@ std::string advice(const TargetFaults& faults, const CheckedTarget& checked) {
     const bool can_divide = std::all_of(faults.elements.begin(), faults.elements.end(),
                                         [](const ElementFault& fault) { return fault.can_be_divided; });
     std::vector<std::string> to_try;
+    const auto accepted = [&](const char* key, const char* value) { return accepts(deck, checked.mesh, key, value); };
     if (deck.surface == SurfaceKind::keep && faults.sliding_may_help())
         to_try.push_back("surface = auto (nodes slide along the surface there)");
     if (faults.faces.faults.empty()) {
-        if (deck.split == Split::never && can_divide)
+        if (deck.split == Split::never && can_divide && accepted("split", "auto"))
             to_try.push_back("split = auto (just these are divided, with the elements at the same edges)");
         if (checked.file_degree == 1 && deck.refine < most_refinements && !checked.folds_when_refined())
             to_try.push_back(concat("refine = ", deck.refine + 1, " (all elements are divided)"));
@@ -114,11 +142,12 @@ std::string free_folded(const CheckedTarget& checked) {
     BoundaryTarget& target = checked.target;
     const TargetFaults faults = faults_of(checked);
     if (faults.none()) return "";
-    if (!faults.sliding_may_help() || checked.deck.surface == SurfaceKind::keep)
-        refuse(mesh, faults, advice(faults, checked));
+    const bool stays = !faults.sliding_may_help() || checked.deck.surface == SurfaceKind::keep;
+    if (stays && may_stay_invalid(checked, faults)) return "";
+    if (stays) refuse(checked, faults, advice(faults, checked));
     target.freed = freed_nodes(mesh, target, faults);
     const TargetFaults left = faults_of(checked);
-    if (!left.none()) refuse(mesh, left, advice(left, checked));
+    if (!left.none() && !may_stay_invalid(checked, left)) refuse(checked, left, advice(left, checked));
     return note_of(checked, faults, mesh,
                    counted(count(target.freed), "node") + " around them slide along the surface");
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "app/best_power.hpp"
 #include "app/corner_smoothing.hpp"
@@ -15,8 +16,9 @@
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
-#include "check/never_valid.hpp"
+#include "check/infeasible.hpp"
 #include "check/scaled_jacobian.hpp"
+#include "check/target_check.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/local_size.hpp"
 #include "mesh/regular_cell.hpp"
@@ -25,14 +27,29 @@
 namespace almesh {
 namespace {
 
-// What must not fall: at the corners, and everywhere relative to the straight element.
+bool is_feasible(const Problem& problem, int e) { return problem.infeasible.empty() || problem.infeasible[e].empty(); }
+
+// Of elements that can be valid: what must not fall, at the corners, and everywhere relative to the straight element.
 struct LeastJacobian {
-    double corner, certified;
+    double corner = std::numeric_limits<double>::infinity(), certified = corner;
     bool is_below(const LeastJacobian& other) const { return corner < other.corner || certified < other.certified; }
 };
 
-LeastJacobian least_jacobian(const Deck& deck, const Mesh& mesh, const std::vector<double>& x) {
-    return {least_corner_jacobian(mesh, x), certify(mesh, x, deck.certificate).min_scaled_jacobian};
+LeastJacobian least_jacobian(const Deck& deck, const Problem& problem, const std::vector<double>& x) {
+    const std::vector<double> corner = corner_jacobians(problem.mesh(), x),
+                              certified = certify(problem.mesh(), x, deck.certificate).lower_bound;
+    LeastJacobian least;
+    for (int e = 0; e < problem.mesh().element_count(); ++e)
+        if (is_feasible(problem, e))
+            least = {std::min(least.corner, corner[e]), std::min(least.certified, certified[e])};
+    return least;
+}
+
+// Those that can be valid and are not.
+std::vector<int> invalid_elements(const Deck& deck, const Problem& problem, const std::vector<double>& x) {
+    std::vector<int> invalid = certify(problem.mesh(), x, deck.certificate).uncertified;
+    std::erase_if(invalid, [&](int e) { return !is_feasible(problem, e); });
+    return invalid;
 }
 
 std::vector<char> valid_elements(const Deck& deck, const Mesh& mesh, const std::vector<double>& x) {
@@ -68,38 +85,15 @@ bool may_stay(const Deck& deck, const Problem& problem) {
     return deck.ideal == IdealKind::regular && std::all_of(problem.motions.begin(), problem.motions.end(), stays);
 }
 
-void refuse_never_valid(const Deck& deck, const Problem& problem, const std::vector<double>& x) {
-    const Mesh& mesh = problem.mesh();
-    const auto found = find_never_valid(mesh, x, *problem.level->constraint, problem.target, problem.sliding.get());
-    if (!found) return;
-    throw InputError(deck.mesh, ": ", found->what, " at ",
-                     position_text(problem.frame.to_file(found->at).data(), mesh.dim), " ", found->why);
-}
-
+// But for elements that cannot be valid: with these no more than that the boundary is not worse than in the file.
 bool is_certified(const Deck& deck, const Problem& problem, const std::vector<double>& x) {
-    return certified_injective(problem, x, certify(problem.mesh(), x, deck.certificate)).certified;
-}
-
-// The target of boundary nodes that have moved from where they were is where they are.
-void take_along_target(Problem& problem, const std::vector<double>& from, const std::vector<double>& x) {
     const Mesh& mesh = problem.mesh();
-    for_face_nodes(mesh, [&](int, std::size_t k) {
-        const double *const is = point(x, mesh.faces[k], mesh.dim), *const was = point(from, mesh.faces[k], mesh.dim);
-        for (int a = 0; a < mesh.dim && !std::equal(is, is + mesh.dim, was); ++a) {
-            problem.target.node[offset(k, mesh.dim, a)] = is[a];
-            problem.node_target[offset(k, mesh.dim, a)] = problem.frame.to_file(is[a], a, mesh.dim);
-        }
-    });
-}
-
-// The boundary stays where it is at x from here on.
-void fix_boundary(Problem& problem, const std::vector<double>& x) {
-    problem.motions.assign(problem.motions.size(), parse_motion("fixed"));
-    Mesh at = problem.mesh();
-    at.x = x;
-    problem.target = make_target(at, problem.motions);
-    take_along_target(problem, problem.mesh().x, x);
-    problem.sliding = nullptr;
+    const auto faults = [&](const std::vector<double>& at) {
+        return check_target(mesh, at, {}, FaceBend::any).faults.size();
+    };
+    if (!problem.infeasible.empty())
+        return invalid_elements(deck, problem, x).empty() && faults(x) <= faults(mesh.x);
+    return certified_injective(problem, x, certify(mesh, x, deck.certificate)).certified;
 }
 
 // A run that ended at x before Algorithm 1.
@@ -113,24 +107,48 @@ Solution ended_at(const Problem& problem, std::vector<double> x, Status status) 
     return solution;
 }
 
-// Moves x, the first mesh, which has these invalid elements, to a valid one. Whether it could.
-bool untangle(const Deck& deck, const Problem& problem, const std::vector<int>& invalid, std::vector<double>& x,
+// Elements whose boundary makes them invalid need not be valid from here on.
+void find_infeasible_elements(const Deck& deck, Problem& problem, const std::vector<double>& x, std::FILE* out) {
+    set_functional(deck, problem);
+    auto why = find_infeasible(problem.mesh(), x, *problem.level->constraint, problem.target, problem.sliding.get());
+    const auto count = why.size() - std::count(why.begin(), why.end(), "");
+    if (count == 0) return;
+    std::fprintf(out, "note: %s invalid whatever the nodes inside do: all others are made better\n",
+                 counted(count, "element").c_str());
+    problem.infeasible = std::move(why);
+}
+
+// Moves x, the first mesh, which has these invalid elements, to a valid one, but for elements that are then infeasible.
+void untangle(const Deck& deck, Problem& problem, const std::vector<int>& invalid, std::vector<double>& x,
               int& newton_steps, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
     std::vector<double> volumes = problem.regular;
     for (int e = 0; e < mesh.element_count() && problem.regular.empty(); ++e)
         volumes.push_back(volume(mesh, problem.ideal(), e));
     set_functional(deck, problem);
-    refuse_never_valid(deck, problem, x);
-    const auto energy = make_energy(
-        mesh, problem.ideal(), {.objective = Objective::tangled, .curved_ideal = true, .regular = problem.regular});
-    const UntanglingResult found =
-        untangle_regions(mesh, volumes, *energy, *problem.level->constraint, deck.linear, x);
-    newton_steps += found.newton_iterations;
-    std::fprintf(out, "%s invalid in the file, %zu left after %s in %s\n", counted(invalid.size(), "element").c_str(),
-                 found.left.size(), counted(found.newton_iterations, "Newton step").c_str(),
-                 counted(found.regions, "region").c_str());
-    return found.left.empty();
+    UntanglingResult all{invalid};
+    const auto leave_out = [&](const std::vector<int>& elements) {
+        if (!elements.empty()) problem.infeasible.resize(mesh.element_count());
+        for (const int e : elements)
+            if (is_feasible(problem, e)) problem.infeasible[e] = "no positions were found at which it is valid";
+        std::erase_if(all.left, [&](int e) { return !is_feasible(problem, e); });
+    };
+    for (const bool again : {false, true}) {
+        const std::size_t count = all.left.size();
+        if (again && count > 0) leave_out(invalid_by_boundary(mesh, x, problem.target));  // others are in their regions
+        if (again && (all.left.empty() || all.left.size() == count)) break;
+        const auto energy = make_energy(
+            problem, *problem.level,
+            {.objective = Objective::tangled, .curved_ideal = true, .regular = problem.regular});
+        const UntanglingResult found = untangle_regions(mesh, volumes, *energy, *problem.level->constraint,
+                                                        problem.target, deck.linear, problem.infeasible, x);
+        all = {found.left, all.regions + found.regions, all.newton_iterations + found.newton_iterations};
+    }
+    leave_out(std::vector(all.left));
+    newton_steps += all.newton_iterations;
+    const auto left = std::count_if(invalid.begin(), invalid.end(), [&](int e) { return !is_feasible(problem, e); });
+    std::fprintf(out, "%s invalid in the file, %td left after %s in %s\n", counted(invalid.size(), "element").c_str(),
+                 left, counted(all.newton_iterations, "Newton step").c_str(), counted(all.regions, "region").c_str());
 }
 
 }  // namespace
@@ -171,11 +189,15 @@ namespace {
 Solution improved(const Deck& deck, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
     std::vector<double> x = problem.start.empty() ? mesh.x : problem.start;
-    const std::vector<int> invalid = certify(mesh, x, deck.certificate).uncertified;
+    const bool was_certified = invalid_elements(deck, problem, x).empty();
+    if (!was_certified || !may_stay(deck, problem)) find_infeasible_elements(deck, problem, x, out);
+    const std::vector<int> invalid = invalid_elements(deck, problem, x);
     const bool was_valid = invalid.empty();
-    if (!was_valid && !untangle(deck, problem, invalid, x, newton_steps, out))
+    if (!was_valid) untangle(deck, problem, invalid, x, newton_steps, out);
+    if (std::find(problem.infeasible.begin(), problem.infeasible.end(), "") == problem.infeasible.end() &&
+        !problem.infeasible.empty())
         return ended_at(problem, std::move(x), Status::inverted);
-    if (!was_valid) {
+    if (!was_certified) {
         const std::size_t told = problem.notes.size();
         take_along_target(problem, problem.start.empty() ? mesh.x : problem.start, x);
         hold_curved_faces(deck, problem, x);
@@ -184,9 +206,9 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, int& n
         if (deck.ideal != IdealKind::mesh) problem.level->ideal = x;  // by which faces and heights are measured
     }
     problem.start = x;
-    const LeastJacobian before = least_jacobian(deck, mesh, x);
+    const LeastJacobian before = least_jacobian(deck, problem, x);
     const auto is_worse = [&](const Solution& solution) {
-        return was_valid && may_stay(deck, problem) && least_jacobian(deck, mesh, solution.x).is_below(before);
+        return was_valid && may_stay(deck, problem) && least_jacobian(deck, problem, solution.x).is_below(before);
     };
     const auto fails = [&](const Solution& solution) {
         return may_stay(deck, problem) && !interrupted() &&
@@ -211,6 +233,19 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, int& n
         solution = ended_at(problem, std::move(x), Status::converged);
     }
     return solution;
+}
+
+// The last row is of all elements, those that cannot be valid too.
+void count_infeasible(const Deck& deck, Problem& problem, Solution& solution) {
+    if (problem.infeasible.empty()) return;
+    std::vector<std::string> why;
+    why.swap(problem.infeasible);
+    set_functional(deck, problem);
+    measure(*problem.level->energy, *problem.level->constraint, solution.x, solution.al.distortion,
+            solution.al.iterations.back());
+    if (solution.al.status == Status::converged && !invalid_elements(deck, problem, solution.x).empty())
+        solution.al.status = Status::inverted;
+    why.swap(problem.infeasible);
 }
 
 // A boundary that is where it has to be, none of whose nodes slides, needs no multipliers: half the Newton steps do.
@@ -238,6 +273,8 @@ void raise_worst_corners(const Deck& deck, const Problem& problem, Solution& sol
     const Level& level = *problem.level;
     std::vector<char> fixed(mesh.nodes(), 0);
     for (const int i : level.constraint->nodes()) fixed[i] = 1;
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int k = 0; k < mesh.element_nodes(e) && !is_feasible(problem, e); ++k) fixed[mesh.element(e)[k]] = 1;
     const CornerSmoothing found = smooth_corners(mesh, fixed, *level.energy, deck.linear, solution.x);
     newton_steps += found.newton_steps;
     if (found.after == found.before) return;
@@ -264,8 +301,8 @@ Solution improve(const Deck& deck, Problem& problem, const Solve& solve, int& ne
     if (mesh.degree > 1 && solution.x == mesh.x && may_stay(deck, problem) && !interrupted()) {
         std::fprintf(out, "the vertices alone are moved, as in a mesh with straight sides:\n");
         std::vector<double> x = moved_vertices(deck, problem, improve_near);
-        const LeastJacobian before = least_jacobian(deck, mesh, mesh.x);
-        const LeastJacobian now = x.empty() ? before : least_jacobian(deck, mesh, x);
+        const LeastJacobian before = least_jacobian(deck, problem, mesh.x);
+        const LeastJacobian now = x.empty() ? before : least_jacobian(deck, problem, x);
         const bool is_better = now.corner > before.corner && !now.is_below(before) && is_certified(deck, problem, x);
         if (!is_better) std::fprintf(out, "note: the mesh with moved vertices is not better either\n");
         else fix_boundary(problem, x);
@@ -281,6 +318,7 @@ Solution improve(const Deck& deck, Problem& problem, const Solve& solve, int& ne
     if (solution.al.status == Status::converged && deck.given.count("surface_tolerance") > 0 &&
         surface_distance(problem, solution.x) > deck.surface_tolerance)
         solution.al.status = Status::off_surface;
+    count_infeasible(deck, problem, solution);
     print_surface(out, deck, problem, solution.x);
     const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
     print_quality_change(out, change);

@@ -117,6 +117,28 @@ void hold_surface(const Deck& deck, Problem& problem) {
     if (problem.sliding) note(problem, hold(problem, nodes_of_features(mesh)), ", being on named points or curves");
 }
 
+// The target of boundary nodes that have moved from where they were is where they are.
+void take_along_target(Problem& problem, const std::vector<double>& from, const std::vector<double>& x) {
+    const Mesh& mesh = problem.mesh();
+    for_face_nodes(mesh, [&](int, std::size_t k) {
+        const double *const is = point(x, mesh.faces[k], mesh.dim), *const was = point(from, mesh.faces[k], mesh.dim);
+        for (int a = 0; a < mesh.dim && !std::equal(is, is + mesh.dim, was); ++a) {
+            problem.target.node[offset(k, mesh.dim, a)] = is[a];
+            problem.node_target[offset(k, mesh.dim, a)] = problem.frame.to_file(is[a], a, mesh.dim);
+        }
+    });
+}
+
+// The boundary stays where it is at x from here on.
+void fix_boundary(Problem& problem, const std::vector<double>& x) {
+    problem.motions.assign(problem.motions.size(), parse_motion("fixed"));
+    Mesh at = problem.mesh();
+    at.x = x;
+    problem.target = make_target(at, problem.motions);
+    take_along_target(problem, problem.mesh().x, x);
+    problem.sliding = nullptr;
+}
+
 Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out) {
     constexpr int attempts = 2;  // before all nodes stay
     return [&problem, solve, out](const Deck& deck, const Problem&) {

@@ -19,6 +19,10 @@ namespace almesh {
 void hold_surface(const Deck& deck, Problem& problem);
 void hold_curved_faces(const Deck& deck, Problem& problem, const std::vector<double>& x);
 
+// The target of boundary nodes that have moved from `from` to x is where they are; and of all of them, which stay there.
+void take_along_target(Problem& problem, const std::vector<double>& from, const std::vector<double>& x);
+void fix_boundary(Problem& problem, const std::vector<double>& x);
+
 // Solves the problem so that its surface is within the tolerance. The problem must outlive it.
 Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out);
 

@@ -20,6 +20,7 @@
 #include "check/freed_nodes.hpp"
 #include "constraint/sliding_boundary.hpp"
 #include "constraint/sliding_nodes.hpp"
+#include "energy/mixed_energy.hpp"
 #include "energy/vertex_interpolation.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/mesh.hpp"
@@ -39,6 +40,15 @@ RawMesh read_mesh_file(const Deck& deck, std::string& hash) {
     RawMesh raw;
     parallel_invoke([&] { raw = parse_mesh(text, deck.mesh); }, [&] { hash = hash_of(text); });
     return raw;
+}
+
+BaseMesh read_base_mesh(const Deck& deck, std::string& hash, std::vector<std::string>& notes) try {
+    return build_base_mesh(read_mesh_file(deck, hash), deck.ideal, deck.certificate, notes);
+} catch (const InvalidMesh& error) {
+    const std::string in_run = ", or ideal = regular, which does so in this run and lists those that stay invalid";
+    throw InputError(error.what(), write_invalid(error.list, deck.output), "\ntry almesh improve ", deck.mesh,
+                     ", which makes those valid whose boundary lets them be",
+                     accepts(deck, {}, "ideal", "regular") ? in_run : "");
 }
 
 Mesh discretised(const Mesh& base, int refinements, int degree) {
@@ -279,7 +289,7 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
     DistortionParams distortion = distortion_of(deck);
     distortion.curved_ideal = problem.is_own_ideal;
     distortion.regular = problem.regular;
-    level.energy = make_energy(level.mesh, level.ideal, distortion);
+    level.energy = make_energy(problem, level, distortion);
     level.energy->order_hessian([&](const BlockCsr& pattern) {
         return sweep_order(pattern, level.mesh.dim, deck.linear, vertex_interpolation(level.mesh));
     });
@@ -289,15 +299,10 @@ void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarg
 }  // namespace
 
 Problem make_problem(const Deck& deck) {
-    check_start(deck);
-    check_resume(deck);
-    check_times(deck);
-    check_method(deck);
-    check_local_repair(deck);
-    check_improve(deck);
+    check_keys(deck);
     std::string mesh_hash;
     std::vector<std::string> notes;
-    BaseMesh base = build_base_mesh(read_mesh_file(deck, mesh_hash), deck.ideal, deck.certificate, notes);
+    BaseMesh base = read_base_mesh(deck, mesh_hash, notes);
     if (base.is_own_ideal && deck.ideal == IdealKind::automatic)
         notes.push_back("the straight-sided form of the mesh folds over itself: the curved mesh of the file is the "
                         "ideal mesh (ideal = given)");
@@ -372,6 +377,14 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
         problem.notes.push_back(loss);
     identify(deck, problem);
     return problem;
+}
+
+std::unique_ptr<DistortionEnergy> make_energy(const Problem& problem, const Level& level,
+                                              const DistortionParams& params) {
+    if (problem.infeasible.empty()) return make_energy(level.mesh, level.ideal, params);
+    std::vector<char> infeasible;
+    for (const std::string& why : problem.infeasible) infeasible.push_back(!why.empty());
+    return std::make_unique<MixedEnergy>(level.mesh, level.ideal, params, infeasible);
 }
 
 std::shared_ptr<SlidingSurfaces> surfaces_in_place(const Deck& deck, const Problem& problem) {

@@ -31,6 +31,7 @@ struct Problem {
     std::vector<double> file_x;       // curved in place, improved, frames: mesh().x in units of the file, nodes x dim
     std::vector<double> start;        // start = FILE: the first iterate, in the run's frame
     std::vector<double> regular;      // DistortionParams::regular, in the run's frame
+    std::vector<std::string> infeasible;  // improved: per element why it need not be valid, or ""; empty: all have to
     PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file
     std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
     Frame frame;                   // of the run, by the mesh file
@@ -70,6 +71,10 @@ CheckedTarget checked_target(const Deck& deck, Problem& problem);
 // Of a mesh that is curved in place, the surfaces of the file along which nodes can slide; null where they are not
 // known.
 std::shared_ptr<SlidingSurfaces> surfaces_in_place(const Deck& deck, const Problem& problem);
+
+// The energy of a mesh of this problem, in which infeasible elements need not be valid.
+std::unique_ptr<DistortionEnergy> make_energy(const Problem& problem, const Level& level,
+                                              const DistortionParams& params);
 
 // Gives the problem's level its energy and its constraint: the functional of Eq. 6. The problem must stay where it is.
 void set_functional(const Deck& deck, const Problem& problem);

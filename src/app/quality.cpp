@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <unordered_map>
 
 #include "app/deck.hpp"
 #include "app/quality_change.hpp"
+#include "base/files.hpp"
 #include "base/parallel.hpp"
 #include "check/boundary_distance.hpp"
 #include "check/certificate.hpp"
+#include "check/infeasible.hpp"
 #include "check/injectivity.hpp"
 #include "check/quality.hpp"
 #include "io/mesh_format.hpp"
@@ -82,7 +85,7 @@ ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out) {
     const Certificate certificate = certify(mesh, mesh.x, deck.certificate);
     std::fprintf(out, "\nscaled Jacobian >= %s everywhere", rounded_down(certificate.min_scaled_jacobian, 6).c_str());
     std::fprintf(out, certificate.valid ? ": all elements certified valid\n" : "\n");
-    print_uncertified(out, mesh, mesh.x, {}, certificate);
+    print_uncertified(out, mesh, mesh.x, certificate, deck.given.contains("output") ? deck.output : "");
     const Injectivity injectivity = certify_injective(mesh, mesh.x, certificate);
     if (injectivity.certified) std::fprintf(out, "certified injective: no two elements overlap\n");
     else if (certificate.valid)
@@ -90,17 +93,22 @@ ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out) {
     return injectivity.certified ? ExitCode::success : ExitCode::not_certified;
 }
 
-void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Frame& frame,
-                       const Certificate& certificate) {
-    constexpr std::size_t shown = 10;
-    const std::vector<int>& bad = certificate.uncertified;
-    if (bad.empty()) return;
-    std::fprintf(out, "NOT certified valid: %s; the worst (id, centre, scaled Jacobian >=):\n",
-                 counts_of(certificate).c_str());
-    for (std::size_t k = 0; k < bad.size() && k < shown; ++k) {
-        const std::array<double, 3> centre = frame.to_file(element_centre(mesh, x, bad[k]));
-        print_element(out, mesh, bad[k], centre, certificate.lower_bound[bad[k]]);
-    }
+std::string write_invalid(const InvalidElements& list, const std::string& folder) {
+    constexpr int shown = 10;
+    if (list.count <= shown) return "";
+    if (folder.empty()) return "\n  ... (output=FOLDER lists all in FOLDER/invalid.csv)";
+    std::error_code failed;  // of which the next line tells
+    std::filesystem::create_directories(folder, failed);
+    write_file(folder + "/invalid.csv", list.csv);
+    return concat("\n  all ", list.count, " are listed in ", folder, "/invalid.csv");
+}
+
+void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate,
+                       const std::string& folder, const std::vector<std::string>& why) {
+    if (certificate.uncertified.empty()) return;
+    const InvalidElements list = list_invalid(mesh, certificate.uncertified, x, certificate.lower_bound, why);
+    std::fprintf(out, "NOT certified valid: %s; the worst (id, centre, scaled Jacobian >=):%s%s\n",
+                 counts_of(certificate).c_str(), list.first.c_str(), write_invalid(list, folder).c_str());
 }
 
 }  // namespace almesh

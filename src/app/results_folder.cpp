@@ -49,9 +49,9 @@ bool is_derivative(const std::string& name) {
 
 // What a run may write, but for deck.txt and the checkpoint.
 bool is_result(const std::string& name) {
-    constexpr std::array<std::string_view, 11> results = {"final.msh",    "final.su2", "initial.vtk", "final.vtk",
+    constexpr std::array<std::string_view, 12> results = {"final.msh",    "final.su2", "initial.vtk", "final.vtk",
                                                           "boundary.vtk", "stop.vtk",  "summary.txt", "quality.csv",
-                                                          "expectations.csv", "moved-nodes.csv", sweep_row};
+                                                          "expectations.csv", "moved-nodes.csv", "invalid.csv", sweep_row};
     return is_of_step(name) || is_derivative(name) || std::find(results.begin(), results.end(), name) != results.end();
 }
 

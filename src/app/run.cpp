@@ -343,7 +343,8 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     const Summary summary = summarise(problem, solution);
     write_summary(deck, summary);
     if (solution.al.status != Status::interrupted) Checkpoint::remove(checkpoint_folder(deck));
-    print_uncertified(out, problem.mesh(), solution.x, problem.frame, solution.certificate);
+    print_uncertified(out, problem.mesh(), final_positions(problem, solution.x), solution.certificate, deck.output,
+                      problem.infeasible);
     print_ending(out, deck, problem, solution, report.fallbacks);
     print_volumes(out, deck, problem, solution);
 

@@ -8,6 +8,7 @@
 #include "base/disjoint_sets.hpp"
 #include "base/interrupt.hpp"
 #include "check/certificate.hpp"
+#include "check/infeasible.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/part.hpp"
 #include "mesh/quadrature.hpp"
@@ -26,12 +27,15 @@ constexpr double penalties[] = {1e3, 1e8};  // of nodes that slide, in units of 
 constexpr int most_deltas = 100, steps_of_first_delta = 100, steps_of_delta = 5, steps_of_barrier = 20;
 
 using Moves = std::vector<char>;  // per node
+using Infeasible = std::vector<std::string>;
 
 class Untangling {
 public:
     Untangling(const Mesh& mesh, const std::vector<double>& volume, DistortionEnergy& energy, Constraint& constraint,
-               const LinearSolverParams& linear, std::vector<double>& x)
-        : mesh_(mesh), volume_(volume), linear_(linear), x_(x),
+               const BoundaryTarget& target, const LinearSolverParams& linear, const Infeasible& infeasible,
+               std::vector<double>& x)
+        : mesh_(mesh), volume_(volume), target_(target), held_(held_nodes(mesh, target)), linear_(linear),
+          infeasible_(infeasible), x_(x),
           E_(energy, constraint, std::vector<double>(constraint.multipliers(), 0.0), 0, Moves(mesh.nodes(), 0)) {
         fix_boundary();
         find_sliding_nodes();
@@ -41,7 +45,7 @@ public:
     }
 
     UntanglingResult run() {
-        result_.left = certify(mesh_, x_).uncertified;
+        find_left();
         int before = 0;  // nodes that could move in the last round
         for (int layers = 1; !result_.left.empty() && !interrupted(); layers *= 2) {
             int count = 0;
@@ -49,13 +53,15 @@ public:
             for (const bool slide : {false, true}) {
                 if (slide && (!can_slide_ || result_.left.empty())) break;
                 fix_boundary(slide);
-                for (const auto& [first, nodes] : regions(layers)) {
+                const std::vector<int> never =
+                    slide ? std::vector<int>() : invalid_by_boundary(mesh_, x_, target_);
+                for (const auto& [first, nodes] : regions(layers, never)) {
                     Moves moves(mesh_.nodes(), 0);
                     for (const int i : nodes) moves[i] = 1;
                     count += static_cast<int>(nodes.size());
                     result_.regions += slide ? untangle_sliding(moves) : untangle(moves, x_);
                 }
-                result_.left = certify(mesh_, x_).uncertified;
+                find_left();
             }
             if (count == before && result_.left.size() == invalid) break;  // there is no more room
             before = count;
@@ -66,7 +72,10 @@ public:
 private:
     const Mesh& mesh_;
     const std::vector<double>& volume_;
+    const BoundaryTarget& target_;
+    const Moves held_;  // per node: whether the boundary does not leave it free
     const LinearSolverParams& linear_;
+    const Infeasible& infeasible_;
     std::vector<double>& x_;
     AugmentedFunctional E_;
     std::vector<ReferenceElement> reference_;  // by group of elements
@@ -74,9 +83,16 @@ private:
     Moves slides_;  // per node: whether it can move along its surfaces
     Moves on_one_;  // and is on no more than one
     bool can_slide_ = false;
-    // All nodes of the boundary; or without those that slide.
+    bool is_infeasible(int e) const { return !infeasible_.empty() && !infeasible_[e].empty(); }
+
+    void find_left() {
+        result_.left = certify(mesh_, x_).uncertified;
+        std::erase_if(result_.left, [&](int e) { return is_infeasible(e); });
+    }
+
+    // All nodes of the boundary but for free ones; or without those that slide.
     void fix_boundary(bool slide = false) {
-        for (const int i : E_.constraint.nodes()) E_.fixed[i] = !(slide && slides_[i]);
+        for (const int i : E_.constraint.nodes()) E_.fixed[i] = held_[i] && !(slide && slides_[i]);
     }
 
     void find_sliding_nodes() {
@@ -90,7 +106,7 @@ private:
             std::copy_n(point(x_, nodes[t], mesh_.dim), mesh_.dim, x.begin());
             const Mat<3> D = E_.constraint.distance(static_cast<int>(t), x).slope;
             const double normals = D[0][0] + D[1][1] + D[2][2];
-            slides_[nodes[t]] = normals < mesh_.dim - 0.5;
+            slides_[nodes[t]] = held_[nodes[t]] && normals < mesh_.dim - 0.5;
             on_one_[nodes[t]] = normals < 1.5;
             can_slide_ = can_slide_ || slides_[nodes[t]];
         }
@@ -145,10 +161,12 @@ private:
         for (int k = 0; k < mesh_.element_nodes(e); ++k) body(mesh_.element(e)[k]);
     }
 
-    // The nodes of inverted elements and of so many layers around them, in sets that have no element in common.
-    std::map<int, std::vector<int>> regions(int layers) const {
+    // The nodes of inverted elements, but for some that stay so, and of so many layers around them, in sets that have
+    // no element in common. never: ascending.
+    std::map<int, std::vector<int>> regions(int layers, const std::vector<int>& never) const {
         Moves near(mesh_.nodes(), 0);
-        for (const int e : result_.left) for_nodes(e, [&](int i) { near[i] = 1; });
+        for (const int e : result_.left)
+            if (!std::binary_search(never.begin(), never.end(), e)) for_nodes(e, [&](int i) { near[i] = 1; });
         for (int layer = 0; layer < layers; ++layer)
             for (const int e : elements_around(mesh_, near).place) for_nodes(e, [&](int i) { near[i] = 1; });
         for (int i = 0; i < mesh_.nodes(); ++i) near[i] = near[i] && !E_.fixed[i];
@@ -171,6 +189,7 @@ private:
     double least_determinant(const std::vector<int>& elements, const std::vector<double>& x) const {
         double least = std::numeric_limits<double>::infinity();
         for (const int e : elements) {
+            if (is_infeasible(e)) continue;
             const ReferenceElement& reference = reference_[mesh_.group_number(e)];
             const double ideal = volume_[e] / reference.cell->volume();
             with_dimension(mesh_.dim, [&](auto n) {
@@ -234,8 +253,10 @@ private:
 }  // namespace
 
 UntanglingResult untangle_regions(const Mesh& mesh, const std::vector<double>& volume, DistortionEnergy& energy,
-                                  Constraint& constraint, const LinearSolverParams& linear, std::vector<double>& x) {
-    return Untangling(mesh, volume, energy, constraint, linear, x).run();
+                                  Constraint& constraint, const BoundaryTarget& target,
+                                  const LinearSolverParams& linear, const Infeasible& infeasible,
+                                  std::vector<double>& x) {
+    return Untangling(mesh, volume, energy, constraint, target, linear, infeasible, x).run();
 }
 
 }  // namespace almesh

@@ -11,23 +11,28 @@
 // their surfaces by a penalty and then projected onto them. Where one has gone past a corner, so that the boundary is
 // folded over, the region counts as not valid.
 #pragma once
+#include <string>
 #include <vector>
 
 #include "constraint/constraint.hpp"
+#include "constraint/target.hpp"
 #include "energy/distortion_energy.hpp"
 #include "linalg/linear_solver.hpp"
 
 namespace almesh {
 
 struct UntanglingResult {
-    std::vector<int> left;  // elements that are not certified valid, the worst first
+    std::vector<int> left;  // elements that are not certified valid, but for infeasible ones, the worst first
     int regions = 0;        // that were untangled
     int newton_iterations = 0;
 };
 
 // x: node_count x dim. energy: without regularisation, on return too; its ideal elements have these volumes, per
-// element. constraint: where it does not hold at x, all nodes that it acts on are fixed.
+// element. constraint: where it does not hold at x, all nodes of the boundary but for free ones are fixed. infeasible:
+// those of the energy, as of find_infeasible(); or empty.
 UntanglingResult untangle_regions(const Mesh& mesh, const std::vector<double>& volume, DistortionEnergy& energy,
-                                  Constraint& constraint, const LinearSolverParams& linear, std::vector<double>& x);
+                                  Constraint& constraint, const BoundaryTarget& target,
+                                  const LinearSolverParams& linear, const std::vector<std::string>& infeasible,
+                                  std::vector<double>& x);
 
 }  // namespace almesh

@@ -158,7 +158,8 @@ std::vector<int> negative_elements(const MeshBuild& build, Folds folds) {
     const int first = first_in_file(build, flat);
     build.refuse(build.element(first), "with the vertices ",
                  build.node_ids(mesh.element(first), mesh.cell(first).vertices), " has no volume, the first of ",
-                 counted(flat.size(), "such element"), folds == Folds::refuse ? "; `almesh improve` gives it one" : "");
+                 counted(flat.size(), "such element"),
+                 folds == Folds::refuse ? "; `almesh improve` gives them one, or lists those whose boundary does not" : "");
 }
 
 enum class Orientation {
