@@ -108,7 +108,7 @@ std::string more_freedom(const Deck& deck, const Problem& problem, int b) {
     if (!may_slide && !may_be_free) return "";
     return concat("boundary ", quoted_where_needed(mesh.boundaries[b], "#=\" \t"), " = ", may_slide ? "slide" : "",
                   may_slide && may_be_free ? " or " : "", may_be_free ? "free" : "", ", if its nodes need not ",
-                  may_slide ? "keep their positions; " : "stay on its surface; ");
+                  hold_of(motion(b)) == BoundaryHold::slides ? "stay on its surface; " : "keep their positions; ");
 }
 
 // Against elements that are invalid by what their boundaries hold (check/infeasible.hpp).
