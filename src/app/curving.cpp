@@ -42,13 +42,6 @@ constexpr Attempt attempts[] = {{Boundary::stays, 48, 1, 8, "boundary as in the 
 
 int count(const std::vector<char>& some) { return static_cast<int>(std::count(some.begin(), some.end(), 1)); }
 
-std::vector<int> elements_of(const CurvedPart& part, const std::vector<char>& chosen) {
-    std::vector<int> elements;
-    for (std::size_t e = 0; e < part.element.size(); ++e)
-        if (chosen[part.element[e]]) elements.push_back(static_cast<int>(e));
-    return elements;
-}
-
 class Curving {
 public:
     Curving(const Deck& deck, Problem& problem, const StageObserver& observe)
@@ -201,7 +194,8 @@ private:
         }
         TargetFaults faults = find_faults(part, bound);
         if (faults.none())
-            for (const int e : elements_of(part, is_of_place)) faults.elements.push_back({{e, 0, true}});
+            for (std::size_t e = 0; e < part.element.size(); ++e)
+                if (is_of_place[part.element[e]]) faults.elements.push_back({{static_cast<int>(e), 0, true}});
         free_nodes(boundary == Boundary::slides ? freed_nodes(part, elements_of(part, faults))
                                                 : freed_nodes_around(part, faults), part);
         return true;
