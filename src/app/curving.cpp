@@ -82,7 +82,9 @@ public:
         at.x = solution_.x;
         for (int i = 0; i < mesh_.nodes(); ++i)
             if (freed_[i]) std::copy_n(point(mesh_.x, i, mesh_.dim), mesh_.dim, point(at.x, i, mesh_.dim));
+        const std::vector<double> written = target.written;
         target = make_target(at, problem_.motions);
+        target.written = written;
         std::vector<char> flat(mesh_.face_count(), 0);
         for_face_nodes(mesh_, [&](int f, std::size_t k) {
             const double *const x = point(at.x, mesh_.faces[k], mesh_.dim);

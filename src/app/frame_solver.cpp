@@ -158,7 +158,7 @@ Solution FrameSolver::solve_from(const Deck& deck, const std::vector<double>& x)
     if (settles(deck)) params.omega_star = std::min(1e3 * params.omega_star, std::max(1e-5, params.omega_star));
     solution.al = minimise(*level.energy, *level.constraint, newton(deck), params, solution.x, {}, start);
     if (solution.al.status == Status::converged) place_inside_volumes(problem_, solution.x);
-    snap(deck, level, solution);
+    snap(deck, problem_, solution);
     if (settles(deck)) settle(deck, solution);
     return solution;
 }

@@ -79,16 +79,19 @@ void measure_off_motion(const Problem& problem, Solution& solution) {
     for (const double at : x) rounding = std::max(rounding, 4 * std::numeric_limits<double>::epsilon() * std::abs(at));
     std::vector<char> off(mesh.nodes(), 0);
     for_face_nodes(mesh, [&](int f, std::size_t k) {
-        if (problem.target.written_hold(mesh, f, k) != BoundaryHold::prescribed) return;
+        const bool is_fixed = problem.target.fixed[mesh.face_boundary[f]];
+        if (!is_fixed && problem.target.written_hold(mesh, f, k) != BoundaryHold::prescribed) return;
         Vec<3> way{};
         for (int a = 0; a < mesh.dim; ++a)
             way[a] = x[offset(mesh.faces[k], mesh.dim, a)] - problem.target.written[k * mesh.dim + a];
-        const bool is_fixed = problem.target.fixed[mesh.face_boundary[f]];
         if (way == Vec<3>{} || (!is_fixed && length(way) <= rounding)) return;
         off[mesh.faces[k]] = 1;
         solution.off_motion = std::max(solution.off_motion, length(way));
     });
     solution.nodes_off_motion = static_cast<int>(std::count(off.begin(), off.end(), 1));
+    solution.moved_nodes = moved_nodes(mesh, problem.target, problem.sliding.get(), x);
+    for (const MovedNode& of : solution.moved_nodes)
+        if (problem.target.is_freed(of.node)) solution.largest_slide = std::max(solution.largest_slide, of.distance);
 }
 
 void measure_sliding(const Problem& problem, Solution& solution) {
@@ -114,10 +117,6 @@ void measure_distances(const Problem& problem, Solution& solution) {
     came.node = problem.curved_target.empty() ? problem.node_target : problem.curved_target;
     const std::vector<double> x = final_positions(problem, solution.x);
     solution.distances = boundary_distances(problem.mesh(), at_target(problem.mesh(), came, x), x, measured);
-    solution.moved_nodes =
-        moved_nodes(problem.mesh(), target, problem.sliding.get(), came.node, problem.node_target, x);
-    for (const MovedNode& of : solution.moved_nodes)
-        if (target.is_freed(of.node)) solution.largest_slide = std::max(solution.largest_slide, of.distance);
 }
 
 AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton, const MethodParams& params,
@@ -212,9 +211,18 @@ void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double
 }
 
 // The last row then tells of the mesh that is written.
-void snap(const Deck& deck, Level& level, Solution& solution) {
-    if (!snaps(deck) || solution.al.status != Status::converged) return;
-    snap_to_targets(*level.energy, *level.constraint, solution.x);
+void snap(const Deck& deck, const Problem& problem, Solution& solution) {
+    const Status status = solution.al.status;
+    const bool all = snaps(deck) && (status == Status::converged || status == Status::no_visible_gain);
+    if (!all && (deck.snap == Snap::no || deck.method.moving != MovingMethod::augmented_lagrangian ||
+                 !std::isfinite(solution.al.distortion.max_distortion)))
+        return;
+    Level& level = *problem.level;
+    std::vector<char> fixed(level.mesh.nodes(), all);
+    for_face_nodes(level.mesh, [&](int f, std::size_t k) {
+        if (problem.target.fixed[level.mesh.face_boundary[f]]) fixed[level.mesh.faces[k]] = 1;
+    });
+    snap_to_targets(*level.energy, *level.constraint, solution.x, fixed);
     measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
 }
 
@@ -283,7 +291,7 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
         solution.refused_bytes = newton.linear_solver().refused_bytes();
     solution.reached = report.reached;
     if (solution.al.status == Status::converged) place_inside_volumes(problem, solution.x);
-    snap(deck, level, solution);
+    snap(deck, problem, solution);
     return solution;
 }
 

@@ -23,8 +23,8 @@ Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint,
 // frame.
 void place_inside_volumes(const Problem& problem, std::vector<double>& x);
 
-// Where the deck wants it, sets the boundary nodes of what has converged to their targets.
-void snap(const Deck& deck, Level& level, Solution& solution);
+// Sets the nodes of fixed boundaries to their targets, and where the deck wants it all of what has converged.
+void snap(const Deck& deck, const Problem& problem, Solution& solution);
 
 // Gives x, in the run's frame, the digits that it has in the file's.
 void round_as_file(const Problem& problem, std::vector<double>& x);

@@ -56,10 +56,9 @@ struct MovedNode {
     std::string along;  // the surfaces in which it slid: "plane", "plane and cylinder of radius 2"; "": it left its own
 };
 
-// Nodes of prescribed boundaries that are not where they were to be, because they are freed to slide or the target was
-// changed. came, now: face x face node x dim, the target before and after it was changed; x: nodes x dim, as they are.
+// Nodes that are not where the motion of their boundary takes them (BoundaryTarget::written): of fixed boundaries all,
+// of others those that are freed to slide. x: nodes x dim, in the file's frame.
 std::vector<MovedNode> moved_nodes(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces* sliding,
-                                   const std::vector<double>& came, const std::vector<double>& now,
                                    const std::vector<double>& x);
 
 std::string moved_nodes_csv(const Mesh& mesh, const std::vector<MovedNode>& nodes);

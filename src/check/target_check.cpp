@@ -100,6 +100,7 @@ struct Check {
     }
     const char* fault_of_face(std::span<const Patch> patches) const;
     const char* fault_of_pair(int patch, int other) const;
+    bool have_opposite_normals(int f, int g) const;
     std::vector<std::array<int, 2>> farthest_corners(int of_part) const;
     std::vector<double> enclosed(const std::vector<Patch>& patches) const;
     void add_fault(int f, const std::string& what) {
@@ -152,7 +153,7 @@ const char* Check::fault_of_face(std::span<const Patch> patches) const {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < along.size(); k += normal.basis.count)
         least = std::min(least, polynomial_minimum(normal.basis, &along[k], 0.01, 500).upper);
-    if (least > smallest_normal || (bend == FaceBend::any && are_in_half_space(n, smallest_normal))) return nullptr;
+    if (least > smallest_normal || (bend != FaceBend::usual && are_in_half_space(n, smallest_normal))) return nullptr;
     return "the target folds the face back on itself";
 }
 
@@ -227,9 +228,21 @@ const char* Check::fault_of_pair(int f, int g) const {
     const Contact found = neighbours && mesh.dim == 3 ? Contact::apart : contact(after);
     if (found == Contact::crossing)
         return contact(before) == Contact::crossing ? crossed_before : "in the target it crosses ";
-    const Vec<3> n = unit(flat_normal(after[f], bernstein.dim)), m = unit(flat_normal(after[g], bernstein.dim));
-    const bool are_opposite = dot(n, m) < 0 && length(cross(n, m)) < flat_fold;
-    return (shared > 0 ? are_opposite : found != Contact::apart) ? touching : nullptr;
+    return (shared > 0 ? have_opposite_normals(f, g) : found != Contact::apart) ? touching : nullptr;
+}
+
+// At a corner that two patches share.
+bool Check::have_opposite_normals(int f, int g) const {
+    const int m = basis.bernstein.dim;
+    if (!(dot(flat_normal(after[f], m), flat_normal(after[g], m)) < 0)) return false;
+    const std::vector<Vec<3>> of_f = normal.coefficients(after[f]), of_g = normal.coefficients(after[g]);
+    for (int i = 0; i <= m; ++i)
+        for (int j = 0; j <= m; ++j) {
+            if (report.place[faces.corner(f, i)] != report.place[faces.corner(g, j)]) continue;
+            const Vec<3> u = unit(of_f[of_f.size() == 1 ? 0 : i]), v = unit(of_g[of_g.size() == 1 ? 0 : j]);
+            if (dot(u, v) < 0 && length(cross(u, v)) < flat_fold) return true;
+        }
+    return false;
 }
 
 struct FaultOfPair {

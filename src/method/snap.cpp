@@ -13,10 +13,18 @@ constexpr int most_tries = 1000;
 
 }  // namespace
 
-int snap_to_targets(DistortionEnergy& distortion, const Constraint& constraint, std::vector<double>& x) {
-    const std::vector<int>& nodes = constraint.nodes();
-    const std::vector<double> targets = constraint.targets(x);
+int snap_to_targets(DistortionEnergy& distortion, const Constraint& constraint, std::vector<double>& x,
+                    const std::vector<char>& chosen) {
+    std::vector<int> nodes = constraint.nodes();
+    std::vector<double> targets = constraint.targets(x);
     const int dim = nodes.empty() ? 0 : static_cast<int>(targets.size() / nodes.size());
+    std::size_t count = 0;
+    for (std::size_t t = 0; t < nodes.size() && dim > 0; ++t) {
+        if (!chosen.empty() && !chosen[nodes[t]]) continue;
+        std::copy_n(&targets[offset(t, dim)], dim, &targets[offset(count, dim)]);
+        nodes[count++] = nodes[t];
+    }
+    nodes.resize(count);
     int tries = 0;
     std::vector<double> trial = x;
     const auto set = [&](const auto& self, int first, int end) -> void {

@@ -11,7 +11,9 @@ namespace almesh {
 // x: a valid mesh, before and after. Nodes are set together, and where elements do not stay valid on the way, in halves
 // of their list, down to single ones; after `most_tries` what is left stays. Returns the number of nodes that are not
 // at their targets.
-int snap_to_targets(DistortionEnergy& distortion, const Constraint& constraint, std::vector<double>& x);
+// chosen: per node of the mesh, which of them; empty: all.
+int snap_to_targets(DistortionEnergy& distortion, const Constraint& constraint, std::vector<double>& x,
+                    const std::vector<char>& chosen = {});
 
 // Nodes of the constraint that are not at their targets, to the last bit.
 int nodes_off_target(const Constraint& constraint, const std::vector<double>& x);

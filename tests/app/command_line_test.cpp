@@ -146,7 +146,7 @@ TEST_CASE("quality of a mesh with inverted elements: code 4, and the first ten b
         CAPTURE(outcome.out);
         CHECK(outcome.code == 4);
         CHECK(has(outcome.out, "NOT certified valid: " + std::to_string(bad) + " element"));
-        CHECK(count_lines_after(outcome.out, "NOT certified") == static_cast<int>(std::min<std::size_t>(bad, 10)));
+        CHECK(count_lines_after(outcome.out, "NOT certified") == static_cast<int>(bad > 10 ? 11 : bad));
     }
 }
 

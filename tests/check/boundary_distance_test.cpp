@@ -282,17 +282,21 @@ TEST_CASE("the distance of curved faces falls with their degree, and that of one
     CHECK(distances.back() < 1e-7);
 }
 
-TEST_CASE("the largest slide is that of a released node from its target") {
+TEST_CASE("nodes that gave way are those of fixed boundaries, and freed ones, that are not at their motion") {
     const Mesh mesh = ring_mesh(around, 2, radius);
-    BoundaryTarget target = target_of(mesh, {{"inner", "translate 1 0"}});
+    BoundaryTarget target = target_of(mesh, {{"inner", "translate 1 0"}, {"outer", "fixed"}});
     std::vector<double> x = at_target(mesh, target, mesh.x);
-    CHECK(largest_slide(mesh, target, mesh.x) == 0);
-    target.freed.assign(mesh.nodes(), 0);
-    target.freed[0] = target.freed[3] = 1;
-    CHECK(largest_slide(mesh, target, x) == 0);
-    point(x, 0, 2)[0] += 0.3;
-    point(x, 0, 2)[1] -= 0.4;
-    point(x, 3, 2)[1] += 0.1;
-    point(x, 5, 2)[1] += 2;  // this one is not freed
-    CHECK(largest_slide(mesh, target, x) == doctest::Approx(0.5));
+    CHECK(moved_nodes(mesh, target, nullptr, x).empty());
+    const int inner = mesh.face(face_near(mesh, mesh.boundary_index("inner"), {1, 0, 0}))[0],
+              outer = mesh.face(face_near(mesh, mesh.boundary_index("outer"), {radius, 0, 0}))[0];
+    point(x, inner, 2)[0] += 0.25;
+    point(x, outer, 2)[0] += 0.3;
+    point(x, outer, 2)[1] -= 0.4;
+    const std::vector<MovedNode> moved = moved_nodes(mesh, target, nullptr, x);
+    REQUIRE(moved.size() == 1);  // the other one is off its motion, but not freed
+    CHECK(moved[0].node == outer);
+    CHECK(moved[0].boundary == mesh.boundary_index("outer"));
+    CHECK(moved[0].distance == doctest::Approx(0.5));
+    CHECK(moved_nodes_csv(mesh, moved) == concat("node,boundary,distance,along\n", mesh.file.node_id[outer], ",outer,",
+                                                 moved[0].distance, ",\n"));
 }

@@ -184,7 +184,7 @@ TEST_CASE("many elements that the boundary makes flat: ten are shown, all in a f
     CAPTURE(moved.out);
     CHECK(moved.code == 3);
     CHECK(has(moved.out, "note: 12 elements invalid whatever "));
-    CHECK(has(moved.out, "every boundary node is at its target"));
+    CHECK(has(moved.out, "every boundary node is where its motion takes it"));
     CHECK(!has(almesh_with({deck, "frames=0 1"}).error, "ideal = regular"));  // does not go with frames
 }
 

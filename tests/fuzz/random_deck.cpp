@@ -175,7 +175,7 @@ std::map<std::string, std::string> random_settings(Choices& choose, const Mesh& 
         if (std::find(of_files_or_times.begin(), of_files_or_times.end(), key.name) != of_files_or_times.end()) continue;
         std::string& value = settings[key.name];
         if (key.name == "title") value = quoted_where_needed(choose.word(20), "#\"");
-        else if (key.name == "wall")
+        else if (key.name == "wall" || key.name == "contact")
             value = mesh.boundaries[choose.below(static_cast<int>(mesh.boundaries.size()))];
         else if (key.name == "degree") value = std::to_string(choose.below(mesh.dim == 2 ? 4 : 3));
         else value = value_of(choose, key.name, key.value.legal);
