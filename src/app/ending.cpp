@@ -311,7 +311,7 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
                          : deck.distortion.objective == Objective::minimax ? " more with earlier powers"
                                                                            : " more in earlier load increments");
     if (!others.empty()) others = " (" + others + ")";
-    std::fprintf(out, "%s: %s%s in %.2f s\n", headline(solution.al.status).c_str(), work_of(deck, solution).c_str(),
+    std::fprintf(out, "%s: %s%s in %.2f s\n", headline(outcome(solution.al)).c_str(), work_of(deck, solution).c_str(),
                  others.c_str(), solution.time.total);
     print_diagnosis(out, deck, problem, solution);
     print_boundary(out, deck, problem, solution);

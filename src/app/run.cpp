@@ -212,10 +212,10 @@ void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double
 
 // The last row then tells of the mesh that is written.
 void snap(const Deck& deck, const Problem& problem, Solution& solution) {
-    const Status status = solution.al.status;
-    const bool all = snaps(deck) && (status == Status::converged || status == Status::no_visible_gain);
+    const bool all = snaps(deck) && solution.al.status == Status::converged;
     if (!all && (deck.snap == Snap::no || deck.method.moving != MovingMethod::augmented_lagrangian ||
-                 !std::isfinite(solution.al.distortion.max_distortion)))
+                 !std::isfinite(solution.al.distortion.max_distortion) ||
+                 (solution.al.status != Status::converged && deck.method.algorithm != Algorithm::adaptive)))
         return;
     Level& level = *problem.level;
     std::vector<char> fixed(level.mesh.nodes(), all);

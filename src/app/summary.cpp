@@ -64,7 +64,7 @@ struct Quantity : Named {
 using enum Kind;
 
 constexpr auto quantities = std::to_array<Quantity>({
-    {{"status", "converged, or why the method ended"}, word, [](R r) { return text(to_string(r.al.status)); }},
+    {{"status", "converged, or why the method ended"}, word, [](R r) { return text(to_string(outcome(r.al))); }},
     {{"run", "id in all files of the run; the same settings and files give the same id"}, word,
      [](R r) { return r.problem.run_id; }},
     {{"dimension", "2 or 3"}, count, [](R r) { return text(r.mesh.dim); }},

@@ -36,7 +36,7 @@ AlIteration row_of(const AugmentedFunctional& E, const std::vector<double>& x, D
 // too small to be seen, so that only |grad E| tells how near the minimum is.
 NewtonParams subproblem(const AugmentedLagrangianParams& params, const Schedule& s, bool cold, bool by_gradient,
                         bool from_coarser, const AugmentedFunctional& E) {
-    constexpr int most_unseen_steps = 50;
+    constexpr int most_unseen_steps = 20;
     constexpr double useless_distortion = 20;  // meshes with that everywhere are of no use to anyone
     constexpr double visible = 3e-7;  // of what E gains from a distortion of 2 everywhere to none,
     constexpr double visible_of_largest = 1e-3;  // or of the largest eta - 1, of which a power is minimised
@@ -76,16 +76,14 @@ bool is_stationary(const AlIteration& row, const AugmentedLagrangianParams& para
 }
 
 // How the method fails after the last of `rows`: ends although line 7 would go on, or the other way round. Nothing
-// where it goes on, and where it has converged. ends: by line 7. by_gradient: see subproblem().
+// where it goes on, and where it has converged. ends: by line 7.
 std::optional<Status> failure(const std::vector<AlIteration>& rows, const AugmentedLagrangianParams& params,
-                              double one_squared, bool constrained, bool by_gradient, bool stationary, bool ends) {
+                              double one_squared, bool constrained, bool stationary, bool ends) {
     if (ends && constrained && stationary) return std::nullopt;
     if (ends) return Status::ended_as_printed;
     const AlIteration& row = rows.back();
     const bool solved = at_floor(row.newton_status) || row.newton_status == Status::converged;
     if (row.newton_status == Status::attainable_accuracy && constrained) return row.newton_status;
-    if (row.newton_status == Status::max_newton_iterations && constrained && by_gradient)
-        return Status::no_visible_gain;
     if (row.newton_status == Status::stalled) return Status::stalled;
     if (row.newton_status == Status::interrupted) return Status::interrupted;
     if (constraint_stalls(rows, solved ? 3 : 1, one_squared)) return Status::stalled;
@@ -132,7 +130,8 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
     };
     const auto c_squared = [&rows] { return square(rows.back().projected_constraint_norm); };
     const auto boundary_error = [&rows] { return rows.back().relative_boundary_error; };
-    const auto stationary = [&] { return is_stationary(rows.back(), params); };
+    bool settled = false;  // as many steps by |grad E| alone as are tried: see subproblem()
+    const auto stationary = [&] { return settled || is_stationary(rows.back(), params); };
 
     AugmentedFunctional E{distortion, constraint, start.lambda, 0};
     E.lambda.resize(constraint.multipliers());                                            //  3: zero where not given
@@ -154,9 +153,10 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         add_counts(solved, result);
         rows.push_back(row_of(E, x, result.distortion, *s, solved, rows.back().iteration + 1));
         rows.back().seconds = watch.seconds();
+        settled = by_gradient && solved.status == Status::max_newton_iterations && constrained();
+        if (settled) rows.back().newton_status = Status::no_visible_gain;
         const bool ends = s->ends(constrained(), stationary());
-        if (const auto failed =
-                failure(rows, params, one_squared, constrained(), by_gradient, stationary(), ends)) {
+        if (const auto failed = failure(rows, params, one_squared, constrained(), stationary(), ends)) {
             result.status = *failed;
             result.gradient = E.gradient(x);
         }

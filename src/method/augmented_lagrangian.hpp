@@ -36,6 +36,13 @@ struct AlResult {
     int earlier_newton_iterations = 0;  // of earlier load increments and given-up attempts (continuation.hpp)
 };
 
+// How it ended, for reports: no_visible_gain where it counts as converged, since steps gain next to nothing, but
+// |grad E| is above omega_star after as many as are tried.
+inline Status outcome(const AlResult& al) {
+    const bool settled = !al.iterations.empty() && al.iterations.back().newton_status == Status::no_visible_gain;
+    return settled && al.status == Status::converged ? Status::no_visible_gain : al.status;
+}
+
 struct AlObserver {
     std::function<void(const AlIteration&)> iteration;
     std::function<void(int al_iteration, const NewtonStep&)> newton_step;

@@ -159,8 +159,7 @@ AlResult minimise_in_increments(const Level& level, Newton& newton, const Method
     } else {
         AlResult result = at_once(impatient(params.schedule));
         const bool stalls_at_once = result.iterations.back().newton_status == Status::stalled;
-        const bool hopeless = (params.is_start && stalls_at_once) || result.status == Status::max_al_iterations ||
-                              result.status == Status::no_visible_gain;
+        const bool hopeless = (params.is_start && stalls_at_once) || result.status == Status::max_al_iterations;
         if (succeeded(result) || hopeless) return result;
         steps = result.newton_iterations;
         if (result.status != Status::max_newton_iterations) {

@@ -146,8 +146,7 @@ AlResult minimise_p_norm(const Level& level, Newton& newton, const MethodParams&
         at.set_power(p);
         if (p > 2) at.solve_loosely(loose, most_updates);
         if (!at.interrupted()) at.solve(params.schedule, observer);
-        if (at.converged() || at.interrupted() || at.result.status == Status::no_visible_gain || p == 2)
-            return at.result;
+        if (at.converged() || at.interrupted() || p == 2) return at.result;
     }
 }
 

@@ -14,7 +14,7 @@ constexpr StatusRow rows[] = {
     {attainable_accuracy, "attainable_accuracy",
      "not converged: |grad E| ended at its attainable accuracy, above omega0", Cause::gradient},
     {no_visible_gain, "no_visible_gain",
-     "not converged: the last steps gained next to nothing, and |grad E| stayed above omega_star", Cause::gradient},
+     "settled: the last steps gained next to nothing, with |grad E| above omega_star", Cause::gradient},
     {ended_as_printed, "ended_as_printed", "not converged: the loop as printed ended with one of its two tests met",
      Cause::boundary_or_gradient},
     {max_al_iterations, "max_al_iterations", "not converged: max_al_iterations reached", Cause::boundary_or_gradient},

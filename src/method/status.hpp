@@ -7,7 +7,7 @@ enum class Status {
     converged,
     stalled,                // the constraint stopped falling while the penalty grew, or all energy is penalty
     attainable_accuracy,    // rounding ended |grad E| above its tolerance; of a run, the constraint holds: above omega0
-    no_visible_gain,        // nodes slide, and steps gained next to nothing; of a run: with |grad E| above omega_star
+    no_visible_gain,        // nodes slide, and steps gained next to nothing; of a run: see outcome()
     ended_as_printed,       // literal: the loop as printed ends when one of its two tests holds, and only one did
     max_al_iterations,
     max_newton_iterations,

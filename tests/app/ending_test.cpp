@@ -196,8 +196,9 @@ TEST_CASE("converged is said of a boundary that slides where |grad E| is below o
                 CHECK(outcome.code == 0);
                 const auto summary = summary_of(ring.output);
                 CHECK(summary.at("status") == "converged");
-                CHECK(parse_double(summary.at("gradient_norm")).value() <= 1e-6);
-                CHECK(!has(outcome.out, "above omega_star"));
+                const bool is_rounded = has(outcome.out, "what steps would gain is below the rounding of E");
+                CHECK(number(summary, "gradient_norm") <= (is_rounded ? 1e-5 : 1e-6));
+                CHECK(has(outcome.out, "above omega_star") == is_rounded);
             }
 }
 
@@ -206,10 +207,11 @@ TEST_CASE("where the gain is no longer seen and |grad E| stays above omega_star,
     const RingDeck ring;
     const std::vector<std::string> keys = {"boundary outer=slide", "boundary inner=rotate 50", "objective=minimax"};
     const Outcome outcome = ring.run(keys);
-    CHECK(outcome.code == 3);
-    CHECK(Stop(ring.output, outcome).summary.at("status") == "no_visible_gain");
-    CHECK(Stop(ring.output, outcome).kind() == "unbalanced");
-    CHECK(has(outcome.out, "try a larger omega_star, such as "));
+    CHECK(outcome.code == 0);
+    CHECK(summary_of(ring.output).at("status") == "no_visible_gain");
+    CHECK(number(summary_of(ring.output), "gradient_norm") > 1e-6);
+    CHECK(has(outcome.out, "settled: the last steps gained next to nothing, with |grad E| above omega_star: "));
+    CHECK(!has(outcome.out, "converged"));
 }
 
 TEST_CASE("a rounding floor, a loop that ends as printed, an overflow and an interrupt say what to change") {

@@ -72,7 +72,7 @@ TEST_CASE("a boundary that its nodes fold: refused with surface = keep, else the
         const Outcome mended = ring.run({"boundary inner=translate 0.25 0", setting});
         CAPTURE(mended.error);
         REQUIRE(mended.code == 0);
-        CHECK(has(mended.out, "note: the target inverts "));
+        CHECK(has(mended.out, "note: the target makes "));
         CHECK(has(mended.out, " around them slide along the surface:"));
         CHECK(has(mended.out, "boundary inner slides along: circle of radius 1"));
         CHECK(has(mended.out, " nodes slid along the surface, by at most "));
