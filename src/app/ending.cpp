@@ -256,9 +256,11 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
                      "boundary is within %.3g of its motion\n",
                      problem.sliding ? ", or on the surface along which it slides" : "", error);
     if (solution.nodes_off_motion > 0 && (is_fit || solution.nodes_off_target == 0))
-        std::fprintf(out, "%s%s off their motions by at most %.3g; between the nodes at most %.3g\n",
+        std::fprintf(out, "%s%s off their motions by at most %.3g, %s\n",
                      is_fit ? "target = least_squares fits the boundary to its motion in the mean: " : "",
-                     counted(solution.nodes_off_motion, "boundary node").c_str(), solution.off_motion, error);
+                     counted(solution.nodes_off_motion, "boundary node").c_str(), solution.off_motion,
+                     is_fit ? concat("between the nodes by at most ", shown(error, 3)).c_str()
+                            : "all others where their motions take them to the last bit");
     if (solution.freed_nodes)
         std::fprintf(out, "%d nodes slid along the surface, by at most %.3g; the faces are within %.3g of it\n",
                      solution.freed_nodes, solution.largest_slide, solution.surface_distance * problem.frame.length);

@@ -89,7 +89,7 @@ void measure_off_motion(const Problem& problem, Solution& solution) {
         solution.off_motion = std::max(solution.off_motion, length(way));
     });
     solution.nodes_off_motion = static_cast<int>(std::count(off.begin(), off.end(), 1));
-    solution.moved_nodes = moved_nodes(mesh, problem.target, problem.sliding.get(), x);
+    solution.moved_nodes = moved_nodes(mesh, problem.target, problem.sliding.get(), problem.node_target, x);
     for (const MovedNode& of : solution.moved_nodes)
         if (problem.target.is_freed(of.node)) solution.largest_slide = std::max(solution.largest_slide, of.distance);
 }

@@ -214,12 +214,13 @@ std::vector<char> curved_faces(const Mesh& mesh, const BoundaryTarget& target, c
 }
 
 std::vector<MovedNode> moved_nodes(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces* sliding,
-                                   const std::vector<double>& x) {
+                                   const std::vector<double>& now, const std::vector<double>& x) {
     std::map<int, MovedNode> moved;
     for_face_nodes(mesh, [&](int f, std::size_t k) {
         const int i = mesh.faces[k], b = mesh.face_boundary[f], dim = mesh.dim;
         const double *const from = &target.written[k * dim], *const to = point(x, i, dim);
-        if (!target.fixed[b] && !target.is_freed(i)) return;
+        const bool has_another = target.fixed[b] && !std::equal(from, from + dim, &now[k * dim]);
+        if (!has_another && !target.is_freed(i)) return;
         if (target.hold_of_face(mesh, f) != BoundaryHold::prescribed || std::equal(to, to + dim, from)) return;
         const double distance = length(in_space(to, dim) - in_space(from, dim));
         std::string& along = moved.try_emplace(i, MovedNode{i, b, distance, ""}).first->second.along;

@@ -56,10 +56,11 @@ struct MovedNode {
     std::string along;  // the surfaces in which it slid: "plane", "plane and cylinder of radius 2"; "": it left its own
 };
 
-// Nodes that are not where the motion of their boundary takes them (BoundaryTarget::written): of fixed boundaries all,
-// of others those that are freed to slide. x: nodes x dim, in the file's frame.
+// Nodes that are not where the motion of their boundary takes them (BoundaryTarget::written): those that are freed to
+// slide, and of fixed boundaries those that have another target, `now`: face x face node x dim. x: nodes x dim; all in
+// the file's frame.
 std::vector<MovedNode> moved_nodes(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces* sliding,
-                                   const std::vector<double>& x);
+                                   const std::vector<double>& now, const std::vector<double>& x);
 
 std::string moved_nodes_csv(const Mesh& mesh, const std::vector<MovedNode>& nodes);
 

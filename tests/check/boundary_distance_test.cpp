@@ -286,13 +286,16 @@ TEST_CASE("nodes that gave way are those of fixed boundaries, and freed ones, th
     const Mesh mesh = ring_mesh(around, 2, radius);
     BoundaryTarget target = target_of(mesh, {{"inner", "translate 1 0"}, {"outer", "fixed"}});
     std::vector<double> x = at_target(mesh, target, mesh.x);
-    CHECK(moved_nodes(mesh, target, nullptr, x).empty());
+    CHECK(moved_nodes(mesh, target, nullptr, target.node, x).empty());
     const int inner = mesh.face(face_near(mesh, mesh.boundary_index("inner"), {1, 0, 0}))[0],
               outer = mesh.face(face_near(mesh, mesh.boundary_index("outer"), {radius, 0, 0}))[0];
     point(x, inner, 2)[0] += 0.25;
     point(x, outer, 2)[0] += 0.3;
     point(x, outer, 2)[1] -= 0.4;
-    const std::vector<MovedNode> moved = moved_nodes(mesh, target, nullptr, x);
+    CHECK(moved_nodes(mesh, target, nullptr, target.node, x).empty());  // off their targets, but these did not change
+    std::vector<double> now = target.node;
+    for (std::size_t k = 0; k < mesh.faces.size(); ++k) std::copy_n(point(x, mesh.faces[k], 2), 2, &now[2 * k]);
+    const std::vector<MovedNode> moved = moved_nodes(mesh, target, nullptr, now, x);
     REQUIRE(moved.size() == 1);  // the other one is off its motion, but not freed
     CHECK(moved[0].node == outer);
     CHECK(moved[0].boundary == mesh.boundary_index("outer"));
