@@ -126,6 +126,7 @@ void untangle(const Deck& deck, Problem& problem, const std::vector<int>& invali
     for (int e = 0; e < mesh.element_count() && problem.regular.empty(); ++e)
         volumes.push_back(volume(mesh, problem.ideal(), e));
     set_functional(deck, problem);
+    const auto never = problem.infeasible.size() - std::count(problem.infeasible.begin(), problem.infeasible.end(), "");
     UntanglingResult all{invalid};
     const auto leave_out = [&](const std::vector<int>& elements) {
         if (!elements.empty()) problem.infeasible.resize(mesh.element_count());
@@ -147,8 +148,9 @@ void untangle(const Deck& deck, Problem& problem, const std::vector<int>& invali
     leave_out(std::vector(all.left));
     newton_steps += all.newton_iterations;
     const auto left = std::count_if(invalid.begin(), invalid.end(), [&](int e) { return !is_feasible(problem, e); });
-    std::fprintf(out, "%s invalid in the file, %td left after %s in %s\n", counted(invalid.size(), "element").c_str(),
-                 left, counted(all.newton_iterations, "Newton step").c_str(), counted(all.regions, "region").c_str());
+    std::fprintf(out, "%s invalid in the file, %td left after %s in %s\n",
+                 counted(invalid.size() + never, "element").c_str(), left + static_cast<std::ptrdiff_t>(never),
+                 counted(all.newton_iterations, "Newton step").c_str(), counted(all.regions, "region").c_str());
 }
 
 }  // namespace

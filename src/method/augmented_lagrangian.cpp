@@ -130,7 +130,7 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
     };
     const auto c_squared = [&rows] { return square(rows.back().projected_constraint_norm); };
     const auto boundary_error = [&rows] { return rows.back().relative_boundary_error; };
-    bool settled = false;  // as many steps by |grad E| alone as are tried: see subproblem()
+    bool settled = false;  // as many steps by |grad E| alone as are tried, or as E can tell: see subproblem()
     const auto stationary = [&] { return settled || is_stationary(rows.back(), params); };
 
     AugmentedFunctional E{distortion, constraint, start.lambda, 0};
@@ -153,7 +153,8 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         add_counts(solved, result);
         rows.push_back(row_of(E, x, result.distortion, *s, solved, rows.back().iteration + 1));
         rows.back().seconds = watch.seconds();
-        settled = by_gradient && solved.status == Status::max_newton_iterations && constrained();
+        settled = by_gradient && constrained() && (solved.status == Status::max_newton_iterations ||
+                                                   solved.status == Status::line_search_failed);
         if (settled) rows.back().newton_status = Status::no_visible_gain;
         const bool ends = s->ends(constrained(), stationary());
         if (const auto failed = failure(rows, params, one_squared, constrained(), stationary(), ends)) {

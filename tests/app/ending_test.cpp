@@ -195,6 +195,10 @@ TEST_CASE("converged is said of a boundary that slides where |grad E| is below o
                               concat("objective=", objective), "length_scale=1", "omega_star=1e-6"});
                 CHECK(outcome.code == 0);
                 const auto summary = summary_of(ring.output);
+                CHECK((summary.at("status") == "converged") == has(outcome.out, "converged: "));
+                CHECK((summary.at("status") == "no_visible_gain") == has(outcome.out, "settled: "));
+                // High powers may end there.
+                if (std::string(objective) == "minimax" && has(outcome.out, "settled: ")) continue;
                 CHECK(summary.at("status") == "converged");
                 const bool is_rounded = has(outcome.out, "what steps would gain is below the rounding of E");
                 CHECK(number(summary, "gradient_norm") <= (is_rounded ? 1e-5 : 1e-6));
