@@ -73,8 +73,15 @@ Mesh curved_layers(const std::string& cells, int degree, double far = 0) {
 }  // namespace
 
 TEST_CASE("nodes of planes beside a curved wall slide in them, and the wall stays to the last bit") {
-    for (const auto& [cells, degree, far] :
-         {std::tuple("hhh", 2, 0.0), std::tuple("hhh", 3, 0.0), std::tuple("ppp", 3, 100.0)}) {
+    struct Case {
+        const char* cells;
+        int degree;
+        double far;
+    };
+    for (const Case& of : {Case{"hhh", 2, 0}, Case{"hhh", 3, 0}, Case{"ppp", 3, 100}}) {
+        const char* const cells = of.cells;
+        const int degree = of.degree;
+        const double far = of.far;
         const TemporaryFolder folder;
         const Mesh mesh = curved_layers(cells, degree, far);
         CAPTURE(cells);

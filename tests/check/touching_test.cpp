@@ -146,10 +146,11 @@ TEST_CASE("the lips of a crack touch: certified in every cell and degree, curved
 }
 
 TEST_CASE("plane faces that do not match touch, at an angle, in any unit and place, and while they slide") {
-    for (const auto& [body, other] : {std::pair(square_mesh(2), square_mesh(3)), std::pair(quad_mesh(2), quad_mesh(3)),
-                                      std::pair(cube_mesh(1), cube_mesh(2)),
-                                      std::pair(solid_mesh(1, "h"), solid_mesh(3, "hhh"))})
+    for (const auto& pair : {std::pair(square_mesh(2), square_mesh(3)), std::pair(quad_mesh(2), quad_mesh(3)),
+                             std::pair(cube_mesh(1), cube_mesh(2)),
+                             std::pair(solid_mesh(1, "h"), solid_mesh(3, "hhh"))})
         for (const int degree : {1, 2}) {
+            const Mesh &body = pair.first, &other = pair.second;
             if (body.dim == 3 && degree == 2 && !body.is_simplicial()) continue;
             CAPTURE(body.elements_text());
             CAPTURE(degree);
