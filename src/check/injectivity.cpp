@@ -210,7 +210,8 @@ void measure_contacts(const Mesh& mesh, const std::vector<double>& x, const std:
 // a vertex of another face that touches f, and no side in common with the one behind.
 std::vector<std::array<int, 2>> suspects(const Mesh& mesh, const std::vector<double>& x, const TargetReport& report) {
     std::vector<std::array<int, 2>> found =
-        holders(mesh, x, centres_of_faces(mesh, x), [&](int f, int e) { return e != mesh.face_element[f]; });
+        holders(mesh, x, centres_of_faces(mesh, x),
+                [&](int f, int e) { return e != mesh.face_element[f] && !mesh.is_inner(f); });
     std::map<int, std::vector<int>> at;  // elements at the places of vertices of faces that touch others
     for (const auto& pair : report.touching)
         for (const int f : pair)
@@ -221,6 +222,7 @@ std::vector<std::array<int, 2>> suspects(const Mesh& mesh, const std::vector<dou
                 here->second.push_back(e);
     for (const auto& [f, g] : report.touching)
         for (const auto& [face, other] : {std::pair(f, g), std::pair(g, f)}) {
+            if (mesh.is_inner(f) || mesh.is_inner(g)) continue;  // no part of the boundary of the whole
             const int behind = mesh.face_element[face];
             const std::span<const int> of_behind(mesh.element(behind), mesh.cell(behind).vertices);
             for (const int i : mesh.face_vertices(other))

@@ -268,6 +268,18 @@ TEST_CASE("the decks of the lessons hold what they expect, and curving works in 
     CHECK(has(literal.out, "expectations of the deck hold"));
 }
 
+TEST_CASE("curved surfaces inside the mesh are no boundary that elements could lie over") {
+    if (!std::filesystem::is_directory("inputs")) return;
+    for (const char* name : {"slides", "solid-3d"}) {
+        const TemporaryFolder folder;
+        const Outcome outcome =
+            almesh_bounded({std::string("inputs/inner/") + name + ".deck", "output=" + folder.path("out")});
+        CAPTURE(outcome.out);
+        CHECK(outcome.code == 0);
+        CHECK(has(outcome.out, "certified valid and injective"));
+    }
+}
+
 TEST_CASE("every deck in inputs can be read, and its mesh is there") {
     if (!std::filesystem::is_directory("inputs")) return;
     int decks = 0;
