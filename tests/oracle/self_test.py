@@ -4,6 +4,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import run  # noqa: F401  with a Python that has numpy
 import numpy as np
 
 import cases
