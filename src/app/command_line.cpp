@@ -48,7 +48,7 @@ constexpr const char* help =
     "Keys may stand on the command line: almesh inputs/circle.deck refine=2 \"boundary inner=translate 4 0\"\n"
     "\n"
     "Exit codes:\n"
-    "  0  the run converged, and the mesh is certified valid and injective\n"
+    "  0  the run converged or settled (no_visible_gain), and the mesh is certified valid and injective\n"
     "  1  the command line or the deck is wrong\n"
     "  2  the mesh, the target or the output folder cannot be used\n"
     "  3  the run did not converge, or its mesh has no derivative; the last mesh is written\n"

@@ -94,12 +94,12 @@ std::string more_freedom(const Deck& deck, const Problem& problem, int b) {
     const Mesh& mesh = problem.mesh();
     const auto motion = [&](int of) { return motion_for(deck, mesh.boundaries[of])->motion; };
     std::vector<char> moved(mesh.nodes(), 0);
-    bool may_slide = motion(b) == parse_motion("fixed") && !sets_boundary(deck.method.moving), may_be_free = false;
+    bool may_slide = is_fixed(motion(b)) && !sets_boundary(deck.method.moving), may_be_free = false;
     for_face_nodes(mesh, [&](int f, std::size_t k) {
         const int of = mesh.face_boundary[f];
         if (of == b) return;
         may_be_free = may_be_free || hold_of(motion(of)) != BoundaryHold::free;
-        moved[mesh.faces[k]] |= hold_of(motion(of)) == BoundaryHold::prescribed && motion(of) != parse_motion("fixed");
+        moved[mesh.faces[k]] |= hold_of(motion(of)) == BoundaryHold::prescribed && !is_fixed(motion(of));
     });
     for_face_nodes(mesh, [&](int f, std::size_t k) {
         may_slide = may_slide && !(mesh.face_boundary[f] == b && moved[mesh.faces[k]]);
@@ -169,10 +169,9 @@ std::string against_uncertified(const Deck& deck, const Problem& problem, const 
 
 // |grad E| is rounded in proportion to the penalty, which algorithm = adaptive chooses by itself.
 std::string against_accuracy(const Deck& deck, const Solution& solution) {
-    const bool takes_mu0 = solution.al.status == Status::attainable_accuracy &&
-                           (deck.method.moving == MovingMethod::penalty ||
-                            (deck.method.moving == MovingMethod::augmented_lagrangian &&
-                             deck.method.algorithm != Algorithm::adaptive));
+    const bool takes_mu0 = deck.method.moving == MovingMethod::penalty ||
+                           (deck.method.moving == MovingMethod::augmented_lagrangian &&
+                            deck.method.algorithm != Algorithm::adaptive);
     if (takes_mu0) return "a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0";
     return "a larger omega_star, such as " + shown(2 * solution.al.iterations.back().gradient_norm, 2);
 }
@@ -265,8 +264,8 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
         std::fprintf(out, "%d nodes slid along the surface, by at most %.3g; the faces are within %.3g of it\n",
                      solution.freed_nodes, solution.largest_slide, solution.surface_distance * problem.frame.length);
     if (solution.straight_faces)
-        std::fprintf(out, "%s of %d made flat%s\n", counted(solution.straight_faces, "face").c_str(),
-                     problem.mesh().face_count(), problem.curves_in_place ? ", or flatter than they came" : "");
+        std::fprintf(out, "%s of %d made flat, or flatter than they came\n",
+                     counted(solution.straight_faces, "face").c_str(), problem.mesh().face_count());
     print_moved_nodes(out, problem.mesh(), solution.moved_nodes);
     print_distances(out, problem.mesh(), solution.distances, "the target as it came");
 }

@@ -50,7 +50,7 @@ struct Solution {
     int freed_nodes = 0;            // that slide where the target folds the mesh,
     double largest_slide = 0;          // and the largest distance of one from its target, in units of the file
     double surface_distance = 0;       // of faces whose nodes slide, from their surface
-    int straight_faces = 0;            // of the target, with surface = straighten
+    int straight_faces = 0;            // of a curved mesh that were made flat, or flatter than they came
     std::vector<MovedNode> moved_nodes;       // of boundaries, from the target before it was changed,
     std::vector<BoundaryDistance> distances;  // from the target before it was changed, in units of the file
 
