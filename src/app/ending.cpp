@@ -246,9 +246,10 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
         deck.target == TargetKind::least_squares && target.prescribes_all() && !target.in_trace_space;
     if (solution.nodes_off_target > 0)
         std::fprintf(out,
-                     "|c_D| = %.3g; %d boundary nodes off their targets, by at most %.2g of a cell's height; "
+                     "|c_D| = %.3g; %s off their targets, by at most %.2g of a cell's height; "
                      "largest boundary error %.3g\n",
-                     last.constraint_norm * problem.frame.length, solution.nodes_off_target,
+                     last.constraint_norm * problem.frame.length,
+                     counted(solution.nodes_off_target, "boundary node").c_str(),
                      last.relative_boundary_error, error);
     else if (solution.nodes_off_motion == 0)
         std::fprintf(out, "every boundary node is where its motion takes it to the last bit%s; between the nodes the "
