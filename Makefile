@@ -153,11 +153,12 @@ run-other-tests: $(BUILD)/almesh-tests
 run-oracle: $(BUILD)/almesh
 	tests/oracle/self_test.py
 	tests/oracle/run.py --program $(BUILD)/almesh --quick
+APP_TESTS := *tests/app/*,*tests/deck/*,*tests/problem/*,*tests/report/*
 run-fast-tests: run-fast-app-tests run-fast-other-tests
 run-fast-app-tests: $(BUILD)/almesh-tests
-	$(UNDER) $(BUILD)/almesh-tests -tce='$(SLOW_TESTS)' -sf='*tests/app/*'
+	$(UNDER) $(BUILD)/almesh-tests -tce='$(SLOW_TESTS)' -sf='$(APP_TESTS)'
 run-fast-other-tests: $(BUILD)/almesh-tests
-	$(UNDER) $(BUILD)/almesh-tests -tce='$(SLOW_TESTS)' -sfe='*tests/app/*'
+	$(UNDER) $(BUILD)/almesh-tests -tce='$(SLOW_TESTS)' -sfe='$(APP_TESTS)'
 
 # The library first: an inline function that both have is then the library's.
 $(BUILD)/almesh-tests: $(LIBRARY) $(TEST_OBJECTS)

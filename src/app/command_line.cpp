@@ -10,9 +10,9 @@
 #include <new>
 #include <optional>
 
-#include "app/deck.hpp"
-#include "app/improve.hpp"
-#include "app/sweep.hpp"
+#include "deck/deck.hpp"
+#include "app/improve/improve.hpp"
+#include "app/sweep/sweep.hpp"
 #include "base/text.hpp"
 #include "io/mesh_format.hpp"
 

@@ -97,7 +97,7 @@ BoundaryHold hold_of(const Motion& motion);
 BoundaryHold hold_of_rest(const Motion& motion);  // of the nodes that its file leaves out
 
 // The step that takes positions of single nodes from a file: always the first one; null where there is none. apply()
-// passes over it: the points given to it are there already (app/node_targets.hpp).
+// passes over it: the points given to it are there already (problem/node_targets.hpp).
 const MotionStep* file_step(const Motion& motion);
 bool is_of_mesh(const MotionStep& file_step);  // the file is a mesh
 

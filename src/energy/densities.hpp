@@ -19,7 +19,7 @@
 // A density is a struct with the measure that it is a function of, f with two derivatives, and f'/2 at the eta where f
 // has a given value (which scales the damping of Newton's method). f must be increasing and convex for eta >= 1. To
 // add one: the struct, its line in with_density(), its enumerator in options.hpp, its word among the values of the
-// deck's key `objective` (app/deck_keys.cpp). Plain and SIMD assembly, Newton's method and its damping need no more.
+// deck's key `objective` (deck/deck_keys.cpp). Plain and SIMD assembly, Newton's method and its damping need no more.
 //
 // T is a double, or one in each lane of a register: the same formulas for one point or for several.
 #pragma once

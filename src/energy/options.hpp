@@ -9,7 +9,7 @@ enum class Objective {
     deviation,   // (eta - 1)^2: its Eq. 5
     size_shape,  // (eta - 1)^2 of the distortion of shape and size
     minimax,     // powers of eta - 1 that are raised in the run (method/p_norm.hpp)
-    tangled      // eta^2 of a measure for meshes with inverted elements (app/untangling.hpp), not in decks
+    tangled      // eta^2 of a measure for meshes with inverted elements (problem/untangling.hpp), not in decks
 };
 
 // The density M^2 (s^p + kappa s^2), s = (eta - 1) / M or eta / M; as it stands here, the square.

@@ -18,7 +18,7 @@ enum class Status {
     // Of methods that set the boundary on its target (comparators.hpp):
     inverted,               // the mesh that they came to has inverted elements
     invalid_start,          // so has every mesh from which they could minimise
-    off_surface             // of a mesh that is improved: farther than the deck allows (app/kept_surface.hpp)
+    off_surface             // of a mesh that is improved: farther than the deck allows (problem/kept_surface.hpp)
 };
 
 // Whether a minimisation came as far as its numbers tell, though |grad E| is above its tolerance.

@@ -10,7 +10,7 @@
 #include <csignal>
 
 #include "check/certificate.hpp"
-#include "app/deck.hpp"
+#include "deck/deck.hpp"
 #include "support/high_order.hpp"
 #include "support/ring_deck.hpp"
 #include "support/meshes.hpp"

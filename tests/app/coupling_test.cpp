@@ -1,5 +1,5 @@
 // A solver beside the program, which asks for one mesh after the other by lines.
-#include "app/coupling.hpp"
+#include "app/frames/coupling.hpp"
 
 #include <doctest/doctest.h>
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "app/deck.hpp"
+#include "deck/deck.hpp"
 #include "base/text.hpp"
 #include "support/program.hpp"
 

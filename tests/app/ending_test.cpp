@@ -1,4 +1,4 @@
-#include "app/solve.hpp"
+#include "app/run/solve.hpp"
 
 #include <doctest/doctest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "app/problem.hpp"
-#include "app/results.hpp"
+#include "problem/problem.hpp"
+#include "report/results.hpp"
 #include "base/interrupt.hpp"
 #include "support/ring_deck.hpp"
 

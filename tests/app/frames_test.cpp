@@ -1,5 +1,5 @@
 // Motions in time: a mesh per frame.
-#include "app/solve.hpp"
+#include "app/run/solve.hpp"
 
 #include <doctest/doctest.h>
 #include <sys/resource.h>
@@ -10,8 +10,8 @@
 #include <random>
 #include <thread>
 
-#include "app/deck.hpp"
-#include "app/frame_times.hpp"
+#include "deck/deck.hpp"
+#include "app/frames/frame_times.hpp"
 #include "base/stopwatch.hpp"
 #include "support/child.hpp"
 #include "support/ring_deck.hpp"

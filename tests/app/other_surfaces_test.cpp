@@ -1,4 +1,4 @@
-#include "app/node_targets.hpp"
+#include "problem/node_targets.hpp"
 
 #include <doctest/doctest.h>
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "app/problem.hpp"
+#include "problem/problem.hpp"
 #include "method/functional.hpp"
 
 namespace almesh::bench {

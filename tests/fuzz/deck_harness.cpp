@@ -1,4 +1,4 @@
-#include "app/deck.hpp"
+#include "deck/deck.hpp"
 #include "fuzz/harness.hpp"
 
 namespace almesh::fuzz {

@@ -1,6 +1,6 @@
 #include <set>
 
-#include "app/deck.hpp"
+#include "deck/deck.hpp"
 #include "fuzz/harness.hpp"
 #include "io/su2.hpp"
 #include "io/vtk.hpp"

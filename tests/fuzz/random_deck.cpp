@@ -4,7 +4,7 @@
 #include <array>
 #include <numbers>
 
-#include "app/deck.hpp"
+#include "deck/deck.hpp"
 #include "fuzz/harness.hpp"
 
 namespace almesh::fuzz {

@@ -1,7 +1,7 @@
 // Files of times, and of rows of a node and its vector: those of derivatives, of targets and of velocities.
-#include "app/deck.hpp"
-#include "app/frame_times.hpp"
-#include "app/node_targets.hpp"
+#include "deck/deck.hpp"
+#include "app/frames/frame_times.hpp"
+#include "problem/node_targets.hpp"
 #include "fuzz/harness.hpp"
 #include "support/meshes.hpp"
 

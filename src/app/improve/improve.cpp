@@ -1,0 +1,331 @@
+#include "app/improve/improve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "problem/best_power.hpp"
+#include "problem/corner_smoothing.hpp"
+#include "problem/curving.hpp"
+#include "problem/kept_surface.hpp"
+#include "problem/moved_vertices.hpp"
+#include "report/quality_change.hpp"
+#include "problem/start_mesh.hpp"
+#include "problem/untangling.hpp"
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "base/interrupt.hpp"
+#include "base/text.hpp"
+#include "check/infeasible.hpp"
+#include "check/scaled_jacobian.hpp"
+#include "check/target_check.hpp"
+#include "geometry/patch.hpp"
+#include "mesh/local_size.hpp"
+#include "mesh/regular_cell.hpp"
+#include "method/comparators.hpp"
+
+namespace almesh {
+namespace {
+
+bool is_feasible(const Problem& problem, int e) { return problem.infeasible.empty() || problem.infeasible[e].empty(); }
+
+// Of elements that can be valid: what must not fall, at the corners, and everywhere relative to the straight element.
+struct LeastJacobian {
+    double corner = std::numeric_limits<double>::infinity(), certified = corner;
+    bool is_below(const LeastJacobian& other) const { return corner < other.corner || certified < other.certified; }
+};
+
+LeastJacobian least_jacobian(const Deck& deck, const Problem& problem, const std::vector<double>& x) {
+    const std::vector<double> corner = corner_jacobians(problem.mesh(), x),
+                              certified = certify(problem.mesh(), x, deck.certificate).lower_bound;
+    LeastJacobian least;
+    for (int e = 0; e < problem.mesh().element_count(); ++e)
+        if (is_feasible(problem, e))
+            least = {std::min(least.corner, corner[e]), std::min(least.certified, certified[e])};
+    return least;
+}
+
+// Those that can be valid and are not.
+std::vector<int> invalid_elements(const Deck& deck, const Problem& problem, const std::vector<double>& x) {
+    std::vector<int> invalid = certify(problem.mesh(), x, deck.certificate).uncertified;
+    std::erase_if(invalid, [&](int e) { return !is_feasible(problem, e); });
+    return invalid;
+}
+
+std::vector<char> valid_elements(const Deck& deck, const Mesh& mesh, const std::vector<double>& x) {
+    std::vector<char> valid;
+    for (const double bound : certify(mesh, x, deck.certificate).lower_bound) valid.push_back(bound > 0);
+    return valid;
+}
+
+// Of the regular cells with edges as long as the formula has it at the middle of the elements.
+std::vector<double> volumes_by_size(const Deck& deck, const Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    const Expression size(deck.ideal_size, deck.constants);
+    std::vector<double> volumes;
+    for (int e = 0; e < mesh.element_count(); ++e) {
+        const Vec<3> at = problem.frame.to_file(element_centre(mesh, mesh.x, e));
+        const double length = size(at);
+        if (!(length > 0) || !std::isfinite(length))
+            throw UsageError(deck.given.at("ideal"), ": ideal = size: `", deck.ideal_size, "` is ", length,
+                             " at element ", mesh.file.element_id[e], " at ", position_text(at.data(), mesh.dim),
+                             ": it has to be a positive length everywhere");
+        double volume = std::pow(length / problem.frame.length, mesh.dim);
+        with_dimension(mesh.dim, [&](auto n) { volume *= regular_volume<n()>(mesh.cell(e)); });
+        volumes.push_back(volume);
+    }
+    return volumes;
+}
+
+// Whether no element is asked to be other than good, and the boundary to be elsewhere than on its surface.
+bool may_stay(const Deck& deck, const Problem& problem) {
+    const auto stays = [](const Motion& motion) {
+        return is_fixed(motion) || motion == parse_motion("slide");
+    };
+    return deck.ideal == IdealKind::regular && std::all_of(problem.motions.begin(), problem.motions.end(), stays);
+}
+
+// But for elements that cannot be valid: with these no more than that the boundary is not worse than in the file.
+bool is_certified(const Deck& deck, const Problem& problem, const std::vector<double>& x) {
+    const Mesh& mesh = problem.mesh();
+    const auto faults = [&](const std::vector<double>& at) {
+        return check_target(mesh, at, {}, FaceBend::any).faults.size();
+    };
+    if (!problem.infeasible.empty())
+        return invalid_elements(deck, problem, x).empty() && faults(x) <= faults(mesh.x);
+    return certified_injective(problem, x, certify(mesh, x, deck.certificate)).certified;
+}
+
+// A run that ended at x before Algorithm 1.
+Solution ended_at(const Problem& problem, std::vector<double> x, Status status) {
+    Solution solution;
+    Level& level = *problem.level;
+    solution.x = std::move(x);
+    solution.al.lambda.assign(level.constraint->multipliers(), 0.0);
+    solution.al.iterations.push_back(measured(*level.energy, *level.constraint, solution.x, solution.al.distortion));
+    solution.al.status = interrupted() ? Status::interrupted : status;
+    return solution;
+}
+
+// Elements whose boundary makes them invalid need not be valid from here on.
+void find_infeasible_elements(const Deck& deck, Problem& problem, const std::vector<double>& x, std::FILE* out) {
+    set_functional(deck, problem);
+    auto why = find_infeasible(problem.mesh(), x, *problem.level->constraint, problem.target, problem.sliding.get());
+    const auto count = why.size() - std::count(why.begin(), why.end(), "");
+    if (count == 0) return;
+    std::fprintf(out, "note: %s invalid whatever the nodes inside do: all others are made better\n",
+                 counted(count, "element").c_str());
+    problem.infeasible = std::move(why);
+}
+
+// Moves x, the first mesh, which has these invalid elements, to a valid one, but for elements that are then infeasible.
+void untangle(const Deck& deck, Problem& problem, const std::vector<int>& invalid, std::vector<double>& x,
+              int& newton_steps, std::FILE* out) {
+    const Mesh& mesh = problem.mesh();
+    std::vector<double> volumes = problem.regular;
+    for (int e = 0; e < mesh.element_count() && problem.regular.empty(); ++e)
+        volumes.push_back(volume(mesh, problem.ideal(), e));
+    set_functional(deck, problem);
+    const auto never = problem.infeasible.size() - std::count(problem.infeasible.begin(), problem.infeasible.end(), "");
+    UntanglingResult all{invalid};
+    const auto leave_out = [&](const std::vector<int>& elements) {
+        if (!elements.empty()) problem.infeasible.resize(mesh.element_count());
+        for (const int e : elements)
+            if (is_feasible(problem, e)) problem.infeasible[e] = "no positions were found at which it is valid";
+        std::erase_if(all.left, [&](int e) { return !is_feasible(problem, e); });
+    };
+    for (const bool again : {false, true}) {
+        const std::size_t count = all.left.size();
+        if (again && count > 0) leave_out(invalid_by_boundary(mesh, x, problem.target));  // others are in their regions
+        if (again && (all.left.empty() || all.left.size() == count)) break;
+        const auto energy = make_energy(
+            problem, *problem.level,
+            {.objective = Objective::tangled, .curved_ideal = true, .regular = problem.regular});
+        const UntanglingResult found = untangle_regions(mesh, volumes, *energy, *problem.level->constraint,
+                                                        problem.target, deck.linear, problem.infeasible, x);
+        all = {found.left, all.regions + found.regions, all.newton_iterations + found.newton_iterations};
+    }
+    leave_out(std::vector(all.left));
+    newton_steps += all.newton_iterations;
+    const auto left = std::count_if(invalid.begin(), invalid.end(), [&](int e) { return !is_feasible(problem, e); });
+    std::fprintf(out, "%s invalid in the file, %td left after %s in %s\n",
+                 counted(invalid.size() + never, "element").c_str(), left + static_cast<std::ptrdiff_t>(never),
+                 counted(all.newton_iterations, "Newton step").c_str(), counted(all.regions, "region").c_str());
+}
+
+}  // namespace
+
+Deck improvement_deck(const std::vector<std::string>& arguments) {
+    if (arguments.size() < 2) throw UsageError("improve takes a mesh file: almesh improve FILE [key=value ...]");
+    std::vector<std::string> settings(arguments.begin() + 1, arguments.end());
+    settings[0] = "mesh=" + quoted_where_needed(settings[0], "#\"");
+    return parse_deck("ideal = regular\nboundary all = slide\n", arguments[1], settings);
+}
+
+void check_improve(const Deck& deck) {
+    if (!is_improved(deck.ideal)) return;
+    const auto refuse = [&](const std::string& key) {
+        throw UsageError(deck.given.at(key), ": ", key,
+                         " does not go with ideal = regular, size or mesh: leave it out");
+    };
+    if (!deck.frames.empty()) refuse("frames");
+    if (deck.start == Start::coarse) refuse("start");
+    if (deck.local_repair == LocalRepair::yes) refuse("local_repair");
+    if (deck.split != Split::never) refuse("split");
+    if (sets_boundary(deck.method.moving)) refuse("method");
+}
+
+void set_ideal_elements(const Deck& deck, Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    if (deck.ideal == IdealKind::mesh) {
+        problem.level->ideal = read_positions(deck, "ideal", deck.ideal_file, mesh, problem.frame);
+    } else if (deck.ideal == IdealKind::size) {
+        problem.regular = volumes_by_size(deck, problem);
+    } else {
+        problem.regular = local_volumes(mesh, mesh.x, valid_elements(deck, mesh, mesh.x));
+    }
+}
+
+namespace {
+
+Solution improved(const Deck& deck, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
+    const Mesh& mesh = problem.mesh();
+    std::vector<double> x = problem.start.empty() ? mesh.x : problem.start;
+    const bool was_certified = invalid_elements(deck, problem, x).empty();
+    if (!was_certified || !may_stay(deck, problem)) find_infeasible_elements(deck, problem, x, out);
+    const std::vector<int> invalid = invalid_elements(deck, problem, x);
+    const bool was_valid = invalid.empty();
+    if (!was_valid) untangle(deck, problem, invalid, x, newton_steps, out);
+    if (std::find(problem.infeasible.begin(), problem.infeasible.end(), "") == problem.infeasible.end() &&
+        !problem.infeasible.empty())
+        return ended_at(problem, std::move(x), Status::inverted);
+    if (!was_certified) {
+        const std::size_t told = problem.notes.size();
+        take_along_target(problem, problem.start.empty() ? mesh.x : problem.start, x);
+        hold_curved_faces(deck, problem, x);
+        for (std::size_t k = told; k < problem.notes.size(); ++k)
+            std::fprintf(out, "note: %s\n", problem.notes[k].c_str());
+        if (deck.ideal != IdealKind::mesh) problem.level->ideal = x;  // by which faces and heights are measured
+    }
+    problem.start = x;
+    const LeastJacobian before = least_jacobian(deck, problem, x);
+    const auto is_worse = [&](const Solution& solution) {
+        return was_valid && may_stay(deck, problem) && least_jacobian(deck, problem, solution.x).is_below(before);
+    };
+    const auto fails = [&](const Solution& solution) {
+        return may_stay(deck, problem) && !interrupted() &&
+               !(solution.al.status == Status::converged && is_certified(deck, problem, solution.x));
+    };
+    Solution solution = solve(deck, problem);
+    if (is_worse(solution) && deck.distortion.objective != Objective::minimax && !interrupted()) {
+        std::fprintf(out, "note: an element is worse than the worst of the file: again with objective = minimax\n");
+        Deck other = deck;
+        other.distortion.objective = Objective::minimax;
+        solution = solve(other, problem);
+    }
+    if (problem.sliding && fails(solution) && is_certified(deck, problem, x)) {
+        std::fprintf(out, "note: no valid mesh was found with nodes that slide: the boundary stays as it is\n");
+        fix_boundary(problem, x);
+        solution = solve(deck, problem);
+    }
+    if (is_worse(solution) || (fails(solution) && is_certified(deck, problem, x))) {
+        std::fprintf(out, "note: no better mesh was found: the %smesh stays as it is\n",
+                     was_valid ? "" : "untangled ");
+        set_functional(deck, problem);
+        solution = ended_at(problem, std::move(x), Status::converged);
+    }
+    return solution;
+}
+
+// The last row is of all elements, those that cannot be valid too.
+void count_infeasible(const Deck& deck, Problem& problem, Solution& solution) {
+    if (problem.infeasible.empty()) return;
+    std::vector<std::string> why;
+    why.swap(problem.infeasible);
+    set_functional(deck, problem);
+    measure(*problem.level->energy, *problem.level->constraint, solution.x, solution.al.distortion,
+            solution.al.iterations.back());
+    if (solution.al.status == Status::converged && !invalid_elements(deck, problem, solution.x).empty())
+        solution.al.status = Status::inverted;
+    why.swap(problem.infeasible);
+}
+
+// A boundary that is where it has to be, none of whose nodes slides, needs no multipliers: half the Newton steps do.
+Deck with_boundary_set(const Deck& deck, const Problem& problem) {
+    const auto is_set = [&](const Motion& motion) {
+        return is_fixed(motion) || (motion == parse_motion("slide") && !problem.sliding);
+    };
+    Deck set = deck;
+    if (std::all_of(problem.motions.begin(), problem.motions.end(), is_set) &&
+        deck.distortion.objective != Objective::minimax && deck.method.moving == MovingMethod::augmented_lagrangian)
+        set.method.moving = MovingMethod::fixed_boundary;
+    return set;
+}
+
+// Of simplices, where the boundary need not be elsewhere and the minimum of no other objective or power is asked for.
+void raise_worst_corners(const Deck& deck, const Problem& problem, Solution& solution, int& newton_steps,
+                         std::FILE* out) {
+    const Mesh& mesh = problem.mesh();
+    const auto& groups = mesh.element_groups();
+    const auto is_simplex = [](const ElementGroup& group) { return group.cell->is_simplex(); };
+    if (!may_stay(deck, problem) || mesh.degree > 1 || !std::all_of(groups.begin(), groups.end(), is_simplex) ||
+        solution.al.status != Status::converged || deck.power ||
+        (deck.given.count("objective") > 0 && deck.distortion.objective != Objective::minimax))
+        return;
+    const Level& level = *problem.level;
+    std::vector<char> fixed(mesh.nodes(), 0);
+    for (const int i : level.constraint->nodes()) fixed[i] = 1;
+    for (int e = 0; e < mesh.element_count(); ++e)
+        for (int k = 0; k < mesh.element_nodes(e) && !is_feasible(problem, e); ++k) fixed[mesh.element(e)[k]] = 1;
+    const CornerSmoothing found = smooth_corners(mesh, fixed, *level.energy, deck.linear, solution.x);
+    newton_steps += found.newton_steps;
+    if (found.after == found.before) return;
+    measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
+    std::fprintf(out, "worst corner inside: scaled Jacobian raised from %s to %s in %s\n",
+                 rounded_down(found.before, 4).c_str(), rounded_down(found.after, 4).c_str(),
+                 counted(found.newton_steps, "Newton step").c_str());
+}
+
+}  // namespace
+
+Solution improve(const Deck& deck, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
+    const auto improve_near = [&](const Deck& with, Problem& of) {
+        const Solve near = near_surface(of, best_of_powers(solve, out), out);
+        const Solve with_corners = [&](const Deck& settings, const Problem& at) {
+            Solution found = near(with_boundary_set(settings, at), at);
+            raise_worst_corners(settings, at, found, newton_steps, out);
+            return found;
+        };
+        return improved(with, of, with_corners, newton_steps, out);
+    };
+    Solution solution = improve_near(deck, problem);
+    const Mesh& mesh = problem.mesh();
+    if (mesh.degree > 1 && solution.x == mesh.x && may_stay(deck, problem) && !interrupted()) {
+        std::fprintf(out, "the vertices alone are moved, as in a mesh with straight sides:\n");
+        std::vector<double> x = moved_vertices(deck, problem, improve_near);
+        const LeastJacobian before = least_jacobian(deck, problem, mesh.x);
+        const LeastJacobian now = x.empty() ? before : least_jacobian(deck, problem, x);
+        const bool is_better = now.corner > before.corner && !now.is_below(before) && is_certified(deck, problem, x);
+        if (!is_better) std::fprintf(out, "note: the mesh with moved vertices is not better either\n");
+        else fix_boundary(problem, x);
+        set_functional(deck, problem);
+        solution = ended_at(problem, is_better ? std::move(x) : mesh.x, Status::converged);
+    }
+    if (solution.al.status != Status::converged && may_stay(deck, problem) && is_certified(deck, problem, mesh.x) &&
+        surface_distance(problem, solution.x) > deck.surface_tolerance) {
+        std::fprintf(out, "note: faces were off the surface at the end: the mesh stays as it is\n");
+        set_functional(deck, problem);
+        solution = ended_at(problem, mesh.x, solution.al.status);
+    }
+    if (solution.al.status == Status::converged && deck.given.count("surface_tolerance") > 0 &&
+        surface_distance(problem, solution.x) > deck.surface_tolerance)
+        solution.al.status = Status::off_surface;
+    count_infeasible(deck, problem, solution);
+    print_surface(out, deck, problem, solution.x);
+    const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
+    print_quality_change(out, change);
+    write_file(deck.output + "/quality.csv", quality_csv(change));
+    return solution;
+}
+
+}  // namespace almesh

@@ -1,0 +1,335 @@
+// How a run ended, for its user: whether it converged and what is certified, and of any other ending what held it up
+// (check/diagnosis.hpp), at which boundary, node and element, and what to try against that. Places and lengths are in
+// the unit of the mesh file, ids those of final.msh.
+#include "app/run/solve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "deck/deck_checks.hpp"
+#include "problem/problem.hpp"
+#include "report/results.hpp"
+#include "report/results_folder.hpp"
+#include "base/files.hpp"
+#include "base/interrupt.hpp"
+#include "base/text.hpp"
+#include "mesh/unused_ids.hpp"
+#include "method/comparators.hpp"
+
+namespace almesh {
+namespace {
+
+std::string shown(double value, int digits = 4) {
+    std::string text;
+    append(text, value, digits);
+    return text;
+}
+
+bool is_certified(const Solution& solution) { return solution.injectivity.certified; }
+
+std::string headline(Status status) {
+    const bool late = status == Status::interrupted && out_of_time();
+    return status_row(status).ending + std::string(late ? ": max_seconds have passed" : "");
+}
+
+// Whether the boundary is on its target, as far as Algorithm 1 tests it.
+bool constrained(const Deck& deck, const AlIteration& row) {
+    const bool adaptive = deck.method.algorithm == Algorithm::adaptive;
+    return row.projected_constraint_norm * row.projected_constraint_norm <= deck.method.epsilon_star &&
+           (!adaptive || row.relative_boundary_error <= deck.method.wall_tolerance);
+}
+
+std::string quality_of_element(const Solution& solution, int element) {
+    return "eta " + shown(solution.al.distortion.element_max[element]) +
+           ", scaled Jacobian >= " + rounded_down(solution.certificate.lower_bound[element], 4);
+}
+
+std::string name_of(const Mesh& mesh, const Diagnosis& diagnosis) {
+    const bool is_node = diagnosis.node >= 0;
+    return concat(is_node ? "node " : "element ",
+                  is_node ? mesh.file.node_id[diagnosis.node] : mesh.file.element_id[diagnosis.element],
+                  !diagnosis.on_boundary ? ", nearest to" : is_node ? " of" : " beside", " boundary ",
+                  mesh.boundaries[diagnosis.boundary]);
+}
+
+std::string text_of_way(double way) {
+    if (std::isnan(way)) return "";
+    if (way < 0) return "; it was nearer at the start";
+    return "; it has gone " + (way > 0.9999 ? "more than 99.99" : shown(100 * way)) + " % of its way";
+}
+
+// "node 107 of boundary inner at (0.9, 0.1) is 0.137 from its target (0.72, 0.28), 0.55 of the height of its cells"
+std::string description(const Problem& problem, const Solution& solution) {
+    const Mesh& mesh = problem.mesh();
+    const Diagnosis& at = solution.diagnosis;
+    if (at.kind == DiagnosisKind::none) return "";
+    const auto position = [&](const std::array<double, 3>& x) {
+        return position_text(problem.frame.to_file(x).data(), mesh.dim);
+    };
+    const std::string name = name_of(mesh, at), subject = name + " at " + position(at.position);
+    switch (at.kind) {
+        case DiagnosisKind::off_target:
+            return subject + " is " + shown(at.distance * problem.frame.length) + " from its target " +
+                   position(at.target) + ", " + shown(at.heights, 2) + " of the height of its cells" +
+                   text_of_way(at.way);
+        case DiagnosisKind::unbalanced:
+            return subject + " has the largest part of |grad E|, " + shown(100 * at.share, 2) + " %";
+        case DiagnosisKind::distorted:
+            return subject + " is the most distorted: " + quality_of_element(solution, at.element);
+        case DiagnosisKind::invalid:
+            return subject + " has the least scaled Jacobian: " + quality_of_element(solution, at.element);
+        default: return overlap_text(mesh, solution.injectivity, problem.frame) + ": " + name;
+    }
+}
+
+std::string less_motion(const Solution& solution) {
+    return "a smaller motion" +
+           (solution.reached > 0 ? " (" + shown(solution.reached) + " of this one was reached)" : "");
+}
+
+// "boundary wall = slide or free": more freedom than the deck gives the boundary, as far as it accepts it; else "". A node
+// that another boundary moves cannot slide, and one boundary has to remain that is not free.
+std::string more_freedom(const Deck& deck, const Problem& problem, int b) {
+    const Mesh& mesh = problem.mesh();
+    const auto motion = [&](int of) { return motion_for(deck, mesh.boundaries[of])->motion; };
+    std::vector<char> moved(mesh.nodes(), 0);
+    bool may_slide = is_fixed(motion(b)) && !sets_boundary(deck.method.moving), may_be_free = false;
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        const int of = mesh.face_boundary[f];
+        if (of == b) return;
+        may_be_free = may_be_free || hold_of(motion(of)) != BoundaryHold::free;
+        moved[mesh.faces[k]] |= hold_of(motion(of)) == BoundaryHold::prescribed && !is_fixed(motion(of));
+    });
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        may_slide = may_slide && !(mesh.face_boundary[f] == b && moved[mesh.faces[k]]);
+    });
+    may_be_free = may_be_free && hold_of(motion(b)) != BoundaryHold::free && !sets_boundary(deck.method.moving);
+    if (!may_slide && !may_be_free) return "";
+    return concat("boundary ", quoted_where_needed(mesh.boundaries[b], "#=\" \t"), " = ", may_slide ? "slide" : "",
+                  may_slide && may_be_free ? " or " : "", may_be_free ? "free" : "", ", if its nodes need not ",
+                  hold_of(motion(b)) == BoundaryHold::slides ? "stay on its surface; " : "keep their positions; ");
+}
+
+// Against elements that are invalid by what their boundaries hold (check/infeasible.hpp).
+std::string against_infeasible(const Deck& deck, const Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    std::vector<char> at(mesh.nodes(), 0), beside(mesh.boundaries.size(), 0);
+    for (std::size_t e = 0; e < problem.infeasible.size(); ++e)
+        for (int k = 0; k < mesh.element_nodes(static_cast<int>(e)) && !problem.infeasible[e].empty(); ++k)
+            at[mesh.element(static_cast<int>(e))[k]] = 1;
+    for_face_nodes(mesh, [&](int f, std::size_t k) { beside[mesh.face_boundary[f]] |= at[mesh.faces[k]]; });
+    std::string to_try;
+    for (std::size_t b = 0; b < beside.size(); ++b)
+        if (beside[b]) to_try += more_freedom(deck, problem, static_cast<int>(b));
+    return to_try + "a mesh file in which these elements are divided or left out";
+}
+
+// Against a target that is too far: what the run has not done yet.
+std::string against_distance(const Deck& deck, const Problem& problem, const Solution& solution) {
+    const double alpha = distortion_of(deck).weight_exponent;
+    const Diagnosis& at = solution.diagnosis;
+    const bool fixed = at.kind == DiagnosisKind::off_target && at.distance > 0 && std::isnan(at.way) &&
+                       problem.target.hold[at.boundary] == BoundaryHold::prescribed;
+    std::string to_try;
+    if (fixed) to_try += more_freedom(deck, problem, at.boundary);
+    if (alpha > 0.5) to_try += "weight_exponent = 0.5 or 0; ";
+    if (deck.target == TargetKind::least_squares && !problem.target.in_trace_space) to_try += "target = nodal; ";
+    if (problem.base.degree == 1 && deck.refine < most_refinements) to_try += concat("refine = ", deck.refine + 1, "; ");
+    if (continuation_of(deck) == Continuation::never) to_try += "continuation = always; ";
+    return to_try + less_motion(solution);
+}
+
+std::string against_iterations(const Deck& deck, const Problem& problem, const Solution& solution) {
+    const std::vector<AlIteration>& rows = solution.al.iterations;
+    const double before = rows[rows.size() - 2].projected_constraint_norm, last = rows.back().projected_constraint_norm;
+    if (last > 0.5 * before) return against_distance(deck, problem, solution);
+    return concat("max_al_iterations = ", 2 * deck.method.max_iterations, ": |P c_D| fell from ",
+                  shown(before * problem.frame.length, 3), " to ", shown(last * problem.frame.length, 3),
+                  " in the last iteration");
+}
+
+std::string against_uncertified(const Deck& deck, const Problem& problem, const Solution& solution) {
+    if (deck.distortion.delta > 0) return "delta = 0, with which no step inverts an element";
+    if (solution.certificate.undecided > 0)
+        return concat("certificate_bisections = ", 10 * std::max(1, deck.certificate.max_bisections));
+    if (!problem.target.freed.empty())
+        return "a finer mesh of the surface there: its faces are too large for its curvature";
+    if (!problem.target.prescribes_all()) return "a motion without slide or free for the boundary there";
+    const Injectivity& found = solution.injectivity;
+    if (found.other_face < 0)
+        return "another mesh file, where elements of this one lie over each other (almesh quality FILE); " +
+               less_motion(solution);
+    const Mesh& mesh = problem.mesh();
+    const std::string a = mesh.boundaries[mesh.face_boundary[found.face]];
+    const std::string b = mesh.boundaries[mesh.face_boundary[found.other_face]];
+    return concat("contact = ", a, a == b ? "" : ", " + b,
+                  ", where two sides lie on each other and do not match; else another mesh file");
+}
+
+// |grad E| is rounded in proportion to the penalty, which algorithm = adaptive chooses by itself.
+std::string against_accuracy(const Deck& deck, const Solution& solution) {
+    const bool takes_mu0 = deck.method.moving == MovingMethod::penalty ||
+                           (deck.method.moving == MovingMethod::augmented_lagrangian &&
+                            deck.method.algorithm != Algorithm::adaptive);
+    if (takes_mu0) return "a smaller mu0, such as " + shown(1e-3 * deck.method.mu0) + ", or a larger omega0";
+    return "a larger omega_star, such as " + shown(2 * solution.al.iterations.back().gradient_norm, 2);
+}
+
+std::string against_cause(const Deck& deck, const Problem& problem, const Solution& solution) {
+    switch (solution.al.status) {
+        case Status::converged: return against_uncertified(deck, problem, solution);
+        case Status::stalled:
+        case Status::line_search_failed: return against_distance(deck, problem, solution);
+        case Status::overflow: return "a smaller mu0, such as " + shown(AugmentedLagrangianParams().mu0);
+        case Status::attainable_accuracy:
+        case Status::no_visible_gain: return against_accuracy(deck, solution);
+        case Status::ended_as_printed: return "algorithm = paper, which goes on until both tests are met";
+        case Status::max_al_iterations: return against_iterations(deck, problem, solution);
+        case Status::max_newton_iterations:
+            return concat("max_newton_iterations = ", 2 * deck.method.max_newton_iterations, "; ",
+                          against_distance(deck, problem, solution));
+        case Status::interrupted:
+            if (std::filesystem::exists(checkpoint_folder(deck))) return "resume=1, which goes on from here";
+            return out_of_time() ? concat("max_seconds = ", 4 * deck.max_seconds)
+                                 : "the run again: it starts from the mesh file";
+        case Status::linear_solver_failed:
+            if (solution.refused_bytes > 0) return "solver = cg, or a coarser mesh";
+            if (deck.linear.kind != SolverKind::cholesky) return "solver = cholesky";
+            return against_distance(deck, problem, solution);
+        case Status::inverted:
+        case Status::invalid_start:
+            if (is_improved(deck.ideal)) return against_infeasible(deck, problem);
+            return "method = augmented_lagrangian, which moves the boundary and the mesh together; " +
+                   less_motion(solution);
+        case Status::off_surface:
+            return "a larger surface_tolerance: no valid mesh was found with the boundary of the file";
+    }
+    return "";
+}
+
+// What to try, the most promising first.
+std::string remedies(const Deck& deck, const Problem& problem, const Solution& solution) {
+    std::string to_try = against_cause(deck, problem, solution);
+    if (problem.split_elements > 0 && deck.split == Split::automatic) to_try = "split = around; " + to_try;
+    if (problem.target.freed.empty() || problem.curves_in_place || problem.mesh().degree > 1) return to_try;
+    return accepts(deck, problem.base, "split", "auto") ? to_try + "; split = auto, so that no nodes slide" : to_try;
+}
+
+void print_diagnosis(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
+    if (solution.al.status == Status::converged && is_certified(solution)) return;
+    const Diagnosis& at = solution.diagnosis;
+    std::string text = description(problem, solution);
+    if (!text.empty()) text += "\n";
+    if (at.node >= 0)
+        text += concat("the most distorted element at the node, ", problem.mesh().file.element_id[at.element], ", has ",
+                       quality_of_element(solution, at.element), "\n");
+    std::fprintf(out, "%stry %s\n", text.c_str(), remedies(deck, problem, solution).c_str());
+}
+
+std::string judgement(const Problem& problem, const Solution& solution) {
+    if (const double overlap = solution.injectivity.overlap * problem.frame.length; is_certified(solution))
+        return concat("certified valid and injective",
+                      overlap > 0 ? ", but that boundaries in contact overlap by " + shown(overlap) : "");
+    if (!solution.certificate.valid) return "NOT certified valid (" + counts_of(solution.certificate) + ")";
+    const bool told = solution.diagnosis.kind == DiagnosisKind::overlap;
+    return "all elements valid, but NOT certified injective" +
+           (told ? "" : ": " + overlap_text(problem.mesh(), solution.injectivity, problem.frame));
+}
+
+// Where the boundary is, beside where the deck's motions take it.
+void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution) {
+    const BoundaryTarget& target = problem.target;
+    const AlIteration& last = solution.al.iterations.back();
+    const double error = solution.max_boundary_error * problem.frame.length;
+    const bool is_fit =
+        deck.target == TargetKind::least_squares && target.prescribes_all() && !target.in_trace_space;
+    if (solution.nodes_off_target > 0)
+        std::fprintf(out,
+                     "|c_D| = %.3g; %s off their targets, by at most %.2g of a cell's height; "
+                     "largest boundary error %.3g\n",
+                     last.constraint_norm * problem.frame.length,
+                     counted(solution.nodes_off_target, "boundary node").c_str(),
+                     last.relative_boundary_error, error);
+    else if (solution.nodes_off_motion == 0)
+        std::fprintf(out, "every boundary node is where its motion takes it to the last bit%s; between the nodes the "
+                     "boundary is within %.3g of its motion\n",
+                     problem.sliding ? ", or on the surface along which it slides" : "", error);
+    if (solution.nodes_off_motion > 0 && (is_fit || solution.nodes_off_target == 0))
+        std::fprintf(out, "%s%s off their motions by at most %.3g, %s\n",
+                     is_fit ? "target = least_squares fits the boundary to its motion in the mean: " : "",
+                     counted(solution.nodes_off_motion, "boundary node").c_str(), solution.off_motion,
+                     is_fit ? concat("between the nodes by at most ", shown(error, 3)).c_str()
+                            : "all others where their motions take them to the last bit");
+    if (solution.freed_nodes)
+        std::fprintf(out, "%d nodes slid along the surface, by at most %.3g; the faces are within %.3g of it\n",
+                     solution.freed_nodes, solution.largest_slide, solution.surface_distance * problem.frame.length);
+    if (solution.straight_faces)
+        std::fprintf(out, "%s of %d made flat, or flatter than they came\n",
+                     counted(solution.straight_faces, "face").c_str(), problem.mesh().face_count());
+    print_moved_nodes(out, problem.mesh(), solution.moved_nodes);
+    print_distances(out, problem.mesh(), solution.distances, "the target as it came");
+}
+
+// "5 AL and 11 Newton iterations"
+std::string work_of(const Deck& deck, const Solution& solution) {
+    const int steps = solution.al.newton_iterations;
+    const MovingMethod moving = deck.method.moving;
+    if (moving == MovingMethod::elasticity || moving == MovingMethod::harmonic) return counted(steps, "linear solve");
+    if (sets_boundary(moving)) return concat(steps, " linear solves and Newton iterations");
+    return concat(solution.al.iterations.size() - 1, " AL and ", steps, " Newton iterations");
+}
+
+}  // namespace
+
+Diagnosis diagnose(const Deck& deck, const Problem& problem, const Solution& solution) {
+    Level& level = *problem.level;
+    const Status status = solution.al.status;
+    if (status == Status::converged && is_certified(solution)) return {};
+    const LastMesh last = {level.mesh,        level.ideal,    solution.x,
+                           *level.constraint, problem.target, solution.al.distortion.element_max};
+    const auto farthest = [&] { return farthest_off_target(last); };
+    const auto unbalanced = [&] { return least_balanced(last, solution.al.gradient); };
+    switch (status_row(status).cause) {
+        case Cause::validity:
+            if (!solution.certificate.valid) return least_valid(last, solution.certificate.lower_bound);
+            return status == Status::converged ? overlapping(last, solution.injectivity) : farthest();
+        case Cause::gradient: return unbalanced();
+        case Cause::distortion: return most_distorted(last);
+        case Cause::boundary: return farthest();
+        case Cause::boundary_or_gradient:
+            return constrained(deck, solution.al.iterations.back()) ? unbalanced() : farthest();
+    }
+    return {};
+}
+
+void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {
+    std::string others;
+    if (const int steps = solution.coarse_newton_iterations) others = concat(steps, " more on coarser meshes");
+    if (const int steps = solution.al.earlier_newton_iterations)
+        others += concat(others.empty() ? "" : ", ", steps,
+                         problem.curves_in_place                           ? " more in other parts and attempts"
+                         : is_improved(deck.ideal)                         ? " more in other attempts"
+                         : deck.distortion.objective == Objective::minimax ? " more with earlier powers"
+                                                                           : " more in earlier load increments");
+    if (!others.empty()) others = " (" + others + ")";
+    std::fprintf(out, "%s: %s%s in %.2f s\n", headline(outcome(solution.al)).c_str(), work_of(deck, solution).c_str(),
+                 others.c_str(), solution.time.total);
+    print_diagnosis(out, deck, problem, solution);
+    print_boundary(out, deck, problem, solution);
+    if (solution.al.iterations.back().newton_status == Status::attainable_accuracy)
+        std::fprintf(out, "|grad E| stays above omega_star: what steps would gain is below the rounding of E\n");
+    if (fallbacks)
+        std::fprintf(out,
+                     "the iterative solver failed in %d Newton step%s; Cholesky solved them (why: history.csv)\n",
+                     fallbacks, fallbacks == 1 ? "" : "s");
+    if (solution.refused_bytes > 0)
+        std::fprintf(out, "the Cholesky factor takes %.3g GB, more than this machine's memory\n",
+                     solution.refused_bytes / 1e9);
+    const bool shows = solution.diagnosis.kind != DiagnosisKind::none && deck.vtk != VtkOutput::none;
+    std::fprintf(out, "%s: scaled Jacobian >= %s everywhere; results in %s%s\n", judgement(problem, solution).c_str(),
+                 rounded_down(solution.certificate.min_scaled_jacobian, 4).c_str(), deck.output.c_str(),
+                 shows ? ", the elements around it in stop.vtk" : "");
+}
+
+}  // namespace almesh

@@ -1,0 +1,391 @@
+// Every run is a process of its own: one that crashes or is killed takes none of the others with it.
+#include "app/sweep/sweep.hpp"
+
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+#include <thread>
+
+#include "app/commands.hpp"
+#include "deck/deck.hpp"
+#include "report/frame_table.hpp"
+#include "app/frames/frame_times.hpp"
+#include "problem/problem.hpp"
+#include "report/results_folder.hpp"
+#include "base/files.hpp"
+#include "base/interrupt.hpp"
+#include "base/stopwatch.hpp"
+
+namespace almesh {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_runs = 100000;
+
+struct Run {
+    int number = 0;    // from 1
+    std::string name;  // of its folder: mu0=10,refine=1
+    std::vector<std::string> values;
+    Deck deck;
+    std::string id;   // what sweep.row begins with: of program, deck and its files
+    std::string row;  // of sweep.csv, "" where the run has not ended
+};
+
+// The name of a folder that no shell takes apart.
+std::string as_name(std::string text) {
+    constexpr std::string_view plain = "=+-._";
+    const auto is_plain = [&](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) || plain.find(c) != plain.npos;
+    };
+    for (char& c : text) c = is_plain(c) ? c : '_';
+    return text;
+}
+
+std::string cell(const std::string& text) {
+    return text.find(',') == std::string::npos ? as_cell(text) : with_quotes(as_cell(text));
+}
+
+std::string in_shell_quotes(const std::string& text) {
+    std::string quoted = "'";
+    for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+    return quoted + "'";
+}
+
+// The row that the run has left, "" where it has not ended, or was another one.
+std::string row_in(const Run& run) {
+    const std::string file = run.deck.output + "/" + sweep_row;
+    std::error_code error;
+    const std::string text = fs::exists(file, error) ? read_file(file) : "";
+    return text.starts_with(run.id) ? text.substr(run.id.size()) : "";
+}
+
+// number, exit code, values, the quantities of summary.txt, and a note.
+std::string heading(const Deck& deck) {
+    std::string row = "number,exit_code";
+    for (const Sweep& sweep : deck.sweeps) row += "," + sweep.name;
+    for (const Named& quantity : summary_quantities()) row += concat(",", quantity.name);
+    return row + ",note\n";
+}
+
+// All but its number.
+std::string row_of(const Run& run, ExitCode code, const std::string& note) {
+    const bool is_refused = code == ExitCode::usage || code == ExitCode::input;
+    std::map<std::string, std::string, std::less<>> summary;
+    const std::string text = note.empty() ? read_file(run.deck.output + "/summary.txt")
+                                          : concat("status = ", is_refused ? "refused" : "failed");
+    for (const std::string_view line : split(text, '\n'))
+        if (const auto at = line.find(" = "); at != std::string_view::npos)
+            summary.emplace(line.substr(0, at), line.substr(at + 3));
+    std::string row = std::to_string(static_cast<int>(code));
+    for (const std::string& value : run.values) row += "," + cell(value);
+    for (const Named& quantity : summary_quantities()) row += "," + cell(summary[quantity.name]);
+    return row + "," + cell(note) + "\n";
+}
+
+std::string status_of(const Run& run) { return std::string(split(run.row, ',')[run.values.size() + 1]); }
+
+// In this process; what it prints goes to log.txt. It leaves a row but where it was interrupted.
+ExitCode run_one(const Run& run) {
+    make_folder(run.deck.output);
+    const std::string log = run.deck.output + "/log.txt";
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(log.c_str(), "w"), std::fclose);
+    if (!file) throw InputError("cannot write to ", log, ": ", std::strerror(errno));
+    ExitCode code = ExitCode::success;
+    std::string note;
+    try {
+        code = almesh::run(run.deck, file.get());
+    } catch (const Error& error) {
+        code = error.exit_code;
+        note = error.what();
+        std::fprintf(file.get(), "almesh: %s\n", error.what());
+    }
+    if (interrupt_flag == 0) write_file(run.deck.output + "/" + sweep_row, run.id + row_of(run, code, note));
+    return code;
+}
+
+// Its exit code is that of the run. It does not outlive a sweep that is killed, where the system is Linux.
+pid_t start_process(const Run& run) {
+    std::fflush(nullptr);  // else the child has what is not yet written, too
+    const pid_t sweep = getpid(), child = fork();
+    if (child < 0) throw InputError("cannot start a process: ", std::strerror(errno));
+    if (child > 0) return child;
+#ifdef __linux__
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+    if (getppid() != sweep) raise(SIGKILL);  // it was killed before
+    ExitCode code = ExitCode::input;
+    try {
+        code = run_one(run);
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "almesh: %s: %s\n", run.name.c_str(), error.what());
+    }
+    std::_Exit(static_cast<int>(code));
+}
+
+class SweepRun {
+public:
+    SweepRun(const std::string& path, const std::vector<std::string>& settings, std::FILE* out);
+    ExitCode run_here();
+    ExitCode run_task(int first, int step);
+    ExitCode write_script() const;
+    ExitCode collect();
+
+private:
+    struct Child {
+        Run* run;
+        Stopwatch watch;
+    };
+
+    std::string path_;
+    std::vector<std::string> settings_;
+    std::FILE* out_;
+    Deck deck_;
+    std::vector<Run> runs_;
+    std::set<std::string> names_;
+    FileHashes hash_;  // of the files that decks name
+    std::map<pid_t, Child> children_;
+    int done_ = 0, done_before_ = 0;
+    Stopwatch watch_;
+
+    void add_run(const std::vector<std::string>& values);
+    void read_rows();
+    void end(pid_t process, int status);
+    std::string path(const char* name) const { return concat(deck_.output, "/", name); }
+};
+
+// All decks are read before the first run starts.
+SweepRun::SweepRun(const std::string& path, const std::vector<std::string>& settings, std::FILE* out)
+    : path_(path), settings_(settings), out_(out), deck_(read_deck(path, settings)) {
+    const std::vector<Sweep>& sweeps = deck_.sweeps;
+    if (sweeps.empty()) throw UsageError(path, ": there is no line `sweep KEY = VALUES`; one run is almesh ", path);
+    std::size_t count = 1;
+    for (const Sweep& sweep : sweeps)
+        if ((count *= sweep.values.size()) > most_runs)
+            throw UsageError(sweep.where, ": these are more than ", most_runs, " runs");
+    for (std::size_t k = 0; k < count; ++k) {
+        std::vector<std::string> values(sweeps.size());
+        std::size_t rest = k;
+        for (std::size_t s = values.size(); s-- > 0; rest /= sweeps[s].values.size())
+            values[s] = sweeps[s].values[rest % sweeps[s].values.size()];
+        add_run(values);
+    }
+}
+
+void SweepRun::add_run(const std::vector<std::string>& values) {
+    Run run;
+    run.number = static_cast<int>(runs_.size()) + 1;
+    run.values = values;
+    std::vector<std::string> settings = settings_;
+    for (std::size_t s = 0; s < values.size(); ++s) {
+        const std::string& key = deck_.sweeps[s].name;
+        const std::string name = find_row(deck_keys(), key) ? key : "let " + key;
+        std::erase_if(settings, [&](const std::string& earlier) { return split(earlier, '=')[0] == name; });
+        settings.push_back(concat(name, "=", values[s]));
+        run.name += (s == 0 ? "" : ",") + as_name(concat(key, "=", values[s]));
+    }
+    if (!names_.insert(run.name).second) run.name += concat("-", run.number);
+    try {
+        run.deck = read_deck(path_, settings);
+    } catch (const UsageError& error) {
+        throw UsageError(deck_.sweeps.front().where, ": the run ", run.name, ": ", error.what());
+    }
+    if (is_coupled(run.deck.frames)) throw UsageError(run.name, ": frames = - has no end that a sweep can wait for");
+    run.deck.sweeps.clear();
+    run.deck.output = deck_.output + "/" + run.name;
+    if (run.deck.threads == 0) run.deck.threads = 1;
+    run.id = concat("# ", version(), ", commit ", commit(), ", run ", run_id(run.deck, hash_), "\n");
+    runs_.push_back(std::move(run));
+}
+
+void SweepRun::read_rows() {
+    for (Run& run : runs_) done_ += !(run.row = row_in(run)).empty();
+    done_before_ = done_;
+    if (done_ > 0) std::fprintf(out_, "%d of %s done before\n", done_, counted(runs_.size(), "run").c_str());
+}
+
+// A run's process has ended.
+void SweepRun::end(pid_t process, int status) {
+    const Child child = children_.at(process);
+    children_.erase(process);
+    Run& run = *child.run;
+    done_ += !(run.row = row_in(run)).empty();
+    std::string how = run.row.empty() ? concat("no result, exit code ", WEXITSTATUS(status)) : status_of(run);
+    if (WIFSIGNALED(status)) how = concat("killed by signal ", WTERMSIG(status));
+    const double left = watch_.seconds() / std::max(1, done_ - done_before_) *
+                        static_cast<double>(static_cast<int>(runs_.size()) - done_);
+    std::fprintf(out_, "%5d of %zu  %-30s  %-14s  %8.3fs  %.2fs left\n", done_, runs_.size(), run.name.c_str(),
+                 how.c_str(), child.watch.seconds(), left);
+    std::fflush(out_);
+}
+
+ExitCode SweepRun::run_here() {
+    make_folder(deck_.output);
+    const FolderLock lock(deck_.output);  // held by the runs' processes too
+    read_rows();
+    const CatchInterrupts catching;
+    const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    bool told = false;
+    for (auto next = runs_.begin(); next != runs_.end() || !children_.empty();) {
+        int threads = 0;
+        for (const auto& child : children_) threads += child.second.run->deck.threads;
+        if (interrupted()) {
+            next = runs_.end();
+            for (const auto& child : children_)
+                if (!told) kill(child.first, SIGTERM);
+            told = true;
+        }
+        if (next != runs_.end() && !next->row.empty()) {
+            ++next;
+        } else if (next != runs_.end() && (threads == 0 || threads + next->deck.threads <= cores)) {
+            children_.emplace(start_process(*next), Child{&*next, {}});
+            ++next;
+        } else if (int status = 0; const pid_t ended = waitpid(-1, &status, WNOHANG)) {
+            if (ended > 0) end(ended, status);
+        } else {
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+    }
+    return collect();
+}
+
+// In this process, one after the other.
+ExitCode SweepRun::run_task(int first, int step) {
+    read_rows();
+    const CatchInterrupts catching;
+    for (std::size_t k = first - 1; k < runs_.size() && !interrupted(); k += step) {
+        if (!runs_[k].row.empty()) continue;
+        std::fprintf(out_, "%s\n", runs_[k].name.c_str());
+        std::fflush(out_);
+        run_one(runs_[k]);
+    }
+    return interrupted() ? ExitCode::not_converged : ExitCode::success;
+}
+
+// Rows of what has ended, in the order of the runs; which have failed, and which are missing.
+ExitCode SweepRun::collect() {
+    std::string table = heading(deck_);
+    std::map<ExitCode, int> ended;
+    int missing = 0;
+    for (Run& run : runs_) {
+        run.row = row_in(run);
+        if (run.row.empty()) {
+            std::fprintf(out_, "no result: %s\n", run.name.c_str());
+            ++missing;
+            continue;
+        }
+        const auto code = static_cast<ExitCode>(parse_int(run.row.substr(0, run.row.find(','))).value_or(0));
+        if (code != ExitCode::success)
+            std::fprintf(out_, "exit code %d: %s, %s: log.txt in its folder\n", static_cast<int>(code),
+                         run.name.c_str(), status_of(run).c_str());
+        ++ended[code];
+        table += concat(run.number, ",", run.row);
+    }
+    write_file(path("sweep.csv"), table);
+    std::string text = counted(runs_.size(), "run") + ":";
+    for (const auto& [code, count] : ended) text += concat(" ", count, " of exit code ", static_cast<int>(code), ",");
+    if (missing > 0) text += concat(" ", missing, " without result, which the same command runs again,");
+    std::fprintf(out_, "%s table in %s\n", text.c_str(), path("sweep.csv").c_str());
+    if (missing > 0) ended[ExitCode::not_converged] += missing;
+    ended.erase(ExitCode::success);
+    return ended.empty() ? ExitCode::success : ended.begin()->first;
+}
+
+ExitCode SweepRun::write_script() const {
+    constexpr std::size_t most_tasks = 1000;  // Slurm's own limit is 1001, where its administrator sets no other
+    std::error_code error;
+    const fs::path program = fs::read_symlink("/proc/self/exe", error);
+    const std::size_t tasks = std::min(runs_.size(), most_tasks);
+    std::string command = in_shell_quotes(error ? "almesh" : program.string()) + " sweep " + in_shell_quotes(path_);
+    for (const std::string& setting : settings_) command += " " + in_shell_quotes(setting);
+    const std::string script = concat(
+        "#!/bin/bash\n"
+        "#SBATCH --job-name=", as_name(deck_.name), "\n"
+        "#SBATCH --array=1-", tasks, "\n"
+        "#SBATCH --cpus-per-task=", runs_.front().deck.threads, "\n"
+        "#SBATCH --requeue\n"
+        "#SBATCH --output=", fs::absolute(deck_.output).string(), "/slurm-%a.out\n"
+        "# Runs that have ended are not run again: submit it again after a failure. Then gather:\n"
+        "# ", command, " --collect\n"
+        "cd ", in_shell_quotes(fs::current_path().string()), " || exit 2\n"
+        "exec ", command, " --run \"$SLURM_ARRAY_TASK_ID/", tasks, "\"\n");
+    make_folder(deck_.output);
+    write_file(path("sweep.sh"), script);
+    std::fprintf(out_, "%s in %s of a job array; submit it, then gather:\n  sbatch %s\n  %s --collect\n",
+                 counted(runs_.size(), "run").c_str(), counted(tasks, "task").c_str(), path("sweep.sh").c_str(),
+                 command.c_str());
+    return ExitCode::success;
+}
+
+// K/N
+std::pair<int, int> task_of(const std::string& text) {
+    const auto slash = text.find('/');
+    const auto first = parse_int(text.substr(0, slash), 1);
+    const auto step = slash == std::string::npos ? std::nullopt : parse_int(text.substr(slash + 1), 1);
+    if (!first || !step) throw UsageError("--run ", text, ": expected K/N, the runs K, K + N, K + 2 N, ...");
+    return {*first, *step};
+}
+
+}  // namespace
+
+Sweep parse_sweep(std::string_view text) {
+    const auto equals = text.find('=');
+    Sweep sweep;
+    sweep.name = trim(text.substr(0, equals));
+    if (const auto word = words(sweep.name); !word.empty() && (word[0] == "boundary" || word[0] == "volume"))
+        throw UsageError("sweep ", sweep.name, ": a sweep is over numbers or words: name what differs between the ",
+                         "motions, as in `let a = 30`, `boundary NAME = rotate a`, `sweep a = 30, 60`");
+    if (sweep.name == "output")
+        throw UsageError("sweep output: every run of a sweep has a folder of its own in that of the key output");
+    if (equals == std::string_view::npos || words(sweep.name).size() != 1)
+        throw UsageError("expected `sweep KEY = VALUE, VALUE, ...` or `sweep KEY = FROM : STEP : TO`");
+    for (const std::string_view value : split(text.substr(equals + 1), ',')) {
+        if (value.empty()) throw UsageError("sweep ", sweep.name, ": a value is missing");
+        if (value.find(':') == std::string_view::npos) sweep.values.emplace_back(value);
+        else for (const double number : numbers_of_range("sweep " + sweep.name, value))
+            sweep.values.push_back(to_text(number));
+    }
+    std::set<std::string> seen;
+    for (const std::string& value : sweep.values)
+        if (!seen.insert(value).second)
+            throw UsageError("sweep ", sweep.name, ": ", in_backquotes(value), " is there twice");
+    return sweep;
+}
+
+ExitCode sweep(const std::vector<std::string>& arguments, std::FILE* out) {
+    std::vector<std::string> settings;
+    std::string mode, task;
+    for (std::size_t i = 1; i < arguments.size(); ++i) {
+        const std::string& argument = arguments[i];
+        if (!argument.starts_with("--")) {
+            settings.push_back(argument);
+            continue;
+        }
+        if (!mode.empty()) throw UsageError("sweep: ", mode, " and ", argument, ": one at a time");
+        mode = argument;
+        if (mode == "--run") task = ++i < arguments.size() ? arguments[i] : "";
+    }
+    if (arguments.empty() || arguments[0].starts_with("-"))
+        throw UsageError("sweep takes a deck: almesh sweep DECK [key=value ...]");
+    const auto [first, step] = mode == "--run" ? task_of(task) : std::pair(1, 1);
+    SweepRun runs(arguments[0], settings, out);
+    if (mode.empty()) return runs.run_here();
+    if (mode == "--run") return runs.run_task(first, step);
+    if (mode == "--slurm") return runs.write_script();
+    if (mode == "--collect") return runs.collect();
+    throw UsageError("sweep: unknown option ", mode, did_you_mean(mode, {"--slurm", "--run", "--collect"}));
+}
+
+}  // namespace almesh

@@ -1,0 +1,164 @@
+// The deck: the input file of a run, plain text of `key = value` lines.
+//
+//   mesh = meshes/circle.msh        # from the deck's folder
+//   boundary inner = translate 8 0
+//   boundary "outer wall" = fixed
+//   volume solid = rotate 10 about 0 0
+//   select top = z > 0.99 and nz > 0.5
+//   let turn = 30
+//   expect relative_quality = 0.9365 +- 0.0005
+//   sweep refine = 0, 1, 2
+//
+// `#` starts a comment. A boundary name with blanks, and a text with a `#` or with blanks at its ends, stands in double
+// quotes; a `"` inside cannot be written. Every key, its legal values and meaning: the table of deck_keys.cpp. Settings
+// of the same form on the command line replace those of the file: `refine=2`, `boundary inner=translate 4 0`,
+// `expect nodes = 3324` (which replaces all that the file expects of that quantity).
+#pragma once
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "problem/base_mesh.hpp"
+#include "report/summary.hpp"
+#include "app/sweep/sweep.hpp"
+#include "check/certificate.hpp"
+#include "constraint/expression.hpp"
+#include "constraint/target.hpp"
+#include "energy/options.hpp"
+#include "linalg/linear_solver.hpp"
+#include "method/forcing.hpp"
+#include "method/schedule.hpp"
+
+namespace almesh {
+
+struct DeckBoundary {
+    std::string name;  // of the mesh's physical group, "volume NAME" where it is one of elements
+    Motion motion;
+    std::string where;  // "circle.deck:12" or "command line"
+    bool is_volume = false;
+};
+
+constexpr int most_refinements = 8;
+
+// Outer faces that are a boundary although the file does not name it.
+struct DeckSelection {
+    std::string name, text;              // text: as written
+    std::optional<Condition> condition;  // of the faces' centres and normals; else by the numbers of smooth parts
+    std::vector<int> parts;
+    std::string where;
+};
+
+enum class Start { automatic, identity, coarse, file };
+enum class Snap { automatic, no, yes };
+enum class LocalRepair { automatic, no, yes };
+enum class SurfaceKind { automatic, keep, slide, straighten };
+enum class Split { never, automatic, around };
+enum class Velocity { no, nodes, faces };
+enum class VtkOutput { ascii, binary, none };
+// As written in the deck; those of one version of MSH stand from msh22 on.
+enum class FinalFormat { input, msh, su2, both, msh22, msh22_binary, msh40, msh40_binary, msh41, msh41_binary };
+
+struct Deck {
+    // The keys with their defaults; parameters of the method stand in its own structs. An empty optional is `auto`.
+    std::string mesh;    // path as seen from the current folder
+    std::string output;  // folder, from the current one; outputs/<name> where the deck says nothing
+    std::string title;
+    int degree = 0;
+    int refine = 0;
+    TargetKind target = TargetKind::nodal;
+    SharedNodes::Rule shared_nodes = SharedNodes::refuse;
+    DistortionParams distortion;  // but for weight_exponent and power:
+    std::optional<double> weight_exponent;
+    std::optional<int> power;
+    AugmentedLagrangianParams method;
+    std::optional<int> increments;
+    IdealKind ideal = IdealKind::automatic;
+    std::string ideal_size, ideal_file;  // formula of x, y, z; path as seen from the current folder
+    Start start = Start::automatic;
+    std::string start_file;  // path as seen from the current folder
+    Continuation continuation = Continuation::automatic;
+    Snap snap = Snap::automatic;
+    LocalRepair local_repair = LocalRepair::automatic;
+    double min_scaled_jacobian = 0.02;
+    double feature_angle = 30;  // degrees
+    double surface_tolerance = 1e-3;  // of the local edge, of a mesh that is improved
+    SurfaceKind surface = SurfaceKind::automatic;
+    Split split = Split::never;
+    std::optional<double> length_scale;
+    LinearSolverParams linear;
+    Forcing forcing = Forcing::automatic;
+    CertificateParams certificate;
+    int write_system = 0;
+    int iterates = 0;
+    double max_seconds = 0;
+    double checkpoint = 10;
+    int resume = 0;
+    VtkOutput vtk = VtkOutput::ascii;
+    FinalFormat final_format = FinalFormat::input;
+    std::string wall;  // boundary name, "" for none
+    std::string contact;  // names of boundaries, lists of them separated by ;
+    std::string frames;  // times, or path of a file of them; "": one run without time
+    bool keep_going = false;
+    Velocity velocity = Velocity::no;
+    int threads = 0;
+
+    Constants constants;                    // in the order written
+    std::vector<DeckBoundary> boundaries;   // in the order written
+    std::vector<DeckSelection> selections;  // in the order written
+    std::vector<Expectation> expectations;  // in the order written
+    std::vector<Sweep> sweeps;              // in the order written, for `almesh sweep`
+
+    std::string path, folder, name;            // of the deck file: inputs/circle.deck, inputs, circle
+    std::map<std::string, std::string> given;  // key -> where it was set, for errors found later
+};
+
+// Reads the file, then the settings of the command line. Throws UsageError naming file and line (or "command line") for
+// anything that is not a legal setting, a repeated one, a missing mesh, and a file that is no text or over 1 MB.
+Deck read_deck(const std::string& path, const std::vector<std::string>& overrides = {});
+
+// The same from text in memory; `path` stands for the file.
+// mesh: what the deck's key would name, where the text has none.
+Deck parse_deck(std::string_view text, const std::string& path, const std::vector<std::string>& overrides = {},
+                const std::string& mesh = "");
+
+// The motion of a boundary of the mesh: its own, or that of `rest` or `all`; null where there is none.
+const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary);
+
+// The deck's settings, with those that are `auto` made definite.
+DistortionParams distortion_of(const Deck& deck);  // but for curved_ideal
+int increments_of(const Deck& deck);
+Continuation continuation_of(const Deck& deck);  // automatic only with algorithm = adaptive
+
+// Every key with its value, commented, as text of a deck to stand in the output folder. Read from the same current
+// folder it gives the same Deck but for path, folder, name and lines. The mesh is given by its path relative to the
+// output folder, or by the absolute one where there is none.
+std::string resolved(const Deck& deck);
+
+// The value of a key as text.
+struct DeckValue {
+    std::string legal;  // "integer in 0..8", "nodal | least_squares", "auto or number > 0"
+    // Reads the text; returns nothing, or where it is not legal a hint, which may be "".
+    std::function<std::optional<std::string>(Deck&, std::string_view)> set;
+    std::function<std::string(const Deck&)> text;  // set() reads it again
+};
+
+// One row of the table in deck_keys.cpp, which feeds the parser, the list of keys and the resolved deck.
+struct DeckKey {
+    std::string name;
+    DeckValue value;
+    std::string meaning;
+};
+
+const std::vector<DeckKey>& deck_keys();
+
+// Throws UsageError, without file and line, for a text that is not a legal value.
+void set_value(Deck& deck, const DeckKey& key, std::string_view text);
+
+// The text of `almesh --keys`, within 100 columns: all keys with default, legal values and meaning, boundary, its
+// motions, expect, the quantities of the summary, the columns of the history.
+std::string keys_table();
+
+}  // namespace almesh

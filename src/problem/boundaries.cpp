@@ -1,0 +1,237 @@
+#include "problem/boundaries.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "geometry/face_patches.hpp"
+#include "mesh/inner_boundary.hpp"
+
+namespace almesh {
+namespace {
+
+using Names = std::vector<std::string>;
+
+bool has(const Names& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::string list_of(const Names& names) {
+    constexpr std::size_t most = 20;
+    std::string list;
+    for (std::size_t k = 0; k < names.size() && k < most; ++k) list += (k ? ", " : "") + with_quotes(names[k]);
+    return names.size() > most ? concat(list, " and ", names.size() - most, " more") : list;
+}
+
+std::string plain_name(const DeckBoundary& line) {
+    return line.is_volume ? line.name.substr(volume_group("").size()) : line.name;
+}
+
+// As it stands in the deck.
+std::string shown(const DeckBoundary& line) {
+    return (line.is_volume ? "volume " : "boundary ") + with_quotes(plain_name(line));
+}
+
+// Names of the groups of the mesh: of outer faces, of inner faces, and of elements.
+struct MeshGroups {
+    Names outer, inner, volumes;
+
+    explicit MeshGroups(const Mesh& mesh)
+        : inner(names_of(inner_groups(mesh))), volumes(names_of(volume_groups(mesh))) {
+        for (const Names& of_boundary : mesh.boundary_groups) add(of_boundary, outer);
+    }
+
+    static void add(const Names& more, Names& names) {
+        for (const std::string& name : more)
+            if (!has(names, name)) names.push_back(name);
+    }
+};
+
+void check_names(const Deck& deck, const Mesh& mesh, const MeshGroups& groups) {
+    Names faces = groups.outer;
+    MeshGroups::add(groups.inner, faces);
+    MeshGroups::add(mesh.boundaries, faces);
+    const auto check = [](const std::string& where, const char* kind, const Names& names, const std::string& name) {
+        if (!has(names, name))
+            throw UsageError(where, ": the mesh has no ", kind, " ", with_quotes(name),
+                             names.empty() ? "" : ", only " + list_of(names));
+    };
+    for (const DeckBoundary& line : deck.boundaries) {
+        if (line.is_volume) check(line.where, "volume", groups.volumes, plain_name(line));
+        else if (line.name != "all" && line.name != "rest") check(line.where, "boundary", faces, line.name);
+        try {
+            check_dimension(line.motion, mesh.dim);
+        } catch (const UsageError& error) {
+            throw UsageError(line.where, ": ", shown(line), ": ", error.what());
+        }
+    }
+    if (deck.wall.empty()) return;
+    const auto it = deck.given.find("wall");
+    check((it == deck.given.end() ? deck.path : it->second) + ": wall", "boundary", groups.outer, deck.wall);
+}
+
+// The line of the deck that names a boundary, else one of its groups; null where none does.
+const DeckBoundary* line_of(const Deck& deck, const Mesh& mesh, int boundary) {
+    const DeckBoundary* found = find_row(deck.boundaries, mesh.boundaries[boundary]);
+    if (found) return found;
+    for (const DeckBoundary& line : deck.boundaries) {
+        if (!has(mesh.boundary_groups[boundary], line.name)) continue;
+        if (found && found->motion != line.motion) {
+            const auto face = std::find(mesh.face_boundary.begin(), mesh.face_boundary.end(), boundary);
+            throw UsageError(line.where, ": ", shown(line), " and ", shown(*found), " (", found->where,
+                             ") have faces in common, the first with id ",
+                             mesh.file.face_id[face - mesh.face_boundary.begin()], ", and their motions disagree");
+        }
+        if (!found) found = &line;
+    }
+    return found;
+}
+
+// Those all of whose faces belong to others now.
+void drop_empty_boundaries(Mesh& mesh) {
+    std::vector<int> number(mesh.boundaries.size(), -1);
+    for (const int boundary : mesh.face_boundary) number[boundary] = 0;
+    int next = 0;
+    for (std::size_t b = 0; b < number.size(); ++b) {
+        if (number[b] < 0) continue;
+        number[b] = next;
+        mesh.boundaries[next] = mesh.boundaries[b];
+        mesh.boundary_groups[next] = mesh.boundary_groups[b];
+        if (!mesh.inner.empty()) mesh.inner[next] = mesh.inner[b];
+        ++next;
+    }
+    mesh.boundaries.resize(next);
+    mesh.boundary_groups.resize(next);
+    if (!mesh.inner.empty()) mesh.inner.resize(next);
+    for (int& boundary : mesh.face_boundary) boundary = number[boundary];
+}
+
+// Boundaries that one line moves become one.
+void merge_boundaries(const Deck& deck, Mesh& mesh) {
+    std::map<std::pair<std::string, bool>, int> known;  // by name, and whether it is an inner one
+    Mesh merged;
+    std::vector<int> number;
+    for (int b = 0; b < static_cast<int>(mesh.boundaries.size()); ++b) {
+        const DeckBoundary* const line = line_of(deck, mesh, b);
+        const bool is_inner = !mesh.inner.empty() && mesh.inner[b];
+        const std::string& name = line ? line->name : mesh.boundaries[b];
+        const auto [at, is_new] = known.try_emplace({name, is_inner}, static_cast<int>(merged.boundaries.size()));
+        number.push_back(at->second);
+        if (is_new) {
+            merged.boundaries.push_back(name);
+            merged.boundary_groups.emplace_back();
+            if (!mesh.inner.empty()) merged.inner.push_back(is_inner);
+        }
+        for (const std::string& group : mesh.boundary_groups[b])
+            if (!has(merged.boundary_groups[at->second], group)) merged.boundary_groups[at->second].push_back(group);
+    }
+    mesh.boundaries = std::move(merged.boundaries);
+    mesh.boundary_groups = std::move(merged.boundary_groups);
+    mesh.inner = std::move(merged.inner);
+    for (int& boundary : mesh.face_boundary) boundary = number[boundary];
+}
+
+// The faces that a selection takes become a boundary of its name alone.
+void select_faces(const Deck& deck, Mesh& mesh) {
+    std::vector<int> part;
+    for (const DeckSelection& selection : deck.selections) {
+        if (!selection.condition && part.empty()) part = smooth_parts(mesh, deck.feature_angle);
+        const auto is_chosen = [&](int f) {
+            if (!selection.condition)
+                return std::find(selection.parts.begin(), selection.parts.end(), part[f]) != selection.parts.end();
+            return (*selection.condition)(centroid(mesh, mesh.x, mesh.face(f), mesh.face_cell(f).vertices),
+                                           unit_normal(mesh, f));
+        };
+        std::vector<int> chosen;
+        for (int f = 0; f < mesh.face_count(); ++f)
+            if (is_chosen(f)) chosen.push_back(f);
+        if (chosen.empty())
+            throw UsageError(selection.where, ": select ", with_quotes(selection.name),
+                             " takes no face of the boundary: almesh info ", deck.mesh,
+                             selection.condition
+                                 ? " shows the boxes of its boundaries"
+                                 : " feature_angle=" + to_text(deck.feature_angle) + " numbers its parts");
+        const std::vector<char> known = mesh.boundaries_in(selection.name);
+        if (std::count(known.begin(), known.end(), 1) > 0)
+            throw UsageError(selection.where, ": select ", with_quotes(selection.name),
+                             ": the mesh has a boundary of this name already");
+        const int boundary = add_boundary(mesh, {selection.name});
+        for (const int f : chosen) mesh.face_boundary[f] = boundary;
+    }
+    drop_empty_boundaries(mesh);
+}
+
+// The motion, with `slide` last where it prescribes positions.
+Motion sliding(const Motion& motion) {
+    if (hold_of(motion) != BoundaryHold::prescribed) return motion;
+    Motion with = is_fixed(motion) ? Motion{} : motion;
+    with.steps.push_back(parse_motion("slide").steps.front());
+    return with;
+}
+
+// `contact = A, B; C`: 1 for A and B, -2 for C.
+void set_contacts(const Deck& deck, Mesh& mesh) {
+    if (deck.contact.empty()) return;
+    const auto refuse = [&deck](std::string_view name, const char* why) {
+        throw UsageError(deck.given.at("contact"), ": contact: ", in_backquotes(name), why);
+    };
+    mesh.contact.assign(mesh.boundaries.size(), 0);
+    int number = 0;
+    for (const std::string_view list : split(deck.contact, ';')) {
+        const std::vector<std::string_view> names = split(list, ',');
+        ++number;
+        for (const std::string_view name : names) {
+            bool is_known = false;
+            for (std::size_t b = 0; b < mesh.boundaries.size(); ++b) {
+                if (mesh.boundaries[b] != name && !has(mesh.boundary_groups[b], std::string(name))) continue;
+                if (mesh.contact[b] != 0) refuse(name, " stands twice");
+                mesh.contact[b] = names.size() == 1 ? -number : number;
+                is_known = true;
+            }
+            if (!is_known) refuse(name, " is no boundary of the mesh");
+        }
+    }
+}
+
+}  // namespace
+
+void assign_boundaries(const Deck& deck, Mesh& mesh, std::vector<std::string>& notes) {
+    if (!deck.selections.empty()) select_faces(deck, mesh);
+    const MeshGroups groups(mesh);
+    const bool keeps_inner = is_improved(deck.ideal) && motion_for(deck, "rest");
+    Names inner, volumes;
+    for (const DeckBoundary& line : deck.boundaries) {
+        if (line.is_volume) volumes.push_back(plain_name(line));
+        else if (has(groups.inner, line.name)) inner.push_back(line.name);
+    }
+    if (keeps_inner) inner = groups.inner;
+    if (!inner.empty() || !volumes.empty() || keeps_inner) {
+        make_inner_boundaries(mesh, inner, volumes, keeps_inner);
+        drop_empty_boundaries(mesh);
+    }
+    check_names(deck, mesh, groups);
+    const Names free = names_of(inner_groups(mesh));
+    if (!free.empty()) notes.push_back("inside the mesh, and free as the deck has no line for them: " + list_of(free));
+    merge_boundaries(deck, mesh);
+    set_contacts(deck, mesh);
+}
+
+std::vector<Motion> motions_of(const Deck& deck, const Mesh& mesh) {
+    std::vector<Motion> motions;
+    Names missing;
+    for (const std::string& name : mesh.boundaries) {
+        const DeckBoundary* const line = motion_for(deck, name);
+        if (!line) missing.push_back(name);
+        else if (deck.surface == SurfaceKind::slide && !line->is_volume) motions.push_back(sliding(line->motion));
+        else motions.push_back(line->motion);
+    }
+    if (missing.empty()) return motions;
+    std::string lines;
+    for (const std::string& name : missing)
+        lines += "\n  boundary " + quoted_where_needed(name, "#=\" \t") + " = fixed";
+    throw UsageError(deck.path, ": ", counted(missing.size(), "boundary line"),
+                     " missing; add `boundary rest = fixed`, or each of these with its motion:", lines);
+}
+
+}  // namespace almesh

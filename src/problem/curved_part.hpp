@@ -1,0 +1,62 @@
+// Some elements of a mesh, curved as a problem of their own: their nodes that others have too are fixed.
+#pragma once
+#include <vector>
+
+#include "problem/problem.hpp"
+#include "check/freed_nodes.hpp"
+
+namespace almesh {
+
+double work_of(const Mesh& mesh, int e);  // blocks of the element's Hessian
+
+// The chosen elements in sets of neighbours, by their vertices, each of so many at most, or with the work of so many
+// tetrahedra of degree 3.
+std::vector<std::vector<int>> places_of(const Mesh& mesh, const std::vector<char>& chosen, std::size_t at_once);
+
+struct CurvedPart {
+    Mesh mesh;  // in the run's frame; x: the straight-sided form
+    // Nodes x dim: as in the file, as they are, and where the boundary is to go.
+    std::vector<double> file, start, curved;
+    std::vector<int> node, element, face;  // of the part -> of the whole; -1 for faces at the cut
+    std::vector<char> on_cut;     // per node
+    std::vector<char> freed;      // per node: whether it slides along the whole's surfaces; empty: none
+};
+
+// chosen: per element of the whole, at x now. curved: of the whole's boundary.
+CurvedPart curved_part(const Problem& whole, const std::vector<char>& chosen, const std::vector<double>& x,
+                       const std::vector<double>& curved);
+
+// Faces and elements of the part that its boundary makes invalid by itself, with the positions `curved` of nodes that
+// are not freed. bound: as in find_faults().
+TargetFaults find_faults(const CurvedPart& part, double bound);
+
+std::vector<int> elements_of(const CurvedPart& part, const TargetFaults& faults);
+
+// Per node of the part: whether it is on a boundary face of these elements, and not on the cut.
+std::vector<char> freed_nodes(const CurvedPart& part, const std::vector<int>& elements);
+
+// The same with the faces around them, see freed_nodes() of freed_nodes.hpp.
+std::vector<char> freed_nodes_around(const CurvedPart& part, const TargetFaults& faults);
+
+// Frees these nodes of the part. Their target is where the file has them: elsewhere surfaces may leave them no way to
+// go.
+void free_nodes(const std::vector<char>& chosen, CurvedPart& part);
+
+// The same of boundary nodes that are not on the cut, chosen among those of the whole.
+void free_nodes_in(const std::vector<char>& of_whole, bool vertices_too, CurvedPart& part);
+
+// Moves `curved` towards the straight-sided form until it makes no element invalid by itself.
+void flatten(CurvedPart& part, double bound);
+
+struct CurvedPartResult {
+    std::vector<double> x;  // nodes x dim of the part
+    AlResult al;
+    // Valid only where it is injective too, and every node of the boundary in its place or on its surfaces.
+    Certificate certificate;
+};
+
+// surfaces: of the whole, along which freed nodes slide; may be null where there are none. The part is given up where
+// its boundary is not near its target after the first Newton steps, with a small penalty.
+CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const SlidingSurfaces* surfaces, int first_steps);
+
+}  // namespace almesh

@@ -1,0 +1,304 @@
+#include "problem/curving.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "problem/curved_part.hpp"
+#include "base/error.hpp"
+#include "base/interrupt.hpp"
+#include "base/text.hpp"
+#include "check/straightened.hpp"
+#include "constraint/sliding_nodes.hpp"
+#include "mesh/kept_cells.hpp"
+#include "mesh/part.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double small_work = 5e5;  // blocks of all elements' Hessians: about a second for all steps of a solution
+constexpr int most_al_iterations = 6, most_newton_steps = 20;  // of the whole mesh, when there is another way
+
+// What is tried, in this order, each where those before have left elements straightened: with the boundary of a part,
+// whose largest number of these elements is at_once (of tetrahedra of degree 3), how far around them in units of their
+// edges, and with how many Newton steps before it has to be near (curved_part.hpp). Planes keep their shape wherever
+// nodes slide in them: large parts then have the room that they need.
+enum class Boundary { stays, slides_inside_planes, slides_in_planes, slides, slides_around, flattens };
+struct Attempt {
+    Boundary boundary;
+    int at_once;
+    double reach;
+    int first_steps;
+    const char* what;
+};
+constexpr Attempt attempts[] = {{Boundary::stays, 48, 1, 8, "boundary as in the file"},
+                                {Boundary::stays, 48, 2, 8, "boundary as in the file"},
+                                {Boundary::slides_inside_planes, 3840, 1, 8, "nodes slide in planes"},
+                                {Boundary::slides_in_planes, 48, 1, 8, "vertices slide in planes"},
+                                {Boundary::slides, 48, 1, 4, "nodes slide"},
+                                {Boundary::slides_around, 192, 1, 16, "nodes around slide"},
+                                {Boundary::slides_around, 12, 1, 4, "nodes around slide"},
+                                {Boundary::flattens, 48, 1, 16, "faces are flatter"}};
+
+int count(const std::vector<char>& some) { return static_cast<int>(std::count(some.begin(), some.end(), 1)); }
+
+class Curving {
+public:
+    Curving(const Deck& deck, Problem& problem, const StageObserver& observe)
+        : deck_(deck), problem_(problem), mesh_(problem.mesh()), observe_(observe), freed_(mesh_.nodes(), 0) {
+        if (is_minimax_) deck_.distortion.objective = Objective::squared;
+    }
+
+    // From here on the mesh is valid.
+    void straighten(std::FILE* out) {
+        const StraightenedMesh found = straightened(mesh_.x);
+        is_straightened_ = found.was_at_fault;
+        const int at_fault = count(found.was_at_fault);
+        if (at_fault == 0)
+            std::fprintf(out, "no element is invalid in the file: nothing moves (local_repair = 0: all nodes do)\n");
+        else
+            std::fprintf(out, "%s%d of %d elements straightened, to be curved again in parts%s:\n",
+                         is_minimax_ ? "note: parts of the mesh are curved with objective = squared\n" : "",
+                         at_fault, mesh_.element_count(),
+                         found.injectivity.certified ? "" : ", which does not make the mesh valid and injective yet");
+    }
+
+    void curve_parts() {
+        if (count(is_straightened_) == 0) return;
+        for (const Attempt& attempt : attempts)
+            for (const std::vector<int>& place : places_of(mesh_, is_straightened_, attempt.at_once))
+                if (!interrupted() && curve_around(place, attempt))
+                    for (const int e : place) is_straightened_[e] = 0;
+        straightened(solution_.x);  // parts that overlap each other, if there are any
+    }
+
+    bool leaves_straight() const { return count(is_straightened_) > 0; }  // for what could not be curved again at all
+
+    // The target is where the boundary is, and what was freed is free to slide.
+    void set_target() {
+        problem_.curved_target = problem_.node_target;
+        BoundaryTarget& target = problem_.target;
+        Mesh at = mesh_;
+        at.x = solution_.x;
+        for (int i = 0; i < mesh_.nodes(); ++i)
+            if (freed_[i]) std::copy_n(point(mesh_.x, i, mesh_.dim), mesh_.dim, point(at.x, i, mesh_.dim));
+        const std::vector<double> written = target.written;
+        target = make_target(at, problem_.motions);
+        target.written = written;
+        std::vector<char> flat(mesh_.face_count(), 0);
+        for_face_nodes(mesh_, [&](int f, std::size_t k) {
+            const double *const x = point(at.x, mesh_.faces[k], mesh_.dim);
+            if (std::equal(x, x + mesh_.dim, point(mesh_.x, mesh_.faces[k], mesh_.dim))) return;
+            flat[f] = 1;
+            for (int a = 0; a < mesh_.dim; ++a)
+                problem_.node_target[offset(k, mesh_.dim, a)] = problem_.frame.to_file(x[a], a, mesh_.dim);
+        });
+        if (count(flat) > 0) target.straight = flat;
+        else problem_.curved_target.clear();
+        if (count(freed_) == 0) return;
+        target.freed = freed_;
+        BoundaryTarget in_file = target;
+        in_file.node = problem_.frame.to_file(target.node, mesh_.dim);
+        smooth_freed(mesh_, in_file, *surfaces_);
+        problem_.sliding = surfaces_;
+    }
+
+    Solution solution() {
+        Level& level = *problem_.level;
+        set_functional(deck_, problem_);
+        solution_.al.lambda.assign(level.constraint->multipliers(), 0.0);
+        AlIteration row = measured(*level.energy, *level.constraint, solution_.x, solution_.al.distortion);
+        row.gradient_norm = gradient_norm_;
+        solution_.al.iterations.push_back(row);
+        solution_.al.status = interrupted() ? Status::interrupted : Status::converged;
+        solution_.time.total = watch_.seconds();
+        return std::move(solution_);
+    }
+
+private:
+    const Stopwatch watch_;
+    Deck deck_;
+    const bool is_minimax_ = deck_.distortion.objective == Objective::minimax;
+    Problem& problem_;
+    const Mesh& mesh_;
+    const StageObserver& observe_;
+    Solution solution_;
+    double gradient_norm_ = 0;  // the largest of those with which parts ended
+    std::vector<char> freed_;   // per node: whether it has slid, or could have
+    std::vector<char> is_straightened_;  // per element: by straighten(), and not curved again yet
+    std::vector<double> bound_;          // per element: of its scaled Jacobian, from below
+    std::set<std::vector<int>> slid_;    // places whose nodes around have slid, to no avail
+    std::shared_ptr<SlidingSurfaces> surfaces_;  // null: not made yet
+    bool has_no_surfaces_ = false;
+    std::vector<char> is_in_planes_;  // per node of the boundary: whether all faces at it are; with surfaces_
+
+    // Takes the mesh from these positions to a certified one.
+    StraightenedMesh straightened(const std::vector<double>& x) {
+        StraightenedMesh found =
+            straighten_invalid(mesh_, problem_.ideal(), x, deck_.min_scaled_jacobian, deck_.certificate);
+        for (std::size_t k = 0; k < x.size(); ++k)
+            if (found.x[k] != x[k]) freed_[k / mesh_.dim] = 0;
+        solution_.x = std::move(found.x);
+        bound_ = found.certificate.lower_bound;
+        return found;
+    }
+
+    bool can_slide() {
+        if (deck_.surface == SurfaceKind::straighten || has_no_surfaces_) return false;
+        if (surfaces_) return true;
+        try {
+            surfaces_ = surfaces_in_place(deck_, problem_);
+        } catch (const InputError&) {  // the file's boundary is such that they are not known
+            has_no_surfaces_ = true;
+            return false;
+        }
+        is_in_planes_ = nodes_of_features(mesh_);  // which are not to slide
+        for (char& is : is_in_planes_) is = !is;
+        for_face_nodes(mesh_, [&](int f, std::size_t k) {
+            if (!surfaces_->surface(surfaces_->part(mesh_, f)).is_flat()) is_in_planes_[mesh_.faces[k]] = 0;
+        });
+        return true;
+    }
+
+    // Whether the elements of the place are curved then.
+    bool curve_around(const std::vector<int>& place, const Attempt& attempt) {
+        std::vector<char> is_of_place(mesh_.element_count(), 0);
+        std::vector<double> curved = solution_.x;
+        for (const int e : place) {
+            is_of_place[e] = 1;
+            for (int k = 0; k < mesh_.element_nodes(e); ++k) {
+                const int i = mesh_.element(e)[k];
+                if (!freed_[i]) std::copy_n(point(mesh_.x, i, mesh_.dim), mesh_.dim, point(curved, i, mesh_.dim));
+            }
+        }
+        if (curved == solution_.x) return true;  // others around have done it
+        if (attempt.boundary == Boundary::slides_around && slid_.contains(place)) return false;
+        CurvedPart part = curved_part(problem_, surroundings(mesh_, is_of_place, attempt.reach), solution_.x, curved);
+        return release(part, is_of_place, attempt.boundary) && curve(part, attempt, place);
+    }
+
+    // Gives the boundary of the part the freedom of the attempt. Whether that may help.
+    bool release(CurvedPart& part, const std::vector<char>& is_of_place, Boundary boundary) {
+        const double bound = deck_.min_scaled_jacobian;
+        if (boundary == Boundary::stays) return find_faults(part, bound).none();
+        if (boundary == Boundary::flattens) {
+            const CurvedPart held = part;
+            if (can_slide()) free_nodes_in(is_in_planes_, true, part);
+            if (find_faults(part, bound).none()) part = held;
+            if (find_faults(part, bound).none()) return false;
+            flatten(part, bound);
+            return true;
+        }
+        if (!can_slide()) return false;
+        if (boundary == Boundary::slides_inside_planes || boundary == Boundary::slides_in_planes) {
+            free_nodes_in(is_in_planes_, boundary == Boundary::slides_in_planes, part);
+            return !part.freed.empty() && find_faults(part, bound).none();
+        }
+        TargetFaults faults = find_faults(part, bound);
+        if (faults.none())
+            for (std::size_t e = 0; e < part.element.size(); ++e)
+                if (is_of_place[part.element[e]]) faults.elements.push_back({{static_cast<int>(e), 0, true}});
+        free_nodes(boundary == Boundary::slides ? freed_nodes(part, elements_of(part, faults))
+                                                : freed_nodes_around(part, faults), part);
+        return true;
+    }
+
+    // Whether the part is certified, and makes no element worse than it may be.
+    bool curve(const CurvedPart& part, const Attempt& attempt, const std::vector<int>& place) {
+        const Stopwatch watch;
+        const CurvedPartResult found = almesh::curve(deck_, part, surfaces_.get(), attempt.first_steps);
+        bool is_better = found.certificate.valid;
+        for (std::size_t e = 0; e < part.element.size() && is_better; ++e)
+            is_better = found.certificate.lower_bound[e] >
+                        std::min(deck_.min_scaled_jacobian, 0.999 * bound_[part.element[e]]);
+        Stage stage;
+        stage.nodes = part.mesh.nodes();
+        stage.status = is_better ? Status::converged : Status::stalled;
+        stage.last = found.al.iterations.back();
+        stage.last.seconds = watch.seconds();
+        stage.newton_iterations = found.al.newton_iterations;
+        const Vec<3> at = problem_.frame.to_file(element_centre(mesh_, mesh_.x, place[0]));
+        stage.part = concat(part.mesh.element_count(), " elements around ", position_text(at.data(), mesh_.dim), ": ",
+                            attempt.what);
+        observe_(stage);
+        int& steps = is_better ? solution_.al.newton_iterations : solution_.al.earlier_newton_iterations;
+        steps += found.al.newton_iterations;
+        if (!is_better && attempt.boundary == Boundary::slides_around && !found.certificate.lower_bound.empty())
+            slid_.insert(place);
+        if (!is_better) return false;
+        gradient_norm_ = std::max(gradient_norm_, stage.last.gradient_norm);
+        for (std::size_t e = 0; e < part.element.size(); ++e)
+            bound_[part.element[e]] = found.certificate.lower_bound[e];
+        for (int k = 0; k < part.mesh.nodes(); ++k) {
+            const double* const to = point(found.x, k, mesh_.dim);
+            double* const x = point(solution_.x, part.node[k], mesh_.dim);
+            char& is_freed = freed_[part.node[k]];
+            is_freed = (!part.freed.empty() && part.freed[k]) || (is_freed && std::equal(to, to + mesh_.dim, x));
+            std::copy_n(to, mesh_.dim, x);
+        }
+        return true;
+    }
+};
+
+Deck impatient(Deck deck) {
+    deck.method.max_iterations = std::min(deck.method.max_iterations, most_al_iterations);
+    deck.method.max_newton_iterations = std::min(deck.method.max_newton_iterations, most_newton_steps);
+    if (deck.continuation == Continuation::automatic) deck.continuation = Continuation::never;
+    return deck;
+}
+
+bool is_small(const Mesh& mesh) {
+    double work = 0;
+    for (int e = 0; e < mesh.element_count(); ++e) work += work_of(mesh, e);
+    return work <= small_work;
+}
+
+bool is_certified(const Deck& deck, const Problem& problem, const Solution& solution) {
+    if (solution.al.status != Status::converged) return false;
+    const Certificate certificate = certify(problem.mesh(), solution.x, deck.certificate);
+    return certified_injective(problem, solution.x, certificate).certified;
+}
+
+}  // namespace
+
+Injectivity certified_injective(const Problem& problem, const std::vector<double>& x, const Certificate& certificate) {
+    if (!problem.curves_in_place) return certify_injective(problem.mesh(), x, certificate);
+    Mesh mesh = problem.mesh();
+    const Injectivity found = certify_curved(mesh, problem.ideal(), problem.mesh().x, x, certificate);
+    if (found.certified || !certificate.valid) return found;
+    mesh.x = problem.ideal();
+    Injectivity straight = certify_injective(mesh, mesh.x, certify(mesh, mesh.x));
+    if (straight.certified) return found;
+    straight.reason = "with straight sides too, " + straight.reason;
+    return straight;
+}
+
+Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, const StageObserver& observe,
+                        std::FILE* out) {
+    const bool as_whole = deck.local_repair == LocalRepair::no ||
+                          (deck.local_repair == LocalRepair::automatic && is_small(problem.mesh()));
+    const Deck settings = deck.local_repair == LocalRepair::no ? deck : impatient(deck);
+    const bool keeps_boundary =
+        as_whole && find_faults(problem.mesh(), problem.ideal(), problem.target, deck.min_scaled_jacobian).none();
+    if (keeps_boundary) {
+        Solution whole = solve(settings, problem);
+        if (is_certified(deck, problem, whole)) return whole;
+    }
+    Curving curving(deck, problem, observe);
+    curving.straighten(out);
+    curving.curve_parts();
+    curving.set_target();
+    Solution solution = curving.solution();
+    if (as_whole && !keeps_boundary && !curving.leaves_straight() && !interrupted()) {
+        Deck from_parts = settings;
+        from_parts.start = Start::file;
+        problem.start = solution.x;
+        Solution whole = solve(from_parts, problem);
+        if (is_certified(deck, problem, whole) &&
+            whole.al.distortion.max_distortion <= solution.al.distortion.max_distortion)
+            return whole;
+    }
+    return solution;
+}
+
+}  // namespace almesh

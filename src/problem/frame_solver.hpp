@@ -1,0 +1,46 @@
+// One frame after the other of a motion in time, on one problem.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "deck/deck.hpp"
+#include "problem/frame_state.hpp"
+#include "report/frame_table.hpp"
+#include "problem/problem.hpp"
+#include "report/results.hpp"
+#include "method/newton.hpp"
+
+namespace almesh {
+
+class FrameSolver {
+public:
+    explicit FrameSolver(Problem& problem) : problem_(problem) {}
+
+    // The problem has the target of `deck`, which is of the time row.t. row.started_from: on return "beyond", the mesh
+    // that the two before extrapolate to, "before", "ideal" or, where the run was one of its own, "anew", which has a
+    // row.history.
+    Solution solve(const Deck& deck, const FramesBefore& before, FrameRow& row);
+
+    // Whether the motions of one frame lead to those of another: leads_to().
+    bool leads(const Deck& deck, const std::vector<Motion>& before, const std::vector<Motion>& now) const;
+
+    // Whether every mesh (1 - s) from + s to, 0 <= s <= 1, is certified valid. Both are.
+    bool is_valid_between(const std::vector<double>& from, const std::vector<double>& to) const;
+
+private:
+    Problem& problem_;
+    std::unique_ptr<Newton> newton_;
+    NewtonMemory fresh_;  // of one that has made no step: a frame does not depend on those before it
+
+    Newton& newton(const Deck& deck);
+    void prepare(const Deck& deck);
+    std::string start(const Deck& deck, double t, const FramesBefore& before, std::vector<double>& x) const;
+    Solution lead(const Deck& deck, const std::vector<double>& x, HessianKind kind);
+    Solution solve_from(const Deck& deck, const std::vector<double>& x);
+    Solution solve_anew(const Deck& deck, FrameRow& row);
+    bool settles(const Deck& deck) const;
+    void settle(const Deck& deck, Solution& solution);
+};
+
+}  // namespace almesh

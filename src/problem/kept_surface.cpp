@@ -1,0 +1,176 @@
+#include "problem/kept_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/files.hpp"
+#include "base/text.hpp"
+#include "check/boundary_distance.hpp"
+#include "check/certificate.hpp"
+#include "check/swept_volumes.hpp"
+#include "mesh/inner_boundary.hpp"
+#include "mesh/kept_cells.hpp"
+
+namespace almesh {
+namespace {
+
+// Per boundary: whether it stays where the file has it, but for nodes that slide.
+std::vector<char> kept_boundaries(const Problem& problem) {
+    std::vector<char> kept;
+    for (const Motion& motion : problem.motions)
+        kept.push_back(is_fixed(motion) || motion == parse_motion("slide"));
+    return kept;
+}
+
+std::vector<char> nodes_of_faces(const Mesh& mesh, const std::vector<char>& chosen) {
+    std::vector<char> nodes(mesh.nodes(), 0);
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (chosen[f]) nodes[mesh.faces[k]] = 1;
+    });
+    return nodes;
+}
+
+// Takes the freedom to slide from these nodes of boundaries that stay. Returns from how many.
+int hold(Problem& problem, const std::vector<char>& nodes) {
+    const Mesh& mesh = problem.mesh();
+    const std::vector<char> kept = kept_boundaries(problem);
+    BoundaryTarget& target = problem.target;
+    std::vector<BoundaryHold> holds;
+    std::vector<char> held(mesh.nodes(), 0);
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        const int node = mesh.faces[k];
+        const BoundaryHold is = target.hold_of_node(mesh, f, k);
+        const bool stays = is == BoundaryHold::slides && nodes[node] && kept[mesh.face_boundary[f]];
+        if (stays) held[node] = 1;
+        holds.push_back(stays ? BoundaryHold::prescribed : is);
+    });
+    const auto count = static_cast<int>(std::count(held.begin(), held.end(), 1));
+    if (count == 0) return 0;
+    for (int i = 0; i < mesh.nodes() && !target.freed.empty(); ++i)
+        if (held[i]) target.freed[i] = 0;
+    const auto is_prescribed = [](BoundaryHold h) { return h == BoundaryHold::prescribed; };
+    if (std::all_of(holds.begin(), holds.end(), is_prescribed)) {
+        target.hold.assign(target.hold.size(), BoundaryHold::prescribed);
+        target.freed.clear();
+        holds.clear();
+        problem.sliding = nullptr;
+    }
+    target.hold_of_nodes = std::move(holds);
+    return count;
+}
+
+void note(Problem& problem, int count, const std::string& why) {
+    if (count == 0) return;
+    problem.notes.push_back(concat(counted(count, "boundary node"), count == 1 ? " stays" : " stay", why));
+}
+
+std::vector<double> distances_of(const Problem& problem, const std::vector<double>& x) {
+    return relative_face_distances(problem.mesh(), problem.mesh().x, x, kept_boundaries(problem));
+}
+
+double largest(const std::vector<double>& distances) {
+    return distances.empty() ? 0 : *std::max_element(distances.begin(), distances.end());
+}
+
+// Changes of the volumes of the regions, relative to them: of curved elements too, by what their faces have swept.
+void print_volume_changes(std::FILE* out, const Mesh& mesh, const std::vector<double>& x) {
+    std::vector<GroupCells> regions = volume_groups(mesh);
+    if (regions.empty()) {
+        regions.push_back({"the mesh", {}});
+        for (int e = 0; e < mesh.element_count(); ++e) regions[0].cells.push_back(e);
+    }
+    const std::vector<MeshFace> faces = mesh_faces(mesh);
+    const std::vector<double> swept = swept_volumes(mesh, faces, mesh.x, x);
+    std::string text;
+    for (const GroupCells& region : regions) {
+        std::vector<char> is_in(mesh.element_count(), 0);
+        double before = 0, gained = 0;
+        for (const int e : region.cells) {
+            is_in[e] = 1;
+            before += volume(mesh, mesh.x, e);
+        }
+        for (std::size_t k = 0; k < faces.size(); ++k) {
+            const bool goes_out = is_in[faces[k].element];
+            const bool goes_in = faces[k].neighbour >= 0 && is_in[faces[k].neighbour];
+            if (goes_out != goes_in) gained += goes_out ? swept[k] : -swept[k];
+        }
+        text += (text.empty() ? "" : ", ") + region.name + " ";
+        append(text, gained / before, 2);
+    }
+    std::fprintf(out, "change of %s relative to the file: %s\n", mesh.dim == 2 ? "area" : "volume", text.c_str());
+}
+
+}  // namespace
+
+void hold_curved_faces(const Deck& deck, Problem& problem, const std::vector<double>& x) {
+    if (!problem.sliding) return;
+    const double tolerance = deck.surface_tolerance;
+    const std::vector<char> curved = curved_faces(problem.mesh(), problem.target, *problem.sliding, x, tolerance);
+    note(problem, hold(problem, nodes_of_faces(problem.mesh(), curved)),
+         concat(": if they slid, faces would leave the surface by more than surface_tolerance = ", tolerance,
+                " of an edge"));
+}
+
+void hold_surface(const Deck& deck, Problem& problem) {
+    const Mesh& mesh = problem.mesh();
+    if (certify(mesh, mesh.x, deck.certificate).valid) hold_curved_faces(deck, problem, mesh.x);
+    if (problem.sliding) note(problem, hold(problem, nodes_of_features(mesh)), ", being on named points or curves");
+}
+
+// The target of boundary nodes that have moved from where they were is where they are.
+void take_along_target(Problem& problem, const std::vector<double>& from, const std::vector<double>& x) {
+    const Mesh& mesh = problem.mesh();
+    for_face_nodes(mesh, [&](int, std::size_t k) {
+        const double *const is = point(x, mesh.faces[k], mesh.dim), *const was = point(from, mesh.faces[k], mesh.dim);
+        for (int a = 0; a < mesh.dim && !std::equal(is, is + mesh.dim, was); ++a) {
+            problem.target.node[offset(k, mesh.dim, a)] = is[a];
+            problem.node_target[offset(k, mesh.dim, a)] = problem.frame.to_file(is[a], a, mesh.dim);
+        }
+    });
+}
+
+// The boundary stays where it is at x from here on.
+void fix_boundary(Problem& problem, const std::vector<double>& x) {
+    problem.motions.assign(problem.motions.size(), parse_motion("fixed"));
+    Mesh at = problem.mesh();
+    at.x = x;
+    problem.target = make_target(at, problem.motions);
+    take_along_target(problem, problem.mesh().x, x);
+    problem.sliding = nullptr;
+}
+
+Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out) {
+    constexpr int attempts = 2;  // before all nodes stay
+    return [&problem, solve, out](const Deck& deck, const Problem&) {
+        for (int attempt = 0;; ++attempt) {
+            Solution solution = solve(deck, problem);
+            if (solution.al.status != Status::converged) return solution;
+            const std::vector<double> distance = distances_of(problem, solution.x);
+            std::vector<char> off, boundary(problem.motions.size(), 0);
+            for (std::size_t f = 0; f < distance.size(); ++f) {
+                off.push_back(distance[f] > deck.surface_tolerance);
+                if (off[f]) boundary[problem.mesh().face_boundary[f]] = 1;
+            }
+            for (std::size_t f = 0; f < off.size() && attempt == attempts; ++f)
+                off[f] = boundary[problem.mesh().face_boundary[f]];
+            const int count = hold(problem, nodes_of_faces(problem.mesh(), off));
+            if (count == 0) return solution;
+            std::fprintf(out, "note: faces were off the surface by up to %.2g of an edge: %s more stay where they are\n",
+                         largest(distance), counted(count, "boundary node").c_str());
+        }
+    };
+}
+
+double surface_distance(const Problem& problem, const std::vector<double>& x) {
+    return largest(distances_of(problem, x));
+}
+
+void print_surface(std::FILE* out, const Deck& deck, const Problem& problem, const std::vector<double>& x) {
+    const double distance = surface_distance(problem, x);
+    std::fprintf(out,
+                 "distance of the boundary from that of the file: %.2g of an edge, %swithin surface_tolerance = %g\n",
+                 distance, distance > deck.surface_tolerance ? "NOT " : "", deck.surface_tolerance);
+    print_volume_changes(out, problem.mesh(), x);
+}
+
+}  // namespace almesh

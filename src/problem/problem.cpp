@@ -1,0 +1,421 @@
+#include "problem/problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "problem/boundaries.hpp"
+#include "app/commands.hpp"
+#include "deck/deck_checks.hpp"
+#include "app/improve/improve.hpp"
+#include "problem/kept_surface.hpp"
+#include "problem/memory.hpp"
+#include "problem/node_targets.hpp"
+#include "problem/start_mesh.hpp"
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "base/parallel.hpp"
+#include "base/physical_memory.hpp"
+#include "base/text.hpp"
+#include "check/freed_nodes.hpp"
+#include "constraint/sliding_boundary.hpp"
+#include "constraint/sliding_nodes.hpp"
+#include "energy/mixed_energy.hpp"
+#include "energy/vertex_interpolation.hpp"
+#include "geometry/patch.hpp"
+#include "mesh/mesh.hpp"
+#include "io/mesh_format.hpp"
+#include "io/vtk.hpp"
+
+namespace almesh {
+namespace {
+
+RawMesh read_mesh_file(const Deck& deck, std::string& hash) {
+    std::string text;
+    try {
+        text = read_file(deck.mesh);
+    } catch (const InputError& error) {
+        throw InputError(deck.given.at("mesh"), ": ", error.what());
+    }
+    RawMesh raw;
+    parallel_invoke([&] { raw = parse_mesh(text, deck.mesh); }, [&] { hash = hash_of(text); });
+    return raw;
+}
+
+BaseMesh read_base_mesh(const Deck& deck, std::string& hash, std::vector<std::string>& notes) try {
+    return build_base_mesh(read_mesh_file(deck, hash), deck.ideal, deck.certificate, notes);
+} catch (const InvalidMesh& error) {
+    const std::string in_run = ", or ideal = regular, which does so in this run and lists those that stay invalid";
+    throw InputError(error.what(), write_invalid(error.list, deck.output), "\ntry almesh improve ", deck.mesh,
+                     ", which makes those valid whose boundary lets them be",
+                     accepts(deck, {}, "ideal", "regular") ? in_run : "");
+}
+
+Mesh discretised(const Mesh& base, int refinements, int degree) {
+    const Mesh refined = refine(base, refinements);
+    return degree == 1 ? linear_part(refined) : interpolated(refined, degree);
+}
+
+// The positions (or another field) on the level's mesh of those on the mesh `shape`, which has the same elements but
+// for refinements: between its nodes as the elements have it.
+std::vector<double> on_level(const Mesh& shape, std::vector<double> positions, const Level& level) {
+    if (level.mesh.element_count() != shape.element_count())
+        return prolong(shape, straight_sided(shape), level.mesh, level.ideal, positions);
+    Mesh moved = shape;
+    moved.x = std::move(positions);
+    moved = discretised(moved, 0, level.mesh.degree);
+    positions.resize(level.mesh.x.size());
+    for (std::size_t k = 0; k < moved.elements.size(); ++k)
+        std::copy_n(point(moved.x, moved.elements[k], moved.dim), moved.dim,
+                    point(positions, level.mesh.elements[k], moved.dim));
+    return positions;
+}
+
+// x + fraction (X - x), which at the fraction 1 is X to the last bit.
+std::vector<double> between(const std::vector<double>& x, std::vector<double> X, double fraction) {
+    for (std::size_t i = 0; i < X.size() && fraction < 1; ++i) X[i] = x[i] + fraction * (X[i] - x[i]);
+    return X;
+}
+
+// The target of a mesh in the file's frame at a fraction of the motions, from where its ideal mesh has the boundary to
+// where they take that of the mesh; mesh: curved by the same fraction. placed: by files, at the end of the motion.
+// Throws InputError where boundaries that share nodes do not agree there.
+BoundaryTarget target_at(double fraction, const Mesh& mesh, const std::vector<double>& ideal,
+                         std::vector<Motion> motions, PlacedNodes placed, const SharedNodes& shared) {
+    for (Motion& motion : motions)
+        if (fraction < 1) motion = at_fraction(motion, fraction);
+    for (PlacedBoundary& boundary : placed) boundary.x = between(ideal, std::move(boundary.x), fraction);
+    return make_target(mesh, motions, placed, shared);
+}
+
+// The target of the level, which is in the file's frame. placed: as below.
+BoundaryTarget target_on(const Problem& problem, const Level& level, PlacedNodes& placed) {
+    for (PlacedBoundary& boundary : placed)
+        for (std::vector<double>* const field : {&boundary.x, &boundary.left_out})
+            if (!field->empty()) *field = on_level(problem.shape(), std::move(*field), level);
+    BoundaryTarget target = target_at(1, level.mesh, level.ideal, problem.motions, placed, problem.shared);
+    prescribe_shared_nodes(level.mesh, target);
+    return target;
+}
+
+// The base mesh, refined and of another degree, its ideal mesh and its target, in the file's frame. placed: of the
+// shape, on return of this mesh.
+std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int degree, PlacedNodes& placed,
+                                  BoundaryTarget& target) {
+    auto level = std::make_unique<Level>();
+    level->mesh = discretised(problem.base, refinements, degree);
+    level->ideal = problem.ideal_of(level->mesh);
+    target = target_on(problem, *level, placed);
+    return level;
+}
+
+// Of the run, in units of the file: what the deck says, or so that the mesh has the volume 1.
+double unit_of_length(const Deck& deck, double volume, int dim) {
+    if (volume == 0)
+        throw InputError(deck.mesh, ": the volumes of its elements add up to 0, as where all nodes are in one place, "
+                         "on a line or in a plane: no mesh can be made of it");
+    constexpr double most = 1e50;  // a mesh of that size has volumes, and products of them, within the range of numbers
+    const double size = std::pow(std::abs(volume), 1.0 / dim), unit = deck.length_scale.value_or(size);
+    if (size / unit >= 1 / most && size / unit <= most) return unit;
+    throw UsageError(deck.given.at("length_scale"), ": in units of length_scale = ", unit, " the mesh is ",
+                     size / unit, " long, which is beyond the range of numbers: leave the key out");
+}
+
+// Boundaries along which nodes slide.
+std::vector<char> slides(const Mesh& mesh, const BoundaryTarget& target) {
+    std::vector<char> result(mesh.boundaries.size(), 0);
+    for (int f = 0; f < mesh.face_count(); ++f)
+        if (target.slides(mesh, f)) result[mesh.face_boundary[f]] = 1;
+    return result;
+}
+
+// Along what nodes slide at a fraction of the motions: the surface of the file's mesh as it is, but that of nodes which
+// are freed to slide curved by that fraction, as are those beside them. Null where no node slides. target: of the mesh.
+std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const Deck& deck, const Problem& problem,
+                                             const Mesh& mesh, const BoundaryTarget& target,
+                                             const std::vector<Motion>& motions,
+                                             const std::vector<OtherSurface>& other = {}) {
+    const std::vector<char> sliding = slides(mesh, target);
+    if (std::count(sliding.begin(), sliding.end(), 1) == 0) return nullptr;
+    Mesh shape = problem.shape();
+    const std::vector<double> ideal = problem.ideal_of(shape);
+    if (!target.freed.empty()) shape.x = between(ideal, std::move(shape.x), fraction);
+    PlacedNodes placed = problem.placed;
+    for (PlacedBoundary& boundary : placed)  // nodes that a file leaves out slide along the boundary as the mesh has it
+        if (!boundary.left_out.empty()) boundary = {{}, std::vector<double>(shape.x.size(), 1.0)};
+    const BoundaryTarget of_shape = target_at(fraction, shape, ideal, motions, std::move(placed), problem.shared);
+    return std::make_shared<SlidingSurfaces>(shape, of_shape.node, sliding, deck.feature_angle, problem.frame, other);
+}
+
+// From the file's frame to the run's, with smooth surfaces for the nodes that are freed to slide.
+void finish(const Mesh& mesh, const Frame& frame, SlidingSurfaces* sliding, BoundaryTarget& target) {
+    if (sliding) smooth_freed(mesh, target, *sliding);
+    frame.take_to_run(target.node, mesh.dim);
+    frame.take_to_run(target.sample, mesh.dim);
+}
+
+// Takes back the freedom to slide of nodes on boundaries whose surfaces are not known.
+void keep_where_unknown(const Mesh& mesh, const SlidingSurfaces& sliding, BoundaryTarget& target) {
+    if (target.freed.empty()) return;
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (!sliding.knows(mesh.face_boundary[f])) target.freed[mesh.faces[k]] = 0;
+    });
+}
+
+void note_surfaces(const Deck& deck, const Mesh& mesh, const SlidingSurfaces& sliding,
+                   std::vector<std::string>& notes) {
+    for (int b = 0; b < static_cast<int>(mesh.boundaries.size()); ++b) {
+        std::map<std::string, int> count;
+        for (int part = 0; part < sliding.parts(); ++part)
+            if (sliding.boundary(part) == b) ++count[sliding.surface(part).name()];
+        std::string text;
+        for (const auto& [name, times] : count)
+            text += (text.empty() ? "" : ", ") + name +
+                    (times > 1 ? concat(" (", times, " parts)") : std::string());
+        const MotionStep* const other = surface_step(motion_for(deck, mesh.boundaries[b])->motion);
+        const std::string along = other ? " along " + other->file + ": " : " along: ";
+        if (!text.empty()) notes.push_back("boundary " + mesh.boundaries[b] + " slides" + along + text);
+    }
+}
+
+void take_to_run(const Frame& frame, Level& level) {
+    level.mesh.rounding = 16 * std::numeric_limits<double>::epsilon() * length(frame.origin) / frame.length;
+    frame.take_to_run(level.mesh.x, level.mesh.dim);
+    frame.take_to_run(level.ideal, level.mesh.dim);
+}
+
+// Whether a curved mesh is only to be made valid, with what may be done to its boundary (curving.hpp).
+bool curves_in_place(const Deck& deck, const Problem& problem) {
+    return (problem.mesh().degree > 1 || deck.local_repair == LocalRepair::yes) && deck.distortion.delta == 0 &&
+           deck.frames.empty() && deck.start != Start::file &&
+           !is_improved(deck.ideal) && (!problem.is_own_ideal || deck.local_repair == LocalRepair::yes) &&
+           deck.split == Split::never && deck.method.moving == MovingMethod::augmented_lagrangian &&
+           (deck.surface == SurfaceKind::automatic || deck.surface == SurfaceKind::straighten) &&
+           std::all_of(problem.motions.begin(), problem.motions.end(), is_fixed);
+}
+
+void read_motions(const Deck& deck, Problem& problem) {
+    problem.motions = motions_of(deck, problem.base);
+    problem.shared = {deck.shared_nodes, {}};
+    for (const std::string& name : problem.base.boundaries)
+        problem.shared.rank.push_back(static_cast<int>(motion_for(deck, name) - deck.boundaries.data()));
+    NodeTargets targets = read_node_targets(problem.base, problem.motions);
+    problem.raised = std::move(targets.raised);
+    problem.placed = problem.level_placed = std::move(targets.placed);
+}
+
+// The mesh as the method sees it, and where its boundary is to go.
+void discretise(const Deck& deck, Problem& problem) {
+    check_split(deck, problem.base);
+    check_quadrature(deck, problem.base, std::max(deck.degree, problem.base.degree));
+    const int degree = deck.degree ? deck.degree : problem.base.degree;
+    check_memory(problem.base, degree, deck.refine, deck.linear, available_memory());
+    read_motions(deck, problem);
+    problem.level = discretise(problem, deck.refine, degree, problem.level_placed, problem.target);
+    if (problem.is_own_ideal) check_curved_ideal(deck, problem.base, problem.mesh());
+    problem.node_target = problem.target.node;
+    for (const std::string& note :
+         {curved_su2(deck, problem.mesh()), left_out_sections(deck, problem.base, problem.mesh())})
+        if (!note.empty()) problem.notes.push_back(note);
+    check_final_ids(deck, problem.mesh());
+}
+
+// What is done where the target folds elements by itself.
+void change_folded_target(const Deck& deck, Problem& problem) {
+    if (const std::string note = free_folded(checked_target(deck, problem)); !note.empty())
+        problem.notes.push_back(note);
+    check_prescribed(deck, problem.target);
+}
+
+void set_frame(const Deck& deck, Problem& problem) {
+    problem.frame.origin = local_origin(problem.base);
+    problem.frame.length = unit_of_length(deck, volume(problem.mesh(), problem.ideal()), problem.mesh().dim);
+}
+
+// Along what nodes slide; null where none does.
+std::shared_ptr<SlidingSurfaces> make_surfaces(const Deck& deck, Problem& problem) {
+    BoundaryTarget& target = problem.target;
+    if (target.prescribes_all()) return nullptr;
+    const auto is_free = [](BoundaryHold hold) { return hold == BoundaryHold::free; };
+    if (std::all_of(target.hold.begin(), target.hold.end(), is_free))
+        throw UsageError(deck.path, ": all boundaries are free: give at least one of them a motion");
+    const std::vector<OtherSurface> other = read_other_surfaces(deck, problem.base, problem.notes);
+    const auto sliding = surfaces_at(1, deck, problem, problem.mesh(), target, problem.motions, other);
+    if (sliding) note_surfaces(deck, problem.mesh(), *sliding, problem.notes);
+    return sliding;
+}
+
+// For load increments: the constraint at a fraction of the motions of the level, which is in the run's frame. placed:
+// of its nodes, by files. Null where boundaries that share nodes do not agree there. of_whole: the target at the end.
+std::unique_ptr<Constraint> constraint_at(double fraction, const Deck& deck, const Problem& problem,
+                                          const Level& level, const BoundaryTarget& of_whole, TargetKind kind,
+                                          const std::vector<Motion>& motions, const PlacedNodes& placed) {
+    const Frame& frame = problem.frame;
+    Mesh in_file = level.mesh;
+    in_file.x = frame.to_file(between(level.ideal, level.mesh.x, fraction), level.mesh.dim);
+    try {
+        BoundaryTarget target =
+            target_at(fraction, in_file, frame.to_file(level.ideal, level.mesh.dim), motions, placed, problem.shared);
+        prescribe_shared_nodes(in_file, target);
+        target.freed = of_whole.freed;
+        std::shared_ptr<SlidingSurfaces> sliding;  // of its own: another mesh's is where the motion ends
+        if (problem.sliding) sliding = surfaces_at(fraction, deck, problem, level.mesh, target, motions);
+        finish(level.mesh, frame, sliding.get(), target);
+        return make_constraint(level.mesh, level.ideal, target, kind, sliding);
+    } catch (const InputError&) {  // the motions of two boundaries agree at their ends only
+        return nullptr;
+    }
+}
+
+// target: in the run's frame, placed: in the file's.
+void set_constraint(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
+                    Level& level) {
+    const bool is_coarser = level.mesh.degree < problem.mesh().degree;
+    const TargetKind kind = is_coarser ? TargetKind::nodal : deck.target;
+    level.constraint = make_constraint(level.mesh, level.ideal, target, kind, problem.sliding);
+    std::vector<Motion> motions = problem.motions;
+    level.turn = 0;
+    for (Motion& motion : motions) {
+        if (deck.continuation != Continuation::always) motion = shortest(std::move(motion));
+        level.turn = std::max(level.turn, turn(motion));
+    }
+    level.constraint_at = [&problem, &level, deck, target, kind, motions, placed](double fraction) {
+        return constraint_at(fraction, deck, problem, level, target, kind, motions, placed);
+    };
+}
+
+void set_functional(const Deck& deck, const Problem& problem, const BoundaryTarget& target, const PlacedNodes& placed,
+                    Level& level) {
+    DistortionParams distortion = distortion_of(deck);
+    distortion.curved_ideal = problem.is_own_ideal;
+    distortion.regular = problem.regular;
+    level.energy = make_energy(problem, level, distortion);
+    level.energy->order_hessian([&](const BlockCsr& pattern) {
+        return sweep_order(pattern, level.mesh.dim, deck.linear, vertex_interpolation(level.mesh));
+    });
+    set_constraint(deck, problem, target, placed, level);
+}
+
+}  // namespace
+
+Problem make_problem(const Deck& deck) {
+    check_keys(deck);
+    std::string mesh_hash;
+    std::vector<std::string> notes;
+    BaseMesh base = read_base_mesh(deck, mesh_hash, notes);
+    if (base.is_own_ideal && deck.ideal == IdealKind::automatic)
+        notes.push_back("the straight-sided form of the mesh folds over itself: the curved mesh of the file is the "
+                        "ideal mesh (ideal = given)");
+    assign_boundaries(deck, base.mesh, notes);
+    Problem problem = make_problem(deck, std::move(base), mesh_hash, std::move(notes));
+    if (is_improved(deck.ideal)) {
+        set_ideal_elements(deck, problem);
+        hold_surface(deck, problem);
+    }
+    if (deck.start == Start::file)
+        problem.start = read_positions(deck, "start", deck.start_file, problem.mesh(), problem.frame);
+    return problem;
+}
+
+void move_target(const Deck& deck, Problem& problem) {
+    std::vector<double> ideal;  // in the file's frame, as file_x is
+    const auto swap_frames = [&](Problem* of) {
+        of->level->mesh.x.swap(of->file_x);
+        if (ideal.empty()) ideal = of->ideal_of(of->mesh());
+        of->level->ideal.swap(ideal);
+    };
+    swap_frames(&problem);
+    const std::unique_ptr<Problem, decltype(swap_frames)&> swap_back(&problem, swap_frames);
+    read_motions(deck, problem);
+    problem.target = target_on(problem, *problem.level, problem.level_placed);
+    problem.node_target = problem.target.node;
+    change_folded_target(deck, problem);
+    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, problem);
+    finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
+    problem.sliding = sliding;
+}
+
+CheckedTarget checked_target(const Deck& deck, Problem& problem) {
+    const auto folds_when_refined = [&deck, &problem] {
+        PlacedNodes placed = problem.placed;
+        BoundaryTarget target;
+        const auto level = discretise(problem, deck.refine + 1, problem.mesh().degree, placed, target);
+        return !find_faults(level->mesh, level->ideal, target).none();
+    };
+    return {deck,           problem.base.degree, problem.mesh(),     problem.ideal(),
+            problem.target, problem.node_target, folds_when_refined, problem.is_own_ideal};
+}
+
+Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash, std::vector<std::string> notes) {
+    Problem problem;
+    problem.base = std::move(base.mesh);
+    problem.is_own_ideal = base.is_own_ideal;
+    problem.mesh_hash = mesh_hash;
+    problem.notes = std::move(notes);
+    std::vector<std::string> before = problem.notes;
+    discretise(deck, problem);
+    while (const int count = split_folded(checked_target(deck, problem), problem.base, before)) {
+        problem.split_elements += count;
+        problem.notes = before;
+        discretise(deck, problem);
+    }
+    problem.curves_in_place = curves_in_place(deck, problem);
+    if (!problem.curves_in_place) {
+        if (deck.surface == SurfaceKind::straighten)
+            throw UsageError(deck.given.at("surface"), ": surface = straighten is for a curved mesh that is made valid "
+                             "where it is, with all boundaries fixed: else surface is auto, slide or keep");
+        change_folded_target(deck, problem);
+    }
+    set_frame(deck, problem);
+    const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, problem);
+    if (problem.curves_in_place || is_improved(deck.ideal) || !deck.frames.empty()) problem.file_x = problem.mesh().x;
+    finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
+    problem.sliding = sliding;
+    take_to_run(problem.frame, *problem.level);
+    if (const std::string loss = vtk_loss(problem.mesh().groups, problem.mesh().degree);
+        deck.vtk != VtkOutput::none && !loss.empty())
+        problem.notes.push_back(loss);
+    identify(deck, problem);
+    return problem;
+}
+
+std::unique_ptr<DistortionEnergy> make_energy(const Problem& problem, const Level& level,
+                                              const DistortionParams& params) {
+    if (problem.infeasible.empty()) return make_energy(level.mesh, level.ideal, params);
+    std::vector<char> infeasible;
+    for (const std::string& why : problem.infeasible) infeasible.push_back(!why.empty());
+    return std::make_unique<MixedEnergy>(level.mesh, level.ideal, params, infeasible);
+}
+
+std::shared_ptr<SlidingSurfaces> surfaces_in_place(const Deck& deck, const Problem& problem) {
+    BoundaryTarget target = problem.target;
+    target.freed.assign(problem.mesh().nodes(), 1);
+    return surfaces_at(1, deck, problem, problem.mesh(), target, problem.motions);
+}
+
+void set_functional(const Deck& deck, const Problem& problem) {
+    set_functional(deck, problem, problem.target, problem.level_placed, *problem.level);
+}
+
+void set_constraint(const Deck& deck, const Problem& problem) {
+    set_constraint(deck, problem, problem.target, problem.level_placed, *problem.level);
+}
+
+std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, const CoarserMesh& coarser) {
+    BoundaryTarget target;
+    PlacedNodes placed = problem.placed;
+    std::unique_ptr<Level> level = discretise(problem, coarser.refinements, coarser.degree, placed, target);
+    if (!problem.target.freed.empty()) {
+        const TargetFaults faults = find_faults(level->mesh, level->ideal, target);
+        if (faults.sliding_may_help()) target.freed = freed_nodes(level->mesh, target, faults);
+        keep_where_unknown(level->mesh, *problem.sliding, target);
+        // It has not the shape of the file.
+        level->is_worth_little = level->mesh.degree > 1 && level->mesh.degree < problem.shape().degree;
+    }
+    finish(level->mesh, problem.frame, nullptr, target);
+    take_to_run(problem.frame, *level);
+    set_functional(deck, problem, target, placed, *level);
+    return level;
+}
+
+}  // namespace almesh

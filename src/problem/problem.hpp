@@ -1,0 +1,95 @@
+// From the deck to the problem to be solved: the mesh, its target, and both in the run's frame.
+#pragma once
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "problem/base_mesh.hpp"
+#include "deck/deck.hpp"
+#include "problem/folded_target.hpp"
+#include "base/frame.hpp"
+#include "constraint/sliding.hpp"
+#include "constraint/target.hpp"
+#include "method/continuation.hpp"
+
+namespace almesh {
+
+struct Problem {
+    Mesh base;                     // as read, with the boundaries of the deck
+    bool is_own_ideal = false;     // it is curved, and itself the ideal mesh
+    std::vector<Motion> motions;   // of its boundaries
+    SharedNodes shared;            // and what they do with nodes that they share
+    std::optional<Mesh> raised;    // and of the degree of the meshes that place its boundaries, where that is higher
+    std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in the run's frame
+    BoundaryTarget target;         // in the run's frame
+    std::vector<double> node_target;    // target.node in units of the file,
+    std::vector<double> curved_target;  // and before faces were made straight; empty where none was
+    int split_elements = 0;           // of the file: inverted by the target, and divided in the base mesh
+    bool curves_in_place = false;     // it is curved, and its boundary is to stay where the file has it (curving.hpp)
+    std::vector<double> file_x;       // curved in place, improved, frames: mesh().x in units of the file, nodes x dim
+    std::vector<double> start;        // start = FILE: the first iterate, in the run's frame
+    std::vector<double> regular;      // DistortionParams::regular, in the run's frame
+    std::vector<std::string> infeasible;  // improved: per element why it need not be valid, or ""; empty: all have to
+    PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file
+    std::shared_ptr<const SlidingSurfaces> sliding;  // null where no boundary slides
+    Frame frame;                   // of the run, by the mesh file
+    std::string mesh_hash;         // FNV-1a of the file, to tell which mesh a result came from
+    // In all files of the run: a hash of the settings and the files, so that the same run again has the same.
+    std::string run_id;
+    std::vector<std::string> notes;
+
+    const Mesh& shape() const { return raised ? *raised : base; }
+    std::vector<double> ideal_of(const Mesh& mesh) const { return is_own_ideal ? mesh.x : straight_sided(mesh); }
+    const Mesh& mesh() const { return level->mesh; }
+    const std::vector<double>& ideal() const { return level->ideal; }
+};
+
+// Of the settings, wherever the results go, on however many threads, and in however many pieces, and of the files that
+// the deck names; those of frames are read when their time comes. known: of files by their paths; "" or no row: not
+// yet.
+using FileHashes = std::map<std::string, std::string>;
+std::string run_id(Deck deck, FileHashes& known);
+
+// Throws UsageError or InputError for everything that can be wrong before solving, target faces that are invalid
+// themselves included. The level has no energy and no constraint yet.
+Problem make_problem(const Deck& deck);
+
+// The same on a mesh in memory. mesh_hash: of the file that it comes from.
+Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash, std::vector<std::string> notes = {});
+
+// Gives the problem the target of the deck's motions as they are now, at another time; all else stays.
+void move_target(const Deck& deck, Problem& problem);
+
+// The run's id, and in the comment of meshes that are written, is that of this deck.
+void identify(const Deck& deck, Problem& problem);
+
+// The problem's target as folded_target.hpp checks and changes it.
+CheckedTarget checked_target(const Deck& deck, Problem& problem);
+
+// Of a mesh that is curved in place, the surfaces of the file along which nodes can slide; null where they are not
+// known.
+std::shared_ptr<SlidingSurfaces> surfaces_in_place(const Deck& deck, const Problem& problem);
+
+// The energy of a mesh of this problem, in which infeasible elements need not be valid.
+std::unique_ptr<DistortionEnergy> make_energy(const Problem& problem, const Level& level,
+                                              const DistortionParams& params);
+
+// Gives the problem's level its energy and its constraint: the functional of Eq. 6. The problem must stay where it is.
+void set_functional(const Deck& deck, const Problem& problem);
+
+// The same for its constraint alone, after move_target().
+void set_constraint(const Deck& deck, const Problem& problem);
+
+// A mesh on which the problem is solved first.
+struct CoarserMesh {
+    int refinements, degree;  // of the base mesh
+};
+
+// The problem on it, with its functional, in the same frame; the target is not checked again. With a lower degree than
+// the deck's, nodes are moved to where the motion takes them: what is curved between them is left to the finer mesh.
+// The problem must outlive the level.
+std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, const CoarserMesh& coarser);
+
+}  // namespace almesh

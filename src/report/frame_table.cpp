@@ -1,0 +1,135 @@
+#include "report/frame_table.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "deck/deck.hpp"
+#include "report/results.hpp"
+#include "base/files.hpp"
+#include "base/text.hpp"
+#include "method/status.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr const char* heading =
+    "frame,t,status,exit_code,newton_steps,max_distortion,relative_quality,min_scaled_jacobian,certified,started_from,"
+    "path,seconds,note\n";
+
+std::string csv_of(const Deck& deck) { return deck.output + "/frames.csv"; }
+std::string history_of(const Deck& deck) { return deck.output + "/history.csv"; }
+std::string series_of(const Deck& deck) { return deck.output + "/frames.vtk.series"; }
+
+std::string line_of(const FrameRow& row) {
+    std::string numbers = ",,,,";
+    if (!row.started_from.empty())
+        numbers = concat(row.newton_steps, ",", row.max_distortion, ",", row.relative_quality, ",",
+                         row.min_scaled_jacobian, ",", row.certified ? "yes" : "no");
+    return concat(row.label(), ",", row.t, ",", row.status, ",", static_cast<int>(row.code), ",", numbers, ",",
+                  row.started_from, ",", row.path, ",", rounded_down(row.seconds, 4), ",",
+                  with_quotes(as_cell(row.note)), "\n");
+}
+
+// What the table needs of it; number 0 where it is no row.
+FrameRow row_of(std::string_view line) {
+    constexpr std::size_t path = 10;
+    const auto cell = split(line, ',');
+    const auto label = split(cell[0], '-');
+    const auto number = parse_int(label[0], 1), code = cell.size() > path + 1 ? parse_int(cell[3]) : std::nullopt;
+    if (!number || !code) return {};
+    FrameRow row{*number, label.size() > 1 ? parse_int(label[1]).value_or(0) : 0, parse_double(cell[1]).value_or(0),
+                 std::string(cell[2])};
+    row.code = static_cast<ExitCode>(*code);
+    row.path = cell[path];
+    return row;
+}
+
+}  // namespace
+
+std::string as_cell(std::string text) {
+    std::replace(text.begin(), text.end(), '"', '\'');
+    return on_one_line(std::move(text));
+}
+
+void FrameRow::refuse(const Error& error) {
+    code = error.exit_code;
+    status = "refused";
+    note = error.what();
+}
+
+bool FrameRow::has_mesh() const { return status == status_row(Status::converged).name; }
+std::string FrameRow::label() const { return between > 0 ? concat(number, "-", between) : std::to_string(number); }
+
+std::string FrameRow::file_name() const {
+    return frame_name(number) + (between > 0 ? concat("-", between) : std::string());
+}
+
+void FrameTable::read(int last) {
+    const std::string csv = read_file(csv_of(deck_));
+    for (const std::string_view line : split(csv, '\n'))
+        if (const FrameRow row = row_of(line); row.number > 0 && row.number <= last) place(row, concat(line, "\n"));
+    next_ = {};
+    std::error_code error;
+    if (!std::filesystem::exists(history_of(deck_), error)) return;
+    for (const std::string text = read_file(history_of(deck_)); const std::string_view line : split(text, '\n'))
+        if (!line.empty() && parse_int(line.substr(0, line.find(','))).value_or(0) <= last)
+            history_ += concat(line, "\n");
+}
+
+// Whether it is at the end.
+bool FrameTable::place(const FrameRow& row, const std::string& line) {
+    next_.lines += line;
+    if (row.has_mesh()) next_.meshes.emplace_back(row.file_name() + ".vtk", row.t);
+    if (row.between > 0) return true;
+    next_.row = row;
+    next_.row.history.clear();
+    const Entry entry = std::exchange(next_, {});
+    const std::size_t k = row.number - 1;
+    if (k < frames_.size() && (row.has_mesh() || !frames_[k].row.has_mesh())) frames_[k] = entry;
+    if (k < frames_.size()) return false;
+    frames_.push_back(entry);
+    return true;
+}
+
+void FrameTable::add(const FrameRow& row, bool writes) {
+    const bool at_end = place(row, line_of(row));
+    for (const std::string_view line : split(row.history, '\n'))
+        if (const bool is_heading = line.starts_with("kind,"); !line.empty())
+            if (!is_heading || (history_.empty() && !has_history_))
+                history_ += concat(is_heading ? "frame" : std::to_string(row.number), ",", line, "\n");
+    if (row.between > 0 || !writes) return;
+    if (has_history_) append_to_file(history_of(deck_), history_);
+    else if (!history_.empty()) write_file(history_of(deck_), history_);
+    has_history_ = !std::exchange(history_, {}).empty() || has_history_;
+    if (!begun_ || !at_end) return write();
+    append_to_file(csv_of(deck_), frames_.back().lines);
+    for (const auto& [name, t] : frames_.back().meshes)
+        if (deck_.vtk != VtkOutput::none) append_to_series(series_of(deck_), name, t);
+}
+
+void FrameTable::write() {
+    std::string csv = heading;
+    std::vector<std::pair<std::string, double>> series;
+    for (const Entry& frame : frames_) {
+        csv += frame.lines;
+        series.insert(series.end(), frame.meshes.begin(), frame.meshes.end());
+    }
+    write_file(csv_of(deck_), csv);
+    if (deck_.vtk != VtkOutput::none && !series.empty()) write_series(series_of(deck_), series);
+    begun_ = !series.empty();
+}
+
+ExitCode FrameTable::code() const {
+    ExitCode worst = ExitCode::success;
+    for (const Entry& frame : frames_)
+        if (frame.row.code != ExitCode::success)
+            worst = worst == ExitCode::success ? frame.row.code : std::min(worst, frame.row.code);
+    return worst;
+}
+
+int FrameTable::count(const std::string& path) const {
+    const auto is_so = [&](const Entry& frame) { return frame.row.path == path; };
+    return static_cast<int>(std::count_if(frames_.begin(), frames_.end(), is_so));
+}
+
+}  // namespace almesh

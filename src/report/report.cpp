@@ -1,0 +1,229 @@
+#include "report/report.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <type_traits>
+
+#include "base/files.hpp"
+#include "method/continuation.hpp"
+
+namespace almesh {
+namespace {
+
+// What a cell is taken from: a row of kind `al`, or of `coarse` or `part` where stage is not null ...
+struct AlRow {
+    const AlIteration& it;
+    const Stage* stage;
+    const std::string& run;
+};
+
+// ... or one of kind `newton`.
+struct NewtonRow {
+    int al_iteration;
+    const NewtonStep& step;
+    const std::string& run;
+};
+
+using Al = const AlRow&;
+using Nw = const NewtonRow&;
+
+struct Column : Named {
+    // nullptr: the cell is empty.
+    std::string (*of_al)(Al) = nullptr;
+    std::string (*of_newton)(Nw) = nullptr;
+    bool at_start = false;  // also in row 0, before anything was minimised
+};
+
+std::string text(int count) { return std::to_string(count); }
+std::string text(double value) { return to_text(value); }
+
+template <class Enum>
+    requires std::is_enum_v<Enum>
+std::string text(Enum value) {
+    return to_string(value);
+}
+
+template <auto member>
+std::string al(Al row) {
+    return text(row.it.*member);
+}
+
+template <auto member>
+std::string newton(Nw row) {
+    return text(row.step.*member);
+}
+
+std::string reason_of_cut(Nw row) {
+    if (row.step.cuts_inverted && row.step.cuts_decrease) return "inverted element; insufficient decrease";
+    if (row.step.cuts_inverted) return "inverted element";
+    return row.step.cuts_decrease ? "insufficient decrease" : "none";
+}
+
+const char* kind(const Stage& stage) {
+    if (!stage.part.empty()) return "local";
+    return stage.power ? "power" : stage.fraction < 1 ? "part" : "coarse";
+}
+
+std::string update(Al row) {
+    if (!row.stage) return to_string(row.it.update);
+    if (row.stage->status != Status::converged) return "dropped";
+    if (!row.stage->part.empty()) return "kept";
+    if (row.stage->power) return "next power";
+    return row.stage->fraction < 1 ? "next part" : "finer mesh";
+}
+
+using It = AlIteration;
+using Step = NewtonStep;
+constexpr bool at_start = true;
+
+constexpr auto columns = std::to_array<Column>({
+    {{"kind", "al: an augmented Lagrangian iteration; newton: a step of its minimisation; coarse: the whole solution "
+              "on a coarser mesh; part: that of a part of the motion; power: that with an earlier power; local: that of a "
+              "part of the mesh"},
+     [](Al r) { return std::string(r.stage ? kind(*r.stage) : "al"); },
+     [](Nw) { return std::string("newton"); }, at_start},
+    {{"al_iteration", "number of the augmented Lagrangian iteration; 0: the mesh at the start"},
+     al<&It::iteration>, [](Nw r) { return text(r.al_iteration); }, at_start},
+    {{"newton_iteration", "number of the step in its minimisation"}, nullptr, newton<&Step::iteration>},
+    {{"energy", "E (Eq. 6), after the step"}, al<&It::energy>, newton<&Step::energy>},
+    {{"gradient_norm", "|grad E|, after the step"}, al<&It::gradient_norm>, newton<&Step::gradient_norm>},
+    {{"constraint_norm", "|c_D|"}, al<&It::constraint_norm>, nullptr, at_start},
+    {{"projected_constraint_norm", "|P c_D|, on which convergence is judged"},
+     al<&It::projected_constraint_norm>, nullptr, at_start},
+    {{"mu", "penalty of the minimisation"}, al<&It::mu>},
+    {{"omega", "tolerance of |grad E| in the minimisation"}, al<&It::omega>},
+    {{"epsilon", "tolerance of |P c_D|^2: below it lambda is updated, above it mu"},
+     [](Al r) { return std::isfinite(r.it.epsilon) ? text(r.it.epsilon) : ""; }},
+    {{"relative_quality", "q"}, al<&It::relative_quality>, nullptr, at_start},
+    {{"max_distortion", "largest eta"}, al<&It::max_distortion>, nullptr, at_start},
+    {{"newton_iterations", "Newton steps of the row: of the minimisation, coarser mesh, part or power"},
+     al<&It::newton_iterations>},
+    {{"newton_status", "how the minimisation ended"}, al<&It::newton_status>},
+    {{"update", "what was updated afterwards: lambda, mu; local: whether it was kept; coarse, part, power: "
+      "whether the next row starts from it"},
+     update},
+    {{"step_length", "step length t of the line search"}, nullptr, newton<&Step::step_length>},
+    {{"cuts_inverted", "trial lengths refused because an element was inverted"}, nullptr, newton<&Step::cuts_inverted>},
+    {{"cuts_decrease", "trial lengths refused because E did not decrease enough"},
+     nullptr, newton<&Step::cuts_decrease>},
+    {{"cut_reason", "why trial lengths were refused, in words"}, nullptr, reason_of_cut},
+    {{"hessian", "Hessian from which the direction was computed"}, nullptr, newton<&Step::hessian>},
+    {{"solver", "linear solver"}, nullptr, newton<&Step::solver>},
+    {{"fallback", "how an iterative solver failed before Cholesky took over"},
+     nullptr, [](Nw r) { return r.step.fallback ? text(*r.step.fallback) : ""; }},
+    {{"preconditioner", "preconditioner of cg or gmres: ilu0, ssor or pmg"}, nullptr, [](Nw r) {
+         const PreconditionerKind kind = r.step.preconditioner;
+         return kind == PreconditionerKind::automatic ? std::string() : text(kind);
+     }},
+    {{"linear_iterations", "iterations of cg or gmres"}, nullptr, newton<&Step::linear_iterations>},
+    {{"ilu_shift", "the diagonal blocks were multiplied by 1 + ilu_shift before ILU(0)"},
+     nullptr, newton<&Step::ilu_shift>},
+    {{"local_nodes", "nodes of the local eliminations after the step"},
+     nullptr, [](Nw r) { return text(r.step.local.nodes); }},
+    {{"local_steps", "Newton steps of these eliminations"}, nullptr, [](Nw r) { return text(r.step.local.steps); }},
+    {{"nodes", "coarse, part, power, local: nodes of the mesh, or of the part of it"}, [](Al r) { return r.stage ? text(r.stage->nodes) : ""; }},
+    {{"fraction", "part: the fraction of the motion at its end"},
+     [](Al r) { return r.stage && r.stage->fraction < 1 ? text(r.stage->fraction) : ""; }},
+    {{"power", "power: exponent of eta - 1"},
+     [](Al r) { return r.stage && r.stage->power ? text(r.stage->power) : ""; }},
+    {{"relative_boundary_error", "largest distance of a boundary node from its target, in heights of the cells at it"},
+     al<&It::relative_boundary_error>, nullptr, at_start},
+    {{"run", "id of the run, the same in all of its files"},
+     [](Al r) { return r.run; }, [](Nw r) { return r.run; }, at_start},
+    {{"seconds", "seconds since the iterations began; coarse, part, power, local: seconds that the row took"},
+     al<&It::seconds>, nullptr, at_start},
+});
+
+// One line of the file; cell(column) gives its text.
+template <class Cell>
+std::string line(const Cell& cell) {
+    std::string cells;
+    for (const Column& column : columns) cells += cell(column) + ',';
+    cells.back() = '\n';
+    return cells;
+}
+
+std::string line(Al row) {
+    return line([&](const Column& column) {
+        const bool has_cell = row.it.iteration > 0 || row.stage || column.at_start;
+        return column.of_al && has_cell ? column.of_al(row) : std::string();
+    });
+}
+
+constexpr const char* clear_line = "\r\033[K";
+
+}  // namespace
+
+AlIteration Units::of(AlIteration row) const {
+    row.constraint_norm = distance(row.constraint_norm);
+    row.projected_constraint_norm = distance(row.projected_constraint_norm);
+    row.energy = energy(row.energy);
+    row.gradient_norm = gradient(row.gradient_norm);
+    row.mu = penalty(row.mu);
+    row.omega = gradient(row.omega);
+    row.epsilon = distance(distance(row.epsilon));  // of a squared norm
+    return row;
+}
+
+NewtonStep Units::of(NewtonStep step) const {
+    step.energy = energy(step.energy);
+    step.gradient_norm = gradient(step.gradient_norm);
+    return step;
+}
+
+Report::Report(std::FILE* out, const Units& units, const std::string& run)
+    : out_(out), is_terminal_(isatty(fileno(out)) != 0), units_(units), run_(run) {
+    std::fprintf(out_, "%3s  %9s  %9s  %8s  %9s  %8s  %-9s  %6s  %8s\n", "AL", "|c_D|", "|grad E|", "q", "max eta",
+                 "mu", "update", "Newton", "time");
+    csv_ = line([](const Column& column) { return std::string(column.name); });
+}
+
+void Report::add(const Stage& stage) {
+    AlIteration row = units_.of(stage.last);
+    row.newton_iterations = stage.newton_iterations;
+    csv_ += line(AlRow{row, &stage, run_});
+    if (stage.status == Status::converged && stage.fraction < 1) reached = std::max(reached, stage.fraction);
+    const char* const used = stage.status == Status::converged ? "" : ", not used";
+    std::string what = "  ";
+    if (!stage.part.empty()) what += stage.part;
+    else if (stage.power) what += "(eta - 1)^" + std::to_string(stage.power);
+    else if (stage.fraction < 1) append(what, stage.fraction, 3), what += " of the motion";
+    else what += std::to_string(stage.nodes) + " nodes";
+    print(row, kind(stage), what + used);
+}
+
+void Report::add(const AlIteration& it) {
+    const AlIteration row = units_.of(it);
+    csv_ += line(AlRow{row, nullptr, run_});
+    print(row, row.iteration > 0 ? to_string(row.update) : nullptr, "");
+}
+
+void Report::add(int al_iteration, const NewtonStep& it) {
+    const NewtonStep step = units_.of(it);
+    ++newton_steps;
+    fallbacks += step.fallback.has_value();
+    csv_ += line([row = NewtonRow{al_iteration, step, run_}](const Column& column) {
+        return column.of_newton ? column.of_newton(row) : std::string();
+    });
+    if (!is_terminal_) return;
+    std::fprintf(out_, "%s%3d  Newton %d  |grad E| %.2e  step %.2g  (%s)", clear_line, al_iteration, step.iteration,
+                 step.gradient_norm, step.step_length, to_string(step.hessian));
+    std::fflush(out_);
+}
+
+void Report::print(const AlIteration& row, const char* update, const std::string& note) {
+    if (is_terminal_) std::fputs(clear_line, out_);
+    if (!update)
+        std::fprintf(out_, "%3d  %9.3e  %9s  %8.6f  %9.4g  %8s  %-9s  %6s  %7.2fs\n", 0, row.constraint_norm, "-",
+                     row.relative_quality, row.max_distortion, "-", "-", "-", row.seconds);
+    else
+        std::fprintf(out_, "%3d  %9.3e  %9.2e  %8.6f  %9.4g  %8.2e  %-9s  %6d  %7.2fs%s\n", row.iteration,
+                     row.constraint_norm, row.gradient_norm, row.relative_quality, row.max_distortion, row.mu, update,
+                     row.newton_iterations, row.seconds, note.c_str());
+    std::fflush(out_);
+}
+
+std::vector<Named> history_columns() { return {columns.begin(), columns.end()}; }
+
+}  // namespace almesh

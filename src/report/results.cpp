@@ -1,0 +1,297 @@
+#include "report/results.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "app/commands.hpp"
+#include "deck/deck.hpp"
+#include "problem/problem.hpp"
+#include "report/report.hpp"
+#include "base/files.hpp"
+#include "base/index.hpp"
+#include "base/parallel.hpp"
+#include "base/text.hpp"
+#include "io/msh.hpp"
+#include "io/su2.hpp"
+#include "io/vtk.hpp"
+#include "mesh/winding.hpp"
+
+namespace almesh {
+namespace {
+
+std::vector<std::pair<std::string, std::string>> provenance(const Deck& deck, const Problem& problem) {
+    return {{"program", version()}, {"commit", commit()}, {"deck", deck.name}, {"mesh_hash", problem.mesh_hash},
+            {"run", problem.run_id}};
+}
+
+std::string title(const Deck& deck, const char* what) {
+    return (deck.title.empty() ? deck.name : deck.title) + ", " + what;
+}
+
+std::vector<double> scaled(std::vector<double> values, double factor) {
+    for (double& value : values) value *= factor;
+    return values;
+}
+
+VtkFormat format_of(const Deck& deck) { return deck.vtk == VtkOutput::binary ? VtkFormat::binary : VtkFormat::ascii; }
+
+// x, in the run's frame, and positions, in the file's, are the same points.
+void write_volume(const Deck& deck, const Problem& problem, const char* what, const std::vector<double>& x,
+                  std::vector<double> positions, const std::vector<double>& distortion,
+                  const std::vector<double>* scaled_jacobian, std::vector<VtkArray> point_data = {}) {
+    const Mesh& mesh = problem.mesh();
+    std::vector<VtkArray> cell_data = {{"distortion", 1, distortion}};
+    if (!deck.wall.empty())
+        point_data.push_back({"wall_distance", 1,
+                              scaled(wall_distance(mesh, x, mesh.boundaries_in(deck.wall)), problem.frame.length)});
+    std::vector<double> quality(distortion.size()), id(distortion.size());
+    for (std::size_t e = 0; e < distortion.size(); ++e) {
+        quality[e] = 1 / distortion[e];
+        id[e] = static_cast<double>(mesh.file.element_id[e]);
+    }
+    cell_data.push_back({"quality", 1, std::move(quality)});
+    if (scaled_jacobian) cell_data.push_back({"min_scaled_jacobian", 1, *scaled_jacobian});
+    cell_data.push_back({"element_id", 1, std::move(id)});
+    write_vtk(deck.output + "/" + what + ".vtk",
+              {title(deck, what), mesh.dim, mesh.degree, std::move(positions), mesh.elements, mesh.dim,
+               std::move(point_data), std::move(cell_data), provenance(deck, problem), mesh.groups},
+              format_of(deck));
+}
+
+// Boundary faces on the trace nodes, with the multipliers and the projected constraint.
+void write_boundary(const Deck& deck, const Problem& problem, const Solution& solution,
+                    const std::vector<double>& positions) {
+    const Mesh& mesh = problem.mesh();
+    const Constraint& constraint = *problem.level->constraint;
+    const std::vector<double> multipliers = constraint.multiplier_field(solution.al.lambda);
+    const int dim = mesh.dim, count = static_cast<int>(constraint.nodes().size());
+    std::vector<int> trace(mesh.nodes(), -1), cells;
+    std::vector<double> x, magnitude, boundary;
+    for (int t = 0; t < count; ++t) {
+        trace[constraint.nodes()[t]] = t;
+        double squared = 0;
+        for (int a = 0; a < dim; ++a) {
+            x.push_back(positions[offset(constraint.nodes()[t], dim, a)]);
+            squared += std::pow(multipliers[offset(t, dim, a)], 2);
+        }
+        magnitude.push_back(std::sqrt(squared));
+    }
+    for (int node : mesh.faces) cells.push_back(trace[node]);
+    for (int b : mesh.face_boundary) boundary.push_back(b);
+    const Units units = {dim, problem.frame.length};
+    std::vector<VtkArray> point_data = {
+        {"multipliers", dim, scaled(multipliers, units.multiplier(1))},
+        {"multiplier_magnitude", 1, scaled(magnitude, units.multiplier(1))},
+        {"constraint", dim, scaled(constraint.constraint_field(solution.x), units.constraint(1))}};
+    std::vector<VtkArray> cell_data = {{"boundary", 1, std::move(boundary)}};
+    if (const std::vector<char>& flat = problem.target.straight; !flat.empty())
+        cell_data.push_back({"flat", 1, {flat.begin(), flat.end()}});
+    write_vtk(deck.output + "/boundary.vtk",
+              {title(deck, "boundary"), dim, mesh.degree, std::move(x), std::move(cells), dim - 1,
+               std::move(point_data), std::move(cell_data), provenance(deck, problem),
+               mesh.groups_of_faces},
+              format_of(deck));
+}
+
+// "iterate-0012" of "iterate-".
+std::string numbered(const char* name, int number) {
+    const std::string digits = std::to_string(number);
+    return name + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits;
+}
+
+constexpr const char* end_of_series = "\n  ]\n}\n";
+
+std::string row_of_series(const std::string& name, double time) {
+    return concat("    {\"name\": \"", name, "\", \"time\": ", time, "}");
+}
+
+std::string iterate_name(int number) { return numbered("iterate-", number); }
+
+// The mesh, in the formats of the key `final`, and its VTK file. Returns the first one.
+std::string write_mesh(const Deck& deck, const Problem& problem, const Solution& solution,
+                       const std::vector<double>& positions, const std::string& name,
+                       const std::vector<VtkArray>& point_data = {}) {
+    const Mesh in_file = as_in_file(problem.mesh());
+    const std::string path = deck.output + "/" + name;
+    const std::vector<FileFormat> formats = final_formats(deck.final_format, in_file);
+    for (const FileFormat& format : formats) {
+        if (format.kind == FileFormat::Kind::su2) write_su2(path + ".su2", in_file, positions);
+        else write_msh(path + ".msh", in_file, positions, format);
+    }
+    if (deck.vtk != VtkOutput::none)
+        write_volume(deck, problem, name.c_str(), solution.x, positions, solution.al.distortion.element_max,
+                     &solution.certificate.lower_bound, point_data);
+    return path + (formats.front().kind == FileFormat::Kind::su2 ? ".su2" : ".msh");
+}
+
+// The elements around the diagnosis, with the way from each node of the boundary to its target.
+void write_stop(const Deck& deck, const Problem& problem, const Solution& solution,
+                const std::vector<double>& positions) {
+    const Mesh& mesh = problem.mesh();
+    const int dim = mesh.dim;
+    const Constraint& constraint = *problem.level->constraint;
+    const std::vector<double> targets = constraint.targets(solution.x);
+    const std::vector<int> boundary = boundary_of_nodes(mesh, problem.target);
+    const SubMesh around = neighbourhood(mesh, solution.diagnosis);
+    std::vector<const CellType*> types;
+    std::vector<double> x, node_id, of_node, at_node, to_target;
+    for (const int i : around.node) {
+        x.insert(x.end(), point(positions, i, dim), point(positions, i, dim) + dim);
+        node_id.push_back(static_cast<double>(mesh.file.node_id[i]));
+        of_node.push_back(boundary[i]);
+        at_node.push_back(i == solution.diagnosis.node);
+        const auto trace = std::lower_bound(constraint.nodes().begin(), constraint.nodes().end(), i);
+        const bool has_target = trace != constraint.nodes().end() && *trace == i;
+        const auto t = static_cast<int>(trace - constraint.nodes().begin());
+        for (int a = 0; a < dim; ++a)
+            to_target.push_back(
+                has_target ? problem.frame.length * (targets[offset(t, dim, a)] - point(solution.x, i, dim)[a]) : 0.0);
+    }
+    std::vector<double> element_id, distortion, scaled_jacobian, at_element;
+    for (const int e : around.place) {
+        types.push_back(&mesh.cell(e));
+        element_id.push_back(static_cast<double>(mesh.file.element_id[e]));
+        distortion.push_back(solution.al.distortion.element_max[e]);
+        scaled_jacobian.push_back(solution.certificate.lower_bound[e]);
+        at_element.push_back(e == solution.diagnosis.element);
+    }
+    write_vtk(deck.output + "/stop.vtk",
+              {title(deck, "stop"),
+               dim,
+               mesh.degree,
+               std::move(x),
+               around.elements,
+               dim,
+               {{"to_target", dim, std::move(to_target)},
+                {"node_id", 1, std::move(node_id)},
+                {"boundary", 1, std::move(of_node)},
+                {"diagnosis", 1, std::move(at_node)}},
+               {{"distortion", 1, std::move(distortion)},
+                {"min_scaled_jacobian", 1, std::move(scaled_jacobian)},
+                {"element_id", 1, std::move(element_id)},
+                {"diagnosis", 1, std::move(at_element)}},
+               provenance(deck, problem),
+               groups_of(types, mesh.degree)},
+              format_of(deck));
+}
+
+}  // namespace
+
+std::string run_id(Deck deck, FileHashes& known) {
+    std::vector<std::string> files = {deck.mesh, deck.start_file, deck.ideal_file};
+    for (const DeckBoundary& boundary : deck.boundaries)
+        for (const MotionStep& step : boundary.motion.steps) files.push_back(step.file);
+    std::string hashes;
+    for (const std::string& file : files) {
+        std::error_code error;
+        std::string& hash = known[file];
+        if (hash.empty() && std::filesystem::is_regular_file(file, error)) hash = hash_of(read_file(file));
+        hashes += hash;
+    }
+    const Deck defaults;
+    deck.output = ".";
+    deck.threads = defaults.threads;
+    deck.max_seconds = defaults.max_seconds;
+    deck.checkpoint = defaults.checkpoint;
+    deck.resume = defaults.resume;
+    return hash_of(resolved(deck) + hashes);
+}
+
+void identify(const Deck& deck, Problem& problem) {
+    FileHashes known = {{deck.mesh, problem.mesh_hash}};
+    problem.run_id = run_id(deck, known);
+    problem.level->mesh.file.comment = concat(version(), ", run ", problem.run_id);
+}
+
+std::vector<double> final_positions(const Problem& problem, const std::vector<double>& solution) {
+    const Mesh& mesh = problem.mesh();
+    const int dim = mesh.dim;
+    std::vector<double> x = problem.frame.to_file(solution, dim);
+    for (std::size_t k = mesh.faces.size(); k-- > 0;)  // the first face that holds a node decides
+        if (const int i = mesh.faces[k]; std::equal(point(solution, i, dim), point(solution, i, dim) + dim,
+                                                    &problem.target.node[k * dim]))
+            std::copy_n(&problem.node_target[k * dim], dim, point(x, i, dim));
+    for (std::size_t i = 0; i < problem.file_x.size(); ++i)
+        if (solution[i] == mesh.x[i]) x[i] = problem.file_x[i];
+    return x;
+}
+
+std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
+    const FileFormat input = mesh.file.format, su2 = {FileFormat::Kind::su2};
+    const bool from_su2 = input.kind == FileFormat::Kind::su2;
+    const FileFormat msh = input.kind == FileFormat::Kind::msh ? input : FileFormat();
+    switch (wanted) {
+        case FinalFormat::input:
+            return {from_su2 ? su2 : msh};
+        case FinalFormat::msh:
+            return {msh};
+        case FinalFormat::su2:
+            return {su2};
+        case FinalFormat::both:
+            return {msh, su2};
+        default:
+            break;
+    }
+    const int place = static_cast<int>(wanted) - static_cast<int>(FinalFormat::msh22);
+    constexpr int versions[] = {22, 40, 41};
+    return {{FileFormat::Kind::msh, versions[place / 2], place % 2 == 1}};
+}
+
+void write_deck(const Deck& deck, const Problem& problem) {
+    std::string text = concat("# ", version(), ", commit ", commit(), "\n# compiled by ", compiler(), "\n# threads ",
+                              max_threads(), ", mesh hash ", problem.mesh_hash, ", run ", problem.run_id, "\n");
+    for (const std::string& note : problem.notes) text += "# note: " + note + "\n";
+    write_file(deck.output + "/deck.txt", text + "\n" + resolved(deck));
+}
+
+void write_initial(const Deck& deck, const Problem& problem) {
+    if (deck.vtk == VtkOutput::none) return;
+    const std::vector<double> undistorted(problem.mesh().element_count(), 1.0);
+    write_volume(deck, problem, "initial", problem.ideal(), problem.frame.to_file(problem.ideal(), problem.mesh().dim),
+                 undistorted, nullptr);
+}
+
+void write_iterate(const Deck& deck, const Problem& problem, int number, const std::vector<double>& x) {
+    write_volume(deck, problem, iterate_name(number).c_str(), x, problem.frame.to_file(x, problem.mesh().dim),
+                 problem.level->energy->statistics(x).element_max, nullptr);
+    std::vector<std::pair<std::string, double>> files;
+    for (int k = 0; k <= number; ++k) files.emplace_back(iterate_name(k) + ".vtk", k * deck.iterates);
+    write_series(deck.output + "/iterates.vtk.series", files);
+}
+
+void write_series(const std::string& path, const std::vector<std::pair<std::string, double>>& files) {
+    std::string rows;
+    for (const auto& [name, time] : files) rows += (rows.empty() ? "" : ",\n") + row_of_series(name, time);
+    write_file(path, concat("{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n", rows, end_of_series));
+}
+
+void append_to_series(const std::string& path, const std::string& name, double time) {
+    append_to_file(path, ",\n" + row_of_series(name, time), end_of_series);
+}
+
+std::string frame_name(int number) { return numbered("frame-", number); }
+
+std::string write_frame(const Deck& deck, const Problem& problem, const Solution& solution, const std::string& name,
+                        const std::vector<VtkArray>& point_data) {
+    return write_mesh(deck, problem, solution, final_positions(problem, solution.x), name, point_data);
+}
+
+void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {
+    const std::vector<double> positions = final_positions(problem, solution.x);
+    write_mesh(deck, problem, solution, positions, "final");
+    if (!solution.moved_nodes.empty())
+        write_file(deck.output + "/moved-nodes.csv", moved_nodes_csv(problem.mesh(), solution.moved_nodes));
+    if (deck.vtk == VtkOutput::none) return;
+    write_boundary(deck, problem, solution, positions);
+    if (solution.diagnosis.kind != DiagnosisKind::none) write_stop(deck, problem, solution, positions);
+}
+
+void write_summary(const Deck& deck, const Summary& summary) {
+    std::string lines;
+    for (const auto& [quantity, value] : summary) lines += quantity + " = " + value + "\n";
+    write_file(deck.output + "/summary.txt", lines);
+    write_file(deck.output + "/expectations.csv", expectations_csv(deck.expectations, summary));
+}
+
+}  // namespace almesh
