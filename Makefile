@@ -21,7 +21,13 @@ COMMIT    := $(shell git describe --always --dirty --exclude '*' 2>/dev/null || 
 FLAGS     := -std=c++20 -fno-math-errno -ffp-contract=off $(CXXFLAGS) $(OPENMP) $(WARNINGS) $(WERROR) $(NO_OPENMP) -Isrc -Itests
 SOURCES   := $(shell find src -name '*.cpp' -not -path 'src/lessons/*' | sort)
 OBJECTS   := $(SOURCES:%.cpp=$(BUILD)/%.o)
-LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(OBJECTS))
+# Programs wait for what computes, and what is done once per run takes little time: neither needs much optimisation. Of
+# an inline function that is not inlined the linker takes the first object's: an optimised one.
+MADE_ONCE := $(addprefix mesh/,build.o build_boundary.o build_kept.o inner_boundary.o raise.o refine.o split.o)
+WAITING   := $(filter $(addprefix $(BUILD)/src/,main.o app/% deck/% report/% io/% problem/% $(MADE_ONCE)),$(OBJECTS))
+WAITING   := $(filter-out %/corner_smoothing.o,$(WAITING))
+COMPUTING := $(filter-out $(WAITING),$(OBJECTS))
+LIBRARY   := $(filter-out $(BUILD)/src/main.o,$(COMPUTING) $(WAITING))
 TESTS     := $(shell find tests -name '*.cpp' -not -path 'tests/bench/*' -not -path 'tests/lessons/*' \
                -not -name libfuzzer.cpp | sort)
 TEST_OBJECTS := $(TESTS:%.cpp=$(BUILD)/%.o)
@@ -66,32 +72,39 @@ all: almesh ## build the program ./almesh
 almesh: $(BUILD)/almesh
 	@cp $< $@.new && mv -f $@.new $@
 
-$(BUILD)/almesh: $(OBJECTS)
+$(BUILD)/almesh: $(COMPUTING) $(WAITING)
 	$(call said,LINK,$@)
 	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
+# Warnings are kept beside the object, for `make test`, which takes them for errors.
 $(BUILD)/%.o: %.cpp $(BUILD)/flags
 	@mkdir -p $(@D)
 	$(call said,CXX,$<)
-	$(Q)$(CXX) $(FLAGS) -MMD -MP -c $< -o $@
+	$(Q)$(CXX) $(FLAGS) $(OWN_FLAGS) -MMD -MP -c $< -o $@ 2> $@.log; code=$$?; cat $@.log >&2; exit $$code
 
-# Tests wait for the library, not for themselves: a fifth of `make test` is saved by what is not optimised here.
-# What most of them include is read once, but with ccache, which keeps nothing of what was compiled so, for main.cpp,
-# which includes more of doctest, and for the harnesses, which `make fuzz` links without doctest.
-TEST_FLAGS := -O1 -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
-PREFIX    := $(if $(findstring ccache,$(CXX)),,$(BUILD)/tests/prefix.hpp)
-$(TEST_OBJECTS): FLAGS += $(TEST_FLAGS)
+# Tests wait for the library too, and so does the course. What most files include of other people's headers is read
+# once, but with ccache, which keeps nothing of what was compiled so.
+LITTLE    := $(if $(filter -O2 -O3,$(CXXFLAGS)),-O1)
+OF_TESTS  := $(LITTLE) -DDOCTEST_CONFIG_SUPER_FAST_ASSERTS
+# not main.cpp of the tests, which includes more of doctest, nor the harnesses, which `make fuzz` links without doctest
 PREFIXED  := $(filter-out $(BUILD)/tests/main.o $(FUZZ_OBJECTS),$(TEST_OBJECTS))
-$(PREFIXED): FLAGS += $(PREFIX:%=-include %)
-$(PREFIXED): $(PREFIX:%=%.gch)
-
-$(BUILD)/tests/prefix.hpp.gch: tests/support/prefix.hpp $(BUILD)/flags
-	@mkdir -p $(@D) && cp $< $(PREFIX)
-	$(call said,CXX,$<)
-	$(Q)$(CXX) $(filter-out -include $(PREFIX),$(FLAGS)) -x c++-header $< -o $@
+PREFIX    := $(if $(findstring ccache,$(CXX)),,$(BUILD)/prefix)
+$(WAITING) $(LESSON_OBJECTS): OWN_FLAGS = $(LITTLE) $(PREFIX:%=-include %/waiting.hpp)
+$(COMPUTING): OWN_FLAGS = $(PREFIX:%=-include %/computing.hpp)
+$(TEST_OBJECTS): OWN_FLAGS = $(OF_TESTS)
+$(PREFIXED): OWN_FLAGS = $(OF_TESTS) $(PREFIX:%=-include %/tests.hpp)
+$(WAITING) $(LESSON_OBJECTS): $(PREFIX:%=%/waiting.hpp.gch)
+$(COMPUTING): $(PREFIX:%=%/computing.hpp.gch)
+$(PREFIXED): $(PREFIX:%=%/tests.hpp.gch)
+$(BUILD)/prefix/waiting.hpp.gch: OF_PREFIX = $(LITTLE)
+$(BUILD)/prefix/tests.hpp.gch: OF_PREFIX = $(OF_TESTS) -include doctest/doctest.h
+$(BUILD)/prefix/%.hpp.gch: tests/support/prefix.hpp $(BUILD)/flags
+	@mkdir -p $(@D) && cp $< $(@:.gch=)
+	$(call said,CXX,$@)
+	$(Q)$(CXX) $(FLAGS) $(OF_PREFIX) -x c++-header $< -o $@
 
 # Only this file knows the commit; it is rebuilt when that changes.
-$(BUILD)/src/app/version.o: FLAGS += -DALMESH_VERSION='"$(VERSION)"' -DALMESH_COMMIT='"$(COMMIT)"' -DALMESH_FLAGS='"$(CXXFLAGS) $(OPENMP)"'
+$(BUILD)/src/app/version.o: OWN_FLAGS += -DALMESH_VERSION='"$(VERSION)"' -DALMESH_COMMIT='"$(COMMIT)"' -DALMESH_FLAGS='"$(CXXFLAGS) $(OPENMP)"'
 $(BUILD)/src/app/version.o: $(BUILD)/commit
 $(BUILD)/commit: FORCE
 	@mkdir -p $(BUILD)
@@ -107,7 +120,8 @@ run: almesh ## move the circle of section 4.1 and print its table
 
 test: doctest python numpy ## run every test, built with warnings as errors, and build the benchmark (installs doctest where it is missing)
 	tests/mutants/mutants.py --check
-	$(MAKE) BUILD=build-test WERROR=-Werror run-tests run-oracle lessons build-test/almesh-bench
+	$(MAKE) run-tests run-oracle lessons $(BUILD)/almesh-bench
+	@! find $(BUILD) -name '*.o.log' -size +0 | grep . || { echo 'the compiler warned: see these files'; exit 1; }
 	@tests/house.py
 
 oracle: almesh numpy ## look for false sentences: decks and generated cases against what their meshes are (DECKS="circle crack"; numpy)

@@ -75,8 +75,20 @@ std::optional<int> parse_int(std::string_view text, int lowest, int highest) {
 }
 
 std::string to_text(double value) {
-    char buffer[32];  // the longest double needs 24 characters
-    return std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::general).ptr);
+    return joined({value});
+}
+
+TextPart::TextPart(double value)
+    : text_(digits_.data(), std::to_chars(digits_.begin(), digits_.end(), value, std::chars_format::general).ptr) {}
+
+void TextPart::set_integer(long long value) {
+    text_ = {digits_.data(), std::to_chars(digits_.begin(), digits_.end(), value).ptr};
+}
+
+std::string joined(std::initializer_list<TextPart> parts) {
+    std::string text;
+    for (const TextPart& part : parts) text += part.text();
+    return text;
 }
 
 std::string hash_of(std::string_view text) {

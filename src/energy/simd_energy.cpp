@@ -155,15 +155,13 @@ void SimdEnergy::blocks_moved(const LargeVector<int>& place) {
     }, reference_.nodes);
 }
 
-// Begins an evaluation. body(std::type_identity<Batch>, density): the batch for elements of this dimension and degree.
+// Begins an evaluation. body(std::type_identity<Batch>): the batch for elements of this dimension and degree.
 template <class Body>
 void SimdEnergy::dispatch(const Body& body) {
     take_refined_out();
-    with_density(params_, [&](auto density) {
-        with_dimension(dim_, [&](auto n) {
-            if (is_linear()) body(std::type_identity<LinearBatch<n()>>(), density);
-            else body(std::type_identity<CurvedBatch<n()>>(), density);
-        });
+    with_dimension(dim_, [&](auto n) {
+        if (is_linear()) body(std::type_identity<LinearBatch<n()>>());
+        else body(std::type_identity<CurvedBatch<n()>>());
     });
 }
 
@@ -213,16 +211,18 @@ void SimdEnergy::every_refined(const std::vector<double>& x, int size, const Com
 double SimdEnergy::energy(const std::vector<double>& x) {
     double refined = 0;
     std::atomic<bool> inverted = false;  // one inverted element settles it: the other blocks are skipped
-    dispatch([&](auto type, auto density) {
-        using Batch = typename decltype(type)::type;
-        parallel_tasks(blocks_.count(), is_large_, [&](int block) {
-            if (inverted.load(std::memory_order_relaxed)) return;
-            SumOfBatches sum;
-            every_batch<Batch>(block, x, [&](const Batch& elements, int batch) {
-                sum.add(weight_[batch] * elements.energy(density, params_.delta));
+    with_density(params_, [&](auto density) {
+        dispatch([&](auto type) {
+            using Batch = typename decltype(type)::type;
+            parallel_tasks(blocks_.count(), is_large_, [&](int block) {
+                if (inverted.load(std::memory_order_relaxed)) return;
+                SumOfBatches sum;
+                every_batch<Batch>(block, x, [&](const Batch& elements, int batch) {
+                    sum.add(weight_[batch] * elements.energy(density, params_.delta));
+                });
+                block_value_[block] = sum.total();
+                if (!std::isfinite(block_value_[block])) inverted.store(true, std::memory_order_relaxed);
             });
-            block_value_[block] = sum.total();
-            if (!std::isfinite(block_value_[block])) inverted.store(true, std::memory_order_relaxed);
         });
         const auto energy_of = [&](const auto& element, int r, double* to) {
             *to = singles_[r].ideal.weight * element.energy_of_element(density, params_.delta);
@@ -234,12 +234,14 @@ double SimdEnergy::energy(const std::vector<double>& x) {
 }
 
 void SimdEnergy::add_gradient(const std::vector<double>& x, std::vector<double>& g) {
-    dispatch([&](auto type, auto density) {
-        using Batch = typename decltype(type)::type;
-        blocks_.in_schedule(is_large_, [&](int block) {
-            every_batch<Batch>(block, x, [&](Batch& elements, int batch) {
-                const int count = std::min(lanes, element_count_ - batch * lanes);
-                elements.add_gradient(density, params_.delta, weight_[batch], count, g.data());
+    with_density(params_, [&](auto density) {
+        dispatch([&](auto type) {
+            using Batch = typename decltype(type)::type;
+            blocks_.in_schedule(is_large_, [&](int block) {
+                every_batch<Batch>(block, x, [&](Batch& elements, int batch) {
+                    const int count = std::min(lanes, element_count_ - batch * lanes);
+                    elements.add_gradient(density, params_.delta, weight_[batch], count, g.data());
+                });
             });
         });
         const int size = reference_.nodes * dim_;
@@ -259,34 +261,37 @@ void SimdEnergy::add_hessian(const std::vector<double>& x, HessianKind kind, Blo
     const bool projected = kind == HessianKind::projected, of_objective = kind != HessianKind::damping;
     const double t = projected ? projection.damping : of_objective ? 0 : 1;
     const double kept_negative = projected ? projection.kept_negative : of_objective ? 1 : 0;
-    dispatch([&](auto type, auto density) {
-        using Batch = typename decltype(type)::type;
-        constexpr int block_size = Batch::dimension * Batch::dimension;
-        const int mm = reference_.nodes * reference_.nodes;
-        const auto target_of = [&](int place) { return &hessian_block_[offset(place, mm)]; };
+    const int mm = reference_.nodes * reference_.nodes, size = dim_ * dim_;
+    const auto target_of = [&](int place) { return &hessian_block_[offset(place, mm)]; };
+    with_density(params_, [&](auto density) {
         const auto hessian_of = [&](auto& elements, Lanes own, Lanes added) {
             if (!of_objective) own = Lanes{};
             const Lanes weight = own + t * added;
             const Lanes share = own / max(weight, in_all_lanes(std::numeric_limits<double>::min()));
             return elements.hessian(damped(density, share), params_.delta, kept_negative, weight);
         };
-        blocks_.in_schedule(is_large_, [&](int block) {
-            every_batch<Batch>(block, x, [&](Batch& elements, int batch) {
-                const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
-                const int* const target = target_of(first);
-                prefetch_blocks<block_size>(H.value.data(), target, count * mm);
-                const double* const part = hessian_of(elements, weight_[batch], damping_weight_[batch]);
-                for (int k = 0; k < count; ++k)
-                    add_blocks<block_size>(part + k * elements.stride(), target + k * mm, mm, H.value.data());
+        dispatch([&](auto type) {
+            using Batch = typename decltype(type)::type;
+            constexpr int block_size = Batch::dimension * Batch::dimension;
+            blocks_.in_schedule(is_large_, [&](int block) {
+                every_batch<Batch>(block, x, [&](Batch& elements, int batch) {
+                    const int first = batch * lanes, count = std::min(lanes, element_count_ - first);
+                    const int* const target = target_of(first);
+                    prefetch_blocks<block_size>(H.value.data(), target, count * mm);
+                    const double* const part = hessian_of(elements, weight_[batch], damping_weight_[batch]);
+                    for (int k = 0; k < count; ++k)
+                        add_blocks<block_size>(part + k * elements.stride(), target + k * mm, mm, H.value.data());
+                });
             });
         });
         const auto hessian_of_refined = [&](auto& element, int r, double* to) {
             const IdealElement& of = singles_[r].ideal;
-            std::copy_n(hessian_of(element, in_all_lanes(of.weight), in_all_lanes(of.damping_weight)),
-                        mm * block_size, to);
+            std::copy_n(hessian_of(element, in_all_lanes(of.weight), in_all_lanes(of.damping_weight)), mm * size, to);
         };
-        every_refined(x, mm * block_size, hessian_of_refined, [&](int r, const double* part) {
-            add_blocks<block_size>(part, target_of(rules_.refined()[r].element), mm, H.value.data());
+        every_refined(x, mm * size, hessian_of_refined, [&](int r, const double* part) {
+            const int* const target = target_of(rules_.refined()[r].element);
+            for (int k = 0; k < mm; ++k)
+                for (int e = 0; e < size; ++e) H.value[offset(target[k], size, e)] += part[k * size + e];
         });
     });
 }
@@ -295,7 +300,7 @@ DistortionStatistics SimdEnergy::statistics(const std::vector<double>& x) {
     DistortionStatistics result;
     result.element_max.resize(element_count_);
     double refined_norm = 0;
-    dispatch([&](auto type, auto) {
+    dispatch([&](auto type) {
         using Batch = typename decltype(type)::type;
         parallel_for(blocks_.count(), [&](int block) {
             SumOfBatches sum;

@@ -1,7 +1,5 @@
-// What most tests include of headers that are not the project's: the Makefile has it precompiled. Each file still
-// includes what it uses.
-#include <doctest/doctest.h>
-
+// What most files include of the standard library: the Makefile has it precompiled. Each file still includes what it
+// uses.
 #include <algorithm>
 #include <array>
 #include <cmath>
