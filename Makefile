@@ -271,8 +271,8 @@ wrong-answers: with-solutions $(CHECKS) $(BUILD)/lessons/almesh_in_one_file ## t
 	tests/lessons/wrong.py --build $(BUILD) --all
 	tests/lessons/wrong_own.py --build $(BUILD) --all
 
-readmes: almesh python ## run all commands of the READMEs, also those of minutes, and compare with what is shown (ONLY=plot/README.md)
-	tests/documents.py --build $(BUILD) --slow $(or $(ONLY),README.md */README.md)
+readmes: almesh python ## run all commands of the READMEs and of inputs/*.md, also those of minutes, and compare with what is shown (ONLY=plot/README.md)
+	tests/documents.py --build $(BUILD) --slow $(or $(ONLY),README.md */*.md)
 
 paper: almesh ## run the paper's decks, compare with its tables: outputs/paper/tables.md
 	@decks=$$($(PYTHON) plot/paper_tables.py --decks) && for deck in $$decks; do \

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Runs every command that the project's documents show and compares what it prints with what the document shows. The
-documents are README.md, the README.md of each folder, and the handouts, inputs/lessons/NN-name/README.md.
+documents are README.md, the README.md of each folder, the pages inputs/*.md, and the handouts,
+inputs/lessons/NN-name/README.md.
 
   tests/documents.py [--build FOLDER] [DOCUMENT ...]        compare; all documents where none is named (NN: a handout)
   tests/documents.py [--build FOLDER] --slow [DOCUMENT ...] compare, also the blocks that are marked as slow
@@ -50,8 +51,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 LESSONS = ROOT / "inputs" / "lessons"
-FOLDERS = ("inputs", "inputs/lessons", "outputs", "src", "tests", "plot")
-READMES = [ROOT / "README.md", *(ROOT / folder / "README.md" for folder in FOLDERS)]
+FOLDERS = ("inputs/lessons", "outputs", "src", "tests", "plot")
+PAGES = [*sorted((ROOT / "inputs").glob("*.md")), *(ROOT / folder / "README.md" for folder in FOLDERS)]
+READMES = [ROOT / "README.md", *PAGES]
 SHOWN_ROOT = "/home/you/almesh"
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 INTEGER = re.compile(r"[-+]?\d+")

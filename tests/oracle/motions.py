@@ -1,4 +1,4 @@
-"""Decks and motions, as inputs/README.md describes them: where the nodes of each boundary are to go."""
+"""Decks and motions, as inputs/motions.md describes them: where the nodes of each boundary are to go."""
 import math
 import re
 from pathlib import Path
