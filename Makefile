@@ -1,4 +1,4 @@
-# almesh: `make help` lists the targets.
+# almesh: `make help` lists the targets that one needs first, `make help-all` the others too.
 CXX       ?= g++
 CXXFLAGS  ?= -O3 -march=native
 BUILD     ?= build
@@ -64,8 +64,11 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all oracle run help test test-page page run-tests run-oracle run-long-test run-other-tests doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants check-targets \
-        figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation quality clean FORCE
+.PHONY: all oracle run help test test-page page run-tests run-oracle run-long-test run-other-tests doctest python \
+        numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve cad-models cad-examples cholmod \
+        paper gauntlet generated untangle improve slurm certificates defaults derivatives drift coupling \
+        run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants check-targets figures meshes \
+        lessons readmes check-lessons student with-solutions wrong-answers animation quality clean help-all FORCE
 
 all: almesh ## build the program ./almesh
 
@@ -118,22 +121,22 @@ $(BUILD)/flags: FORCE
 run: almesh ## move the circle of section 4.1 and print its table
 	./almesh inputs/circle.deck
 
-test: doctest python numpy ## run every test, built with warnings as errors, and build the benchmark (installs doctest where it is missing)
+test: doctest python numpy ## build with warnings as errors and run all tests (installs doctest if it is missing)
 	tests/mutants/mutants.py --check
 	$(MAKE) run-tests run-oracle lessons $(BUILD)/almesh-bench
 	@! find $(BUILD) -name '*.o.log' -size +0 | grep . || { echo 'the compiler warned: see these files'; exit 1; }
 	@tests/house.py
 
-oracle: almesh numpy ## look for false sentences: decks and generated cases against what their meshes are (DECKS="circle crack"; numpy)
+oracle: almesh numpy ##check look for false sentences: what runs say against what their meshes are (DECKS="circle crack"; numpy)
 	tests/oracle/self_test.py
 	tests/oracle/run.py $(DECKS)
 
-mutants: doctest python ## plant changes in the source, one at a time, and list those that no test notices (ONLY='words')
+mutants: doctest python ##check plant errors in the source, one at a time, and list those that no test notices (ONLY='words')
 	CXX='$(CXX)' tests/mutants/mutants.py $(ONLY)
 
 # Without the tests that run the large decks again and again: minutes become hours.
 SLOW_TESTS := every deck*,algorithm = adaptive takes*,conjugate gradients take few iterations*
-asan: doctest ## the same tests, but for those of the large decks, under the address and undefined-behaviour sanitizers
+asan: doctest ##check run the tests, but for those of large decks, under the address and undefined-behaviour sanitizers
 	$(MAKE) BUILD=build-asan WERROR=-Werror CXXFLAGS='-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all' \
 	  run-fast-tests
 
@@ -141,7 +144,7 @@ asan: doctest ## the same tests, but for those of the large decks, under the add
 FUZZ_FLAGS := -O1 -g -march=native -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined,float-cast-overflow -fno-sanitize-recover=all
 MINUTES   ?= 1
 FUZZ_CXX  ?= clang++
-fuzz: ## fuzz decks, mesh, frames and row files, quality, improve and whole runs, a minute each (MINUTES=12, HARNESSES="msh run"; clang++)
+fuzz: ##check feed random input to readers and runs, a minute each (MINUTES=12, HARNESSES="msh run"; clang++)
 	$(MAKE) BUILD=build-fuzz CXX='$(FUZZ_CXX)' OPENMP= WERROR=-Werror CXXFLAGS='$(FUZZ_FLAGS)' build-fuzz/almesh-fuzz
 	tests/fuzz/fuzz.sh build-fuzz/almesh-fuzz $(MINUTES) $(HARNESSES)
 
@@ -150,10 +153,10 @@ $(BUILD)/almesh-fuzz: $(FUZZ_OBJECTS) $(LIBRARY)
 	$(Q)$(CXX) $(FLAGS) -fsanitize=fuzzer $^ -o $@
 
 # Tests, and decks against their reference, with all compilers; reproduce: all decks with the program as built here.
-matrix: doctest python ## build and test with g++, clang++, libc++, sanitizers, for aarch64, ...: a table (QUICK=1, ONLY=libc++)
+matrix: doctest python ##check build and test with all compilers and libraries that are here: a table (QUICK=1, ONLY=libc++)
 	tests/matrix.py $(if $(QUICK),--quick) $(ONLY)
 
-reproduce: almesh python ## run every deck and compare with tests/reference: a table (QUICK=1: those of seconds; THREADS=1,2,3)
+reproduce: almesh python ##check run every deck and compare with tests/reference: a table (QUICK=1: those of seconds; THREADS=1,2,3)
 	tests/reproduce.py $(if $(QUICK),--quick) $(if $(THREADS),--threads $(THREADS))
 
 # In two parts at a time: the first is one long test, and of the fast ones those of the whole program. UNDER: what runs
@@ -179,14 +182,14 @@ $(BUILD)/almesh-tests: $(LIBRARY) $(TEST_OBJECTS)
 	$(call said,LINK,$@)
 	$(Q)$(CXX) $(FLAGS) $^ -o $@
 
-bench: almesh $(BUILD)/almesh-bench ## time kernels and decks against the machine's limits: outputs/bench.csv (QUICK=1: the cheap ones)
+bench: almesh $(BUILD)/almesh-bench ##check time kernels and decks: outputs/bench.csv (QUICK=1: the cheap ones)
 	$(BUILD)/almesh-bench $(if $(QUICK),quick)
 
 $(BUILD)/almesh-bench: $(BENCH_OBJECTS) $(LIBRARY)
 	$(call said,LINK,$@)
 	$(Q)$(CXX) $(FLAGS) $^ -o $@
 
-compare-cholmod: cholmod $(BUILD)/almesh-compare-cholmod ## time the sparse Cholesky against SuiteSparse's: outputs/compare-cholmod.txt
+compare-cholmod: cholmod $(BUILD)/almesh-compare-cholmod ##compare the sparse Cholesky factorisation beside SuiteSparse's
 	$(BUILD)/almesh-compare-cholmod $(SYSTEMS)
 
 $(BUILD)/almesh-compare-cholmod: $(COMPARISON) $(LIBRARY)
@@ -231,7 +234,7 @@ lesson-%: almesh FORCE ## run the commands of a lesson's handout and draw its pi
 	@if $(PYTHON) -c 'import numpy, matplotlib' 2>/dev/null; then $(PYTHON) $(wildcard plot/lessons/$*_*.py); else \
 	  echo 'no picture without numpy and matplotlib: apt-get install python3-numpy python3-matplotlib (or pip)'; fi
 
-check-lesson-%: FORCE ## check your answers to a lesson's exercises: make check-lesson-01 (SHOW=2: what your answer to 1.2 prints)
+check-lesson-%: FORCE ## check your answers to exercises: make check-lesson-01 (SHOW=2: what your answer to 1.2 prints)
 	@$(MAKE) --silent $(filter %/$*_check.o %/exercise.o %.a,$(CHECKS))
 	@tests/lessons/answers.py --build $(BUILD) --lesson $* $(SHOW:%=--show %) $(or $(ANSWERS),exercises)
 
@@ -242,19 +245,19 @@ watch-%: FORCE ## check a lesson's answers at each save, and say what is next: m
 hint-%: ## a hint for an exercise, here 4.2: make hint-04-2 (MORE=1: nearly the answer)
 	@tests/lessons/hints.py $* $(if $(MORE),--more)
 
-own-almesh: $(CHECKS) FORCE ## link your answers into a solver and run the paper's circle (BORROW="solver trace": with these parts of the library)
+own-almesh: $(CHECKS) FORCE ##course link your answers into a solver and run the paper's circle (BORROW="solver trace": parts of almesh)
 	@tests/lessons/own.py --build $(BUILD) $(if $(BORROW),--borrow '$(BORROW)') $(if $(UNCHECKED),--unchecked) \
 	  $(or $(ANSWERS),exercises) $(if $(RUN),--run $(RUN))
 	@if $(PYTHON) -c 'import numpy, matplotlib' 2>/dev/null; then $(PYTHON) plot/lessons/own_almesh.py; else \
 	  echo 'no picture without numpy and matplotlib: apt-get install python3-numpy python3-matplotlib (or pip)'; fi
 
-student: with-solutions ## export the course without solutions as a folder that stands alone: make student TO=../course
+student: with-solutions ##course export the course without solutions as a folder that stands alone: make student TO=../course
 	@tests/lessons/student.py $(TO)
 
-check-lessons: $(CHECKS) ## check the answers to all exercises: a table, and outputs/lessons/answers.csv (ANSWERS=solutions)
+check-lessons: $(CHECKS) ##course check the answers to all exercises: a table (ANSWERS=solutions)
 	@tests/lessons/answers.py --build $(BUILD) $(or $(ANSWERS),exercises)
 
-lessons: with-solutions python $(BUILD)/almesh $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ## run the commands of all documents, compare with the output shown; check the solutions
+lessons: with-solutions python $(BUILD)/almesh $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ##check run the commands of all documents that take seconds; check the solutions of the course
 	tests/lessons/answers.py --build $(BUILD) --self-test
 	tests/lessons/hints.py --self-test
 	tests/lessons/student.py --self-test $(BUILD)
@@ -267,14 +270,14 @@ lessons: with-solutions python $(BUILD)/almesh $(LESSON_PROGRAMS) $(SOLVED) $(CH
 with-solutions:
 	@test -d src/lessons/solutions || { echo 'this is for the course with solutions; here: make lesson-01, make check-lessons'; exit 1; }
 
-wrong-answers: with-solutions $(CHECKS) $(BUILD)/lessons/almesh_in_one_file ## try all wrong answers to the exercises and a hundred broken ones: each is refused with its reason
+wrong-answers: with-solutions $(CHECKS) $(BUILD)/lessons/almesh_in_one_file ##course try all wrong answers to the exercises and a hundred broken ones: each must be refused
 	tests/lessons/wrong.py --build $(BUILD) --all
 	tests/lessons/wrong_own.py --build $(BUILD) --all
 
-readmes: almesh python ## run all commands of the READMEs and of inputs/*.md, also those of minutes, and compare with what is shown (ONLY=plot/README.md)
+readmes: almesh python ##check run all commands of README.md and */*.md, also those of minutes, and compare (ONLY=plot/README.md)
 	tests/documents.py --build $(BUILD) --slow $(or $(ONLY),README.md */*.md)
 
-paper: almesh ## run the paper's decks, compare with its tables: outputs/paper/tables.md
+paper: almesh ## run the paper's decks and compare with its tables: outputs/paper/tables.md
 	@decks=$$($(PYTHON) plot/paper_tables.py --decks) && for deck in $$decks; do \
 	  ./almesh inputs/$$deck.deck; code=$$?; echo; \
 	  if [ $$code -ne 0 ]; then \
@@ -282,84 +285,92 @@ paper: almesh ## run the paper's decks, compare with its tables: outputs/paper/t
 	done
 	$(PYTHON) plot/paper_tables.py
 
-gauntlet: almesh ## run the decks of large motions, inputs/gauntlet/, and compare: outputs/gauntlet/table.md
+gauntlet: almesh ##compare the decks of large motions, inputs/gauntlet/: a table
 	@for deck in inputs/gauntlet/*.deck; do ./almesh $$deck vtk=none; echo; done
 	$(PYTHON) plot/gauntlet.py
 
-slurm: almesh python ## a sweep as a job array of Slurm on this machine, with a job that is killed (root; Debian: slurm-wlm)
+slurm: almesh python ##check run a sweep as a job array of Slurm, with a job that is killed (root; slurm-wlm)
 	$(PYTHON) tests/slurm.py --program ./almesh
 
-certificates: $(BUILD)/almesh-tests ## the certificate beside dense samples of ten thousand random elements of each cell and degree (ELEMENTS=100000)
+certificates: $(BUILD)/almesh-tests ##check the certificate beside dense samples of ten thousand elements of each type and degree (ELEMENTS=100000)
 	ALMESH_ELEMENTS=$(or $(ELEMENTS),10000) $(BUILD)/almesh-tests -sf='*certificate_samples_test.cpp'
 
-untangle: almesh ## improve some 200 generated meshes with inverted elements (ONLY="tri-random hole")
+untangle: almesh ##check improve some 200 generated meshes with inverted elements (ONLY="tri-random hole")
 	$(PYTHON) tests/untangle.py $(ONLY)
 
-improve: almesh ## improve all meshes in inputs/ and some by gmsh (python3-gmsh): nothing may become worse (ONLY="gmsh cube")
+improve: almesh ##check improve all meshes in inputs/ and some by gmsh: none may become worse (ONLY="gmsh cube"; python3-gmsh)
 	$(PYTHON) tests/improve.py $(ONLY)
 
-generated: almesh python ## run a hundred generated cases, twisted, bent, squeezed: a table (ONLY=17,23)
+generated: almesh python ##check run a hundred generated cases, twisted, bent, squeezed: a table (ONLY=17,23)
 	$(PYTHON) tests/generated.py --almesh ./almesh $(if $(ONLY),--only $(ONLY))
 
-compare-gmsh: almesh ## mend curved CAD meshes, beside gmsh's optimisers (python3-gmsh, numpy; ONLY=torus): outputs/compare-gmsh/table.md
+compare-gmsh: almesh ##compare curved CAD meshes repaired, beside gmsh's optimisers (python3-gmsh, numpy; ONLY=torus)
 	$(PYTHON) plot/compare_gmsh.py $(ONLY)
 
-compare-improve: almesh ## improve bad meshes, beside gmsh, Netgen, tetgen, foldover-free maps, SLIM (python3-gmsh, scipy): outputs/compare-improve/table.md (QUICK=1)
+compare-improve: almesh ##compare bad meshes improved, beside gmsh, Netgen, tetgen and others (QUICK=1; python3-gmsh, scipy)
 	$(PYTHON) plot/compare_improve.py $(if $(QUICK),--quick)
 
-cad-models: almesh ## mesh and curve the CAD models of a folder, beside gmsh's optimisers (python3-gmsh; MODELS=folder): outputs/cad-models/table.md
+cad-models: almesh ##compare the CAD models of a folder meshed and curved, beside gmsh (MODELS=folder; python3-gmsh)
 	$(PYTHON) plot/cad_models.py $(MODELS)
 
-cad-examples: almesh ## the same, coarse, of the solids that OpenCASCADE and gmsh ship (occt-misc, gmsh-doc; ONLY=component8): outputs/cad-examples/table.md
+cad-examples: almesh ##compare the same for models that OpenCASCADE and gmsh ship (ONLY=component8; occt-misc, gmsh-doc)
 	$(PYTHON) plot/cad_models.py $(wildcard /usr/share/opencascade/data/*/*.brep /usr/share/opencascade/data/*/*.step \
 	  /usr/share/doc/gmsh-doc/doc/gmsh/demos/*/*.st*p.gz) --edges 12 --turn 0 --output cad-examples $(ONLY:%=--only %)
 
 # Each says so where its program is not installed. dolfinx is there for Debian's Python alone.
-coupling: almesh ## move meshes for other programs: dolfinx, CalculiX, OpenFOAM, those that are installed: outputs/coupling/
+coupling: almesh ##compare meshes moved for dolfinx, CalculiX and OpenFOAM, those that are installed
 	@for client in heat sinking shape calculix openfoam piston; do \
 	  python=$$(for p in $(PYTHON) /usr/bin/python3; do $$p -c 'import dolfinx' 2>/dev/null && echo $$p && break; done); \
 	  $${python:-$(PYTHON)} plot/coupling/$$client.py || exit 1; echo; done
 
-drift: almesh ## ten periods of a moving plate, steps from the last mesh and from the file, elasticity and RBF beside it (scipy): outputs/drift/
+drift: almesh ##compare ten periods of a moving plate, beside elasticity and radial basis functions (scipy)
 	$(PYTHON) plot/drift.py
 
-derivatives: almesh ## derivatives of the moved mesh beside differences of runs: outputs/derivatives/table.md, outputs/figures/derivatives.png (ONLY=circle)
+derivatives: almesh ##compare derivatives of the moved mesh beside differences of runs (ONLY=circle)
 	$(PYTHON) plot/derivatives.py $(ONLY)
 
-defaults: almesh ## the table behind the defaults of objective and weight: outputs/defaults/table.md (ONLY=grown)
+defaults: almesh ##compare the table behind the defaults of objective and weight_exponent (ONLY=grown)
 	$(PYTHON) plot/defaults.py $(ONLY)
 
-page: almesh ## a page of results for a browser: mesh, frames, worst elements, tables (DECK=inputs/aircraft.deck, or RESULTS=outputs/circle; npm)
+page: almesh ## run a deck and show its results in a browser: make page DECK=inputs/aircraft.deck (npm)
 	$(if $(RESULTS),,./almesh $(DECK) output=outputs/page $$(grep -sq '^ *frames *=' $(DECK) || echo iterates=1); \
 	  code=$$?; [ $$code -eq 0 ] || [ $$code -ge 3 ] || exit $$code)
 	$(PYTHON) plot/page.py $(or $(RESULTS),outputs/page)
 page: DECK ?= inputs/circle.deck
 
-test-page: $(BUILD)/almesh python ## open such pages in a headless Chromium, use them, and look for errors (chromium, npm)
+test-page: $(BUILD)/almesh python ##check use pages of results in a headless Chromium, and look for errors (chromium, npm)
 	tests/page.py --build $(BUILD)
 
-quality: ## the quality of elements before and after an almesh improve, as a picture (RESULTS=outputs/tangled; numpy, matplotlib): quality.png there
+quality: ##compare the quality of elements before and after almesh improve, drawn (RESULTS=outputs/tangled; matplotlib)
 	$(PYTHON) plot/quality.py $(RESULTS)
 
-animation: almesh ## moving pictures: Newton's iterates of one run, the circle on a tour: outputs/animation/ (RESULTS=outputs/frames/pitch: the frames of a run; and Pillow)
+animation: almesh ##compare moving pictures of a run (RESULTS=outputs/frames/pitch: its frames; matplotlib, Pillow)
 	$(PYTHON) plot/animation.py $(RESULTS)
 
-compare: almesh ## other ways to move a mesh beside the augmented Lagrangian method (matplotlib): outputs/compare/tables.md
+compare: almesh ##compare other ways to move a mesh beside the augmented Lagrangian method (matplotlib)
 	$(PYTHON) plot/compare.py
 
-figures: ## draw the counterparts of the paper's figures from outputs/ (Python with numpy and matplotlib; ONLY=fig02)
+figures: ##compare the paper's figures beside ours, from outputs/ (numpy, matplotlib; ONLY=fig02): outputs/figures/
 	$(PYTHON) plot/figures.py $(ONLY)
 
-meshes: ## make the meshes again (gmsh 4.8)
+meshes: ##compare make the meshes of inputs/meshes again (gmsh 4.8)
 	inputs/meshes/generate.sh
 
-check-targets: almesh python ## run each target listed here once, at its smallest size: a table (QUICK=1: those of seconds; ALL=1; TARGETS="bench page")
+check-targets: almesh python ##check run each target of make help-all once, at its smallest size (QUICK=1, ALL=1, TARGETS="bench page")
 	+tests/targets.py --python '$(PYTHON)' --logs $(BUILD)/targets $(if $(QUICK),--quick) $(if $(ALL),--all) $(TARGETS)
 
 clean: ## remove what was built
 	rm -rf build build-* almesh
 
-help: ## list the targets
-	@grep -hE '^[a-z%-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/%/NN/; s/:.*## /\t/' | expand -t 17
+# A target's line has `##` and what it does; `##check`, `##compare` or `##course` where only help-all lists it.
+listed     = grep -hE '^[a-z%-]+:.*\#\#$(1) ' $(MAKEFILE_LIST) | sed -E 's/%/NN/; s/:.*\#\#$(1) /\t/' | expand -t 17
+
+help: ## list these targets, which one needs first
+	@$(call listed,)
+
+help-all: help ## list the others too: long checks, comparisons, the rest of the course
+	@echo; echo 'Long checks'; $(call listed,check)
+	@echo; echo 'Comparisons, pictures and meshes'; $(call listed,compare)
+	@echo; echo 'The rest of the course'; $(call listed,course)
 
 -include $(OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d) $(BENCH_OBJECTS:.o=.d) $(COMPARISON:.o=.d) $(LESSON_OBJECTS:.o=.d) $(FUZZ_OBJECTS:.o=.d)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs each target that `make help` lists once, at its smallest size, and prints a table: whether it works here, or
+"""Runs each target that `make help-all` lists once, at its smallest size, and prints a table: whether it works here, or
 what it needs that is missing.
 
   tests/targets.py [--quick | --all] [NAME ...]   all but those of hours, those of seconds, all; or those named
@@ -7,8 +7,8 @@ what it needs that is missing.
   --logs build/targets                            folder for what they print
 
 `make check-targets`, with QUICK=1 or ALL=1, or TARGETS="bench page". Settings of make, such as BUILD=build-test, go to
-every target. `meshes` and `clean` change what is committed or built, so they work on a copy. A target of make help that
-is not in the table below is a failure, and so is one that make help does not list. Exit code 1 where one fails.
+every target. `meshes` and `clean` change what is committed or built, so they work on a copy. A target of make help-all
+that is not in the table below is a failure, and so is one that make help-all does not list. Exit code 1 where one fails.
 Standard library only.
 """
 import argparse
@@ -50,7 +50,7 @@ NEEDS = {
 
 @dataclass
 class Target:
-    name: str                 # as in make help
+    name: str                 # as in make help-all
     size: str = "seconds"     # of an idle machine with two cores, when the programs are built
     settings: list = field(default_factory=list)
     needs: list = field(default_factory=list)
@@ -64,6 +64,7 @@ TARGETS = [
     Target("all"),
     Target("run"),
     Target("help"),
+    Target("help-all"),
     Target("test", "hours"),
     Target("oracle", "minutes", ["DECKS=circle"], ["numpy"]),
     Target("asan", "hours"),
@@ -113,10 +114,10 @@ TARGETS = [
 
 
 def listed():
-    """The names in make help."""
-    text = subprocess.run(["make", "--no-print-directory", "help"], cwd=ROOT, stdout=subprocess.PIPE, text=True,
+    """The names in make help-all."""
+    text = subprocess.run(["make", "--no-print-directory", "help-all"], cwd=ROOT, stdout=subprocess.PIPE, text=True,
                           check=True, env=ENVIRONMENT).stdout
-    return re.findall(r"^([a-zA-Z-]+) ", text, re.M)
+    return re.findall(r"^([a-zA-Z-]+) {2,}", text, re.M)
 
 
 class Runner:
@@ -182,8 +183,8 @@ def main():
     options = parser.parse_args()
     names, known = listed(), [target.name for target in TARGETS]
     names = [name for name in names if name != "check-targets"]
-    faults = [f"{name}: in make help, but not in tests/targets.py" for name in names if name not in known]
-    faults += [f"{name}: in tests/targets.py, but not in make help" for name in known if name not in names]
+    faults = [f"{name}: in make help-all, but not in tests/targets.py" for name in names if name not in known]
+    faults += [f"{name}: in tests/targets.py, but not in make help-all" for name in known if name not in names]
     faults += [f"{name}: no such target" for name in options.names if name not in known]
     largest = "hours" if options.all else "seconds" if options.quick else "minutes"
     print(f"{'target':16}  {'seconds':>7}  result")
