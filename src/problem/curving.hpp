@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "problem/problem.hpp"
-#include "report/results.hpp"
+#include "problem/solution.hpp"
 
 namespace almesh {
 

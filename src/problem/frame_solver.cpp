@@ -10,7 +10,8 @@
 #include <cmath>
 #include <limits>
 
-#include "app/run/solve.hpp"
+#include "problem/solve.hpp"
+#include "report/report.hpp"
 #include "base/index.hpp"
 #include "method/functional.hpp"
 #include "method/levels.hpp"
@@ -166,7 +167,11 @@ Solution FrameSolver::solve_from(const Deck& deck, const std::vector<double>& x)
 Solution FrameSolver::solve_anew(const Deck& deck, FrameRow& row) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> nowhere(std::fopen("/dev/null", "w"), std::fclose);
     Report report(nowhere.get(), {problem_.mesh().dim, problem_.frame.length}, problem_.run_id);
-    Solution solution = almesh::solve(deck, problem_, nullptr, report, nowhere.get());
+    SolveObserver observer;
+    observer.iteration = [&report](const AlIteration& of) { report.add(of); };
+    observer.newton_step = [&report](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
+    observer.stage = [&report](const Stage& stage) { report.add(stage); };
+    Solution solution = almesh::solve(deck, problem_, observer);
     row.history += report.csv();
     solution.reached = report.reached;
     if (solution.al.status != Status::converged || !may_follow(deck)) return solution;

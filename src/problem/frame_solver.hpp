@@ -8,7 +8,7 @@
 #include "problem/frame_state.hpp"
 #include "report/frame_table.hpp"
 #include "problem/problem.hpp"
-#include "report/results.hpp"
+#include "problem/solution.hpp"
 #include "method/newton.hpp"
 
 namespace almesh {

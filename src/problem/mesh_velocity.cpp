@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "report/results.hpp"
+#include "problem/solution.hpp"
 #include "base/files.hpp"
 #include "base/text.hpp"
 

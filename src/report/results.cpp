@@ -204,19 +204,6 @@ void identify(const Deck& deck, Problem& problem) {
     problem.level->mesh.file.comment = concat(version(), ", run ", problem.run_id);
 }
 
-std::vector<double> final_positions(const Problem& problem, const std::vector<double>& solution) {
-    const Mesh& mesh = problem.mesh();
-    const int dim = mesh.dim;
-    std::vector<double> x = problem.frame.to_file(solution, dim);
-    for (std::size_t k = mesh.faces.size(); k-- > 0;)  // the first face that holds a node decides
-        if (const int i = mesh.faces[k]; std::equal(point(solution, i, dim), point(solution, i, dim) + dim,
-                                                    &problem.target.node[k * dim]))
-            std::copy_n(&problem.node_target[k * dim], dim, point(x, i, dim));
-    for (std::size_t i = 0; i < problem.file_x.size(); ++i)
-        if (solution[i] == mesh.x[i]) x[i] = problem.file_x[i];
-    return x;
-}
-
 std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh) {
     const FileFormat input = mesh.file.format, su2 = {FileFormat::Kind::su2};
     const bool from_su2 = input.kind == FileFormat::Kind::su2;

@@ -1,4 +1,5 @@
 #include "app/run/solve.hpp"
+#include "problem/solve.hpp"
 
 #include <doctest/doctest.h>
 

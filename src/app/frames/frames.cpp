@@ -8,6 +8,7 @@
 //
 // For k = 1, 2, ...: the motions at t_k, the target, the solution, its certificates, its files, the state.
 #include "app/run/solve.hpp"
+#include "problem/solve.hpp"
 
 #include <algorithm>
 #include <limits>

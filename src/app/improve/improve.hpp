@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "problem/problem.hpp"
-#include "report/results.hpp"
+#include "problem/solution.hpp"
 
 namespace almesh {
 

@@ -33,13 +33,6 @@ std::string headline(Status status) {
     return status_row(status).ending + std::string(late ? ": max_seconds have passed" : "");
 }
 
-// Whether the boundary is on its target, as far as Algorithm 1 tests it.
-bool constrained(const Deck& deck, const AlIteration& row) {
-    const bool adaptive = deck.method.algorithm == Algorithm::adaptive;
-    return row.projected_constraint_norm * row.projected_constraint_norm <= deck.method.epsilon_star &&
-           (!adaptive || row.relative_boundary_error <= deck.method.wall_tolerance);
-}
-
 std::string quality_of_element(const Solution& solution, int element) {
     return "eta " + shown(solution.al.distortion.element_max[element]) +
            ", scaled Jacobian >= " + rounded_down(solution.certificate.lower_bound[element], 4);
@@ -281,27 +274,6 @@ std::string work_of(const Deck& deck, const Solution& solution) {
 }
 
 }  // namespace
-
-Diagnosis diagnose(const Deck& deck, const Problem& problem, const Solution& solution) {
-    Level& level = *problem.level;
-    const Status status = solution.al.status;
-    if (status == Status::converged && is_certified(solution)) return {};
-    const LastMesh last = {level.mesh,        level.ideal,    solution.x,
-                           *level.constraint, problem.target, solution.al.distortion.element_max};
-    const auto farthest = [&] { return farthest_off_target(last); };
-    const auto unbalanced = [&] { return least_balanced(last, solution.al.gradient); };
-    switch (status_row(status).cause) {
-        case Cause::validity:
-            if (!solution.certificate.valid) return least_valid(last, solution.certificate.lower_bound);
-            return status == Status::converged ? overlapping(last, solution.injectivity) : farthest();
-        case Cause::gradient: return unbalanced();
-        case Cause::distortion: return most_distorted(last);
-        case Cause::boundary: return farthest();
-        case Cause::boundary_or_gradient:
-            return constrained(deck, solution.al.iterations.back()) ? unbalanced() : farthest();
-    }
-    return {};
-}
 
 void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, const Solution& solution, int fallbacks) {
     std::string others;

@@ -11,6 +11,7 @@
 #include "report/results.hpp"
 #include "report/results_folder.hpp"
 #include "app/run/solve.hpp"
+#include "problem/solve.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
@@ -28,107 +29,6 @@ namespace almesh {
 namespace {
 
 constexpr double worth_telling = 0.5e9;  // bytes
-
-bool starts_coarse(const Deck& deck) {
-    if (sets_boundary(deck.method.moving)) return false;
-    if (deck.start == Start::automatic) return deck.method.algorithm == Algorithm::adaptive;
-    return deck.start == Start::coarse;
-}
-
-// Whether the identity map with a large penalty is as good a start as the solution of a lower degree, and costs
-// nothing: in two dimensions, where the motion leaves the boundary's vertices where they are and curves what is between
-// them, and the Hessian at the identity is not zero, as it is with Eq. 5.
-bool identity_is_near(const Deck& deck, const Problem& problem) {
-    const Mesh& mesh = problem.mesh();
-    if (mesh.dim != 2 || mesh.degree == 1 || !problem.target.prescribes_all()) return false;
-    if (deck.distortion.objective != Objective::squared) return false;
-    const double rounding = 1e-9 * std::sqrt(volume(mesh, problem.ideal()));
-    for (int f = 0; f < mesh.face_count(); ++f)
-        for (int i = 0; i < mesh.dim; ++i) {
-            const double* const from = point(problem.ideal(), mesh.face(f)[i], mesh.dim);
-            const double* const to = problem.target.node_of(mesh, f) + i * mesh.dim;
-            if (std::hypot(to[0] - from[0], to[1] - from[1]) > rounding) return false;
-        }
-    return true;
-}
-
-// From coarse to fine: linear meshes refined 0, 1, ... times, then as fine as the deck's own of degree 1, 2, 4, ...;
-// none where the identity is near.
-std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem) {
-    std::vector<CoarserMesh> coarser;
-    if (problem.is_own_ideal || identity_is_near(deck, problem)) return coarser;
-    for (int refinements = 0; refinements < deck.refine; ++refinements) coarser.push_back({refinements, 1});
-    // The file's own curves are known from its degree on; but where nodes slide, they find their way at lower ones.
-    const int of_file = problem.target.freed.empty() ? problem.shape().degree : 1;
-    for (int degree = 1; degree < problem.mesh().degree; degree = std::max(2 * degree, of_file))
-        coarser.push_back({deck.refine, degree});
-    return coarser;
-}
-
-bool snaps(const Deck& deck) {
-    if (deck.snap == Snap::automatic) return deck.method.algorithm == Algorithm::adaptive;
-    return deck.snap == Snap::yes;
-}
-
-// From the motions as the deck has them, whatever the target was made of them. Two motions of a node that both move
-// may differ by rounding.
-void measure_off_motion(const Problem& problem, Solution& solution) {
-    const Mesh& mesh = problem.mesh();
-    const std::vector<double> x = final_positions(problem, solution.x);
-    double rounding = 0;
-    for (const double at : x) rounding = std::max(rounding, 4 * std::numeric_limits<double>::epsilon() * std::abs(at));
-    std::vector<char> off(mesh.nodes(), 0);
-    for_face_nodes(mesh, [&](int f, std::size_t k) {
-        const bool is_fixed = problem.target.fixed[mesh.face_boundary[f]];
-        if (!is_fixed && problem.target.written_hold(mesh, f, k) != BoundaryHold::prescribed) return;
-        Vec<3> way{};
-        for (int a = 0; a < mesh.dim; ++a)
-            way[a] = x[offset(mesh.faces[k], mesh.dim, a)] - problem.target.written[k * mesh.dim + a];
-        if (way == Vec<3>{} || (!is_fixed && length(way) <= rounding)) return;
-        off[mesh.faces[k]] = 1;
-        solution.off_motion = std::max(solution.off_motion, length(way));
-    });
-    solution.nodes_off_motion = static_cast<int>(std::count(off.begin(), off.end(), 1));
-    solution.moved_nodes = moved_nodes(mesh, problem.target, problem.sliding.get(), problem.node_target, x);
-    for (const MovedNode& of : solution.moved_nodes)
-        if (problem.target.is_freed(of.node)) solution.largest_slide = std::max(solution.largest_slide, of.distance);
-}
-
-void measure_sliding(const Problem& problem, Solution& solution) {
-    if (!problem.sliding) return;
-    const Mesh& mesh = problem.mesh();
-    const std::vector<char>& freed = problem.target.freed;
-    solution.freed_nodes = static_cast<int>(std::count(freed.begin(), freed.end(), 1));
-    solution.surface_distance = distance_from_surfaces(mesh, problem.target, *problem.sliding, solution.x);
-}
-
-// Where the target was changed or is curved: of the faces from the target as the deck has it, on boundaries with a
-// surface of their own.
-void measure_distances(const Problem& problem, Solution& solution) {
-    const BoundaryTarget& target = problem.target;
-    const bool slides = !target.freed.empty() || (problem.base.degree > 1 && !target.prescribes_all());
-    if (!slides && target.straight.empty()) return;
-    std::vector<char> measured;
-    for (std::size_t b = 0; b < problem.motions.size(); ++b) {
-        const bool leaves_out = !problem.placed.empty() && !problem.placed[b].left_out.empty();
-        measured.push_back(target.hold[b] != BoundaryHold::free && !leaves_out && !surface_step(problem.motions[b]));
-    }
-    BoundaryTarget came = target;
-    came.node = problem.curved_target.empty() ? problem.node_target : problem.curved_target;
-    const std::vector<double> x = final_positions(problem, solution.x);
-    solution.distances = boundary_distances(problem.mesh(), at_target(problem.mesh(), came, x), x, measured);
-}
-
-AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton, const MethodParams& params,
-                            std::vector<double>& x, const AlStart& start, const AlObserver& observer,
-                            const StageObserver& observe_part) {
-    constexpr int last_power = 64;
-    if (sets_boundary(deck.method.moving))
-        return move_with_boundary(level, newton, params, increments_of(deck), x, observer, observe_part);
-    if (deck.distortion.objective != Objective::minimax)
-        return minimise_in_increments(level, newton, params, x, start, observer, observe_part);
-    return minimise_p_norm(level, newton, params, deck.power.value_or(last_power), x, start, observer, observe_part);
-}
 
 // Has the system of one Newton step written, for lesson 10. Where the Hessian of that step was weakened, the
 // last one stays.
@@ -156,6 +56,21 @@ void write_history(const Deck& deck, const Report& report, std::FILE* out) try {
     write_file(history_of(deck), report.csv());
 } catch (const InputError& failed) {
     std::fprintf(out, "note: %s\n", failed.what());
+}
+
+SolveObserver observer_of(const Deck& deck, const Problem& problem, Report& report, std::FILE* out) {
+    SolveObserver observer;
+    observer.iteration = [&deck, &report, out](const AlIteration& row) {
+        report.add(row);
+        write_history(deck, report, out);
+    };
+    observer.newton_step = [&report](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
+    observer.stage = [&report](const Stage& stage) { report.add(stage); };
+    observer.begins = [&deck, &problem, &report](Newton& newton, const std::vector<double>& start) {
+        write_system(deck, newton, report);
+        write_iterates(deck, problem, newton, start);
+    };
+    return observer;
 }
 
 // Null where the deck wants none.
@@ -210,91 +125,6 @@ void print_mesh(std::FILE* out, const Deck& deck, const Problem& problem, double
     std::fflush(out);
 }
 
-// The last row then tells of the mesh that is written.
-void snap(const Deck& deck, const Problem& problem, Solution& solution) {
-    const bool all = snaps(deck) && solution.al.status == Status::converged;
-    if (!all && (deck.snap == Snap::no || deck.method.moving != MovingMethod::augmented_lagrangian ||
-                 !std::isfinite(solution.al.distortion.max_distortion) ||
-                 (solution.al.status != Status::converged && deck.method.algorithm != Algorithm::adaptive)))
-        return;
-    Level& level = *problem.level;
-    std::vector<char> fixed(level.mesh.nodes(), all);
-    for_face_nodes(level.mesh, [&](int f, std::size_t k) {
-        if (problem.target.fixed[level.mesh.face_boundary[f]]) fixed[level.mesh.faces[k]] = 1;
-    });
-    snap_to_targets(*level.energy, *level.constraint, solution.x, fixed);
-    measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
-}
-
-// What is certified is what will be read: far from the file's origin its numbers have fewer digits than those of the
-// run.
-void round_as_file(const Problem& problem, std::vector<double>& x) {
-    if (problem.frame.origin == Vec<3>{}) return;
-    x = final_positions(problem, x);
-    problem.frame.take_to_run(x, problem.mesh().dim);
-}
-
-void examine(const Deck& deck, const Problem& problem, Solution& solution) {
-    const TimeAdder adder(solution.time.certify);
-    Level& level = *problem.level;
-    solution.certificate = certify(level.mesh, solution.x, deck.certificate);
-    solution.injectivity = certified_injective(problem, solution.x, solution.certificate);
-    solution.size_skew = size_skew(level.mesh, level.ideal, solution.x);
-    solution.refined_elements = level.energy->refined_elements();
-    solution.max_boundary_error =
-        std::max(level.constraint->max_error(solution.x), level.constraint->error_between_nodes(solution.x));
-    solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);
-    measure_off_motion(problem, solution);
-    measure_sliding(problem, solution);
-    const std::vector<char>& straight = problem.target.straight;
-    solution.straight_faces = static_cast<int>(std::count(straight.begin(), straight.end(), 1));
-    measure_distances(problem, solution);
-    solution.diagnosis = diagnose(deck, problem, solution);
-}
-
-Solution solve(const Deck& deck, const Problem& problem, Checkpoint* checkpoint, Report& report, std::FILE* out) {
-    const Stopwatch watch;
-    Solution solution;
-    const auto coarser = starts_coarse(deck) ? coarser_meshes(deck, problem) : std::vector<CoarserMesh>();
-    const auto make_level = [&](int k) { return coarser_level(deck, problem, coarser[k]); };
-    const auto add_stage = [&](const Stage& stage) {
-        report.add(stage);
-        solution.coarse_newton_iterations += stage.newton_iterations;
-    };
-    MethodParams params = {deck.method, deck.linear, deck.forcing, continuation_of(deck)};
-    params.schedule.checkpoint = checkpoint;
-    const CoarseSolution coarse =
-        solve_coarser(static_cast<int>(coarser.size()), make_level, params, solution.time, add_stage);
-    solution.time.coarse = solution.time.total;
-
-    Level& level = *problem.level;
-    set_functional(deck, problem);  // Eq. 6
-
-    AlObserver observer;
-    observer.iteration = [&](const AlIteration& row) {
-        report.add(row);
-        if (deck.frames.empty()) write_history(deck, report, out);
-    };
-    observer.newton_step = [&](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
-    const bool from_file = !problem.start.empty();
-    if (from_file) solution.x = problem.start;
-    AlStart start = from_file ? AlStart::from_near(*level.constraint) : start_from(coarse, level, solution.x);
-    if (starts_coarse(deck) && identity_is_near(deck, problem)) start.mu = largest_start_penalty;
-    Newton newton(level.energy->hessian_pattern(), deck.linear, {.forcing = deck.forcing});
-    write_system(deck, newton, report);
-    write_iterates(deck, problem, newton, solution.x);
-    solution.time.setup = watch.seconds() - solution.time.coarse;
-    solution.al = minimise_objective(deck, level, newton, params, solution.x, start, observer,
-                                     [&](const Stage& stage) { report.add(stage); });
-    solution.time += newton.time;
-    if (solution.al.status == Status::linear_solver_failed)
-        solution.refused_bytes = newton.linear_solver().refused_bytes();
-    solution.reached = report.reached;
-    if (solution.al.status == Status::converged) place_inside_volumes(problem, solution.x);
-    snap(deck, problem, solution);
-    return solution;
-}
-
 ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     if (!deck.frames.empty()) return run_frames(deck, out);
     // 1. Mesh, target and everything that can be wrong with them; the folder for the results.
@@ -320,7 +150,9 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     const Stopwatch solving;
     int newton_steps = 0;  // of all solutions, parts and attempts, whatever became of them
     const Solve solve_problem = [&](const Deck& settings, const Problem& of) {
-        Solution found = solve(settings, of, checkpoint.get(), report, out);
+        SolveObserver observer = observer_of(deck, of, report, out);
+        Solution found = solve(settings, of, observer, checkpoint.get());
+        found.reached = report.reached;
         newton_steps += found.newton_steps();
         return found;
     };

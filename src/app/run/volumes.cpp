@@ -1,4 +1,4 @@
-// Groups of elements in a run: what they came to, and the nodes inside the elements of those that follow a motion.
+// Groups of elements in a run: what they came to.
 #include "app/run/solve.hpp"
 
 #include <algorithm>
@@ -10,34 +10,6 @@
 #include "mesh/part.hpp"
 
 namespace almesh {
-
-void place_inside_volumes(const Problem& problem, std::vector<double>& x) {
-    const Mesh& mesh = problem.mesh();
-    const int dim = mesh.dim;
-    const auto is_volume = [](const std::string& name) { return name.starts_with(volume_group("")); };
-    if (std::none_of(mesh.boundaries.begin(), mesh.boundaries.end(), is_volume)) return;
-    const std::vector<double> X = problem.frame.to_file(mesh.x, dim);
-    std::vector<char> is_on_face(mesh.nodes(), 0);
-    for (const int node : mesh.faces) is_on_face[node] = 1;
-    std::vector<double> trial = x;
-    for (const GroupCells& volume : volume_groups(mesh)) {
-        const int boundary = mesh.boundary_index(volume_group(volume.name));
-        if (boundary < 0) continue;
-        const PlacedNodes& placed = problem.level_placed;
-        const std::vector<double>& from = placed.empty() || placed[boundary].x.empty() ? X : placed[boundary].x;
-        for (const int e : volume.cells)
-            for (int i = 0; i < mesh.element_nodes(e); ++i) {
-                const int node = mesh.element(e)[i];
-                if (is_on_face[node]) continue;
-                double at[3] = {};
-                std::copy_n(point(from, node, dim), dim, at);
-                if (!apply(problem.motions[boundary], dim, at)) continue;
-                for (int a = 0; a < dim; ++a) point(trial, node, dim)[a] = problem.frame.to_run(at[a], a, dim);
-            }
-    }
-    DistortionEnergy& energy = *problem.level->energy;
-    if (trial != x && std::isfinite(energy.energy(trial)) && energy.valid_fraction(x, trial) == 1) x = std::move(trial);
-}
 
 namespace {
 
