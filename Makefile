@@ -64,11 +64,12 @@ Q         := $(if $(V),,@)
 said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
 
 .DEFAULT_GOAL := all
-.PHONY: all oracle run help test test-page page run-tests run-oracle run-long-test run-other-tests doctest python \
-        numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve cad-models cad-examples cholmod \
-        paper gauntlet generated untangle improve slurm certificates defaults derivatives drift coupling \
-        run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants check-targets figures meshes \
-        lessons readmes check-lessons student with-solutions wrong-answers animation quality clean help-all FORCE
+.PHONY: all quick run-quick-tests oracle run help test test-page page run-tests run-oracle run-long-test \
+        run-other-tests doctest python numpy asan fuzz bench compare compare-cholmod compare-gmsh compare-improve \
+        cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults \
+        derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
+        check-targets figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation \
+        quality clean help-all FORCE
 
 all: almesh ## build the program ./almesh
 
@@ -126,6 +127,18 @@ test: doctest python numpy ## build with warnings as errors and run all tests (i
 	$(MAKE) run-tests run-oracle lessons $(BUILD)/almesh-bench
 	@! find $(BUILD) -name '*.o.log' -size +0 | grep . || { echo 'the compiler warned: see these files'; exit 1; }
 	@tests/house.py
+
+# For the loop of an edit, a build of its own with little optimisation. The tests whose paths contain a word of ONLY run,
+# or else the fast ones: all but those of app/ and problem/ and some that take seconds.
+QUICK_FLAGS := -O1 -march=native
+CCACHE     = $(if $(findstring ccache,$(CXX)),,$(shell command -v ccache >/dev/null && echo ccache))
+QUICK_OUT  = $(SLOW_TESTS),*both assemblies agree*,random steps of curved*,240 random*,fuzzing*,the same bits*,$\
+             large graphs*
+quick: doctest ## after an edit: build with -O1 and run the fast tests, or those of some files (ONLY="newton snap")
+	$(MAKE) BUILD=build-quick CXX='$(strip $(CCACHE) $(CXX))' CXXFLAGS='$(QUICK_FLAGS)' WERROR=-Werror run-quick-tests
+run-quick-tests: $(BUILD)/almesh-tests
+	$(BUILD)/almesh-tests $(if $(ONLY),-sf="$$(printf '*tests/*%s*,' $(notdir $(basename $(ONLY))))", \
+	  -tce='$(QUICK_OUT)' -sfe='*tests/app/*,*tests/problem/*')
 
 oracle: almesh numpy ##check look for false sentences: what runs say against what their meshes are (DECKS="circle crack"; numpy)
 	tests/oracle/self_test.py

@@ -66,6 +66,7 @@ TARGETS = [
     Target("help"),
     Target("help-all"),
     Target("test", "hours"),
+    Target("quick", "minutes", ["ONLY=line_search"]),
     Target("oracle", "minutes", ["DECKS=circle"], ["numpy"]),
     Target("asan", "hours"),
     Target("mutants", "hours", ["ONLY=snap.cpp"]),

@@ -5,7 +5,7 @@
 //             lambda - mu c_D, tolerances that tighten as m grows, and both tests must hold at the end
 //             (Nocedal & Wright, Numerical Optimization, Alg. 17.4).
 //   literal   Algorithm 1 exactly as printed (penalty weight mu^2, the loop ends when one test holds, eps and omega
-//             grow with m), for teaching: the README tells what goes wrong.
+//             grow with m), for teaching: src/README.md tells what goes wrong.
 //   adaptive  lambda after every subproblem; mu, large from the start, times 10 whenever |c_D| or the largest distance
 //             of a node from its target fell by less than a factor 10; omega a tenth, and omega* once both hold. Needs
 //             no mu0, omega0, epsilon0.

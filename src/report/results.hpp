@@ -1,4 +1,4 @@
-// The files of a run, in the units of the mesh file; what they hold stands in the README under "Results". All functions
+// The files of a run, in the units of the mesh file; what they hold stands in outputs/README.md. All functions
 // throw InputError where a file cannot be written.
 #pragma once
 #include <string>
