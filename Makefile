@@ -108,8 +108,8 @@ $(BUILD)/prefix/%.hpp.gch: tests/support/prefix.hpp $(BUILD)/flags
 	$(Q)$(CXX) $(FLAGS) $(OF_PREFIX) -x c++-header $< -o $@
 
 # Only this file knows the commit; it is rebuilt when that changes.
-$(BUILD)/src/app/version.o: OWN_FLAGS += -DALMESH_VERSION='"$(VERSION)"' -DALMESH_COMMIT='"$(COMMIT)"' -DALMESH_FLAGS='"$(CXXFLAGS) $(OPENMP)"'
-$(BUILD)/src/app/version.o: $(BUILD)/commit
+$(BUILD)/src/base/version.o: OWN_FLAGS += -DALMESH_VERSION='"$(VERSION)"' -DALMESH_COMMIT='"$(COMMIT)"' -DALMESH_FLAGS='"$(CXXFLAGS) $(OPENMP)"'
+$(BUILD)/src/base/version.o: $(BUILD)/commit
 $(BUILD)/commit: FORCE
 	@mkdir -p $(BUILD)
 	@echo '$(COMMIT)' | cmp -s - $@ || echo '$(COMMIT)' > $@

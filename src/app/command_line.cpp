@@ -1,4 +1,5 @@
 #include "app/commands.hpp"
+#include "base/version.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -11,7 +12,7 @@
 #include <optional>
 
 #include "deck/deck.hpp"
-#include "app/improve/improve.hpp"
+#include "problem/improve.hpp"
 #include "app/sweep/sweep.hpp"
 #include "base/text.hpp"
 #include "io/mesh_format.hpp"

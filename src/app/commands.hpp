@@ -9,10 +9,7 @@
 
 namespace almesh {
 
-struct Certificate;
 struct Deck;
-struct InvalidElements;
-struct Mesh;
 struct Problem;
 struct Solution;
 
@@ -39,20 +36,5 @@ ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out);
 // What is in the deck's mesh file, as comments, and a deck to start from, wherever it is put: all boundaries fixed,
 // and the keys that were given. Throws InputError for a file that is no mesh.
 ExitCode info(const Deck& deck, std::FILE* out);
-
-// How many elements the certificate could not prove valid, and the worst ten: id, centre, lower bound of the scaled
-// Jacobian and, if it is known (check/infeasible.hpp), why. Prints nothing where all are certified. x: nodes x dim in
-// units of the file.
-void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate,
-                       const std::string& folder, const std::vector<std::string>& why = {});
-
-// Where there are more than ten, writes them all to invalid.csv in the folder, which is made if it is missing; "": to
-// none. Returns a line that says so, else "".
-std::string write_invalid(const InvalidElements& list, const std::string& folder);
-
-// What was built, for --version and for every file that a run writes.
-std::string version();   // "almesh 0.1.0"
-std::string commit();    // abbreviated git commit, -dirty where the tree had changes, "unknown" outside git
-std::string compiler();  // name, version and flags
 
 }  // namespace almesh

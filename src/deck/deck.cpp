@@ -4,9 +4,10 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <span>
 
-#include "app/frames/frame_times.hpp"
+#include "deck/frame_times.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "mesh/inner_boundary.hpp"
@@ -275,6 +276,30 @@ Deck read_deck(const std::string& path, const std::vector<std::string>& override
     if (text.size() > largest_file)
         throw UsageError(path, ": more than 1 MB: a deck is a page of text, is this a mesh?");
     return parse_deck(text, path, overrides);
+}
+
+Sweep parse_sweep(std::string_view text) {
+    const auto equals = text.find('=');
+    Sweep sweep;
+    sweep.name = trim(text.substr(0, equals));
+    if (const auto word = words(sweep.name); !word.empty() && (word[0] == "boundary" || word[0] == "volume"))
+        throw UsageError("sweep ", sweep.name, ": a sweep is over numbers or words: name what differs between the ",
+                         "motions, as in `let a = 30`, `boundary NAME = rotate a`, `sweep a = 30, 60`");
+    if (sweep.name == "output")
+        throw UsageError("sweep output: every run of a sweep has a folder of its own in that of the key output");
+    if (equals == std::string_view::npos || words(sweep.name).size() != 1)
+        throw UsageError("expected `sweep KEY = VALUE, VALUE, ...` or `sweep KEY = FROM : STEP : TO`");
+    for (const std::string_view value : split(text.substr(equals + 1), ',')) {
+        if (value.empty()) throw UsageError("sweep ", sweep.name, ": a value is missing");
+        if (value.find(':') == std::string_view::npos) sweep.values.emplace_back(value);
+        else for (const double number : numbers_of_range("sweep " + sweep.name, value))
+            sweep.values.push_back(to_text(number));
+    }
+    std::set<std::string> seen;
+    for (const std::string& value : sweep.values)
+        if (!seen.insert(value).second)
+            throw UsageError("sweep ", sweep.name, ": ", in_backquotes(value), " is there twice");
+    return sweep;
 }
 
 const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary) {

@@ -23,7 +23,6 @@
 
 #include "problem/base_mesh.hpp"
 #include "report/summary.hpp"
-#include "app/sweep/sweep.hpp"
 #include "check/certificate.hpp"
 #include "constraint/expression.hpp"
 #include "constraint/target.hpp"
@@ -49,6 +48,13 @@ struct DeckSelection {
     std::optional<Condition> condition;  // of the faces' centres and normals; else by the numbers of smooth parts
     std::vector<int> parts;
     std::string where;
+};
+
+// A line `sweep KEY = VALUES`, see app/sweep/sweep.hpp.
+struct Sweep {
+    std::string name;                 // of the key or constant
+    std::vector<std::string> values;  // as written, those of ranges as numbers
+    std::string where;                // "circle.deck:12" or "command line"
 };
 
 enum class Start { automatic, identity, coarse, file };
@@ -123,6 +129,9 @@ Deck read_deck(const std::string& path, const std::vector<std::string>& override
 // mesh: what the deck's key would name, where the text has none.
 Deck parse_deck(std::string_view text, const std::string& path, const std::vector<std::string>& overrides = {},
                 const std::string& mesh = "");
+
+// `KEY = VALUES`. Throws UsageError without file and line.
+Sweep parse_sweep(std::string_view text);
 
 // The motion of a boundary of the mesh: its own, or that of `rest` or `all`; null where there is none.
 const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary);

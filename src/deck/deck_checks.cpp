@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "app/frames/frame_times.hpp"
-#include "app/improve/improve.hpp"
+#include "deck/frame_times.hpp"
+#include "problem/improve.hpp"
 #include "report/results.hpp"
 #include "base/error.hpp"
 #include "io/msh.hpp"

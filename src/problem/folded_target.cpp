@@ -5,7 +5,7 @@
 #include <limits>
 #include <set>
 
-#include "app/commands.hpp"
+#include "report/results.hpp"
 #include "deck/deck_checks.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "app/commands.hpp"
+#include "base/version.hpp"
 #include "deck/deck.hpp"
 #include "problem/problem.hpp"
 #include "base/error.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/improve/improve.hpp"
+#include "problem/improve.hpp"
 #include "problem/kept_surface.hpp"
 #include "base/error.hpp"
 

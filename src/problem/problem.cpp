@@ -5,13 +5,13 @@
 #include <limits>
 
 #include "problem/boundaries.hpp"
-#include "app/commands.hpp"
 #include "deck/deck_checks.hpp"
-#include "app/improve/improve.hpp"
+#include "problem/improve.hpp"
 #include "problem/kept_surface.hpp"
 #include "problem/memory.hpp"
 #include "problem/node_targets.hpp"
 #include "problem/start_mesh.hpp"
+#include "report/results.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/parallel.hpp"

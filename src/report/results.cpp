@@ -4,7 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "app/commands.hpp"
+#include "base/version.hpp"
 #include "deck/deck.hpp"
 #include "problem/problem.hpp"
 #include "report/report.hpp"
@@ -279,6 +279,24 @@ void write_summary(const Deck& deck, const Summary& summary) {
     for (const auto& [quantity, value] : summary) lines += quantity + " = " + value + "\n";
     write_file(deck.output + "/summary.txt", lines);
     write_file(deck.output + "/expectations.csv", expectations_csv(deck.expectations, summary));
+}
+
+std::string write_invalid(const InvalidElements& list, const std::string& folder) {
+    constexpr int shown = 10;
+    if (list.count <= shown) return "";
+    if (folder.empty()) return "\n  ... (output=FOLDER lists all in FOLDER/invalid.csv)";
+    std::error_code failed;  // of which the next line tells
+    std::filesystem::create_directories(folder, failed);
+    write_file(folder + "/invalid.csv", list.csv);
+    return concat("\n  all ", list.count, " are listed in ", folder, "/invalid.csv");
+}
+
+void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate,
+                       const std::string& folder, const std::vector<std::string>& why) {
+    if (certificate.uncertified.empty()) return;
+    const InvalidElements list = list_invalid(mesh, certificate.uncertified, x, certificate.lower_bound, why);
+    std::fprintf(out, "NOT certified valid: %s; the worst (id, centre, scaled Jacobian >=):%s%s\n",
+                 counts_of(certificate).c_str(), list.first.c_str(), write_invalid(list, folder).c_str());
 }
 
 }  // namespace almesh

@@ -1,10 +1,12 @@
 // The files of a run, in the units of the mesh file; what they hold stands in outputs/README.md. All functions
 // throw InputError where a file cannot be written.
 #pragma once
+#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "check/infeasible.hpp"
 #include "mesh/file_tags.hpp"
 #include "problem/solution.hpp"
 #include "report/summary.hpp"
@@ -39,5 +41,15 @@ std::vector<FileFormat> final_formats(FinalFormat wanted, const Mesh& mesh);
 // The final mesh, final.vtk, boundary.vtk; moved-nodes.csv where there are any, stop.vtk where there is a diagnosis
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution);
 void write_summary(const Deck& deck, const Summary& summary);  // summary.txt and expectations.csv
+
+// How many elements the certificate could not prove valid, and the worst ten: id, centre, lower bound of the scaled
+// Jacobian and, if it is known (check/infeasible.hpp), why. Prints nothing where all are certified. x: nodes x dim in
+// units of the file.
+void print_uncertified(std::FILE* out, const Mesh& mesh, const std::vector<double>& x, const Certificate& certificate,
+                       const std::string& folder, const std::vector<std::string>& why = {});
+
+// Where there are more than ten, writes them all to invalid.csv in the folder, which is made if it is missing; "": to
+// none. Returns a line that says so, else "".
+std::string write_invalid(const InvalidElements& list, const std::string& folder);
 
 }  // namespace almesh

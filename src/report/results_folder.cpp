@@ -14,11 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "app/frames/coupling.hpp"
 #include "deck/deck.hpp"
 #include "problem/frame_state.hpp"
-#include "app/frames/frame_times.hpp"
-#include "app/sweep/sweep.hpp"
+#include "deck/frame_times.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "method/checkpoint.hpp"

@@ -6,6 +6,9 @@ namespace almesh {
 
 struct Deck;
 
+inline constexpr const char* frames_log = "frames.log";  // what a coupled run says of its progress
+inline constexpr const char* sweep_row = "sweep.row";     // of a run of a sweep that has ended
+
 std::string checkpoint_folder(const Deck& deck);  // in that of the results
 
 // Of the operating system on the file almesh.lock in the folder, for the life of the object; a killed process, and those

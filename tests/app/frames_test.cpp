@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "deck/deck.hpp"
-#include "app/frames/frame_times.hpp"
+#include "deck/frame_times.hpp"
 #include "base/stopwatch.hpp"
 #include "support/child.hpp"
 #include "support/ring_deck.hpp"

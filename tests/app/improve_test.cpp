@@ -1,6 +1,6 @@
 // almesh improve FILE, and ideal = regular | size FORMULA | mesh FILE: meshes with inverted elements made valid, and
 // valid ones better.
-#include "app/improve/improve.hpp"
+#include "problem/improve.hpp"
 
 #include <doctest/doctest.h>
 

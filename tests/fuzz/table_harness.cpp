@@ -1,6 +1,6 @@
 // Files of times, and of rows of a node and its vector: those of derivatives, of targets and of velocities.
 #include "deck/deck.hpp"
-#include "app/frames/frame_times.hpp"
+#include "deck/frame_times.hpp"
 #include "problem/node_targets.hpp"
 #include "fuzz/harness.hpp"
 #include "support/meshes.hpp"

@@ -18,7 +18,6 @@
 
 namespace almesh {
 
-inline constexpr const char* frames_log = "frames.log";  // in the folder of results
 inline constexpr const char* way_not_valid = "way_not_valid";
 
 struct AskedFrame {

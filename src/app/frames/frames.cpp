@@ -19,7 +19,7 @@
 #include "deck/deck_checks.hpp"
 #include "problem/frame_solver.hpp"
 #include "report/frame_table.hpp"
-#include "app/frames/frame_times.hpp"
+#include "deck/frame_times.hpp"
 #include "problem/mesh_velocity.hpp"
 #include "report/results_folder.hpp"
 #include "base/files.hpp"

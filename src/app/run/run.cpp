@@ -4,7 +4,7 @@
 
 #include "app/commands.hpp"
 #include "problem/curving.hpp"
-#include "app/improve/improve.hpp"
+#include "problem/improve.hpp"
 #include "problem/memory.hpp"
 #include "problem/problem.hpp"
 #include "report/report.hpp"
@@ -17,6 +17,7 @@
 #include "base/interrupt.hpp"
 #include "base/parallel.hpp"
 #include "base/text.hpp"
+#include "base/version.hpp"
 #include "check/boundary_distance.hpp"
 #include "io/matrix_market.hpp"
 #include "method/checkpoint.hpp"

@@ -19,9 +19,10 @@
 #include <thread>
 
 #include "app/commands.hpp"
+#include "base/version.hpp"
 #include "deck/deck.hpp"
 #include "report/frame_table.hpp"
-#include "app/frames/frame_times.hpp"
+#include "deck/frame_times.hpp"
 #include "problem/problem.hpp"
 #include "report/results_folder.hpp"
 #include "base/files.hpp"
@@ -339,30 +340,6 @@ std::pair<int, int> task_of(const std::string& text) {
 }
 
 }  // namespace
-
-Sweep parse_sweep(std::string_view text) {
-    const auto equals = text.find('=');
-    Sweep sweep;
-    sweep.name = trim(text.substr(0, equals));
-    if (const auto word = words(sweep.name); !word.empty() && (word[0] == "boundary" || word[0] == "volume"))
-        throw UsageError("sweep ", sweep.name, ": a sweep is over numbers or words: name what differs between the ",
-                         "motions, as in `let a = 30`, `boundary NAME = rotate a`, `sweep a = 30, 60`");
-    if (sweep.name == "output")
-        throw UsageError("sweep output: every run of a sweep has a folder of its own in that of the key output");
-    if (equals == std::string_view::npos || words(sweep.name).size() != 1)
-        throw UsageError("expected `sweep KEY = VALUE, VALUE, ...` or `sweep KEY = FROM : STEP : TO`");
-    for (const std::string_view value : split(text.substr(equals + 1), ',')) {
-        if (value.empty()) throw UsageError("sweep ", sweep.name, ": a value is missing");
-        if (value.find(':') == std::string_view::npos) sweep.values.emplace_back(value);
-        else for (const double number : numbers_of_range("sweep " + sweep.name, value))
-            sweep.values.push_back(to_text(number));
-    }
-    std::set<std::string> seen;
-    for (const std::string& value : sweep.values)
-        if (!seen.insert(value).second)
-            throw UsageError("sweep ", sweep.name, ": ", in_backquotes(value), " is there twice");
-    return sweep;
-}
 
 ExitCode sweep(const std::vector<std::string>& arguments, std::FILE* out) {
     std::vector<std::string> settings;

@@ -15,17 +15,6 @@
 
 namespace almesh {
 
-struct Sweep {
-    std::string name;                 // of the key or constant
-    std::vector<std::string> values;  // as written, those of ranges as numbers
-    std::string where;                // "circle.deck:12" or "command line"
-};
-
-inline constexpr const char* sweep_row = "sweep.row";
-
-// `KEY = VALUES`. Throws UsageError without file and line.
-Sweep parse_sweep(std::string_view text);
-
 // arguments: DECK, settings of the command line, and at most one of
 //
 //   --slurm      write sweep.sh, the batch script of a job array of Slurm, instead of running

@@ -1,5 +1,5 @@
 // The macros come from the Makefile.
-#include "app/commands.hpp"
+#include "base/version.hpp"
 
 namespace almesh {
 

@@ -1,4 +1,4 @@
-#include "app/improve/improve.hpp"
+#include "problem/improve.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // frames = FROM : STEP : TO, a list, or a file of times.
-#include "app/frames/frame_times.hpp"
+#include "deck/frame_times.hpp"
 
 #include <cmath>
 #include <filesystem>
