@@ -19,7 +19,7 @@ COMMIT    := $(shell git describe --always --dirty --exclude '*' 2>/dev/null || 
 # Without errno a square root is one instruction, for all lanes of a register at once. A product and a sum are rounded
 # apart, for the same bits with every compiler and processor; that costs some 5 % of the time.
 FLAGS     := -std=c++20 -fno-math-errno -ffp-contract=off $(CXXFLAGS) $(OPENMP) $(WARNINGS) $(WERROR) $(NO_OPENMP) -Isrc -Itests
-SOURCES   := $(shell find src -name '*.cpp' -not -path 'src/lessons/*' | sort)
+SOURCES   := $(shell find src -name '*.cpp' -not -path 'src/lessons/*' -not -path 'src/examples/*' | sort)
 OBJECTS   := $(SOURCES:%.cpp=$(BUILD)/%.o)
 # Programs wait for what computes, and what is done once per run takes little time: neither needs much optimisation. Of
 # an inline function that is not inlined the linker takes the first object's: an optimised one.
@@ -38,6 +38,7 @@ BENCH_OBJECTS := $(BENCH:%.cpp=$(BUILD)/%.o)
 # The course: a program for each lesson that is code, and its exercises, checked with the answers of the templates
 # (src/lessons/exercises/, where students write) or with the solutions.
 LESSON_PROGRAMS := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/*.cpp))
+EXAMPLES  := $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/examples/*.cpp))
 CHECKED   := $(sort $(patsubst tests/lessons/%_check.cpp,%,$(wildcard tests/lessons/*_check.cpp)))
 SOLVED    := $(patsubst src/lessons/solutions/%.cpp,$(BUILD)/lessons/solved-%,$(wildcard src/lessons/solutions/*.cpp))
 CHECKS    := $(CHECKED:%=$(BUILD)/tests/lessons/%_check.o) $(BUILD)/tests/lessons/exercise.o $(BUILD)/libalmesh.a \
@@ -45,7 +46,7 @@ CHECKS    := $(CHECKED:%=$(BUILD)/tests/lessons/%_check.o) $(BUILD)/tests/lesson
 # Only `make fuzz` has libFuzzer's entry; the harnesses are in the tests too.
 FUZZ      := $(filter-out tests/fuzz/%_test.cpp,$(wildcard tests/fuzz/*.cpp)) tests/support/meshes.cpp
 FUZZ_OBJECTS := $(FUZZ:%.cpp=$(BUILD)/%.o)
-LESSON_OBJECTS := $(patsubst %.cpp,$(BUILD)/%.o,$(shell find src/lessons tests/lessons -name '*.cpp'))
+LESSON_OBJECTS := $(patsubst %.cpp,$(BUILD)/%.o,$(shell find src/lessons src/examples tests/lessons -name '*.cpp'))
 
 # Threads that wait soon sleep: spinning ones are slow on a machine with other work to do (src/main.cpp).
 ifndef OMP_WAIT_POLICY
@@ -69,7 +70,7 @@ said       = $(if $(V),,@printf '%-5s %s\n' '$(1)' '$(2)')
         cad-models cad-examples cholmod paper gauntlet generated untangle improve slurm certificates defaults \
         derivatives drift coupling run-fast-tests run-fast-app-tests run-fast-other-tests matrix reproduce mutants \
         check-targets figures meshes lessons readmes check-lessons student with-solutions wrong-answers animation \
-        quality clean help-all FORCE
+        quality clean examples help-all FORCE
 
 all: almesh ## build the program ./almesh
 
@@ -236,6 +237,11 @@ $(BUILD)/lessons/solved-%: $(BUILD)/src/lessons/solutions/%.o $(BUILD)/tests/les
 	$(call said,LINK,$@)
 	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
+$(BUILD)/examples/%: $(BUILD)/src/examples/%.o $(BUILD)/libalmesh.a
+	@mkdir -p $(@D)
+	$(call said,LINK,$@)
+	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
+
 $(BUILD)/lessons/%: $(BUILD)/src/lessons/%.o $(BUILD)/libalmesh.a
 	@mkdir -p $(@D)
 	$(call said,LINK,$@)
@@ -264,13 +270,15 @@ own-almesh: $(CHECKS) FORCE ##course link your answers into a solver and run the
 	@if $(PYTHON) -c 'import numpy, matplotlib' 2>/dev/null; then $(PYTHON) plot/lessons/own_almesh.py; else \
 	  echo 'no picture without numpy and matplotlib: apt-get install python3-numpy python3-matplotlib (or pip)'; fi
 
+examples: $(EXAMPLES) ## build the programs that use the library, src/examples/
+
 student: with-solutions ##course export the course without solutions as a folder that stands alone: make student TO=../course
 	@tests/lessons/student.py $(TO)
 
 check-lessons: $(CHECKS) ##course check the answers to all exercises: a table (ANSWERS=solutions)
 	@tests/lessons/answers.py --build $(BUILD) $(or $(ANSWERS),exercises)
 
-lessons: with-solutions python $(BUILD)/almesh $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ##check run the commands of all documents that take seconds; check the solutions of the course
+lessons: with-solutions python $(BUILD)/almesh $(EXAMPLES) $(LESSON_PROGRAMS) $(SOLVED) $(CHECKS) ##check run the commands of all documents that take seconds; check the solutions of the course
 	tests/lessons/answers.py --build $(BUILD) --self-test
 	tests/lessons/hints.py --self-test
 	tests/lessons/student.py --self-test $(BUILD)
@@ -287,7 +295,7 @@ wrong-answers: with-solutions $(CHECKS) $(BUILD)/lessons/almesh_in_one_file ##co
 	tests/lessons/wrong.py --build $(BUILD) --all
 	tests/lessons/wrong_own.py --build $(BUILD) --all
 
-readmes: almesh python ##check run all commands of README.md and */*.md, also those of minutes, and compare (ONLY=plot/README.md)
+readmes: almesh $(EXAMPLES) python ##check run all commands of README.md and */*.md, also those of minutes, and compare (ONLY=plot/README.md)
 	tests/documents.py --build $(BUILD) --slow $(or $(ONLY),README.md */*.md)
 
 paper: almesh ## run the paper's decks and compare with its tables: outputs/paper/tables.md

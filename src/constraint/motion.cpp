@@ -144,6 +144,13 @@ constexpr std::array<MotionForm, 13> forms = {{
     {.name = "free", .form = "free", .meaning = "the nodes may move anywhere", .hold = BoundaryHold::free},
 }};
 
+// Not among those that are written as text.
+constexpr MotionForm by_function{.name = "position", .form = "position", .meaning = "", .turns = true, .affine = false,
+                                 .move = [](Step step, Vec<3>& d) {
+                                     d = (*step.position)(d, step.t);
+                                     return true;
+                                 }};
+
 bool apply_step(Step step, Vec<3>& x) {
     const MotionForm& form = *step.form;
     if (!form.move) return true;
@@ -169,9 +176,27 @@ bool apply(const Motion& motion, int dim, double* x) {
 }
 
 Motion at_fraction(Motion motion, double fraction) {
-    for (MotionStep& step : motion.steps)
+    for (MotionStep& step : motion.steps) {
         (step.form->turns || step.form->twists ? step.numbers[0] : step.fraction) *= fraction;
+        if (step.position) step.t *= fraction;
+    }
     return motion;
+}
+
+Motion given_by(PositionAt position, double t, double degrees) {
+    MotionStep step;
+    step.form = &by_function;
+    step.numbers = {degrees};
+    step.t = t;
+    step.position = std::make_shared<const PositionAt>(std::move(position));
+    return {{step}};
+}
+
+Motion given_by(std::vector<double> places) {
+    MotionStep step;
+    step.form = &*std::find_if(forms.begin(), forms.end(), [](const MotionForm& form) { return form.file; });
+    step.places = std::make_shared<const std::vector<double>>(std::move(places));
+    return {{step}};
 }
 
 Motion shortest(Motion motion) {

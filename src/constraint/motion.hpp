@@ -9,10 +9,13 @@
 // Coordinates in a step are those after the steps before it: the centre of a rotation is not moved by them. Which steps
 // fit a mesh is known only with its dimension: check_dimension(). Cost of apply(): O(number of steps) per point.
 #pragma once
+#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/small_matrix.hpp"
 #include "base/text.hpp"
 #include "constraint/expression.hpp"
 
@@ -38,6 +41,9 @@ struct TimedNumber {
     bool operator==(const TimedNumber&) const = default;
 };
 
+// Where a program that uses the library has the point X at the time t.
+using PositionAt = std::function<Vec<3>(const Vec<3>& X, double t)>;
+
 struct MotionStep {
     const MotionForm* form = nullptr;
     std::vector<double> numbers;      // after the name, as `form` says
@@ -50,6 +56,8 @@ struct MotionStep {
     std::vector<TimedNumber> timed;   // whose values at the time t are among the numbers
     double t = 0;
     double fraction = 1;              // of the way that it takes a point; of a turn always 1
+    std::shared_ptr<const PositionAt> position = {};          // of given_by()
+    std::shared_ptr<const std::vector<double>> places = {};   // of given_by(): nodes x dim, in place of a file
 
     bool operator==(const MotionStep&) const = default;
 };
@@ -63,6 +71,11 @@ struct Motion {
 // Steps separated by `;`. Throws UsageError (without file and line: the deck adds them) naming the step, what is wrong
 // with it and its form.
 Motion parse_motion(std::string_view text, const Constants& constants = {});
+
+// Positions by a function, at the time t, which turns the boundary by so many degrees from the time 0 on; and those of
+// the nodes of the mesh file.
+Motion given_by(PositionAt position, double t, double degrees);
+Motion given_by(std::vector<double> places);
 
 // The motion at the time t, in frame number `frame`, which replaces %d, or %04d for four digits, in names of files.
 // Throws UsageError where a number is not finite then, or makes no sense.

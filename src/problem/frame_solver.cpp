@@ -49,7 +49,8 @@ struct Distortion : AugmentedFunctional {
 
 }  // namespace
 
-Solution FrameSolver::solve(const Deck& deck, const FramesBefore& before, FrameRow& row) {
+Solution FrameSolver::solve(const Deck& deck, const FramesBefore& before, FrameRow& row,
+                            const AlObserver& observer) {
     if (before.before(row.t) && may_follow(deck)) {
         prepare(deck);
         std::vector<double> x;
@@ -57,13 +58,13 @@ Solution FrameSolver::solve(const Deck& deck, const FramesBefore& before, FrameR
         if (!row.started_from.empty()) {
             const HessianKind kind = row.started_from == "ideal" ? HessianKind::damping : HessianKind::full;
             Solution solution = lead(deck, x, kind);
-            if (solution.al.status == Status::stalled) solution = solve_from(deck, x);
+            if (solution.al.status == Status::stalled) solution = solve_from(deck, x, observer);
             const Status status = solution.al.status;
             if (status == Status::converged || status == Status::interrupted) return solution;
         }
     }
     row.started_from = "anew";
-    return solve_anew(deck, row);
+    return solve_anew(deck, row, observer);
 }
 
 bool FrameSolver::leads(const Deck& deck, const std::vector<Motion>& before, const std::vector<Motion>& now) const {
@@ -150,33 +151,39 @@ Solution FrameSolver::lead(const Deck& deck, const std::vector<double>& x, Hessi
 }
 
 // Near the solution a large penalty costs no steps. What settles needs no more than to come near.
-Solution FrameSolver::solve_from(const Deck& deck, const std::vector<double>& x) {
+Solution FrameSolver::solve_from(const Deck& deck, const std::vector<double>& x, const AlObserver& observer) {
     Level& level = *problem_.level;
     Solution solution;
     solution.x = x;
     const AlStart start = AlStart::from_near(*level.constraint, largest_start_penalty);
     AugmentedLagrangianParams params = deck.method;
     if (settles(deck)) params.omega_star = std::min(1e3 * params.omega_star, std::max(1e-5, params.omega_star));
-    solution.al = minimise(*level.energy, *level.constraint, newton(deck), params, solution.x, {}, start);
+    solution.al = minimise(*level.energy, *level.constraint, newton(deck), params, solution.x, observer, start);
     if (solution.al.status == Status::converged) place_inside_volumes(problem_, solution.x);
     snap(deck, problem_, solution);
     if (settles(deck)) settle(deck, solution);
     return solution;
 }
 
-Solution FrameSolver::solve_anew(const Deck& deck, FrameRow& row) {
+Solution FrameSolver::solve_anew(const Deck& deck, FrameRow& row, const AlObserver& outer) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> nowhere(std::fopen("/dev/null", "w"), std::fclose);
     Report report(nowhere.get(), {problem_.mesh().dim, problem_.frame.length}, problem_.run_id);
     SolveObserver observer;
-    observer.iteration = [&report](const AlIteration& of) { report.add(of); };
-    observer.newton_step = [&report](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
+    observer.iteration = [&](const AlIteration& of) {
+        report.add(of);
+        if (outer.iteration) outer.iteration(of);
+    };
+    observer.newton_step = [&](int al_iteration, const NewtonStep& step) {
+        report.add(al_iteration, step);
+        if (outer.newton_step) outer.newton_step(al_iteration, step);
+    };
     observer.stage = [&report](const Stage& stage) { report.add(stage); };
     Solution solution = almesh::solve(deck, problem_, observer);
     row.history += report.csv();
     solution.reached = report.reached;
     if (solution.al.status != Status::converged || !may_follow(deck)) return solution;
     prepare(deck);
-    Solution nearer = solve_from(deck, solution.x);  // as near to the minimum as the other frames
+    Solution nearer = solve_from(deck, solution.x, outer);  // as near to the minimum as the other frames
     if (nearer.al.status != Status::converged) return solution;
     nearer.al.earlier_newton_iterations = solution.al.newton_iterations + solution.al.earlier_newton_iterations;
     nearer.coarse_newton_iterations = solution.coarse_newton_iterations;

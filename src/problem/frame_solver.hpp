@@ -20,7 +20,7 @@ public:
     // The problem has the target of `deck`, which is of the time row.t. row.started_from: on return "beyond", the mesh
     // that the two before extrapolate to, "before", "ideal" or, where the run was one of its own, "anew", which has a
     // row.history.
-    Solution solve(const Deck& deck, const FramesBefore& before, FrameRow& row);
+    Solution solve(const Deck& deck, const FramesBefore& before, FrameRow& row, const AlObserver& observer = {});
 
     // Whether the motions of one frame lead to those of another: leads_to().
     bool leads(const Deck& deck, const std::vector<Motion>& before, const std::vector<Motion>& now) const;
@@ -37,8 +37,8 @@ private:
     void prepare(const Deck& deck);
     std::string start(const Deck& deck, double t, const FramesBefore& before, std::vector<double>& x) const;
     Solution lead(const Deck& deck, const std::vector<double>& x, HessianKind kind);
-    Solution solve_from(const Deck& deck, const std::vector<double>& x);
-    Solution solve_anew(const Deck& deck, FrameRow& row);
+    Solution solve_from(const Deck& deck, const std::vector<double>& x, const AlObserver& observer);
+    Solution solve_anew(const Deck& deck, FrameRow& row, const AlObserver& observer);
     bool settles(const Deck& deck) const;
     void settle(const Deck& deck, Solution& solution);
 };

@@ -271,7 +271,8 @@ NodeTargets read_node_targets(const Mesh& mesh, const std::vector<Motion>& motio
         }
         Mesh moved = mesh, left_out = mesh;
         std::fill(left_out.x.begin(), left_out.x.end(), 0.0);
-        if (other.contains(b)) read_places_of_mesh(mesh, b, other[b], moved.x);
+        if (step->places) moved.x = *step->places;
+        else if (other.contains(b)) read_places_of_mesh(mesh, b, other[b], moved.x);
         else read_places(mesh, b, motions[b], moved.x, left_out.x);
         targets.placed[b].x = raise_degree(moved, degree).x;
         if (std::count(left_out.x.begin(), left_out.x.end(), 1.0))
