@@ -14,7 +14,7 @@ for ax, (ordering, title) in zip(axes.flat, titles.items()):
     grid[pattern["row"][chosen].astype(int), pattern["column"][chosen].astype(int)] = pattern["entries"][chosen]
     ax.imshow(grid, cmap="Blues", vmin=-40, vmax=290, interpolation="nearest")
     ax.set(title=f"L, {title}", xticks=[], yticks=[])
-for ax, folder, title in zip(axes.flat[4:], ["soft", "stiff"], ["first step, μ = 960", "fifth step, μ = 96000"]):
+for ax, folder, title in zip(axes.flat[4:], ["soft", "stiff"], ["μ = 960", "μ = 96000"]):
     history = picture.table(f"10-solvers/{folder}/residuals.csv")
     for method in dict.fromkeys(history["method"]):
         chosen = history["method"] == method

@@ -97,7 +97,6 @@ struct Deck {
     LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;
     CertificateParams certificate;
-    int write_system = 0;
     int iterates = 0;
     double max_seconds = 0;
     double checkpoint = 10;

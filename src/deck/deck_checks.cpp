@@ -120,7 +120,6 @@ void check_times(const Deck& deck) {
         throw UsageError(deck.given.at("velocity"), ": velocity needs frames, the times of a motion");
     for (const auto& [key, is_set] : {std::pair("split", deck.split != Split::never),
                                       std::pair("surface", deck.surface == SurfaceKind::straighten),
-                                      std::pair("write_system", deck.write_system > 0),
                                       std::pair("iterates", deck.iterates > 0)})
         if (is_set && !deck.frames.empty())
             throw UsageError(deck.given.at(key), ": ", key, " does not go with frames: leave it out");

@@ -277,9 +277,6 @@ const std::vector<DeckKey>& deck_keys() {
          "by the degree of the elements. Linear triangles and tetrahedra ignore the key."},
         {"certificate_bisections", number<&Deck::certificate, &CertificateParams::max_bisections>({0, 1000000}),
          "Largest number of bisections of one element to prove it valid."},
-        {"write_system", number<&Deck::write_system>({0, 1000000}),
-         "Number of the Newton step whose linear system is written as A.mtx and b.mtx. Steps are counted from 1 over "
-         "all minimisations; 0: none."},
         {"iterates", number<&Deck::iterates>({0, 1000000}),
          "After every so many Newton steps the mesh is written as iterate-0000.vtk, ..., and listed in "
          "iterates.vtk.series, which ParaView plays. Steps on coarser meshes are not counted. 0: never."},

@@ -12,9 +12,9 @@
 #include <string>
 
 #include "energy/plain_energy.hpp"
-#include "io/matrix_market.hpp"
 #include "io/vtk.hpp"
 #include "lessons/eta_squared.hpp"
+#include "lessons/matrix_market.hpp"
 #include "lessons/square.hpp"
 
 using namespace almesh;
@@ -144,5 +144,5 @@ int main(int count, char** argument) {
     if (count > 1) return 0;
     std::filesystem::create_directories("outputs/lessons/03-assembly");
     write_vtk("outputs/lessons/03-assembly/square.vtk", {"square", 2, 1, x, mesh.elements, 2, {}, {}, {}});
-    write_file("outputs/lessons/03-assembly/hessian.mtx", matrix_market_text(K));
+    write_file("outputs/lessons/03-assembly/hessian.mtx", matrix_text(K));
 }

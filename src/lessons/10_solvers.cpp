@@ -4,7 +4,7 @@
 // alone; they are counted here without computing one. Iterative: conjugate gradients take a number of steps that
 // depends on the preconditioner: none, the diagonal, or an incomplete factorisation with no fill, ILU(0).
 //
-// Argument: a folder with A.mtx and b.mtx, as a run with write_system = k leaves them.
+// Argument: a folder with A.mtx and b.mtx, as 10_system writes them.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>

@@ -1,14 +1,47 @@
-// Reads what io/matrix_market.hpp writes: the system of a Newton step, A d = b, for lesson 10.
+// Symmetric sparse matrices and right-hand sides in the Matrix Market exchange format (Boisvert, Pozo & Remington, The
+// Matrix Market Exchange Formats: Initial Design, NISTIR 5935, 1996).
+//
+//   %%MatrixMarket matrix coordinate real symmetric
+//   3 3 4          rows, columns, entries
+//   1 1 2.5        row and column from 1, value; the lower triangle
 #pragma once
 #include <string>
 #include <vector>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/text.hpp"
 #include "io/text_scanner.hpp"
 #include "linalg/block_csr.hpp"
 
 namespace almesh::lessons {
+
+// The lower triangle of the symmetric A, zeros of its pattern included, each number with 17 digits.
+inline std::string matrix_text(const BlockCsr& A) {
+    std::string entries;
+    long long count = 0;
+    for (int i = 0; i < A.n; ++i)
+        for (int r = 0; r < A.d; ++r)
+            for (int k = A.row[i]; k < A.row[i + 1] && A.col[k] <= i; ++k)
+                for (int c = 0, columns = A.col[k] < i ? A.d : r + 1; c < columns; ++c, ++count) {
+                    append(entries, static_cast<long long>(i) * A.d + r + 1);
+                    append(entries += ' ', static_cast<long long>(A.col[k]) * A.d + c + 1);
+                    append(entries += ' ', A.block(k)[r * A.d + c], 17);
+                    entries += '\n';
+                }
+    return concat("%%MatrixMarket matrix coordinate real symmetric\n", A.size(), " ", A.size(), " ", count, "\n") +
+           entries;
+}
+
+// A column.
+inline std::string vector_text(const std::vector<double>& b) {
+    std::string text = concat("%%MatrixMarket matrix array real general\n", b.size(), " 1\n");
+    for (double value : b) {
+        append(text, value, 17);
+        text += '\n';
+    }
+    return text;
+}
 
 // Reads the first line, lines of comments, and the numbers of rows and columns.
 inline int read_rows(TextScanner& in, const std::string& kind) {

@@ -89,11 +89,6 @@ bool Newton::find_direction(const Functional& E, const std::vector<double>& x, N
             projection.damping = damping_.factor * E.distortion.mean_slope(E.distortion_energy(x, at.energy));
         E.hessian(x, projected && projection.is_full() ? HessianKind::full : step.hessian, H_, projection);
     }
-    if (observe_system_) {
-        std::vector<double> b;
-        to_rows(H_, minus_g_, b);
-        observe_system_(H_, b);
-    }
     const TimeAdder adder(time.linear);
     solver_.set_tolerance(forcing_.value);
     const SolveResult solve = solver_.solve(H_, minus_g_, d_, may_be_indefinite);

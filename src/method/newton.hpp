@@ -104,7 +104,6 @@ struct NewtonPolicies {
 };
 
 using NewtonObserver = std::function<void(const NewtonStep&)>;
-using SystemObserver = std::function<void(const BlockCsr& A, const std::vector<double>& b)>;
 // step: 1, 2, ... over all calls of minimise().
 using IterateObserver = std::function<void(int step, const std::vector<double>& x)>;
 
@@ -112,9 +111,6 @@ class Newton {
 public:
     // pattern: of the Hessian. The linear solver and all work arrays are set up once for all subproblems.
     Newton(BlockCsr pattern, const LinearSolverParams& linear, const NewtonPolicies& policies = {});
-
-    // Called with every linear system A d = b, in the order of A's rows, before it is solved.
-    void observe_systems(SystemObserver observer) { observe_system_ = std::move(observer); }
 
     // Called with every iterate that is accepted, of all calls of minimise().
     void observe_iterates(IterateObserver observer) { observe_iterate_ = std::move(observer); }
@@ -143,7 +139,6 @@ private:
     Damping damping_;                // kept from one subproblem to the next,
     EigenvalueFiltering filtering_;  // and so is this
     LocalElimination elimination_;   // and this
-    SystemObserver observe_system_;
     IterateObserver observe_iterate_;
     int steps_ = 0;  // of all calls
 

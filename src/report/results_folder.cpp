@@ -38,7 +38,7 @@ bool is_of_frame(const std::string& name) {
 // Of a Newton step or a frame: who resumes a run does not take it again.
 bool is_of_step(const std::string& name) {
     return is_of_frame(name) || name == "iterates.vtk.series" ||
-           (name.starts_with("iterate-") && name.ends_with(".vtk")) || name == "A.mtx" || name == "b.mtx";
+           (name.starts_with("iterate-") && name.ends_with(".vtk"));
 }
 
 bool is_derivative(const std::string& name) {

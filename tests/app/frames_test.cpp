@@ -465,7 +465,7 @@ TEST_CASE("numbers that make no sense at some time, and keys that do not go with
               "command line: boundary inner, frame 2, t = 1: `translate`: \"1/(t-1)\" is not finite"));
     CHECK(has(error_of({"boundary inner=scale \"1-t\"", "frames=0,1"}), "frame 2, t = 1: `scale`: every factor must"));
     CHECK(has(error_of({"boundary inner=translate \"x\" 0", "frames=0,1"}), "may name t and constants alone"));
-    for (const char* other : {"split=auto", "surface=straighten", "write_system=1", "iterates=1"})
+    for (const char* other : {"split=auto", "surface=straighten", "iterates=1"})
         CHECK(has(error_of({other, "frames=0,1"}), "does not go with frames"));
     CHECK(has(error_of({"local_repair=1", "boundary inner=fixed", "frames=0,1"}), "frames does not go with local"));
 }

@@ -6,9 +6,6 @@
 #include <cmath>
 
 #include "check/certificate.hpp"
-#include "lessons/matrix_market.hpp"
-#include "linalg/linear_solver.hpp"
-#include "linalg/vector_ops.hpp"
 #include "support/ring_deck.hpp"
 #include "support/targets.hpp"
 
@@ -304,19 +301,4 @@ TEST_CASE("what is certified far from the origin is the mesh that is written, no
     CHECK(summary.at("nodes_off_target") == "0");
     const Mesh written = mesh_of(ring.output + "/final.msh");
     CHECK(number(summary, "min_scaled_jacobian") <= certify(written, written.x).min_scaled_jacobian + 1e-6);
-}
-
-TEST_CASE("the system of a Newton step is written, and can be solved again") {
-    const RingDeck ring;
-    REQUIRE(ring.run({"write_system=2"}).code == 0);
-    const BlockCsr A = lessons::read_matrix(ring.output + "/A.mtx", 2);
-    const std::vector<double> b = lessons::read_vector(ring.output + "/b.mtx", A.size());
-    CHECK(A.n == mesh_of(ring.output + "/final.msh").nodes());
-    LinearSolver solver(2, {});
-    std::vector<double> d;
-    solver.analyse(A);
-    REQUIRE(solver.solve(A, b, d).status == SolveStatus::success);
-    CHECK(scaled_residual(A, d, b) < 1e-14);
-    REQUIRE(ring.run({"write_system=0", "output=" + ring.folder.path("other")}).code == 0);
-    CHECK(!std::filesystem::exists(ring.folder.path("other") + "/A.mtx"));
 }

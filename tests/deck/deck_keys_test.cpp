@@ -48,7 +48,7 @@ TEST_CASE("legal ranges end where they should") {
           Ends{"linear_tolerance", "1e-15", "0.5", "1e-16", "0.51"}, Ends{"gmres_restart", "1", "1000", "0", "1001"},
           Ends{"gmres_max_iterations", "1", "100000", "0", "100001"}, Ends{"quadrature", "0", "40", "-1", "41"},
           Ends{"certificate_bisections", "0", "1000000", "-1", "1000001"},
-          Ends{"write_system", "0", "1000000", "-1", "1000001"}, Ends{"iterates", "0", "1000000", "-1", "1000001"},
+          Ends{"iterates", "0", "1000000", "-1", "1000001"},
           Ends{"threads", "0", "1024", "-1", "1025"},
           Ends{"max_seconds", "0", "1e+09", "-1", "1.1e9"}}) {
         CHECK(result_of(e.key, e.lowest) == e.lowest);

@@ -226,7 +226,7 @@ TEST_CASE("the resolved deck is the same deck") {
         "algorithm = literal\nmu0 = 300\nomega0 = 0.30000000000000004\nepsilon0 = 1e-300\nomega_star = 1e-6\n"
         "epsilon_star = 1e-12\nlength_scale = 1\nmax_al_iterations = 9\nmax_newton_iterations = 99\nsolver = cholesky\n"
         "forcing = fixed\nlinear_tolerance = 0.001\ngmres_restart = 7\ngmres_max_iterations = 8\nquadrature = "
-        "5\ncertificate_bisections = 3\nwrite_system = 4\niterates = 3\nmax_seconds = 1.5\n"
+        "5\ncertificate_bisections = 3\niterates = 3\nmax_seconds = 1.5\n"
         "wall = \"inner # 1\"\nthreads = 2\ntitle = \"  a # b \"\noutput = \"outputs/a b/#1\"\n"
         "boundary \"inner # 1\" = rotate 30 about 0.1 0.2; translate 8 0\nboundary outer = fixed\n"
         "boundary \"a=b\" = scale 2 3\nexpect status = converged\nexpect nodes = 841\n"

@@ -19,7 +19,6 @@
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "check/boundary_distance.hpp"
-#include "io/matrix_market.hpp"
 #include "method/checkpoint.hpp"
 #include "method/comparators.hpp"
 #include "method/levels.hpp"
@@ -30,17 +29,6 @@ namespace almesh {
 namespace {
 
 constexpr double worth_telling = 0.5e9;  // bytes
-
-// Has the system of one Newton step written, for lesson 10. Where the Hessian of that step was weakened, the
-// last one stays.
-void write_system(const Deck& deck, Newton& newton, const Report& report) {
-    if (deck.write_system == 0) return;
-    newton.observe_systems([&deck, &report](const BlockCsr& A, const std::vector<double>& b) {
-        if (report.newton_steps + 1 != deck.write_system) return;
-        write_file(deck.output + "/A.mtx", matrix_market_text(A));
-        write_file(deck.output + "/b.mtx", matrix_market_text(b));
-    });
-}
 
 void write_iterates(const Deck& deck, const Problem& problem, Newton& newton, const std::vector<double>& start) {
     if (deck.iterates == 0 || deck.vtk == VtkOutput::none) return;
@@ -68,7 +56,6 @@ SolveObserver observer_of(const Deck& deck, const Problem& problem, Report& repo
     observer.newton_step = [&report](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
     observer.stage = [&report](const Stage& stage) { report.add(stage); };
     observer.begins = [&deck, &problem, &report](Newton& newton, const std::vector<double>& start) {
-        write_system(deck, newton, report);
         write_iterates(deck, problem, newton, start);
     };
     return observer;
