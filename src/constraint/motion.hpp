@@ -63,7 +63,8 @@ struct MotionStep {
 };
 
 struct Motion {
-    std::vector<MotionStep> steps;  // at least one
+    enum class Kind { moves, fixed, slides, free };  // what the nodes of a boundary do
+    std::vector<MotionStep> steps;                   // at least one
 
     bool operator==(const Motion&) const = default;
 };
@@ -104,7 +105,9 @@ double turn(const Motion& motion);  // sum of the angles of its steps, without s
 // the other way round is the shorter one.
 bool leads_to(const Motion& before, const Motion& now, bool as_written);
 
-bool is_fixed(const Motion& motion);  // it is `fixed` alone
+Motion::Kind kind_of(const Motion& motion);
+Motion motion_of(Motion::Kind kind);  // not `moves`: the motion `fixed`, `slide` or `free`
+inline bool is_fixed(const Motion& motion) { return kind_of(motion) == Motion::Kind::fixed; }
 
 BoundaryHold hold_of(const Motion& motion);
 BoundaryHold hold_of_rest(const Motion& motion);  // of the nodes that its file leaves out

@@ -166,7 +166,7 @@ void select_faces(const Deck& deck, Mesh& mesh) {
 Motion sliding(const Motion& motion) {
     if (hold_of(motion) != BoundaryHold::prescribed) return motion;
     Motion with = is_fixed(motion) ? Motion{} : motion;
-    with.steps.push_back(parse_motion("slide").steps.front());
+    with.steps.push_back(motion_of(Motion::Kind::slides).steps.front());
     return with;
 }
 

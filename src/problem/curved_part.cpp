@@ -29,7 +29,8 @@ std::vector<double> gathered(const std::vector<double>& field, const std::vector
 // All boundaries fixed at these positions, but for nodes that are freed.
 BoundaryTarget fixed_at(Mesh mesh, const std::vector<double>& x, const std::vector<char>& freed) {
     mesh.x = x;
-    BoundaryTarget target = make_target(mesh, std::vector<Motion>(mesh.boundaries.size(), parse_motion("fixed")));
+    const std::vector<Motion> fixed(mesh.boundaries.size(), motion_of(Motion::Kind::fixed));
+    BoundaryTarget target = make_target(mesh, fixed);
     target.freed = freed;
     return target;
 }
@@ -213,7 +214,7 @@ CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const SlidingSu
     Problem problem;
     problem.base = part.mesh;
     problem.base.x = part.curved;
-    problem.motions.assign(part.mesh.boundaries.size(), parse_motion("fixed"));
+    problem.motions.assign(part.mesh.boundaries.size(), motion_of(Motion::Kind::fixed));
     problem.level = std::make_unique<Level>();
     problem.level->mesh = problem.base;
     problem.level->ideal = part.mesh.x;

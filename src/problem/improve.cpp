@@ -80,7 +80,7 @@ std::vector<double> volumes_by_size(const Deck& deck, const Problem& problem) {
 // Whether no element is asked to be other than good, and the boundary to be elsewhere than on its surface.
 bool may_stay(const Deck& deck, const Problem& problem) {
     const auto stays = [](const Motion& motion) {
-        return is_fixed(motion) || motion == parse_motion("slide");
+        return is_fixed(motion) || motion == motion_of(Motion::Kind::slides);
     };
     return deck.ideal == IdealKind::regular && std::all_of(problem.motions.begin(), problem.motions.end(), stays);
 }
@@ -253,7 +253,7 @@ void count_infeasible(const Deck& deck, Problem& problem, Solution& solution) {
 // A boundary that is where it has to be, none of whose nodes slides, needs no multipliers: half the Newton steps do.
 Deck with_boundary_set(const Deck& deck, const Problem& problem) {
     const auto is_set = [&](const Motion& motion) {
-        return is_fixed(motion) || (motion == parse_motion("slide") && !problem.sliding);
+        return is_fixed(motion) || (motion == motion_of(Motion::Kind::slides) && !problem.sliding);
     };
     Deck set = deck;
     if (std::all_of(problem.motions.begin(), problem.motions.end(), is_set) &&

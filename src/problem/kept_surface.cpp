@@ -18,7 +18,7 @@ namespace {
 std::vector<char> kept_boundaries(const Problem& problem) {
     std::vector<char> kept;
     for (const Motion& motion : problem.motions)
-        kept.push_back(is_fixed(motion) || motion == parse_motion("slide"));
+        kept.push_back(is_fixed(motion) || motion == motion_of(Motion::Kind::slides));
     return kept;
 }
 
@@ -131,7 +131,7 @@ void take_along_target(Problem& problem, const std::vector<double>& from, const 
 
 // The boundary stays where it is at x from here on.
 void fix_boundary(Problem& problem, const std::vector<double>& x) {
-    problem.motions.assign(problem.motions.size(), parse_motion("fixed"));
+    problem.motions.assign(problem.motions.size(), motion_of(Motion::Kind::fixed));
     Mesh at = problem.mesh();
     at.x = x;
     problem.target = make_target(at, problem.motions);
