@@ -71,11 +71,11 @@ Injectivity certify_curved(Mesh& mesh, const std::vector<double>& straight, cons
 }
 
 StraightenedMesh straighten_invalid(Mesh mesh, const std::vector<double>& straight, const std::vector<double>& curved,
-                                    double bound, const CertificateParams& params) {
+                                    double bound) {
     StraightenedMesh found;
     std::optional<bool> helps;  // whether the straight-sided form does not overlap itself
     found.x = straightened(mesh, straight, curved, [&](const std::vector<double>& x) {
-        found.certificate = certify(mesh, x, params);
+        found.certificate = certify(mesh, x);
         std::vector<int> at_fault;
         for (int e = 0; e < mesh.element_count(); ++e)
             if (found.certificate.lower_bound[e] <= bound) at_fault.push_back(e);
@@ -84,7 +84,7 @@ StraightenedMesh straighten_invalid(Mesh mesh, const std::vector<double>& straig
         if (found.injectivity.certified) return at_fault;
         if (!helps) {
             mesh.x = straight;
-            helps = certify_injective(mesh, straight, certify(mesh, straight, params)).certified;
+            helps = certify_injective(mesh, straight, certify(mesh, straight)).certified;
         }
         if (*helps)
             for (const int e : overlapping(mesh, x, found.injectivity)) at_fault.push_back(e);

@@ -38,6 +38,6 @@ struct StraightenedMesh {
 // At fault are elements whose scaled Jacobian is not certified to be above the bound, and those that overlap. Cost: a
 // few certificates.
 StraightenedMesh straighten_invalid(Mesh mesh, const std::vector<double>& straight, const std::vector<double>& curved,
-                                    double bound, const CertificateParams& params);
+                                    double bound);
 
 }  // namespace almesh

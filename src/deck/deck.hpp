@@ -23,7 +23,6 @@
 
 #include "problem/base_mesh.hpp"
 #include "report/summary.hpp"
-#include "check/certificate.hpp"
 #include "constraint/expression.hpp"
 #include "constraint/target.hpp"
 #include "energy/options.hpp"
@@ -58,7 +57,6 @@ struct Sweep {
 };
 
 enum class Start { automatic, identity, coarse, file };
-enum class Snap { automatic, no, yes };
 enum class LocalRepair { automatic, no, yes };
 enum class SurfaceKind { automatic, keep, slide, straighten };
 enum class Split { never, automatic, around };
@@ -86,7 +84,6 @@ struct Deck {
     Start start = Start::automatic;
     std::string start_file;  // path as seen from the current folder
     Continuation continuation = Continuation::automatic;
-    Snap snap = Snap::automatic;
     LocalRepair local_repair = LocalRepair::automatic;
     double min_scaled_jacobian = 0.02;
     double feature_angle = 30;  // degrees
@@ -96,7 +93,6 @@ struct Deck {
     std::optional<double> length_scale;
     LinearSolverParams linear;
     Forcing forcing = Forcing::automatic;
-    CertificateParams certificate;
     int iterates = 0;
     double max_seconds = 0;
     double checkpoint = 10;

@@ -99,7 +99,7 @@ void check_curved_ideal(const Deck& deck, const Mesh& in_file, const Mesh& of_ru
     if (deck.start == Start::coarse)
         throw UsageError(deck.given.at("start"), ": start = coarse needs a straight-sided ideal mesh; with ideal = "
                          "given take start = identity");
-    if (of_run.degree < in_file.degree && !certify(of_run, of_run.x, deck.certificate).valid)
+    if (of_run.degree < in_file.degree && !certify(of_run, of_run.x).valid)
         throw UsageError(deck.given.at("degree"), ": in degree ", of_run.degree, " the curved mesh, which is the "
                          "ideal mesh with ideal = given, is not valid: take degree = ", in_file.degree);
 }

@@ -212,9 +212,6 @@ const std::vector<DeckKey>& deck_keys() {
          "Whether the motion is done in load increments. never: at once; always: every turn as it is written, also "
          "beyond 180 degrees, so that the mesh turns as often as the boundary does; auto: with algorithm = adaptive, "
          "turns above 90 degrees, by the shorter way, and any motion that fails at once."},
-        {"snap", choice<&Deck::snap>({"auto", "0", "1"}),
-         "1: when the run has converged, the boundary nodes are set to their targets to the last bit, where the "
-         "elements stay valid; auto: 1 with algorithm = adaptive, else 0."},
         {"local_repair", choice<&Deck::local_repair>({"auto", "0", "1"}),
          "Curved meshes whose boundaries are all fixed. 1: only the nodes of elements that are invalid in the mesh file "
          "move, and those of as many elements around them as a valid mesh needs; 0: all nodes; auto: 0 for a small "
@@ -266,17 +263,10 @@ const std::vector<DeckKey>& deck_keys() {
          "linear tetrahedra, ilu0 for linear triangles unless it meets bad pivots."},
         {"forcing", choice<&Deck::forcing>({"auto", "fixed"}),
          "Which relative residual ends cg and gmres. auto: after full steps, that of the rule of Eisenstat and "
-         "Walker; fixed: linear_tolerance."},
-        {"linear_tolerance", number<&Deck::linear, &Linear::tolerance>({1e-15, 0.5}),
-         "Relative residual at which cg and gmres stop; with forcing = auto the smallest one."},
-        {"gmres_restart", number<&Deck::linear, &Linear::restart>({1, 1000}), "GMRES iterations between restarts."},
-        {"gmres_max_iterations", number<&Deck::linear, &Linear::max_iterations>({1, 100000}),
-         "Largest number of iterations of cg or gmres for one system."},
+         "Walker; fixed: 1e-10."},
         {"quadrature", number<&Deck::distortion, &Distortion::exactness>({0, 40}),
          "The quadrature is exact for polynomials up to this degree, of cells but simplices in each factor; 0: chosen "
          "by the degree of the elements. Linear triangles and tetrahedra ignore the key."},
-        {"certificate_bisections", number<&Deck::certificate, &CertificateParams::max_bisections>({0, 1000000}),
-         "Largest number of bisections of one element to prove it valid."},
         {"iterates", number<&Deck::iterates>({0, 1000000}),
          "After every so many Newton steps the mesh is written as iterate-0000.vtk, ..., and listed in "
          "iterates.vtk.series, which ParaView plays. Steps on coarser meshes are not counted. 0: never."},

@@ -43,7 +43,8 @@ double entries(const BlockCsr& A) { return std::max<double>(1, static_cast<doubl
 using Method = std::variant<ConjugateGradients, Gmres>;
 
 Method make_method(int size, const LinearSolverParams& params, int patience) {
-    const KrylovParams krylov{params.max_iterations, params.tolerance, params.restart, patience};
+    KrylovParams krylov{params.max_iterations, params.tolerance};
+    krylov.patience = patience;
     if (params.kind == SolverKind::gmres) return Gmres(size, krylov);
     return ConjugateGradients(size, krylov);
 }

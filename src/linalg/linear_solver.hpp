@@ -40,7 +40,6 @@ struct LinearSolverParams {
     SolverKind kind = SolverKind::automatic;
     PreconditionerKind preconditioner = PreconditionerKind::automatic;
     double tolerance = 1e-10;    // iterative: on |b - A x|_2 / |b|_2
-    int restart = 60;            // GMRES: iterations per cycle
     int max_iterations = 600;    // iterative: in all cycles
     int cg_from_unknowns[2] = {1000000, 8000};  // automatic, 2D and 3D: systems from this size on go to cg
     double memory_limit = 0;     // bytes for the Cholesky factor; 0: the machine's physical memory

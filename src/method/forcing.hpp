@@ -26,7 +26,7 @@ inline double forcing_term(double g_before, double g, double omega, double floor
 
 struct ForcingTerm {
     Forcing kind = Forcing::automatic;
-    double floor = 0;  // the deck's linear_tolerance
+    double floor = 0;  // of the linear solver
     double value = 0;  // for the next system
 
     void start() { value = kind == Forcing::fixed ? floor : std::max(1e-4, floor); }

@@ -8,11 +8,11 @@ namespace almesh {
 namespace {
 
 // Simplices with straight sides are valid where they do not fold; other cells may be inverted at a corner.
-Mesh straight_mesh(const RawMesh& raw, const CertificateParams& params, std::vector<std::string>& notes) {
+Mesh straight_mesh(const RawMesh& raw, std::vector<std::string>& notes) {
     Mesh mesh = build_mesh(raw, notes);
     if (mesh.is_simplicial()) return mesh;
     const std::vector<double> y = straight_sided(mesh);
-    const Certificate certificate = certify(mesh, y, params);
+    const Certificate certificate = certify(mesh, y);
     if (certificate.valid) return mesh;
     throw InvalidMesh(list_invalid(mesh, certificate.uncertified, y, certificate.lower_bound), raw.path, ": ",
                       counted(certificate.uncertified.size(), "element"), " with straight sides",
@@ -21,15 +21,14 @@ Mesh straight_mesh(const RawMesh& raw, const CertificateParams& params, std::vec
 
 }  // namespace
 
-BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateParams& params,
-                         std::vector<std::string>& notes) {
+BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, std::vector<std::string>& notes) {
     if (is_improved(ideal)) return {build_mesh(raw, notes, Folds::keep), true};
     const std::size_t told = notes.size();
     const bool is_linear = degree_of(raw) == 1;
     std::string against_straight;
     if (ideal != IdealKind::given || is_linear) {
         try {
-            return {straight_mesh(raw, params, notes)};
+            return {straight_mesh(raw, notes)};
         } catch (const InputError& error) {
             if (ideal == IdealKind::straight || is_linear) throw;
             against_straight = concat(error.what(), dynamic_cast<const InvalidMesh*>(&error) ? "\n" : "; ");
@@ -37,7 +36,7 @@ BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateP
         notes.resize(told);
     }
     BaseMesh base{build_mesh(raw, notes, Folds::keep), true};
-    const Certificate certificate = certify(base.mesh, base.mesh.x, params);
+    const Certificate certificate = certify(base.mesh, base.mesh.x);
     if (!certificate.valid)
         throw InvalidMesh(list_invalid(base.mesh, certificate.uncertified, base.mesh.x, certificate.lower_bound),
                           against_straight.empty() ? raw.path + ": " : against_straight,

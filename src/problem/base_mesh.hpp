@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "check/certificate.hpp"
 #include "check/infeasible.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/raw_mesh.hpp"
@@ -38,8 +37,7 @@ struct InvalidMesh : InputError {
 };
 
 // Throws InputError or InvalidMesh with the reasons against each mesh that could be the ideal one, and as build_mesh().
-BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, const CertificateParams& params,
-                         std::vector<std::string>& notes);
+BaseMesh build_base_mesh(const RawMesh& raw, IdealKind ideal, std::vector<std::string>& notes);
 
 // A mesh that is many times its size away from the origin of its file gets one of its own, in its middle; others keep
 // it.

@@ -16,7 +16,7 @@ Solve best_of_powers(const Solve& solve, std::FILE* out) {
     return [solve, out](const Deck& deck, const Problem& problem) {
         if (deck.distortion.objective != Objective::minimax || deck.power) return solve(deck, problem);
         const auto least = [&](const Solution& solution) {
-            const double certified = certify(problem.mesh(), solution.x, deck.certificate).min_scaled_jacobian;
+            const double certified = certify(problem.mesh(), solution.x).min_scaled_jacobian;
             return std::min(certified, least_corner_jacobian(problem.mesh(), solution.x));
         };
         Deck with_lower = deck;

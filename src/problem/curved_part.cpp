@@ -225,7 +225,7 @@ CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const SlidingSu
     CurvedPartResult result{part.start, {}, {}};
     if (!minimise(deck, level, first_steps, result)) return result;
     if (snap_to_targets(*level.energy, *level.constraint, result.x) > 0) return result;
-    result.certificate = certify(part.mesh, result.x, deck.certificate);
+    result.certificate = certify(part.mesh, result.x);
     Mesh mesh = part.mesh;
     result.certificate.valid =
         certify_curved(mesh, part.mesh.x, part.start, result.x, result.certificate).certified;

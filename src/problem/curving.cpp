@@ -135,7 +135,7 @@ private:
     // Takes the mesh from these positions to a certified one.
     StraightenedMesh straightened(const std::vector<double>& x) {
         StraightenedMesh found =
-            straighten_invalid(mesh_, problem_.ideal(), x, deck_.min_scaled_jacobian, deck_.certificate);
+            straighten_invalid(mesh_, problem_.ideal(), x, deck_.min_scaled_jacobian);
         for (std::size_t k = 0; k < x.size(); ++k)
             if (found.x[k] != x[k]) freed_[k / mesh_.dim] = 0;
         solution_.x = std::move(found.x);
@@ -255,7 +255,7 @@ bool is_small(const Mesh& mesh) {
 
 bool is_certified(const Deck& deck, const Problem& problem, const Solution& solution) {
     if (solution.al.status != Status::converged) return false;
-    const Certificate certificate = certify(problem.mesh(), solution.x, deck.certificate);
+    const Certificate certificate = certify(problem.mesh(), solution.x);
     return certified_injective(problem, solution.x, certificate).certified;
 }
 

@@ -191,7 +191,7 @@ Solution FrameSolver::solve_anew(const Deck& deck, FrameRow& row, const AlObserv
 }
 
 bool FrameSolver::settles(const Deck& deck) const {
-    return may_follow(deck) && deck.snap != Snap::no && problem_.target.prescribes_all();
+    return may_follow(deck) && problem_.target.prescribes_all();
 }
 
 // Algorithm 1 ends within its tolerances of the target, from wherever it came. With the boundary on the target to the

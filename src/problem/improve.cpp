@@ -35,9 +35,9 @@ struct LeastJacobian {
     bool is_below(const LeastJacobian& other) const { return corner < other.corner || certified < other.certified; }
 };
 
-LeastJacobian least_jacobian(const Deck& deck, const Problem& problem, const std::vector<double>& x) {
+LeastJacobian least_jacobian(const Problem& problem, const std::vector<double>& x) {
     const std::vector<double> corner = corner_jacobians(problem.mesh(), x),
-                              certified = certify(problem.mesh(), x, deck.certificate).lower_bound;
+                              certified = certify(problem.mesh(), x).lower_bound;
     LeastJacobian least;
     for (int e = 0; e < problem.mesh().element_count(); ++e)
         if (is_feasible(problem, e))
@@ -46,15 +46,15 @@ LeastJacobian least_jacobian(const Deck& deck, const Problem& problem, const std
 }
 
 // Those that can be valid and are not.
-std::vector<int> invalid_elements(const Deck& deck, const Problem& problem, const std::vector<double>& x) {
-    std::vector<int> invalid = certify(problem.mesh(), x, deck.certificate).uncertified;
+std::vector<int> invalid_elements(const Problem& problem, const std::vector<double>& x) {
+    std::vector<int> invalid = certify(problem.mesh(), x).uncertified;
     std::erase_if(invalid, [&](int e) { return !is_feasible(problem, e); });
     return invalid;
 }
 
-std::vector<char> valid_elements(const Deck& deck, const Mesh& mesh, const std::vector<double>& x) {
+std::vector<char> valid_elements(const Mesh& mesh, const std::vector<double>& x) {
     std::vector<char> valid;
-    for (const double bound : certify(mesh, x, deck.certificate).lower_bound) valid.push_back(bound > 0);
+    for (const double bound : certify(mesh, x).lower_bound) valid.push_back(bound > 0);
     return valid;
 }
 
@@ -86,14 +86,14 @@ bool may_stay(const Deck& deck, const Problem& problem) {
 }
 
 // But for elements that cannot be valid: with these no more than that the boundary is not worse than in the file.
-bool is_certified(const Deck& deck, const Problem& problem, const std::vector<double>& x) {
+bool is_certified(const Problem& problem, const std::vector<double>& x) {
     const Mesh& mesh = problem.mesh();
     const auto faults = [&](const std::vector<double>& at) {
         return check_target(mesh, at, {}, FaceBend::any).faults.size();
     };
     if (!problem.infeasible.empty())
-        return invalid_elements(deck, problem, x).empty() && faults(x) <= faults(mesh.x);
-    return certified_injective(problem, x, certify(mesh, x, deck.certificate)).certified;
+        return invalid_elements(problem, x).empty() && faults(x) <= faults(mesh.x);
+    return certified_injective(problem, x, certify(mesh, x)).certified;
 }
 
 // A run that ended at x before Algorithm 1.
@@ -182,7 +182,7 @@ void set_ideal_elements(const Deck& deck, Problem& problem) {
     } else if (deck.ideal == IdealKind::size) {
         problem.regular = volumes_by_size(deck, problem);
     } else {
-        problem.regular = local_volumes(mesh, mesh.x, valid_elements(deck, mesh, mesh.x));
+        problem.regular = local_volumes(mesh, mesh.x, valid_elements(mesh, mesh.x));
     }
 }
 
@@ -191,9 +191,9 @@ namespace {
 Solution improved(const Deck& deck, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
     std::vector<double> x = problem.start.empty() ? mesh.x : problem.start;
-    const bool was_certified = invalid_elements(deck, problem, x).empty();
+    const bool was_certified = invalid_elements(problem, x).empty();
     if (!was_certified || !may_stay(deck, problem)) find_infeasible_elements(deck, problem, x, out);
-    const std::vector<int> invalid = invalid_elements(deck, problem, x);
+    const std::vector<int> invalid = invalid_elements(problem, x);
     const bool was_valid = invalid.empty();
     if (!was_valid) untangle(deck, problem, invalid, x, newton_steps, out);
     if (std::find(problem.infeasible.begin(), problem.infeasible.end(), "") == problem.infeasible.end() &&
@@ -208,13 +208,13 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, int& n
         if (deck.ideal != IdealKind::mesh) problem.level->ideal = x;  // by which faces and heights are measured
     }
     problem.start = x;
-    const LeastJacobian before = least_jacobian(deck, problem, x);
+    const LeastJacobian before = least_jacobian(problem, x);
     const auto is_worse = [&](const Solution& solution) {
-        return was_valid && may_stay(deck, problem) && least_jacobian(deck, problem, solution.x).is_below(before);
+        return was_valid && may_stay(deck, problem) && least_jacobian(problem, solution.x).is_below(before);
     };
     const auto fails = [&](const Solution& solution) {
         return may_stay(deck, problem) && !interrupted() &&
-               !(solution.al.status == Status::converged && is_certified(deck, problem, solution.x));
+               !(solution.al.status == Status::converged && is_certified(problem, solution.x));
     };
     Solution solution = solve(deck, problem);
     if (is_worse(solution) && deck.distortion.objective != Objective::minimax && !interrupted()) {
@@ -223,12 +223,12 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, int& n
         other.distortion.objective = Objective::minimax;
         solution = solve(other, problem);
     }
-    if (problem.sliding && fails(solution) && is_certified(deck, problem, x)) {
+    if (problem.sliding && fails(solution) && is_certified(problem, x)) {
         std::fprintf(out, "note: no valid mesh was found with nodes that slide: the boundary stays as it is\n");
         fix_boundary(problem, x);
         solution = solve(deck, problem);
     }
-    if (is_worse(solution) || (fails(solution) && is_certified(deck, problem, x))) {
+    if (is_worse(solution) || (fails(solution) && is_certified(problem, x))) {
         std::fprintf(out, "note: no better mesh was found: the %smesh stays as it is\n",
                      was_valid ? "" : "untangled ");
         set_functional(deck, problem);
@@ -245,7 +245,7 @@ void count_infeasible(const Deck& deck, Problem& problem, Solution& solution) {
     set_functional(deck, problem);
     measure(*problem.level->energy, *problem.level->constraint, solution.x, solution.al.distortion,
             solution.al.iterations.back());
-    if (solution.al.status == Status::converged && !invalid_elements(deck, problem, solution.x).empty())
+    if (solution.al.status == Status::converged && !invalid_elements(problem, solution.x).empty())
         solution.al.status = Status::inverted;
     why.swap(problem.infeasible);
 }
@@ -303,15 +303,15 @@ Solution improve(const Deck& deck, Problem& problem, const Solve& solve, int& ne
     if (mesh.degree > 1 && solution.x == mesh.x && may_stay(deck, problem) && !interrupted()) {
         std::fprintf(out, "the vertices alone are moved, as in a mesh with straight sides:\n");
         std::vector<double> x = moved_vertices(deck, problem, improve_near);
-        const LeastJacobian before = least_jacobian(deck, problem, mesh.x);
-        const LeastJacobian now = x.empty() ? before : least_jacobian(deck, problem, x);
-        const bool is_better = now.corner > before.corner && !now.is_below(before) && is_certified(deck, problem, x);
+        const LeastJacobian before = least_jacobian(problem, mesh.x);
+        const LeastJacobian now = x.empty() ? before : least_jacobian(problem, x);
+        const bool is_better = now.corner > before.corner && !now.is_below(before) && is_certified(problem, x);
         if (!is_better) std::fprintf(out, "note: the mesh with moved vertices is not better either\n");
         else fix_boundary(problem, x);
         set_functional(deck, problem);
         solution = ended_at(problem, is_better ? std::move(x) : mesh.x, Status::converged);
     }
-    if (solution.al.status != Status::converged && may_stay(deck, problem) && is_certified(deck, problem, mesh.x) &&
+    if (solution.al.status != Status::converged && may_stay(deck, problem) && is_certified(problem, mesh.x) &&
         surface_distance(problem, solution.x) > deck.surface_tolerance) {
         std::fprintf(out, "note: faces were off the surface at the end: the mesh stays as it is\n");
         set_functional(deck, problem);

@@ -113,7 +113,7 @@ void hold_curved_faces(const Deck& deck, Problem& problem, const std::vector<dou
 
 void hold_surface(const Deck& deck, Problem& problem) {
     const Mesh& mesh = problem.mesh();
-    if (certify(mesh, mesh.x, deck.certificate).valid) hold_curved_faces(deck, problem, mesh.x);
+    if (certify(mesh, mesh.x).valid) hold_curved_faces(deck, problem, mesh.x);
     if (problem.sliding) note(problem, hold(problem, nodes_of_features(mesh)), ", being on named points or curves");
 }
 

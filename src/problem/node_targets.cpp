@@ -199,7 +199,7 @@ void read_faces_of_mesh(const Mesh& mesh, int boundary, const RawMesh& other, st
 std::shared_ptr<const Mesh> read(const std::string& path, int dim, std::vector<std::string>& notes) {
     std::vector<std::string> of_file;
     const auto mesh =
-        std::make_shared<const Mesh>(build_base_mesh(read_mesh(path), IdealKind::automatic, {}, of_file).mesh);
+        std::make_shared<const Mesh>(build_base_mesh(read_mesh(path), IdealKind::automatic, of_file).mesh);
     if (mesh->dim != dim)
         throw InputError(path, ": a mesh in ", mesh->dim, " dimensions, the one that moves has ", dim);
     for (const std::string& note : of_file) notes.push_back(path + ": " + note);

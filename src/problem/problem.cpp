@@ -43,7 +43,7 @@ RawMesh read_mesh_file(const Deck& deck, std::string& hash) {
 }
 
 BaseMesh read_base_mesh(const Deck& deck, std::string& hash, std::vector<std::string>& notes) try {
-    return build_base_mesh(read_mesh_file(deck, hash), deck.ideal, deck.certificate, notes);
+    return build_base_mesh(read_mesh_file(deck, hash), deck.ideal, notes);
 } catch (const InvalidMesh& error) {
     const std::string in_run = ", or ideal = regular, which does so in this run and lists those that stay invalid";
     throw InputError(error.what(), write_invalid(error.list, deck.output), "\ntry almesh improve ", deck.mesh,

@@ -52,11 +52,6 @@ std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem
     return coarser;
 }
 
-bool snaps(const Deck& deck) {
-    if (deck.snap == Snap::automatic) return deck.method.algorithm == Algorithm::adaptive;
-    return deck.snap == Snap::yes;
-}
-
 // From the motions as the deck has them, whatever the target was made of them. Two motions of a node that both move
 // may differ by rounding.
 void measure_off_motion(const Problem& problem, Solution& solution) {
@@ -169,10 +164,11 @@ void place_inside_volumes(const Problem& problem, std::vector<double>& x) {
 
 // The last row then tells of the mesh that is written.
 void snap(const Deck& deck, const Problem& problem, Solution& solution) {
-    const bool all = snaps(deck) && solution.al.status == Status::converged;
-    if (!all && (deck.snap == Snap::no || deck.method.moving != MovingMethod::augmented_lagrangian ||
-                 !std::isfinite(solution.al.distortion.max_distortion) ||
-                 (solution.al.status != Status::converged && deck.method.algorithm != Algorithm::adaptive)))
+    const bool converged = solution.al.status == Status::converged;
+    const bool adaptive = deck.method.algorithm == Algorithm::adaptive;
+    const bool all = adaptive && converged;
+    if (!all && (deck.method.moving != MovingMethod::augmented_lagrangian || !(adaptive || converged) ||
+                 !std::isfinite(solution.al.distortion.max_distortion)))
         return;
     Level& level = *problem.level;
     std::vector<char> fixed(level.mesh.nodes(), all);
@@ -194,7 +190,7 @@ void round_as_file(const Problem& problem, std::vector<double>& x) {
 void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     const TimeAdder adder(solution.time.certify);
     Level& level = *problem.level;
-    solution.certificate = certify(level.mesh, solution.x, deck.certificate);
+    solution.certificate = certify(level.mesh, solution.x);
     solution.injectivity = certified_injective(problem, solution.x, solution.certificate);
     solution.size_skew = size_skew(level.mesh, level.ideal, solution.x);
     solution.refined_elements = level.energy->refined_elements();

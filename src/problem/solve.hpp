@@ -23,7 +23,7 @@ Solution solve(const Deck& deck, const Problem& problem, const SolveObserver& ob
 // frame.
 void place_inside_volumes(const Problem& problem, std::vector<double>& x);
 
-// Sets the nodes of fixed boundaries to their targets, and where the deck wants it all of what has converged.
+// Sets the nodes of fixed boundaries to their targets, and with algorithm = adaptive all of what has converged.
 void snap(const Deck& deck, const Problem& problem, Solution& solution);
 
 // Gives x, in the run's frame, the digits that it has in the file's.

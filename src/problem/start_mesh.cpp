@@ -38,7 +38,7 @@ std::vector<double> read_positions(const Deck& deck, const std::string& key, con
     for (int i = 0; i < mesh.nodes(); ++i)
         std::copy_n(node.at(mesh.file.node_id[i])->x, mesh.dim, point(x, i, mesh.dim));
     frame.take_to_run(x, mesh.dim);
-    const std::vector<double> bound = certify(mesh, x, deck.certificate).lower_bound;
+    const std::vector<double> bound = certify(mesh, x).lower_bound;
     const auto worst = std::min_element(bound.begin(), bound.end());
     if (*worst > 0) return x;
     throw InputError("it is not certified valid: the lower bound for the scaled Jacobian of element ",

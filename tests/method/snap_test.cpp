@@ -51,7 +51,7 @@ TEST_CASE("nodes that would fold an element stay, all others are set") {
     }
 }
 
-TEST_CASE("the boundary of final.msh has the bits of its target in the unit of the file; snap = 0 leaves it") {
+TEST_CASE("the boundary of final.msh has the bits of its target in the unit of the file; algorithm = paper leaves it") {
     for (const double unit : {1.0, 0.0254, 1000.0}) {
         Mesh mesh = ring_mesh(12, 3, 4);
         for (double& x : mesh.x) x *= unit;
@@ -71,15 +71,10 @@ TEST_CASE("the boundary of final.msh has the bits of its target in the unit of t
         CHECK(summary_of(ring.output).at("nodes_off_target") == "0");
         CHECK(summary_of(ring.output).at("relative_boundary_error") == "0");
         CHECK(off_target() == 0);
-        const Outcome left = ring.run({"boundary inner=" + motion, "snap=0"});
+        const Outcome left = ring.run({"boundary inner=" + motion, "algorithm=paper"});
         CHECK(left.code == 0);
         CHECK(has(left.out, " boundary nodes off their targets, by at most "));
         CHECK(number(summary_of(ring.output), "nodes_off_target") > 0);
         CHECK(off_target() > 0);
     }
-    const RingDeck ring;
-    CHECK(ring.run({"algorithm=paper"}).code == 0);  // the paper's schedules leave it
-    CHECK(number(summary_of(ring.output), "nodes_off_target") > 0);
-    CHECK(ring.run({"algorithm=paper", "snap=1"}).code == 0);
-    CHECK(summary_of(ring.output).at("nodes_off_target") == "0");
 }

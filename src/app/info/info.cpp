@@ -92,14 +92,14 @@ void print_other_groups(const Mesh& mesh, GroupTable& table) {
 // What a run does with a mesh that is not valid.
 std::string what_a_run_does(const Deck& deck, const RawMesh& raw) try {
     std::vector<std::string> notes;
-    build_base_mesh(raw, deck.ideal, deck.certificate, notes);
+    build_base_mesh(raw, deck.ideal, notes);
     return "a run starts from the mesh with straight sides";
 } catch (const InputError&) {
     return "a run refuses the mesh, almesh improve FILE may mend it";
 }
 
 std::string validity_of(const Deck& deck, const RawMesh& raw, const Mesh& mesh) {
-    const Certificate certificate = certify(mesh, mesh.x, deck.certificate);
+    const Certificate certificate = certify(mesh, mesh.x);
     if (!certificate.valid)
         return concat(counted(certificate.uncertified.size(), "element"), " not certified valid (almesh quality FILE ",
                       "lists them); ", what_a_run_does(deck, raw));

@@ -83,7 +83,7 @@ ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out) {
         print_quality_change(out, quality_change(mesh, came, mesh.x));
     }
 
-    const Certificate certificate = certify(mesh, mesh.x, deck.certificate);
+    const Certificate certificate = certify(mesh, mesh.x);
     std::fprintf(out, "\nscaled Jacobian >= %s everywhere", rounded_down(certificate.min_scaled_jacobian, 6).c_str());
     std::fprintf(out, certificate.valid ? ": all elements certified valid\n" : "\n");
     print_uncertified(out, mesh, mesh.x, certificate, deck.given.contains("output") ? deck.output : "");

@@ -145,7 +145,7 @@ std::string against_iterations(const Deck& deck, const Problem& problem, const S
 std::string against_uncertified(const Deck& deck, const Problem& problem, const Solution& solution) {
     if (deck.distortion.delta > 0) return "delta = 0, with which no step inverts an element";
     if (solution.certificate.undecided > 0)
-        return concat("certificate_bisections = ", 10 * std::max(1, deck.certificate.max_bisections));
+        return "smaller elements there: whether the undecided ones are valid is too close to tell";
     if (!problem.target.freed.empty())
         return "a finer mesh of the surface there: its faces are too large for its curvature";
     if (!problem.target.prescribes_all()) return "a motion without slide or free for the boundary there";
