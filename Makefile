@@ -247,8 +247,13 @@ $(BUILD)/lessons/%: $(BUILD)/src/lessons/%.o $(BUILD)/libalmesh.a
 	$(call said,LINK,$@)
 	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
 
+$(BUILD)/examples/%: $(BUILD)/src/examples/%.o $(BUILD)/libalmesh.a
+	@mkdir -p $(@D)
+	$(call said,LINK,$@)
+	$(Q)$(CXX) $(FLAGS) $^ $(GOMP) -o $@
+
 lesson-%: almesh FORCE ## run the commands of a lesson's handout and draw its picture: make lesson-01
-	@$(MAKE) --silent $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(filter %/solved-$*,$(SOLVED)) $(if $(filter 12,$*),$(CHECKS))
+	@$(MAKE) --silent $(patsubst src/%.cpp,$(BUILD)/%,$(wildcard src/lessons/$*_*.cpp)) $(if $(filter 05,$*),$(EXAMPLES)) $(filter %/solved-$*,$(SOLVED)) $(if $(filter 12,$*),$(CHECKS))
 	@tests/documents.py --show --build $(BUILD) $*
 	@if $(PYTHON) -c 'import numpy, matplotlib' 2>/dev/null; then $(PYTHON) $(wildcard plot/lessons/$*_*.py); else \
 	  echo 'no picture without numpy and matplotlib: apt-get install python3-numpy python3-matplotlib (or pip)'; fi
@@ -344,7 +349,7 @@ coupling: almesh ##compare meshes moved for dolfinx, CalculiX and OpenFOAM, thos
 	  python=$$(for p in $(PYTHON) /usr/bin/python3; do $$p -c 'import dolfinx' 2>/dev/null && echo $$p && break; done); \
 	  $${python:-$(PYTHON)} plot/coupling/$$client.py || exit 1; echo; done
 
-drift: almesh ##compare ten periods of a moving plate, beside elasticity and radial basis functions (scipy)
+drift: almesh $(BUILD)/examples/comparators ##compare ten periods of a moving plate, beside elasticity and radial basis functions (scipy)
 	$(PYTHON) plot/drift.py
 
 derivatives: almesh ##compare derivatives of the moved mesh beside differences of runs (ONLY=circle)
@@ -368,7 +373,7 @@ quality: ##compare the quality of elements before and after almesh improve, draw
 animation: almesh ##compare moving pictures of a run (RESULTS=outputs/frames/pitch: its frames; matplotlib, Pillow)
 	$(PYTHON) plot/animation.py $(RESULTS)
 
-compare: almesh ##compare other ways to move a mesh beside the augmented Lagrangian method (matplotlib)
+compare: almesh $(BUILD)/examples/comparators ##compare other ways to move a mesh beside the augmented Lagrangian method (matplotlib)
 	$(PYTHON) plot/compare.py
 
 figures: ##compare the paper's figures beside ours, from outputs/ (numpy, matplotlib; ONLY=fig02): outputs/figures/

@@ -12,6 +12,7 @@ every method and writes to outputs/compare/
 A run is stopped after LIMIT seconds, and its row says so. Needs matplotlib.
 """
 import csv
+import re
 import subprocess
 import sys
 
@@ -21,21 +22,22 @@ FOLDER = runs.OUTPUTS / "compare"
 LIMIT = 60  # seconds of one run
 OWN = ["algorithm=adaptive", "objective=deviation", "length_scale=auto", "omega_star=1e-8", "epsilon_star=1e-16"]
 PAPER = "Algorithm 1, paper's decks"
-# Title, settings, colour of the curve.
+ALMESH, OTHER = ["./almesh"], "build/examples/comparators"
+# Title, program, settings, colour of the curve.
 METHODS = [
-    ("augmented Lagrangian", [*OWN], "#c2410c"),
-    (PAPER, ["algorithm=paper"], "#f29b4b"),
-    ("penalty", [*OWN, "method=penalty"], "#8c1127"),
-    ("fixed boundary", [*OWN, "method=fixed_boundary"], "#8a94a0"),
-    ("incremental, 10", [*OWN, "method=incremental", "increments=10"], "#2f6f4f"),
-    ("incremental, 100", [*OWN, "method=incremental", "increments=100"], "#7fb796"),
-    ("untangle", [*OWN, "method=untangle"], "#7a3f9d"),
-    ("elasticity, 1", [*OWN, "method=elasticity", "increments=1"], "#16588e"),
-    ("elasticity, 10", [*OWN, "method=elasticity", "increments=10"], "#4f93c8"),
-    ("elasticity, 100", [*OWN, "method=elasticity", "increments=100"], "#a9cbe6"),
-    ("harmonic, 1", [*OWN, "method=harmonic", "increments=1"], "#5b4a1f"),
-    ("harmonic, 10", [*OWN, "method=harmonic", "increments=10"], "#a08a45"),
-    ("harmonic, 100", [*OWN, "method=harmonic", "increments=100"], "#d3c48e"),
+    ("augmented Lagrangian", ALMESH, OWN, "#c2410c"),
+    (PAPER, ALMESH, ["algorithm=paper"], "#f29b4b"),
+    ("penalty", ALMESH, [*OWN, "method=penalty"], "#8c1127"),
+    ("fixed boundary", [OTHER, "set", "1"], OWN, "#8a94a0"),
+    ("incremental, 10", [OTHER, "set", "10"], OWN, "#2f6f4f"),
+    ("incremental, 100", [OTHER, "set", "100"], OWN, "#7fb796"),
+    ("untangle", [OTHER, "untangle", "1"], OWN, "#7a3f9d"),
+    ("elasticity, 1", [OTHER, "elasticity", "1"], OWN, "#16588e"),
+    ("elasticity, 10", [OTHER, "elasticity", "10"], OWN, "#4f93c8"),
+    ("elasticity, 100", [OTHER, "elasticity", "100"], OWN, "#a9cbe6"),
+    ("harmonic, 1", [OTHER, "harmonic", "1"], OWN, "#5b4a1f"),
+    ("harmonic, 10", [OTHER, "harmonic", "10"], OWN, "#a08a45"),
+    ("harmonic, 100", [OTHER, "harmonic", "100"], OWN, "#d3c48e"),
 ]
 # Title, deck, setting with {} for the size of the motion, sizes, unit.
 CASES = [
@@ -52,30 +54,29 @@ COLUMNS = ["case", "motion", "method", "status", "valid", "invalid_elements", "r
 HEADS = ["worst η", "q", "size-skew mean", "size-skew min", "boundary error", "steps", "seconds"]
 
 
-def reached(name):
-    """Part of the motion that the run's mesh has come to, as far as its history tells: that of the last good part."""
-    parts = [float(row["fraction"]) for row in runs.history(name)
-             if row["kind"] == "part" and row["update"] == "next part"]
-    return parts[-1] if parts else 0
+def reached(out):
+    """Part of the motion that the mesh has come to, as the program for other methods tells it."""
+    told = re.search(r"([\d.e+-]+) of the motion", out)
+    return float(told[1]) if told else 0
 
 
-def run(case, deck, setting, size, method, settings):
+def run(case, deck, setting, size, method, program, settings):
     """A row of compare.csv."""
     name = f"compare/{case}-{size}-{method}".replace(" ", "-").replace(",", "").replace("'", "")
-    command = ["./almesh", f"inputs/{deck}.deck", *settings, f"output=outputs/{name}", "vtk=none"]
+    command = [*program, f"inputs/{deck}.deck", *settings, f"output=outputs/{name}", "vtk=none"]
     if setting:
         command.append(setting.format(size))
     row = {"case": case, "motion": size, "method": method, "valid": "no"}
     try:
-        code = subprocess.run(command, stdout=subprocess.DEVNULL, timeout=LIMIT, check=False).returncode
+        done = subprocess.run(command, stdout=subprocess.PIPE, text=True, timeout=LIMIT, check=False)
     except subprocess.TimeoutExpired:
         return {**row, "status": f"not in {LIMIT} s"}
-    if code not in (0, 3, 4, 5):
-        sys.exit(f"{' '.join(command)} ended with exit code {code}")
+    if done.returncode not in (0, 3, 4, 5):
+        sys.exit(f"{' '.join(command)} ended with exit code {done.returncode}")
     summary = runs.summary(name)
     row.update({column: summary[column] for column in COLUMNS if column in summary})
     row["steps"] = sum(int(summary[f"{part}newton_iterations"]) for part in ("", "earlier_", "coarse_"))
-    row["reached"] = 1 if summary["status"] == "converged" else reached(name)
+    row["reached"] = 1 if summary["status"] == "converged" else reached(done.stdout)
     if summary["status"] == "converged" and summary["certified_injective"] == "yes":
         row["valid"] = "yes"
     return row
@@ -88,8 +89,8 @@ def run_all():
         writer.writeheader()
         for case, deck, setting, sizes, _ in CASES:
             for size in sizes:
-                for method, settings, _ in METHODS:
-                    row = run(case, deck, setting, size, method, settings)
+                for method, program, settings, _ in METHODS:
+                    row = run(case, deck, setting, size, method, program, settings)
                     writer.writerow(row)
                     file.flush()
                     print(f"{case} {size}, {method}: {row['status']}, {outcome(row)}", flush=True)
@@ -166,7 +167,7 @@ def draw(table):
     style.apply()
     fig, axes = plt.subplots(1, 3, figsize=(10, 3.6), sharey=True)
     for ax, (case, _, _, _, unit) in zip(axes, CASES):
-        for method, _, colour in METHODS:
+        for method, *_, colour in METHODS:
             rows = table[case, method]
             good = []
             for row in rows:

@@ -31,7 +31,7 @@ FILE, LAST = "each from the file", "each from the last"
 METHODS = [
     ("almesh, frames", "frames", "#c2410c"),
     (f"almesh, {LAST}", "augmented_lagrangian", "#f29b4b"),
-    (f"elasticity, {FILE}", "elasticity 1", "#a9cbe6"),
+    (f"elasticity, {FILE}", "elasticity file", "#a9cbe6"),
     (f"elasticity, {LAST}", "elasticity", "#16588e"),
     (f"RBF, {FILE}", "rbf file", "#b9dcc6"),
     (f"RBF, {LAST}", "rbf", "#2f6f4f"),
@@ -71,11 +71,12 @@ def quality(path):
     return float(re.search(r"simplex: min (\S+),", out)[1]) if valid else 0.0
 
 
-def deck(mesh, output, *more):
+def deck(mesh, output, *more, program=("./almesh",)):
     """Whether a run of the plate, with the targets of its nodes in plate-NNNN.csv, ended well."""
     path = FOLDER / "plate.deck"
     path.write_text("\n".join([f"mesh = {mesh}", "boundary box = fixed", "vtk = none", "threads = 1", *more]) + "\n")
-    return almesh(str(path), f"output={output}").returncode == 0
+    command = [*program, str(path), f"output={output}"]
+    return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
 def meshes(way, start, on_plate, on_wall):
@@ -95,11 +96,10 @@ def meshes(way, start, on_plate, on_wall):
             last = FOLDER / f"{output.name}.msh"
             write_nodes(last, np.column_stack([now[:, :2] + move(now[:, :2]), start[:, 2]]))
         else:
-            method, *increments = way.split()
-            words = [f"method = {method}", f"boundary plate = file plate-{k:04d}.csv"]
-            words += [f"increments = {increments[0]}"] if increments else []
+            program = ["build/examples/comparators", "elasticity", "1"] if "elasticity" in way else ["./almesh"]
             out = FOLDER / f"{output.name}-{k % 2}"  # the mesh of the last step is in the other
-            if not deck(MESH if increments else last, out, *words):
+            plate = f"boundary plate = file plate-{k:04d}.csv"
+            if not deck(MESH if "file" in way else last, out, plate, program=program):
                 yield None
                 return
             last = out / "final.msh"

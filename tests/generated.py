@@ -14,8 +14,6 @@ import tempfile
 
 import numpy as np
 
-METHODS = ["incremental", "fixed_boundary", "untangle", "elasticity", "harmonic"]
-
 def grid(cells, mirrored, closed, block):
     """Points and simplices of a grid of unit cells, one layer but for the first `block` cells in x; closed: the last
     points in x are the first."""
@@ -129,7 +127,6 @@ def main():
     parser.add_argument("--almesh", default="build/almesh")
     parser.add_argument("--only", default=",".join(map(str, range(100))), help="cases by number: 17,23")
     parser.add_argument("--keep", help="folder for the decks")
-    parser.add_argument("--methods", action="store_true", help="run the other methods where the default fails")
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(args.keep or temporary)
@@ -140,9 +137,6 @@ def main():
             code, text = run(args.almesh, folder / f"{k}.deck")
             print("ok" if code == 0 else f"exit code {code}\n    " + text.replace("\n", "\n    "), flush=True)
             failed += code != 0
-            if code and args.methods:
-                done = [m for m in METHODS if run(args.almesh, folder / f"{k}.deck", f"method={m}")[0] == 0]
-                print("    certified by:", ", ".join(done) or "none")
     print(f"{len(cases) - failed} of {len(cases)} converged and certified")
     return failed > 0.02 * len(cases)
 

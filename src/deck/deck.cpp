@@ -317,10 +317,6 @@ DistortionParams distortion_of(const Deck& deck) {
     return params;
 }
 
-int increments_of(const Deck& deck) {
-    return deck.increments.value_or(deck.method.moving == MovingMethod::incremental ? 10 : 1);
-}
-
 // The schedules of the paper do not follow the motion unless they are told to.
 Continuation continuation_of(const Deck& deck) {
     const bool of_paper = deck.continuation == Continuation::automatic && deck.method.algorithm != Algorithm::adaptive;

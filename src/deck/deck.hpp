@@ -78,7 +78,6 @@ struct Deck {
     std::optional<double> weight_exponent;
     std::optional<int> power;
     AugmentedLagrangianParams method;
-    std::optional<int> increments;
     IdealKind ideal = IdealKind::automatic;
     std::string ideal_size, ideal_file;  // formula of x, y, z; path as seen from the current folder
     Start start = Start::automatic;
@@ -133,7 +132,6 @@ const DeckBoundary* motion_for(const Deck& deck, const std::string& boundary);
 
 // The deck's settings, with those that are `auto` made definite.
 DistortionParams distortion_of(const Deck& deck);  // but for curved_ideal
-int increments_of(const Deck& deck);
 Continuation continuation_of(const Deck& deck);  // automatic only with algorithm = adaptive
 
 // Every key with its value, commented, as text of a deck to stand in the output folder. Read from the same current

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "check/certificate.hpp"
 #include "deck/frame_times.hpp"
 #include "problem/improve.hpp"
 #include "report/results.hpp"
 #include "base/error.hpp"
 #include "io/msh.hpp"
-#include "method/comparators.hpp"
 
 namespace almesh {
 namespace {
@@ -28,7 +28,6 @@ void check_local_repair(const Deck& deck) {
         refuse(deck.given.at("surface"), "surface = keep or slide");
     if (deck.distortion.delta > 0) refuse(deck.given.at("delta"), "delta");
     if (deck.split != Split::never) refuse(deck.given.at("split"), "split");
-    if (sets_boundary(deck.method.moving)) refuse(deck.given.at("method"), "this method");
 }
 
 // Algorithm 1 as printed weighs the penalty mu^2: the mu of a coarser mesh would mean something else.
@@ -44,27 +43,11 @@ void check_resume(const Deck& deck) {
                      "that it saves");
 }
 
-// Keys that mean nothing to the method that moves the mesh.
 void check_method(const Deck& deck) {
-    const MovingMethod moving = deck.method.moving;
-    if (moving == MovingMethod::augmented_lagrangian && !deck.increments) return;
-    const auto refuse = [&](const char* key, const char* value, const char* advice) {
-        const auto setting = deck.given.find(key);
-        throw UsageError(setting == deck.given.end() ? deck.path : setting->second, ": ", key, value,
-                         " does not go with this method: ", advice);
-    };
-    const bool in_parts = moving == MovingMethod::elasticity || moving == MovingMethod::harmonic ||
-                          moving == MovingMethod::incremental;
-    if (deck.increments && !in_parts)
-        refuse("increments", "", "it is for method = elasticity, harmonic or incremental");
-    if (moving == MovingMethod::augmented_lagrangian) return;
-    if (deck.distortion.objective == Objective::minimax)
-        refuse("objective", " = minimax", "take method = augmented_lagrangian");
-    if (moving == MovingMethod::penalty) return;
-    if (deck.start == Start::coarse) refuse("start", " = coarse", "the method starts from the initial mesh");
-    if (deck.start == Start::file) refuse("start", " = FILE", "the method starts from the initial mesh");
-    if (deck.distortion.delta > 0)
-        refuse("delta", " > 0", "untangle chooses its own delta, the other methods have none");
+    if (deck.method.moving == MovingMethod::augmented_lagrangian || deck.distortion.objective != Objective::minimax)
+        return;
+    throw UsageError(deck.given.at("method"),
+                     ": objective = minimax does not go with this method: take method = augmented_lagrangian");
 }
 
 }  // namespace
@@ -147,14 +130,6 @@ bool accepts(Deck deck, const Mesh& mesh, const std::string& key, const std::str
     return true;
 } catch (const UsageError&) {
     return false;
-}
-
-// A node that slides or is free has no position where it could be set.
-void check_prescribed(const Deck& deck, const BoundaryTarget& target) {
-    if (!sets_boundary(deck.method.moving) || target.prescribes_all()) return;
-    const char* const which = target.freed.empty() ? "boundary slides or is free" : "nodes have to slide";
-    throw UsageError(deck.given.at("method"), ": this method sets boundary nodes on their targets, but some ", which,
-                     ": take method = augmented_lagrangian or penalty");
 }
 
 std::string left_out_sections(const Deck& deck, const Mesh& in_file, const Mesh& of_run) {

@@ -16,7 +16,6 @@ std::string curved_su2(const Deck& deck, const Mesh& mesh);  // "" or a note
 std::string left_out_sections(const Deck& deck, const Mesh& in_file, const Mesh& of_run);
 void check_quadrature(const Deck& deck, const Mesh& mesh, int degree);
 void check_final_ids(const Deck& deck, const Mesh& mesh);  // throws InputError
-void check_prescribed(const Deck& deck, const BoundaryTarget& target);
 
 // Whether a run accepts the deck with another value of a key, so that it can be advised.
 bool accepts(Deck deck, const Mesh& mesh, const std::string& key, const std::string& value);

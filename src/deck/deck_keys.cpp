@@ -180,20 +180,9 @@ const std::vector<DeckKey>& deck_keys() {
         {"assembly", choice<&Deck::distortion, &Distortion::assembly>({"simd", "plain"}),
          "Assembly of the energy and its derivatives. simd: one element per SIMD lane, on all threads; plain: as in a "
          "textbook, for study, ten to fifty times slower."},
-        {"method",
-         choice<&Deck::method, &Method::moving>({"augmented_lagrangian", "penalty", "elasticity", "harmonic",
-                                                 "incremental", "untangle", "fixed_boundary"},
-                                                "augmented_lagrangian | penalty | ..."),
-         "How the mesh is moved. All but augmented_lagrangian are there for comparison. penalty: without multipliers; "
-         "elasticity, harmonic: the displacement of the boundary is extended inside as that of an elastic solid, "
-         "stiffer where elements are small, or as a harmonic function; incremental: the boundary is set on its target "
-         "in load increments, and after each the distortion is minimised inside; fixed_boundary: the same at once; "
-         "untangle: the same at once, with a regularised distortion first. All but penalty need prescribed positions "
-         "on all boundaries, and ignore algorithm, start and continuation = auto."},
-        {"increments", number<&Deck::increments>({1, 100000}),
-         "Number of load increments of methods elasticity, harmonic and incremental, each of which starts from the "
-         "mesh that the last one left; auto: 1, and 10 with incremental. incremental halves an increment that has no "
-         "valid mesh to start from."},
+        {"method", choice<&Deck::method, &Method::moving>({"augmented_lagrangian", "penalty"}),
+         "How the mesh is moved. penalty, there for comparison: without multipliers, the penalty grows tenfold after "
+         "every minimisation."},
         {"algorithm", choice<&Deck::method, &Method::algorithm>({"adaptive", "paper", "literal"}),
          "Schedule of the augmented Lagrangian method. adaptive: the multipliers are updated after every "
          "minimisation; paper: Algorithm 1 as corrected; literal: Algorithm 1 as printed."},

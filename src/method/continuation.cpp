@@ -5,11 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <limits>
 #include <optional>
 
-#include "method/comparators.hpp"
+#include "method/set_boundary.hpp"
 
 namespace almesh {
 namespace {
@@ -69,28 +68,22 @@ Increments solve_increments(const Level& level, Newton& newton, const AugmentedL
     return all;
 }
 
-// Algorithm 1 from the first mesh with the boundary at its target that one of the methods finds, and from which it
-// succeeds. steps: adds all Newton steps.
-std::optional<AlResult> minimise_from_target(const Level& level, Newton& newton, MethodParams params,
-                                             std::initializer_list<MovingMethod> methods, std::vector<double>& x,
-                                             int& steps, const AlObserver& observer) {
-    constexpr int parts = 10;  // of the incremental method
+// Algorithm 1 from a mesh with the boundary set on its target in so many increments, where it succeeds from there.
+// steps: adds all Newton steps.
+std::optional<AlResult> minimise_from_target(const Level& level, Newton& newton, MethodParams params, int increments,
+                                             std::vector<double>& x, int& steps, const AlObserver& observer) {
     if (params.is_start || level.turn > most_at_once || level.energy->delta() > 0) return std::nullopt;
-    const AugmentedLagrangianParams schedule = params.schedule = impatient(params.schedule);
-    for (const MovingMethod method : methods) {
-        x = level.ideal;
-        params.schedule.moving = method;
-        const int increments = method == MovingMethod::incremental ? parts : 1;
-        AlResult result = move_with_boundary(level, newton, params, increments, x);
-        steps += result.newton_iterations + result.earlier_newton_iterations;
-        if (result.status == Status::converged) {
-            const AlStart start = AlStart::from_near(*level.constraint);
-            result = minimise(*level.energy, *level.constraint, newton, schedule, x, observer, start);
-            steps += result.newton_iterations;
-        }
-        if (succeeded(result)) return result;
+    params.schedule = impatient(params.schedule);
+    x = level.ideal;
+    AlResult result = minimise_with_boundary_set(level, newton, params, increments, x);
+    steps += result.newton_iterations;
+    if (result.status == Status::converged) {
+        const AlStart start = AlStart::from_near(*level.constraint);
+        result = minimise(*level.energy, *level.constraint, newton, params.schedule, x, observer, start);
+        steps += result.newton_iterations;
     }
-    return std::nullopt;
+    if (!succeeded(result)) return std::nullopt;
+    return result;
 }
 
 }  // namespace
@@ -151,8 +144,8 @@ AlResult minimise_in_increments(const Level& level, Newton& newton, const Method
         result.earlier_newton_iterations = steps - result.newton_iterations;
         return result;
     };
-    const auto from_target = [&](std::initializer_list<MovingMethod> methods) {
-        return minimise_from_target(level, newton, params, methods, x, steps, observer);
+    const auto from_target = [&](int increments) {
+        return minimise_from_target(level, newton, params, increments, x, steps, observer);
     };
     if (level.turn > increment_turn && start.lambda.empty()) {
         size = 1 / std::ceil(level.turn / increment_turn);
@@ -167,7 +160,7 @@ AlResult minimise_in_increments(const Level& level, Newton& newton, const Method
             x_failed = x;
         }
         if (at_once_failed)  // the cheapest where it is valid
-            if (auto found = from_target({MovingMethod::fixed_boundary})) return with_all_steps(std::move(*found));
+            if (auto found = from_target(1)) return with_all_steps(std::move(*found));
     }
     Increments all = solve_increments(level, newton, params.schedule, size, steps, x, observer, observe_stage);
     steps = all.steps;
@@ -185,8 +178,8 @@ AlResult minimise_in_increments(const Level& level, Newton& newton, const Method
     }
     if (!succeeded(result)) {
         std::vector<double> x_last = x;
-        using enum MovingMethod;
-        if (auto found = from_target({fixed_boundary, incremental, untangle})) return with_all_steps(std::move(*found));
+        for (const int increments : {1, 10})
+            if (auto found = from_target(increments)) return with_all_steps(std::move(*found));
         x = std::move(x_last);
     }
     return with_all_steps(std::move(result));

@@ -1,8 +1,8 @@
 // Continuation: a problem that is too far for Newton's method is solved in stages, each from the solution of the one
 // before (Allgower & Georg, Numerical Continuation Methods). What changes from stage to stage is
 //
-//   the load    the fraction of the motion of the boundary, for Algorithm 1 (minimise_in_increments() below) and for
-//               the methods to compare with (comparators.hpp), by one rule, increase_load()
+//   the load    the fraction of the motion of the boundary, for Algorithm 1 (minimise_in_increments() below) and
+//               with the boundary set on its target (set_boundary.hpp), by one rule, increase_load()
 //   the power   of eta - 1 in the objective (p_norm.hpp)
 //   the level   the mesh, then its degree (levels.hpp)
 //

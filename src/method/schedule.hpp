@@ -26,8 +26,8 @@ class Checkpoint;
 enum class Algorithm { adaptive, paper, literal };
 enum class Continuation { automatic, never, always };  // of the boundary's motion, see continuation.hpp
 
-// How a mesh is moved. All but the first are there to be compared with it (comparators.hpp).
-enum class MovingMethod { augmented_lagrangian, penalty, elasticity, harmonic, incremental, untangle, fixed_boundary };
+// How a mesh is moved. penalty is there to be compared with the first; boundary_set (set_boundary.hpp) is not for decks.
+enum class MovingMethod { augmented_lagrangian, penalty, boundary_set };
 
 struct AugmentedLagrangianParams {
     MovingMethod moving = MovingMethod::augmented_lagrangian;

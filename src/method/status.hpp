@@ -15,9 +15,8 @@ enum class Status {
     linear_solver_failed,
     overflow,               // numbers beyond the range of double precision: of a penalty that is
     interrupted,            // by a signal
-    // Of methods that set the boundary on its target (comparators.hpp):
-    inverted,               // the mesh that they came to has inverted elements
-    invalid_start,          // so has every mesh from which they could minimise
+    inverted,               // of a mesh that is improved: elements that can be valid are not
+    invalid_start,          // with the boundary on its target no valid mesh to start from (set_boundary.hpp)
     off_surface             // of a mesh that is improved: farther than the deck allows (problem/kept_surface.hpp)
 };
 

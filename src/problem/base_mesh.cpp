@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "check/certificate.hpp"
 #include "mesh/build.hpp"
 
 namespace almesh {

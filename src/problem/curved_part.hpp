@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "check/certificate.hpp"
 #include "problem/problem.hpp"
 #include "check/freed_nodes.hpp"
 

@@ -253,7 +253,7 @@ bool is_small(const Mesh& mesh) {
     return work <= small_work;
 }
 
-bool is_certified(const Deck& deck, const Problem& problem, const Solution& solution) {
+bool is_certified(const Problem& problem, const Solution& solution) {
     if (solution.al.status != Status::converged) return false;
     const Certificate certificate = certify(problem.mesh(), solution.x);
     return certified_injective(problem, solution.x, certificate).certified;
@@ -282,7 +282,7 @@ Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, 
         as_whole && find_faults(problem.mesh(), problem.ideal(), problem.target, deck.min_scaled_jacobian).none();
     if (keeps_boundary) {
         Solution whole = solve(settings, problem);
-        if (is_certified(deck, problem, whole)) return whole;
+        if (is_certified(problem, whole)) return whole;
     }
     Curving curving(deck, problem, observe);
     curving.straighten(out);
@@ -294,7 +294,7 @@ Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, 
         from_parts.start = Start::file;
         problem.start = solution.x;
         Solution whole = solve(from_parts, problem);
-        if (is_certified(deck, problem, whole) &&
+        if (is_certified(problem, whole) &&
             whole.al.distortion.max_distortion <= solution.al.distortion.max_distortion)
             return whole;
     }

@@ -22,7 +22,6 @@
 #include "geometry/patch.hpp"
 #include "mesh/local_size.hpp"
 #include "mesh/regular_cell.hpp"
-#include "method/comparators.hpp"
 
 namespace almesh {
 namespace {
@@ -172,7 +171,6 @@ void check_improve(const Deck& deck) {
     if (deck.start == Start::coarse) refuse("start");
     if (deck.local_repair == LocalRepair::yes) refuse("local_repair");
     if (deck.split != Split::never) refuse("split");
-    if (sets_boundary(deck.method.moving)) refuse("method");
 }
 
 void set_ideal_elements(const Deck& deck, Problem& problem) {
@@ -258,7 +256,7 @@ Deck with_boundary_set(const Deck& deck, const Problem& problem) {
     Deck set = deck;
     if (std::all_of(problem.motions.begin(), problem.motions.end(), is_set) &&
         deck.distortion.objective != Objective::minimax && deck.method.moving == MovingMethod::augmented_lagrangian)
-        set.method.moving = MovingMethod::fixed_boundary;
+        set.method.moving = MovingMethod::boundary_set;
     return set;
 }
 

@@ -224,7 +224,6 @@ void discretise(const Deck& deck, Problem& problem) {
 void change_folded_target(const Deck& deck, Problem& problem) {
     if (const std::string note = free_folded(checked_target(deck, problem)); !note.empty())
         problem.notes.push_back(note);
-    check_prescribed(deck, problem.target);
 }
 
 void set_frame(const Deck& deck, Problem& problem) {

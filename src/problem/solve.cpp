@@ -7,7 +7,7 @@
 #include "check/boundary_distance.hpp"
 #include "mesh/inner_boundary.hpp"
 #include "method/checkpoint.hpp"
-#include "method/comparators.hpp"
+#include "method/set_boundary.hpp"
 #include "method/levels.hpp"
 #include "method/p_norm.hpp"
 #include "method/snap.hpp"
@@ -17,7 +17,7 @@ namespace almesh {
 namespace {
 
 bool starts_coarse(const Deck& deck) {
-    if (sets_boundary(deck.method.moving)) return false;
+    if (deck.method.moving == MovingMethod::boundary_set) return false;
     if (deck.start == Start::automatic) return deck.method.algorithm == Algorithm::adaptive;
     return deck.start == Start::coarse;
 }
@@ -112,8 +112,8 @@ AlResult minimise_objective(const Deck& deck, const Level& level, Newton& newton
                             std::vector<double>& x, const AlStart& start, const AlObserver& observer,
                             const StageObserver& observe_part) {
     constexpr int last_power = 64;
-    if (sets_boundary(deck.method.moving))
-        return move_with_boundary(level, newton, params, increments_of(deck), x, observer, observe_part);
+    if (deck.method.moving == MovingMethod::boundary_set)
+        return minimise_with_boundary_set(level, newton, params, 1, x, observer);
     if (deck.distortion.objective != Objective::minimax)
         return minimise_in_increments(level, newton, params, x, start, observer, observe_part);
     return minimise_p_norm(level, newton, params, deck.power.value_or(last_power), x, start, observer, observe_part);

@@ -75,7 +75,7 @@ constexpr auto quantities = std::to_array<Quantity>({
      [](R r) { return text(r.mesh.element_count()); }},
     {{"al_iterations", "augmented Lagrangian iterations; 1 with a method that sets the boundary"}, count,
      [](R r) { return text(static_cast<long long>(r.al.iterations.size()) - 1); }},
-    {{"newton_iterations", "Newton steps of all minimisations, and linear solves of methods that set the boundary"},
+    {{"newton_iterations", "Newton steps of all minimisations"},
      count, [](R r) { return text(r.al.newton_iterations); }},
     {{"earlier_newton_iterations",
       "Newton steps in earlier load increments, with earlier powers, and in other parts of a curved mesh or attempts "

@@ -191,7 +191,7 @@ TEST_CASE("what cannot be differentiated is refused with a sentence") {
     CHECK(has(refusal({"tangent", J}, 2), "is not on a boundary"));
     CHECK(has(refusal({"adjoint", J, J}, 1), "has the name J"));
     CHECK(has(refusal({"adjoint", J, "let J=1"}, 1), "has the name J"));
-    CHECK(has(refusal({"adjoint", J, "method=harmonic"}, 1), "only meshes of method = augmented_lagrangian"));
+    CHECK(has(refusal({"adjoint", J, "method=penalty"}, 1), "only meshes of method = augmented_lagrangian"));
     CHECK(has(refusal({"adjoint", J, "frames=0, 1"}, 1), "give the deck one time"));
     CHECK(has(refusal({"adjoint", J, "max_newton_iterations=1"}, 3), "no derivative: the run did not converge"));
     CHECK(has(refusal({"adjoint", J, "boundary inner=fixed", "objective=deviation"}, 3),

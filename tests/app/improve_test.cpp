@@ -307,7 +307,7 @@ TEST_CASE("what cannot be improved, and what does not go with it, is refused") {
     const TemporaryFolder folder;
     folder.write("ring.msh", msh_of(ring_mesh(12, 3, 6)));
     CHECK(has(almesh_with({"improve"}).error, "improve takes a mesh file"));
-    for (const char* setting : {"frames=0, 1", "start=coarse", "split=auto", "local_repair=1", "method=harmonic"}) {
+    for (const char* setting : {"frames=0, 1", "start=coarse", "split=auto", "local_repair=1"}) {
         const Outcome outcome = improved(folder, "ring.msh", {setting});
         CAPTURE(setting);
         CHECK(outcome.code == 1);

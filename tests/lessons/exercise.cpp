@@ -46,8 +46,6 @@ void set_timer(int seconds) {
     setitimer(ITIMER_PROF, &after, nullptr);
 }
 
-std::string path_of(const std::string& name) { return answers() + "/" + name + ".deck"; }
-
 // "" where it holds.
 std::string verdict(const Entry& exercise) {
     struct Disarm {
@@ -104,6 +102,8 @@ double order_of(const std::function<double(double)>& error, double h_0, int coun
     }
     return (n * xy - x * y) / (n * xx - x * x);
 }
+
+std::string path_of(const std::string& name) { return answers() + "/" + name + ".deck"; }
 
 std::map<std::string, std::string> run_deck(const std::string& name, const std::vector<std::string>& keys) {
     const std::string folder = "outputs/lessons/answers/" + name;

@@ -37,6 +37,9 @@ void expect_soon(const std::string& otherwise);
 // The least-squares slope of log error over log h for h = h_0, h_0 / 2, ... (count of them): the order of accuracy.
 double order_of(const std::function<double(double)>& error, double h_0, int count);
 
+// inputs/lessons/NN-name/<exercises or solutions>/NAME.deck
+std::string path_of(const std::string& name);
+
 // Runs inputs/lessons/NN-name/<exercises or solutions>/NAME.deck, with keys as on the command line, into
 // outputs/lessons/answers/NAME. Returns summary.txt; Unmet where the deck is refused.
 std::map<std::string, std::string> run_deck(const std::string& name, const std::vector<std::string>& keys = {});

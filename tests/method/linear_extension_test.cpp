@@ -28,12 +28,12 @@ std::vector<double> values(const Mesh& mesh, const std::vector<double>& x, const
 // The field's values on the boundary, extended inside.
 std::vector<double> extension(StiffnessAt stiffness, const Mesh& mesh, const std::vector<double>& x,
                               const Field& field) {
-    LinearExtension linear(mesh, make_energy(mesh, straight_sided(mesh), {})->hessian_pattern(), {});
+    const BlockCsr pattern = make_energy(mesh, straight_sided(mesh), {})->hessian_pattern();
     std::vector<double> u = values(mesh, x, field);
     const std::vector<char> fixed = on_boundary(mesh);
     for (int i = 0; i < mesh.nodes(); ++i)
         if (!fixed[i]) std::fill_n(point(u, i, mesh.dim), mesh.dim, 0.0);
-    const SolveResult solved = linear.extend(stiffness, x, fixed, u);
+    const SolveResult solved = extend_displacement(mesh, pattern, stiffness, {}, x, fixed, u);
     CHECK(solved.status == SolveStatus::success);
     return u;
 }

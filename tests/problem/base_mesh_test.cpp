@@ -86,7 +86,7 @@ TEST_CASE("what a run has curved and turned can be moved again, with every metho
     for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
              {}, {"boundary inner=rotate 60 about 0 0"}, {"boundary inner=rotate -180 about 0 0"},
              {"objective=minimax"},
-             {"boundary outer=slide"}, {"boundary outer=free"}, {"method=penalty"}, {"method=incremental"},
+             {"boundary outer=slide"}, {"boundary outer=free"}, {"method=penalty"},
              {"continuation=always"}, {"algorithm=paper"}, {"degree=3"}}) {
         std::vector<std::string> settings = {turned};
         for (const std::string& setting : more) settings.push_back(setting);

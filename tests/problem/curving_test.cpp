@@ -263,7 +263,7 @@ TEST_CASE("local_repair = 1 is refused where the mesh is to change") {
     const TemporaryFolder folder;
     const std::string deck = deck_of(folder, with_bump(square_mesh(8), 0.12));
     for (const char* setting : {"boundary all=translate 1 0", "boundary all=slide", "refine=1", "degree=4",
-                                "method=elasticity", "surface=keep", "surface=slide", "delta=0.1"}) {
+                                "surface=keep", "surface=slide", "delta=0.1"}) {
         const Outcome outcome = almesh_with({deck, setting});
         CHECK(outcome.code == 1);
         CHECK(has(outcome.error, "does not go with local_repair = 1"));

@@ -15,7 +15,6 @@
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
 #include "mesh/unused_ids.hpp"
-#include "method/comparators.hpp"
 
 namespace almesh {
 namespace {
@@ -87,7 +86,7 @@ std::string more_freedom(const Deck& deck, const Problem& problem, int b) {
     const Mesh& mesh = problem.mesh();
     const auto motion = [&](int of) { return motion_for(deck, mesh.boundaries[of])->motion; };
     std::vector<char> moved(mesh.nodes(), 0);
-    bool may_slide = is_fixed(motion(b)) && !sets_boundary(deck.method.moving), may_be_free = false;
+    bool may_slide = is_fixed(motion(b)), may_be_free = false;
     for_face_nodes(mesh, [&](int f, std::size_t k) {
         const int of = mesh.face_boundary[f];
         if (of == b) return;
@@ -97,7 +96,7 @@ std::string more_freedom(const Deck& deck, const Problem& problem, int b) {
     for_face_nodes(mesh, [&](int f, std::size_t k) {
         may_slide = may_slide && !(mesh.face_boundary[f] == b && moved[mesh.faces[k]]);
     });
-    may_be_free = may_be_free && hold_of(motion(b)) != BoundaryHold::free && !sets_boundary(deck.method.moving);
+    may_be_free = may_be_free && hold_of(motion(b)) != BoundaryHold::free;
     if (!may_slide && !may_be_free) return "";
     return concat("boundary ", quoted_where_needed(mesh.boundaries[b], "#=\" \t"), " = ", may_slide ? "slide" : "",
                   may_slide && may_be_free ? " or " : "", may_be_free ? "free" : "", ", if its nodes need not ",
@@ -191,10 +190,7 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
             if (deck.linear.kind != SolverKind::cholesky) return "solver = cholesky";
             return against_distance(deck, problem, solution);
         case Status::inverted:
-        case Status::invalid_start:
-            if (is_improved(deck.ideal)) return against_infeasible(deck, problem);
-            return "method = augmented_lagrangian, which moves the boundary and the mesh together; " +
-                   less_motion(solution);
+        case Status::invalid_start: return against_infeasible(deck, problem);
         case Status::off_surface:
             return "a larger surface_tolerance: no valid mesh was found with the boundary of the file";
     }
@@ -265,12 +261,8 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
 }
 
 // "5 AL and 11 Newton iterations"
-std::string work_of(const Deck& deck, const Solution& solution) {
-    const int steps = solution.al.newton_iterations;
-    const MovingMethod moving = deck.method.moving;
-    if (moving == MovingMethod::elasticity || moving == MovingMethod::harmonic) return counted(steps, "linear solve");
-    if (sets_boundary(moving)) return concat(steps, " linear solves and Newton iterations");
-    return concat(solution.al.iterations.size() - 1, " AL and ", steps, " Newton iterations");
+std::string work_of(const Solution& solution) {
+    return concat(solution.al.iterations.size() - 1, " AL and ", solution.al.newton_iterations, " Newton iterations");
 }
 
 }  // namespace
@@ -285,7 +277,7 @@ void print_ending(std::FILE* out, const Deck& deck, const Problem& problem, cons
                          : deck.distortion.objective == Objective::minimax ? " more with earlier powers"
                                                                            : " more in earlier load increments");
     if (!others.empty()) others = " (" + others + ")";
-    std::fprintf(out, "%s: %s%s in %.2f s\n", headline(outcome(solution.al)).c_str(), work_of(deck, solution).c_str(),
+    std::fprintf(out, "%s: %s%s in %.2f s\n", headline(outcome(solution.al)).c_str(), work_of(solution).c_str(),
                  others.c_str(), solution.time.total);
     print_diagnosis(out, deck, problem, solution);
     print_boundary(out, deck, problem, solution);

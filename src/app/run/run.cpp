@@ -20,7 +20,6 @@
 #include "base/version.hpp"
 #include "check/boundary_distance.hpp"
 #include "method/checkpoint.hpp"
-#include "method/comparators.hpp"
 #include "method/levels.hpp"
 #include "method/snap.hpp"
 #include "method/p_norm.hpp"

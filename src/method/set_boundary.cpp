@@ -1,0 +1,106 @@
+#include "method/set_boundary.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "base/interrupt.hpp"
+#include "linalg/vector_ops.hpp"
+#include "method/checkpoint.hpp"
+#include "method/functional.hpp"
+#include "method/linear_extension.hpp"
+
+namespace almesh {
+namespace {
+
+constexpr double least_part = 1.0 / 64;  // of an increment
+constexpr double of_gradient = 0.03;     // tolerance of increments before the last, relative to their motion
+
+// As Algorithm 1 has it: an attainable accuracy up to omega0 counts as converged.
+Status status_of(const NewtonResult& solved, double omega0) {
+    return at_floor(solved.status) && solved.gradient_norm <= omega0 ? Status::converged : solved.status;
+}
+
+// x with the boundary nodes at `targets`: x itself where they are there, else the first valid one of: moved inside as an
+// elastic solid, not moved there; empty where neither is valid.
+std::vector<double> valid_start(const Level& level, const LinearSolverParams& linear, const std::vector<char>& fixed,
+                                const std::vector<double>& targets, const std::vector<double>& x, int& solves) {
+    const std::vector<double> set = level.with_boundary(targets, x);
+    if (set == x) return level.is_valid(x) ? x : std::vector<double>();
+    std::vector<double> u(x.size()), moved = set;
+    for (std::size_t i = 0; i < x.size(); ++i) u[i] = set[i] - x[i];
+    ++solves;
+    const BlockCsr pattern = level.energy->hessian_pattern();
+    if (extend_displacement(level.mesh, pattern, elastic_stiffness, linear, x, fixed, u).status ==
+        SolveStatus::success) {
+        for (std::size_t i = 0; i < x.size(); ++i)
+            if (!fixed[i / level.mesh.dim]) moved[i] = x[i] + u[i];
+        if (level.is_valid(moved)) return moved;
+    }
+    return level.is_valid(set) ? set : std::vector<double>();
+}
+
+}  // namespace
+
+std::vector<double> targets_at(const Level& level, double fraction) {
+    std::vector<double> targets = level.constraint->targets(level.ideal);
+    if (fraction == 1) return targets;
+    if (const auto part = level.constraint_at ? level.constraint_at(fraction) : nullptr)
+        return part->targets(level.ideal);
+    const int dim = level.mesh.dim;
+    const std::vector<int>& nodes = level.constraint->nodes();
+    for (std::size_t t = 0; t < nodes.size(); ++t)
+        for (int a = 0; a < dim; ++a) {
+            const double from = level.ideal[offset(nodes[t], dim, a)];
+            targets[offset(t, dim, a)] = from + fraction * (targets[offset(t, dim, a)] - from);
+        }
+    return targets;
+}
+
+AlResult minimise_with_boundary_set(const Level& level, Newton& newton, const MethodParams& params, int increments,
+                                    std::vector<double>& x, const AlObserver& observer) {
+    const Stopwatch watch;
+    const AugmentedLagrangianParams& schedule = params.schedule;
+    const std::vector<double> lambda(level.constraint->multipliers(), 0.0);
+    const AugmentedFunctional E(*level.energy, *level.constraint, lambda, 0, level.on_boundary());
+    AlResult result;
+    const auto add_row = [&](const AlIteration& row) {
+        result.iterations.push_back(row);
+        if (observer.iteration) observer.iteration(row);
+    };
+    add_row(measured(*level.energy, *level.constraint, x, result.distortion));
+    NewtonParams wanted;
+    wanted.max_iterations = schedule.max_newton_iterations;
+    NewtonResult solved;  // of the last increment
+    const double size = 1.0 / increments;
+    increase_load(size, increments > 1 ? least_part * size : size, [&](const Increment& at) {
+        wanted.omega = at.is_last() ? schedule.omega_star : loosened(schedule, level, of_gradient * at.size).omega_star;
+        const std::vector<double> start =
+            valid_start(level, params.linear, E.fixed, targets_at(level, at.to), x, result.newton_iterations);
+        result.status = interrupted() ? Status::interrupted : Status::invalid_start;
+        if (start.empty()) return increments > 1 && !interrupted() ? StageEnd::failed : StageEnd::over;
+        x = start;
+        solved = minimise_or_recall(schedule.checkpoint, newton, E, wanted, x, [&](const NewtonStep& step) {
+            if (at.is_last() && observer.newton_step) observer.newton_step(1, step);
+        });
+        add_counts(solved, result);
+        result.status = interrupted() ? Status::interrupted : status_of(solved, schedule.omega0);
+        return result.status == Status::converged && !at.is_last() ? StageEnd::solved : StageEnd::over;
+    });
+    AlIteration row = measured(*level.energy, *level.constraint, x, result.distortion);
+    row.iteration = 1;
+    row.energy = level.energy->energy(x);
+    const std::vector<double> gradient = std::isfinite(row.energy) ? E.gradient(x) : std::vector<double>();
+    row.gradient_norm = norm_2(gradient);
+    row.omega = wanted.omega;
+    row.epsilon = std::numeric_limits<double>::infinity();
+    row.newton_iterations = result.newton_iterations;
+    row.newton_status = solved.status;
+    row.seconds = watch.seconds();
+    add_row(row);
+    if (result.status != Status::converged) result.gradient = gradient;
+    result.lambda = lambda;
+    newton.time.total += watch.seconds();
+    return result;
+}
+
+}  // namespace almesh
