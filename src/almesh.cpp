@@ -211,7 +211,7 @@ MovingMesh::State::State(const MeshArrays& mesh, const Options& options) : given
     deck.frames = "t";
     set_threads(options.threads);
     std::vector<std::string> notes;
-    base = build_base_mesh(raw_mesh(mesh), deck.ideal, deck.certificate, notes);
+    base = build_base_mesh(raw_mesh(mesh), deck.ideal, notes);
     if (options.degree == 0 || options.degree == mesh.degree) return;
     if (options.degree < mesh.degree)
         throw UsageError("degree = ", options.degree, ": the ", arrays_name, " have degree ", mesh.degree);
