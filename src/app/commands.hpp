@@ -19,8 +19,11 @@ int command_line(const std::vector<std::string>& arguments, std::FILE* out, std:
 // One run of a deck, from the mesh file to the files of results, with a table of its iterations. Throws Error for what
 // the user can mend before anything is solved.
 struct RunHooks {
-    std::function<void(const Problem&)> begins;             // before the folder of results is touched
-    std::function<void(const Problem&, Solution&)> solved;  // where it converged; an Error is told when all is written
+    std::function<void(const Problem&)> begins = {};  // before the folder of results is touched
+    // Where it converged; an Error is told when all is written.
+    std::function<void(const Problem&, Solution&)> solved = {};
+    std::function<void()> stepped = {};  // after every Newton step, and every part of a mesh that is curved in place
+    double seconds_between_meshes = 60;  // that are written on the way (problem/so_far.hpp)
 };
 ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks = {});
 

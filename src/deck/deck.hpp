@@ -94,7 +94,6 @@ struct Deck {
     Forcing forcing = Forcing::automatic;
     int iterates = 0;
     double max_seconds = 0;
-    double checkpoint = 10;
     int resume = 0;
     VtkOutput vtk = VtkOutput::ascii;
     FinalFormat final_format = FinalFormat::input;

@@ -5,6 +5,7 @@
 #include "check/certificate.hpp"
 #include "deck/frame_times.hpp"
 #include "problem/improve.hpp"
+#include "problem/so_far.hpp"
 #include "report/results.hpp"
 #include "base/error.hpp"
 #include "io/msh.hpp"
@@ -21,7 +22,6 @@ void check_local_repair(const Deck& deck) {
     };
     for (const DeckBoundary& boundary : deck.boundaries)
         if (!is_fixed(boundary.motion)) refuse(boundary.where, "a boundary that is not fixed");
-    if (deck.start == Start::file) refuse(deck.given.at("start"), "start = FILE");
     for (const char* key : {"refine", "degree", "frames"})
         if (deck.given.contains(key)) refuse(deck.given.at(key), key);
     if (deck.surface == SurfaceKind::keep || deck.surface == SurfaceKind::slide)
@@ -38,9 +38,8 @@ void check_start(const Deck& deck) {
 }
 
 void check_resume(const Deck& deck) {
-    if (!deck.resume || deck.checkpoint > 0) return;
-    throw UsageError(deck.given.at("checkpoint"), ": checkpoint = 0 does not go with resume = 1, which needs the state "
-                     "that it saves");
+    if (!deck.resume || !deck.frames.empty()) return;
+    throw UsageError(deck.given.at("resume"), ": resume is for frames; try ", command_to_go_on(deck));
 }
 
 void check_method(const Deck& deck) {

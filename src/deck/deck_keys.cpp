@@ -196,7 +196,9 @@ const std::vector<DeckKey>& deck_keys() {
         {"start", start(),
          "First iterate. identity: the ideal mesh; coarse: the solution on the mesh refined less, or of lower degree, "
          "which is found the same way; auto: coarse with algorithm = adaptive, else identity. A file: the positions "
-         "of its nodes, by their ids, in a mesh with the same elements; the ideal mesh stays that of mesh."},
+         "of its nodes, by their ids, in a mesh with the same elements; the ideal mesh stays that of mesh. With "
+         "so-far.msh, which a run writes in the folder of its results once a minute and when it is stopped, it goes on "
+         "from there."},
         {"continuation", choice<&Deck::continuation>({"auto", "never", "always"}),
          "Whether the motion is done in load increments. never: at once; always: every turn as it is written, also "
          "beyond 180 degrees, so that the mesh turns as often as the boundary does; auto: with algorithm = adaptive, "
@@ -277,12 +279,9 @@ const std::vector<DeckKey>& deck_keys() {
         {"max_seconds", number<&Deck::max_seconds>({0, 1e9}),
          "The run ends as `interrupted` after the Newton step in which so many seconds have passed. Its results are "
          "written. 0: never."},
-        {"checkpoint", number<&Deck::checkpoint>({0, 1e9}),
-         "Least number of seconds between two saves of the run's state. It is saved after a minimisation, in the "
-         "folder checkpoint of the results, and removed when the run ends by itself. 0: never."},
         {"resume", number<&Deck::resume>({0, 1}),
-         "1: a run that was interrupted or killed goes on from its saved state. It ends with the same bits as a run "
-         "without the interruption."},
+         "1: a run of frames that was interrupted or killed goes on after its last frame. It ends with the same bits "
+         "as a run without the interruption. Others go on with start = so-far.msh."},
         {"frames", text<&Deck::frames>("FROM : STEP : TO, times, file or -"),
          "Times t of a motion whose numbers and formulas name t, one mesh for each: 0 : 0.02 : 1, or 0, 0.1, 0.5, or a "
          "file of times. \"\": one mesh, without time. -: a line of standard input for each, `T` or `T FILE`, the file "

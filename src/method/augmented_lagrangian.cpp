@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 
-#include "method/checkpoint.hpp"
 #include "method/functional.hpp"
 
 namespace almesh {
@@ -148,8 +147,7 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
         const bool by_gradient = rows.back().newton_status == Status::no_visible_gain && constrained();
         const NewtonParams wanted = subproblem(params, *s, cold, by_gradient, start.from_coarser, E);
         E.penalty = s->penalty();
-        const NewtonResult solved =
-            minimise_or_recall(params.checkpoint, newton, E, wanted, x, observe_step);    //  8
+        const NewtonResult solved = newton.minimise(E, wanted, x, observe_step);          //  8
         add_counts(solved, result);
         rows.push_back(row_of(E, x, result.distortion, *s, solved, rows.back().iteration + 1));
         rows.back().seconds = watch.seconds();
@@ -172,6 +170,7 @@ AlResult minimise(DistortionEnergy& distortion, Constraint& constraint, Newton& 
             rows.back().update = s->raise_penalty();                                      // 17-20
         }                                                                                 // 21
         observe();
+        if (observer.multipliers) observer.multipliers(E.lambda, s->mu / one_squared);
     }                                                                                     // 22
     result.lambda = std::move(E.lambda);
     newton.time.total += watch.seconds();

@@ -46,6 +46,8 @@ inline Status outcome(const AlResult& al) {
 struct AlObserver {
     std::function<void(const AlIteration&)> iteration;
     std::function<void(int al_iteration, const NewtonStep&)> newton_step;
+    // After every iteration: of the next subproblem. mu: in units of |1|^2.
+    std::function<void(const std::vector<double>& lambda, double mu)> multipliers = {};
 };
 
 // Where the method starts: by default without knowledge, else from what a run on a coarser mesh has found.

@@ -1,6 +1,6 @@
 // x_0 = ideal mesh; for t = dt, 2 dt, ..., 1: x_t solves the problem at the fraction t of the motion, from x_{t - dt};
-// where that fails, dt is halved, and the whole motion is tried at once, unless it has been; at last, from a mesh with
-// the boundary at its target.
+// a run that goes on begins at the fraction where it stood. Where an increment fails, dt is halved, and the whole motion
+// is tried at once, unless it has been; at last, from a mesh with the boundary at its target.
 #include "method/continuation.hpp"
 
 #include <algorithm>
@@ -34,19 +34,25 @@ struct Increments {
     int steps = 0;                 // all Newton steps
 };
 
-// x: on return the last iterate. steps: on increments and attempts before.
-Increments solve_increments(const Level& level, Newton& newton, const AugmentedLagrangianParams& params, double size,
-                            int steps, std::vector<double>& x, const AlObserver& observer,
+// From x, where the increments up to `from` have led, and the given start. x: on return the last iterate. steps: on
+// increments and attempts before.
+Increments solve_increments(const Level& level, Newton& newton, const MethodParams& method, double from, double size,
+                            int steps, std::vector<double>& x, const AlStart& first, const AlObserver& observer,
                             const StageObserver& observe_stage) {
+    const AugmentedLagrangianParams& params = method.schedule;
     Increments all;
     all.steps = steps;
-    std::vector<double> reached = level.ideal;
-    increase_load(size, least_increment, [&](const Increment& at) {
+    std::vector<double> reached = x;
+    increase_load(from, size, least_increment, [&](const Increment& at) {
+        Standing& standing = *method.standing;
+        standing.fraction = at.from;
+        standing.x = at.is_last() ? std::vector<double>() : reached;
+        if (at.from > from) standing.lambda.clear(), standing.mu = 0;
         if (all.steps > most_steps_of_all) return StageEnd::over;
         const auto constraint = at.is_last() ? nullptr : level.constraint_at(at.to);
         if (!at.is_last() && !constraint) return StageEnd::over;
         x = reached;
-        const AlStart start = at.from > 0 ? AlStart::from_near(*level.constraint) : AlStart();
+        const AlStart start = at.from > from ? AlStart::from_near(*level.constraint) : first;
         AlResult result =
             at.is_last()
                 ? minimise(*level.energy, *level.constraint, newton, impatient(params), x, observer, start)
@@ -105,8 +111,8 @@ std::vector<double> Level::with_boundary(const std::vector<double>& targets, std
     return x;
 }
 
-void increase_load(double size, double least, const std::function<StageEnd(const Increment&)>& solve) {
-    for (double from = 0; from < 1 && size >= least;) {
+void increase_load(double from, double size, double least, const std::function<StageEnd(const Increment&)>& solve) {
+    while (from < 1 && size >= least) {
         const double to = from + size < 1 - 0.5 * least ? from + size : 1;
         switch (solve({from, to, size})) {
             case StageEnd::solved: from = to; break;
@@ -131,25 +137,31 @@ AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level
 AlResult minimise_in_increments(const Level& level, Newton& newton, const MethodParams& params, std::vector<double>& x,
                                 const AlStart& start, const AlObserver& observer,
                                 const StageObserver& observe_stage) {
+    Standing& standing = *params.standing;
+    const double from = params.goes_on ? standing.fraction : 0;
     const auto at_once = [&](const AugmentedLagrangianParams& schedule) {
+        standing.fraction = 1;
+        standing.x.clear();
         return minimise(*level.energy, *level.constraint, newton, schedule, x, observer, start);
     };
     if (!level.constraint_at || params.continuation == Continuation::never) return at_once(params.schedule);
     const std::vector<double> first = x;
     std::optional<AlResult> at_once_failed;
     std::vector<double> x_failed;
-    double size = 0.5;
+    const bool turns_far = level.turn > increment_turn;
+    const bool in_increments = params.goes_on ? from < 1 : turns_far && start.lambda.empty();
+    const double size = in_increments && turns_far ? 1 / std::ceil(level.turn / increment_turn) : 0.5;
     int steps = 0;
     const auto with_all_steps = [&](AlResult result) {
         result.earlier_newton_iterations = steps - result.newton_iterations;
         return result;
     };
     const auto from_target = [&](int increments) {
+        standing.fraction = 1;
+        standing.x.clear();
         return minimise_from_target(level, newton, params, increments, x, steps, observer);
     };
-    if (level.turn > increment_turn && start.lambda.empty()) {
-        size = 1 / std::ceil(level.turn / increment_turn);
-    } else {
+    if (!in_increments) {
         AlResult result = at_once(impatient(params.schedule));
         const bool stalls_at_once = result.iterations.back().newton_status == Status::stalled;
         const bool hopeless = (params.is_start && stalls_at_once) || result.status == Status::max_al_iterations;
@@ -162,7 +174,10 @@ AlResult minimise_in_increments(const Level& level, Newton& newton, const Method
         if (at_once_failed)  // the cheapest where it is valid
             if (auto found = from_target(1)) return with_all_steps(std::move(*found));
     }
-    Increments all = solve_increments(level, newton, params.schedule, size, steps, x, observer, observe_stage);
+    const bool goes_on = params.goes_on && in_increments;
+    if (!goes_on) x = level.ideal, standing.lambda.clear(), standing.mu = 0;
+    Increments all = solve_increments(level, newton, params, goes_on ? from : 0, size, steps, x,
+                                      goes_on ? start : AlStart(), observer, observe_stage);
     steps = all.steps;
     AlResult result;
     if (all.ended || (all.last && level.turn > most_at_once)) {  // at once it would go the shorter way

@@ -60,6 +60,21 @@ struct Stage {
 
 using StageObserver = std::function<void(const Stage&)>;
 
+// Where a run stands, besides its mesh: the loops keep it up to date, and go on from it after the run was stopped or
+// killed (problem/so_far.hpp).
+struct Standing {
+    double fraction = 0;         // load increments are solved up to it; 1: the whole motion is what is being solved
+    int power = 0;               // that is being solved; 0: none yet
+    bool is_last_power = false;  // those after it are not worth it
+    double eta_before = 0;       // the largest one when the power began
+    double mu = 0;               // of Algorithm 1 for the whole motion, in units of |1|^2; 0: that of the schedule,
+    std::vector<double> lambda;  // and its multipliers; empty: zero
+    std::vector<double> x;       // from where it goes on: where an increment or a power began; empty: the iterate
+    int attempt = -1;            // of a mesh that is curved in place (curving.hpp), from 0; -1: as a whole
+    double gradient_norm = 0;          // then: the largest one with which a part ended,
+    std::vector<char> straight, freed;  // per element: whether it is straightened still; per node: whether it slides
+};
+
 // How the method is run on every mesh.
 struct MethodParams {
     AugmentedLagrangianParams schedule;
@@ -67,6 +82,10 @@ struct MethodParams {
     Forcing forcing = Forcing::automatic;
     Continuation continuation = Continuation::automatic;
     bool is_start = false;  // the solution is only where a finer mesh's starts: left where its first subproblem stalls
+    std::shared_ptr<Standing> standing = std::make_shared<Standing>();
+    bool goes_on = false;  // x is where the run stood
+    // Called with every iterate, of coarser meshes too.
+    std::function<void(const Level&, const std::vector<double>& x)> observe_iterate = {};
 };
 
 // A load increment: the motion from one fraction to the next.
@@ -77,18 +96,18 @@ struct Increment {
 
 enum class StageEnd { solved, failed, over };  // over: of all stages
 
-// Solves the increments from 0 to 1, of the given size, one after the other. One that fails is tried again with half
+// Solves the increments up to 1, of the given size, one after the other. One that fails is tried again with half
 // the size, unless that is below the least one; then, and where solve() says so, it is over.
-void increase_load(double size, double least, const std::function<StageEnd(const Increment&)>& solve);
+void increase_load(double from, double size, double least, const std::function<StageEnd(const Increment&)>& solve);
 
 // Tolerances for a solution that is only a start of the next: relative to the motion, whose size is |c_D| of the ideal
 // mesh; |grad E| scales like L^(n - 1) times motion / L, of which of_gradient is allowed.
 AugmentedLagrangianParams loosened(AugmentedLagrangianParams params, const Level& level, double of_gradient = 0.03);
 
 // Algorithm 1 on the level, from x (node_count x dim) and the given start, with load increments as params say; with
-// them it starts anew from the ideal mesh. The result is that of the last run of Algorithm 1, with all Newton steps of
-// those before it in earlier_newton_iterations; of an increment that is not the last, its distances are those from the
-// whole motion's target. observe_stage: called after each increment but the last.
+// them it starts anew from the ideal mesh, but where it goes on. The result is that of the last run of Algorithm 1, with
+// all Newton steps of those before it in earlier_newton_iterations; of an increment that is not the last, its distances
+// are those from the whole motion's target. observe_stage: called after each increment but the last.
 AlResult minimise_in_increments(const Level& level, Newton& newton, const MethodParams& params, std::vector<double>& x,
                                 const AlStart& start, const AlObserver& observer = {},
                                 const StageObserver& observe_stage = {});

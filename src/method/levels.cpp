@@ -20,6 +20,8 @@ constexpr double of_gradient = 0.0005;  // tolerance on coarser meshes: a step t
 
 Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Level> level, CoarseSolution& solution) {
     Newton newton(level->energy->hessian_pattern(), params.linear, {.forcing = params.forcing});
+    if (params.observe_iterate)
+        newton.observe_iterates([&](int, const std::vector<double>& at) { params.observe_iterate(*level, at); });
     std::vector<double> x;
     const AlStart start = start_from(solution, *level, x);
     MethodParams loose = params;
@@ -30,6 +32,7 @@ Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Lev
         loose.continuation = Continuation::never;
     }
     const AlResult result = minimise_in_increments(*level, newton, loose, x, start);
+    if (result.status == Status::interrupted && params.observe_iterate) params.observe_iterate(*level, x);
     time += newton.time;
 
     Stage stage;
@@ -39,6 +42,7 @@ Stage solve_level(const MethodParams& params, Timings& time, std::unique_ptr<Lev
     stage.newton_iterations = result.newton_iterations + result.earlier_newton_iterations;
     solution = {};
     if (result.status != Status::converged) return stage;
+    params.standing->fraction = 1;
     const std::vector<double> zero(x.size(), 0.0);
     solution.multipliers = level->with_boundary(level->constraint->multiplier_field(result.lambda), zero);
     solution.mu = stage.last.mu / square(level->constraint->norm_of_one());

@@ -38,6 +38,13 @@ struct Sharpening {
     // Then another kappa gains nothing either.
     bool gains_nothing() const { return result.iterations.back().newton_status == Status::no_visible_gain; }
 
+    // At this power, where the run stood.
+    void begin(int p, const AlStart& start) {
+        result.iterations = {measured(*level.energy, *level.constraint, x, result.distortion)};
+        result.lambda = start.lambda;
+        if (p > 2) level.energy->set_power({p, largest() - 1, first_kappa / p});
+    }
+
     void take(AlResult next) {
         earlier_steps += result.newton_iterations + next.earlier_newton_iterations;
         result = std::move(next);
@@ -118,32 +125,51 @@ AlResult minimise_p_norm(const Level& level, Newton& newton, const MethodParams&
                         std::vector<double>& x, const AlStart& start, const AlObserver& observer,
                         const StageObserver& observe_stage) {
     const AugmentedLagrangianParams loose = loosened(params.schedule, level);
-    MethodParams first = params;
-    first.schedule = loose;
-    Sharpening at{level, newton, x, {}, 0};
+    Standing& standing = *params.standing;
+    Sharpening at{level, newton, x, {}, start.mu};
     level.energy->set_power({});
-    at.take(minimise_in_increments(level, newton, first, x, start, {}, observe_stage));
-    if (!at.converged()) return at.result;
-
     const auto report_power = [&] {
         if (observe_stage)
             observe_stage({level.mesh.nodes(), Status::converged, at.result.iterations.back(),
                           at.result.newton_iterations, 1, level.energy->power().p});
     };
-    report_power();
+    bool goes_on = params.goes_on && standing.power > 0;
+    if (goes_on) {
+        at.begin(standing.power, start);
+    } else {
+        MethodParams first = params;
+        first.schedule = loose;
+        at.take(minimise_in_increments(level, newton, first, x, start, {}, observe_stage));
+        if (!at.converged()) return at.result;
+        report_power();
+        standing.power = 2;
+        standing.eta_before = 2 * at.largest();
+    }
     const bool can_gain = at.largest() - 1 > undistorted && std::isfinite(at.largest());
-    int p = 2;
-    for (double before = 2 * at.largest(); can_gain && 2 * p < last_power; p *= 2) {
-        // A power that has raised it is far from solved, and says nothing of the next.
-        if (at.largest() <= before && at.largest() > (1 - worthwhile) * before) break;
-        before = at.largest();
-        at.set_power(2 * p);
+    // A power that has raised the largest eta is far from solved, and says nothing of the next.
+    const auto is_worthwhile = [&] {
+        return at.largest() > standing.eta_before || at.largest() <= (1 - worthwhile) * standing.eta_before;
+    };
+    const auto begin_power = [&] {
+        at.set_power(standing.power);
+        standing.x = x;
+        standing.lambda = at.result.lambda;
+        standing.mu = at.mu;
+    };
+    for (; can_gain && !standing.is_last_power; goes_on = false) {
+        if (!goes_on) {
+            standing.is_last_power = 2 * standing.power >= last_power || !is_worthwhile();
+            standing.power = std::min(2 * standing.power, last_power);
+            standing.eta_before = at.largest();
+            if (standing.is_last_power) break;
+        }
+        begin_power();
         at.solve_loosely(loose, 0);
         if (at.interrupted()) return at.result;
         report_power();
     }
-    for (p = can_gain ? std::min(2 * p, last_power) : 2;; p = std::max(2, p / 2)) {
-        at.set_power(p);
+    for (int& p = standing.power;; p = std::max(2, p / 2)) {
+        begin_power();
         if (p > 2) at.solve_loosely(loose, most_updates);
         if (!at.interrupted()) at.solve(params.schedule, observer);
         if (at.converged() || at.interrupted() || p == 2) return at.result;

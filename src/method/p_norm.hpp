@@ -43,10 +43,10 @@ struct KappaChange {
 };
 KappaChange change_of_kappa(DistortionEnergy& energy, const std::vector<double>& x);
 
-// As minimise_in_increments(), which it begins with; then the powers up to `last_power`. Where the last of
-// them is not solved the one before is taken, and so on. Newton steps with earlier powers are among
-// earlier_newton_iterations, the power of the result is level.energy->power(). observe_stage is called after each
-// power but the last, too.
+// As minimise_in_increments(), which it begins with, or from the power at which the run stood; then the powers up to
+// `last_power`. Where the last of them is not solved the one before is taken, and so on. Newton steps with earlier
+// powers are among earlier_newton_iterations, the power of the result is level.energy->power(). observe_stage is called
+// after each power but the last, too.
 AlResult minimise_p_norm(const Level& level, Newton& newton, const MethodParams& params, int last_power,
                         std::vector<double>& x, const AlStart& start, const AlObserver& observer = {},
                         const StageObserver& observe_stage = {});

@@ -21,8 +21,6 @@
 
 namespace almesh {
 
-class Checkpoint;
-
 enum class Algorithm { adaptive, paper, literal };
 enum class Continuation { automatic, never, always };  // of the boundary's motion, see continuation.hpp
 
@@ -40,7 +38,6 @@ struct AugmentedLagrangianParams {
     double wall_tolerance = 1e-3;  // adaptive: of the distance of every boundary node from its target, in cell heights
     int max_iterations = 50;
     int max_newton_iterations = 200;
-    Checkpoint* checkpoint = nullptr;  // where what minimisations came to is saved; null: nowhere
 };
 
 enum class AlUpdate { none, multipliers, penalty, both };

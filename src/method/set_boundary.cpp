@@ -5,7 +5,6 @@
 
 #include "base/interrupt.hpp"
 #include "linalg/vector_ops.hpp"
-#include "method/checkpoint.hpp"
 #include "method/functional.hpp"
 #include "method/linear_extension.hpp"
 
@@ -72,14 +71,14 @@ AlResult minimise_with_boundary_set(const Level& level, Newton& newton, const Me
     wanted.max_iterations = schedule.max_newton_iterations;
     NewtonResult solved;  // of the last increment
     const double size = 1.0 / increments;
-    increase_load(size, increments > 1 ? least_part * size : size, [&](const Increment& at) {
+    increase_load(0, size, increments > 1 ? least_part * size : size, [&](const Increment& at) {
         wanted.omega = at.is_last() ? schedule.omega_star : loosened(schedule, level, of_gradient * at.size).omega_star;
         const std::vector<double> start =
             valid_start(level, params.linear, E.fixed, targets_at(level, at.to), x, result.newton_iterations);
         result.status = interrupted() ? Status::interrupted : Status::invalid_start;
         if (start.empty()) return increments > 1 && !interrupted() ? StageEnd::failed : StageEnd::over;
         x = start;
-        solved = minimise_or_recall(schedule.checkpoint, newton, E, wanted, x, [&](const NewtonStep& step) {
+        solved = newton.minimise(E, wanted, x, [&](const NewtonStep& step) {
             if (at.is_last() && observer.newton_step) observer.newton_step(1, step);
         });
         add_counts(solved, result);

@@ -44,14 +44,22 @@ int count(const std::vector<char>& some) { return static_cast<int>(std::count(so
 
 class Curving {
 public:
-    Curving(const Deck& deck, Problem& problem, const StageObserver& observe)
-        : deck_(deck), problem_(problem), mesh_(problem.mesh()), observe_(observe), freed_(mesh_.nodes(), 0) {
+    Curving(const Deck& deck, Problem& problem, const StageObserver& observe, MeshSoFar& so_far)
+        : deck_(deck), problem_(problem), mesh_(problem.mesh()), observe_(observe), so_far_(so_far) {
+        freed_.resize(mesh_.nodes(), 0);
         if (is_minimax_) deck_.distortion.objective = Objective::squared;
     }
 
-    // From here on the mesh is valid.
+    // From where the run stood, at x.
+    void go_on(const std::vector<double>& x) {
+        solution_.x = x;
+        bound_ = certify(mesh_, x).lower_bound;
+    }
+
+    // From the mesh of the file. From here on the mesh is valid.
     void straighten(std::FILE* out) {
         const StraightenedMesh found = straightened(mesh_.x);
+        standing_.x.clear();  // of a solution as a whole
         is_straightened_ = found.was_at_fault;
         const int at_fault = count(found.was_at_fault);
         if (at_fault == 0)
@@ -64,13 +72,16 @@ public:
     }
 
     void curve_parts() {
-        if (count(is_straightened_) == 0) return;
-        for (const Attempt& attempt : attempts)
-            for (const std::vector<int>& place : places_of(mesh_, is_straightened_, attempt.at_once))
-                if (!interrupted() && curve_around(place, attempt))
-                    for (const int e : place) is_straightened_[e] = 0;
+        int& number = standing_.attempt;
+        if (interrupted()) return;
+        if (number < 0 && count(is_straightened_) == 0) number = std::ssize(attempts);
+        if (has_tried_all()) return;
+        for (number = std::max(number, 0); !has_tried_all() && curve_all(attempts[number]); ++number) {}
+        if (interrupted()) so_far_.write(*problem_.level, solution_.x);
         straightened(solution_.x);  // parts that overlap each other, if there are any
     }
+
+    bool has_tried_all() const { return standing_.attempt >= std::ssize(attempts); }
 
     bool leaves_straight() const { return count(is_straightened_) > 0; }  // for what could not be curved again at all
 
@@ -108,7 +119,7 @@ public:
         set_functional(deck_, problem_);
         solution_.al.lambda.assign(level.constraint->multipliers(), 0.0);
         AlIteration row = measured(*level.energy, *level.constraint, solution_.x, solution_.al.distortion);
-        row.gradient_norm = gradient_norm_;
+        row.gradient_norm = standing_.gradient_norm;
         solution_.al.iterations.push_back(row);
         solution_.al.status = interrupted() ? Status::interrupted : Status::converged;
         solution_.time.total = watch_.seconds();
@@ -122,10 +133,11 @@ private:
     Problem& problem_;
     const Mesh& mesh_;
     const StageObserver& observe_;
+    MeshSoFar& so_far_;
+    Standing& standing_ = *so_far_.standing;
     Solution solution_;
-    double gradient_norm_ = 0;  // the largest of those with which parts ended
-    std::vector<char> freed_;   // per node: whether it has slid, or could have
-    std::vector<char> is_straightened_;  // per element: by straighten(), and not curved again yet
+    std::vector<char>& freed_ = standing_.freed;  // per node: whether it has slid, or could have
+    std::vector<char>& is_straightened_ = standing_.straight;  // per element: by straighten(), not curved again yet
     std::vector<double> bound_;          // per element: of its scaled Jacobian, from below
     std::set<std::vector<int>> slid_;    // places whose nodes around have slid, to no avail
     std::shared_ptr<SlidingSurfaces> surfaces_;  // null: not made yet
@@ -157,6 +169,17 @@ private:
         for_face_nodes(mesh_, [&](int f, std::size_t k) {
             if (!surfaces_->surface(surfaces_->part(mesh_, f)).is_flat()) is_in_planes_[mesh_.faces[k]] = 0;
         });
+        return true;
+    }
+
+    // Around all places. False where it is interrupted.
+    bool curve_all(const Attempt& attempt) {
+        for (const std::vector<int>& place : places_of(mesh_, is_straightened_, attempt.at_once)) {
+            if (curve_around(place, attempt))
+                for (const int e : place) is_straightened_[e] = 0;
+            so_far_.keep(*problem_.level, solution_.x);
+            if (interrupted()) return false;
+        }
         return true;
     }
 
@@ -226,7 +249,7 @@ private:
         if (!is_better && attempt.boundary == Boundary::slides_around && !found.certificate.lower_bound.empty())
             slid_.insert(place);
         if (!is_better) return false;
-        gradient_norm_ = std::max(gradient_norm_, stage.last.gradient_norm);
+        standing_.gradient_norm = std::max(standing_.gradient_norm, stage.last.gradient_norm);
         for (std::size_t e = 0; e < part.element.size(); ++e)
             bound_[part.element[e]] = found.certificate.lower_bound[e];
         for (int k = 0; k < part.mesh.nodes(); ++k) {
@@ -274,18 +297,20 @@ Injectivity certified_injective(const Problem& problem, const std::vector<double
 }
 
 Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, const StageObserver& observe,
-                        std::FILE* out) {
+                        MeshSoFar& so_far, std::FILE* out) {
     const bool as_whole = deck.local_repair == LocalRepair::no ||
                           (deck.local_repair == LocalRepair::automatic && is_small(problem.mesh()));
     const Deck settings = deck.local_repair == LocalRepair::no ? deck : impatient(deck);
     const bool keeps_boundary =
         as_whole && find_faults(problem.mesh(), problem.ideal(), problem.target, deck.min_scaled_jacobian).none();
-    if (keeps_boundary) {
+    const bool stood_in_parts = so_far.standing->attempt >= 0;
+    if (keeps_boundary && !stood_in_parts) {
         Solution whole = solve(settings, problem);
         if (is_certified(problem, whole)) return whole;
     }
-    Curving curving(deck, problem, observe);
-    curving.straighten(out);
+    Curving curving(deck, problem, observe, so_far);
+    if (stood_in_parts) curving.go_on(problem.start);
+    else curving.straighten(out);
     curving.curve_parts();
     curving.set_target();
     Solution solution = curving.solution();
@@ -297,7 +322,9 @@ Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, 
         if (is_certified(problem, whole) &&
             whole.al.distortion.max_distortion <= solution.al.distortion.max_distortion)
             return whole;
+        if (interrupted()) solution.al.status = Status::interrupted;
     }
+    if (interrupted() && curving.has_tried_all()) so_far.write(*problem.level, solution.x);
     return solution;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "problem/problem.hpp"
+#include "problem/so_far.hpp"
 #include "problem/solution.hpp"
 
 namespace almesh {
@@ -24,8 +25,11 @@ namespace almesh {
 // deck.local_repair: never or always only as parts.
 // What is certified last is the result, also where the run is interrupted. On return the problem's target is where the
 // boundary is, faces that are not where the file has them flat (target.straight), nodes that slid freed.
+//
+// The mesh so far is that of the whole mesh before anything is straightened, then that of the parts: a part that was
+// being solved, and the whole mesh after the parts, are solved again by a run that goes on.
 Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, const StageObserver& observe,
-                        std::FILE* out);
+                        MeshSoFar& so_far, std::FILE* out);
 
 // As certify_injective() of check/injectivity.hpp: of a mesh that is curved in place with certify_curved().
 Injectivity certified_injective(const Problem& problem, const std::vector<double>& x, const Certificate& certificate);

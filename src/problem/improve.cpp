@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "problem/best_power.hpp"
 #include "problem/corner_smoothing.hpp"
@@ -188,6 +189,8 @@ namespace {
 
 Solution improved(const Deck& deck, Problem& problem, const Solve& solve, int& newton_steps, std::FILE* out) {
     const Mesh& mesh = problem.mesh();
+    // A run that goes on begins as it did before: what it knows better is where the first solution starts.
+    const std::vector<double> so_far = problem.standing ? std::exchange(problem.start, {}) : std::vector<double>();
     std::vector<double> x = problem.start.empty() ? mesh.x : problem.start;
     const bool was_certified = invalid_elements(problem, x).empty();
     if (!was_certified || !may_stay(deck, problem)) find_infeasible_elements(deck, problem, x, out);
@@ -205,7 +208,7 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, int& n
             std::fprintf(out, "note: %s\n", problem.notes[k].c_str());
         if (deck.ideal != IdealKind::mesh) problem.level->ideal = x;  // by which faces and heights are measured
     }
-    problem.start = x;
+    problem.start = so_far.empty() ? x : so_far;
     const LeastJacobian before = least_jacobian(problem, x);
     const auto is_worse = [&](const Solution& solution) {
         return was_valid && may_stay(deck, problem) && least_jacobian(problem, solution.x).is_below(before);
@@ -215,6 +218,7 @@ Solution improved(const Deck& deck, Problem& problem, const Solve& solve, int& n
                !(solution.al.status == Status::converged && is_certified(problem, solution.x));
     };
     Solution solution = solve(deck, problem);
+    problem.start = x;
     if (is_worse(solution) && deck.distortion.objective != Objective::minimax && !interrupted()) {
         std::fprintf(out, "note: an element is worse than the worst of the file: again with objective = minimax\n");
         Deck other = deck;

@@ -10,6 +10,7 @@
 #include "problem/kept_surface.hpp"
 #include "problem/memory.hpp"
 #include "problem/node_targets.hpp"
+#include "problem/so_far.hpp"
 #include "problem/start_mesh.hpp"
 #include "report/results.hpp"
 #include "base/error.hpp"
@@ -187,7 +188,7 @@ void take_to_run(const Frame& frame, Level& level) {
 // Whether a curved mesh is only to be made valid, with what may be done to its boundary (curving.hpp).
 bool curves_in_place(const Deck& deck, const Problem& problem) {
     return (problem.mesh().degree > 1 || deck.local_repair == LocalRepair::yes) && deck.distortion.delta == 0 &&
-           deck.frames.empty() && deck.start != Start::file &&
+           deck.frames.empty() && (deck.start != Start::file || problem.standing) &&
            !is_improved(deck.ideal) && (!problem.is_own_ideal || deck.local_repair == LocalRepair::yes) &&
            deck.split == Split::never && deck.method.moving == MovingMethod::augmented_lagrangian &&
            (deck.surface == SurfaceKind::automatic || deck.surface == SurfaceKind::straighten) &&
@@ -358,6 +359,11 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
         problem.notes = before;
         discretise(deck, problem);
     }
+    problem.way = way_of(deck, problem);
+    if (deck.start == Start::file && deck.frames.empty()) problem.standing = read_standing(deck, problem);
+    if (deck.start == Start::file && !problem.standing && deck.local_repair == LocalRepair::yes)
+        throw UsageError(deck.given.at("start"), ": start = FILE does not go with local_repair = 1, but for so-far.msh ",
+                         "of the same run");
     problem.curves_in_place = curves_in_place(deck, problem);
     if (!problem.curves_in_place) {
         if (deck.surface == SurfaceKind::straighten)

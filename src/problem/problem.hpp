@@ -29,7 +29,9 @@ struct Problem {
     int split_elements = 0;           // of the file: inverted by the target, and divided in the base mesh
     bool curves_in_place = false;     // it is curved, and its boundary is to stay where the file has it (curving.hpp)
     std::vector<double> file_x;       // curved in place, improved, frames: mesh().x in units of the file, nodes x dim
-    std::vector<double> start;        // start = FILE: the first iterate, in the run's frame
+    std::vector<double> start;        // start = FILE: the first iterate, in the run's frame,
+    std::optional<Standing> standing;  // and where its run stood, of which it is a mesh so far (so_far.hpp)
+    std::string way;                   // of the run
     std::vector<double> regular;      // DistortionParams::regular, in the run's frame
     std::vector<std::string> infeasible;  // improved: per element why it need not be valid, or ""; empty: all have to
     PlacedNodes placed, level_placed;  // by files, of the shape's nodes and of the level's, in units of the file

@@ -6,12 +6,12 @@
 #include "base/index.hpp"
 #include "check/boundary_distance.hpp"
 #include "mesh/inner_boundary.hpp"
-#include "method/checkpoint.hpp"
 #include "method/set_boundary.hpp"
 #include "method/levels.hpp"
 #include "method/p_norm.hpp"
 #include "method/snap.hpp"
 #include "problem/curving.hpp"
+#include "problem/so_far.hpp"
 
 namespace almesh {
 namespace {
@@ -226,7 +226,8 @@ Diagnosis diagnose(const Deck& deck, const Problem& problem, const Solution& sol
     return {};
 }
 
-Solution solve(const Deck& deck, const Problem& problem, const SolveObserver& observer, Checkpoint* checkpoint) {
+Solution solve(const Deck& deck, const Problem& problem, const SolveObserver& observer, MeshSoFar* so_far,
+               bool goes_on) {
     const Stopwatch watch;
     Solution solution;
     const auto coarser = starts_coarse(deck) ? coarser_meshes(deck, problem) : std::vector<CoarserMesh>();
@@ -236,7 +237,12 @@ Solution solve(const Deck& deck, const Problem& problem, const SolveObserver& ob
         solution.coarse_newton_iterations += stage.newton_iterations;
     };
     MethodParams params = {deck.method, deck.linear, deck.forcing, continuation_of(deck)};
-    params.schedule.checkpoint = checkpoint;
+    params.goes_on = goes_on;
+    if (so_far) {
+        params.observe_iterate = [so_far](const Level& level, const std::vector<double>& x) { so_far->keep(level, x); };
+        params.standing = so_far->standing;
+        if (!goes_on) *params.standing = {};
+    }
     const CoarseSolution coarse =
         solve_coarser(static_cast<int>(coarser.size()), make_level, params, solution.time, add_stage);
     solution.time.coarse = solution.time.total;
@@ -244,16 +250,26 @@ Solution solve(const Deck& deck, const Problem& problem, const SolveObserver& ob
     Level& level = *problem.level;
     set_functional(deck, problem);  // Eq. 6
 
+    Standing& standing = *params.standing;
+    AlObserver observe_al = observer;
+    observe_al.multipliers = [&standing](const std::vector<double>& lambda, double mu) {
+        standing.lambda = lambda;
+        standing.mu = mu;
+        standing.x.clear();
+    };
     const bool from_file = !problem.start.empty();
     if (from_file) solution.x = problem.start;
     AlStart start = from_file ? AlStart::from_near(*level.constraint) : start_from(coarse, level, solution.x);
+    if (goes_on) start.mu = standing.mu;
+    if (goes_on && standing.lambda.size() == start.lambda.size()) start.lambda = standing.lambda;
     if (starts_coarse(deck) && identity_is_near(deck, problem)) start.mu = largest_start_penalty;
     Newton newton(level.energy->hessian_pattern(), deck.linear, {.forcing = deck.forcing});
     if (observer.begins) observer.begins(newton, solution.x);
     solution.time.setup = watch.seconds() - solution.time.coarse;
-    solution.al = minimise_objective(deck, level, newton, params, solution.x, start, observer,
+    solution.al = minimise_objective(deck, level, newton, params, solution.x, start, observe_al,
                                      observer.stage);
     solution.time += newton.time;
+    if (so_far && solution.al.status == Status::interrupted) so_far->write(level, solution.x);
     if (solution.al.status == Status::linear_solver_failed)
         solution.refused_bytes = newton.linear_solver().refused_bytes();
     if (solution.al.status == Status::converged) place_inside_volumes(problem, solution.x);

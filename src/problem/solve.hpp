@@ -6,17 +6,17 @@
 
 namespace almesh {
 
-class Checkpoint;
+class MeshSoFar;
 
 struct SolveObserver : AlObserver {
     StageObserver stage = {};
     std::function<void(Newton&, const std::vector<double>& start)> begins = {};
 };
 
-// The solution on coarser meshes, where the deck starts from there, the functional, and Algorithm 1. checkpoint: null
-// for none.
+// The solution on coarser meshes, where the deck starts from there, the functional, and Algorithm 1. so_far: null for
+// none. goes_on: the problem's start is where its run stood.
 Solution solve(const Deck& deck, const Problem& problem, const SolveObserver& observer = {},
-               Checkpoint* checkpoint = nullptr);
+               MeshSoFar* so_far = nullptr, bool goes_on = false);
 
 // Sets the nodes inside elements of volumes that follow a motion to where it takes them, like those on their sides,
 // which the constraint has brought there; they stay where an element would not be valid. x: a valid mesh, in the run's

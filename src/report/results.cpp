@@ -193,7 +193,6 @@ std::string run_id(Deck deck, FileHashes& known) {
     deck.output = ".";
     deck.threads = defaults.threads;
     deck.max_seconds = defaults.max_seconds;
-    deck.checkpoint = defaults.checkpoint;
     deck.resume = defaults.resume;
     return hash_of(resolved(deck) + hashes);
 }

@@ -17,9 +17,9 @@
 #include "deck/deck.hpp"
 #include "problem/frame_state.hpp"
 #include "deck/frame_times.hpp"
+#include "problem/so_far.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "method/checkpoint.hpp"
 
 namespace almesh {
 namespace {
@@ -35,22 +35,17 @@ bool is_of_frame(const std::string& name) {
                                            ending == "velocity.csv" || ending == "swept.csv"));
 }
 
-// Of a Newton step or a frame: who resumes a run does not take it again.
-bool is_of_step(const std::string& name) {
-    return is_of_frame(name) || name == "iterates.vtk.series" ||
-           (name.starts_with("iterate-") && name.ends_with(".vtk"));
-}
-
 bool is_derivative(const std::string& name) {
     return (name.starts_with("adjoint-") || name.starts_with("tangent-")) && name.ends_with(".csv");
 }
 
-// What a run may write, but for deck.txt and the checkpoint.
+// What a run may write, but for deck.txt and the mesh so far.
 bool is_result(const std::string& name) {
-    constexpr std::array<std::string_view, 12> results = {"final.msh",    "final.su2", "initial.vtk", "final.vtk",
-                                                          "boundary.vtk", "stop.vtk",  "summary.txt", "quality.csv",
-                                                          "expectations.csv", "moved-nodes.csv", "invalid.csv", sweep_row};
-    return is_of_step(name) || is_derivative(name) || std::find(results.begin(), results.end(), name) != results.end();
+    constexpr std::array<std::string_view, 15> results = {
+        "final.msh", "final.su2", "initial.vtk", "final.vtk", "boundary.vtk", "stop.vtk", "summary.txt", "quality.csv",
+        "expectations.csv", "moved-nodes.csv", "invalid.csv", "iterates.vtk.series", "A.mtx", "b.mtx", sweep_row};
+    return is_of_frame(name) || is_derivative(name) || (name.starts_with("iterate-") && name.ends_with(".vtk")) ||
+           std::find(results.begin(), results.end(), name) != results.end();
 }
 
 // Left by a process that was killed while it wrote a result: "final.msh.part1234".
@@ -58,7 +53,7 @@ bool is_part(const std::string& name) {
     const auto at = name.rfind(".part");
     if (at == std::string::npos) return false;
     const std::string of = name.substr(0, at);
-    return (is_result(of) || of == "deck.txt") &&
+    return (is_result(of) || of == "deck.txt" || of == "so-far.msh") &&
            name.find_first_not_of("0123456789", at + std::string_view(".part").size()) == std::string::npos;
 }
 
@@ -118,8 +113,6 @@ std::string host() {
 
 }  // namespace
 
-std::string checkpoint_folder(const Deck& deck) { return deck.output + "/checkpoint"; }
-
 ResultsFolder::ResultsFolder(const Deck& deck)
     : deck_(deck), lock_(checked_folder(deck)), kept_(!deck.frames.empty() && has_coupled_meshes(deck.output)) {
     if (!kept_) empty();
@@ -128,9 +121,10 @@ ResultsFolder::ResultsFolder(const Deck& deck)
 // A coupled run has its log open.
 void ResultsFolder::empty() {
     const bool goes_on = !std::exchange(kept_, false) && deck_.resume;
-    if (!goes_on) Checkpoint::remove(checkpoint_folder(deck_));
+    std::error_code error;
+    if (!fs::equivalent(path_so_far(deck_), deck_.start_file, error)) remove_file(path_so_far(deck_));
     for (const std::string& name : names_in(deck_.output))
-        if (is_part(name) || (is_result(name) && !(goes_on && is_of_step(name)) &&
+        if (is_part(name) || (is_result(name) && !(goes_on && is_of_frame(name)) &&
                               !(name == frames_log && is_coupled(deck_.frames))))
             remove_file(deck_.output + "/" + name);
 }

@@ -113,15 +113,6 @@ void check_result(const std::string& mesh_path, const std::string& folder, const
     if (run.old_elements.degree == 1) check_faces(run);
 }
 
-void damage_files(const std::string& folder, Choices& choose) {
-    std::set<std::string> paths;
-    for (const auto& entry : std::filesystem::directory_iterator(folder)) paths.insert(entry.path().string());
-    for (const std::string& path : paths) {
-        const std::string text = damaged(test::text_of(path), choose);
-        std::ofstream(path, std::ios::binary) << text;
-    }
-}
-
 }  // namespace
 
 void fuzz_run(std::string_view bytes) {
@@ -139,9 +130,9 @@ void fuzz_run(std::string_view bytes) {
     const std::string deck_path = folder.write("run.deck", deck);
     try {
         test::Outcome outcome = outcome_of({deck_path});
-        if (const std::string state = output + "/checkpoint"; std::filesystem::exists(state)) {
-            damage_files(state, choose);
-            outcome = outcome_of({deck_path, "resume=1"});
+        if (const std::string so_far = output + "/so-far.msh"; std::filesystem::exists(so_far)) {
+            const std::string start = folder.write("start.msh", damaged(test::text_of(so_far), choose));
+            outcome = outcome_of({deck_path, "start=" + start});
         }
         if (outcome.code == 0) check_result(mesh_path, output, motions, settings);
     } catch (const Violation& violation) {

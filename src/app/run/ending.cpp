@@ -9,8 +9,8 @@
 
 #include "deck/deck_checks.hpp"
 #include "problem/problem.hpp"
+#include "problem/so_far.hpp"
 #include "report/results.hpp"
-#include "report/results_folder.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
@@ -182,7 +182,7 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
             return concat("max_newton_iterations = ", 2 * deck.method.max_newton_iterations, "; ",
                           against_distance(deck, problem, solution));
         case Status::interrupted:
-            if (std::filesystem::exists(checkpoint_folder(deck))) return "resume=1, which goes on from here";
+            if (std::filesystem::exists(path_so_far(deck))) return command_to_go_on(deck);
             return out_of_time() ? concat("max_seconds = ", 4 * deck.max_seconds)
                                  : "the run again: it starts from the mesh file";
         case Status::linear_solver_failed:

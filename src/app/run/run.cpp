@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "app/commands.hpp"
 #include "problem/curving.hpp"
 #include "problem/improve.hpp"
 #include "problem/memory.hpp"
 #include "problem/problem.hpp"
+#include "problem/so_far.hpp"
 #include "report/report.hpp"
 #include "report/results.hpp"
 #include "report/results_folder.hpp"
@@ -19,7 +21,6 @@
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "check/boundary_distance.hpp"
-#include "method/checkpoint.hpp"
 #include "method/levels.hpp"
 #include "method/snap.hpp"
 #include "method/p_norm.hpp"
@@ -29,11 +30,13 @@ namespace {
 
 constexpr double worth_telling = 0.5e9;  // bytes
 
-void write_iterates(const Deck& deck, const Problem& problem, Newton& newton, const std::vector<double>& start) {
-    if (deck.iterates == 0 || deck.vtk == VtkOutput::none) return;
-    write_iterate(deck, problem, 0, start);
-    newton.observe_iterates([&deck, &problem](int step, const std::vector<double>& x) {
-        if (step % deck.iterates == 0) write_iterate(deck, problem, step / deck.iterates, x);
+void observe_iterates(const Deck& deck, const Problem& problem, Newton& newton, const std::vector<double>& start,
+                      MeshSoFar* so_far) {
+    const bool writes = deck.iterates > 0 && deck.vtk != VtkOutput::none;
+    if (writes) write_iterate(deck, problem, 0, start);
+    newton.observe_iterates([&deck, &problem, writes, so_far](int step, const std::vector<double>& x) {
+        if (writes && step % deck.iterates == 0) write_iterate(deck, problem, step / deck.iterates, x);
+        if (so_far) so_far->keep(*problem.level, x);
     });
 }
 
@@ -46,7 +49,8 @@ void write_history(const Deck& deck, const Report& report, std::FILE* out) try {
     std::fprintf(out, "note: %s\n", failed.what());
 }
 
-SolveObserver observer_of(const Deck& deck, const Problem& problem, Report& report, std::FILE* out) {
+SolveObserver observer_of(const Deck& deck, const Problem& problem, Report& report, std::FILE* out,
+                          MeshSoFar* so_far) {
     SolveObserver observer;
     observer.iteration = [&deck, &report, out](const AlIteration& row) {
         report.add(row);
@@ -54,28 +58,10 @@ SolveObserver observer_of(const Deck& deck, const Problem& problem, Report& repo
     };
     observer.newton_step = [&report](int al_iteration, const NewtonStep& step) { report.add(al_iteration, step); };
     observer.stage = [&report](const Stage& stage) { report.add(stage); };
-    observer.begins = [&deck, &problem, &report](Newton& newton, const std::vector<double>& start) {
-        write_iterates(deck, problem, newton, start);
+    observer.begins = [&deck, &problem, so_far](Newton& newton, const std::vector<double>& start) {
+        observe_iterates(deck, problem, newton, start, so_far);
     };
     return observer;
-}
-
-// Null where the deck wants none.
-std::unique_ptr<Checkpoint> make_checkpoint(const Deck& deck, const Problem& problem, std::FILE* out) {
-    if (deck.checkpoint == 0) return nullptr;
-    return std::make_unique<Checkpoint>(
-        checkpoint_folder(deck), concat(version(), " ", commit(), ", run ", problem.run_id), deck.checkpoint,
-        deck.resume, [out](const std::string& note) { std::fprintf(out, "note: %s\n", note.c_str()); });
-}
-
-void print_resumed(std::FILE* out, const Deck& deck, const Checkpoint& checkpoint) {
-    if (!deck.resume) return;
-    const int saved = checkpoint.minimisations();
-    const std::string folder = checkpoint_folder(deck);
-    if (saved > 0)
-        std::fprintf(out, "resumes from %s in %s\n", counted(saved, "minimisation").c_str(), folder.c_str());
-    else
-        std::fprintf(out, "note: no saved state in %s: the run starts from the beginning\n", folder.c_str());
 }
 
 bool expectations_hold(std::FILE* out, const Deck& deck, const Summary& summary) {
@@ -121,11 +107,14 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     set_threads(deck.threads);
     Problem problem = make_problem(deck);
     if (hooks.begins) hooks.begins(problem);
-    const std::unique_ptr<Checkpoint> checkpoint = make_checkpoint(deck, problem, out);
     const ResultsFolder folder(deck);
     const double bytes = predicted_bytes(problem.mesh(), deck.linear);
     print_mesh(out, deck, problem, bytes);
-    if (checkpoint) print_resumed(out, deck, *checkpoint);
+    MeshSoFar so_far(deck, problem, hooks.seconds_between_meshes, hooks.stepped, out);
+    bool goes_on = problem.standing && !is_improved(deck.ideal);
+    if (problem.standing) std::fprintf(out, "goes on from %s\n", deck.start_file.c_str());
+    if (goes_on) *so_far.standing = *problem.standing;
+    goes_on = goes_on && problem.standing->attempt < 0;  // the first solution, which is of the whole mesh
     const double setup_seconds = watch.seconds();
     write_deck(deck, problem);
     write_initial(deck, problem);
@@ -137,8 +126,10 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     const Stopwatch solving;
     int newton_steps = 0;  // of all solutions, parts and attempts, whatever became of them
     const Solve solve_problem = [&](const Deck& settings, const Problem& of) {
-        SolveObserver observer = observer_of(deck, of, report, out);
-        Solution found = solve(settings, of, observer, checkpoint.get());
+        const bool is_kept = so_far.standing->attempt < 0 && &of == &problem &&
+                             settings.method.moving != MovingMethod::boundary_set;
+        MeshSoFar* const kept = is_kept ? &so_far : nullptr;
+        Solution found = solve(settings, of, observer_of(deck, of, report, out, kept), kept, std::exchange(goes_on, false));
         found.reached = report.reached;
         newton_steps += found.newton_steps();
         return found;
@@ -147,7 +138,7 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
         report.add(stage);
         newton_steps += stage.newton_iterations;
     };
-    Solution solution = problem.curves_in_place   ? curve_in_place(deck, problem, solve_problem, add_stage, out)
+    Solution solution = problem.curves_in_place   ? curve_in_place(deck, problem, solve_problem, add_stage, so_far, out)
                         : is_improved(deck.ideal) ? improve(deck, problem, solve_problem, newton_steps, out)
                                                   : solve_problem(deck, problem);
     solution.al.earlier_newton_iterations += newton_steps - solution.newton_steps();
@@ -169,7 +160,7 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
     solution.time.run = watch.seconds();
     const Summary summary = summarise(problem, solution);
     write_summary(deck, summary);
-    if (solution.al.status != Status::interrupted) Checkpoint::remove(checkpoint_folder(deck));
+    if (solution.al.status != Status::interrupted) remove_file(path_so_far(deck));
     print_uncertified(out, problem.mesh(), final_positions(problem, solution.x), solution.certificate, deck.output,
                       problem.infeasible);
     print_ending(out, deck, problem, solution, report.fallbacks);

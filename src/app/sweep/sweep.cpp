@@ -207,6 +207,7 @@ void SweepRun::add_run(const std::vector<std::string>& values) {
     run.deck.sweeps.clear();
     run.deck.output = deck_.output + "/" + run.name;
     if (run.deck.threads == 0) run.deck.threads = 1;
+    if (run.deck.frames.empty()) run.deck.resume = 0;  // it goes on by runs
     run.id = concat("# ", version(), ", commit ", commit(), ", run ", run_id(run.deck, hash_), "\n");
     runs_.push_back(std::move(run));
 }
