@@ -255,7 +255,7 @@ std::shared_ptr<const RowOrder> sweep_order(const BlockCsr& pattern, int dimensi
 
 bool LinearSolver::iterative_first(const BlockCsr& A) {
     if (params_.kind != SolverKind::automatic) return params_.kind != SolverKind::cholesky;
-    if (known_.failures < failures_to_give_up && iterates(A.size(), dimension_, params_)) return true;
+    if (failures_ < failures_to_give_up && iterates(A.size(), dimension_, params_)) return true;
     return !direct(A).cholesky.fits();
 }
 
@@ -267,25 +267,11 @@ double LinearSolver::predicted_flops(const BlockCsr& A) const {
 }
 
 bool LinearSolver::direct_is_worth(const BlockCsr& A, int iterations) {
-    known_.failed_iterations += iterations;
-    const double spent = std::max(worth * iterations, known_.failed_iterations) * flops_of_entry * entries(A);
+    failed_iterations_ += iterations;
+    const double spent = std::max(worth * iterations, failed_iterations_) * flops_of_entry * entries(A);
     const auto costs_too_much = [&] { return predicted_flops(A) > spent; };
     if (costs_too_much()) return false;
     return direct(A).cholesky.fits() && !costs_too_much();
-}
-
-LinearSolverState LinearSolver::state() const {
-    LinearSolverState state = known_;
-    state.iterative = state.iterative || iterative_;
-    state.direct = state.direct || direct_;
-    return state;
-}
-
-// In the order in which it was: the patience of an iterative solver comes from what is then known of Cholesky.
-void LinearSolver::set_up_as_known(const BlockCsr& A) {
-    if (known_.iterative && iterates(A.size(), dimension_, params_)) iterative(A);
-    if (known_.direct) direct(A);
-    if (known_.iterative) iterative(A);
 }
 
 void LinearSolver::analyse(const BlockCsr& A) {
@@ -310,17 +296,16 @@ SolveResult LinearSolver::solve_directly(const BlockCsr& A, const std::vector<do
 SolveResult LinearSolver::solve(const BlockCsr& A, const std::vector<double>& b, std::vector<double>& x,
                                 bool may_be_indefinite) {
     x.assign(A.size(), 0.0);
-    set_up_as_known(A);
     if (!iterative_first(A)) return solve_directly(A, b, x);
     const SolveResult first = iterative(A).solve(A, b, x);
-    if (first.status == SolveStatus::success) known_.failures = 0, known_.failed_iterations = 0;
+    if (first.status == SolveStatus::success) failures_ = 0, failed_iterations_ = 0;
     if (first.status == SolveStatus::success || first.status == SolveStatus::not_positive_definite) return first;
     if (may_be_indefinite && first.status == SolveStatus::indefinite_preconditioner) return first;
     if (!params_.fallback) return first;
     const bool tried = first.status != SolveStatus::indefinite_preconditioner;
     const bool of_ilu = first.preconditioner == PreconditionerKind::ilu0;
     if (tried ? !direct_is_worth(A, first.iterations) : !of_ilu || !direct(A).cholesky.fits()) return first;
-    ++known_.failures;
+    ++failures_;
     SolveResult second = solve_directly(A, b, x);
     second.iterations = first.iterations;
     second.work += first.work;

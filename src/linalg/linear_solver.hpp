@@ -61,13 +61,6 @@ struct SolveResult {
     double work = 0;  // iterations times the entries of A; of Cholesky, as many as are made in the time it takes
 };
 
-// What a solver has come to know in the systems so far, beyond what the next one's matrix tells.
-struct LinearSolverState {
-    int failures = 0;              // of iterative solvers in a row, solved by Cholesky
-    double failed_iterations = 0;  // since the last success
-    bool iterative = false, direct = false;  // which of them have been set up
-};
-
 // Whether a system of this size goes to an iterative solver first.
 bool iterates(int unknowns, int dimension, const LinearSolverParams& params);
 
@@ -102,8 +95,7 @@ public:
     void analyse(const BlockCsr& A);
 
     // As another solver had it: the next solve gives the bits that it would have given there.
-    LinearSolverState state() const;
-    void set_state(const LinearSolverState& state) { known_ = state; }
+    void forget() { failures_ = 0, failed_iterations_ = 0; }  // what the systems so far have told
 
     // Scalar entries of the Cholesky factor, operations to compute it, bytes of the factorisation with the number of
     // threads now in force; 0 until it has been analysed.
@@ -124,11 +116,11 @@ private:
     bool iterative_first(const BlockCsr& A);
     double predicted_flops(const BlockCsr& A) const;
     bool direct_is_worth(const BlockCsr& A, int iterations);
-    void set_up_as_known(const BlockCsr& A);
 
     int dimension_;
     LinearSolverParams params_;
-    LinearSolverState known_;
+    int failures_ = 0;              // of iterative solvers in a row, solved by Cholesky
+    double failed_iterations_ = 0;  // since the last success
     std::vector<double> b_, x_;  // in the order of A's rows
     std::unique_ptr<Iterative> iterative_;
     std::unique_ptr<Direct> direct_;

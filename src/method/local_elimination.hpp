@@ -49,7 +49,6 @@ public:
         double work_of_newton = 0, work = 0;     // over the whole mesh, and of all local minimisations
     };
     const State& state() const { return state_; }
-    void set_state(const State& state) { state_ = state; }
 
     void reset() { state_.was_hard = state_.is_hard = false; }  // before a problem that knows nothing of earlier ones
 

@@ -228,14 +228,11 @@ void Newton::adapt(const NewtonStep& step, const NewtonResult& before, const New
     hessian_ = damping_.after_step(step.step_length);
 }
 
-NewtonMemory Newton::memory() const { return {steps_, damping_, filtering_, elimination_.state(), solver_.state()}; }
-
-void Newton::recall(const NewtonMemory& memory) {
-    steps_ = memory.steps;
-    damping_ = memory.damping;
-    filtering_ = memory.filtering;
-    elimination_.set_state(memory.elimination);
-    solver_.set_state(memory.solver);
+void Newton::forget() {
+    damping_ = {};
+    filtering_ = EigenvalueFiltering::of_mesh();
+    elimination_ = LocalElimination();
+    solver_.forget();
 }
 
 Newton::Newton(BlockCsr pattern, const LinearSolverParams& linear, const NewtonPolicies& policies)

@@ -86,15 +86,6 @@ struct NewtonResult {
     double omega = 0;  // the tolerance that was used
 };
 
-// What a minimisation leaves to the next ones, besides x and the quadrature of E.
-struct NewtonMemory {
-    int steps = 0;  // of all calls so far
-    Damping damping;
-    EigenvalueFiltering filtering = EigenvalueFiltering::of_mesh();
-    LocalElimination::State elimination;
-    LinearSolverState solver;
-};
-
 // What hangs on a step. The defaults are for a whole mesh; local_elimination.cpp has those for a few nodes.
 struct NewtonPolicies {
     Forcing forcing = Forcing::automatic;
@@ -115,8 +106,7 @@ public:
     // Called with every iterate that is accepted, of all calls of minimise().
     void observe_iterates(IterateObserver observer) { observe_iterate_ = std::move(observer); }
 
-    NewtonMemory memory() const;
-    void recall(const NewtonMemory& memory);
+    void forget();  // what its steps so far have told: as one on a whole mesh that has made none
 
     const LinearSolver& linear_solver() const { return solver_; }
     Timings time;  // of all calls so far

@@ -119,12 +119,10 @@ std::string FrameSolver::start(const Deck& deck, double t, const FramesBefore& b
 }
 
 Newton& FrameSolver::newton(const Deck& deck) {
-    if (!newton_) {
+    if (!newton_)
         newton_ = std::make_unique<Newton>(problem_.level->energy->hessian_pattern(), deck.linear,
                                            NewtonPolicies{.forcing = deck.forcing});
-        fresh_ = newton_->memory();
-    }
-    newton_->recall(fresh_);
+    newton_->forget();  // a frame does not depend on those before it
     return *newton_;
 }
 

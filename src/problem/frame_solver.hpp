@@ -31,7 +31,6 @@ public:
 private:
     Problem& problem_;
     std::unique_ptr<Newton> newton_;
-    NewtonMemory fresh_;  // of one that has made no step: a frame does not depend on those before it
 
     Newton& newton(const Deck& deck);
     void prepare(const Deck& deck);
