@@ -9,6 +9,7 @@
 #include <cstdlib>
 
 #include "base/decimal.hpp"
+#include "base/table.hpp"
 
 namespace almesh {
 
@@ -101,26 +102,17 @@ std::string hash_of(std::string_view text) {
 }
 
 std::string rounded_down(double value, int digits) {
-    const auto shown = [digits](double number) {
-        char text[64];
-        std::snprintf(text, sizeof text, "%.*g", digits, number);
-        return std::string(text);
-    };
-    std::string text = shown(value);
+    const std::string text = to_text(value, digits);
     if (!std::isfinite(value) || std::strtod(text.c_str(), nullptr) <= value) return text;
     const double last_digit = std::pow(10, std::floor(std::log10(std::abs(value))) - digits + 1);
-    return shown(value - last_digit);
+    return to_text(value - last_digit, digits);
 }
 
 std::string counted(std::size_t count, const char* noun) { return concat(count, " ", noun, count == 1 ? "" : "s"); }
 
 std::string position_text(const double* x, int dim) {
     std::string text;
-    for (int a = 0; a < dim; ++a) {
-        char digits[32];
-        const auto end = std::to_chars(digits, digits + sizeof digits, x[a], std::chars_format::general, 6).ptr;
-        text.append(a ? ", " : "(").append(digits, end);
-    }
+    for (int a = 0; a < dim; ++a) text += (a ? ", " : "(") + to_text(x[a], 6);
     return text + ")";
 }
 
