@@ -10,7 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "base/text.hpp"
+#include "base/table.hpp"
 #include "constraint/sliding_nodes.hpp"
 #include "geometry/closest_point.hpp"
 #include "geometry/face_patches.hpp"
@@ -167,19 +167,16 @@ std::vector<double> relative_face_distances(const Mesh& mesh, const std::vector<
     return relative;
 }
 
-void print_distances(std::FILE* out, const Mesh& mesh, const std::vector<BoundaryDistance>& distances,
-                     const std::string& from) {
-    if (distances.empty()) return;
-    int width = 8;
+std::string distance_table(const Mesh& mesh, const std::vector<BoundaryDistance>& distances, const std::string& from) {
+    if (distances.empty()) return "";
+    std::vector<Cells> rows;
     for (const BoundaryDistance& of : distances)
-        width = std::max(width, static_cast<int>(mesh.boundaries[of.boundary].size()));
-    std::fprintf(out, "distance of the faces from %s (edge: the longest of the face):\n", from.c_str());
-    std::fprintf(out, "%-*s   faces   moved     area    largest        RMS  largest/edge   RMS/edge\n", width,
-                 "boundary");
-    for (const BoundaryDistance& of : distances)
-        std::fprintf(out, "%-*s  %6d  %6d  %5.1f %%  %9.3g  %9.3g  %12.3g  %9.3g\n", width,
-                     mesh.boundaries[of.boundary].c_str(), of.faces, of.moved, 100 * of.moved_area, of.largest, of.rms,
-                     of.relative_largest, of.relative_rms);
+        rows.push_back({mesh.boundaries[of.boundary], of.faces, of.moved, fixed(100 * of.moved_area, 1) + " %",
+                        to_text(of.largest, 3), to_text(of.rms, 3), to_text(of.relative_largest, 3),
+                        to_text(of.relative_rms, 3)});
+    const TextTable table({{"boundary", -8}, {"faces", 6}, {"moved", 6}, {"area", 7}, {"largest", 9}, {"RMS", 9},
+                           {"largest/edge", 12}, {"RMS/edge", 9}});
+    return "distance of the faces from " + from + " (edge: the longest of the face):\n" + table.text(rows);
 }
 
 namespace {
@@ -235,24 +232,23 @@ std::vector<MovedNode> moved_nodes(const Mesh& mesh, const BoundaryTarget& targe
 std::string moved_nodes_csv(const Mesh& mesh, const std::vector<MovedNode>& nodes) {
     std::string text = "node,boundary,distance,along\n";
     for (const MovedNode& of : nodes)
-        text += concat(mesh.file.node_id[of.node], ",", quoted_where_needed(mesh.boundaries[of.boundary], ",\""), ",",
-                       of.distance, ",", of.along, "\n");
+        text += csv_row({mesh.file.node_id[of.node], mesh.boundaries[of.boundary], of.distance, of.along});
     return text;
 }
 
-void print_moved_nodes(std::FILE* out, const Mesh& mesh, const std::vector<MovedNode>& nodes) {
+std::string moved_nodes_text(const Mesh& mesh, const std::vector<MovedNode>& nodes) {
     constexpr std::size_t most = 10;
-    if (nodes.empty()) return;
+    if (nodes.empty()) return "";
     const auto how = [](const std::string& along) { return along.empty() ? "off the surface" : "along: " + along; };
     std::map<std::string, std::size_t> counts;
     for (const MovedNode& of : nodes) ++counts[how(of.along)];
     std::string text;
     for (const auto& [along, times] : counts) text += concat(text.empty() ? "" : "; ", times, " ", along);
-    std::fprintf(out, "%s gave way (%s):\n", counted(nodes.size(), "boundary node").c_str(), text.c_str());
+    text = concat(counted(nodes.size(), "boundary node"), " gave way (", text, "):\n");
     for (std::size_t k = 0; k < std::min(most, nodes.size()); ++k)
-        std::fprintf(out, "  %lld of %s by %.3g, %s\n", mesh.file.node_id[nodes[k].node],
-                     mesh.boundaries[nodes[k].boundary].c_str(), nodes[k].distance, how(nodes[k].along).c_str());
-    if (nodes.size() > most) std::fprintf(out, "  ..., all of them in moved-nodes.csv\n");
+        text += concat("  ", mesh.file.node_id[nodes[k].node], " of ", mesh.boundaries[nodes[k].boundary], " by ",
+                       to_text(nodes[k].distance, 3), ", ", how(nodes[k].along), "\n");
+    return text + (nodes.size() > most ? "  ..., all of them in moved-nodes.csv\n" : "");
 }
 
 std::vector<double> wall_distance(const Mesh& mesh, const std::vector<double>& x, const std::vector<char>& is_wall) {

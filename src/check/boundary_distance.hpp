@@ -7,7 +7,6 @@
 //
 //     largest = max d,   rms^2 = integral of d^2 / area,   and the same of d / h.
 #pragma once
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -35,9 +34,8 @@ std::vector<BoundaryDistance> boundary_distances(const Mesh& mesh, const std::ve
 std::vector<double> relative_face_distances(const Mesh& mesh, const std::vector<double>& came,
                                             const std::vector<double>& x, const std::vector<char>& measured = {});
 
-// A table with a row for each, below a line that says from what; nothing where there are none.
-void print_distances(std::FILE* out, const Mesh& mesh, const std::vector<BoundaryDistance>& distances,
-                     const std::string& from);
+// A table with a row for each, below a line that says from what; "" where there are none.
+std::string distance_table(const Mesh& mesh, const std::vector<BoundaryDistance>& distances, const std::string& from);
 
 // Largest distance from their surface of points of the faces that have a node that slides; 0 where there are none.
 // x: node_count x dim positions, target and x in the frame sliding.frame().
@@ -64,8 +62,8 @@ std::vector<MovedNode> moved_nodes(const Mesh& mesh, const BoundaryTarget& targe
 
 std::string moved_nodes_csv(const Mesh& mesh, const std::vector<MovedNode>& nodes);
 
-// How many, how they moved, and the first ten; nothing where there are none.
-void print_moved_nodes(std::FILE* out, const Mesh& mesh, const std::vector<MovedNode>& nodes);
+// How many, how they moved, and the first ten; "" where there are none.
+std::string moved_nodes_text(const Mesh& mesh, const std::vector<MovedNode>& nodes);
 
 // Distance of every node to a wall: to the curved faces of degree p themselves, not to their nodes. The error is of the
 // order of the rounding errors of the coordinates, however thin the layers at the wall are. Where a face is curved so

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/text.hpp"
+#include "base/table.hpp"
 #include "check/determined_elements.hpp"
 
 namespace almesh {
@@ -88,8 +88,7 @@ InvalidElements list_invalid(const Mesh& mesh, const std::vector<int>& elements,
         const int e = elements[k];
         const Vec<3> at = element_centre(mesh, x, e);
         const std::string reason = why.empty() ? "" : why[e];
-        list.csv += concat(mesh.file.element_id[e], ",", at[0], ",", at[1], ",", at[2], ",", scaled_jacobian[e], ",\"",
-                           reason, "\"\n");
+        list.csv += csv_row({mesh.file.element_id[e], at[0], at[1], at[2], scaled_jacobian[e], sentence(reason)});
         if (k < shown)
             list.first += concat("\n  ", mesh.file.element_id[e], "  ", position_text(at.data(), mesh.dim), "  ",
                                  rounded_down(scaled_jacobian[e], 4), reason.empty() ? "" : "  ", reason);

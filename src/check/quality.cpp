@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numeric>
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/small_matrix.hpp"
+#include "base/table.hpp"
 #include "energy/densities.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/quadrature.hpp"
@@ -19,7 +19,7 @@
 namespace almesh {
 namespace {
 
-constexpr int worst_listed = 10;
+constexpr std::size_t worst_listed = 10;
 constexpr int bar_length = 50;  // characters of the longest bar
 
 // At the points of the quadrature: inverse Jacobians of the regular cell.
@@ -92,15 +92,12 @@ void measure_edges(const Mesh& mesh, const std::vector<double>& x, QualityStatis
     }
 }
 
-void list_worst(const Mesh& mesh, const std::vector<double>& x, QualityStatistics& statistics) {
-    std::vector<int> order(mesh.element_count());
+std::vector<int> worst_elements(const std::vector<double>& quality) {
+    std::vector<int> order(quality.size());
     std::iota(order.begin(), order.end(), 0);
-    const auto end = order.begin() + std::min<std::ptrdiff_t>(worst_listed, order.end() - order.begin());
-    std::partial_sort(order.begin(), end, order.end(), [&](int a, int b) {
-        return std::pair(statistics.quality[a], a) < std::pair(statistics.quality[b], b);
-    });
-    for (auto e = order.begin(); e != end; ++e)
-        statistics.worst.push_back({*e, statistics.quality[*e], element_centre(mesh, x, *e)});
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return quality[a] < quality[b]; });
+    order.resize(std::min(order.size(), worst_listed));
+    return order;
 }
 
 }  // namespace
@@ -117,7 +114,7 @@ QualityStatistics mesh_quality(const Mesh& mesh, const std::vector<double>& x) {
         statistics.inverted += q == 0;
     }
     measure_edges(mesh, x, statistics);
-    list_worst(mesh, x, statistics);
+    statistics.worst = worst_elements(quality);
     return statistics;
 }
 
@@ -136,9 +133,8 @@ std::string histogram_text(const QualityStatistics& statistics) {
         const int count = statistics.histogram[k];
         // At least one mark for a bin that is not empty, so that a few bad elements are seen.
         const int bar = count == 0 ? 0 : std::max(1, static_cast<int>(1.0 * count / most * bar_length));
-        char line[128];
-        std::snprintf(line, sizeof line, "%.1f - %.1f %9d", k / 10.0, (k + 1) / 10.0, count);
-        text += line + std::string(bar > 0 ? 2 : 0, ' ') + std::string(bar, '#') + '\n';
+        text += concat(fixed(k / 10.0, 1), " - ", fixed((k + 1) / 10.0, 1), " ", padded(concat(count), 9),
+                       std::string(bar > 0 ? 2 : 0, ' '), std::string(bar, '#'), "\n");
     }
     return text;
 }

@@ -7,9 +7,8 @@
 #include <map>
 
 #include "base/error.hpp"
-#include "base/files.hpp"
 #include "base/parallel.hpp"
-#include "base/text.hpp"
+#include "base/table.hpp"
 #include "geometry/patch.hpp"
 #include "mesh/lagrange.hpp"
 
@@ -82,13 +81,11 @@ std::vector<char> disputed_nodes(const Mesh& mesh, const BoundaryTarget& target,
         if (std::max({std::abs(way[0]), std::abs(way[1]), std::abs(way[2])}) <= tolerance + rounding) return;
         disputed[mesh.faces[k]] = 1;
         if (!refuse) return;
-        std::string apart;
-        append(apart, length(way), 4);
         throw InputError("node ", mesh.file.node_id[mesh.faces[k]], " lies on two boundaries whose motions disagree: ",
                          mesh.boundaries[mesh.face_boundary[seen.face]], " takes it to ", position_text(a, dim), ", ",
-                         mesh.boundaries[mesh.face_boundary[f]], " to ", position_text(b, dim), ", ", apart,
-                         " apart; if one of them is a wall along which the other moves, let it `slide`; else say who "
-                         "has the node, `shared_nodes = first` or `mean`");
+                         mesh.boundaries[mesh.face_boundary[f]], " to ", position_text(b, dim), ", ",
+                         to_text(length(way), 4), " apart; if one of them is a wall along which the other moves, let "
+                         "it `slide`; else say who has the node, `shared_nodes = first` or `mean`");
     });
     return disputed;
 }

@@ -16,7 +16,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
-#include "base/text.hpp"
+#include "base/table.hpp"
 #include "check/infeasible.hpp"
 #include "check/scaled_jacobian.hpp"
 #include "check/target_check.hpp"
@@ -325,7 +325,7 @@ Solution improve(const Deck& deck, Problem& problem, const Solve& solve, int& ne
     count_infeasible(deck, problem, solution);
     print_surface(out, deck, problem, solution.x);
     const QualityChange change = quality_change(problem.mesh(), problem.mesh().x, solution.x);
-    print_quality_change(out, change);
+    print(out, quality_table(change));
     write_file(deck.output + "/quality.csv", quality_csv(change));
     return solution;
 }

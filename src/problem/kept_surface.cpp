@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/files.hpp"
-#include "base/text.hpp"
+#include "base/table.hpp"
 #include "check/boundary_distance.hpp"
 #include "check/certificate.hpp"
 #include "check/swept_volumes.hpp"
@@ -94,10 +93,9 @@ void print_volume_changes(std::FILE* out, const Mesh& mesh, const std::vector<do
             const bool goes_in = faces[k].neighbour >= 0 && is_in[faces[k].neighbour];
             if (goes_out != goes_in) gained += goes_out ? swept[k] : -swept[k];
         }
-        text += (text.empty() ? "" : ", ") + region.name + " ";
-        append(text, gained / before, 2);
+        text += concat(text.empty() ? "" : ", ", region.name, " ", to_text(gained / before, 2));
     }
-    std::fprintf(out, "change of %s relative to the file: %s\n", mesh.dim == 2 ? "area" : "volume", text.c_str());
+    print(out, "change of ", mesh.dim == 2 ? "area" : "volume", " relative to the file: ", text, "\n");
 }
 
 }  // namespace
@@ -155,8 +153,8 @@ Solve near_surface(Problem& problem, const Solve& solve, std::FILE* out) {
                 off[f] = boundary[problem.mesh().face_boundary[f]];
             const int count = hold(problem, nodes_of_faces(problem.mesh(), off));
             if (count == 0) return solution;
-            std::fprintf(out, "note: faces were off the surface by up to %.2g of an edge: %s more stay where they are\n",
-                         largest(distance), counted(count, "boundary node").c_str());
+            print(out, "note: faces were off the surface by up to ", to_text(largest(distance), 2), " of an edge: ",
+                  counted(count, "boundary node"), " more stay where they are\n");
         }
     };
 }
@@ -167,9 +165,9 @@ double surface_distance(const Problem& problem, const std::vector<double>& x) {
 
 void print_surface(std::FILE* out, const Deck& deck, const Problem& problem, const std::vector<double>& x) {
     const double distance = surface_distance(problem, x);
-    std::fprintf(out,
-                 "distance of the boundary from that of the file: %.2g of an edge, %swithin surface_tolerance = %g\n",
-                 distance, distance > deck.surface_tolerance ? "NOT " : "", deck.surface_tolerance);
+    print(out, "distance of the boundary from that of the file: ", to_text(distance, 2), " of an edge, ",
+          distance > deck.surface_tolerance ? "NOT " : "", "within surface_tolerance = ",
+          to_text(deck.surface_tolerance, 6), "\n");
     print_volume_changes(out, problem.mesh(), x);
 }
 

@@ -12,10 +12,9 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "base/files.hpp"
 #include "base/lanes.hpp"
 #include "base/parallel.hpp"
-#include "base/text.hpp"
+#include "base/table.hpp"
 #include "mesh/cells.hpp"
 #include "mesh/node_key.hpp"
 
@@ -122,11 +121,7 @@ double bytes_of(const Counts& of, const LinearSolverParams& linear) {
     return program + besides * (of_mesh + of_energy + hessian + vectors + solver);
 }
 
-std::string rounded(double bytes) {
-    std::string text;
-    append(text, bytes / 1e9, 2);
-    return text;
-}
+std::string rounded(double bytes) { return to_text(bytes / 1e9, 2); }
 
 }  // namespace
 

@@ -200,13 +200,9 @@ TEST_CASE("the distance of a boundary has the same bits on any number of threads
 TEST_CASE("the table has a row for each boundary and its columns are below their names") {
     Mesh mesh = with_degree(cube_mesh(2), 1);
     mesh.boundaries[0] = "a rather long name";
-    const auto text_of = [&](const std::vector<BoundaryDistance>& distances) {
-        std::FILE* const out = std::tmpfile();
-        print_distances(out, mesh, distances, "it");
-        return take_contents(out);
-    };
-    CHECK(text_of({}).empty());
-    const std::string text = text_of({{0, 8, 2, 0.125, 0.25, 0.125, 0.5, 0.25}, {1, 8, 8, 1, 2, 1, 4, 2}});
+    CHECK(distance_table(mesh, {}, "it").empty());
+    const std::string text =
+        distance_table(mesh, {{0, 8, 2, 0.125, 0.25, 0.125, 0.5, 0.25}, {1, 8, 8, 1, 2, 1, 4, 2}}, "it");
     const std::vector<std::string> lines = pieces(text, '\n');
     REQUIRE(lines.size() == 4);
     CHECK(has(lines[0], "distance of the faces from it"));

@@ -2,14 +2,12 @@
 #include "report/results.hpp"
 
 #include <algorithm>
-#include <array>
-#include <filesystem>
 #include <unordered_map>
 
 #include "deck/deck.hpp"
 #include "report/quality_change.hpp"
-#include "base/files.hpp"
 #include "base/parallel.hpp"
+#include "base/table.hpp"
 #include "check/boundary_distance.hpp"
 #include "check/certificate.hpp"
 #include "check/infeasible.hpp"
@@ -20,12 +18,6 @@
 
 namespace almesh {
 namespace {
-
-void print_element(std::FILE* out, const Mesh& mesh, int element, const std::array<double, 3>& centre, double value) {
-    std::fprintf(out, "  %lld  (", mesh.file.element_id[element]);
-    for (int a = 0; a < mesh.dim; ++a) std::fprintf(out, "%s%.6g", a ? ", " : "", centre[a]);
-    std::fprintf(out, ")  %s\n", rounded_down(value, 4).c_str());
-}
 
 // Of each element, by its id: that id, and those of its nodes, ascending.
 std::vector<std::vector<long long>> ids_of(const Mesh& mesh) {
@@ -62,35 +54,30 @@ ExitCode quality(const Deck& deck, const std::string& before, std::FILE* out) {
     set_threads(deck.threads);
     std::vector<std::string> notes;
     const Mesh mesh = build_mesh(read_mesh(deck.mesh), notes, Folds::keep);
-    std::fprintf(out, "%s: %d nodes, %s of degree %d\n", deck.mesh.c_str(), mesh.nodes(),
-                 mesh.elements_text().c_str(), mesh.degree);
-    for (const std::string& note : notes) std::fprintf(out, "note: %s\n", note.c_str());
+    print(out, deck.mesh, ": ", mesh.nodes(), " nodes, ", mesh.elements_text(), " of degree ", mesh.degree, "\n");
+    for (const std::string& note : notes) print(out, "note: ", note, "\n");
 
     const std::vector<double> came = before.empty() ? mesh.x : positions_before(before, mesh);
-
     const QualityStatistics shape = mesh_quality(mesh, mesh.x);
-    std::fprintf(out, "\nshape quality 1/eta against the regular %s: min %.4g, mean %.4g; edges %.4g to %.4g\n%s",
-                 mesh.is_simplicial() ? "simplex" : "cell", shape.min, shape.mean, shape.min_edge, shape.max_edge,
-                 histogram_text(shape).c_str());
-    std::fprintf(out, "\nworst elements (id, centre, quality):\n");
-    for (const WorstElement& worst : shape.worst) print_element(out, mesh, worst.element, worst.centre, worst.quality);
+    print(out, "\nshape quality 1/eta against the regular ", mesh.is_simplicial() ? "simplex" : "cell", ": min ",
+          to_text(shape.min, 4), ", mean ", to_text(shape.mean, 4), "; edges ", to_text(shape.min_edge, 4), " to ",
+          to_text(shape.max_edge, 4), "\n", histogram_text(shape), "\nworst elements (id, centre, quality):",
+          list_invalid(mesh, shape.worst, mesh.x, shape.quality).first, "\n");
 
     if (!before.empty()) {
         const std::vector<BoundaryDistance> distances = boundary_distances(mesh, came, mesh.x);
-        std::fprintf(out, distances.empty() ? "\nall faces are where %s has them\n" : "\n", before.c_str());
-        print_distances(out, mesh, distances, "those of " + before);
-        std::fprintf(out, "\nbefore: %s\n", before.c_str());
-        print_quality_change(out, quality_change(mesh, came, mesh.x));
+        if (distances.empty()) print(out, "\nall faces are where ", before, " has them\n");
+        else print(out, "\n", distance_table(mesh, distances, "those of " + before));
+        print(out, "\nbefore: ", before, "\n", quality_table(quality_change(mesh, came, mesh.x)));
     }
 
     const Certificate certificate = certify(mesh, mesh.x);
-    std::fprintf(out, "\nscaled Jacobian >= %s everywhere", rounded_down(certificate.min_scaled_jacobian, 6).c_str());
-    std::fprintf(out, certificate.valid ? ": all elements certified valid\n" : "\n");
+    print(out, "\nscaled Jacobian >= ", rounded_down(certificate.min_scaled_jacobian, 6), " everywhere",
+          certificate.valid ? ": all elements certified valid\n" : "\n");
     print_uncertified(out, mesh, mesh.x, certificate, deck.given.contains("output") ? deck.output : "");
     const Injectivity injectivity = certify_injective(mesh, mesh.x, certificate);
-    if (injectivity.certified) std::fprintf(out, "certified injective: no two elements overlap\n");
-    else if (certificate.valid)
-        std::fprintf(out, "NOT certified injective: %s\n", overlap_text(mesh, injectivity).c_str());
+    if (injectivity.certified) print(out, "certified injective: no two elements overlap\n");
+    else if (certificate.valid) print(out, "NOT certified injective: ", overlap_text(mesh, injectivity), "\n");
     return injectivity.certified ? ExitCode::success : ExitCode::not_certified;
 }
 

@@ -13,7 +13,7 @@
 #include "report/results.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
-#include "base/text.hpp"
+#include "base/table.hpp"
 #include "mesh/unused_ids.hpp"
 
 namespace almesh {
@@ -256,8 +256,8 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
     if (solution.straight_faces)
         std::fprintf(out, "%s of %d made flat, or flatter than they came\n",
                      counted(solution.straight_faces, "face").c_str(), problem.mesh().face_count());
-    print_moved_nodes(out, problem.mesh(), solution.moved_nodes);
-    print_distances(out, problem.mesh(), solution.distances, "the target as it came");
+    print(out, moved_nodes_text(problem.mesh(), solution.moved_nodes),
+          distance_table(problem.mesh(), solution.distances, "the target as it came"));
 }
 
 // "5 AL and 11 Newton iterations"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/index.hpp"
-#include "base/text.hpp"
+#include "base/table.hpp"
 #include "mesh/inner_boundary.hpp"
 #include "mesh/part.hpp"
 
@@ -30,10 +30,7 @@ void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, con
     const Mesh& mesh = problem.mesh();
     const std::vector<GroupCells> volumes = volume_groups(mesh);
     if (volumes.size() < 2) return;
-    std::size_t width = 6;
-    for (const GroupCells& volume : volumes) width = std::max(width, volume.name.size());
-    std::fprintf(out, "%-*s  elements     energy         q    max eta  scaled Jacobian\n", static_cast<int>(width),
-                 "volume");
+    std::vector<Cells> rows;
     DistortionParams params = distortion_of(deck);
     params.curved_ideal = problem.is_own_ideal;
     for (const GroupCells& volume : volumes) {
@@ -50,10 +47,13 @@ void print_volumes(std::FILE* out, const Deck& deck, const Problem& problem, con
             for (const int e : volume.cells) params.regular.push_back(problem.regular[e]);
         const auto energy = make_energy(part, of_part(part, mesh, volume.cells, problem.ideal()), params);
         const DistortionStatistics found = energy->statistics(x);
-        std::fprintf(out, "%-*s  %8zu  %9.3e  %8.6f  %9.4g  >= %s\n", static_cast<int>(width), volume.name.c_str(),
-                     volume.cells.size(), energy->energy(x), found.relative_quality, found.max_distortion,
-                     rounded_down(least, 4).c_str());
+        rows.push_back({volume.name, volume.cells.size(), scientific(energy->energy(x), 3),
+                        fixed(found.relative_quality, 6), to_text(found.max_distortion, 4),
+                        ">= " + rounded_down(least, 4)});
     }
+    const TextTable table({{"volume", -6}, {"elements", 8}, {"energy", 9}, {"q", 8}, {"max eta", 9},
+                           {"scaled Jacobian"}});
+    print(out, table.text(rows));
 }
 
 }  // namespace almesh
