@@ -19,7 +19,7 @@
 #include "problem/frame_solver.hpp"
 #include "problem/problem.hpp"
 #include "problem/solve.hpp"
-#include "report/report.hpp"
+#include "report/iteration_table.hpp"
 
 namespace almesh {
 namespace {

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "report/report.hpp"
+#include "report/iteration_table.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 

@@ -7,6 +7,7 @@
 #include "deck/deck.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/table.hpp"
 
 namespace almesh {
 namespace {
@@ -53,11 +54,7 @@ std::vector<double> numbers_of_range(const std::string& what, std::string_view t
         throw UsageError(what, " = ", text, " are ", steps + 1, " numbers: expected 1 to ", most_numbers);
     constexpr int digits = 14;  // so that 35 steps of 0.01 are 0.35
     std::vector<double> numbers;
-    for (int k = 0; k <= steps; ++k) {
-        std::string number;
-        append(number, from + k * step, digits);
-        numbers.push_back(*parse_double(number));
-    }
+    for (int k = 0; k <= steps; ++k) numbers.push_back(*parse_double(to_text(from + k * step, digits)));
     return numbers;
 }
 

@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "problem/solve.hpp"
-#include "report/report.hpp"
+#include "report/iteration_table.hpp"
 #include "base/index.hpp"
 #include "method/functional.hpp"
 #include "method/levels.hpp"
@@ -165,7 +165,7 @@ Solution FrameSolver::solve_from(const Deck& deck, const std::vector<double>& x,
 
 Solution FrameSolver::solve_anew(const Deck& deck, FrameRow& row, const AlObserver& outer) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> nowhere(std::fopen("/dev/null", "w"), std::fclose);
-    Report report(nowhere.get(), {problem_.mesh().dim, problem_.frame.length}, problem_.run_id);
+    IterationTable report(nowhere.get(), {problem_.mesh().dim, problem_.frame.length}, problem_.run_id);
     SolveObserver observer;
     observer.iteration = [&](const AlIteration& of) {
         report.add(of);
@@ -177,7 +177,7 @@ Solution FrameSolver::solve_anew(const Deck& deck, FrameRow& row, const AlObserv
     };
     observer.stage = [&report](const Stage& stage) { report.add(stage); };
     Solution solution = almesh::solve(deck, problem_, observer);
-    row.history += report.csv();
+    row.history += report.rows();
     solution.reached = report.reached;
     if (solution.al.status != Status::converged || !may_follow(deck)) return solution;
     prepare(deck);

@@ -4,9 +4,10 @@
 #include <filesystem>
 
 #include "deck/deck.hpp"
+#include "report/iteration_table.hpp"
 #include "report/results.hpp"
 #include "base/files.hpp"
-#include "base/text.hpp"
+#include "base/table.hpp"
 #include "method/status.hpp"
 
 namespace almesh {
@@ -21,13 +22,12 @@ std::string history_of(const Deck& deck) { return deck.output + "/history.csv"; 
 std::string series_of(const Deck& deck) { return deck.output + "/frames.vtk.series"; }
 
 std::string line_of(const FrameRow& row) {
-    std::string numbers = ",,,,";
-    if (!row.started_from.empty())
-        numbers = concat(row.newton_steps, ",", row.max_distortion, ",", row.relative_quality, ",",
-                         row.min_scaled_jacobian, ",", row.certified ? "yes" : "no");
-    return concat(row.label(), ",", row.t, ",", row.status, ",", static_cast<int>(row.code), ",", numbers, ",",
-                  row.started_from, ",", row.path, ",", rounded_down(row.seconds, 4), ",",
-                  with_quotes(as_cell(row.note)), "\n");
+    const bool is_solved = !row.started_from.empty();
+    const auto of_mesh = [&](const Cell& cell) { return is_solved ? cell : ""; };
+    return csv_row({row.label(), row.t, row.status, static_cast<int>(row.code), of_mesh(row.newton_steps),
+                    of_mesh(row.max_distortion), of_mesh(row.relative_quality), of_mesh(row.min_scaled_jacobian),
+                    of_mesh(row.certified ? "yes" : "no"), row.started_from, row.path, rounded_down(row.seconds, 4),
+                    sentence(row.note)});
 }
 
 // What the table needs of it; number 0 where it is no row.
@@ -45,11 +45,6 @@ FrameRow row_of(std::string_view line) {
 }
 
 }  // namespace
-
-std::string as_cell(std::string text) {
-    std::replace(text.begin(), text.end(), '"', '\'');
-    return on_one_line(std::move(text));
-}
 
 void FrameRow::refuse(const Error& error) {
     code = error.exit_code;
@@ -72,7 +67,7 @@ void FrameTable::read(int last) {
     std::error_code error;
     if (!std::filesystem::exists(history_of(deck_), error)) return;
     for (const std::string text = read_file(history_of(deck_)); const std::string_view line : split(text, '\n'))
-        if (!line.empty() && parse_int(line.substr(0, line.find(','))).value_or(0) <= last)
+        if (const int frame = parse_int(line.substr(0, line.find(','))).value_or(0); frame > 0 && frame <= last)
             history_ += concat(line, "\n");
 }
 
@@ -94,12 +89,10 @@ bool FrameTable::place(const FrameRow& row, const std::string& line) {
 void FrameTable::add(const FrameRow& row, bool writes) {
     const bool at_end = place(row, line_of(row));
     for (const std::string_view line : split(row.history, '\n'))
-        if (const bool is_heading = line.starts_with("kind,"); !line.empty())
-            if (!is_heading || (history_.empty() && !has_history_))
-                history_ += concat(is_heading ? "frame" : std::to_string(row.number), ",", line, "\n");
+        if (!line.empty()) history_ += concat(row.number, ",", line, "\n");
     if (row.between > 0 || !writes) return;
     if (has_history_) append_to_file(history_of(deck_), history_);
-    else if (!history_.empty()) write_file(history_of(deck_), history_);
+    else if (!history_.empty()) write_file(history_of(deck_), "frame," + history_heading() + history_);
     has_history_ = !std::exchange(history_, {}).empty() || has_history_;
     if (!begun_ || !at_end) return write();
     append_to_file(csv_of(deck_), frames_.back().lines);

@@ -24,7 +24,7 @@ struct FrameRow {
     double t = 0;
     std::string status = "refused", started_from = {}, path = {}, note = {};
     std::string mesh = {};     // its file
-    std::string history = {};  // rows of history.csv
+    std::string history = {};  // rows of history.csv, without the frame
     ExitCode code = ExitCode::success;
     int newton_steps = 0;
     double max_distortion = 0, relative_quality = 0, min_scaled_jacobian = 0, seconds = 0;
@@ -35,8 +35,6 @@ struct FrameRow {
     std::string label() const;      // "3", or "3-1"
     std::string file_name() const;  // "frame-0003", or "frame-0003-1"
 };
-
-std::string as_cell(std::string text);  // of a CSV table: on one line, double quotes made single
 
 class FrameTable {
 public:

@@ -7,7 +7,7 @@
 #include "base/version.hpp"
 #include "deck/deck.hpp"
 #include "problem/problem.hpp"
-#include "report/report.hpp"
+#include "report/iteration_table.hpp"
 #include "base/files.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "problem/problem.hpp"
-#include "report/report.hpp"
+#include "report/iteration_table.hpp"
 #include "report/results.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/interrupt.hpp"
+#include "base/table.hpp"
 
 namespace almesh {
 
@@ -44,7 +45,7 @@ std::optional<AskedFrame> Coupling::next(double reached) {
 }
 
 void Coupling::tell(const std::string& status, const std::string& what) {
-    std::fprintf(out_, "%s %s %s\n", time_.c_str(), status.c_str(), on_one_line(what).c_str());
+    print(out_, time_, " ", status, " ", on_one_line(what), "\n");
     if (std::fflush(out_) != 0 || std::ferror(out_))
         throw InputError("frames = -: nobody reads the answers any more; the meshes made so far are there");
 }

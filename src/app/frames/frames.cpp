@@ -25,11 +25,15 @@
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/parallel.hpp"
+#include "base/table.hpp"
 
 namespace almesh {
 namespace {
 
 constexpr int most_halvings = 3;  // of the time between two frames
+
+const TextTable shown({{"frame", 6}, {"t", 9}, {"status", -10}, {"Newton", 6}, {"max eta", 9}, {"q", 8},
+                       {"Jacobian", 8}, {"from", -6}, {"time", 8}});
 
 class FrameRun {
 public:
@@ -70,7 +74,7 @@ private:
     std::string path_to(const Solution& solution, double t) const;
     void begin_results();
     void keep(const Deck& now, Solution& solution, FrameRow& row);
-    void print(const FrameRow& row);
+    void show(const FrameRow& row);
     void answer(const FrameRow& row);
     ExitCode end();
 };
@@ -80,7 +84,7 @@ void FrameRun::resume() {
     if (!deck_.resume) return;
     const int last = read_state(deck_, problem_, before_);
     if (last == 0) {
-        std::fprintf(out_, "note: no saved state in %s: the run starts from the beginning\n", deck_.output.c_str());
+        print(out_, "note: no saved state in ", deck_.output, ": the run starts from the beginning\n");
         return;
     }
     Moment& before = before_.moments.back();
@@ -89,14 +93,14 @@ void FrameRun::resume() {
     before.motions = motions_of(deck_at(deck_, before.t, last), problem_.base);
     done_.read(last);
     resumed_ = done_.size();
-    std::fprintf(out_, "resumes after %s\n", frame_at(last, before.t).c_str());
+    print(out_, "resumes after ", frame_at(last, before.t), "\n");
 }
 
 // Of the problem, each once.
 void FrameRun::tell_notes() {
     for (const std::string& note : problem_.notes) {
         if (std::find(told_.begin(), told_.end(), note) != told_.end()) continue;
-        std::fprintf(out_, "note: %s\n", note.c_str());
+        print(out_, "note: ", note, "\n");
         told_.push_back(note);
     }
     problem_.notes.clear();
@@ -193,7 +197,7 @@ bool FrameRun::solve_between(const FrameRow& row, int halvings) try {
     if (!between.has_mesh() || !between.certified) return false;
     between.seconds = watch.seconds();
     done_.add(between);
-    print(between);
+    show(between);
     return true;
 } catch (const InputError&) {
     return false;  // a target that folds
@@ -209,16 +213,18 @@ void FrameRun::solve_or_refuse(FrameRow& row) {
     }
 }
 
-void FrameRun::print(const FrameRow& row) {
-    std::fprintf(out_, "%6s  %9.4g  %-10s", row.label().c_str(), row.t, row.status.c_str());
-    if (!row.started_from.empty())
-        std::fprintf(out_, "  %6d  %9.4g  %8.6f  %8s  %-6s  %7.3fs", row.newton_steps, row.max_distortion,
-                     row.relative_quality, rounded_down(row.min_scaled_jacobian, 4).c_str(), row.started_from.c_str(),
-                     row.seconds);
-    if (!row.started_from.empty() && !coupling_ && row.between == 0)
-        std::fprintf(out_, "  %.2fs left", static_cast<double>(times_.size() - done_.size()) * spent_ /
-                                               static_cast<double>(done_.size() - resumed_));
-    std::fprintf(out_, "%s%s\n", row.note.empty() ? "" : "  ", row.note.c_str());
+void FrameRun::show(const FrameRow& row) {
+    Cells cells = {row.label(), to_text(row.t, 4), row.status};
+    std::string note;
+    if (!row.started_from.empty()) {
+        cells.insert(cells.end(), {row.newton_steps, to_text(row.max_distortion, 4), fixed(row.relative_quality, 6),
+                                   rounded_down(row.min_scaled_jacobian, 4), row.started_from,
+                                   fixed(row.seconds, 3) + "s"});
+        if (!coupling_ && row.between == 0)
+            note = concat("  ", fixed(static_cast<double>(times_.size() - done_.size()) * spent_ /
+                                      static_cast<double>(done_.size() - resumed_), 2), "s left");
+    }
+    print(out_, shown.line(cells, note + (row.note.empty() ? "" : "  ") + row.note));
     std::fflush(out_);
 }
 
@@ -256,18 +262,17 @@ void FrameRun::begin() {
     print_mesh(out_, deck_, problem_, 0);
     if (!folder_->is_kept()) write_deck(deck_, problem_);
     told_ = std::exchange(problem_.notes, {});
-    std::fprintf(out_, "%6s  %9s  %-10s  %6s  %9s  %8s  %8s  %-6s  %8s\n", "frame", "t", "status", "Newton", "max eta",
-                 "q", "Jacobian", "from", "time");
+    print(out_, shown.heading());
 }
 
 ExitCode FrameRun::end() {
     remove_file(path(frames_state));
     const int folded = done_.count(frame_path::not_valid);
     const bool good = done_.code() == ExitCode::success;
-    std::fprintf(out_, "%s, %s%s; %s in %s\n", counted(done_.size(), "frame").c_str(),
-                 good ? "all certified valid and injective" : "not all as wanted (see frames.csv)",
-                 folded > 0 ? concat(", ", folded, " without a valid straight way to it").c_str() : "",
-                 folder_->is_kept() ? "the meshes of the run before are still" : "results", deck_.output.c_str());
+    print(out_, counted(done_.size(), "frame"),
+          good ? ", all certified valid and injective" : ", not all as wanted (see frames.csv)",
+          folded > 0 ? concat(", ", folded, " without a valid straight way to it") : "",
+          folder_->is_kept() ? "; the meshes of the run before are still in " : "; results in ", deck_.output, "\n");
     return done_.code();
 }
 
@@ -282,8 +287,7 @@ ExitCode FrameRun::run() {
         solve_or_refuse(row);
         if (row.note.empty() && interrupted()) {
             const bool is_saved = !coupling_ && !before_.moments.empty();
-            std::fprintf(out_, "interrupted in %s%s\n", name.c_str(),
-                         is_saved ? "; try resume=1, which goes on from here" : "");
+            print(out_, "interrupted in ", name, is_saved ? "; try resume=1, which goes on from here\n" : "\n");
             if (coupling_) coupling_->tell("interrupted", "the run has ended");
             return ExitCode::not_converged;
         }
@@ -298,7 +302,7 @@ ExitCode FrameRun::run() {
         if (!goes_on && !deck_.keep_going && !coupling_)
             throw Error(row.code, concat(name, ": ", row.note.empty() ? row.status : row.note,
                                          "\nthe frames before it are there; keep_going = yes goes on with the next"));
-        print(row);
+        show(row);
         if (coupling_) answer(row);
         else if (row.has_mesh()) save_state(deck_, problem_, before_, row.number);
     }

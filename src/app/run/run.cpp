@@ -9,7 +9,7 @@
 #include "problem/memory.hpp"
 #include "problem/problem.hpp"
 #include "problem/so_far.hpp"
-#include "report/report.hpp"
+#include "report/iteration_table.hpp"
 #include "report/results.hpp"
 #include "report/results_folder.hpp"
 #include "app/run/solve.hpp"
@@ -43,13 +43,13 @@ void observe_iterates(const Deck& deck, const Problem& problem, Newton& newton, 
 std::string history_of(const Deck& deck) { return deck.output + "/history.csv"; }
 
 // Long runs can be followed, and leave a trace; one that cannot write it now goes on.
-void write_history(const Deck& deck, const Report& report, std::FILE* out) try {
+void write_history(const Deck& deck, const IterationTable& report, std::FILE* out) try {
     write_file(history_of(deck), report.csv());
 } catch (const InputError& failed) {
     std::fprintf(out, "note: %s\n", failed.what());
 }
 
-SolveObserver observer_of(const Deck& deck, const Problem& problem, Report& report, std::FILE* out,
+SolveObserver observer_of(const Deck& deck, const Problem& problem, IterationTable& report, std::FILE* out,
                           MeshSoFar* so_far) {
     SolveObserver observer;
     observer.iteration = [&deck, &report, out](const AlIteration& row) {
@@ -122,7 +122,7 @@ ExitCode run(const Deck& deck, std::FILE* out, const RunHooks& hooks) {
 
     // 2. The solution.
     const CatchInterrupts catching;
-    Report report(out, {problem.mesh().dim, problem.frame.length}, problem.run_id);
+    IterationTable report(out, {problem.mesh().dim, problem.frame.length}, problem.run_id);
     const Stopwatch solving;
     int newton_steps = 0;  // of all solutions, parts and attempts, whatever became of them
     const Solve solve_problem = [&](const Deck& settings, const Problem& of) {

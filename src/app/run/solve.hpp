@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "problem/problem.hpp"
-#include "report/report.hpp"
+#include "report/iteration_table.hpp"
 #include "report/results.hpp"
 #include "base/error.hpp"
 

@@ -21,13 +21,13 @@
 #include "app/commands.hpp"
 #include "base/version.hpp"
 #include "deck/deck.hpp"
-#include "report/frame_table.hpp"
 #include "deck/frame_times.hpp"
 #include "problem/problem.hpp"
 #include "report/results_folder.hpp"
 #include "base/files.hpp"
 #include "base/interrupt.hpp"
 #include "base/stopwatch.hpp"
+#include "base/table.hpp"
 
 namespace almesh {
 namespace {
@@ -55,10 +55,6 @@ std::string as_name(std::string text) {
     return text;
 }
 
-std::string cell(const std::string& text) {
-    return text.find(',') == std::string::npos ? as_cell(text) : with_quotes(as_cell(text));
-}
-
 std::string in_shell_quotes(const std::string& text) {
     std::string quoted = "'";
     for (const char c : text) quoted += c == '\'' ? "'\\''" : std::string(1, c);
@@ -73,12 +69,13 @@ std::string row_in(const Run& run) {
     return text.starts_with(run.id) ? text.substr(run.id.size()) : "";
 }
 
-// number, exit code, values, the quantities of summary.txt, and a note.
+// Number, exit code, values, the quantities of summary.txt, and a note.
 std::string heading(const Deck& deck) {
-    std::string row = "number,exit_code";
-    for (const Sweep& sweep : deck.sweeps) row += "," + sweep.name;
-    for (const Named& quantity : summary_quantities()) row += concat(",", quantity.name);
-    return row + ",note\n";
+    Cells cells = {"number", "exit_code"};
+    for (const Sweep& sweep : deck.sweeps) cells.emplace_back(sweep.name);
+    for (const Named& quantity : summary_quantities()) cells.emplace_back(quantity.name);
+    cells.emplace_back("note");
+    return csv_row(cells);
 }
 
 // All but its number.
@@ -90,10 +87,11 @@ std::string row_of(const Run& run, ExitCode code, const std::string& note) {
     for (const std::string_view line : split(text, '\n'))
         if (const auto at = line.find(" = "); at != std::string_view::npos)
             summary.emplace(line.substr(0, at), line.substr(at + 3));
-    std::string row = std::to_string(static_cast<int>(code));
-    for (const std::string& value : run.values) row += "," + cell(value);
-    for (const Named& quantity : summary_quantities()) row += "," + cell(summary[quantity.name]);
-    return row + "," + cell(note) + "\n";
+    Cells cells = {static_cast<int>(code)};
+    cells.insert(cells.end(), run.values.begin(), run.values.end());
+    for (const Named& quantity : summary_quantities()) cells.emplace_back(summary[quantity.name]);
+    cells.emplace_back(note);
+    return csv_row(cells);
 }
 
 std::string status_of(const Run& run) { return std::string(split(run.row, ',')[run.values.size() + 1]); }
@@ -111,7 +109,7 @@ ExitCode run_one(const Run& run) {
     } catch (const Error& error) {
         code = error.exit_code;
         note = error.what();
-        std::fprintf(file.get(), "almesh: %s\n", error.what());
+        print(file.get(), "almesh: ", error.what(), "\n");
     }
     if (interrupt_flag == 0) write_file(run.deck.output + "/" + sweep_row, run.id + row_of(run, code, note));
     return code;
@@ -131,7 +129,7 @@ pid_t start_process(const Run& run) {
     try {
         code = run_one(run);
     } catch (const std::exception& error) {
-        std::fprintf(stderr, "almesh: %s: %s\n", run.name.c_str(), error.what());
+        print(stderr, "almesh: ", run.name, ": ", error.what(), "\n");
     }
     std::_Exit(static_cast<int>(code));
 }
@@ -215,7 +213,7 @@ void SweepRun::add_run(const std::vector<std::string>& values) {
 void SweepRun::read_rows() {
     for (Run& run : runs_) done_ += !(run.row = row_in(run)).empty();
     done_before_ = done_;
-    if (done_ > 0) std::fprintf(out_, "%d of %s done before\n", done_, counted(runs_.size(), "run").c_str());
+    if (done_ > 0) print(out_, done_, " of ", counted(runs_.size(), "run"), " done before\n");
 }
 
 // A run's process has ended.
@@ -228,8 +226,8 @@ void SweepRun::end(pid_t process, int status) {
     if (WIFSIGNALED(status)) how = concat("killed by signal ", WTERMSIG(status));
     const double left = watch_.seconds() / std::max(1, done_ - done_before_) *
                         static_cast<double>(static_cast<int>(runs_.size()) - done_);
-    std::fprintf(out_, "%5d of %zu  %-30s  %-14s  %8.3fs  %.2fs left\n", done_, runs_.size(), run.name.c_str(),
-                 how.c_str(), child.watch.seconds(), left);
+    print(out_, padded(concat(done_), 5), " of ", runs_.size(), "  ", padded(run.name, -30), "  ", padded(how, -14),
+          "  ", padded(fixed(child.watch.seconds(), 3), 8), "s  ", fixed(left, 2), "s left\n");
     std::fflush(out_);
 }
 
@@ -269,7 +267,7 @@ ExitCode SweepRun::run_task(int first, int step) {
     const CatchInterrupts catching;
     for (std::size_t k = first - 1; k < runs_.size() && !interrupted(); k += step) {
         if (!runs_[k].row.empty()) continue;
-        std::fprintf(out_, "%s\n", runs_[k].name.c_str());
+        print(out_, runs_[k].name, "\n");
         std::fflush(out_);
         run_one(runs_[k]);
     }
@@ -284,14 +282,14 @@ ExitCode SweepRun::collect() {
     for (Run& run : runs_) {
         run.row = row_in(run);
         if (run.row.empty()) {
-            std::fprintf(out_, "no result: %s\n", run.name.c_str());
+            print(out_, "no result: ", run.name, "\n");
             ++missing;
             continue;
         }
         const auto code = static_cast<ExitCode>(parse_int(run.row.substr(0, run.row.find(','))).value_or(0));
         if (code != ExitCode::success)
-            std::fprintf(out_, "exit code %d: %s, %s: log.txt in its folder\n", static_cast<int>(code),
-                         run.name.c_str(), status_of(run).c_str());
+            print(out_, "exit code ", static_cast<int>(code), ": ", run.name, ", ", status_of(run),
+                  ": log.txt in its folder\n");
         ++ended[code];
         table += concat(run.number, ",", run.row);
     }
@@ -299,7 +297,7 @@ ExitCode SweepRun::collect() {
     std::string text = counted(runs_.size(), "run") + ":";
     for (const auto& [code, count] : ended) text += concat(" ", count, " of exit code ", static_cast<int>(code), ",");
     if (missing > 0) text += concat(" ", missing, " without result, which the same command runs again,");
-    std::fprintf(out_, "%s table in %s\n", text.c_str(), path("sweep.csv").c_str());
+    print(out_, text, " table in ", path("sweep.csv"), "\n");
     if (missing > 0) ended[ExitCode::not_converged] += missing;
     ended.erase(ExitCode::success);
     return ended.empty() ? ExitCode::success : ended.begin()->first;
@@ -325,9 +323,8 @@ ExitCode SweepRun::write_script() const {
         "exec ", command, " --run \"$SLURM_ARRAY_TASK_ID/", tasks, "\"\n");
     make_folder(deck_.output);
     write_file(path("sweep.sh"), script);
-    std::fprintf(out_, "%s in %s of a job array; submit it, then gather:\n  sbatch %s\n  %s --collect\n",
-                 counted(runs_.size(), "run").c_str(), counted(tasks, "task").c_str(), path("sweep.sh").c_str(),
-                 command.c_str());
+    print(out_, counted(runs_.size(), "run"), " in ", counted(tasks, "task"),
+          " of a job array; submit it, then gather:\n  sbatch ", path("sweep.sh"), "\n  ", command, " --collect\n");
     return ExitCode::success;
 }
 

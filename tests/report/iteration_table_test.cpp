@@ -1,4 +1,4 @@
-#include "report/report.hpp"
+#include "report/iteration_table.hpp"
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
@@ -51,8 +51,8 @@ NewtonStep newton_row() {
 }
 
 // A report whose table nobody reads.
-struct History : Report {
-    History(int dim, double length) : Report(nowhere(), {dim, length}, "id") {}
+struct History : IterationTable {
+    History(int dim, double length) : IterationTable(nowhere(), {dim, length}, "id") {}
     static std::FILE* nowhere() {
         static std::FILE* const file = std::fopen("/dev/null", "w");
         return file;
@@ -60,7 +60,7 @@ struct History : Report {
 };
 
 // Column name -> cell of the last row.
-std::map<std::string, std::string> last_row(const Report& report) {
+std::map<std::string, std::string> last_row(const IterationTable& report) {
     const auto rows = csv_rows(report.csv());
     REQUIRE(rows.back().size() == rows[0].size());
     std::map<std::string, std::string> cells;
@@ -213,7 +213,7 @@ TEST_CASE("numbers keep all their digits") {
 TEST_CASE("a coarser mesh has a row with its nodes, and says where it was not used") {
     std::FILE* file = std::tmpfile();
     REQUIRE(file);
-    Report report(file, {2, 1}, "id");
+    IterationTable report(file, {2, 1}, "id");
     Stage stage{841, Status::converged, row_after(2), 9};
     report.add(stage);
     stage.status = Status::stalled;
@@ -229,7 +229,7 @@ TEST_CASE("a coarser mesh has a row with its nodes, and says where it was not us
 TEST_CASE("redirected output is plain rows below a header, without live lines or control characters") {
     std::FILE* file = std::tmpfile();
     REQUIRE(file);
-    Report report(file, {2, 1}, "id");
+    IterationTable report(file, {2, 1}, "id");
     report.add(initial_row());
     report.add(1, live_step());
     report.add(row_after(1));
@@ -249,7 +249,7 @@ TEST_CASE("redirected output is plain rows below a header, without live lines or
 TEST_CASE("norms are printed in the mesh's units") {
     std::FILE* file = std::tmpfile();
     REQUIRE(file);
-    Report report(file, {3, 10}, "id");
+    IterationTable report(file, {3, 10}, "id");
     report.add(row_after(1));
     const std::string text = contents(file);
     std::fclose(file);
@@ -266,7 +266,7 @@ TEST_CASE("on a terminal one line follows the Newton steps and gives way to the 
     }
     std::FILE* file = std::fopen(ptsname(master), "w");
     REQUIRE(file);
-    Report report(file, {2, 1}, "id");
+    IterationTable report(file, {2, 1}, "id");
     report.add(3, live_step());
     report.add(row_after(3));
     std::fflush(file);

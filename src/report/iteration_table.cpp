@@ -1,11 +1,11 @@
-#include "report/report.hpp"
+#include "report/iteration_table.hpp"
 
 #include <unistd.h>
 
 #include <array>
 #include <type_traits>
 
-#include "base/files.hpp"
+#include "base/table.hpp"
 #include "method/continuation.hpp"
 
 namespace almesh {
@@ -35,13 +35,10 @@ struct Column : Named {
     bool at_start = false;  // also in row 0, before anything was minimised
 };
 
-std::string text(int count) { return std::to_string(count); }
-std::string text(double value) { return to_text(value); }
-
-template <class Enum>
-    requires std::is_enum_v<Enum>
-std::string text(Enum value) {
-    return to_string(value);
+template <class Value>
+std::string text(Value value) {
+    if constexpr (std::is_enum_v<Value>) return to_string(value);
+    else return concat(value);
 }
 
 template <auto member>
@@ -79,8 +76,8 @@ constexpr bool at_start = true;
 
 constexpr auto columns = std::to_array<Column>({
     {{"kind", "al: an augmented Lagrangian iteration; newton: a step of its minimisation; coarse: the whole solution "
-              "on a coarser mesh; part: that of a part of the motion; power: that with an earlier power; local: that of a "
-              "part of the mesh"},
+              "on a coarser mesh; part: that of a part of the motion; power: that with an earlier power; local: that "
+              "of a part of the mesh"},
      [](Al r) { return std::string(r.stage ? kind(*r.stage) : "al"); },
      [](Nw) { return std::string("newton"); }, at_start},
     {{"al_iteration", "number of the augmented Lagrangian iteration; 0: the mesh at the start"},
@@ -122,7 +119,8 @@ constexpr auto columns = std::to_array<Column>({
     {{"local_nodes", "nodes of the local eliminations after the step"},
      nullptr, [](Nw r) { return text(r.step.local.nodes); }},
     {{"local_steps", "Newton steps of these eliminations"}, nullptr, [](Nw r) { return text(r.step.local.steps); }},
-    {{"nodes", "coarse, part, power, local: nodes of the mesh, or of the part of it"}, [](Al r) { return r.stage ? text(r.stage->nodes) : ""; }},
+    {{"nodes", "coarse, part, power, local: nodes of the mesh, or of the part of it"},
+     [](Al r) { return r.stage ? text(r.stage->nodes) : ""; }},
     {{"fraction", "part: the fraction of the motion at its end"},
      [](Al r) { return r.stage && r.stage->fraction < 1 ? text(r.stage->fraction) : ""; }},
     {{"power", "power: exponent of eta - 1"},
@@ -138,10 +136,9 @@ constexpr auto columns = std::to_array<Column>({
 // One line of the file; cell(column) gives its text.
 template <class Cell>
 std::string line(const Cell& cell) {
-    std::string cells;
-    for (const Column& column : columns) cells += cell(column) + ',';
-    cells.back() = '\n';
-    return cells;
+    Cells cells;
+    for (const Column& column : columns) cells.push_back(cell(column));
+    return csv_row(cells);
 }
 
 std::string line(Al row) {
@@ -152,6 +149,9 @@ std::string line(Al row) {
 }
 
 constexpr const char* clear_line = "\r\033[K";
+
+const TextTable shown({{"AL", 3}, {"|c_D|", 9}, {"|grad E|", 9}, {"q", 8}, {"max eta", 9}, {"mu", 8}, {"update", -9},
+                       {"Newton", 6}, {"time", 8}});
 
 }  // namespace
 
@@ -172,56 +172,56 @@ NewtonStep Units::of(NewtonStep step) const {
     return step;
 }
 
-Report::Report(std::FILE* out, const Units& units, const std::string& run)
+IterationTable::IterationTable(std::FILE* out, const Units& units, const std::string& run)
     : out_(out), is_terminal_(isatty(fileno(out)) != 0), units_(units), run_(run) {
-    std::fprintf(out_, "%3s  %9s  %9s  %8s  %9s  %8s  %-9s  %6s  %8s\n", "AL", "|c_D|", "|grad E|", "q", "max eta",
-                 "mu", "update", "Newton", "time");
-    csv_ = line([](const Column& column) { return std::string(column.name); });
+    print(out_, shown.heading());
 }
 
-void Report::add(const Stage& stage) {
+void IterationTable::add(const Stage& stage) {
     AlIteration row = units_.of(stage.last);
     row.newton_iterations = stage.newton_iterations;
-    csv_ += line(AlRow{row, &stage, run_});
+    rows_ += line(AlRow{row, &stage, run_});
     if (stage.status == Status::converged && stage.fraction < 1) reached = std::max(reached, stage.fraction);
     const char* const used = stage.status == Status::converged ? "" : ", not used";
     std::string what = "  ";
     if (!stage.part.empty()) what += stage.part;
-    else if (stage.power) what += "(eta - 1)^" + std::to_string(stage.power);
-    else if (stage.fraction < 1) append(what, stage.fraction, 3), what += " of the motion";
-    else what += std::to_string(stage.nodes) + " nodes";
-    print(row, kind(stage), what + used);
+    else if (stage.power) what += concat("(eta - 1)^", stage.power);
+    else if (stage.fraction < 1) what += to_text(stage.fraction, 3) + " of the motion";
+    else what += concat(stage.nodes, " nodes");
+    show(row, kind(stage), what + used);
 }
 
-void Report::add(const AlIteration& it) {
+void IterationTable::add(const AlIteration& it) {
     const AlIteration row = units_.of(it);
-    csv_ += line(AlRow{row, nullptr, run_});
-    print(row, row.iteration > 0 ? to_string(row.update) : nullptr, "");
+    rows_ += line(AlRow{row, nullptr, run_});
+    show(row, row.iteration > 0 ? to_string(row.update) : nullptr, "");
 }
 
-void Report::add(int al_iteration, const NewtonStep& it) {
+void IterationTable::add(int al_iteration, const NewtonStep& it) {
     const NewtonStep step = units_.of(it);
     ++newton_steps;
     fallbacks += step.fallback.has_value();
-    csv_ += line([row = NewtonRow{al_iteration, step, run_}](const Column& column) {
+    rows_ += line([row = NewtonRow{al_iteration, step, run_}](const Column& column) {
         return column.of_newton ? column.of_newton(row) : std::string();
     });
     if (!is_terminal_) return;
-    std::fprintf(out_, "%s%3d  Newton %d  |grad E| %.2e  step %.2g  (%s)", clear_line, al_iteration, step.iteration,
-                 step.gradient_norm, step.step_length, to_string(step.hessian));
+    print(out_, clear_line, padded(concat(al_iteration), 3), "  Newton ", step.iteration, "  |grad E| ",
+          scientific(step.gradient_norm, 2), "  step ", to_text(step.step_length, 2), "  (", to_string(step.hessian),
+          ")");
     std::fflush(out_);
 }
 
-void Report::print(const AlIteration& row, const char* update, const std::string& note) {
-    if (is_terminal_) std::fputs(clear_line, out_);
-    if (!update)
-        std::fprintf(out_, "%3d  %9.3e  %9s  %8.6f  %9.4g  %8s  %-9s  %6s  %7.2fs\n", 0, row.constraint_norm, "-",
-                     row.relative_quality, row.max_distortion, "-", "-", "-", row.seconds);
-    else
-        std::fprintf(out_, "%3d  %9.3e  %9.2e  %8.6f  %9.4g  %8.2e  %-9s  %6d  %7.2fs%s\n", row.iteration,
-                     row.constraint_norm, row.gradient_norm, row.relative_quality, row.max_distortion, row.mu, update,
-                     row.newton_iterations, row.seconds, note.c_str());
+void IterationTable::show(const AlIteration& row, const char* update, const std::string& note) {
+    const auto after = [&](const std::string& cell) { return update ? cell : "-"; };  // a minimisation
+    const Cells cells = {row.iteration, scientific(row.constraint_norm, 3), after(scientific(row.gradient_norm, 2)),
+                         fixed(row.relative_quality, 6), to_text(row.max_distortion, 4), after(scientific(row.mu, 2)),
+                         update ? update : "-", after(concat(row.newton_iterations)), fixed(row.seconds, 2) + "s"};
+    print(out_, is_terminal_ ? clear_line : "", shown.line(cells, note));
     std::fflush(out_);
+}
+
+std::string history_heading() {
+    return line([](const Column& column) { return column.name; });
 }
 
 std::vector<Named> history_columns() { return {columns.begin(), columns.end()}; }

@@ -5,7 +5,7 @@
 // is overwritten. history.csv: one row per augmented Lagrangian iteration (kind `al`, row 0 the mesh at the start) and,
 // before it, one per Newton iteration of its subproblem (kind `newton`); first of all one per coarser mesh (kind
 // `coarse`: its last iteration, all its Newton steps). Columns that a kind does not have are empty. Name, meaning and
-// cells of every column: one table in report.cpp. Numbers with all digits.
+// cells of every column: one table in iteration_table.cpp. Numbers with all digits.
 #pragma once
 #include <cmath>
 #include <cstdio>
@@ -37,16 +37,20 @@ struct Units {
     NewtonStep of(NewtonStep step) const;
 };
 
-class Report {
+std::string history_heading();
+std::vector<Named> history_columns();  // for the list of keys
+
+class IterationTable {
 public:
     // Prints the header of the table. run: its id.
-    Report(std::FILE* out, const Units& units, const std::string& run);
+    IterationTable(std::FILE* out, const Units& units, const std::string& run);
 
     void add(const Stage& stage);
     void add(const AlIteration& row);
     void add(int al_iteration, const NewtonStep& step);
 
-    const std::string& csv() const { return csv_; }
+    const std::string& rows() const { return rows_; }  // of history.csv
+    std::string csv() const { return history_heading() + rows_; }
     int newton_steps = 0;  // added so far: rows of kind `newton`
     int fallbacks = 0;     // those in which an iterative solver failed and Cholesky took over
     double reached = 0;   // the largest part of the motion, less than all of it, that converged
@@ -56,11 +60,9 @@ private:
     bool is_terminal_;
     Units units_;
     std::string run_;
-    std::string csv_;
+    std::string rows_;
     // update: nullptr for the mesh at the start.
-    void print(const AlIteration& row, const char* update, const std::string& note);
+    void show(const AlIteration& row, const char* update, const std::string& note);
 };
-
-std::vector<Named> history_columns();  // for the list of keys
 
 }  // namespace almesh
