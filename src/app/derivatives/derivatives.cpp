@@ -18,6 +18,7 @@
 #include "report/results.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/table.hpp"
 #include "linalg/vector_ops.hpp"
 #include "method/derivative.hpp"
 
@@ -54,9 +55,9 @@ void write_values(const std::string& path, const Mesh& mesh, const Values& value
     std::string text = mesh.dim == 2 ? "node,x,y\n" : "node,x,y,z\n";
     for (int i = 0; i < mesh.nodes(); ++i) {
         if (!chosen[i]) continue;
-        text += std::to_string(mesh.file.node_id[i]);
-        for (int a = 0; a < mesh.dim; ++a) text += concat(",", values[offset(i, mesh.dim, a)]);
-        text += "\n";
+        Cells row = {mesh.file.node_id[i]};
+        row.insert(row.end(), point(values, i, mesh.dim), point(values, i, mesh.dim) + mesh.dim);
+        text += csv_row(row);
     }
     write_file(path, text);
 }
@@ -129,25 +130,28 @@ Values times_unit(Values derivative, double unit, const std::string& what) {
 std::string write_adjoint(const Deck& deck, const Problem& problem, Derivative& derivative,
                           const std::vector<Column>& functions) {
     std::vector<BoundaryChange> slopes;
-    std::string told, table = "constant,value";
+    std::string told;
+    Cells heading = {"constant", "value"};
     for (const Column& J : functions) {
         slopes.push_back(derivative.adjoint(J.values));
         write_values(deck.output + "/adjoint-" + J.name + ".csv", problem.mesh(),
                      times_unit(slopes.back().shift, J.unit, concat("of ", J.name, " by positions")), false);
-        table += "," + J.name;
+        heading.emplace_back(J.name);
     }
+    std::string table = csv_row(heading);
     for (const Constant& constant : deck.constants) {
         const BoundaryChange change = change_by(deck, problem, derivative, constant);
-        table += concat("\n", constant.name, ",", constant.value);
+        Cells row = {constant.name, constant.value};
         for (std::size_t j = 0; j < functions.size(); ++j) {
             const double by_target = dot(slopes[j].shift, change.shift) + dot(slopes[j].force, change.force);
             const double slope = times_unit(problem.frame.length * by_target, functions[j].unit,
                                             concat("of ", functions[j].name, " by ", constant.name));
-            table += concat(",", slope);
+            row.emplace_back(slope);
             told += concat("d ", functions[j].name, " / d ", constant.name, " = ", slope, "\n");
         }
+        table += csv_row(row);
     }
-    if (!deck.constants.empty()) write_file(deck.output + "/adjoint-constants.csv", table + "\n");
+    if (!deck.constants.empty()) write_file(deck.output + "/adjoint-constants.csv", table);
     return told;
 }
 
@@ -205,7 +209,7 @@ ExitCode differentiate(const std::vector<std::string>& arguments, std::FILE* out
     const ExitCode ended = run(deck, out, {begins, solved});
     if (ended == ExitCode::not_converged)
         throw Error(ended, concat(arguments[1], ": no derivative: the run did not converge"));
-    std::fprintf(out, "%sderivatives in %s/%s-*.csv\n", told.c_str(), deck.output.c_str(), command.c_str());
+    print(out, told, "derivatives in ", deck.output, "/", command, "-*.csv\n");
     return ended;
 }
 
