@@ -37,6 +37,13 @@ void check_repeat(const std::string& what, const std::string& earlier, const std
         throw UsageError(what, " is already set (", earlier, "): remove one of the two");
 }
 
+template <class Row>
+void put(std::vector<Row>& rows, const Row& row, const std::string& what) {
+    Row* const earlier = find_row(rows, row.name);
+    if (earlier) check_repeat(what, earlier->where, row.where);
+    (earlier ? *earlier : rows.emplace_back()) = row;
+}
+
 // Paths start in the deck's folder, on the command line in the current one.
 std::string path_from(const std::string& where, const Deck& deck, const std::string& path) {
     if (path == file_of_line) return path;
@@ -102,9 +109,7 @@ void read_boundary(Deck& deck, const std::string& kind, std::string_view text, c
         throw UsageError(shown, ": all nodes of a volume follow its motion: it neither slides nor is free");
     for (MotionStep& step : motion.steps)
         if (!step.file.empty()) step.file = path(step.file);
-    DeckBoundary* const earlier = find_row(deck.boundaries, name);
-    if (earlier) check_repeat(shown, earlier->where, where);
-    (earlier ? *earlier : deck.boundaries.emplace_back()) = {name, motion, where, is_volume};
+    put(deck.boundaries, {name, motion, where, is_volume}, shown);
 }
 
 void read_selection(Deck& deck, std::string_view text, const std::string& where) {
@@ -151,10 +156,7 @@ void read_constant(Deck& deck, std::string_view text, const std::string& where) 
     check_constant_name(name);
     if (equals == text.size()) throw UsageError("expected `let NAME = NUMBER`");
     const std::string value(trim(text.substr(equals + 1)));
-    Constant* const earlier = find_row(deck.constants, name);
-    if (earlier) check_repeat("let " + name, earlier->where, where);
-    const Constant constant{name, without_quotes(value).value_or(value), where};
-    (earlier ? *earlier : deck.constants.emplace_back()) = constant;
+    put(deck.constants, {name, without_quotes(value).value_or(value), where}, "let " + name);
 }
 
 void evaluate_constants(Deck& deck) {
@@ -177,9 +179,7 @@ void read_sweep(Deck& deck, std::string_view text, const std::string& where) {
     if (!find_row(deck_keys(), sweep.name) && !find_row(deck.constants, sweep.name))
         throw UsageError("sweep ", sweep.name, ": there is no such key, nor a line `let ", sweep.name, " = ...`",
                          did_you_mean(sweep.name, names_of(deck_keys())));
-    Sweep* const earlier = find_row(deck.sweeps, sweep.name);
-    if (earlier) check_repeat("sweep " + sweep.name, earlier->where, where);
-    (earlier ? *earlier : deck.sweeps.emplace_back()) = std::move(sweep);
+    put(deck.sweeps, sweep, "sweep " + sweep.name);
 }
 
 // Those in the file of what the command line gives one value.

@@ -35,9 +35,10 @@ DeckValue text(const char* what) {
     return {what, set, [](const Deck& deck) { return quoted_where_needed(deck.*member, "#\""); }};
 }
 
-// An enum; enumerator i is written names[i].
+// An enum; enumerator i is written names[i]. legal: names with | between them where it is empty.
 template <auto... path>
-DeckValue choice(const std::vector<std::string>& names, std::string legal) {
+DeckValue choice(const std::vector<std::string>& names, std::string legal = "") {
+    for (std::size_t k = 0; k < names.size() && (k > 0 || legal.empty()); ++k) legal += (k ? " | " : "") + names[k];
     const auto set = [names](Deck& deck, std::string_view written) -> Hint {
         const auto it = std::find(names.begin(), names.end(), written);
         if (it == names.end()) return did_you_mean(written, names);
@@ -46,13 +47,6 @@ DeckValue choice(const std::vector<std::string>& names, std::string legal) {
         return std::nullopt;
     };
     return {legal, set, [names](const Deck& deck) { return names[static_cast<int>(field<path...>(deck))]; }};
-}
-
-template <auto... path>
-DeckValue choice(const std::vector<std::string>& names) {
-    std::string legal;
-    for (const std::string& name : names) legal += (legal.empty() ? "" : " | ") + name;
-    return choice<path...>(names, legal);
 }
 
 struct Range {
@@ -91,50 +85,52 @@ DeckValue number(Range range) {
     return {legal, set, text};
 }
 
-// A word, or a mesh file, whose name has a dot or a slash.
-DeckValue start() {
-    DeckValue value = choice<&Deck::start>({"auto", "identity", "coarse"}, "auto | identity | coarse | mesh file");
-    value.set = [of_words = value.set](Deck& deck, std::string_view written) -> Hint {
-        const auto file = without_quotes(written);
-        if (!file || file->find_first_of("./") == std::string::npos) return of_words(deck, written);
-        deck.start = Start::file;
-        deck.start_file = *file;
-        return std::nullopt;
-    };
-    value.text = [of_words = value.text](const Deck& deck) {
-        return deck.start == Start::file ? quoted_where_needed(deck.start_file, "#\"") : of_words(deck);
-    };
-    return value;
+// One of these words, or a text of another form: `set` says whether it is one, and reads it; `text` is "" of a word.
+DeckValue word_or(const DeckValue& words, const std::function<bool(Deck&, std::string_view)>& set,
+                  const std::function<std::string(const Deck&)>& text) {
+    return {words.legal,
+            [=](Deck& deck, std::string_view written) { return set(deck, written) ? Hint() : words.set(deck, written); },
+            [=](const Deck& deck) {
+                const std::string other = text(deck);
+                return other.empty() ? words.text(deck) : other;
+            }};
 }
 
-// A word, or one with a formula or a file after it.
+// A mesh file is a name with a dot or a slash.
+DeckValue start() {
+    const auto set = [](Deck& deck, std::string_view written) {
+        const auto file = without_quotes(written);
+        if (!file || file->find_first_of("./") == std::string::npos) return false;
+        deck.start = Start::file;
+        deck.start_file = *file;
+        return true;
+    };
+    return word_or(choice<&Deck::start>({"auto", "identity", "coarse"}, "auto | identity | coarse | mesh file"), set,
+                   [](const Deck& deck) {
+                       return deck.start == Start::file ? quoted_where_needed(deck.start_file, "#\"") : "";
+                   });
+}
+
 DeckValue ideal() {
-    DeckValue value = choice<&Deck::ideal>({"auto", "straight", "given", "regular"},
-                                           "auto | straight | given | regular | size FORMULA | mesh FILE");
-    value.set = [of_words = value.set](Deck& deck, std::string_view written) -> Hint {
+    const auto set = [](Deck& deck, std::string_view written) {
         const auto space = std::min(written.find_first_of(" \t"), written.size());
         const auto argument = without_quotes(trim(written.substr(space)));
+        const bool is_size = written.starts_with("size "), is_mesh = written.starts_with("mesh ");
         deck.ideal_size.clear();
         deck.ideal_file.clear();
-        if (space == written.size() || !argument) return of_words(deck, written);
-        if (written.starts_with("size ")) {
-            if (Expression(*argument, deck.constants).names_time()) return " (it may name x, y, z, not the time)";
-            deck.ideal = IdealKind::size;
-            deck.ideal_size = *argument;
-        } else if (written.starts_with("mesh ")) {
-            deck.ideal = IdealKind::mesh;
-            deck.ideal_file = *argument;
-        } else {
-            return of_words(deck, written);
-        }
-        return std::nullopt;
+        if (space == written.size() || !argument || !(is_size || is_mesh)) return false;
+        if (is_size && Expression(*argument, deck.constants).names_time())
+            throw UsageError("ideal = ", written, ": the formula may name x, y, z, not the time");
+        deck.ideal = is_size ? IdealKind::size : IdealKind::mesh;
+        (is_size ? deck.ideal_size : deck.ideal_file) = *argument;
+        return true;
     };
-    value.text = [of_words = value.text](const Deck& deck) {
-        if (deck.ideal == IdealKind::size) return "size " + with_quotes(deck.ideal_size);
-        if (deck.ideal == IdealKind::mesh) return "mesh " + with_quotes(deck.ideal_file);
-        return of_words(deck);
-    };
-    return value;
+    return word_or(choice<&Deck::ideal>({"auto", "straight", "given", "regular"},
+                                        "auto | straight | given | regular | size FORMULA | mesh FILE"), set,
+                   [](const Deck& deck) -> std::string {
+                       if (deck.ideal == IdealKind::size) return "size " + with_quotes(deck.ideal_size);
+                       return deck.ideal == IdealKind::mesh ? "mesh " + with_quotes(deck.ideal_file) : "";
+                   });
 }
 
 using Distortion = DistortionParams;
@@ -305,6 +301,31 @@ void set_value(Deck& deck, const DeckKey& key, std::string_view text) {
         throw UsageError(key.name, " = ", text, ": expected ", key.value.legal, *hint);
 }
 
+namespace {
+
+// What else a deck may have: how it is written, what stands after =, its meaning.
+constexpr const char* other_lines[][3] = {
+    {"boundary NAME", "STEP [; STEP ...]",
+     "Motion of a boundary: its steps, in this order. Each boundary of the mesh has a line; a line `boundary rest` is "
+     "for all that have none. With frames, a number of a step may be a formula of t in double quotes, and %04d in the "
+     "name of a file is the number of the frame."},
+    {"volume NAME", "STEP [; STEP ...]", "Motion of all nodes of a physical group of elements."},
+    {"select NAME", "CONDITION | part NUMBER ...",
+     "Makes a boundary of outer faces, by a condition on x, y, z of their centres and nx, ny, nz of their normals, or "
+     "by the numbers of smooth parts, which almesh info shows."},
+    {"let NAME", "NUMBER",
+     "A constant that formulas and numbers of steps may name: `translate NAME 0`, `rotate \"30*NAME\"`. A number, or "
+     "a formula of the constants before it."},
+    {"expect QUANTITY", "<= | >= | = VALUE",
+     "What a quantity of the summary has to be at the end of the run, else the exit code is 5. A decimal number after "
+     "= needs `+- TOLERANCE`."},
+    {"sweep KEY", "VALUE, VALUE, ... | FROM:STEP:TO",
+     "Values of a key for almesh sweep DECK, which runs all combinations of the lines of this kind, each in a folder "
+     "named by its values, and makes a table of them, sweep.csv."},
+};
+
+}  // namespace
+
 std::string keys_table() {
     const std::vector<std::size_t> width = {23, 11, 33, 33};
     const Deck defaults;
@@ -313,30 +334,7 @@ std::string keys_table() {
         const std::string value = key.value.text(defaults);
         text += table_row({key.name, value == "\"\"" ? "-" : value, key.value.legal, key.meaning}, width);
     }
-    text += table_row({"boundary NAME", "", "STEP [; STEP ...]",
-                       "Motion of a boundary: its steps, in this order. Each boundary of the mesh has a line; a line "
-                       "`boundary rest` is for all that have none. With frames, a number of a step may be a formula "
-                       "of t in double quotes, and %04d in the name of a file is the number of the frame."},
-                      width);
-    text += table_row({"volume NAME", "", "STEP [; STEP ...]",
-                       "Motion of all nodes of a physical group of elements."},
-                      width);
-    text += table_row({"select NAME", "", "CONDITION | part NUMBER ...",
-                       "Makes a boundary of outer faces, by a condition on x, y, z of their centres and nx, ny, nz of "
-                       "their normals, or by the numbers of smooth parts, which almesh info shows."},
-                      width);
-    text += table_row({"let NAME", "", "NUMBER",
-                       "A constant that formulas and numbers of steps may name: `translate NAME 0`, `rotate "
-                       "\"30*NAME\"`. A number, or a formula of the constants before it."},
-                      width);
-    text += table_row({"expect QUANTITY", "", "<= | >= | = VALUE",
-                       "What a quantity of the summary has to be at the end of the run, else the exit code is 5. A "
-                       "decimal number after = needs `+- TOLERANCE`."},
-                      width);
-    text += table_row({"sweep KEY", "", "VALUE, VALUE, ... | FROM:STEP:TO",
-                       "Values of a key for almesh sweep DECK, which runs all combinations of the lines of this kind, "
-                       "each in a folder named by its values, and makes a table of them, sweep.csv."},
-                      width);
+    for (const auto& [written, legal, meaning] : other_lines) text += table_row({written, "", legal, meaning}, width);
     const auto list = [&text](const char* title, const std::vector<Named>& rows, std::size_t name_width) {
         text += std::string("\n") + title + ":\n";
         for (const Named& row : rows) text += table_row({row.name, row.meaning}, {name_width, 100 - name_width});

@@ -314,6 +314,6 @@ TEST_CASE("what cannot be improved, and what does not go with it, is refused") {
         CHECK(has(outcome.error, " does not go with "));
     }
     CHECK(has(improved(folder, "ring.msh", {"ideal=size \"x\""}).error, "it has to be a positive length everywhere"));
-    CHECK(has(improved(folder, "ring.msh", {"ideal=size \"1 + t\""}).error, "it may name x, y, z, not the time"));
+    CHECK(has(improved(folder, "ring.msh", {"ideal=size \"1 + t\""}).error, "the formula may name x, y, z, not the time"));
     CHECK(has(improved(folder, "ring.msh", {"ideal=regula"}).error, "did you mean `regular`"));
 }
