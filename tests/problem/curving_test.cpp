@@ -199,7 +199,7 @@ TEST_CASE("where sliding is not wanted faces are flatter than they came, as few 
     CAPTURE(outcome.out);
     CHECK((outcome.code == 0 || outcome.code == 5));
     CHECK(has(outcome.out, ": faces are flatter\n"));
-    CHECK(has(outcome.out, " faces of 314 made flat, or flatter than they came\n"));
+    CHECK(has(outcome.out, " of 314 faces were made flat, or flatter than in the file\n"));
     CHECK(has(outcome.out, " off the surface):\n"));
     CHECK(text_of(folder.path("torus/moved-nodes.csv")).find(",torus,") != std::string::npos);
     const auto summary = summary_of(folder.path("torus"));

@@ -251,11 +251,12 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
                      is_fit ? concat("between the nodes by at most ", shown(error, 3)).c_str()
                             : "all others where their motions take them to the last bit");
     if (solution.freed_nodes)
-        std::fprintf(out, "%d nodes slid along the surface, by at most %.3g; the faces are within %.3g of it\n",
+        std::fprintf(out,
+                     "%d nodes slid along the surface, by at most %.3g; their faces are within %.3g of the surface\n",
                      solution.freed_nodes, solution.largest_slide, solution.surface_distance * problem.frame.length);
     if (solution.straight_faces)
-        std::fprintf(out, "%s of %d made flat, or flatter than they came\n",
-                     counted(solution.straight_faces, "face").c_str(), problem.mesh().face_count());
+        print(out, solution.straight_faces, " of ", problem.mesh().face_count(),
+              " faces were made flat, or flatter than in the file\n");
     print(out, moved_nodes_text(problem.mesh(), solution.moved_nodes),
           distance_table(problem.mesh(), solution.distances, "the target as it came"));
 }
