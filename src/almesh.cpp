@@ -133,14 +133,14 @@ MeshArrays arrays_of(const Mesh& mesh, const MeshArrays& given) {
 Motion motion_at(const Boundary& boundary, double t, const std::vector<double>& given) {
     using Kind = Boundary::Kind;
     if (boundary.kind == Kind::fixed || boundary.kind == Kind::free)
-        return motion_of(boundary.kind == Kind::fixed ? Motion::Kind::fixed : Motion::Kind::free);
+        return motion_of(boundary.kind == Kind::fixed ? NodeKind::fixed : NodeKind::free);
     if (!boundary.target.empty()) {
         std::vector<double> places = given;
         for (std::size_t k = 0; k < places.size(); ++k) places[k] += t * (boundary.target[k] - places[k]);
         return given_by(std::move(places));
     }
     Motion motion = boundary.position ? given_by(boundary.position, t, t * boundary.turn) : Motion{};
-    if (boundary.kind == Kind::slides) motion.steps.push_back(motion_of(Motion::Kind::slides).steps[0]);
+    if (boundary.kind == Kind::slides) motion.steps.push_back(motion_of(NodeKind::slides).steps[0]);
     return motion;
 }
 

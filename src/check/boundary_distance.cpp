@@ -210,23 +210,33 @@ std::vector<char> curved_faces(const Mesh& mesh, const BoundaryTarget& target, c
     return curved;
 }
 
-std::vector<MovedNode> moved_nodes(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces* sliding,
-                                   const std::vector<double>& now, const std::vector<double>& x) {
+OffMotion off_motion(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces* sliding,
+                     const std::vector<double>& now, const std::vector<double>& x) {
+    double rounding = 0;
+    for (const double at : x) rounding = std::max(rounding, 4 * std::numeric_limits<double>::epsilon() * std::abs(at));
+    OffMotion off;
+    std::vector<char> is_off(mesh.nodes(), 0);
     std::map<int, MovedNode> moved;
     for_face_nodes(mesh, [&](int f, std::size_t k) {
-        const int i = mesh.faces[k], b = mesh.face_boundary[f], dim = mesh.dim;
+        const int i = mesh.faces[k], dim = mesh.dim;
         const double *const from = &target.written[k * dim], *const to = point(x, i, dim);
-        const bool has_another = target.fixed[b] && !std::equal(from, from + dim, &now[k * dim]);
-        if (!has_another && !target.is_freed(i)) return;
-        if (target.hold_of_face(mesh, f) != BoundaryHold::prescribed || std::equal(to, to + dim, from)) return;
+        if (!is_prescribed(target.written_kind[k]) || std::equal(to, to + dim, from)) return;
+        const bool is_fixed = target.written_kind[k] == NodeKind::fixed, slides = target.is_freed(k);
         const double distance = length(in_space(to, dim) - in_space(from, dim));
-        std::string& along = moved.try_emplace(i, MovedNode{i, b, distance, ""}).first->second.along;
-        const std::string name = target.is_freed(i) ? sliding->surface(sliding->part(mesh, f)).name() : "";
-        if (along.find(name) == std::string::npos) along += (along.empty() ? "" : " and ") + name;
+        if (is_fixed || distance > rounding) {
+            is_off[i] = 1;
+            off.largest = std::max(off.largest, distance);
+        }
+        if (!slides && (!is_fixed || std::equal(from, from + dim, &now[k * dim]))) return;
+        MovedNode& node = moved.try_emplace(i, MovedNode{i, mesh.face_boundary[f], distance, ""}).first->second;
+        if (!slides) return;
+        off.largest_slide = std::max(off.largest_slide, node.distance);
+        const std::string name = sliding->surface(sliding->part(mesh, f)).name();
+        if (node.along.find(name) == std::string::npos) node.along += (node.along.empty() ? "" : " and ") + name;
     });
-    std::vector<MovedNode> nodes;
-    for (auto& [node, of] : moved) nodes.push_back(std::move(of));
-    return nodes;
+    off.nodes = static_cast<int>(std::count(is_off.begin(), is_off.end(), 1));
+    for (auto& [i, node] : moved) off.moved.push_back(std::move(node));
+    return off;
 }
 
 std::string moved_nodes_csv(const Mesh& mesh, const std::vector<MovedNode>& nodes) {

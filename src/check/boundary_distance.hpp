@@ -54,11 +54,17 @@ struct MovedNode {
     std::string along;  // the surfaces in which it slid: "plane", "plane and cylinder of radius 2"; "": it left its own
 };
 
-// Nodes that are not where the motion of their boundary takes them (BoundaryTarget::written): those that are freed to
-// slide, and of fixed boundaries those that have another target, `now`: face x face node x dim. x: nodes x dim; all in
-// the file's frame.
-std::vector<MovedNode> moved_nodes(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces* sliding,
-                                   const std::vector<double>& now, const std::vector<double>& x);
+// Nodes that are not where the motions of their boundaries take them (BoundaryTarget::written), and their largest
+// distance from there. What motions of two boundaries say of one node may differ by rounding.
+struct OffMotion {
+    int nodes = 0;
+    double largest = 0, largest_slide = 0;  // of those that are freed to slide
+    std::vector<MovedNode> moved;  // that are freed to slide, or on a fixed boundary and have another target
+};
+
+// now: the targets, face x face node x dim. x: nodes x dim; all in the file's frame.
+OffMotion off_motion(const Mesh& mesh, const BoundaryTarget& target, const SlidingSurfaces* sliding,
+                     const std::vector<double>& now, const std::vector<double>& x);
 
 std::string moved_nodes_csv(const Mesh& mesh, const std::vector<MovedNode>& nodes);
 

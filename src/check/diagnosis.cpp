@@ -58,15 +58,13 @@ Diagnosis at_element(const LastMesh& last, DiagnosisKind kind, int element) {
 std::vector<int> boundary_of_nodes(const Mesh& mesh, const BoundaryTarget& target) {
     std::vector<int> boundary(mesh.nodes(), -1);
     std::vector<char> prescribed(mesh.nodes(), 0);
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        const bool prescribes = target.hold_of_face(mesh, f) == BoundaryHold::prescribed;
-        for (int k = 0; k < mesh.face_nodes(f); ++k) {
-            const int i = mesh.face(f)[k];
-            if (boundary[i] >= 0 && (prescribed[i] || !prescribes)) continue;
-            boundary[i] = mesh.face_boundary[f];
-            prescribed[i] = prescribes;
-        }
-    }
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        const int i = mesh.faces[k];
+        const bool prescribes = is_prescribed(target.written_kind[k]);
+        if (boundary[i] >= 0 && (prescribed[i] || !prescribes)) return;
+        boundary[i] = mesh.face_boundary[f];
+        prescribed[i] = prescribes;
+    });
     return boundary;
 }
 

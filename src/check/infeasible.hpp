@@ -1,10 +1,18 @@
-// Elements that are not valid wherever the nodes that may move go, which is proved by the boundary alone:
-//   - where the determinant depends only on nodes that stay (determined_elements.hpp), and is not positive;
-//   - where it depends only on nodes that slide in one plane, or along one line: it is zero.
+// Faces and elements that no positions of the other nodes make valid, as the boundary is prescribed.
+//
+// A face is infeasible where the target folds it, mirrors its part of the boundary or takes it through another
+// (target_check.hpp). Of an element the derivative at a vertex depends on the nodes of the edges there, along an edge
+// of a tetrahedron on those of the two faces that meet in it, and so on: on a face s of any dimension it depends on the
+// nodes of the simplices spanned by s and one more vertex. Where all of these nodes are held, the determinant on s is
+// what they make it, whatever the mesh inside. Infeasible are elements with two faces on one smooth boundary, between
+// which the angle becomes 180 degrees, those across a gap that closes, and flat ones, whose nodes slide in one plane.
+// CAD surfaces make elements infeasible by their curvature where the nodes that are not vertices crowd: nodes that
+// slide along the surface there may mend that, a node inside the element may mend others.
 #pragma once
 #include <string>
 #include <vector>
 
+#include "check/target_check.hpp"
 #include "constraint/constraint.hpp"
 #include "constraint/sliding.hpp"
 #include "constraint/target.hpp"
@@ -12,16 +20,57 @@
 
 namespace almesh {
 
-// Per element the reason, "" for one that may be valid. x: node_count x dim; where the constraint does not hold at x,
-// nodes of the boundary stay at x, or are at the target. sliding: null where no node slides.
-std::vector<std::string> find_infeasible(const Mesh& mesh, const std::vector<double>& x, Constraint& constraint,
-                                         const BoundaryTarget& target, const SlidingSurfaces* sliding);
+constexpr double flat_jacobian = 1e-12;  // a scaled Jacobian that may be zero
 
-// Ascending, the elements that are invalid as long as all nodes of the boundary that are not free stay at x.
-std::vector<int> invalid_by_boundary(const Mesh& mesh, const std::vector<double>& x, const BoundaryTarget& target);
+struct InfeasibleElement {
+    int element;
+    double scaled_jacobian;  // a value that it has somewhere, at most the bound: det J over |det J| of the straight
+                             // element of its vertices; 0 where that has no volume. At a corner of a cell that is no
+                             // simplex over the lengths of the tangents
+    bool by_curvature;       // the straight element is valid
+    bool sliding_may_help = false;  // by_curvature, or not between two faces, whose angle is that of the surface
+    bool division_helps = false;    // by nodes on its inner_simplices()
+};
 
-// Per node: whether it is on faces that do not leave it free.
-std::vector<char> held_nodes(const Mesh& mesh, const BoundaryTarget& target);
+// Elements whose scaled Jacobian is at most `bound` somewhere where the nodes that are held determine it, ascending,
+// without what may help. x: node_count x dim. held: per node. Cost: O(elements), and for those all of whose vertices
+// are held what check/certificate takes.
+std::vector<InfeasibleElement> infeasible_elements(const Mesh& mesh, const std::vector<double>& x,
+                                                   const std::vector<char>& held, double bound = 0);
+
+struct Infeasible {
+    TargetReport faces;
+    std::vector<InfeasibleElement> elements;
+
+    bool none() const { return faces.faults.empty() && elements.empty(); }
+    bool faces_by_curvature() const;
+    bool sliding_may_help() const;  // all are of faces folded by their curvature alone, and of such elements
+    bool division_helps() const;    // in all elements
+};
+
+// Where the target takes the boundary, and with it the elements whose scaled Jacobian it makes at most `bound`: 0 where
+// no valid mesh keeps it, a little more where none of any use does. Other cells than simplices that are as bad in the
+// ideal mesh, or half as bad, are not among them. What the target leaves open, because it slides or is free, is passed
+// over. ideal: node_count x dim.
+Infeasible find_infeasible(const Mesh& mesh, const std::vector<double>& ideal, const BoundaryTarget& target,
+                           double bound = 0);
+
+// With the boundary at x, per element why it is infeasible, "" for one that may be valid. x: node_count x dim; where
+// the constraint does not hold at x, nodes of the boundary stay at x, or are at the target. sliding: null where no node
+// slides.
+std::vector<std::string> why_infeasible(const Mesh& mesh, const std::vector<double>& x, Constraint& constraint,
+                                        const BoundaryTarget& target, const SlidingSurfaces* sliding);
+
+// The first of them, a line each: what, where.
+std::string describe(const Mesh& mesh, const Infeasible& infeasible);
+
+// The elements at faces that are at fault or cross others, then those that are infeasible themselves.
+std::vector<int> elements_of(const Mesh& mesh, const Infeasible& infeasible);
+
+// Per node of the mesh, whether it is prescribed by the target and on a face that is infeasible, or at an element that
+// is, or on a face next to these, or, where elements are folded by their curvature, in one plane with those; in degree
+// 1 it is a vertex of such faces and elements.
+std::vector<char> nodes_to_free(const Mesh& mesh, const BoundaryTarget& target, const Infeasible& infeasible);
 
 // Elements that are not valid, for a user: all of them as text for the file invalid.csv, and the first ten.
 struct InvalidElements {
@@ -30,7 +79,7 @@ struct InvalidElements {
 };
 
 // elements: in the order in which they are listed. x: node_count x dim in units of the file. scaled_jacobian: per
-// element. why: as of find_infeasible(); or empty.
+// element. why: as of why_infeasible(); or empty.
 InvalidElements list_invalid(const Mesh& mesh, const std::vector<int>& elements, const std::vector<double>& x,
                              const std::vector<double>& scaled_jacobian, const std::vector<std::string>& why = {});
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "base/index.hpp"
-#include "check/target_check.hpp"
+#include "check/infeasible.hpp"
 
 namespace almesh {
 namespace {
@@ -13,11 +13,7 @@ constexpr char steps = 4;  // from curved to straight
 
 // Elements at which a mesh that is valid overlaps itself, x being neither of the two forms.
 std::vector<int> overlapping(const Mesh& mesh, const std::vector<double>& x, const Injectivity& found) {
-    std::vector<int> elements;
-    const TargetReport report = check_target(mesh, x, {}, FaceBend::of_valid);
-    for (const TargetReport::Fault& fault : report.faults) elements.push_back(mesh.face_element[fault.face]);
-    for (const auto& pair : report.crossing)
-        for (const int f : pair) elements.push_back(mesh.face_element[f]);
+    std::vector<int> elements = elements_of(mesh, {check_target(mesh, x, {}, FaceBend::of_valid), {}});
     for (int e = 0; e < mesh.element_count() && found.node >= 0; ++e) {
         const int *const node = mesh.element(e), *const end = node + mesh.element_nodes(e);
         if (std::find(node, end, found.node) != end) elements.push_back(e);
@@ -29,34 +25,28 @@ std::vector<int> overlapping(const Mesh& mesh, const std::vector<double>& x, con
 
 }  // namespace
 
-std::vector<double> straightened(const Mesh& mesh, const std::vector<double>& straight,
-                                 const std::vector<double>& curved, const ElementsAtFault& at_fault,
-                                 std::vector<char>* was_at_fault) {
-    std::vector<double> x = curved;
+Straightened straightened(const Mesh& mesh, const std::vector<double>& straight, const std::vector<double>& curved,
+                          const ElementsAtFault& at_fault) {
+    Straightened found = {curved, std::vector<char>(mesh.element_count(), 0)};
     std::vector<char> step(mesh.element_count(), 0), of_node(mesh.nodes(), 0);
     for (bool changes = true; changes;) {
         changes = false;
-        for (const int e : at_fault(x)) {
+        for (const int e : at_fault(found.x)) {
             if (step[e] == steps) continue;
             ++step[e];
             changes = true;
             for (int k = 0; k < mesh.element_nodes(e); ++k) {
                 const int i = mesh.element(e)[k];
-                if (of_node[i] >= step[e]) continue;
-                of_node[i] = step[e];
-                for (std::size_t c = offset(i, mesh.dim); c < offset(i + 1, mesh.dim); ++c)
-                    x[c] = straight[c] + (1 - double(step[e]) / steps) * (curved[c] - straight[c]);
+                const bool goes_on = of_node[i] < step[e];
+                of_node[i] = std::max(of_node[i], step[e]);
+                for (std::size_t c = offset(i, mesh.dim); c < offset(i + 1, mesh.dim); ++c) {
+                    if (straight[c] != curved[c]) found.was_at_fault[e] = 1;
+                    if (goes_on) found.x[c] = straight[c] + (1 - double(step[e]) / steps) * (curved[c] - straight[c]);
+                }
             }
         }
     }
-    if (!was_at_fault) return x;
-    was_at_fault->assign(mesh.element_count(), 0);
-    for (int e = 0; e < mesh.element_count(); ++e)
-        for (int k = 0; k < mesh.element_nodes(e) && step[e] > 0; ++k) {
-            const double* const at = point(x, mesh.element(e)[k], mesh.dim);
-            if (!std::equal(at, at + mesh.dim, point(curved, mesh.element(e)[k], mesh.dim))) (*was_at_fault)[e] = 1;
-        }
-    return x;
+    return found;
 }
 
 Injectivity certify_curved(Mesh& mesh, const std::vector<double>& straight, const std::vector<double>& curved,
@@ -74,7 +64,7 @@ StraightenedMesh straighten_invalid(Mesh mesh, const std::vector<double>& straig
                                     double bound) {
     StraightenedMesh found;
     std::optional<bool> helps;  // whether the straight-sided form does not overlap itself
-    found.x = straightened(mesh, straight, curved, [&](const std::vector<double>& x) {
+    static_cast<Straightened&>(found) = straightened(mesh, straight, curved, [&](const std::vector<double>& x) {
         found.certificate = certify(mesh, x);
         std::vector<int> at_fault;
         for (int e = 0; e < mesh.element_count(); ++e)
@@ -89,7 +79,7 @@ StraightenedMesh straighten_invalid(Mesh mesh, const std::vector<double>& straig
         if (*helps)
             for (const int e : overlapping(mesh, x, found.injectivity)) at_fault.push_back(e);
         return at_fault;
-    }, &found.was_at_fault);
+    });
     return found;
 }
 

@@ -17,20 +17,21 @@ namespace almesh {
 // Elements at fault with the nodes at x.
 using ElementsAtFault = std::function<std::vector<int>(const std::vector<double>& x)>;
 
-// straight, curved: nodes x dim positions, equal at the vertices. Returns positions at which no elements are at fault
-// but straight ones. was_at_fault: if given, per element, whether it was, and was not straight anyway.
-std::vector<double> straightened(const Mesh& mesh, const std::vector<double>& straight,
-                                 const std::vector<double>& curved, const ElementsAtFault& at_fault,
-                                 std::vector<char>* was_at_fault = nullptr);
+struct Straightened {
+    std::vector<double> x;           // nodes x dim, at which no elements are at fault but straight ones
+    std::vector<char> was_at_fault;  // per element: whether it was, and was not straight anyway
+};
+
+// straight, curved: nodes x dim positions, equal at the vertices.
+Straightened straightened(const Mesh& mesh, const std::vector<double>& straight, const std::vector<double>& curved,
+                          const ElementsAtFault& at_fault);
 
 // As certify_injective() of injectivity.hpp, of a mesh whose curved form and whose straight one may each overlap itself
 // where the other does not.
 Injectivity certify_curved(Mesh& mesh, const std::vector<double>& straight, const std::vector<double>& curved,
                            const std::vector<double>& x, const Certificate& certificate);
 
-struct StraightenedMesh {
-    std::vector<double> x;           // nodes x dim
-    std::vector<char> was_at_fault;  // per element: one of those whose nodes were moved
+struct StraightenedMesh : Straightened {
     Certificate certificate;
     Injectivity injectivity;
 };

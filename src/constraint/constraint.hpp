@@ -10,9 +10,11 @@
 // Evaluations use work space of the object: one call at a time. x: node_count x dim positions everywhere.
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
+#include "base/index.hpp"
 #include "base/small_matrix.hpp"
 #include "linalg/block_csr.hpp"
 
@@ -90,5 +92,21 @@ public:
     // Per node: whether its position x is not where P c = 0, to the last bit or as nearly as it can be computed.
     virtual std::vector<char> off_target(const std::vector<double>& /*x*/) const { return {}; }
 };
+
+// Per node of the mesh: how many directions the constraint takes from it, from 0 (it may go anywhere) to dim (it
+// stays). Empty where the constraint does not hold at x.
+inline std::vector<int> held_directions(Constraint& constraint, const std::vector<double>& x, int dim) {
+    constexpr double off_target = 1e-10;
+    if (!(constraint.max_error(x) <= off_target)) return {};
+    std::vector<int> held(x.size() / dim, 0);
+    const std::vector<int>& nodes = constraint.nodes();
+    for (std::size_t t = 0; t < nodes.size(); ++t) {
+        Vec<3> at{};
+        std::copy_n(point(x, nodes[t], dim), dim, at.begin());
+        const Mat<3> D = constraint.distance(static_cast<int>(t), at).slope;  // near to a projection
+        held[nodes[t]] = std::min(dim, static_cast<int>(std::lround(D[0][0] + D[1][1] + D[2][2])));
+    }
+    return held;
+}
 
 }  // namespace almesh

@@ -68,7 +68,7 @@ const char* axis_fault(const Vec<3>& axis) { return axis == Vec<3>{} ? "the axis
 
 constexpr std::array<MotionForm, 13> forms = {{
     {.name = "fixed", .form = "fixed", .meaning = "the boundary stays as it is in the mesh file",
-     .kind = Motion::Kind::fixed},
+     .kind = NodeKind::fixed},
     {.name = "translate", .form = "translate DX DY [DZ]", .meaning = "shifts the boundary",
      .fewest = 2, .most = 3, .per_axis = true,
      .move = [](Step step, Vec<3>& d) {
@@ -141,8 +141,8 @@ constexpr std::array<MotionForm, 13> forms = {{
     {.name = "slide", .form = "slide [along FILE [boundary NAME]]",
      .meaning = "last step: the nodes may move along the surface to which the steps before it take the boundary. With "
                 "FILE: along the boundary NAME of that mesh, else the one of the same name, else its only one",
-     .along = true, .kind = Motion::Kind::slides},
-    {.name = "free", .form = "free", .meaning = "the nodes may move anywhere", .kind = Motion::Kind::free},
+     .along = true, .kind = NodeKind::slides},
+    {.name = "free", .form = "free", .meaning = "the nodes may move anywhere", .kind = NodeKind::free},
 }};
 
 // Not among those that are written as text.
@@ -151,11 +151,6 @@ constexpr MotionForm by_function{.name = "position", .form = "position", .meanin
                                      d = (*step.position)(d, step.t);
                                      return true;
                                  }};
-
-BoundaryHold hold_of(Motion::Kind kind) {
-    if (kind == Motion::Kind::slides) return BoundaryHold::slides;
-    return kind == Motion::Kind::free ? BoundaryHold::free : BoundaryHold::prescribed;
-}
 
 bool apply_step(Step step, Vec<3>& x) {
     const MotionForm& form = *step.form;
@@ -246,23 +241,22 @@ const MotionStep* surface_step(const Motion& motion) {
 
 bool is_of_mesh(const MotionStep& file_step) { return file_step.form->mesh; }
 
-Motion::Kind kind_of(const Motion& motion) {
-    const Motion::Kind last = motion.steps.back().form->kind;
-    return last == Motion::Kind::fixed && motion.steps.size() > 1 ? Motion::Kind::moves : last;
+NodeKind kind_of(const Motion& motion) {
+    const NodeKind last = motion.steps.back().form->kind;
+    return last == NodeKind::fixed && motion.steps.size() > 1 ? NodeKind::target : last;
 }
 
-Motion motion_of(Motion::Kind kind) {
+Motion motion_of(NodeKind kind) {
     const auto is_of_kind = [kind](const MotionForm& form) { return form.kind == kind; };
     Motion motion;
     motion.steps.emplace_back().form = &*std::find_if(forms.begin(), forms.end(), is_of_kind);
     return motion;
 }
 
-BoundaryHold hold_of(const Motion& motion) { return hold_of(kind_of(motion)); }
-
-BoundaryHold hold_of_rest(const Motion& motion) {
+NodeKind kind_of_rest(const Motion& motion) {
     const MotionForm* const rest = motion.steps.front().rest;
-    return rest && hold_of(motion) == BoundaryHold::prescribed ? hold_of(rest->kind) : hold_of(motion);
+    const bool leaves_open = rest && is_prescribed(kind_of(motion)) && !is_prescribed(rest->kind);
+    return leaves_open ? rest->kind : kind_of(motion);
 }
 
 std::vector<Named> motion_forms() {

@@ -21,12 +21,15 @@
 
 namespace almesh {
 
-// What a boundary's nodes are fixed to.
-enum class BoundaryHold {
-    prescribed,  // each to a position
-    slides,      // to a surface
-    free         // to nothing
+// What a node of a boundary does, from the least freedom to the most.
+enum class NodeKind : unsigned char {
+    fixed,   // it stays where the file has it
+    target,  // it goes to a position
+    slides,  // it is on a surface
+    free     // it goes anywhere
 };
+
+inline bool is_prescribed(NodeKind kind) { return kind <= NodeKind::target; }
 
 inline constexpr const char* file_of_line = "-";  // the name of a file that the coupled solver tells with the time
 
@@ -63,8 +66,7 @@ struct MotionStep {
 };
 
 struct Motion {
-    enum class Kind { moves, fixed, slides, free };  // what the nodes of a boundary do
-    std::vector<MotionStep> steps;                   // at least one
+    std::vector<MotionStep> steps;  // at least one
 
     bool operator==(const Motion&) const = default;
 };
@@ -105,12 +107,10 @@ double turn(const Motion& motion);  // sum of the angles of its steps, without s
 // the other way round is the shorter one.
 bool leads_to(const Motion& before, const Motion& now, bool as_written);
 
-Motion::Kind kind_of(const Motion& motion);
-Motion motion_of(Motion::Kind kind);  // not `moves`: the motion `fixed`, `slide` or `free`
-inline bool is_fixed(const Motion& motion) { return kind_of(motion) == Motion::Kind::fixed; }
-
-BoundaryHold hold_of(const Motion& motion);
-BoundaryHold hold_of_rest(const Motion& motion);  // of the nodes that its file leaves out
+Motion motion_of(NodeKind kind);  // not `target`: the motion `fixed`, `slide` or `free`
+NodeKind kind_of(const Motion& motion);
+NodeKind kind_of_rest(const Motion& motion);  // of the nodes that its file leaves out
+inline bool is_fixed(const Motion& motion) { return kind_of(motion) == NodeKind::fixed; }
 
 // The step that takes positions of single nodes from a file: always the first one; null where there is none. apply()
 // passes over it: the points given to it are there already (problem/node_targets.hpp).

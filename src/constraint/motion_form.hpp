@@ -25,7 +25,7 @@ struct MotionForm {
     bool formulas = false;             // formulas in double quotes, one for each axis, in place of numbers
     bool affine = true;                // it takes polynomials to polynomials of the same degree
     int projection_in = 0;             // the dimension a projection acts in; so many leading numbers are its centre
-    Motion::Kind kind = Motion::Kind::moves;  // of a motion whose last step it is
+    NodeKind kind = NodeKind::target;  // of the nodes, by the last step of a motion
     // Why its numbers make no sense, whatever the dimension; "" where they do.
     const char* (*fault)(Step) = [](Step) { return ""; };
     // Moves a point given relative to the centre; false where its image is undefined. nullptr: every point stays.

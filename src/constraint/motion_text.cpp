@@ -200,13 +200,13 @@ Motion parse_motion(std::string_view text, const Constants& constants) {
     if (std::any_of(motion.steps.begin() + 1, motion.steps.end(), is_file))
         throw UsageError("positions from a file must be the first step: they belong to nodes where the mesh has them");
     const auto is_alone = [](Step step) {
-        return step.form->kind == Motion::Kind::fixed || step.form->kind == Motion::Kind::free;
+        return step.form->kind == NodeKind::fixed || step.form->kind == NodeKind::free;
     };
     const auto alone = std::find_if(motion.steps.begin(), motion.steps.end(), is_alone);
     if (motion.steps.size() > 1 && alone != motion.steps.end())
         throw UsageError(in_backquotes(alone->form->name), " beside other steps: a ", alone->form->name,
                          " boundary is not moved, remove one or the other");
-    const auto slides = [](Step step) { return step.form->kind == Motion::Kind::slides; };
+    const auto slides = [](Step step) { return step.form->kind == NodeKind::slides; };
     if (std::any_of(motion.steps.begin(), motion.steps.end() - 1, slides))
         throw UsageError("`slide` must be the last step: the steps before it move the surface along which nodes slide");
     const std::string in_2d = misfit(motion, 2), in_3d = misfit(motion, 3);

@@ -127,9 +127,9 @@ Mat<3> second_derivative(const SlidingSurfaces& sliding, const std::vector<int>&
 }
 
 void smooth_freed(const Mesh& mesh, const BoundaryTarget& target, SlidingSurfaces& sliding) {
+    const std::vector<NodeKind> boundary = kinds_of_boundaries(mesh, target.written_kind);
     for_face_nodes(mesh, [&](int f, std::size_t k) {
-        const bool slides = target.hold_of_node(mesh, f, k) == BoundaryHold::slides;
-        if (!slides || target.hold_of_face(mesh, f) != BoundaryHold::prescribed) return;
+        if (target.kind[k] != NodeKind::slides || !is_prescribed(boundary[mesh.face_boundary[f]])) return;
         sliding.add_patch(mesh.faces[k], sliding.part(mesh, f), in_space(&target.node[k * mesh.dim], mesh.dim));
     });
 }
@@ -151,9 +151,8 @@ std::vector<std::vector<int>> sliding_parts(const Mesh& mesh, const BoundaryTarg
         for (std::size_t k = start; k < start + mesh.face_nodes(f); ++k) {
             const int t = faces[k], node = mesh.faces[k];
             size[t] = std::max(size[t], longest);
-            const BoundaryHold hold = target.hold_of_node(mesh, f, k);
-            if (hold == BoundaryHold::prescribed) prescribed[t] = 1;
-            if (hold != BoundaryHold::slides) continue;
+            if (is_prescribed(target.kind[k])) prescribed[t] = 1;
+            if (target.kind[k] != NodeKind::slides) continue;
             const int along = sliding->part_or_patch(node, part);
             if (std::find(parts[t].begin(), parts[t].end(), along) == parts[t].end()) parts[t].push_back(along);
         }

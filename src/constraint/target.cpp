@@ -70,7 +70,7 @@ std::vector<char> disputed_nodes(const Mesh& mesh, const BoundaryTarget& target,
     std::vector<char> disputed(mesh.nodes(), 0);
     std::vector<First> first(mesh.nodes(), {-1, 0});  // place in `faces` that first gave the target
     for_face_nodes(mesh, [&](int f, std::size_t k) {
-        if (target.hold_of_node(mesh, f, k) != BoundaryHold::prescribed) return;
+        if (!is_prescribed(target.kind[k])) return;
         First& seen = first[mesh.faces[k]];
         if (seen.face < 0) seen = {f, k};
         const double* a = &target.node[seen.k * dim];
@@ -96,7 +96,7 @@ std::map<int, Vec<3>> settled_positions(const Mesh& mesh, const BoundaryTarget& 
     std::map<int, std::map<std::pair<int, int>, std::size_t>> claims;  // node -> rank, boundary -> place in `faces`
     for_face_nodes(mesh, [&](int f, std::size_t k) {
         const int node = mesh.faces[k], b = mesh.face_boundary[f];
-        if (disputed[node] && target.hold_of_node(mesh, f, k) == BoundaryHold::prescribed)
+        if (disputed[node] && is_prescribed(target.kind[k]))
             claims[node].try_emplace({shared.rank.empty() ? b : shared.rank[b], b}, k);
     });
     std::map<int, Vec<3>> positions;
@@ -114,12 +114,13 @@ std::map<int, Vec<3>> settled_positions(const Mesh& mesh, const BoundaryTarget& 
 void share_nodes(const Mesh& mesh, const SharedNodes& shared, BoundaryTarget& target) {
     const auto positions = settled_positions(
         mesh, target, shared, disputed_nodes(mesh, target, shared.rule == SharedNodes::refuse));
+    const std::vector<NodeKind> boundary = kinds_of_boundaries(mesh, target.kind);
     const int dim = mesh.dim;
     for (std::size_t g = 0; g < target.rules.size() && !positions.empty(); ++g) {
         const FaceRule& rule = target.rules[g];
         const LagrangeBasis basis(*rule.faces.cell, mesh.degree);
         for (int f = rule.faces.first; f < rule.faces.first + rule.faces.count; ++f) {
-            if (target.hold_of_face(mesh, f) != BoundaryHold::prescribed) continue;
+            if (!is_prescribed(boundary[mesh.face_boundary[f]])) continue;
             double* const node = &target.node[mesh.face_start(f) * dim];
             std::vector<double> shift(basis.count * dim, 0.0);
             for (int i = 0; i < basis.count; ++i) {
@@ -141,20 +142,26 @@ void share_nodes(const Mesh& mesh, const SharedNodes& shared, BoundaryTarget& ta
     }
 }
 
-// Face x face node; empty where no file leaves nodes out to slide or to be free.
-std::vector<BoundaryHold> hold_of_nodes(const Mesh& mesh, const std::vector<Motion>& motion,
-                                        const PlacedNodes& placed) {
+// Face x face node.
+std::vector<NodeKind> kinds_of_nodes(const Mesh& mesh, const std::vector<Motion>& motion, const PlacedNodes& placed) {
     constexpr double rounding = 1e-9;  // of what is interpolated between 0 and 1
-    const auto is_complete = [](const PlacedBoundary& boundary) { return boundary.left_out.empty(); };
-    if (std::all_of(placed.begin(), placed.end(), is_complete)) return {};
-    std::vector<BoundaryHold> hold;
+    std::vector<NodeKind> kind;
     for_face_nodes(mesh, [&](int f, std::size_t k) {
         const int b = mesh.face_boundary[f];
-        const bool is_left_out = !is_complete(placed[b]) &&
+        const bool is_left_out = !placed.empty() && !placed[b].left_out.empty() &&
                                  std::abs(placed[b].left_out[offset(mesh.faces[k], mesh.dim)]) > rounding;
-        hold.push_back(is_left_out ? hold_of_rest(motion[b]) : hold_of(motion[b]));
+        kind.push_back(is_left_out ? kind_of_rest(motion[b]) : kind_of(motion[b]));
     });
-    return hold;
+    return kind;
+}
+
+// Per node: whether wanted(k) of any of its places in `faces`.
+template <class Wanted>
+std::vector<char> nodes_with(const Mesh& mesh, const Wanted& wanted) {
+    std::vector<char> nodes(mesh.nodes(), 0);
+    for (std::size_t k = 0; k < mesh.faces.size(); ++k)
+        if (wanted(k)) nodes[mesh.faces[k]] = 1;
+    return nodes;
 }
 
 std::vector<FaceRule> rules_of(const Mesh& mesh, int exactness) {
@@ -175,11 +182,7 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, 
     const int dim = mesh.dim;
     for (const Motion& each : motion) check_dimension(each, dim);
     BoundaryTarget target;
-    for (const Motion& each : motion) {
-        target.hold.push_back(hold_of(each));
-        target.fixed.push_back(is_fixed(each));
-    }
-    target.hold_of_nodes = hold_of_nodes(mesh, motion, placed);
+    target.kind = target.written_kind = kinds_of_nodes(mesh, motion, placed);
     target.in_trace_space = std::all_of(motion.begin(), motion.end(), is_affine);
     // Exact for N_i N_j. A g_D beyond the trace space needs far more to be integrated to rounding on a fair mesh.
     target.rules = rules_of(mesh, 2 * mesh.degree + (target.in_trace_space ? 0 : 10));
@@ -220,51 +223,56 @@ std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, st
 void prescribe_shared_nodes(const Mesh& mesh, BoundaryTarget& target) {
     const int dim = mesh.dim;
     std::vector<long long> decides(mesh.nodes(), -1);  // place in `faces`
-    for (const bool fixed : {true, false})
-        for_face_nodes(mesh, [&](int f, std::size_t k) {
-            long long& known = decides[mesh.faces[k]];
-            if (known < 0 && fixed == static_cast<bool>(target.fixed[mesh.face_boundary[f]]) &&
-                target.hold_of_node(mesh, f, k) == BoundaryHold::prescribed)
+    for (const NodeKind kind : {NodeKind::fixed, NodeKind::target})
+        for (std::size_t k = 0; k < mesh.faces.size(); ++k)
+            if (long long& known = decides[mesh.faces[k]]; known < 0 && target.kind[k] == kind)
                 known = static_cast<long long>(k);
-        });
     for (std::size_t k = 0; k < mesh.faces.size(); ++k)
         if (const long long known = decides[mesh.faces[k]]; known >= 0)
             std::copy_n(&target.node[known * dim], dim, &target.node[k * dim]);
 }
 
-std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target) {
-    std::vector<char> prescribed(mesh.nodes(), 0);
+std::vector<NodeKind> kinds_of_boundaries(const Mesh& mesh, const std::vector<NodeKind>& kind) {
+    std::vector<NodeKind> least(mesh.boundaries.size(), NodeKind::free);
     for_face_nodes(mesh, [&](int f, std::size_t k) {
-        if (target.hold_of_node(mesh, f, k) == BoundaryHold::prescribed) prescribed[mesh.faces[k]] = 1;
+        least[mesh.face_boundary[f]] = std::min(least[mesh.face_boundary[f]], kind[k]);
     });
-    return prescribed;
+    return least;
 }
 
-BoundaryHold BoundaryTarget::written_hold(const Mesh& mesh, int f, std::size_t k) const {
-    return hold_of_nodes.empty() ? hold_of_face(mesh, f) : hold_of_nodes[k];
+std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target) {
+    return nodes_with(mesh, [&](std::size_t k) { return is_prescribed(target.kind[k]); });
 }
 
-BoundaryHold BoundaryTarget::hold_of_node(const Mesh& mesh, int f, std::size_t k) const {
-    const BoundaryHold of_deck = written_hold(mesh, f, k);
-    return of_deck == BoundaryHold::prescribed && is_freed(mesh.faces[k]) ? BoundaryHold::slides : of_deck;
+std::vector<char> held_nodes(const Mesh& mesh, const BoundaryTarget& target) {
+    return nodes_with(mesh, [&](std::size_t k) { return target.kind[k] != NodeKind::free; });
 }
 
-bool BoundaryTarget::slides(const Mesh& mesh, int f) const { return nodes_with(mesh, f, BoundaryHold::slides) > 0; }
+std::vector<char> freed_nodes(const Mesh& mesh, const BoundaryTarget& target) {
+    return nodes_with(mesh, [&](std::size_t k) { return target.is_freed(k); });
+}
+
+void free_nodes(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTarget& target) {
+    for (std::size_t k = 0; k < mesh.faces.size(); ++k)
+        if (chosen[mesh.faces[k]] && is_prescribed(target.kind[k])) target.kind[k] = NodeKind::slides;
+}
+
+bool BoundaryTarget::frees() const {
+    for (std::size_t k = 0; k < kind.size(); ++k)
+        if (is_freed(k)) return true;
+    return false;
+}
+
+bool BoundaryTarget::slides(const Mesh& mesh, int f) const {
+    const auto first = kind.begin() + mesh.face_start(f);
+    return std::find(first, first + mesh.face_nodes(f), NodeKind::slides) != first + mesh.face_nodes(f);
+}
 
 bool BoundaryTarget::prescribes(const Mesh& mesh, int f) const {
-    return nodes_with(mesh, f, BoundaryHold::prescribed) == mesh.face_nodes(f);
+    const auto first = kind.begin() + mesh.face_start(f);
+    return std::all_of(first, first + mesh.face_nodes(f), is_prescribed);
 }
 
-int BoundaryTarget::nodes_with(const Mesh& mesh, int f, BoundaryHold wanted) const {
-    const std::size_t first = mesh.face_start(f);
-    int count = 0;
-    for (std::size_t k = first; k < first + mesh.face_nodes(f); ++k) count += hold_of_node(mesh, f, k) == wanted;
-    return count;
-}
-
-bool BoundaryTarget::prescribes_all() const {
-    return freed.empty() && hold_of_nodes.empty() &&
-           std::all_of(hold.begin(), hold.end(), [](BoundaryHold h) { return h == BoundaryHold::prescribed; });
-}
+bool BoundaryTarget::prescribes_all() const { return std::all_of(kind.begin(), kind.end(), is_prescribed); }
 
 }  // namespace almesh

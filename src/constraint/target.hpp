@@ -27,27 +27,20 @@ struct FaceRule {
 
 struct BoundaryTarget {
     bool in_trace_space = false;  // all motions are affine: g_D is of the mesh's degree on every face
-    std::vector<BoundaryHold> hold;  // per boundary
-    std::vector<char> fixed;         // per boundary: whether it stays where the file has it
-    std::vector<BoundaryHold> hold_of_nodes;  // face x face node, where files leave nodes out; empty: `hold`
-    std::vector<char> freed;      // per node: whether it slides although its boundary is prescribed; empty: none
-    std::vector<char> straight;      // per face: whether it was made flatter than the file has it; empty: none
+    std::vector<NodeKind> kind;   // face x face node
     std::vector<FaceRule> rules;  // by type of faces
     std::vector<double> node;     // face x face node x dim: g_D at the nodes of the face
     std::vector<double> sample;   // face x quadrature point x dim: g_D at the quadrature points
-    std::vector<double> written;  // as `node`, always in the file's frame: by the motion of the face's own boundary
+    std::vector<NodeKind> written_kind;  // as `kind` and `node`, by the motion of the face's own boundary, before nodes
+    std::vector<double> written;         // were freed, kept or shared; always in the file's frame
 
-    BoundaryHold hold_of_face(const Mesh& mesh, int f) const { return hold[mesh.face_boundary[f]]; }
     const double* node_of(const Mesh& mesh, int f) const { return &node[mesh.face_start(f) * mesh.dim]; }
-    BoundaryHold hold_of_node(const Mesh& mesh, int f, std::size_t k) const;  // of node mesh.faces[k] of face f,
-    BoundaryHold written_hold(const Mesh& mesh, int f, std::size_t k) const;  // before any was freed
-    bool is_freed(int i) const { return !freed.empty() && freed[i]; }
+    // Whether node mesh.faces[k] slides although the motion of its boundary prescribes its position; whether any does.
+    bool is_freed(std::size_t k) const { return kind[k] == NodeKind::slides && is_prescribed(written_kind[k]); }
+    bool frees() const;
     bool slides(const Mesh& mesh, int f) const;      // any node of the face
     bool prescribes(const Mesh& mesh, int f) const;  // all nodes of the face
     bool prescribes_all() const;
-
-private:
-    int nodes_with(const Mesh& mesh, int f, BoundaryHold wanted) const;
 };
 
 // Where a file has the nodes of a boundary, nodes x dim each.
@@ -74,8 +67,17 @@ BoundaryTarget make_target(const Mesh& mesh, const std::vector<Motion>& motion, 
 // decides.
 std::vector<double> at_target(const Mesh& mesh, const BoundaryTarget& target, std::vector<double> x);
 
-// Per node: whether the target prescribes its position.
+// Per boundary: the kind of its nodes that have the least freedom, as with nodes that a file leaves out. kind: face x
+// face node.
+std::vector<NodeKind> kinds_of_boundaries(const Mesh& mesh, const std::vector<NodeKind>& kind);
+
+// Per node: whether a face has it of these kinds: of one that is prescribed, or not free, or freed to slide.
 std::vector<char> prescribed_nodes(const Mesh& mesh, const BoundaryTarget& target);
+std::vector<char> held_nodes(const Mesh& mesh, const BoundaryTarget& target);
+std::vector<char> freed_nodes(const Mesh& mesh, const BoundaryTarget& target);
+
+// Lets the chosen nodes slide wherever their positions are prescribed.
+void free_nodes(const Mesh& mesh, const std::vector<char>& chosen, BoundaryTarget& target);
 
 // Faces agree on the nodes that they share: the position is that of a boundary that is fixed, else that of the first
 // face that prescribes one; also on faces that slide or are free.

@@ -60,12 +60,13 @@ TraceSpace::TraceSpace(const Mesh& mesh, const std::vector<double>& ideal, const
     for (const FaceRule& rule : target.rules)
         for (int f = rule.faces.first; f < rule.faces.first + rule.faces.count; ++f)
             measure_[f] = measure(mesh, ideal, rule, f);
+    const std::vector<NodeKind> boundary = kinds_of_boundaries(mesh, target.kind);
     const double mean = std::accumulate(measure_.begin(), measure_.end(), 0.0) / mesh.face_count();
     double one_squared = 0;
     for (const FaceRule& rule : target.rules)
         for (int f = rule.faces.first; f < rule.faces.first + rule.faces.count; ++f) {
             if (!(measure_[f] > no_extent * mean)) measure_[f] = mean;  // of a mesh that is to be untangled
-            if (target.hold_of_face(mesh, f) == BoundaryHold::free) continue;
+            if (boundary[mesh.face_boundary[f]] == NodeKind::free) continue;
             const double h = mesh.dim == 2 ? measure_[f] : std::sqrt(measure_[f]);
             one_squared += measure_[f] / h;
             face_weight[f] = measure_[f] / h * rule.faces.cell->inverse_volume;
@@ -200,9 +201,8 @@ std::vector<double> TraceSpace::interpolation(const Mesh& mesh, const BoundaryTa
 std::vector<double> TraceSpace::projection(const Mesh& mesh, const BoundaryTarget& target) const {
     const std::vector<double> y = interpolation(mesh, target);
     std::vector<char> held(nodes.size(), 0);
-    for_face_nodes(mesh, [&](int f, std::size_t k) {
-        if (target.fixed[mesh.face_boundary[f]]) held[faces[k]] = 1;
-    });
+    for (std::size_t k = 0; k < faces.size(); ++k)
+        if (target.kind[k] == NodeKind::fixed) held[faces[k]] = 1;
     BlockCsr A = M;
     for (int t = 0; t < count(); ++t)
         for (int k = A.row[t]; k < A.row[t + 1]; ++k)

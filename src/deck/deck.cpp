@@ -105,7 +105,7 @@ void read_boundary(Deck& deck, const std::string& kind, std::string_view text, c
     const std::string name = is_volume ? volume_group(given) : given;
     const auto path = [&](const std::string& file) { return path_from(where, deck, file); };
     Motion motion = with_context(shown, [&] { return parse_motion(with_tables(text, path), deck.constants); });
-    if (is_volume && hold_of_rest(motion) != BoundaryHold::prescribed)
+    if (is_volume && !is_prescribed(kind_of_rest(motion)))
         throw UsageError(shown, ": all nodes of a volume follow its motion: it neither slides nor is free");
     for (MotionStep& step : motion.steps)
         if (!step.file.empty()) step.file = path(step.file);

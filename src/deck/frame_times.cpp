@@ -98,8 +98,8 @@ Deck deck_at_rest(const Deck& deck) {
     Deck rest = deck;
     for (DeckBoundary& boundary : rest.boundaries) {
         std::vector<MotionStep>& steps = boundary.motion.steps;
-        const bool is_prescribed = hold_of(boundary.motion) == BoundaryHold::prescribed;
-        if (is_prescribed || steps.back().file == file_of_line) boundary.motion = motion_of(Motion::Kind::fixed);
+        if (is_prescribed(kind_of(boundary.motion)) || steps.back().file == file_of_line)
+            boundary.motion = motion_of(NodeKind::fixed);
         else steps.erase(steps.begin(), steps.end() - 1);
     }
     return rest;

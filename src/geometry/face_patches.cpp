@@ -132,9 +132,9 @@ std::vector<double> windings(const Bernstein& basis, const std::vector<Patch>& p
     return sum;
 }
 
-Vec<3> unit_normal(const Mesh& mesh, int f) {
+Vec<3> unit_normal(const Mesh& mesh, const std::vector<double>& x, int f) {
     const int vertices = mesh.face_cell(f).vertices;
-    return unit(flat_normal(positions(mesh, mesh.x, mesh.face(f), vertices), mesh.dim - 1, vertices));
+    return unit(flat_normal(positions(mesh, x, mesh.face(f), vertices), mesh.dim - 1, vertices));
 }
 
 std::vector<int> smooth_parts(const Mesh& mesh, double feature_angle) {

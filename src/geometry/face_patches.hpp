@@ -56,7 +56,8 @@ std::vector<double> windings(const Bernstein& basis, const std::vector<Patch>& p
                              const std::vector<Vec<3>>& points);
 
 // Outward unit normal of the flat face with the same vertices.
-Vec<3> unit_normal(const Mesh& mesh, int f);
+Vec<3> unit_normal(const Mesh& mesh, const std::vector<double>& x, int f);
+inline Vec<3> unit_normal(const Mesh& mesh, int f) { return unit_normal(mesh, mesh.x, f); }
 
 // The boundary in smooth parts, for meshes whose file names none. Per face: the number of its part, from 1, in the
 // order of their first faces. Neighbouring outer faces are in one part where their normals are at most feature_angle

@@ -20,7 +20,7 @@ inline Mesh ring() {
 // Where the nodes of the boundary should be after a part of a motion. motion: of the inner circle, as decks have it:
 // "translate 8 0".
 inline BoundaryTarget inner_circle_by(const Mesh& mesh, const std::string& motion, double part = 1) {
-    const Motion inner = at_fraction(parse_motion(motion), part), outer = motion_of(Motion::Kind::fixed);
+    const Motion inner = at_fraction(parse_motion(motion), part), outer = motion_of(NodeKind::fixed);
     std::vector<Motion> motions;
     for (const std::string& name : mesh.boundaries) motions.push_back(name == "inner" ? inner : outer);
     return make_target(mesh, motions);

@@ -164,9 +164,9 @@ void select_faces(const Deck& deck, Mesh& mesh) {
 
 // The motion, with `slide` last where it prescribes positions.
 Motion sliding(const Motion& motion) {
-    if (hold_of(motion) != BoundaryHold::prescribed) return motion;
+    if (!is_prescribed(kind_of(motion))) return motion;
     Motion with = is_fixed(motion) ? Motion{} : motion;
-    with.steps.push_back(motion_of(Motion::Kind::slides).steps.front());
+    with.steps.push_back(motion_of(NodeKind::slides).steps.front());
     return with;
 }
 

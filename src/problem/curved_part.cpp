@@ -29,9 +29,8 @@ std::vector<double> gathered(const std::vector<double>& field, const std::vector
 // All boundaries fixed at these positions, but for nodes that are freed.
 BoundaryTarget fixed_at(Mesh mesh, const std::vector<double>& x, const std::vector<char>& freed) {
     mesh.x = x;
-    const std::vector<Motion> fixed(mesh.boundaries.size(), motion_of(Motion::Kind::fixed));
-    BoundaryTarget target = make_target(mesh, fixed);
-    target.freed = freed;
+    BoundaryTarget target = make_target(mesh, std::vector(mesh.boundaries.size(), motion_of(NodeKind::fixed)));
+    if (!freed.empty()) free_nodes(mesh, freed, target);
     return target;
 }
 
@@ -152,33 +151,20 @@ CurvedPart curved_part(const Problem& whole, const std::vector<char>& chosen, co
     return part;
 }
 
-TargetFaults find_faults(const CurvedPart& part, double bound) {
-    return find_faults(part.mesh, part.mesh.x, fixed_at(part.mesh, part.curved, part.freed), bound);
+Infeasible find_infeasible(const CurvedPart& part, double bound) {
+    return find_infeasible(part.mesh, part.mesh.x, fixed_at(part.mesh, part.curved, part.freed), bound);
 }
 
-std::vector<int> elements_of(const CurvedPart& part, const TargetFaults& faults) {
-    std::vector<int> elements;
-    for (const TargetReport::Fault& fault : faults.faces.faults)
-        elements.push_back(part.mesh.face_element[fault.face]);
-    for (const auto& pair : faults.faces.crossing)
-        for (const int f : pair) elements.push_back(part.mesh.face_element[f]);
-    for (const ElementFault& fault : faults.elements) elements.push_back(fault.element);
-    return elements;
-}
-
-std::vector<char> freed_nodes(const CurvedPart& part, const std::vector<int>& elements) {
+std::vector<char> nodes_to_free(const CurvedPart& part, const Infeasible& infeasible, bool around) {
     const Mesh& mesh = part.mesh;
+    if (around) return nodes_to_free(mesh, fixed_at(mesh, part.curved, {}), infeasible);
     std::vector<char> chosen(mesh.element_count(), 0), freed(mesh.nodes(), 0);
-    for (const int e : elements) chosen[e] = 1;
+    for (const int e : elements_of(mesh, infeasible)) chosen[e] = 1;
     for_face_nodes(mesh, [&](int f, std::size_t k) {
         const int i = mesh.faces[k];
         if (mesh.face_boundary[f] != mesh.cut && chosen[mesh.face_element[f]] && !part.on_cut[i]) freed[i] = 1;
     });
     return freed;
-}
-
-std::vector<char> freed_nodes_around(const CurvedPart& part, const TargetFaults& faults) {
-    return freed_nodes(part.mesh, fixed_at(part.mesh, part.curved, {}), faults);
 }
 
 void free_nodes(const std::vector<char>& chosen, CurvedPart& part) {
@@ -199,22 +185,23 @@ void free_nodes_in(const std::vector<char>& of_whole, bool vertices_too, CurvedP
 void flatten(CurvedPart& part, double bound) {
     constexpr double useful = 0.05;  // scaled Jacobian of elements at fault, when they no longer are
     std::vector<char> at_fault(part.mesh.element_count(), 0);
-    for (const int e : elements_of(part, find_faults(part, bound))) at_fault[e] = 1;
-    part.curved = straightened(part.mesh, part.mesh.x, part.curved, [&](const std::vector<double>& x) {
+    for (const int e : elements_of(part.mesh, find_infeasible(part, bound))) at_fault[e] = 1;
+    const Straightened flatter = straightened(part.mesh, part.mesh.x, part.curved, [&](const std::vector<double>& x) {
         part.curved = x;
-        TargetFaults faults = find_faults(part, std::max(bound, useful));
-        std::erase_if(faults.elements, [&](const ElementFault& fault) {
-            return fault.scaled_jacobian > bound && !at_fault[fault.element];
+        Infeasible infeasible = find_infeasible(part, std::max(bound, useful));
+        std::erase_if(infeasible.elements, [&](const InfeasibleElement& of) {
+            return of.scaled_jacobian > bound && !at_fault[of.element];
         });
-        return elements_of(part, faults);
+        return elements_of(part.mesh, infeasible);
     });
+    part.curved = flatter.x;
 }
 
 CurvedPartResult curve(const Deck& deck, const CurvedPart& part, const SlidingSurfaces* surfaces, int first_steps) {
     Problem problem;
     problem.base = part.mesh;
     problem.base.x = part.curved;
-    problem.motions.assign(part.mesh.boundaries.size(), motion_of(Motion::Kind::fixed));
+    problem.motions.assign(part.mesh.boundaries.size(), motion_of(NodeKind::fixed));
     problem.level = std::make_unique<Level>();
     problem.level->mesh = problem.base;
     problem.level->ideal = part.mesh.x;

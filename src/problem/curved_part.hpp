@@ -4,7 +4,7 @@
 
 #include "check/certificate.hpp"
 #include "problem/problem.hpp"
-#include "check/freed_nodes.hpp"
+#include "check/infeasible.hpp"
 
 namespace almesh {
 
@@ -27,17 +27,12 @@ struct CurvedPart {
 CurvedPart curved_part(const Problem& whole, const std::vector<char>& chosen, const std::vector<double>& x,
                        const std::vector<double>& curved);
 
-// Faces and elements of the part that its boundary makes invalid by itself, with the positions `curved` of nodes that
-// are not freed. bound: as in find_faults().
-TargetFaults find_faults(const CurvedPart& part, double bound);
+// What is infeasible with the positions `curved` of nodes that are not freed. bound: as of the mesh.
+Infeasible find_infeasible(const CurvedPart& part, double bound);
 
-std::vector<int> elements_of(const CurvedPart& part, const TargetFaults& faults);
-
-// Per node of the part: whether it is on a boundary face of these elements, and not on the cut.
-std::vector<char> freed_nodes(const CurvedPart& part, const std::vector<int>& elements);
-
-// The same with the faces around them, see freed_nodes() of freed_nodes.hpp.
-std::vector<char> freed_nodes_around(const CurvedPart& part, const TargetFaults& faults);
+// Per node of the part: whether it is on a boundary face of infeasible elements, and not on the cut; or of the faces
+// around them too, as nodes_to_free() of a mesh has it.
+std::vector<char> nodes_to_free(const CurvedPart& part, const Infeasible& infeasible, bool around);
 
 // Frees these nodes of the part. Their target is where the file has them: elsewhere surfaces may leave them no way to
 // go.

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "problem/curved_part.hpp"
+#include "problem/kept_surface.hpp"
 #include "base/error.hpp"
 #include "base/interrupt.hpp"
 #include "base/text.hpp"
@@ -87,27 +88,17 @@ public:
 
     // The target is where the boundary is, and what was freed is free to slide.
     void set_target() {
-        problem_.curved_target = problem_.node_target;
         BoundaryTarget& target = problem_.target;
         Mesh at = mesh_;
         at.x = solution_.x;
         for (int i = 0; i < mesh_.nodes(); ++i)
             if (freed_[i]) std::copy_n(point(mesh_.x, i, mesh_.dim), mesh_.dim, point(at.x, i, mesh_.dim));
-        const std::vector<double> written = target.written;
+        std::vector<double> written = std::move(target.written);
         target = make_target(at, problem_.motions);
-        target.written = written;
-        std::vector<char> flat(mesh_.face_count(), 0);
-        for_face_nodes(mesh_, [&](int f, std::size_t k) {
-            const double *const x = point(at.x, mesh_.faces[k], mesh_.dim);
-            if (std::equal(x, x + mesh_.dim, point(mesh_.x, mesh_.faces[k], mesh_.dim))) return;
-            flat[f] = 1;
-            for (int a = 0; a < mesh_.dim; ++a)
-                problem_.node_target[offset(k, mesh_.dim, a)] = problem_.frame.to_file(x[a], a, mesh_.dim);
-        });
-        if (count(flat) > 0) target.straight = flat;
-        else problem_.curved_target.clear();
+        target.written = std::move(written);
+        take_along_target(problem_, mesh_.x, at.x);
         if (count(freed_) == 0) return;
-        target.freed = freed_;
+        free_nodes(mesh_, freed_, target);
         BoundaryTarget in_file = target;
         in_file.node = problem_.frame.to_file(target.node, mesh_.dim);
         smooth_freed(mesh_, in_file, *surfaces_);
@@ -203,26 +194,25 @@ private:
     // Gives the boundary of the part the freedom of the attempt. Whether that may help.
     bool release(CurvedPart& part, const std::vector<char>& is_of_place, Boundary boundary) {
         const double bound = deck_.min_scaled_jacobian;
-        if (boundary == Boundary::stays) return find_faults(part, bound).none();
+        if (boundary == Boundary::stays) return find_infeasible(part, bound).none();
         if (boundary == Boundary::flattens) {
             const CurvedPart held = part;
             if (can_slide()) free_nodes_in(is_in_planes_, true, part);
-            if (find_faults(part, bound).none()) part = held;
-            if (find_faults(part, bound).none()) return false;
+            if (find_infeasible(part, bound).none()) part = held;
+            if (find_infeasible(part, bound).none()) return false;
             flatten(part, bound);
             return true;
         }
         if (!can_slide()) return false;
         if (boundary == Boundary::slides_inside_planes || boundary == Boundary::slides_in_planes) {
             free_nodes_in(is_in_planes_, boundary == Boundary::slides_in_planes, part);
-            return !part.freed.empty() && find_faults(part, bound).none();
+            return !part.freed.empty() && find_infeasible(part, bound).none();
         }
-        TargetFaults faults = find_faults(part, bound);
-        if (faults.none())
+        Infeasible infeasible = find_infeasible(part, bound);
+        if (infeasible.none())
             for (std::size_t e = 0; e < part.element.size(); ++e)
-                if (is_of_place[part.element[e]]) faults.elements.push_back({{static_cast<int>(e), 0, true}});
-        free_nodes(boundary == Boundary::slides ? freed_nodes(part, elements_of(part, faults))
-                                                : freed_nodes_around(part, faults), part);
+                if (is_of_place[part.element[e]]) infeasible.elements.push_back({static_cast<int>(e), 0, true});
+        free_nodes(nodes_to_free(part, infeasible, boundary == Boundary::slides_around), part);
         return true;
     }
 
@@ -302,7 +292,7 @@ Solution curve_in_place(const Deck& deck, Problem& problem, const Solve& solve, 
                           (deck.local_repair == LocalRepair::automatic && is_small(problem.mesh()));
     const Deck settings = deck.local_repair == LocalRepair::no ? deck : impatient(deck);
     const bool keeps_boundary =
-        as_whole && find_faults(problem.mesh(), problem.ideal(), problem.target, deck.min_scaled_jacobian).none();
+        as_whole && find_infeasible(problem.mesh(), problem.ideal(), problem.target, deck.min_scaled_jacobian).none();
     const bool stood_in_parts = so_far.standing->attempt >= 0;
     if (keeps_boundary && !stood_in_parts) {
         Solution whole = solve(settings, problem);

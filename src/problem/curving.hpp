@@ -24,7 +24,7 @@ namespace almesh {
 // makes no element invalid, else after, from there and with the boundary that was found, unless step 5 was needed.
 // deck.local_repair: never or always only as parts.
 // What is certified last is the result, also where the run is interrupted. On return the problem's target is where the
-// boundary is, faces that are not where the file has them flat (target.straight), nodes that slid freed.
+// boundary is, with the nodes that slid freed; straight_faces() are those that are not where the file has them.
 //
 // The mesh so far is that of the whole mesh before anything is straightened, then that of the parts: a part that was
 // being solved, and the whole mesh after the parts, are solved again by a run that goes on.

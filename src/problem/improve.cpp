@@ -80,7 +80,7 @@ std::vector<double> volumes_by_size(const Deck& deck, const Problem& problem) {
 // Whether no element is asked to be other than good, and the boundary to be elsewhere than on its surface.
 bool may_stay(const Deck& deck, const Problem& problem) {
     const auto stays = [](const Motion& motion) {
-        return is_fixed(motion) || motion == motion_of(Motion::Kind::slides);
+        return is_fixed(motion) || motion == motion_of(NodeKind::slides);
     };
     return deck.ideal == IdealKind::regular && std::all_of(problem.motions.begin(), problem.motions.end(), stays);
 }
@@ -110,7 +110,7 @@ Solution ended_at(const Problem& problem, std::vector<double> x, Status status) 
 // Elements whose boundary makes them invalid need not be valid from here on.
 void find_infeasible_elements(const Deck& deck, Problem& problem, const std::vector<double>& x, std::FILE* out) {
     set_functional(deck, problem);
-    auto why = find_infeasible(problem.mesh(), x, *problem.level->constraint, problem.target, problem.sliding.get());
+    auto why = why_infeasible(problem.mesh(), x, *problem.level->constraint, problem.target, problem.sliding.get());
     const auto count = why.size() - std::count(why.begin(), why.end(), "");
     if (count == 0) return;
     std::fprintf(out, "note: %s invalid whatever the nodes inside do: all others are made better\n",
@@ -136,7 +136,9 @@ void untangle(const Deck& deck, Problem& problem, const std::vector<int>& invali
     };
     for (const bool again : {false, true}) {
         const std::size_t count = all.left.size();
-        if (again && count > 0) leave_out(invalid_by_boundary(mesh, x, problem.target));  // others are in their regions
+        if (again && count > 0)  // others are in their regions
+            leave_out(elements_of(
+                mesh, {{}, infeasible_elements(mesh, x, held_nodes(mesh, problem.target), flat_jacobian)}));
         if (again && (all.left.empty() || all.left.size() == count)) break;
         const auto energy = make_energy(
             problem, *problem.level,
@@ -255,7 +257,7 @@ void count_infeasible(const Deck& deck, Problem& problem, Solution& solution) {
 // A boundary that is where it has to be, none of whose nodes slides, needs no multipliers: half the Newton steps do.
 Deck with_boundary_set(const Deck& deck, const Problem& problem) {
     const auto is_set = [&](const Motion& motion) {
-        return is_fixed(motion) || (motion == motion_of(Motion::Kind::slides) && !problem.sliding);
+        return is_fixed(motion) || (motion == motion_of(NodeKind::slides) && !problem.sliding);
     };
     Deck set = deck;
     if (std::all_of(problem.motions.begin(), problem.motions.end(), is_set) &&

@@ -17,7 +17,7 @@ namespace {
 std::vector<char> kept_boundaries(const Problem& problem) {
     std::vector<char> kept;
     for (const Motion& motion : problem.motions)
-        kept.push_back(is_fixed(motion) || motion == motion_of(Motion::Kind::slides));
+        kept.push_back(is_fixed(motion) || motion == motion_of(NodeKind::slides));
     return kept;
 }
 
@@ -34,28 +34,15 @@ int hold(Problem& problem, const std::vector<char>& nodes) {
     const Mesh& mesh = problem.mesh();
     const std::vector<char> kept = kept_boundaries(problem);
     BoundaryTarget& target = problem.target;
-    std::vector<BoundaryHold> holds;
     std::vector<char> held(mesh.nodes(), 0);
     for_face_nodes(mesh, [&](int f, std::size_t k) {
         const int node = mesh.faces[k];
-        const BoundaryHold is = target.hold_of_node(mesh, f, k);
-        const bool stays = is == BoundaryHold::slides && nodes[node] && kept[mesh.face_boundary[f]];
-        if (stays) held[node] = 1;
-        holds.push_back(stays ? BoundaryHold::prescribed : is);
+        if (target.kind[k] != NodeKind::slides || !nodes[node] || !kept[mesh.face_boundary[f]]) return;
+        target.kind[k] = std::min(target.written_kind[k], NodeKind::target);
+        held[node] = 1;
     });
-    const auto count = static_cast<int>(std::count(held.begin(), held.end(), 1));
-    if (count == 0) return 0;
-    for (int i = 0; i < mesh.nodes() && !target.freed.empty(); ++i)
-        if (held[i]) target.freed[i] = 0;
-    const auto is_prescribed = [](BoundaryHold h) { return h == BoundaryHold::prescribed; };
-    if (std::all_of(holds.begin(), holds.end(), is_prescribed)) {
-        target.hold.assign(target.hold.size(), BoundaryHold::prescribed);
-        target.freed.clear();
-        holds.clear();
-        problem.sliding = nullptr;
-    }
-    target.hold_of_nodes = std::move(holds);
-    return count;
+    if (target.prescribes_all()) problem.sliding = nullptr;
+    return static_cast<int>(std::count(held.begin(), held.end(), 1));
 }
 
 void note(Problem& problem, int count, const std::string& why) {
@@ -129,7 +116,7 @@ void take_along_target(Problem& problem, const std::vector<double>& from, const 
 
 // The boundary stays where it is at x from here on.
 void fix_boundary(Problem& problem, const std::vector<double>& x) {
-    problem.motions.assign(problem.motions.size(), motion_of(Motion::Kind::fixed));
+    problem.motions.assign(problem.motions.size(), motion_of(NodeKind::fixed));
     Mesh at = problem.mesh();
     at.x = x;
     problem.target = make_target(at, problem.motions);

@@ -94,7 +94,7 @@ void read_places(const Mesh& mesh, int boundary, const Motion& motion, std::vect
     if (!step.rest)
         refuse_missing(mesh, boundary, step.file, known, nodes,
                        "; to move only those that it has: `file NAME else fixed`, `else slide` or `else free`");
-    const bool is_fixed = hold_of_rest(motion) == hold_of(motion);
+    const bool is_fixed = kind_of_rest(motion) == kind_of(motion);
     follow_vertices(mesh, boundary, is_fixed, known, positions);
     for (const auto& [id, node] : nodes)
         for (int a = 0; a < mesh.dim && !known[node] && !is_fixed; ++a) left_out[offset(node, mesh.dim, a)] = 1;

@@ -7,6 +7,7 @@
 #include "problem/boundaries.hpp"
 #include "deck/deck_checks.hpp"
 #include "problem/improve.hpp"
+#include "problem/infeasible_target.hpp"
 #include "problem/kept_surface.hpp"
 #include "problem/memory.hpp"
 #include "problem/node_targets.hpp"
@@ -18,7 +19,7 @@
 #include "base/parallel.hpp"
 #include "base/physical_memory.hpp"
 #include "base/text.hpp"
-#include "check/freed_nodes.hpp"
+#include "check/infeasible.hpp"
 #include "constraint/sliding_boundary.hpp"
 #include "constraint/sliding_nodes.hpp"
 #include "energy/mixed_energy.hpp"
@@ -99,8 +100,8 @@ BoundaryTarget target_on(const Problem& problem, const Level& level, PlacedNodes
     return target;
 }
 
-// The base mesh, refined and of another degree, its ideal mesh and its target, in the file's frame. placed: of the
-// shape, on return of this mesh.
+}  // namespace
+
 std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int degree, PlacedNodes& placed,
                                   BoundaryTarget& target) {
     auto level = std::make_unique<Level>();
@@ -109,6 +110,8 @@ std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int d
     target = target_on(problem, *level, placed);
     return level;
 }
+
+namespace {
 
 // Of the run, in units of the file: what the deck says, or so that the mesh has the volume 1.
 double unit_of_length(const Deck& deck, double volume, int dim) {
@@ -140,7 +143,7 @@ std::shared_ptr<SlidingSurfaces> surfaces_at(double fraction, const Deck& deck, 
     if (std::count(sliding.begin(), sliding.end(), 1) == 0) return nullptr;
     Mesh shape = problem.shape();
     const std::vector<double> ideal = problem.ideal_of(shape);
-    if (!target.freed.empty()) shape.x = between(ideal, std::move(shape.x), fraction);
+    if (target.frees()) shape.x = between(ideal, std::move(shape.x), fraction);
     PlacedNodes placed = problem.placed;
     for (PlacedBoundary& boundary : placed)  // nodes that a file leaves out slide along the boundary as the mesh has it
         if (!boundary.left_out.empty()) boundary = {{}, std::vector<double>(shape.x.size(), 1.0)};
@@ -153,14 +156,6 @@ void finish(const Mesh& mesh, const Frame& frame, SlidingSurfaces* sliding, Boun
     if (sliding) smooth_freed(mesh, target, *sliding);
     frame.take_to_run(target.node, mesh.dim);
     frame.take_to_run(target.sample, mesh.dim);
-}
-
-// Takes back the freedom to slide of nodes on boundaries whose surfaces are not known.
-void keep_where_unknown(const Mesh& mesh, const SlidingSurfaces& sliding, BoundaryTarget& target) {
-    if (target.freed.empty()) return;
-    for_face_nodes(mesh, [&](int f, std::size_t k) {
-        if (!sliding.knows(mesh.face_boundary[f])) target.freed[mesh.faces[k]] = 0;
-    });
 }
 
 void note_surfaces(const Deck& deck, const Mesh& mesh, const SlidingSurfaces& sliding,
@@ -221,12 +216,6 @@ void discretise(const Deck& deck, Problem& problem) {
     check_final_ids(deck, problem.mesh());
 }
 
-// What is done where the target folds elements by itself.
-void change_folded_target(const Deck& deck, Problem& problem) {
-    if (const std::string note = free_folded(checked_target(deck, problem)); !note.empty())
-        problem.notes.push_back(note);
-}
-
 void set_frame(const Deck& deck, Problem& problem) {
     problem.frame.origin = local_origin(problem.base);
     problem.frame.length = unit_of_length(deck, volume(problem.mesh(), problem.ideal()), problem.mesh().dim);
@@ -236,8 +225,8 @@ void set_frame(const Deck& deck, Problem& problem) {
 std::shared_ptr<SlidingSurfaces> make_surfaces(const Deck& deck, Problem& problem) {
     BoundaryTarget& target = problem.target;
     if (target.prescribes_all()) return nullptr;
-    const auto is_free = [](BoundaryHold hold) { return hold == BoundaryHold::free; };
-    if (std::all_of(target.hold.begin(), target.hold.end(), is_free))
+    const auto is_free = [](const Motion& motion) { return kind_of(motion) == NodeKind::free; };
+    if (std::all_of(problem.motions.begin(), problem.motions.end(), is_free))
         throw UsageError(deck.path, ": all boundaries are free: give at least one of them a motion");
     const std::vector<OtherSurface> other = read_other_surfaces(deck, problem.base, problem.notes);
     const auto sliding = surfaces_at(1, deck, problem, problem.mesh(), target, problem.motions, other);
@@ -257,7 +246,7 @@ std::unique_ptr<Constraint> constraint_at(double fraction, const Deck& deck, con
         BoundaryTarget target =
             target_at(fraction, in_file, frame.to_file(level.ideal, level.mesh.dim), motions, placed, problem.shared);
         prescribe_shared_nodes(in_file, target);
-        target.freed = of_whole.freed;
+        target.kind = of_whole.kind;
         std::shared_ptr<SlidingSurfaces> sliding;  // of its own: another mesh's is where the motion ends
         if (problem.sliding) sliding = surfaces_at(fraction, deck, problem, level.mesh, target, motions);
         finish(level.mesh, frame, sliding.get(), target);
@@ -329,21 +318,10 @@ void move_target(const Deck& deck, Problem& problem) {
     read_motions(deck, problem);
     problem.target = target_on(problem, *problem.level, problem.level_placed);
     problem.node_target = problem.target.node;
-    change_folded_target(deck, problem);
+    free_infeasible(deck, problem);
     const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, problem);
     finish(problem.mesh(), problem.frame, sliding.get(), problem.target);
     problem.sliding = sliding;
-}
-
-CheckedTarget checked_target(const Deck& deck, Problem& problem) {
-    const auto folds_when_refined = [&deck, &problem] {
-        PlacedNodes placed = problem.placed;
-        BoundaryTarget target;
-        const auto level = discretise(problem, deck.refine + 1, problem.mesh().degree, placed, target);
-        return !find_faults(level->mesh, level->ideal, target).none();
-    };
-    return {deck,           problem.base.degree, problem.mesh(),     problem.ideal(),
-            problem.target, problem.node_target, folds_when_refined, problem.is_own_ideal};
 }
 
 Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_hash, std::vector<std::string> notes) {
@@ -354,7 +332,7 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
     problem.notes = std::move(notes);
     std::vector<std::string> before = problem.notes;
     discretise(deck, problem);
-    while (const int count = split_folded(checked_target(deck, problem), problem.base, before)) {
+    while (const int count = split_infeasible(deck, problem, before)) {
         problem.split_elements += count;
         problem.notes = before;
         discretise(deck, problem);
@@ -369,7 +347,7 @@ Problem make_problem(const Deck& deck, BaseMesh base, const std::string& mesh_ha
         if (deck.surface == SurfaceKind::straighten)
             throw UsageError(deck.given.at("surface"), ": surface = straighten is for a curved mesh that is made valid "
                              "where it is, with all boundaries fixed: else surface is auto, slide or keep");
-        change_folded_target(deck, problem);
+        free_infeasible(deck, problem);
     }
     set_frame(deck, problem);
     const std::shared_ptr<SlidingSurfaces> sliding = make_surfaces(deck, problem);
@@ -394,8 +372,18 @@ std::unique_ptr<DistortionEnergy> make_energy(const Problem& problem, const Leve
 
 std::shared_ptr<SlidingSurfaces> surfaces_in_place(const Deck& deck, const Problem& problem) {
     BoundaryTarget target = problem.target;
-    target.freed.assign(problem.mesh().nodes(), 1);
+    free_nodes(problem.mesh(), std::vector<char>(problem.mesh().nodes(), 1), target);
     return surfaces_at(1, deck, problem, problem.mesh(), target, problem.motions);
+}
+
+std::vector<char> straight_faces(const Problem& problem) {
+    std::vector<char> straight(problem.mesh().face_count(), 0);
+    for_face_nodes(problem.mesh(), [&](int f, std::size_t k) {
+        const int dim = problem.mesh().dim;
+        const double *const now = &problem.node_target[k * dim], *const in_file = &problem.target.written[k * dim];
+        if (problem.curves_in_place && !std::equal(now, now + dim, in_file)) straight[f] = 1;
+    });
+    return straight;
 }
 
 void set_functional(const Deck& deck, const Problem& problem) {
@@ -410,10 +398,15 @@ std::unique_ptr<Level> coarser_level(const Deck& deck, const Problem& problem, c
     BoundaryTarget target;
     PlacedNodes placed = problem.placed;
     std::unique_ptr<Level> level = discretise(problem, coarser.refinements, coarser.degree, placed, target);
-    if (!problem.target.freed.empty()) {
-        const TargetFaults faults = find_faults(level->mesh, level->ideal, target);
-        if (faults.sliding_may_help()) target.freed = freed_nodes(level->mesh, target, faults);
-        keep_where_unknown(level->mesh, *problem.sliding, target);
+    if (problem.target.frees()) {
+        const Infeasible infeasible = find_infeasible(level->mesh, level->ideal, target);
+        if (infeasible.sliding_may_help()) {
+            std::vector<char> freed = nodes_to_free(level->mesh, target, infeasible);
+            for_face_nodes(level->mesh, [&](int f, std::size_t k) {
+                if (!problem.sliding->knows(level->mesh.face_boundary[f])) freed[level->mesh.faces[k]] = 0;
+            });
+            free_nodes(level->mesh, freed, target);
+        }
         // It has not the shape of the file.
         level->is_worth_little = level->mesh.degree > 1 && level->mesh.degree < problem.shape().degree;
     }

@@ -8,7 +8,6 @@
 
 #include "problem/base_mesh.hpp"
 #include "deck/deck.hpp"
-#include "problem/folded_target.hpp"
 #include "base/frame.hpp"
 #include "constraint/sliding.hpp"
 #include "constraint/target.hpp"
@@ -24,8 +23,7 @@ struct Problem {
     std::optional<Mesh> raised;    // and of the degree of the meshes that place its boundaries, where that is higher
     std::unique_ptr<Level> level;  // the base mesh refined and raised, its ideal mesh; in the run's frame
     BoundaryTarget target;         // in the run's frame
-    std::vector<double> node_target;    // target.node in units of the file,
-    std::vector<double> curved_target;  // and before faces were made straight; empty where none was
+    std::vector<double> node_target;  // target.node in units of the file
     int split_elements = 0;           // of the file: inverted by the target, and divided in the base mesh
     bool curves_in_place = false;     // it is curved, and its boundary is to stay where the file has it (curving.hpp)
     std::vector<double> file_x;       // curved in place, improved, frames: mesh().x in units of the file, nodes x dim
@@ -48,6 +46,9 @@ struct Problem {
     const std::vector<double>& ideal() const { return level->ideal; }
 };
 
+// Per face: whether it was made flatter than the file has it, of a mesh that is curved in place.
+std::vector<char> straight_faces(const Problem& problem);
+
 // Of the settings, wherever the results go, on however many threads, and in however many pieces, and of the files that
 // the deck names; those of frames are read when their time comes. known: of files by their paths; "" or no row: not
 // yet.
@@ -67,8 +68,10 @@ void move_target(const Deck& deck, Problem& problem);
 // The run's id, and in the comment of meshes that are written, is that of this deck.
 void identify(const Deck& deck, Problem& problem);
 
-// The problem's target as folded_target.hpp checks and changes it.
-CheckedTarget checked_target(const Deck& deck, Problem& problem);
+// The base mesh, refined and of another degree, its ideal mesh and its target, in the file's frame. placed: of the
+// shape, on return of this mesh.
+std::unique_ptr<Level> discretise(const Problem& problem, int refinements, int degree, PlacedNodes& placed,
+                                  BoundaryTarget& target);
 
 // Of a mesh that is curved in place, the surfaces of the file along which nodes can slide; null where they are not
 // known.

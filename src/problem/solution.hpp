@@ -31,8 +31,7 @@ struct Solution {
     AlResult al;
     double max_boundary_error = 0;
     int nodes_off_target = 0;  // of the boundary, by whatever little
-    int nodes_off_motion = 0;  // of those that the deck moves or fixes: not where its motions take them,
-    double off_motion = 0;     // and the largest distance, in units of the file
+    OffMotion off_motion;      // of the nodes that the deck moves or fixes, in units of the file
     Certificate certificate;
     Injectivity injectivity;
     SizeSkew size_skew;
@@ -43,11 +42,9 @@ struct Solution {
     int coarse_newton_iterations = 0;  // on the coarser meshes
     double predicted_bytes = 0;  // of memory, before the run
     int refined_elements = 0;          // with a finer quadrature
-    int freed_nodes = 0;            // that slide where the target folds the mesh,
-    double largest_slide = 0;          // and the largest distance of one from its target, in units of the file
+    int freed_nodes = 0;               // that slide where the target folds the mesh
     double surface_distance = 0;       // of faces whose nodes slide, from their surface
     int straight_faces = 0;            // of a curved mesh that were made flat, or flatter than they came
-    std::vector<MovedNode> moved_nodes;       // of boundaries, from the target before it was changed,
     std::vector<BoundaryDistance> distances;  // from the target before it was changed, in units of the file
 
     int newton_steps() const { return al.newton_iterations + al.earlier_newton_iterations + coarse_newton_iterations; }

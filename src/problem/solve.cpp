@@ -1,7 +1,6 @@
 #include "problem/solve.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "base/index.hpp"
 #include "check/boundary_distance.hpp"
@@ -46,59 +45,34 @@ std::vector<CoarserMesh> coarser_meshes(const Deck& deck, const Problem& problem
     if (problem.is_own_ideal || identity_is_near(deck, problem)) return coarser;
     for (int refinements = 0; refinements < deck.refine; ++refinements) coarser.push_back({refinements, 1});
     // The file's own curves are known from its degree on; but where nodes slide, they find their way at lower ones.
-    const int of_file = problem.target.freed.empty() ? problem.shape().degree : 1;
+    const int of_file = problem.target.frees() ? 1 : problem.shape().degree;
     for (int degree = 1; degree < problem.mesh().degree; degree = std::max(2 * degree, of_file))
         coarser.push_back({deck.refine, degree});
     return coarser;
 }
 
-// From the motions as the deck has them, whatever the target was made of them. Two motions of a node that both move
-// may differ by rounding.
-void measure_off_motion(const Problem& problem, Solution& solution) {
+// Where the boundary is from where the motions of the deck take it. Distances of faces: where the target was changed or
+// is curved, from the target as the deck has it, on boundaries without a surface of their own.
+void measure_boundary(const Problem& problem, Solution& solution) {
     const Mesh& mesh = problem.mesh();
-    const std::vector<double> x = final_positions(problem, solution.x);
-    double rounding = 0;
-    for (const double at : x) rounding = std::max(rounding, 4 * std::numeric_limits<double>::epsilon() * std::abs(at));
-    std::vector<char> off(mesh.nodes(), 0);
-    for_face_nodes(mesh, [&](int f, std::size_t k) {
-        const bool is_fixed = problem.target.fixed[mesh.face_boundary[f]];
-        if (!is_fixed && problem.target.written_hold(mesh, f, k) != BoundaryHold::prescribed) return;
-        Vec<3> way{};
-        for (int a = 0; a < mesh.dim; ++a)
-            way[a] = x[offset(mesh.faces[k], mesh.dim, a)] - problem.target.written[k * mesh.dim + a];
-        if (way == Vec<3>{} || (!is_fixed && length(way) <= rounding)) return;
-        off[mesh.faces[k]] = 1;
-        solution.off_motion = std::max(solution.off_motion, length(way));
-    });
-    solution.nodes_off_motion = static_cast<int>(std::count(off.begin(), off.end(), 1));
-    solution.moved_nodes = moved_nodes(mesh, problem.target, problem.sliding.get(), problem.node_target, x);
-    for (const MovedNode& of : solution.moved_nodes)
-        if (problem.target.is_freed(of.node)) solution.largest_slide = std::max(solution.largest_slide, of.distance);
-}
-
-void measure_sliding(const Problem& problem, Solution& solution) {
-    if (!problem.sliding) return;
-    const Mesh& mesh = problem.mesh();
-    const std::vector<char>& freed = problem.target.freed;
-    solution.freed_nodes = static_cast<int>(std::count(freed.begin(), freed.end(), 1));
-    solution.surface_distance = distance_from_surfaces(mesh, problem.target, *problem.sliding, solution.x);
-}
-
-// Where the target was changed or is curved: of the faces from the target as the deck has it, on boundaries with a
-// surface of their own.
-void measure_distances(const Problem& problem, Solution& solution) {
     const BoundaryTarget& target = problem.target;
-    const bool slides = !target.freed.empty() || (problem.base.degree > 1 && !target.prescribes_all());
-    if (!slides && target.straight.empty()) return;
+    const std::vector<double> x = final_positions(problem, solution.x);
+    const auto count = [](const auto& some) { return static_cast<int>(std::count(some.begin(), some.end(), 1)); };
+    solution.off_motion = off_motion(mesh, target, problem.sliding.get(), problem.node_target, x);
+    solution.straight_faces = count(straight_faces(problem));
+    solution.freed_nodes = count(freed_nodes(mesh, target));
+    if (problem.sliding) solution.surface_distance = distance_from_surfaces(mesh, target, *problem.sliding, solution.x);
+    if (solution.freed_nodes + solution.straight_faces == 0 && (problem.base.degree == 1 || target.prescribes_all()))
+        return;
     std::vector<char> measured;
     for (std::size_t b = 0; b < problem.motions.size(); ++b) {
+        const Motion& motion = problem.motions[b];
         const bool leaves_out = !problem.placed.empty() && !problem.placed[b].left_out.empty();
-        measured.push_back(target.hold[b] != BoundaryHold::free && !leaves_out && !surface_step(problem.motions[b]));
+        measured.push_back(kind_of(motion) != NodeKind::free && !leaves_out && !surface_step(motion));
     }
     BoundaryTarget came = target;
-    came.node = problem.curved_target.empty() ? problem.node_target : problem.curved_target;
-    const std::vector<double> x = final_positions(problem, solution.x);
-    solution.distances = boundary_distances(problem.mesh(), at_target(problem.mesh(), came, x), x, measured);
+    came.node = problem.curves_in_place ? target.written : problem.node_target;
+    solution.distances = boundary_distances(mesh, at_target(mesh, came, x), x, measured);
 }
 
 // Whether the boundary is on its target, as far as Algorithm 1 tests it.
@@ -172,9 +146,9 @@ void snap(const Deck& deck, const Problem& problem, Solution& solution) {
         return;
     Level& level = *problem.level;
     std::vector<char> fixed(level.mesh.nodes(), all);
-    for_face_nodes(level.mesh, [&](int f, std::size_t k) {
-        if (problem.target.fixed[level.mesh.face_boundary[f]]) fixed[level.mesh.faces[k]] = 1;
-    });
+    const BoundaryTarget& target = problem.target;
+    for (std::size_t k = 0; k < level.mesh.faces.size(); ++k)
+        if (target.written_kind[k] == NodeKind::fixed) fixed[level.mesh.faces[k]] = 1;
     snap_to_targets(*level.energy, *level.constraint, solution.x, fixed);
     measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
 }
@@ -197,11 +171,7 @@ void examine(const Deck& deck, const Problem& problem, Solution& solution) {
     solution.max_boundary_error =
         std::max(level.constraint->max_error(solution.x), level.constraint->error_between_nodes(solution.x));
     solution.nodes_off_target = nodes_off_target(*level.constraint, solution.x);
-    measure_off_motion(problem, solution);
-    measure_sliding(problem, solution);
-    const std::vector<char>& straight = problem.target.straight;
-    solution.straight_faces = static_cast<int>(std::count(straight.begin(), straight.end(), 1));
-    measure_distances(problem, solution);
+    measure_boundary(problem, solution);
     solution.diagnosis = diagnose(deck, problem, solution);
 }
 

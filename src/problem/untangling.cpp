@@ -9,7 +9,7 @@
 #include "base/interrupt.hpp"
 #include "check/certificate.hpp"
 #include "check/infeasible.hpp"
-#include "geometry/patch.hpp"
+#include "geometry/face_patches.hpp"
 #include "mesh/part.hpp"
 #include "mesh/quadrature.hpp"
 #include "mesh/sides.hpp"
@@ -27,18 +27,17 @@ constexpr double penalties[] = {1e3, 1e8};  // of nodes that slide, in units of 
 constexpr int most_deltas = 100, steps_of_first_delta = 100, steps_of_delta = 5, steps_of_barrier = 20;
 
 using Moves = std::vector<char>;  // per node
-using Infeasible = std::vector<std::string>;
+using Reasons = std::vector<std::string>;
 
 class Untangling {
 public:
     Untangling(const Mesh& mesh, const std::vector<double>& volume, DistortionEnergy& energy, Constraint& constraint,
-               const BoundaryTarget& target, const LinearSolverParams& linear, const Infeasible& infeasible,
+               const BoundaryTarget& target, const LinearSolverParams& linear, const Reasons& infeasible,
                std::vector<double>& x)
-        : mesh_(mesh), volume_(volume), target_(target), held_(held_nodes(mesh, target)), linear_(linear),
-          infeasible_(infeasible), x_(x),
+        : mesh_(mesh), volume_(volume), held_(held_nodes(mesh, target)),
+          directions_(held_directions(constraint, x, mesh.dim)), linear_(linear), infeasible_(infeasible), x_(x),
           E_(energy, constraint, std::vector<double>(constraint.multipliers(), 0.0), 0, Moves(mesh.nodes(), 0)) {
         fix_boundary();
-        find_sliding_nodes();
         for (const ElementGroup& group : mesh.element_groups())
             reference_.push_back(
                 reference_element(*group.cell, mesh.degree, element_quadrature(*group.cell, mesh.degree, 0)));
@@ -51,11 +50,9 @@ public:
             int count = 0;
             const std::size_t invalid = result_.left.size();
             for (const bool slide : {false, true}) {
-                if (slide && (!can_slide_ || result_.left.empty())) break;
+                if (slide && (!can_slide() || result_.left.empty())) break;
                 fix_boundary(slide);
-                const std::vector<int> never =
-                    slide ? std::vector<int>() : invalid_by_boundary(mesh_, x_, target_);
-                for (const auto& [first, nodes] : regions(layers, never)) {
+                for (const auto& [first, nodes] : regions(layers, slide)) {
                     Moves moves(mesh_.nodes(), 0);
                     for (const int i : nodes) moves[i] = 1;
                     count += static_cast<int>(nodes.size());
@@ -72,17 +69,15 @@ public:
 private:
     const Mesh& mesh_;
     const std::vector<double>& volume_;
-    const BoundaryTarget& target_;
     const Moves held_;  // per node: whether the boundary does not leave it free
+    const std::vector<int> directions_;  // as of held_directions(), before any node moves
     const LinearSolverParams& linear_;
-    const Infeasible& infeasible_;
+    const Reasons& infeasible_;
     std::vector<double>& x_;
     AugmentedFunctional E_;
     std::vector<ReferenceElement> reference_;  // by group of elements
     UntanglingResult result_;
-    Moves slides_;  // per node: whether it can move along its surfaces
-    Moves on_one_;  // and is on no more than one
-    bool can_slide_ = false;
+
     bool is_infeasible(int e) const { return !infeasible_.empty() && !infeasible_[e].empty(); }
 
     void find_left() {
@@ -90,26 +85,16 @@ private:
         std::erase_if(result_.left, [&](int e) { return is_infeasible(e); });
     }
 
-    // All nodes of the boundary but for free ones; or without those that slide.
-    void fix_boundary(bool slide = false) {
-        for (const int i : E_.constraint.nodes()) E_.fixed[i] = held_[i] && !(slide && slides_[i]);
+    bool slides(int i) const { return !directions_.empty() && directions_[i] > 0 && directions_[i] < mesh_.dim; }
+    bool can_slide() const {
+        for (int i = 0; i < mesh_.nodes(); ++i)
+            if (slides(i)) return true;
+        return false;
     }
 
-    void find_sliding_nodes() {
-        constexpr double off_surface = 1e-10;
-        slides_.assign(mesh_.nodes(), 0);
-        on_one_ = slides_;
-        if (!(E_.constraint.max_error(x_) <= off_surface)) return;
-        const std::vector<int>& nodes = E_.constraint.nodes();
-        for (std::size_t t = 0; t < nodes.size(); ++t) {
-            Vec<3> x{};
-            std::copy_n(point(x_, nodes[t], mesh_.dim), mesh_.dim, x.begin());
-            const Mat<3> D = E_.constraint.distance(static_cast<int>(t), x).slope;
-            const double normals = D[0][0] + D[1][1] + D[2][2];
-            slides_[nodes[t]] = held_[nodes[t]] && normals < mesh_.dim - 0.5;
-            on_one_[nodes[t]] = normals < 1.5;
-            can_slide_ = can_slide_ || slides_[nodes[t]];
-        }
+    // All nodes of the boundary but for free ones; or without those that slide.
+    void fix_boundary(bool slide = false) {
+        for (const int i : E_.constraint.nodes()) E_.fixed[i] = held_[i] && !(slide && slides(i));
     }
 
     void project(const Moves& moves, std::vector<double>& x) const {
@@ -123,10 +108,6 @@ private:
     // Whether the boundary is folded over along a side with a node that slides: it has gone past a corner.
     bool is_folded(const Moves& moves, const std::vector<double>& x) const {
         constexpr double most = -0.5;  // cosine of the angle between normals
-        const auto normal = [&](int f) {
-            const int vertices = mesh_.face_cell(f).vertices;
-            return unit(flat_normal(positions(mesh_, x, mesh_.face(f), vertices), mesh_.dim - 1, vertices));
-        };
         std::vector<Side> sides;
         for (int f = 0; f < mesh_.face_count(); ++f) {
             const std::span<const int> vertices = mesh_.face_vertices(f);
@@ -136,9 +117,11 @@ private:
         bool folded = false;
         for_equal_sides(sides, [&](std::span<const Side> equal) {
             const auto begin = equal[0].vertex.begin();
-            if (!std::any_of(begin, begin + mesh_.dim - 1, [&](int i) { return slides_[i] && on_one_[i]; })) return;
+            const auto on_one_surface = [&](int i) { return slides(i) && directions_[i] == 1; };
+            if (!std::any_of(begin, begin + mesh_.dim - 1, on_one_surface)) return;
+            const Vec<3> normal = unit_normal(mesh_, x, equal[0].number);
             for (const Side& other : equal.subspan(1))
-                folded = folded || dot(normal(equal[0].number), normal(other.number)) < most;
+                folded = folded || dot(normal, unit_normal(mesh_, x, other.number)) < most;
         });
         return folded;
     }
@@ -161,12 +144,15 @@ private:
         for (int k = 0; k < mesh_.element_nodes(e); ++k) body(mesh_.element(e)[k]);
     }
 
-    // The nodes of inverted elements, but for some that stay so, and of so many layers around them, in sets that have
-    // no element in common. never: ascending.
-    std::map<int, std::vector<int>> regions(int layers, const std::vector<int>& never) const {
-        Moves near(mesh_.nodes(), 0);
+    // The nodes of inverted elements and of so many layers around them, in sets that have no element in common. Where
+    // the boundary stays, without elements that it makes infeasible.
+    std::map<int, std::vector<int>> regions(int layers, bool slide) const {
+        Moves near(mesh_.nodes(), 0), infeasible(mesh_.element_count(), 0);
+        if (!slide)
+            for (const InfeasibleElement& of : infeasible_elements(mesh_, x_, held_, flat_jacobian))
+                infeasible[of.element] = 1;
         for (const int e : result_.left)
-            if (!std::binary_search(never.begin(), never.end(), e)) for_nodes(e, [&](int i) { near[i] = 1; });
+            if (!infeasible[e]) for_nodes(e, [&](int i) { near[i] = 1; });
         for (int layer = 0; layer < layers; ++layer)
             for (const int e : elements_around(mesh_, near).place) for_nodes(e, [&](int i) { near[i] = 1; });
         for (int i = 0; i < mesh_.nodes(); ++i) near[i] = near[i] && !E_.fixed[i];
@@ -254,7 +240,7 @@ private:
 
 UntanglingResult untangle_regions(const Mesh& mesh, const std::vector<double>& volume, DistortionEnergy& energy,
                                   Constraint& constraint, const BoundaryTarget& target,
-                                  const LinearSolverParams& linear, const Infeasible& infeasible,
+                                  const LinearSolverParams& linear, const Reasons& infeasible,
                                   std::vector<double>& x) {
     return Untangling(mesh, volume, energy, constraint, target, linear, infeasible, x).run();
 }

@@ -29,7 +29,7 @@ struct UntanglingResult {
 
 // x: node_count x dim. energy: without regularisation, on return too; its ideal elements have these volumes, per
 // element. constraint: where it does not hold at x, all nodes of the boundary but for free ones are fixed. infeasible:
-// those of the energy, as of find_infeasible(); or empty.
+// those of the energy, as of why_infeasible(); or empty.
 UntanglingResult untangle_regions(const Mesh& mesh, const std::vector<double>& volume, DistortionEnergy& energy,
                                   Constraint& constraint, const BoundaryTarget& target,
                                   const LinearSolverParams& linear, const std::vector<std::string>& infeasible,

@@ -85,7 +85,7 @@ void write_boundary(const Deck& deck, const Problem& problem, const Solution& so
         {"multiplier_magnitude", 1, scaled(magnitude, units.multiplier(1))},
         {"constraint", dim, scaled(constraint.constraint_field(solution.x), units.constraint(1))}};
     std::vector<VtkArray> cell_data = {{"boundary", 1, std::move(boundary)}};
-    if (const std::vector<char>& flat = problem.target.straight; !flat.empty())
+    if (const std::vector<char> flat = straight_faces(problem); std::find(flat.begin(), flat.end(), 1) != flat.end())
         cell_data.push_back({"flat", 1, {flat.begin(), flat.end()}});
     write_vtk(deck.output + "/boundary.vtk",
               {title(deck, "boundary"), dim, mesh.degree, std::move(x), std::move(cells), dim - 1,
@@ -266,8 +266,8 @@ std::string write_frame(const Deck& deck, const Problem& problem, const Solution
 void write_results(const Deck& deck, const Problem& problem, const Solution& solution) {
     const std::vector<double> positions = final_positions(problem, solution.x);
     write_mesh(deck, problem, solution, positions, "final");
-    if (!solution.moved_nodes.empty())
-        write_file(deck.output + "/moved-nodes.csv", moved_nodes_csv(problem.mesh(), solution.moved_nodes));
+    if (!solution.off_motion.moved.empty())
+        write_file(deck.output + "/moved-nodes.csv", moved_nodes_csv(problem.mesh(), solution.off_motion.moved));
     if (deck.vtk == VtkOutput::none) return;
     write_boundary(deck, problem, solution, positions);
     if (solution.diagnosis.kind != DiagnosisKind::none) write_stop(deck, problem, solution, positions);

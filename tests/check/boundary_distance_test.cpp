@@ -255,9 +255,9 @@ TEST_CASE("of faces that slide or have a node that is released: not of others th
     CHECK(distance_from_surfaces(mesh, target, sliding, mesh.x) == doctest::Approx(unit_sagitta));
     target = target_of(mesh, {});
     CHECK(distance_from_surfaces(mesh, target, sliding, mesh.x) == 0);
-    target.freed.assign(mesh.nodes(), 0);
-    CHECK(distance_from_surfaces(mesh, target, sliding, mesh.x) == 0);
-    target.freed[2 * around] = 1;  // on the outer circle
+    std::vector<char> freed(mesh.nodes(), 0);
+    freed[2 * around] = 1;  // on the outer circle
+    free_nodes(mesh, freed, target);
     CHECK(distance_from_surfaces(mesh, target, sliding, mesh.x) == doctest::Approx(radius * unit_sagitta));
 }
 
@@ -282,16 +282,19 @@ TEST_CASE("nodes that gave way are those of fixed boundaries, and freed ones, th
     const Mesh mesh = ring_mesh(around, 2, radius);
     BoundaryTarget target = target_of(mesh, {{"inner", "translate 1 0"}, {"outer", "fixed"}});
     std::vector<double> x = at_target(mesh, target, mesh.x);
-    CHECK(moved_nodes(mesh, target, nullptr, target.node, x).empty());
+    CHECK(off_motion(mesh, target, nullptr, target.node, x).nodes == 0);
     const int inner = mesh.face(face_near(mesh, mesh.boundary_index("inner"), {1, 0, 0}))[0],
               outer = mesh.face(face_near(mesh, mesh.boundary_index("outer"), {radius, 0, 0}))[0];
     point(x, inner, 2)[0] += 0.25;
     point(x, outer, 2)[0] += 0.3;
     point(x, outer, 2)[1] -= 0.4;
-    CHECK(moved_nodes(mesh, target, nullptr, target.node, x).empty());  // off their targets, but these did not change
+    const OffMotion off = off_motion(mesh, target, nullptr, target.node, x);
+    CHECK(off.nodes == 2);
+    CHECK(off.largest == doctest::Approx(0.5));
+    CHECK(off.moved.empty());  // off their targets, but these did not change
     std::vector<double> now = target.node;
     for (std::size_t k = 0; k < mesh.faces.size(); ++k) std::copy_n(point(x, mesh.faces[k], 2), 2, &now[2 * k]);
-    const std::vector<MovedNode> moved = moved_nodes(mesh, target, nullptr, now, x);
+    const std::vector<MovedNode> moved = off_motion(mesh, target, nullptr, now, x).moved;
     REQUIRE(moved.size() == 1);  // the other one is off its motion, but not freed
     CHECK(moved[0].node == outer);
     CHECK(moved[0].boundary == mesh.boundary_index("outer"));

@@ -90,7 +90,7 @@ TEST_CASE("no way is told of nodes that should have stayed or slide, and none is
     CHECK(std::isnan(found.way));
     ring.x = ring.problem.ideal;
     CHECK(farthest_off_target(ring.last()).way == doctest::Approx(0).scale(1));
-    ring.target.hold[ring.mesh().boundary_index("inner")] = BoundaryHold::slides;
+    set_kind(ring.mesh(), "inner", NodeKind::slides, ring.target);
     CHECK(std::isnan(farthest_off_target(ring.last()).way));
 }
 
@@ -169,12 +169,9 @@ TEST_CASE("a neighbourhood grows ring by ring, as long as it is not too large") 
 
 TEST_CASE("a node of two boundaries belongs to the one that prescribes its place") {
     const Mesh mesh = square_mesh(2);
-    BoundaryTarget target = target_of(mesh, {});
     const int corner = node_at(mesh, {0, 0});
     for (const char* const slides : {"left", "bottom"}) {
-        target.hold.assign(mesh.boundaries.size(), BoundaryHold::prescribed);
-        target.hold[mesh.boundary_index(slides)] = BoundaryHold::slides;
-        const std::vector<int> boundary = boundary_of_nodes(mesh, target);
+        const std::vector<int> boundary = boundary_of_nodes(mesh, target_of(mesh, {{slides, "slide"}}));
         CHECK(mesh.boundaries[boundary[corner]] == (std::string(slides) == "left" ? "bottom" : "left"));
         CHECK(boundary[node_at(mesh, {0.5, 0.5})] == -1);
     }

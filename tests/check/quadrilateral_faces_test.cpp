@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "check/boundary_distance.hpp"
-#include "check/determined_elements.hpp"
+#include "check/infeasible.hpp"
 #include "check/target_check.hpp"
 #include "mesh/build.hpp"
 #include "support/high_order.hpp"
@@ -132,7 +132,7 @@ TEST_CASE("corners of hexahedra and prisms that the target folds are told, those
             const Mesh mesh = solid(1, layers, degree);
             std::vector<char> prescribed(mesh.nodes(), 0);
             for (const int i : mesh.faces) prescribed[i] = 1;
-            CHECK(determined_elements(mesh, mesh.x, prescribed).empty());
+            CHECK(infeasible_elements(mesh, mesh.x, prescribed).empty());
             std::vector<double> x = mesh.x;
             int moved = -1;
             for (int i = 0; i < mesh.nodes(); ++i)
@@ -141,8 +141,8 @@ TEST_CASE("corners of hexahedra and prisms that the target folds are told, those
             if (degree > 1)
                 for (int i = 0; i < mesh.nodes(); ++i)  // all of its edge with it
                     if (mesh.x[3 * i] == 1 && mesh.x[3 * i + 1] == 0 && mesh.x[3 * i + 2] < 0.999) x[3 * i + 2] = 9;
-            CHECK(!determined_elements(mesh, x, prescribed).empty());
+            CHECK(!infeasible_elements(mesh, x, prescribed).empty());
             prescribed[moved] = 0;
-            if (degree == 1) CHECK(determined_elements(mesh, x, prescribed).empty());
+            if (degree == 1) CHECK(infeasible_elements(mesh, x, prescribed).empty());
         }
 }

@@ -242,10 +242,10 @@ TEST_CASE("the shorter way of a turn, and how far a motion turns") {
 }
 
 TEST_CASE("slide is the last step, free the only one") {
-    CHECK(hold_of(parse_motion("fixed")) == BoundaryHold::prescribed);
-    CHECK(hold_of(parse_motion("slide")) == BoundaryHold::slides);
-    CHECK(hold_of(parse_motion("rotate 10; translate 1 0; slide")) == BoundaryHold::slides);
-    CHECK(hold_of(parse_motion("free")) == BoundaryHold::free);
+    CHECK(kind_of(parse_motion("fixed")) == NodeKind::fixed);
+    CHECK(kind_of(parse_motion("slide")) == NodeKind::slides);
+    CHECK(kind_of(parse_motion("rotate 10; translate 1 0; slide")) == NodeKind::slides);
+    CHECK(kind_of(parse_motion("free")) == NodeKind::free);
     CHECK(moved("translate 1 0; slide", 2, {1, 2, 0}) == Point{2, 2, 0});
     CHECK(has(error_of("slide; translate 1 0"), "`slide` must be the last step"));
     CHECK(has(error_of("translate 1 0; free"), "`free` beside other steps"));
@@ -276,7 +276,7 @@ TEST_CASE("twists and formulas move points, and in part") {
 
 TEST_CASE("slide along the surface of another mesh: the file, and one of its boundaries") {
     const Motion motion = parse_motion("translate 1 0; slide along \"my wall.msh\" boundary hull");
-    CHECK(hold_of(motion) == BoundaryHold::slides);
+    CHECK(kind_of(motion) == NodeKind::slides);
     REQUIRE(surface_step(motion));
     CHECK(surface_step(motion)->file == "my wall.msh");
     CHECK(surface_step(motion)->boundary == "hull");
@@ -310,12 +310,12 @@ TEST_CASE("places from a file: the first step, its name with or without quotes")
 
 TEST_CASE("nodes that a file leaves out are fixed, slide or are free, as the word after `else` says") {
     CHECK(to_string(parse_motion("file a.csv else slide displacement")) == "file a.csv displacement else slide");
-    CHECK(hold_of_rest(parse_motion("file a.csv else fixed")) == BoundaryHold::prescribed);
-    CHECK(hold_of_rest(parse_motion("file a.csv else slide; rotate 5")) == BoundaryHold::slides);
-    CHECK(hold_of_rest(parse_motion("file a.csv else free")) == BoundaryHold::free);
-    CHECK(hold_of_rest(parse_motion("file a.csv else free; slide")) == BoundaryHold::slides);  // as all others
-    CHECK(hold_of_rest(parse_motion("file a.csv")) == BoundaryHold::prescribed);
-    CHECK(hold_of(parse_motion("file a.csv else free")) == BoundaryHold::prescribed);
+    CHECK(kind_of_rest(parse_motion("file a.csv else fixed")) == NodeKind::target);
+    CHECK(kind_of_rest(parse_motion("file a.csv else slide; rotate 5")) == NodeKind::slides);
+    CHECK(kind_of_rest(parse_motion("file a.csv else free")) == NodeKind::free);
+    CHECK(kind_of_rest(parse_motion("file a.csv else free; slide")) == NodeKind::slides);  // as all others
+    CHECK(kind_of_rest(parse_motion("file a.csv")) == NodeKind::target);
+    CHECK(kind_of(parse_motion("file a.csv else free")) == NodeKind::target);
     for (const std::string text : {"file a.csv else", "file a.csv else rotate", "file a.csv else expression",
                                    "file a.csv else mesh", "file a.csv else away"})
         CHECK(has(error_of(text), "`else` needs one of the words fixed, slide, free"));

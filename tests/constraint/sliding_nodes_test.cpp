@@ -117,10 +117,11 @@ TEST_CASE("the slope of the distance to one, two or three surfaces is its deriva
 TEST_CASE("nodes that a target releases slide along its surface, and meet there; all others stay") {
     const Mesh mesh = raise_degree(ring_mesh(12, 2, 3), 2);
     BoundaryTarget target = target_of(mesh, {{"inner", "circle 0 0 1"}, {"outer", "circle 0 0 3"}});
-    target.freed.assign(mesh.nodes(), 0);
+    std::vector<char> freed(mesh.nodes(), 0);
     int inner_face = 0;
     while (mesh.boundaries[mesh.face_boundary[inner_face]] != "inner") ++inner_face;
-    for (int i = 0; i < 3; ++i) target.freed[mesh.face(inner_face)[i]] = 1;
+    for (int i = 0; i < 3; ++i) freed[mesh.face(inner_face)[i]] = 1;
+    free_nodes(mesh, freed, target);
     std::vector<char> slides(mesh.boundaries.size(), 0), fixed;
     slides[mesh.boundary_index("inner")] = 1;
     const SlidingSurfaces sliding(mesh, target.node, slides, 30, {});
@@ -135,8 +136,8 @@ TEST_CASE("nodes that a target releases slide along its surface, and meet there;
     for (const int i : nodes) of_nodes.insert(of_nodes.end(), point(at, i, 2), point(at, i, 2) + 2);
     const auto parts = sliding_parts(mesh, target, &sliding, nodes, places, of_nodes, fixed);
     for (std::size_t t = 0; t < nodes.size(); ++t) {
-        CHECK(parts[t] == (target.freed[nodes[t]] ? std::vector<int>{0} : std::vector<int>{}));
-        CHECK(static_cast<bool>(fixed[t]) == !target.freed[nodes[t]]);
+        CHECK(parts[t] == (freed[nodes[t]] ? std::vector<int>{0} : std::vector<int>{}));
+        CHECK(static_cast<bool>(fixed[t]) == !freed[nodes[t]]);
     }
 }
 
@@ -145,9 +146,10 @@ TEST_CASE("nodes freed to slide along the mesh's own faces do so along smooth pa
     for (int i = 0; i < mesh.nodes(); ++i) mesh.x[2 * i] *= 1.5;
     mesh = raise_degree(mesh, 2);
     BoundaryTarget target = target_of(mesh, {});
-    target.freed.assign(mesh.nodes(), 0);
+    std::vector<char> freed(mesh.nodes(), 0);
     const int inner_face = face_near(mesh, mesh.boundary_index("inner"), {1.5, 0, 0});
-    for (int i = 0; i < 3; ++i) target.freed[mesh.face(inner_face)[i]] = 1;
+    for (int i = 0; i < 3; ++i) freed[mesh.face(inner_face)[i]] = 1;
+    free_nodes(mesh, freed, target);
     const auto sliding = surfaces_of(mesh, {"inner"});
     REQUIRE(sliding->parts() == 1);
     CHECK(sliding->surface(0).name() == "the mesh's own faces");
@@ -155,7 +157,7 @@ TEST_CASE("nodes freed to slide along the mesh's own faces do so along smooth pa
     CHECK(sliding->parts() == 4);
     for (int i = 0; i < mesh.nodes(); ++i) {
         const int along = sliding->part_or_patch(i, 0);
-        CHECK((along != 0) == static_cast<bool>(target.freed[i]));
+        CHECK((along != 0) == static_cast<bool>(freed[i]));
         if (along == 0) continue;
         CHECK(sliding->surface(along).name() == "a smooth patch");
         const Vec<3> x = in_space(point(mesh.x, i, 2), 2);

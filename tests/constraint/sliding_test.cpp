@@ -20,9 +20,7 @@ using namespace almesh::test;
 namespace {
 
 std::shared_ptr<const SlidingSurfaces> surfaces_of(const Mesh& mesh, const BoundaryTarget& target, double angle = 30) {
-    std::vector<char> slides;
-    for (const BoundaryHold hold : target.hold) slides.push_back(hold == BoundaryHold::slides);
-    return std::make_shared<SlidingSurfaces>(mesh, target.node, slides, angle, Frame());
+    return std::make_shared<SlidingSurfaces>(mesh, target.node, slides(mesh, target), angle, Frame());
 }
 
 // Keeps what the constraint refers to.

@@ -27,10 +27,10 @@ struct Part {
 
     Part(const Mesh& any, const std::map<std::string, std::string>& motions, double off) : mesh(any) {
         const BoundaryTarget target = target_of(mesh, motions);
-        std::vector<char> slides;
-        for (const BoundaryHold hold : target.hold) slides.push_back(hold == BoundaryHold::slides);
-        const bool some = std::count(slides.begin(), slides.end(), 1) > 0;
-        const auto sliding = some ? std::make_shared<SlidingSurfaces>(mesh, target.node, slides, 30, Frame()) : nullptr;
+        const std::vector<char> sliding_ones = slides(mesh, target);
+        const bool some = std::count(sliding_ones.begin(), sliding_ones.end(), 1) > 0;
+        const auto sliding =
+            some ? std::make_shared<SlidingSurfaces>(mesh, target.node, sliding_ones, 30, Frame()) : nullptr;
         constraint = make_constraint(mesh, straight_sided(mesh), target, TargetKind::nodal, sliding);
         x = wavy(mesh.x, mesh.dim, off);
         lambda.resize(constraint->multipliers());

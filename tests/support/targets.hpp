@@ -17,6 +17,19 @@ inline BoundaryTarget target_of(const Mesh& mesh, const std::map<std::string, st
     return make_target(mesh, motion);
 }
 
+inline void set_kind(const Mesh& mesh, const std::string& boundary, NodeKind kind, BoundaryTarget& target) {
+    for_face_nodes(mesh, [&](int f, std::size_t k) {
+        if (mesh.boundaries[mesh.face_boundary[f]] == boundary) target.kind[k] = target.written_kind[k] = kind;
+    });
+}
+
+// Per boundary.
+inline std::vector<char> slides(const Mesh& mesh, const BoundaryTarget& target) {
+    std::vector<char> slides;
+    for (const NodeKind kind : kinds_of_boundaries(mesh, target.kind)) slides.push_back(kind == NodeKind::slides);
+    return slides;
+}
+
 // result() for 1, 2 and 3 threads.
 template <class Result>
 auto for_threads(const Result& result) {

@@ -69,7 +69,7 @@ BoundaryChange residual_at(const Deck& deck, const Problem& problem, const Deriv
     Deck at = deck;
     at.boundaries = parse_deck(resolved(deck), deck.output + "/deck.txt", {setting}).boundaries;
     Problem other = make_problem(at);
-    if (other.target.freed != problem.target.freed || other.target.straight != problem.target.straight)
+    if (other.target.kind != problem.target.kind || straight_faces(other) != straight_faces(problem))
         throw InputError("other nodes are freed, or other faces made straight, at ", setting);
     set_constraint(at, other);
     return derivative.residual(*other.level->constraint);

@@ -90,17 +90,17 @@ std::string more_freedom(const Deck& deck, const Problem& problem, int b) {
     for_face_nodes(mesh, [&](int f, std::size_t k) {
         const int of = mesh.face_boundary[f];
         if (of == b) return;
-        may_be_free = may_be_free || hold_of(motion(of)) != BoundaryHold::free;
-        moved[mesh.faces[k]] |= hold_of(motion(of)) == BoundaryHold::prescribed && !is_fixed(motion(of));
+        may_be_free = may_be_free || kind_of(motion(of)) != NodeKind::free;
+        moved[mesh.faces[k]] |= kind_of(motion(of)) == NodeKind::target;
     });
     for_face_nodes(mesh, [&](int f, std::size_t k) {
         may_slide = may_slide && !(mesh.face_boundary[f] == b && moved[mesh.faces[k]]);
     });
-    may_be_free = may_be_free && hold_of(motion(b)) != BoundaryHold::free;
+    may_be_free = may_be_free && kind_of(motion(b)) != NodeKind::free;
     if (!may_slide && !may_be_free) return "";
     return concat("boundary ", quoted_where_needed(mesh.boundaries[b], "#=\" \t"), " = ", may_slide ? "slide" : "",
                   may_slide && may_be_free ? " or " : "", may_be_free ? "free" : "", ", if its nodes need not ",
-                  hold_of(motion(b)) == BoundaryHold::slides ? "stay on its surface; " : "keep their positions; ");
+                  kind_of(motion(b)) == NodeKind::slides ? "stay on its surface; " : "keep their positions; ");
 }
 
 // Against elements that are invalid by what their boundaries hold (check/infeasible.hpp).
@@ -122,7 +122,7 @@ std::string against_distance(const Deck& deck, const Problem& problem, const Sol
     const double alpha = distortion_of(deck).weight_exponent;
     const Diagnosis& at = solution.diagnosis;
     const bool fixed = at.kind == DiagnosisKind::off_target && at.distance > 0 && std::isnan(at.way) &&
-                       problem.target.hold[at.boundary] == BoundaryHold::prescribed;
+                       prescribed_nodes(problem.mesh(), problem.target)[at.node];
     std::string to_try;
     if (fixed) to_try += more_freedom(deck, problem, at.boundary);
     if (alpha > 0.5) to_try += "weight_exponent = 0.5 or 0; ";
@@ -145,7 +145,7 @@ std::string against_uncertified(const Deck& deck, const Problem& problem, const 
     if (deck.distortion.delta > 0) return "delta = 0, with which no step inverts an element";
     if (solution.certificate.undecided > 0)
         return "smaller elements there: whether the undecided ones are valid is too close to tell";
-    if (!problem.target.freed.empty())
+    if (problem.target.frees())
         return "a finer mesh of the surface there: its faces are too large for its curvature";
     if (!problem.target.prescribes_all()) return "a motion without slide or free for the boundary there";
     const Injectivity& found = solution.injectivity;
@@ -201,7 +201,7 @@ std::string against_cause(const Deck& deck, const Problem& problem, const Soluti
 std::string remedies(const Deck& deck, const Problem& problem, const Solution& solution) {
     std::string to_try = against_cause(deck, problem, solution);
     if (problem.split_elements > 0 && deck.split == Split::automatic) to_try = "split = around; " + to_try;
-    if (problem.target.freed.empty() || problem.curves_in_place || problem.mesh().degree > 1) return to_try;
+    if (!problem.target.frees() || problem.curves_in_place || problem.mesh().degree > 1) return to_try;
     return accepts(deck, problem.base, "split", "auto") ? to_try + "; split = auto, so that no nodes slide" : to_try;
 }
 
@@ -240,24 +240,24 @@ void print_boundary(std::FILE* out, const Deck& deck, const Problem& problem, co
                      last.constraint_norm * problem.frame.length,
                      counted(solution.nodes_off_target, "boundary node").c_str(),
                      last.relative_boundary_error, error);
-    else if (solution.nodes_off_motion == 0)
+    else if (solution.off_motion.nodes == 0)
         std::fprintf(out, "every boundary node is where its motion takes it to the last bit%s; between the nodes the "
                      "boundary is within %.3g of its motion\n",
                      problem.sliding ? ", or on the surface along which it slides" : "", error);
-    if (solution.nodes_off_motion > 0 && (is_fit || solution.nodes_off_target == 0))
+    if (solution.off_motion.nodes > 0 && (is_fit || solution.nodes_off_target == 0))
         std::fprintf(out, "%s%s off their motions by at most %.3g, %s\n",
                      is_fit ? "target = least_squares fits the boundary to its motion in the mean: " : "",
-                     counted(solution.nodes_off_motion, "boundary node").c_str(), solution.off_motion,
+                     counted(solution.off_motion.nodes, "boundary node").c_str(), solution.off_motion.largest,
                      is_fit ? concat("between the nodes by at most ", shown(error, 3)).c_str()
                             : "all others where their motions take them to the last bit");
     if (solution.freed_nodes)
         std::fprintf(out,
                      "%d nodes slid along the surface, by at most %.3g; their faces are within %.3g of the surface\n",
-                     solution.freed_nodes, solution.largest_slide, solution.surface_distance * problem.frame.length);
+                     solution.freed_nodes, solution.off_motion.largest_slide, solution.surface_distance * problem.frame.length);
     if (solution.straight_faces)
         print(out, solution.straight_faces, " of ", problem.mesh().face_count(),
               " faces were made flat, or flatter than in the file\n");
-    print(out, moved_nodes_text(problem.mesh(), solution.moved_nodes),
+    print(out, moved_nodes_text(problem.mesh(), solution.off_motion.moved),
           distance_table(problem.mesh(), solution.distances, "the target as it came"));
 }
 

@@ -1,5 +1,5 @@
 // The Bezier coefficients of det J on a face s of the element are those of the whole with indices that are zero off s.
-#include "check/determined_elements.hpp"
+#include "check/infeasible.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -66,18 +66,18 @@ std::optional<double> up_to(double bound, double value) {
     return value <= bound ? std::optional<double>(value) : std::nullopt;
 }
 
-// Nodes that are not prescribed are at their positions on the straight element: where they count nothing is determined.
+// Nodes that are not held are at their positions on the straight element: where they count nothing is determined.
 template <int n>
 std::optional<double> value_of_curved(const Table& table, const int* node, const std::vector<double>& x,
-                                      const std::vector<char>& prescribed, double bound) {
+                                      const std::vector<char>& held, double bound) {
     if (!std::any_of(table.parts.begin(), table.parts.end(),
-                     [&](const Part& part) { return all_of(part.nodes, node, prescribed); }))
+                     [&](const Part& part) { return all_of(part.nodes, node, held); }))
         return std::nullopt;
     ElementJacobian<n, double> element(table.jacobian);
     for (int i = 0; i < table.lagrange.count; ++i) {
         Vec<n>& at = element.position(0)[i];
         std::copy_n(point(x, node[i], n), n, at.begin());
-        if (prescribed[node[i]]) continue;
+        if (held[node[i]]) continue;
         for (int a = 0; a < n; ++a) {
             at[a] = 0;
             for (int k = 0; k <= n; ++k)
@@ -90,7 +90,7 @@ std::optional<double> value_of_curved(const Table& table, const int* node, const
     const double scale = straight > 0 ? element.unit() / straight : 0;
     std::optional<double> least;
     for (const Part& part : table.parts) {
-        if (!all_of(part.nodes, node, prescribed)) continue;
+        if (!all_of(part.nodes, node, held)) continue;
         std::vector<double> c;
         for (const int place : part.coefficients) c.push_back(scale * element.coefficients(0)[place]);
         const double value = part.basis.dim == 0 ? c[0] : compare_with(part.basis, c.data(), bound, bisections).upper;
@@ -103,19 +103,19 @@ std::optional<double> value_of_curved(const Table& table, const int* node, const
 // lengths of the tangents. At the apex of a pyramid no corner's edges determine it.
 template <int n>
 std::optional<double> value_at_corners(const LagrangeBasis& basis, const int* node, const std::vector<double>& x,
-                                       const std::vector<char>& prescribed, double bound) {
+                                       const std::vector<char>& held, double bound) {
     std::optional<double> least;
     std::array<double, n * most_element_nodes> dN;
     const int corners = basis.cell.vertices - basis.cell.is_collapsed;
     for (int v = 0; v < corners; ++v) {
-        if (!prescribed[node[v]]) continue;
+        if (!held[node[v]]) continue;
         basis.gradients(basis.point(v).data(), dN.data());
         Mat<n> J{};
         bool is_determined = true;
         for (int i = 0; i < basis.count; ++i) {
             double size = 0;
             for (int k = 0; k < n; ++k) size += std::abs(dN[n * i + k]);
-            is_determined = is_determined && (size <= 1e-12 || prescribed[node[i]]);
+            is_determined = is_determined && (size <= 1e-12 || held[node[i]]);
             for (int a = 0; a < n; ++a)
                 for (int k = 0; k < n; ++k)
                     J[a][k] += dN[n * i + k] * (point(x, node[i], n)[a] - point(x, node[v], n)[a]);
@@ -131,30 +131,26 @@ std::optional<double> value_at_corners(const LagrangeBasis& basis, const int* no
 
 }  // namespace
 
-std::vector<DeterminedElement> determined_elements(const Mesh& mesh, const std::vector<double>& target,
-                                                   const std::vector<char>& prescribed, double bound) {
+std::vector<InfeasibleElement> infeasible_elements(const Mesh& mesh, const std::vector<double>& x,
+                                                   const std::vector<char>& held, double bound) {
     std::optional<Table> table;
     if (mesh.degree > 1) table.emplace(mesh.dim, mesh.degree);
     std::vector<std::optional<double>> value(mesh.element_count());
+    std::vector<InfeasibleElement> found;
     const std::vector<LagrangeBasis> bases = bases_of(mesh);
     with_dimension(mesh.dim, [&](auto n) {
         parallel_for(mesh.element_count(), [&](int e) {
             const int* const node = mesh.element(e);
-            if (const LagrangeBasis& basis = bases[mesh.group_number(e)]; !basis.cell.is_simplex()) {
-                value[e] = value_at_corners<n>(basis, node, target, prescribed, bound);
-                return;
-            }
-            if (!std::all_of(node, node + n + 1, [&](int i) { return prescribed[i]; })) return;
-            value[e] = table ? value_of_curved<n>(*table, node, target, prescribed, bound)
-                             : up_to(bound, straight_scaled_jacobian<n>(node, target));
+            if (const LagrangeBasis& basis = bases[mesh.group_number(e)]; !basis.cell.is_simplex())
+                value[e] = value_at_corners<n>(basis, node, x, held, bound);
+            else if (std::all_of(node, node + n + 1, [&](int i) { return held[i]; }))
+                value[e] = table ? value_of_curved<n>(*table, node, x, held, bound)
+                                 : up_to(bound, straight_scaled_jacobian<n>(node, x));
         }, element_work);
-    });
-    std::vector<DeterminedElement> found;
-    with_dimension(mesh.dim, [&](auto n) {
         for (int e = 0; e < mesh.element_count(); ++e)
             if (value[e])
-                found.push_back({e, *value[e], mesh.cell(e).is_simplex() &&
-                                                   straight_scaled_jacobian<n>(mesh.element(e), target) > 0});
+                found.push_back({e, *value[e],
+                                 mesh.cell(e).is_simplex() && straight_scaled_jacobian<n>(mesh.element(e), x) > 0});
     });
     return found;
 }

@@ -1,5 +1,5 @@
 // split = auto and around: what is written, whatever the format.
-#include "problem/folded_target.hpp"
+#include "problem/infeasible_target.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "check/determined_elements.hpp"
+#include "check/infeasible.hpp"
 
 #include <doctest/doctest.h>
 
@@ -132,7 +132,7 @@ TEST_CASE("random elements: what is told is attained where it is determined, and
                 const RandomElement any(dim, degree, random);
                 const double bound = 0.2 * (k % 3 - 1), coarse = 0.05;
                 const std::vector<double> samples = any.scaled_jacobians(dim == 2 ? 24 : 12);
-                const auto found = determined_elements(any.mesh, any.x, any.prescribed, bound);
+                const auto found = infeasible_elements(any.mesh, any.x, any.prescribed, bound);
                 REQUIRE(found.size() <= 1);
                 told += !found.empty();
                 nothing_determined += samples.empty();
@@ -157,10 +157,10 @@ TEST_CASE("what is determined does not change with the nodes that are not prescr
         for (const int degree : {1, 2, 3})
             for (int k = 0; k < 20; ++k) {
                 RandomElement any(dim, degree, random);
-                const auto before = determined_elements(any.mesh, any.x, any.prescribed, 0.3);
+                const auto before = infeasible_elements(any.mesh, any.x, any.prescribed, 0.3);
                 const std::vector<double> values = any.scaled_jacobians(4);
                 any.move([&](int i) { return !any.prescribed[i]; }, 0.5, random);
-                const auto after = determined_elements(any.mesh, any.x, any.prescribed, 0.3);
+                const auto after = infeasible_elements(any.mesh, any.x, any.prescribed, 0.3);
                 const std::vector<double> moved = any.scaled_jacobians(4);
                 for (std::size_t q = 0; q < values.size(); ++q)
                     CHECK(moved[q] == doctest::Approx(values[q]).epsilon(1e-12).scale(1));
@@ -180,7 +180,7 @@ TEST_CASE("a vertex of a curved triangle: its value, the bound, and that the str
     const auto found = [&](double h, double bound) {
         std::vector<double> x = mesh.x;
         point(x, raised, 2)[1] = h;
-        return determined_elements(mesh, x, prescribed, bound);
+        return infeasible_elements(mesh, x, prescribed, bound);
     };
     REQUIRE(found(0.4, 0).size() == 1);
     CHECK(found(0.4, 0)[0].scaled_jacobian == doctest::Approx(-0.6));
@@ -212,17 +212,17 @@ TEST_CASE("the edge of two prescribed faces of a tetrahedron, folded between its
             at[2] *= degree == 2 ? 1 - at[0] / 0.3 : 1 - 6 * at[0] * (1 - at[0]);
         });
         const double least = degree == 2 ? -4.0 / 21 : -0.5;
-        const auto found = determined_elements(mesh, x, prescribed);
+        const auto found = infeasible_elements(mesh, x, prescribed);
         REQUIRE(found.size() == 1);
         CHECK(found[0].by_curvature);
         CHECK(found[0].scaled_jacobian <= 0);
         CHECK(found[0].scaled_jacobian >= least - 1e-12);
-        CHECK(determined_elements(mesh, x, prescribed, 0.95 * least).size() == 1);
-        CHECK(determined_elements(mesh, x, prescribed, 1.05 * least).empty());
+        CHECK(infeasible_elements(mesh, x, prescribed, 0.95 * least).size() == 1);
+        CHECK(infeasible_elements(mesh, x, prescribed, 1.05 * least).empty());
         for (const int i : counts) {
             std::vector<char> fewer = prescribed;
             fewer[mesh.element(0)[i]] = 0;
-            CHECK(determined_elements(mesh, x, fewer).empty());
+            CHECK(infeasible_elements(mesh, x, fewer).empty());
         }
     }
 }
@@ -238,15 +238,15 @@ TEST_CASE("a whole triangle of degree 2, folded in a disc inside it") {
     });
     const double least = -a * a / std::abs(determinant(straight_jacobian<2>(mesh.element(0), x)));
     std::vector<char> prescribed(mesh.nodes(), 1);
-    const auto found = determined_elements(mesh, x, prescribed);
+    const auto found = infeasible_elements(mesh, x, prescribed);
     REQUIRE(found.size() == 1);
     CHECK(found[0].scaled_jacobian <= 0);
     CHECK(found[0].scaled_jacobian >= least * (1 + 1e-12));
-    CHECK(determined_elements(mesh, x, prescribed, 0.95 * least).size() == 1);
-    CHECK(determined_elements(mesh, x, prescribed, 1.05 * least).empty());
+    CHECK(infeasible_elements(mesh, x, prescribed, 0.95 * least).size() == 1);
+    CHECK(infeasible_elements(mesh, x, prescribed, 1.05 * least).empty());
     for (int i = 0; i < mesh.nodes(); ++i) {
         prescribed[i] = 0;
-        CHECK(determined_elements(mesh, x, prescribed).empty());
+        CHECK(infeasible_elements(mesh, x, prescribed).empty());
         prescribed[i] = 1;
     }
 }
@@ -264,7 +264,7 @@ TEST_CASE("corners of squares and cubes that are pushed through their elements, 
             const Mesh mesh = with_degree(linear, degree);
             const std::vector<double> target = with_degree(pushed, degree).x;
             const std::vector<char> prescribed = on_boundary(mesh);
-            const auto found = determined_elements(mesh, target, prescribed);
+            const auto found = infeasible_elements(mesh, target, prescribed);
             REQUIRE(!found.empty());
             for (std::size_t k = 0; k < found.size(); ++k) {
                 const int* const vertex = mesh.element(found[k].element);
@@ -273,10 +273,10 @@ TEST_CASE("corners of squares and cubes that are pushed through their elements, 
                 CHECK(std::count(vertex, vertex + mesh.dim + 1, corner) == 1);
                 CHECK((k == 0 || found[k - 1].element < found[k].element));
             }
-            CHECK(determined_elements(mesh, mesh.x, prescribed).empty());
+            CHECK(infeasible_elements(mesh, mesh.x, prescribed).empty());
             std::vector<char> free_corner = prescribed;
             free_corner[corner] = 0;
-            CHECK(determined_elements(mesh, target, free_corner).empty());
+            CHECK(infeasible_elements(mesh, target, free_corner).empty());
         }
 }
 
@@ -285,9 +285,9 @@ TEST_CASE("a linear element without volume is told with 0") {
     std::vector<double> flat = mesh.x;
     point(flat, 2, 2)[0] = 0.3;
     point(flat, 2, 2)[1] = 0;
-    const auto found = determined_elements(mesh, flat, {1, 1, 1});
+    const auto found = infeasible_elements(mesh, flat, {1, 1, 1});
     REQUIRE(found.size() == 1);
     CHECK(found[0].scaled_jacobian == 0);
     CHECK(!found[0].by_curvature);
-    CHECK(determined_elements(mesh, flat, {1, 1, 0}).empty());
+    CHECK(infeasible_elements(mesh, flat, {1, 1, 0}).empty());
 }

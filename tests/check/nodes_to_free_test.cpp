@@ -1,4 +1,4 @@
-#include "check/freed_nodes.hpp"
+#include "check/infeasible.hpp"
 
 #include <doctest/doctest.h>
 
@@ -41,8 +41,8 @@ struct Curved {
     BoundaryTarget target(const std::map<std::string, std::string>& motions = {}) const {
         return target_of(mesh, motions);
     }
-    TargetFaults faults(const BoundaryTarget& of, double bound = 0) const {
-        return find_faults(mesh, straight_sided(mesh), of, bound);
+    Infeasible faults(const BoundaryTarget& of, double bound = 0) const {
+        return find_infeasible(mesh, straight_sided(mesh), of, bound);
     }
 };
 
@@ -74,13 +74,13 @@ std::vector<char> nodes_of(const Mesh& mesh, const std::vector<std::string>& bou
 TEST_CASE("a face folded by its middle node: its whole straight side is released, and no other") {
     const Curved square = with_folded_edge();
     BoundaryTarget target = square.target();
-    const TargetFaults faults = square.faults(target);
+    const Infeasible faults = square.faults(target);
     REQUIRE(faults.faces.faults.size() == 1);
     CHECK(faults.faces.faults[0].by_curvature);
     CHECK(!faults.none());
     CHECK(faults.sliding_may_help());
-    target.freed = freed_nodes(square.mesh, target, faults);
-    CHECK(target.freed == nodes_of(square.mesh, {"bottom"}));
+    free_nodes(square.mesh, nodes_to_free(square.mesh, target, faults), target);
+    CHECK(freed_nodes(square.mesh, target) == nodes_of(square.mesh, {"bottom"}));
     CHECK(square.faults(target).none());
     CHECK(!square.faults(target).sliding_may_help());
 }
@@ -91,7 +91,7 @@ TEST_CASE("in a mesh cut out of another, nodes at the cut stay, also where they 
     folded[square.mesh.face_element[square.faults(square.target()).faces.faults[0].face]] = 1;
     const Mesh part = part_of(square.mesh, surroundings(square.mesh, folded, 0), "cut");
     const BoundaryTarget target = target_of(part, {});
-    const std::vector<char> freed = freed_nodes(part, target, find_faults(part, straight_sided(part), target)),
+    const std::vector<char> freed = nodes_to_free(part, target, find_infeasible(part, straight_sided(part), target)),
                             at_cut = nodes_of(part, {"cut"}), at_bottom = nodes_of(part, {"bottom"});
     int ends = 0;
     for (int i = 0; i < part.nodes(); ++i) {
@@ -106,9 +106,9 @@ TEST_CASE("a folded face on a curved side: it and its neighbours are released") 
     Mesh& mesh = square.mesh;
     mesh.x = mapped(mesh, [](double* p) { p[1] += 0.3 * (1 - p[1]) * p[0] * (p[0] - 1); });
     const BoundaryTarget target = square.target();
-    const TargetFaults faults = square.faults(target);
+    const Infeasible faults = square.faults(target);
     REQUIRE(faults.sliding_may_help());
-    const std::vector<char> freed = freed_nodes(mesh, target, faults), bottom = nodes_of(mesh, {"bottom"});
+    const std::vector<char> freed = nodes_to_free(mesh, target, faults), bottom = nodes_of(mesh, {"bottom"});
     for (int i = 0; i < mesh.nodes(); ++i) {
         const double x = point(mesh.x, i, 2)[0];
         CHECK(static_cast<bool>(freed[i]) == (bottom[i] && x > 1.0 / 6 - 1e-9 && x < 4.0 / 6 + 1e-9));
@@ -120,9 +120,9 @@ TEST_CASE("what slides or is free is no fault, and is not released") {
     for (const char* const open : {"slide", "free"}) {
         CHECK(square.faults(square.target({{"bottom", open}})).none());
         const BoundaryTarget target = square.target({{"right", open}, {"left", open}});
-        const TargetFaults faults = square.faults(target);
+        const Infeasible faults = square.faults(target);
         REQUIRE(faults.sliding_may_help());
-        CHECK(freed_nodes(square.mesh, target, faults) == nodes_of(square.mesh, {"bottom"}));
+        CHECK(nodes_to_free(square.mesh, target, faults) == nodes_of(square.mesh, {"bottom"}));
     }
     const Curved corner = with_wide_corner(0.1);
     const BoundaryTarget target = corner.target({{"right", "free"}});
@@ -132,14 +132,14 @@ TEST_CASE("what slides or is free is no fault, and is not released") {
 TEST_CASE("an element with two curved edges that meet at more than 180 degrees: both straight sides are released") {
     const Curved square = with_wide_corner(0.1);
     BoundaryTarget target = square.target();
-    const TargetFaults faults = square.faults(target);
+    const Infeasible faults = square.faults(target);
     CHECK(faults.faces.faults.empty());
     REQUIRE(faults.elements.size() == 1);
     CHECK(faults.elements[0].by_curvature);
     CHECK(faults.elements[0].scaled_jacobian == doctest::Approx(1 - 16 * 0.01 * 9));
     CHECK(faults.sliding_may_help());
-    target.freed = freed_nodes(square.mesh, target, faults);
-    CHECK(target.freed == nodes_of(square.mesh, {"bottom", "right"}));
+    free_nodes(square.mesh, nodes_to_free(square.mesh, target, faults), target);
+    CHECK(freed_nodes(square.mesh, target) == nodes_of(square.mesh, {"bottom", "right"}));
     CHECK(square.faults(target).none());
     CHECK(with_wide_corner(0.08).faults(with_wide_corner(0.08).target()).none());
     const std::string text = describe(square.mesh, faults);
@@ -165,11 +165,11 @@ TEST_CASE("a face of a cube folded by a middle node: the nodes of its plane are 
     Curved cube(cube_mesh(4));
     cube.move({0.375, 0.5, 0}, {0.26, 0.5, 0});
     BoundaryTarget target = cube.target();
-    const TargetFaults faults = cube.faults(target);
+    const Infeasible faults = cube.faults(target);
     CHECK(faults.faces.faults.size() == 2);  // at that edge
     REQUIRE(faults.sliding_may_help());
-    target.freed = freed_nodes(cube.mesh, target, faults);
-    CHECK(target.freed == nodes_of(cube.mesh, {"bottom"}));
+    free_nodes(cube.mesh, nodes_to_free(cube.mesh, target, faults), target);
+    CHECK(freed_nodes(cube.mesh, target) == nodes_of(cube.mesh, {"bottom"}));
     CHECK(cube.faults(target).none());
 }
 
@@ -179,21 +179,21 @@ TEST_CASE("targets folded by vertices are not mended by sliding") {
         {"left", moved}, {"right", moved}, {"bottom", moved}, {"top", moved}};
     for (const int degree : {1, 2}) {
         const Mesh mesh = with_degree(square_mesh(4), degree);
-        const TargetFaults faults = find_faults(mesh, mesh.x, target_of(mesh, dented));
+        const Infeasible faults = find_infeasible(mesh, mesh.x, target_of(mesh, dented));
         CHECK(faults.elements.size() == 1);
         CHECK(!faults.none());
         CHECK(!faults.sliding_may_help());
     }
     Curved square = with_folded_edge();  // one that could be mended beside one that could not
     square.move({1.0 / 6, 0, 0}, {0, 0, 0});
-    const TargetFaults faults = square.faults(square.target());
+    const Infeasible faults = square.faults(square.target());
     CHECK(faults.faces.faults.size() >= 2);
     CHECK(!faults.sliding_may_help());
 }
 
 TEST_CASE("ten faults are told, and that there are more") {
     const Mesh mesh = ring_mesh(16, 1, 3);
-    const TargetFaults faults = find_faults(mesh, mesh.x, target_of(mesh, {{"inner", "rotate 120"}}));
+    const Infeasible faults = find_infeasible(mesh, mesh.x, target_of(mesh, {{"inner", "rotate 120"}}));
     REQUIRE(faults.elements.size() > 10);
     const std::string text = describe(mesh, faults);
     CHECK(std::count(text.begin(), text.end(), '\n') == 11);
@@ -204,18 +204,18 @@ TEST_CASE("elements between two boundaries: sliding may help, and their own vert
     const Mesh ring = ring_mesh(16, 1, 1.25);
     BoundaryTarget target = target_of(
         ring, {{"inner", "expression \"x*cos(0.9*x)-y*sin(0.9*x)\" \"x*sin(0.9*x)+y*cos(0.9*x)\""}});
-    const TargetFaults faults = find_faults(ring, straight_sided(ring), target);
+    const Infeasible faults = find_infeasible(ring, straight_sided(ring), target);
     REQUIRE(faults.elements.size() == 6);
     CHECK(faults.sliding_may_help());
     std::vector<char> vertices(ring.nodes(), 0);
-    for (const ElementFault& fault : faults.elements) {
+    for (const InfeasibleElement& fault : faults.elements) {
         CHECK(!fault.by_curvature);
-        CHECK(fault.can_be_divided);
+        CHECK(fault.division_helps);
         for (int k = 0; k < 3; ++k) vertices[ring.element(fault.element)[k]] = 1;
     }
-    target.freed = freed_nodes(ring, target, faults);
-    CHECK(target.freed == vertices);
-    CHECK(find_faults(ring, straight_sided(ring), target).none());
+    free_nodes(ring, nodes_to_free(ring, target, faults), target);
+    CHECK(freed_nodes(ring, target) == vertices);
+    CHECK(find_infeasible(ring, straight_sided(ring), target).none());
 }
 
 TEST_CASE("elements between two faces of prescribed boundaries: sliding does not help, unless one of them is free") {
@@ -224,11 +224,11 @@ TEST_CASE("elements between two faces of prescribed boundaries: sliding does not
         CAPTURE(sides);
         BoundaryTarget target = target_of(cube, {{"top", "translate 0 0 -2"}, {"sides", sides}});
         prescribe_shared_nodes(cube, target);
-        const TargetFaults faults = find_faults(cube, straight_sided(cube), target);
+        const Infeasible faults = find_infeasible(cube, straight_sided(cube), target);
         REQUIRE(!faults.elements.empty());
-        for (const ElementFault& fault : faults.elements) {
+        for (const InfeasibleElement& fault : faults.elements) {
             CHECK(fault.sliding_may_help == (sides == "free"));
-            CHECK(fault.can_be_divided);
+            CHECK(fault.division_helps);
         }
     }
 }
@@ -241,7 +241,7 @@ TEST_CASE("a quadrilateral whose corner is nearly straight in the ideal mesh alr
         BoundaryTarget target = target_of(mesh, {});
         for (std::size_t k = 0; k < mesh.faces.size(); ++k)
             for (int a = 0; a < 2 && mesh.faces[k] == corner; ++a) target.node[2 * k + a] -= toward;
-        return find_faults(mesh, mesh.x, target, 0.01).elements;
+        return find_infeasible(mesh, mesh.x, target, 0.01).elements;
     };
     CHECK(faults(0).empty());
     CHECK(faults(0.0001).empty());
