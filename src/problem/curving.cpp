@@ -93,10 +93,7 @@ public:
         at.x = solution_.x;
         for (int i = 0; i < mesh_.nodes(); ++i)
             if (freed_[i]) std::copy_n(point(mesh_.x, i, mesh_.dim), mesh_.dim, point(at.x, i, mesh_.dim));
-        std::vector<double> written = std::move(target.written);
-        target = make_target(at, problem_.motions);
-        target.written = std::move(written);
-        take_along_target(problem_, mesh_.x, at.x);
+        fix_boundary(problem_, at.x);
         if (count(freed_) == 0) return;
         free_nodes(mesh_, freed_, target);
         BoundaryTarget in_file = target;

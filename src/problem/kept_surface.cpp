@@ -119,7 +119,10 @@ void fix_boundary(Problem& problem, const std::vector<double>& x) {
     problem.motions.assign(problem.motions.size(), motion_of(NodeKind::fixed));
     Mesh at = problem.mesh();
     at.x = x;
-    problem.target = make_target(at, problem.motions);
+    BoundaryTarget fixed = make_target(at, problem.motions);
+    fixed.written = std::move(problem.target.written);
+    fixed.written_kind = std::move(problem.target.written_kind);
+    problem.target = std::move(fixed);
     take_along_target(problem, problem.mesh().x, x);
     problem.sliding = nullptr;
 }

@@ -148,7 +148,7 @@ void snap(const Deck& deck, const Problem& problem, Solution& solution) {
     std::vector<char> fixed(level.mesh.nodes(), all);
     const BoundaryTarget& target = problem.target;
     for (std::size_t k = 0; k < level.mesh.faces.size(); ++k)
-        if (target.written_kind[k] == NodeKind::fixed) fixed[level.mesh.faces[k]] = 1;
+        if (std::min(target.kind[k], target.written_kind[k]) == NodeKind::fixed) fixed[level.mesh.faces[k]] = 1;
     snap_to_targets(*level.energy, *level.constraint, solution.x, fixed);
     measure(*level.energy, *level.constraint, solution.x, solution.al.distortion, solution.al.iterations.back());
 }
