@@ -56,64 +56,55 @@ double on_flat_face(const double* vertices, const std::vector<double>& weight, i
     return position / degree;
 }
 
-// Per node: whether two boundaries send it to positions that differ by more than a small part of the faces around it.
-// refuse: throws then.
-std::vector<char> disputed_nodes(const Mesh& mesh, const BoundaryTarget& target, bool refuse) {
+// Where nodes go that two boundaries send to positions which differ by more than a small part of the faces there.
+// Throws where the rule is `refuse`.
+std::map<int, Vec<3>> settled_positions(const Mesh& mesh, const BoundaryTarget& target, const SharedNodes& shared) {
     const int dim = mesh.dim;
     const double rounding = 1e-14 * extent(mesh);
-    std::vector<double> size(mesh.face_count());
-    parallel_for(mesh.face_count(), [&](int f) { size[f] = face_size(mesh, f); });
-    struct First {
+    struct Place {
         int face;
-        std::size_t k;
+        std::size_t k;  // in `faces`
     };
-    std::vector<char> disputed(mesh.nodes(), 0);
-    std::vector<First> first(mesh.nodes(), {-1, 0});  // place in `faces` that first gave the target
+    std::vector<Place> first(mesh.nodes(), {-1, 0});  // that gave the target
+    std::map<int, std::map<std::pair<int, int>, std::size_t>> claims;  // node -> rank, boundary -> place in `faces`
     for_face_nodes(mesh, [&](int f, std::size_t k) {
         if (!is_prescribed(target.kind[k])) return;
-        First& seen = first[mesh.faces[k]];
+        Place& seen = first[mesh.faces[k]];
         if (seen.face < 0) seen = {f, k};
-        const double* a = &target.node[seen.k * dim];
-        const double* b = &target.node[k * dim];
+        const double *const a = &target.node[seen.k * dim], *const b = &target.node[k * dim];
         Vec<3> way{};
         for (int c = 0; c < dim; ++c) way[c] = b[c] - a[c];
-        const double tolerance = 1e-6 * std::min(size[seen.face], size[f]);
-        if (std::max({std::abs(way[0]), std::abs(way[1]), std::abs(way[2])}) <= tolerance + rounding) return;
-        disputed[mesh.faces[k]] = 1;
-        if (!refuse) return;
+        const double most = std::max({std::abs(way[0]), std::abs(way[1]), std::abs(way[2])});
+        if (most <= rounding || most <= 1e-6 * std::min(face_size(mesh, seen.face), face_size(mesh, f)) + rounding)
+            return;
+        claims[mesh.faces[k]];
+        if (shared.rule != SharedNodes::refuse) return;
         throw InputError("node ", mesh.file.node_id[mesh.faces[k]], " lies on two boundaries whose motions disagree: ",
                          mesh.boundaries[mesh.face_boundary[seen.face]], " takes it to ", position_text(a, dim), ", ",
                          mesh.boundaries[mesh.face_boundary[f]], " to ", position_text(b, dim), ", ",
                          to_text(length(way), 4), " apart; if one of them is a wall along which the other moves, let "
                          "it `slide`; else say who has the node, `shared_nodes = first` or `mean`");
     });
-    return disputed;
-}
-
-// Where disputed nodes go.
-std::map<int, Vec<3>> settled_positions(const Mesh& mesh, const BoundaryTarget& target, const SharedNodes& shared,
-                                        const std::vector<char>& disputed) {
-    std::map<int, std::map<std::pair<int, int>, std::size_t>> claims;  // node -> rank, boundary -> place in `faces`
     for_face_nodes(mesh, [&](int f, std::size_t k) {
-        const int node = mesh.faces[k], b = mesh.face_boundary[f];
-        if (disputed[node] && is_prescribed(target.kind[k]))
-            claims[node].try_emplace({shared.rank.empty() ? b : shared.rank[b], b}, k);
+        const auto claim = claims.find(mesh.faces[k]);
+        const int b = mesh.face_boundary[f];
+        if (claim != claims.end() && is_prescribed(target.kind[k]))
+            claim->second.try_emplace({shared.rank.empty() ? b : shared.rank[b], b}, k);
     });
     std::map<int, Vec<3>> positions;
     for (const auto& [node, places] : claims) {
         const std::size_t count = shared.rule == SharedNodes::first ? 1 : places.size();
         auto place = places.begin();
         for (std::size_t i = 0; i < count; ++i, ++place)
-            for (int a = 0; a < mesh.dim; ++a)
-                positions[node][a] += target.node[place->second * mesh.dim + a] / static_cast<double>(count);
+            for (int a = 0; a < dim; ++a)
+                positions[node][a] += target.node[place->second * dim + a] / static_cast<double>(count);
     }
     return positions;
 }
 
 // Takes disputed nodes to one position, and the faces at them along.
 void share_nodes(const Mesh& mesh, const SharedNodes& shared, BoundaryTarget& target) {
-    const auto positions = settled_positions(
-        mesh, target, shared, disputed_nodes(mesh, target, shared.rule == SharedNodes::refuse));
+    const std::map<int, Vec<3>> positions = settled_positions(mesh, target, shared);
     const std::vector<NodeKind> boundary = kinds_of_boundaries(mesh, target.kind);
     const int dim = mesh.dim;
     for (std::size_t g = 0; g < target.rules.size() && !positions.empty(); ++g) {
