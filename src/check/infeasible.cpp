@@ -25,7 +25,8 @@ void find_help(const Mesh& mesh, const BoundaryTarget& target, std::vector<Infea
     std::vector<int> element;
     for (const InfeasibleElement& of : elements) element.push_back(of.element);
     std::vector<char> prescribed;
-    for (const NodeKind kind : kinds_of_boundaries(mesh, target.written_kind)) prescribed.push_back(is_prescribed(kind));
+    for (const NodeKind kind : kinds_of_boundaries(mesh, target.written_kind))
+        prescribed.push_back(is_prescribed(kind));
     const auto inner = inner_simplices(mesh, element), off_prescribed = inner_simplices(mesh, element, prescribed);
     for (std::size_t k = 0; k < elements.size(); ++k) {
         const bool has_edges = off_prescribed[k].size() > 1 && off_prescribed[k][0].size() == 2;
